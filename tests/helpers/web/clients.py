@@ -36,3 +36,14 @@ async def made(client, accepted):
     job = await until(client, accepted.headers["Location"], lambda job: job["state"] in ENDED)
     assert job["state"] == "succeeded", job["message"]
     return job["result_url"]
+
+
+async def measured(client, wanted):
+    """Plan a session, have Ada confirm it, and return its path and number once it has finished."""
+    path = await made(client, await client.post("/api/v1/sessions", json=wanted))
+    await client.post(f"{path}/start")
+    await until(client, path, lambda session: session["state"] == "awaiting_confirmation")
+    await client.post(f"{path}/confirm", json={"person": "Ada"})
+    session = await until(client, path, lambda session: session["state"] in {"finished", "faulted"})
+    assert session["state"] == "finished", session["reason"]
+    return path, session["id"]

@@ -122,3 +122,15 @@ async def _answers(http: httpx.AsyncClient) -> bool:
         return (await http.get("/health")).is_success
     except httpx.TransportError:
         return False
+
+
+@contextlib.asynccontextmanager
+async def standing_service(scenario: str, seed: int, folder: Path) -> AsyncIterator[httpx.AsyncClient]:
+    """Start a simulated cell at full speed and its service in `folder`; yield a client of the service."""
+    async with standing_cell(scenario, seed, 0, folder / "cell.log") as cell_file:
+        (folder / "cell.toml").write_text(cell_file, encoding="utf-8")
+        service = KilledService(folder / "cell.toml", folder / "sessions.sqlite3", folder / "service.log")
+        await service.start()
+        async with httpx.AsyncClient(base_url=service.url, timeout=200.0, trust_env=False) as client:
+            yield client
+        await service.kill()

@@ -2,26 +2,18 @@
 
 import asyncio
 
-import httpx
 import pytest
 
 from tests.integration.web.ballbar_bench import PLACEMENT
 from tests.studies.interruptions.ballbar_person import PersonAtTablet
-from tests.studies.interruptions.killed_service import KilledService, standing_cell
+from tests.studies.interruptions.killed_service import standing_service
 from truepose.exchange.campaigns.zip_file import read_campaign_zip
 
 
 @pytest.fixture
 async def service(tmp_path):
-    async with standing_cell("lrmate-tilted", 2, 0, tmp_path / "cell.log") as cell_file:
-        (tmp_path / "cell.toml").write_text(cell_file, encoding="utf-8")
-        service = KilledService(
-            tmp_path / "cell.toml", tmp_path / "sessions.sqlite3", tmp_path / "service.log"
-        )
-        await service.start()
-        async with httpx.AsyncClient(base_url=service.url, timeout=200.0, trust_env=False) as client:
-            yield client
-        await service.kill()
+    async with standing_service("lrmate-tilted", 2, tmp_path) as client:
+        yield client
 
 
 async def ended(client, path):

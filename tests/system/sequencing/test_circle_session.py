@@ -4,7 +4,7 @@ import hashlib
 
 import pytest
 
-from tests.helpers.web.clients import made, served, until
+from tests.helpers.web.clients import measured, served
 from truepose.reports.rounding import rounded
 from truepose.settings import Settings
 
@@ -25,12 +25,7 @@ async def client(tmp_path):
 
 
 async def test_what_a_session_turned_is_found_as_a_circle_with_both_directions(client):
-    path = await made(client, await client.post("/api/v1/sessions", json=WANTED))
-    await client.post(f"{path}/start")
-    await until(client, path, lambda session: session["state"] == "awaiting_confirmation")
-    await client.post(f"{path}/confirm", json={"person": "Ada"})
-    session = await until(client, path, lambda session: session["state"] in {"finished", "faulted"})
-    assert session["state"] == "finished", session["reason"]
+    path, session_id = await measured(client, WANTED)
     told = await client.get(f"{path}/circles")
     test = told.json()
 
@@ -42,7 +37,7 @@ async def test_what_a_session_turned_is_found_as_a_circle_with_both_directions(c
     assert min(direction.count(1), direction.count(-1)) >= 11
     assert one["backlash_deg"] is not None
 
-    page = (await client.get(f"/sessions/{session['id']}/result")).text
+    page = (await client.get(f"/sessions/{session_id}/result")).text
     u = one["tangential_range_mm"]["standard_uncertainty"]
     assert f'<td class="n">{rounded(one["tangential_range_mm"]["value"], u)}</td>' in page
     assert hashlib.sha256(told.content).hexdigest() in page

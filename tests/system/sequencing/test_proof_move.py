@@ -4,7 +4,7 @@ import hashlib
 
 import pytest
 
-from tests.helpers.web.clients import made, served, until
+from tests.helpers.web.clients import made, measured, served
 from truepose.reports.rounding import millimetres
 from truepose.settings import Settings
 
@@ -15,16 +15,6 @@ CALIBRATION = {
     "registration_readings": 5,
 }
 PROOF = {"name": "proof", "role": "validation", "registration_readings": 5}
-
-
-async def measured(client, wanted):
-    path = await made(client, await client.post("/api/v1/sessions", json=wanted))
-    await client.post(f"{path}/start")
-    await until(client, path, lambda session: session["state"] == "awaiting_confirmation")
-    await client.post(f"{path}/confirm", json={"person": "Ada"})
-    session = await until(client, path, lambda session: session["state"] in {"finished", "faulted"})
-    assert session["state"] == "finished", session["reason"]
-    return path, session["id"]
 
 
 @pytest.fixture

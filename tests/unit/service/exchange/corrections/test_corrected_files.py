@@ -27,7 +27,10 @@ def model(robot=IRB_120):
     return replace(plain, nominal_base=plain.base)
 
 
-def corrected(name, data, asked=Asked()):  # noqa: B008 - frozen
+_AS_IT_IS = Asked()
+
+
+def corrected(name, data, asked=_AS_IT_IS):
     out, seen = io.BytesIO(), []
     answer = correct_file(model(), name, data, asked, out, seen.append)
     return answer, out.getvalue(), seen
