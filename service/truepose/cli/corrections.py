@@ -11,6 +11,7 @@ import typer
 
 from truepose.cli.files import Json, Language, require_folders, writing
 from truepose.cli.output import print_json, print_lines, remark, shown_progress
+from truepose.domain.errors import ConfigurationError
 from truepose.words.catalogue import ENGLISH, catalogue
 
 if TYPE_CHECKING:
@@ -73,6 +74,7 @@ def correct_command(
     from truepose.exchange.models.file import read_model
 
     require_folders(out)
+    _require_another_file(targets, out)
     words, identified = catalogue(language), read_model(model)
     asked = replace(_asked(frame, define or [], branch, angles, beside or []), coupled=coupled)
     answer = _corrected(identified, targets, out, asked)
@@ -103,6 +105,12 @@ def _asked(
         angles=angles,
         beside={other.name: read_bytes(other) for other in beside},
     )
+
+
+def _require_another_file(targets: Path, out: Path) -> None:
+    """Keep the original: a second run would correct what is corrected already."""
+    if out.exists() and targets.exists() and out.samefile(targets):
+        raise ConfigurationError(f"--out {out} is the file of the targets: give another name.")
 
 
 def _corrected(model: "Model", targets: Path, out: Path, asked: "Asked") -> "Answer":

@@ -131,3 +131,13 @@ def test_what_is_said_of_a_program_is_checked(model, tmp_path, monkeypatch, caps
 
     assert main() == 2
     assert sentence in capsys.readouterr().err
+
+
+def test_a_program_is_never_replaced_by_its_correction(model, tmp_path, monkeypatch, capsys):
+    program = tmp_path / "a.mod"
+    program.write_text("MODULE A\nENDMODULE\n")
+    monkeypatch.setattr(sys, "argv", ["truepose", "correct", str(model), str(program), "--out", str(program)])
+
+    assert main() == 2
+    assert "is the file of the targets: give another name" in capsys.readouterr().err
+    assert program.read_text() == "MODULE A\nENDMODULE\n"
