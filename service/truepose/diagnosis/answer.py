@@ -96,10 +96,15 @@ def answered(
     whole = _whole(start, tested, judging)
     folds = _in_folds(tested, judging, whole)
     judged = _judged(start, tested, folds, whole)
+    withheld = judged.described if _foretells_worse(judged) else None
+    if withheld is not None:
+        whole, folds = None, tested.judged
+        judged = _judged(start, tested, folds, whole)
     left = replace(
         _with_shared(start, tested.left),
         worse_unseen=judged.beyond if judged.beyond > _BEYOND else 0.0,
         worse_at=_worse_at(judged),
+        withheld=withheld,
         contradicted=bool(tested.groups) and judged.together.rms_before_mm <= judged.together.rms_after_mm,
     )
     scene = scene_of(start.problem, tested.selected.fit)
@@ -133,6 +138,12 @@ def _judged(start: Start, tested: Tested, folds: Improvement, whole: Whole | Non
     groups = tuple(group for _, group in tested.groups)
     end = whole.fit if whole else tested.selected.fit
     return on_validation(start.campaign, (start.fit, end), tested.selected, groups) or folds
+
+
+def _foretells_worse(judged: Improvement) -> bool:
+    """Whether validation readings are foretold no better with a description than without it."""
+    gain = judged.described
+    return gain is not None and judged.source == "validation" and gain.rms_before_mm <= gain.rms_after_mm
 
 
 def _worse_at(judged: Improvement) -> WorstPoint | None:

@@ -58,8 +58,15 @@ def spoken(cause: Cause) -> Sentence:
 
 
 def remaining_sentence(left: Left, *, full: bool) -> Text:
-    """Return what is left."""
-    return together(_left(left), said("remaining.full") if full else "")
+    """Return what is left, and what the model could not take."""
+    return together(_left(left), _withheld(left), said("remaining.full") if full else "")
+
+
+def _withheld(left: Left) -> Text:
+    if left.withheld is None:
+        return ""
+    gain = left.withheld
+    return said("remaining.withheld", before_mm=gain.rms_before_mm, after_mm=gain.rms_after_mm)
 
 
 def _left(left: Left) -> Sentence:

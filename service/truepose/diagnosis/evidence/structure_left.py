@@ -17,7 +17,7 @@ from truepose.diagnosis.screening.selection import LEVEL, Selected
 from truepose.diagnosis.screening.smooth_families import Family
 from truepose.diagnosis.start import Start
 from truepose.domain.arrays import FloatArray
-from truepose.domain.diagnosis import Cause, WorstPoint
+from truepose.domain.diagnosis import Cause, Gain, WorstPoint
 from truepose.effects.causes import Candidate
 from truepose.effects.joints.joint_harmonics import NAME as HARMONICS
 from truepose.effects.names import joint_of_subject
@@ -60,6 +60,7 @@ class Left:
     worse_at: WorstPoint | None = None  # a held-out point that is far worse than any was before
     steps: AngleSteps | None = None  # of the joint angles, where they are noise beyond what is stated
     contradicted: bool = False  # validation readings are foretold no better than by the start model
+    withheld: Gain | None = None  # of a description that foretells them no better: it is in no model
 
     @property
     def structure(self) -> bool:

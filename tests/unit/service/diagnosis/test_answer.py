@@ -186,6 +186,19 @@ def test_a_cause_left_out_of_the_library_is_not_named_and_something_is_left(name
     assert all(finding.confidence is Confidence.LIKELY for finding in found.findings)
 
 
+def test_a_description_that_unseen_points_contradict_is_in_no_model(campaign, nameless):
+    elsewhere = replace(campaign, validation=with_unseen({}).validation)
+
+    found = diagnose(elsewhere, START, without=("joint_gain", "joint_harmonics"))
+
+    assert nameless.remaining.described
+    assert (found.remaining.described, found.remaining.described_gain) == ((), None)
+    assert found.remaining.structure
+    assert "A description of what is left" in english(found.remaining.sentence)
+    assert "A description of what is left" not in english(nameless.remaining.sentence)
+    assert found.model.effects == START
+
+
 def test_every_cause_is_found_ruled_out_or_not_visible(explained):
     mentioned = {one.effect for one in (*explained.findings, *explained.ruled_out)}
 
