@@ -76,8 +76,9 @@ interruptions: setup
 live-latency: setup
 	$(BIN)/python -m tests.studies.interruptions.live_latency
 
+# A night is found again by its commit.
 nightly: setup
-	$(BIN)/truepose nightly --out out/nightly
+	$(BIN)/truepose nightly --out out/nightly --label "$$(git rev-parse --short HEAD 2>/dev/null)"
 
 clean:
 	rm -rf $(VENV) out build dist

@@ -27,18 +27,26 @@ def demo_command(
 
 
 def nightly_command(
-    out: Annotated[Path, typer.Option(help="Folder for junit.xml and report.html.")] = Path(
-        "truepose-nightly"
-    ),
-    seed: Seed = 0,
+    out: Annotated[
+        Path,
+        typer.Option(help="Folder for reports, and for history.jsonl that each night adds to."),
+    ] = Path("truepose-nightly"),
+    seed: Annotated[
+        int | None, typer.Option(min=0, help="Of what the night draws; without it, of the day.")
+    ] = None,
+    case: Annotated[
+        list[str] | None, typer.Option(help="Run only this case; may be repeated. No night is added.")
+    ] = None,
+    label: Annotated[str, typer.Option(help="By which the night is found again, e.g. a commit.")] = "",
 ) -> int:
-    """Run every scenario end to end against simulated devices and check the figures.
+    """Try everything that needs no person on simulated devices, and compare with the nights before.
 
     Example: truepose nightly --out nightly
     """
-    from truepose.demo.night.nightly import run_nightly
+    from truepose.demo.night.nightly import NightRequest, run_nightly, seed_of_the_day
 
-    return run_nightly(out, seed)
+    drawn = seed_of_the_day() if seed is None else seed
+    return run_nightly(NightRequest(out, drawn, label, tuple(case or ())))
 
 
 def serve_command(

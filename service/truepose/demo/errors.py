@@ -6,7 +6,9 @@ DemoError
 ├── RequestRefusedError     the service answered a request with a problem
 ├── SessionHaltedError      a session paused or ended before everything was measured
 ├── JobFailedError          a job ended without a result
-└── TruthUnknownError       the simulated cell did not tell its truth
+├── TruthUnknownError       the simulated cell did not tell its truth
+├── UnknownCaseError        a night has no case of that name
+└── UnreadableHistoryError  the file of earlier nights is none
 """
 
 from truepose.domain.errors import TrueposeError
@@ -38,3 +40,11 @@ class JobFailedError(DemoError):
 
 class TruthUnknownError(DemoError):
     """The simulated cell did not tell its truth."""
+
+
+class UnknownCaseError(DemoError):
+    """A night has no case of that name."""
+
+
+class UnreadableHistoryError(DemoError):
+    """The file of earlier nights is none."""

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from truepose.reports.diagnosis_report import DiagnosisInput, diagnosis_content, write_diagnosis_report
     from truepose.reports.identification_report import DiagnosisLink, ReportInput, write_identification_report
     from truepose.reports.pages import page_styles, verdict_shape
-    from truepose.reports.table_report import Row, Section, Verdict, write_table_report
+    from truepose.reports.table_report import Row, Section, Trend, Verdict, write_table_report
     from truepose.reports.truth import TrueParameter, Truth
     from truepose.reports.validation.report import ValidationInput, write_validation_report
 
@@ -27,6 +27,7 @@ __all__ = [
     "ReportInput",
     "Row",
     "Section",
+    "Trend",
     "TrueParameter",
     "Truth",
     "ValidationInput",
@@ -51,6 +52,7 @@ _HOMES = {
     "ReportInput": "identification_report",
     "Row": "table_report",
     "Section": "table_report",
+    "Trend": "table_report",
     "TrueParameter": "truth",
     "Truth": "truth",
     "ValidationInput": "validation.report",

@@ -18,6 +18,36 @@ class Verdict(StrEnum):
 
 
 @dataclass(frozen=True, slots=True)
+class Trend:
+    """A figure through earlier runs, the oldest first; None where a run did not measure it."""
+
+    values: tuple[float | None, ...]
+    passed: tuple[bool | None, ...]
+    sentence: str = ""  # what is said of it, if anything
+
+    @property
+    def dots(self) -> tuple[tuple[float, float, bool], ...]:
+        """Return across (0 to 100), down (0 to 20) and whether it was reached, of each run that has a dot."""
+        known = [value for value in self.values if value is not None]
+        low, high = min(known, default=0.0), max(known, default=0.0)
+        each = zip(range(len(self.values)), self.values, self.passed, strict=True)
+        return tuple(
+            (_share(number, 0, len(self.values) - 1) * 100.0, _down(value, low, high), passed)
+            for number, value, passed in each
+            if passed is not None
+        )
+
+
+def _down(value: float | None, low: float, high: float) -> float:
+    return 10.0 if value is None else 20.0 * (1.0 - _share(value, low, high))
+
+
+def _share(value: float, low: float, high: float) -> float:
+    """Return how far a value is between two; the middle where they are one."""
+    return (value - low) / (high - low) if high > low else 0.5
+
+
+@dataclass(frozen=True, slots=True)
 class Row:
     """A figure, its target and what was measured, as they shall be read."""
 
@@ -25,6 +55,7 @@ class Row:
     target: str
     measured: str
     verdict: Verdict
+    trend: Trend | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,6 +65,11 @@ class Section:
     title: str
     rows: tuple[Row, ...]
     note: str = ""
+
+    @property
+    def has_trends(self) -> bool:
+        """Whether a figure was measured before."""
+        return any(row.trend is not None for row in self.rows)
 
 
 def write_table_report(

@@ -63,6 +63,8 @@ _SERVICE = _closed(
         "init": {"type": "boolean"},
         "restart": {"enum": ["no", "always", "on-failure", "unless-stopped"]},
         "stop_grace_period": _DURATION,
+        "profiles": {"type": "array", "items": {"type": "string", "pattern": "^[a-zA-Z0-9][a-zA-Z0-9_.-]+$"}},
+        "network_mode": {"enum": ["none", "host"]},
         "cap_drop": _TEXTS,
         "security_opt": _TEXTS,
     },

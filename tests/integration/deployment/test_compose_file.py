@@ -50,7 +50,7 @@ def test_the_schema_refuses_what_an_engine_would(spoil):
 def test_every_network_and_service_that_is_named_is_declared():
     file = compose_file()
 
-    used = {network for service in _SERVICES.values() for network in service["networks"]}
+    used = {network for service in _SERVICES.values() for network in service.get("networks", [])}
     waited_for = {name for service in _SERVICES.values() for name in service.get("depends_on", {})}
 
     assert used == set(file["networks"])

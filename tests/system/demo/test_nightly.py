@@ -9,15 +9,15 @@ import pytest
 import yaml
 
 from truepose.demo.cell.run import CellRequest
-from truepose.demo.night.cases import (
-    Check,
-    NightCase,
-    night_cases,
+from truepose.demo.night.calibrated_cells import (
+    CalibratedCell,
+    calibrated_cells,
     shipped_case,
     wavy_gear_case,
     wrong_axis_case,
 )
-from truepose.demo.night.nightly import run_nightly
+from truepose.demo.night.check import Check
+from truepose.demo.night.nightly import NightRequest, run_nightly
 from truepose_simulators.scenarios.file import load_scenario, shipped_scenarios
 
 REPOSITORY = Path(__file__).parents[3]
@@ -36,7 +36,7 @@ def suites(out):
 def wrong_axis(tmp_path_factory):
     out = tmp_path_factory.mktemp("night")
     # 31 parameters from 3 x 35 coordinates; the error that is looked for is ten times the largest of theirs.
-    return run_nightly(out, 3, [wrong_axis_case(3, calibration=30, validation=30)]), out
+    return run_nightly(NightRequest(out, 3), [wrong_axis_case(3, calibration=30, validation=30)]), out
 
 
 def test_a_wrong_axis_after_the_calibration_fails_the_validation_and_so_passes_the_night(wrong_axis):
@@ -65,8 +65,8 @@ def test_the_true_positions_follow_the_robot_that_went_wrong(wrong_axis):
 @pytest.fixture(scope="module")
 def wave_after_nonsense(tmp_path_factory):
     out = tmp_path_factory.mktemp("night")
-    broken = NightCase("broken", CellRequest("irb120-nonsense", 4, 25, 10), unreachable)
-    return run_nightly(out, 3, [broken, wavy_gear_case(3, validation=30)]), out
+    broken = CalibratedCell("broken", CellRequest("irb120-nonsense", 4, 25, 10), unreachable)
+    return run_nightly(NightRequest(out, 3), [broken, wavy_gear_case(3, validation=30)]), out
 
 
 def test_a_wave_that_nobody_told_the_program_of_is_named_with_its_size(wave_after_nonsense):
@@ -95,7 +95,7 @@ def test_figures_that_are_missed_fail_the_night_with_what_was_found(tmp_path):
     unplanted = replace(wavy_gear_case(3, 25, 10), scenario_text='extends = "irb120-clean"\n')
     missed = replace(unplanted, checks=lambda judged: [*unplanted.checks(judged), *unreachable(judged)])
 
-    status = run_nightly(tmp_path, 3, [missed])
+    status = run_nightly(NightRequest(tmp_path, 3), [missed])
 
     unnamed, far = suites(tmp_path)["irb120-wavy-gear"].iter("failure")
     assert status == 1
@@ -115,7 +115,7 @@ def test_the_junit_document_has_a_suite_per_cell_and_counts_that_agree(wrong_axi
 
 
 def test_every_shipped_scenario_has_its_night():
-    cases = night_cases(0)
+    cases = calibrated_cells(0)
 
     assert sorted(case.name for case in cases) == sorted([
         # The arm of a cell with a camera is that of irb120-tilted, and no session measures poses yet.
@@ -145,3 +145,24 @@ def test_the_scheduled_workflow_runs_the_night_and_keeps_what_it_leaves():
     assert "schedule" in workflow[True]  # YAML 1.1 reads the key `on` as true
     assert "make nightly" in [step.get("run") for step in steps]
     assert f"nightly --out {kept}" in makefile
+
+
+def test_the_workflow_hands_the_history_from_night_to_night():
+    steps = yaml.safe_load((REPOSITORY / ".github/workflows/nightly.yml").read_text())["jobs"]["nightly"][
+        "steps"
+    ]
+    uses = [step.get("uses", step.get("run")) for step in steps]
+    kept = steps[uses.index("actions/cache@v4")]["with"]
+
+    assert kept["path"] == "out/nightly/history.jsonl"
+    assert uses.index("actions/cache@v4") < uses.index("make nightly")
+    assert kept["key"].startswith(kept["restore-keys"]) and "run_id" in kept["key"]
+
+
+def test_the_night_of_the_compose_file_starts_only_when_asked_and_reaches_nothing():
+    night = yaml.safe_load((REPOSITORY / "docker-compose.yml").read_text())["services"]["night"]
+
+    assert night["profiles"] == ["night"]
+    assert night["network_mode"] == "none"
+    assert night["command"][:2] == ["truepose", "nightly"]
+    assert night["command"][-1].startswith(night["volumes"][0].split(":")[1])

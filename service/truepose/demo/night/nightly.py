@@ -1,19 +1,18 @@
-"""`truepose nightly`: every scenario end to end on simulated devices, and a robot that goes wrong."""
+"""`truepose nightly`: all that can be tried without a person, set beside the nights before."""
 
-import asyncio
 import time
 from collections.abc import Sequence
+from dataclasses import dataclass
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import Final
 
-from truepose.demo.cell.run import run_cell
-from truepose.demo.diagnosis import write_diagnosis
-from truepose.demo.night.cases import Check, NightCase, night_cases
-from truepose.demo.night.results import CaseOutcome, print_night, write_night
+from truepose.demo.errors import UnknownCaseError
+from truepose.demo.night.cases import night_cases
+from truepose.demo.night.check import NightCase
+from truepose.demo.night.history import HISTORY, append_night, read_history
+from truepose.demo.night.results import CaseOutcome, NightRun, print_night, write_night
 from truepose.demo.progress import RunProgress, shown_progress
-from truepose.demo.report import REPORT, write_report
-from truepose.demo.result import RESULT, write_result
-from truepose.demo.truth_comparison import judge
 from truepose.domain.errors import TrueposeError
 
 _FAILED: Final = 1
@@ -21,15 +20,29 @@ _SERVICE_FAILED: Final = 3
 _INTERRUPTED: Final = 130
 
 
-def run_nightly(out: Path, seed: int, cases: Sequence[NightCase] | None = None) -> int:
-    """Run all cases one after the other; leave junit.xml, report.html, result.json and their data in `out`.
+@dataclass(frozen=True, slots=True)
+class NightRequest:
+    """What is run, and where it is left."""
+
+    out: Path  # created where needed
+    seed: int  # of what a night draws
+    label: str = ""  # by which the night is found again, e.g. a commit
+    only: tuple[str, ...] = ()  # names of cases; none: all of them
+
+
+def seed_of_the_day() -> int:
+    """Return the seed of a night that asks for none: every day draws something else."""
+    return datetime.now(UTC).date().toordinal()
+
+
+def run_nightly(request: NightRequest, cases: Sequence[NightCase] | None = None) -> int:
+    """Run all cases one after the other; leave junit.xml, report.html, result.json and their data.
+
+    A whole night is added to `history.jsonl`; single cases are not.
 
     Parameters
     ----------
-    out : Path
-        Created where needed.
-    seed : int
-        Which cell of each kind.
+    request : NightRequest
     cases : sequence of NightCase, optional
         By default those of `night_cases`.
 
@@ -38,42 +51,52 @@ def run_nightly(out: Path, seed: int, cases: Sequence[NightCase] | None = None) 
     int
         Exit status: 0 every figure was reached, 1 one was not, 3 the service or a simulated cell failed,
         130 interrupted.
+
+    Raises
+    ------
+    UnknownCaseError, UnreadableHistoryError
+        The request cannot be met; nothing was run.
+    OSError
+        The folder cannot be written.
     """
-    out.mkdir(parents=True, exist_ok=True)
-    began_s = time.perf_counter()
+    chosen = _chosen(night_cases(request.seed) if cases is None else cases, request.only)
+    request.out.mkdir(parents=True, exist_ok=True)
+    earlier = read_history(request.out / HISTORY)
+    began, began_s = datetime.now(UTC), time.perf_counter()
     outcomes: list[CaseOutcome] = []
     with shown_progress() as progress:
         try:
-            for case in night_cases(seed) if cases is None else cases:
-                outcomes.append(_outcome(case, out / case.name, progress))
+            for case in chosen:
+                outcomes.append(_outcome(case, request.out / case.name, progress))
         except KeyboardInterrupt:
-            progress.say(f"Interrupted while {progress.doing}; nothing is judged. {_kept(out)}")
+            progress.say(f"Interrupted while {progress.doing}; nothing is judged. {_kept(request.out)}")
             return _INTERRUPTED
-    write_night(outcomes, seed, time.perf_counter() - began_s, out)
-    print_night(outcomes, out)
+    night = NightRun(request.seed, request.label, began, time.perf_counter() - began_s, tuple(outcomes))
+    if not request.only:
+        append_night(request.out / HISTORY, night.remembered)
+    write_night(night, earlier, request.out)
+    print_night(night, earlier, request.out)
     return _status(outcomes)
+
+
+def _chosen(cases: Sequence[NightCase], only: Sequence[str]) -> list[NightCase]:
+    known = [case.name for case in cases]
+    for name in only:
+        if name not in known:
+            raise UnknownCaseError(f'A night has no case "{name}"; it has {", ".join(known)}.')
+    return [case for case in cases if not only or case.name in only]
 
 
 def _outcome(case: NightCase, folder: Path, progress: RunProgress) -> CaseOutcome:
     began_s = time.perf_counter()
     progress.chapter(case.name)
+    folder.mkdir(parents=True, exist_ok=True)
     try:
-        checks = _run(case, folder, progress)
+        checks = tuple(case.run(folder, progress))
     except TrueposeError as error:
         progress.say(str(error))
-        return CaseOutcome(case, [], str(error), time.perf_counter() - began_s)
+        return CaseOutcome(case, (), str(error), time.perf_counter() - began_s)
     return CaseOutcome(case, checks, None, time.perf_counter() - began_s)
-
-
-def _run(case: NightCase, folder: Path, progress: RunProgress) -> list[Check]:
-    folder.mkdir(parents=True, exist_ok=True)
-    began_s = time.perf_counter()
-    run = asyncio.run(run_cell(case.request_in(folder), folder, progress))
-    judged = judge(run)
-    write_report(judged, folder / REPORT)
-    write_diagnosis(run, folder)
-    write_result(judged, time.perf_counter() - began_s, folder / RESULT)
-    return case.checks(judged)
 
 
 def _kept(out: Path) -> str:
@@ -83,4 +106,4 @@ def _kept(out: Path) -> str:
 def _status(outcomes: Sequence[CaseOutcome]) -> int:
     if any(outcome.error is not None for outcome in outcomes):
         return _SERVICE_FAILED
-    return 0 if all(check.passed for outcome in outcomes for check in outcome.checks) else _FAILED
+    return 0 if all(outcome.passed for outcome in outcomes) else _FAILED

@@ -1,8 +1,8 @@
 """What a night run leaves: JUnit XML for a build server, HTML for people, JSON for programs, a table."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from datetime import UTC, datetime
+from datetime import datetime
 from pathlib import Path
 from typing import Final
 from xml.etree import ElementTree
@@ -10,14 +10,16 @@ from xml.etree import ElementTree
 from rich.console import Console
 from rich.table import Table
 
-from truepose.demo.night.cases import Check, NightCase
+from truepose.demo.night.check import Check, NightCase
+from truepose.demo.night.history import Course, Measured, Night, course
 from truepose.demo.report import REPORT
 from truepose.demo.result import RESULT
 from truepose.exchange.json_text import Json, render_json
-from truepose.reports import Row, Section, Verdict, write_table_report
+from truepose.reports import Row, Section, Trend, Verdict, write_table_report
 from truepose.version import __version__
 
 JUNIT: Final = "junit.xml"
+_TIME: Final = "time"  # the figure that every case has
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,38 +27,69 @@ class CaseOutcome:
     """What became of a case; `error` says why it could not be run to its end, and then nothing is judged."""
 
     case: NightCase
-    checks: list[Check]
+    checks: tuple[Check, ...]
     error: str | None
     wall_s: float
 
+    @property
+    def passed(self) -> bool:
+        """Whether it was judged and reached every figure."""
+        return self.error is None and all(check.passed for check in self.checks)
 
-def write_night(outcomes: Sequence[CaseOutcome], seed: int, wall_s: float, out: Path) -> None:
+
+@dataclass(frozen=True, slots=True)
+class NightRun:
+    """A night as it went."""
+
+    seed: int
+    label: str
+    began: datetime  # with its zone
+    wall_s: float
+    outcomes: tuple[CaseOutcome, ...]
+
+    @property
+    def remembered(self) -> Night:
+        """What later nights are compared with."""
+        figures = tuple(one for outcome in self.outcomes for one in _remembered(outcome))
+        return Night(began=self.began, version=__version__, label=self.label, seed=self.seed, figures=figures)
+
+    def again(self, outcome: CaseOutcome) -> str:
+        """Return the command that runs one case again."""
+        return f"truepose nightly --seed {self.seed} --case {outcome.case.name} --out night-again"
+
+
+def _remembered(outcome: CaseOutcome) -> Iterator[Measured]:
+    name = outcome.case.name
+    yield Measured(case=name, figure=_TIME, passed=outcome.error is None, value=outcome.wall_s)
+    for one in outcome.checks:
+        yield Measured(case=name, figure=one.figure, passed=one.passed, value=one.value)
+
+
+def write_night(night: NightRun, earlier: Sequence[Night], out: Path) -> None:
     """Write junit.xml, report.html and result.json; raises UnwritableReportError or OSError."""
-    root = junit(outcomes, seed, wall_s)
+    root = junit(night)
     ElementTree.indent(root)
     ElementTree.ElementTree(root).write(out / JUNIT, encoding="utf-8", xml_declaration=True)
-    sections = [_section(outcome) for outcome in outcomes]
-    title = f"Night run of truepose {__version__}, seed {seed}"
-    now = datetime.now(UTC).isoformat(timespec="seconds")
-    write_table_report(out / REPORT, title, sections, simulated=True, written_at=now)
-    document = _document(outcomes, seed, wall_s)
-    (out / RESULT).write_text(render_json(document) + "\n", encoding="utf-8")
+    title = f"Night run of truepose {__version__}, seed {night.seed}"
+    now = night.began.isoformat(timespec="seconds")
+    write_table_report(out / REPORT, title, _sections(night, earlier), simulated=True, written_at=now)
+    (out / RESULT).write_text(render_json(_document(night, earlier)) + "\n", encoding="utf-8")
 
 
-def junit(outcomes: Sequence[CaseOutcome], seed: int, wall_s: float) -> ElementTree.Element:
-    """Return the JUnit document: a suite per cell, a test case per figure.
+def junit(night: NightRun) -> ElementTree.Element:
+    """Return the JUnit document: a suite per case, a test case per figure.
 
     The dialect is that of Jenkins' xunit schema (junit-10.xsd), which build servers agree on.
     """
-    root = ElementTree.Element("testsuites", {"name": "truepose nightly", "time": f"{wall_s:.3f}"})
-    for outcome in outcomes:
-        root.append(_suite(outcome, seed))
+    root = ElementTree.Element("testsuites", {"name": "truepose nightly", "time": f"{night.wall_s:.3f}"})
+    for outcome in night.outcomes:
+        root.append(_suite(outcome, night))
     for key in ("tests", "failures", "errors"):
         root.set(key, str(sum(int(suite.get(key, "0")) for suite in root)))
     return root
 
 
-def _suite(outcome: CaseOutcome, seed: int) -> ElementTree.Element:
+def _suite(outcome: CaseOutcome, night: NightRun) -> ElementTree.Element:
     name = outcome.case.name
     failures = sum(not check.passed for check in outcome.checks)
     errors = int(outcome.error is not None)
@@ -71,7 +104,7 @@ def _suite(outcome: CaseOutcome, seed: int) -> ElementTree.Element:
         },
     )
     properties = ElementTree.SubElement(suite, "properties")
-    for key, value in (("seed", seed), ("version", __version__)):
+    for key, value in (("seed", night.seed), ("version", __version__), ("again", night.again(outcome))):
         ElementTree.SubElement(properties, "property", {"name": key, "value": str(value)})
     for check in outcome.checks:
         case = ElementTree.SubElement(suite, "testcase", {"classname": name, "name": check.figure})
@@ -84,54 +117,102 @@ def _suite(outcome: CaseOutcome, seed: int) -> ElementTree.Element:
     return suite
 
 
-def _section(outcome: CaseOutcome) -> Section:
-    request = outcome.case.request
-    note = (
-        f"{request.calibration} calibration and {request.validation} validation configurations, "
-        f"{outcome.wall_s:.0f} s"
+def _sections(night: NightRun, earlier: Sequence[Night]) -> list[Section]:
+    nights = (*earlier, night.remembered)
+    return [_section(outcome, night, nights) for outcome in night.outcomes]
+
+
+def _section(outcome: CaseOutcome, night: NightRun, nights: Sequence[Night]) -> Section:
+    name = outcome.case.name
+    note = outcome.case.note if outcome.passed else f"{outcome.case.note}. Again: {night.again(outcome)}"
+    rows = tuple(
+        Row(c.figure, c.target, c.measured, c.verdict, _trend(course(nights, name, c.figure)))
+        for c in outcome.checks
     )
     if outcome.error is not None:
-        missing = Row("run", "to its end", outcome.error, Verdict.NOT_MEASURED)
-        return Section(outcome.case.name, (missing,), note)
-    rows = tuple(Row(c.figure, c.target, c.measured, c.verdict) for c in outcome.checks)
-    return Section(outcome.case.name, rows, note)
+        rows = (Row("run", "to its end", outcome.error, Verdict.NOT_MEASURED),)
+    took = _trend(course(nights, name, _TIME))
+    return Section(name, (*rows, Row(_TIME, "", f"{outcome.wall_s:.1f} s", Verdict.NO_TARGET, took)), note)
 
 
-def _document(outcomes: Sequence[CaseOutcome], seed: int, wall_s: float) -> dict[str, Json]:
+def _trend(seen: Course) -> Trend | None:
+    if sum(one is not None for one in seen.measured) < 2:
+        return None
+    values = tuple(None if one is None else one.value for one in seen.measured)
+    passed = tuple(None if one is None else one.passed for one in seen.measured)
+    return Trend(values, passed, _said(seen))
+
+
+def _said(seen: Course) -> str:
+    if seen.first_bad is not None:
+        return f"first bad night: {seen.first_bad.name}"
+    if seen.unusual and seen.usual is not None:
+        return f"unusual: {seen.usual[0]:.4g} is the median of the nights before"
+    return ""
+
+
+def _document(night: NightRun, earlier: Sequence[Night]) -> dict[str, Json]:
+    nights = (*earlier, night.remembered)
     return {
         "version": __version__,
-        "seed": seed,
-        "pass": all(outcome.error is None and _all_passed(outcome) for outcome in outcomes),
-        "cases": [_case(outcome) for outcome in outcomes],
-        "wall_s": round(wall_s, 3),
+        "label": night.label,
+        "seed": night.seed,
+        "began": night.began.isoformat(timespec="seconds"),
+        "pass": all(outcome.passed for outcome in night.outcomes),
+        "cases": [_case(outcome, night, nights) for outcome in night.outcomes],
+        "wall_s": round(night.wall_s, 3),
     }
 
 
-def _case(outcome: CaseOutcome) -> dict[str, Json]:
+def _case(outcome: CaseOutcome, night: NightRun, nights: Sequence[Night]) -> dict[str, Json]:
     return {
         "name": outcome.case.name,
         "error": outcome.error,
         "checks": [
-            {"figure": c.figure, "target": c.target, "measured": c.measured, "pass": c.passed}
-            for c in outcome.checks
+            _check(check, course(nights, outcome.case.name, check.figure)) for check in outcome.checks
         ],
+        "again": night.again(outcome),
         "wall_s": round(outcome.wall_s, 3),
     }
 
 
-def _all_passed(outcome: CaseOutcome) -> bool:
-    return all(check.passed for check in outcome.checks)
+def _check(check: Check, seen: Course) -> dict[str, Json]:
+    return {
+        "figure": check.figure,
+        "target": check.target,
+        "measured": check.measured,
+        "pass": check.passed,
+        "value": check.value,
+        "first_bad_night": None if seen.first_bad is None else seen.first_bad.name,
+        "unusual": seen.unusual,
+    }
 
 
-def print_night(outcomes: Sequence[CaseOutcome], out: Path) -> None:
-    """Print the figures on standard output."""
+def print_night(night: NightRun, earlier: Sequence[Night], out: Path) -> None:
+    """Print the figures on standard output, and what to look at."""
     table = Table(title="Night run on simulated cells")
-    for name in ("cell", "figure", "to be reached", "measured", ""):
+    for name in ("case", "figure", "to be reached", "measured", ""):
         table.add_column(name)
-    for outcome in outcomes:
-        for number, row in enumerate(_section(outcome).rows):
-            name = outcome.case.name if number == 0 else ""
+    sections = _sections(night, earlier)
+    for section in sections:
+        for number, row in enumerate(section.rows):
+            name = section.title if number == 0 else ""
             table.add_row(name, row.figure, row.target, row.measured, row.verdict)
     console = Console(highlight=False)
     console.print(table, markup=False)
+    for line in (*_noticed(sections), *_repeats(night)):
+        console.print(line, soft_wrap=True, markup=False)
     console.print(f"JUnit, report and result are in {out}.", soft_wrap=True, markup=False)
+
+
+def _noticed(sections: Sequence[Section]) -> Iterator[str]:
+    for section in sections:
+        for row in section.rows:
+            if row.trend is not None and row.trend.sentence:
+                yield f"{section.title}, {row.figure}: {row.trend.sentence}."
+
+
+def _repeats(night: NightRun) -> Iterator[str]:
+    for outcome in night.outcomes:
+        if not outcome.passed:
+            yield f"{outcome.case.name} again: {night.again(outcome)}"

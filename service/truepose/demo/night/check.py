@@ -1,0 +1,54 @@
+"""What every case of a night gives: figures against their targets."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Protocol
+
+from truepose.demo.progress import RunProgress
+from truepose.reports import Verdict
+
+
+@dataclass(frozen=True, slots=True)
+class Check:
+    """A figure, its target and what was measured, in words; the value is what nights are compared by."""
+
+    figure: str
+    target: str
+    measured: str
+    passed: bool
+    value: float | None = None  # in the unit of `measured`; None: nothing that grows or shrinks
+
+    @property
+    def verdict(self) -> Verdict:
+        """What the figure says of its target."""
+        return Verdict.PASSED if self.passed else Verdict.FAILED
+
+
+class NightCase(Protocol):
+    """One thing that a night tries."""
+
+    @property
+    def name(self) -> str:
+        """By which it is asked for again, and compared with other nights."""
+        ...
+
+    @property
+    def note(self) -> str:
+        """What is tried, in a sentence's words."""
+        ...
+
+    def run(self, folder: Path, progress: RunProgress) -> Sequence[Check]:
+        """Try it and leave everything in `folder`; raises TrueposeError where it cannot be judged."""
+        ...
+
+
+def at_most(figure: str, value: float, limit: float, unit: str, digits: int = 4) -> Check:
+    """Return the check that a figure is no larger than its limit."""
+    return Check(figure, f"<= {limit:g} {unit}", f"{value:.{digits}f} {unit}", value <= limit, value)
+
+
+def none_of(figure: str, wrong: Sequence[str]) -> Check:
+    """Return the check that nothing was wrong; it says what was first."""
+    said = f"{len(wrong)}: {wrong[0]}" if wrong else "none"
+    return Check(figure, "none", said, not wrong, float(len(wrong)))
