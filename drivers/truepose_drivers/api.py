@@ -219,6 +219,21 @@ class GuardsMotion(Protocol):
         ...
 
 
+@runtime_checkable
+class StatesSettings(Protocol):
+    """An instrument whose driver says what it measures with, for the record of whoever uses its readings."""
+
+    @property
+    def settings(self) -> str:
+        """One sentence, as the instrument confirmed it when it was last initialised; empty before that."""
+        ...
+
+
+def stated_settings(instrument: object) -> str:
+    """Return what an instrument's driver says that it measures with; empty where it says nothing."""
+    return instrument.settings if isinstance(instrument, StatesSettings) else ""
+
+
 def motion_guard(controller: object) -> MotionGuard:
     """Return what a controller's driver says of its motions; of one that says nothing, the worst."""
     return controller.motion_guard if isinstance(controller, GuardsMotion) else MotionGuard()

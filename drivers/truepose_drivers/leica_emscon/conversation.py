@@ -1,9 +1,15 @@
 """The conversation with an emScon server: one request at a time, its answer among whatever else arrives.
 
 A refusal or a failed measurement is an answer; whatever else breaks an exchange off closes the link.
+
+Turning the head takes seconds, starting up minutes, and nothing comes meanwhile. A tracker that is silent for
+a second is asked for its status: it says that it is busy, or the link is lost.
 """
 
-from truepose_drivers.errors import DeviceRefusedError, MeasurementFailedError
+from dataclasses import dataclass
+from typing import Final
+
+from truepose_drivers.errors import DeviceRefusedError, MeasurementFailedError, NoReplyError
 from truepose_drivers.leica_emscon.protocol import (
     Answer,
     Command,
@@ -25,18 +31,30 @@ from truepose_drivers.leica_emscon.sentences import Purpose, command_name, conce
 from truepose_drivers.transports.conversation import Conversation
 from truepose_drivers.transports.link import Link
 
-_STATIONARY_RESULTS = frozenset({PacketType.SINGLE_MEAS_RESULT, PacketType.SINGLE_MEAS_RESULT_2})
 _MOST_ITEMS = 1_000  # of a list; a tracker stores a few dozen reflectors
+_QUIET_S: Final = 0.9  # without a packet, before the tracker is asked, and then before it is given up
+_SIGN_OF_LIFE: Final = Request(Command.GET_TRACKER_STATUS)
+
+
+@dataclass(frozen=True, slots=True)
+class Subject:
+    """What is measured: the packets of its results, and what a status means while it is."""
+
+    results: frozenset[PacketType]
+    purpose: Purpose
 
 
 class TrackerConversation:
     """Requests and answers on one link; unasked packets in between are digested."""
 
-    def __init__(self, link: Link) -> None:
+    def __init__(self, link: Link, subject: Subject) -> None:
+        self._subject = subject
         self._frames: Conversation[Frame] = Conversation(
             link, FrameReader, harmless=(DeviceRefusedError, MeasurementFailedError)
         )
         self._changes: set[int] = set()
+        self._owes_sign = False  # of life, that was asked for
+        self.answers_while_busy = True  # False: it keeps what it is asked until it is done
 
     @property
     def is_open(self) -> bool:
@@ -46,6 +64,8 @@ class TrackerConversation:
     async def open(self) -> None:
         """Open the link afresh; raises ConnectFailedError."""
         self._changes = set()
+        self._owes_sign = False
+        self.answers_while_busy = True
         await self._frames.open()
 
     async def close(self) -> None:
@@ -72,28 +92,29 @@ class TrackerConversation:
                 items.append(await self._answer(command, "set"))
             return items[:total]
 
-    async def measure(self, *, timeout_s: float) -> Result:
-        """Start a stationary measurement and return its result, of either statistic mode.
+    async def measure(self, *, accept_s: float, result_s: float) -> Record:
+        """Start a stationary measurement and return the members of its result.
 
         A result that arrives before the answer was under way before we asked: it is not ours.
         """
-        command = Command.START_MEASUREMENT
+        request, purpose = Request(Command.START_MEASUREMENT), self._subject.purpose
         async with self._frames.turn():
-            await self._send(Request(command), timeout_s)
-            accepted = False
-            while True:
-                match await self._next_packet():
-                    case Answer(answered, status) if answered == command:
-                        if status != ResultStatus.ALL_OK:
-                            raise error_for(command, status, "measure")
-                        accepted = True
-                    case ErrorReport(_, status):  # nothing else is active that it could be about
-                        raise error_for(command, status, "measure")
-                    case Result(kind, _, status) as result if accepted and kind in _STATIONARY_RESULTS:
-                        if status != ResultStatus.ALL_OK:
-                            raise error_for(command, status, "measure")
-                        await self._digest_pending(after_answer=True)
-                        return result
+            await self._send(request, accept_s)
+            await self._answer(request.command, purpose, about_anything=True)
+            self._expect(request.command, result_s)
+            result = await self._result()
+            if result.status != ResultStatus.ALL_OK:
+                raise error_for(request.command, result.status, purpose)
+            await self._digest_pending(after_answer=True)
+            return result.values
+
+    async def _result(self) -> Result:
+        while True:
+            match await self._next_packet():
+                case ErrorReport(_, status):  # nothing else is active that it could be about
+                    raise error_for(Command.START_MEASUREMENT, status, self._subject.purpose)
+                case Result(kind) as result if kind in self._subject.results:
+                    return result
 
     def take_changes(self) -> frozenset[int]:
         """Return what the tracker has announced since this was asked last (SystemStatusChange)."""
@@ -103,11 +124,15 @@ class TrackerConversation:
     async def _send(self, request: Request, timeout_s: float) -> None:
         """Send a request whose answers are awaited from now on."""
         await self._digest_pending()
+        self._expect(request.command, timeout_s)
+        await self._frames.add(encode(request))
+
+    def _expect(self, command: int, timeout_s: float) -> None:
         silence = (
-            f"the tracker at {self._frames.address} did not answer {command_name(request.command)} in time:"
+            f"the tracker at {self._frames.address} did not answer {command_name(command)} in time:"
             " look whether it is still running, then connect again"
         )
-        await self._frames.send(encode(request), timeout_s=timeout_s, silence=silence)
+        self._frames.expect(timeout_s, silence)
 
     async def _digest_pending(self, *, after_answer: bool = False) -> None:
         """Read what arrived unasked, so that it is not taken for news.
@@ -116,23 +141,57 @@ class TrackerConversation:
         """
         async for frame in self._frames.arrived():
             packet = self._take(frame)
-            if after_answer and isinstance(packet, Answer | Result) and _answers(packet):
+            if self._is_sign_of_life(packet):
+                continue
+            if after_answer and self._answers(packet):
                 raise PacketError(
                     f"the tracker at {self._frames.address} answered more than was asked: connect again"
                 )
 
-    async def _answer(self, command: int, purpose: Purpose) -> Record:
+    async def _answer(self, command: int, purpose: Purpose, *, about_anything: bool = False) -> Record:
+        """Return what a command is answered with, where an error may be `about_anything` or names it."""
         while True:
             match await self._next_packet():
                 case Answer(answered, status, values) if answered == command:
                     if status != ResultStatus.ALL_OK:
                         raise error_for(command, status, purpose)
                     return values
-                case ErrorReport(active, status) if active == command:
+                case ErrorReport(active, status) if about_anything or active == command:
                     raise error_for(command, status, purpose)
 
     async def _next_packet(self) -> FromServer:
-        return self._take(await self._frames.next())
+        """Return the next packet that is no sign of life."""
+        while True:
+            frame = await self._frames.next_within(_QUIET_S)
+            if frame is None:
+                await self._ask_for_sign_of_life()
+                continue
+            packet = self._take(frame)
+            if not self._is_sign_of_life(packet):
+                return packet
+
+    async def _ask_for_sign_of_life(self) -> None:
+        if not self.answers_while_busy:
+            return
+        if self._owes_sign:
+            raise NoReplyError(
+                f"the tracker at {self._frames.address} says nothing any more, not even that it is busy:"
+                " check its power and cable, then connect again"
+            )
+        self._owes_sign = True
+        await self._frames.add(encode(_SIGN_OF_LIFE))
+
+    def _answers(self, packet: FromServer) -> bool:
+        return isinstance(packet, Answer) or (
+            isinstance(packet, Result) and packet.packet_type in self._subject.results
+        )
+
+    def _is_sign_of_life(self, packet: FromServer) -> bool:
+        """Whether a packet is the answer owed to our asking in between, of whatever status."""
+        is_owed = self._owes_sign and _is_about(packet, _SIGN_OF_LIFE.command)
+        if is_owed:
+            self._owes_sign = False
+        return is_owed
 
     def _take(self, frame: Frame) -> FromServer:
         packet = decode_from_server(frame)
@@ -143,5 +202,5 @@ class TrackerConversation:
         return packet
 
 
-def _answers(packet: Answer | Result) -> bool:
-    return isinstance(packet, Answer) or packet.packet_type in _STATIONARY_RESULTS
+def _is_about(packet: FromServer, command: int) -> bool:
+    return isinstance(packet, Answer | ErrorReport) and packet.command == command

@@ -1,4 +1,4 @@
-"""What makes a coordinate what it is (units, frame, mode, reflector): read back, and again after each change.
+"""What makes a coordinate what it is (units, frame, mode, what is measured): read back, also after changes.
 
 Another program may change any of it at the tracker, between two measurements or during one. The tracker
 announces changes; whoever asks it to be silent is found out by reading back after every measurement.
@@ -29,7 +29,6 @@ UNITS = Record(
     press_unit_type=PressureUnit.HECTOPASCAL,
     hum_unit_type=HumidityUnit.RELATIVE,
 )
-STATIONARY_MODE = Record(meas_mode=MeasMode.STATIONARY)
 RIGHT_HANDED = Record(coord_sys_type=CoordinateSystemType.RHR)
 # Points come in the tracker's own frame: the world frame is the session's business.
 OWN_FRAME = Record(
@@ -47,14 +46,20 @@ TELLING_CHANGES = frozenset({
     SystemStatusChange.MEASUREMENT_MODE_CHANGED,
     SystemStatusChange.REFLECTOR_CHANGED,
     SystemStatusChange.COMPENSATION_CHANGED,
+    SystemStatusChange.MEASUREMENTCAMERA_CHANGED,
+    SystemStatusChange.PROBE_CHANGED,
+    SystemStatusChange.TIP_CHANGED,
+    SystemStatusChange.TCAM_TO_TRACKER_COMPENSATION_CHANGED,
+    SystemStatusChange.PROBE_COMPENSATION_CHANGED,
+    SystemStatusChange.TIP_TO_PROBE_COMPENSATION_CHANGED,
     SystemStatusChange.SERVER_STARTED,
 })
 """After these a coordinate may mean something else; what the weather changes is the tracker's own doing."""
 
 
 @dataclass(frozen=True, slots=True)
-class _Item:
-    """A setting: how to ask for it, which members must be as we set them, which must stay as found."""
+class Setting:
+    """One of them: how to ask for it, which members must be as we set them, which must stay as found."""
 
     name: str
     getter: Command
@@ -64,15 +69,16 @@ class _Item:
 
 
 _EVERY_TIME = (
-    _Item("units", Command.GET_UNITS, UNITS, required=True),
-    _Item("type of coordinates", Command.GET_COORDINATE_SYSTEM_TYPE, RIGHT_HANDED),
-    _Item("settings", Command.GET_SYSTEM_SETTINGS, OWN_FRAME, ("weather_monitor_status",)),
+    Setting("units", Command.GET_UNITS, UNITS, required=True),
+    Setting("type of coordinates", Command.GET_COORDINATE_SYSTEM_TYPE, RIGHT_HANDED),
+    Setting("settings", Command.GET_SYSTEM_SETTINGS, OWN_FRAME, ("weather_monitor_status",)),
 )
-_AFTER_CHANGES = (
-    _Item("measurement mode", Command.GET_MEASUREMENT_MODE, STATIONARY_MODE),
-    _Item("reflector", Command.GET_REFLECTOR, kept=("internal_reflector_id",)),
-    _Item("compensation", Command.GET_COMPENSATION, kept=("internal_compensation_id",)),
-)
+COMPENSATION = Setting("compensation", Command.GET_COMPENSATION, kept=("internal_compensation_id",))
+
+
+def mode(wanted: MeasMode) -> Setting:
+    """Return the measurement mode as a setting."""
+    return Setting("measurement mode", Command.GET_MEASUREMENT_MODE, Record(meas_mode=wanted))
 
 
 class Settled:
@@ -80,12 +86,17 @@ class Settled:
 
     def __init__(self, ask: Ask) -> None:
         self._ask = ask
+        self._after_changes: tuple[Setting, ...] = ()
         self._found: dict[Command, Record] = {}
 
-    async def settle(self) -> None:
-        """Read everything back; raises DeviceRefusedError where the tracker did not take a setting over."""
+    async def settle(self, after_changes: tuple[Setting, ...]) -> None:
+        """Read everything back, `after_changes` later only after a change that the tracker announces.
+
+        Raises DeviceRefusedError where the tracker did not take a setting over.
+        """
+        self._after_changes = after_changes
         self._found = {}
-        for item in (*_EVERY_TIME, *_AFTER_CHANGES):
+        for item in (*_EVERY_TIME, *after_changes):
             found = await self._read_back(item)
             if found is None:
                 continue
@@ -99,7 +110,7 @@ class Settled:
 
     async def require(self, *, everything: bool) -> None:
         """Read back what may have changed; raises NotInitialisedError where something has."""
-        for item in (*_EVERY_TIME, *_AFTER_CHANGES) if everything else _EVERY_TIME:
+        for item in (*_EVERY_TIME, *self._after_changes) if everything else _EVERY_TIME:
             before = self._found.get(item.getter)
             if before is None:
                 continue
@@ -111,7 +122,7 @@ class Settled:
                     " means something else: close that program, then initialise the tracker"
                 )
 
-    async def _read_back(self, item: _Item) -> Record | None:
+    async def _read_back(self, item: Setting) -> Record | None:
         try:
             return await self._ask(item.getter)
         except CommandUnknownError as error:

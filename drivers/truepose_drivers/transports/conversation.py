@@ -6,6 +6,7 @@ connection, nonsense, a task that was cancelled) closes the connection, so that 
 
 import asyncio
 import contextlib
+import math
 from collections.abc import AsyncIterator, Callable
 from typing import Generic, Protocol, TypeVar
 
@@ -108,11 +109,19 @@ class Listener(Turns, Generic[Message]):
 
     async def next(self) -> Message:
         """Return the next message; raises NoReplyError, also where other bytes come and end none in time."""
+        while (message := await self.next_within(math.inf)) is None:
+            pass
+        return message
+
+    async def next_within(self, quiet_s: float) -> Message | None:
+        """Return the next message, None after `quiet_s` without a byte; raises what `next` raises."""
         while (message := self._reader.next_message()) is None:
             left_s = self._give_up_s - asyncio.get_running_loop().time()
-            data = await self._receive(max(0.0, left_s))
-            if data is None or left_s < 0.0:
+            data = await self._receive(max(0.0, min(left_s, quiet_s)))
+            if left_s < 0.0 or (data is None and left_s <= quiet_s):
                 raise NoReplyError(self._silence)
+            if data is None:
+                return None
             self._reader.receive_data(data)
         return message
 
@@ -166,6 +175,10 @@ class Conversation(Listener[Message]):
         """Send a question and expect what it is answered with."""
         await self._link.send(question)
         self.expect(timeout_s, silence)
+
+    async def add(self, question: bytes) -> None:
+        """Send something besides, while an answer is awaited; the time allowed for that stays."""
+        await self._link.send(question)
 
     async def ask(
         self, question: bytes, decode: Callable[[Message], Answer], *, timeout_s: float, silence: str

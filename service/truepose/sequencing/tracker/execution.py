@@ -1,5 +1,6 @@
 """Performs single operations on the devices; when and whether one is due is the runner's business."""
 
+import math
 from typing import Final, assert_never
 
 import numpy as np
@@ -18,7 +19,15 @@ from truepose.sequencing.tracker.situation import TrackerSituation
 from truepose.sequencing.tracker.tool_nests import ToolNests
 from truepose.sequencing.tracker.tracking import CheckedTracker
 from truepose.sequencing.tracker.world_frame.fixed_nests import FixedNests
-from truepose_drivers.api import DeviceIdentity, JointReading, PointTracker, RobotController, motion_guard
+from truepose_drivers.api import (
+    DeviceIdentity,
+    Environment,
+    JointReading,
+    PointTracker,
+    RobotController,
+    motion_guard,
+    stated_settings,
+)
 
 _REST_S: Final = 1.0  # between two motions that nobody measures
 
@@ -35,6 +44,7 @@ class Execution:
         identities: TrackerIdentityCheck,
     ) -> None:
         tracker = CheckedTracker(cell.tracker, identities)
+        self._tracker = tracker
         self._identities = identities
         self._plan = plan
         self._cell = cell
@@ -85,9 +95,19 @@ class Execution:
         await self._note(_introduce("tracker", await self._meet("tracker", self._cell.tracker)))
         await self._note(_introduce("robot", await self._meet("robot", self._cell.robot_controller)))
         await self._cell.tracker.initialise()
+        await self._note_conditions()
         speed = binding_speed(self._plan, self._cell.speed_limits)
         await self._cell.robot_controller.set_limits(speed)
         await self._note(speed_sentence(speed, motion_guard(self._cell.robot_controller)))
+
+    async def _note_conditions(self) -> None:
+        """Keep what the tracker says that it measures with, and in which air."""
+        settings = stated_settings(self._cell.tracker)
+        if settings:
+            await self._note(settings)
+        air = await self._tracker.environment()
+        if air is not None:
+            await self._note(_air_sentence(air))
 
     async def _move(self, target_rad: tuple[float, ...]) -> None:
         robot = self._cell.robot_controller
@@ -140,3 +160,14 @@ def _introduce(what: str, identity: DeviceIdentity) -> str:
         f"The {what} is {identity.manufacturer} {identity.model}, serial {identity.serial}, "
         f"firmware {identity.firmware}."
     )
+
+
+def _air_sentence(air: Environment) -> str:
+    """Say what a weather station states, as far as it does."""
+    stated = (
+        (air.temperature_c, ".1f", " °C"),
+        (air.pressure_hpa, ".1f", " hPa"),
+        (air.humidity_percent, ".0f", " % humidity"),
+    )
+    told = [f"{value:{digits}}{unit}" for value, digits, unit in stated if math.isfinite(value)]
+    return f"The air at the tracker: {', '.join(told) or 'not stated'}."

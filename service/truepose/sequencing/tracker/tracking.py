@@ -10,7 +10,7 @@ from truepose.domain.session import Registration, Vector
 from truepose.sequencing.engine.identities import told
 from truepose.sequencing.errors import ReadingRejectedError
 from truepose.sequencing.tracker.identity_check import TrackerIdentityCheck
-from truepose_drivers.api import PointTracker, TrackerReading
+from truepose_drivers.api import Environment, PointTracker, TrackerReading
 from truepose_drivers.errors import DeviceRefusedError, MeasurementFailedError, NotInitialisedError
 
 _SMALLEST_UNCERTAINTY_MM: Final = 1e-4  # last digit that trackers give; keeps weights finite
@@ -51,13 +51,17 @@ class CheckedTracker:
 
     async def temperature_c(self) -> float:
         """Return the air temperature, NaN where the tracker has no weather station."""
+        air = await self.environment()
+        return math.nan if air is None else air.temperature_c
+
+    async def environment(self) -> Environment | None:
+        """Return the air as the weather station states it, None where the tracker has none."""
         try:
-            environment = await self._tracker.environment()
+            return await self._tracker.environment()
         except NotInitialisedError:
             raise
         except (DeviceRefusedError, MeasurementFailedError):
-            return math.nan
-        return environment.temperature_c
+            return None
 
 
 def standard_uncertainty_mm(reading: TrackerReading) -> float:

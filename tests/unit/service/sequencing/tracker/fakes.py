@@ -118,6 +118,8 @@ class FakeTracker:
         self.connected = False
         self.initialised = 0
         self.face = 1
+        self.settings = ""  # what it says that it measures with
+        self.air: Environment | DriverError = Environment(23.1, 1013.0, 40.0)
         self.two_face_mm = 0.0
         self.blind = False
         self.faults: dict[int, DriverError] = {}  # number of the measurement, from 0
@@ -187,7 +189,9 @@ class FakeTracker:
         self.face = 3 - self.face
 
     async def environment(self) -> Environment:
-        return Environment(23.1, 1013.0, 40.0)
+        if isinstance(self.air, DriverError):
+            raise self.air
+        return self.air
 
 
 class ListLedger(FiniteDisk):

@@ -16,9 +16,11 @@ from truepose.sequencing.engine.motion.nominal_arm import nest_in_world
 from truepose.sequencing.engine.prompts import CELL_CLEAR
 from truepose.sequencing.errors import NotNowError, PersonMissingError
 from truepose.sequencing.tracker.runner import TrackerRunner
+from truepose_drivers.api import Environment
 from truepose_drivers.errors import (
     BeamBrokenError,
     ConnectionLostError,
+    DeviceRefusedError,
     DriverError,
     DriverFaultError,
     ImplausibleReadingError,
@@ -690,6 +692,34 @@ async def test_devices_introduce_themselves_in_the_record():
 
     assert "The tracker is Leica AT401, serial 390001, firmware 3.8." in cell.journal.notes
     assert any("scale agrees with the certified lengths" in note for note in cell.journal.notes)
+
+
+async def test_what_the_tracker_measures_with_and_in_which_air_is_in_the_record():
+    cell = FakeCell()
+    cell.tracker.settings = "The tracker measures the reflector RRR 0.5in."
+
+    await run_session(cell, make_plan(1))
+
+    assert cell.tracker.settings in cell.journal.notes
+    assert "The air at the tracker: 23.1 °C, 1013.0 hPa, 40 % humidity." in cell.journal.notes
+
+
+@pytest.mark.parametrize(
+    ("air", "told"),
+    [
+        (Environment(23.1, math.nan, math.nan), ["The air at the tracker: 23.1 °C."]),
+        (Environment(math.nan, math.nan, math.nan), ["The air at the tracker: not stated."]),
+        (DeviceRefusedError("no weather station"), []),
+    ],
+)
+async def test_air_that_no_station_measures_is_not_made_up(air, told):
+    cell = FakeCell()
+    cell.tracker.air = air
+
+    await run_session(cell, make_plan(1))
+
+    assert [note for note in cell.journal.notes if note.startswith("The air")] == told
+    assert not any("measures the" in note for note in cell.journal.notes)  # it says nothing of itself
 
 
 async def test_a_cancelled_run_leaves_the_record_as_it_was():

@@ -1,0 +1,312 @@
+"""The conversation with an emScon server: silence, garbage, refusals and lost links."""
+
+import asyncio
+import struct
+
+import pytest
+
+from tests.helpers.instruments.emscon_in_memory import (
+    HANG_UP,
+    SILENT,
+    FakeTracker,
+    FixedClock,
+    Slow,
+    answer,
+    healthy,
+    ready_tracker,
+    single,
+    tracker_on,
+)
+from truepose_drivers.errors import (
+    BusyError,
+    ConnectFailedError,
+    ConnectionLostError,
+    DeviceRefusedError,
+    MeasurementFailedError,
+    NoReplyError,
+    NotInitialisedError,
+    RemoteProtocolError,
+)
+from truepose_drivers.leica_emscon.driver import LaserTracker
+from truepose_drivers.leica_emscon.instrument import TimeOuts
+from truepose_drivers.leica_emscon.protocol import (
+    Answer,
+    Command,
+    ErrorReport,
+    PacketType,
+    Record,
+    Result,
+    ResultStatus,
+    encode,
+)
+from truepose_drivers.leica_emscon.sentences import error_for
+from truepose_drivers.transports.memory import MemoryEnd, MemoryLink
+
+pytestmark = pytest.mark.simulated_time
+
+
+@pytest.mark.parametrize("status", list(ResultStatus)[1:])
+@pytest.mark.parametrize("purpose", ["set", "find", "measure"])
+async def test_every_status_has_a_sentence(status, purpose):
+    sentence = str(error_for(Command.GO_POSITION, status, purpose))
+
+    assert "GO_POSITION" in sentence
+    assert ":" in sentence or "value of" in sentence
+
+
+async def test_a_tracker_in_use_by_another_program_says_so():
+    fake = FakeTracker(hello=(ErrorReport(0, ResultStatus.MULTI_CONNECTIONS_NOT_ALLOWED),))
+    tracker = tracker_on(fake)
+    await tracker.connect()
+
+    with pytest.raises(DeviceRefusedError, match="another program is connected"):
+        await tracker.identify()
+
+
+async def test_silence_is_reported_and_a_late_answer_is_never_mistaken():
+    fake = FakeTracker()
+    tracker = await ready_tracker(fake)
+    fake.script[Command.GET_ENVIRONMENT_PARAMS] = lambda _: []
+
+    with pytest.raises(NoReplyError, match="GET_ENVIRONMENT_PARAMS"):
+        await tracker.environment()
+
+    assert not tracker.connected
+
+
+async def test_a_stream_of_positions_does_not_hide_that_the_answer_is_missing():
+    async def chatter(end: MemoryEnd) -> None:
+        while True:
+            await end.send(encode(Result(PacketType.REFLECTOR_POS_RESULT, Record(val1=0, val2=0, val3=0))))
+            await asyncio.sleep(0.001)
+
+    tracker = LaserTracker(MemoryLink(chatter), FixedClock(), time_outs=SILENT)
+    await tracker.connect()
+
+    async with asyncio.timeout(5.0):
+        with pytest.raises(NoReplyError):
+            await tracker.identify()
+
+
+async def test_an_accepted_measurement_without_a_result_is_silence():
+    fake = FakeTracker()
+    fake.script[Command.START_MEASUREMENT] = lambda _: [answer(Command.START_MEASUREMENT)]
+    tracker = await ready_tracker(fake)
+
+    with pytest.raises(NoReplyError):
+        await tracker.measure_point(duration_s=0.01)
+
+
+async def test_a_connection_closed_in_the_middle_of_a_packet_is_lost():
+    fake = FakeTracker()
+    tracker = await ready_tracker(fake)
+    half = encode(single())[:100]
+    fake.script[Command.START_MEASUREMENT] = lambda _: [half, HANG_UP]
+
+    with pytest.raises(ConnectionLostError, match="middle of a message"):
+        await tracker.measure_point(duration_s=1.0)
+
+    assert not tracker.connected
+
+
+async def test_it_can_be_connected_again_after_a_loss_and_wants_initialising():
+    fake = FakeTracker()
+    tracker = await ready_tracker(fake)
+    fake.script[Command.START_MEASUREMENT] = lambda _: [HANG_UP]
+    with pytest.raises(ConnectionLostError):
+        await tracker.measure_point(duration_s=1.0)
+    with pytest.raises(ConnectionLostError, match="connect first"):
+        await tracker.measure_point(duration_s=1.0)
+    fake.script = healthy()
+
+    await tracker.connect()
+    with pytest.raises(NotInitialisedError):
+        await tracker.measure_point(duration_s=1.0)
+    await tracker.initialise()
+
+    assert (await tracker.measure_point(duration_s=1.0)).point_mm == (1.0, 2.0, 3.0)
+
+
+@pytest.mark.parametrize(
+    "garbage",
+    [b"HTTP/1.1 400 Bad Request\r\n\r\n", struct.pack("<iII", 12, 99, 0), struct.pack("<iIII", 16, 0, 98, 0)],
+)
+async def test_garbage_is_a_protocol_error_and_closes_the_link(garbage):
+    fake = FakeTracker()
+    tracker = await ready_tracker(fake)
+    fake.script[Command.GET_FACE] = lambda _: [garbage]
+
+    with pytest.raises(RemoteProtocolError):
+        await tracker.measure_point(duration_s=1.0)
+
+    assert not tracker.connected
+
+
+async def test_an_abandoned_request_closes_the_link():
+    fake = FakeTracker()
+    tracker = await ready_tracker(fake, time_outs=TimeOuts(command_s=5.0))
+    fake.script[Command.START_MEASUREMENT] = lambda _: []
+    task = asyncio.create_task(tracker.measure_point(duration_s=1.0))
+    while not fake.asked(Command.START_MEASUREMENT):
+        await asyncio.sleep(0)
+
+    task.cancel()
+    with pytest.raises(asyncio.CancelledError):
+        await task
+
+    assert not tracker.connected
+
+
+async def test_two_tasks_take_turns():
+    fake = FakeTracker()
+    fake.script[Command.GET_ENVIRONMENT_PARAMS] = lambda _: [
+        answer(Command.GET_ENVIRONMENT_PARAMS, temperature=21.0, pressure=1013.0, humidity=40.0)
+    ]
+    tracker = await ready_tracker(fake)
+
+    reading, air = await asyncio.gather(tracker.measure_point(duration_s=1.0), tracker.environment())
+
+    assert reading.point_mm == (1.0, 2.0, 3.0)
+    assert (air.temperature_c, air.pressure_hpa, air.humidity_percent) == (21.0, 1013.0, 40.0)
+
+
+async def test_nobody_at_the_address_is_a_failed_connection():
+    tracker = LaserTracker(MemoryLink(None), FixedClock())
+
+    with pytest.raises(ConnectFailedError, match="nobody answers"):
+        await tracker.connect()
+
+
+async def test_closing_twice_or_before_connecting_is_harmless():
+    tracker = tracker_on(FakeTracker())
+
+    await tracker.close()
+    await tracker.connect()
+    await tracker.close()
+    await tracker.close()
+
+    assert not tracker.connected
+
+
+@pytest.mark.parametrize(
+    ("status", "error", "advice"),
+    [
+        (ResultStatus.SERVER_BUSY, BusyError, "wait"),
+        (ResultStatus.SENSOR_NOT_WARMED_UP, BusyError, "warmed up"),
+        (ResultStatus.TRACKER_NOT_INITIALIZED, NotInitialisedError, "initialise it first"),
+        (ResultStatus.WRONG_PARAMETER_1, DeviceRefusedError, "value of START_MEASUREMENT"),
+        (ResultStatus.NOT_IMPLEMENTED, DeviceRefusedError, "does not know"),
+        (ResultStatus.SENSOR_NOT_LEVELED, DeviceRefusedError, "level the stand"),
+        (ResultStatus.MULTI_CONNECTIONS_NOT_ALLOWED, DeviceRefusedError, "another program"),
+        (123_456, MeasurementFailedError, r"123456 \(unknown"),
+    ],
+)
+async def test_a_status_becomes_an_error_with_advice(status, error, advice):
+    fake = FakeTracker()
+    fake.script[Command.START_MEASUREMENT] = lambda request: [Answer(request.command, status)]
+    tracker = await ready_tracker(fake)
+
+    with pytest.raises(error, match=advice):
+        await tracker.measure_point(duration_s=1.0)
+
+
+USES = {
+    Command.INITIALIZE: lambda tracker: tracker.initialise(),
+    Command.SET_SYSTEM_SETTINGS: lambda tracker: tracker.initialise(),
+    Command.GO_POSITION: lambda tracker: tracker.find_reflector((1.0, 0.0, 0.0), search_radius_mm=1.0),
+    Command.FIND_REFLECTOR: lambda tracker: tracker.find_reflector((1.0, 0.0, 0.0), search_radius_mm=1.0),
+    Command.CHANGE_FACE: lambda tracker: tracker.change_face(),
+    Command.START_MEASUREMENT: lambda tracker: tracker.measure_point(duration_s=5.0),
+    Command.GET_ENVIRONMENT_PARAMS: lambda tracker: tracker.environment(),
+    Command.GET_SYSTEM_STATUS: lambda tracker: tracker.identify(),
+}
+
+
+def patient(fake):
+    return ready_tracker(fake, time_outs=TimeOuts())
+
+
+async def seconds_of(use) -> float:
+    loop = asyncio.get_running_loop()
+    begun_s = loop.time()
+    with pytest.raises(NoReplyError):
+        await use
+    return loop.time() - begun_s
+
+
+@pytest.mark.parametrize("command", USES)
+async def test_a_half_open_link_is_lost_within_two_seconds_whatever_was_asked(command):
+    fake = FakeTracker()
+    tracker = await patient(fake)
+    started = {"tracker_processor_status": 3 if command == Command.INITIALIZE else 5}
+    fake.script[Command.GET_SYSTEM_STATUS] = lambda request: [answer(request.command, **started)]
+    fake.dies_at = command
+
+    assert await seconds_of(USES[command](tracker)) <= 2.0
+    assert not tracker.connected
+
+
+async def test_a_link_that_dies_while_the_tracker_measures_is_lost_within_two_seconds():
+    fake = FakeTracker()
+    tracker = await patient(fake)
+    fake.script[Command.START_MEASUREMENT] = lambda request: [answer(request.command)]
+    fake.dies_at = Command.GET_TRACKER_STATUS
+
+    assert await seconds_of(tracker.measure_point(duration_s=30.0)) <= 2.0
+
+
+async def test_a_tracker_that_says_that_it_is_busy_is_waited_for():
+    fake = FakeTracker()
+    tracker = await patient(fake)
+    fake.script[Command.FIND_REFLECTOR] = lambda request: [Slow(20.0, [answer(request.command)])]
+
+    await tracker.find_reflector((1.0, 0.0, 0.0), search_radius_mm=1.0)
+
+    assert len(fake.asked(Command.GET_TRACKER_STATUS)) > 10
+    assert (await tracker.measure_point(duration_s=1.0)).point_mm == (1.0, 2.0, 3.0)
+
+
+async def test_a_tracker_that_queues_what_it_is_asked_is_waited_for_in_silence():
+    fake = FakeTracker()
+    queue = answer(Command.GET_LONG_SYSTEM_PARAMETER, system_param=200, parameter=3)
+    fake.script[Command.GET_LONG_SYSTEM_PARAMETER] = lambda _: [queue]
+    fake.says_busy = False
+    tracker = await patient(fake)
+    fake.script[Command.FIND_REFLECTOR] = lambda request: [Slow(20.0, [answer(request.command)])]
+
+    await tracker.find_reflector((1.0, 0.0, 0.0), search_radius_mm=1.0)
+
+    assert fake.asked(Command.GET_TRACKER_STATUS) == []
+
+
+async def test_a_sign_of_life_that_comes_behind_the_answer_is_no_answer_too_many():
+    fake = FakeTracker()
+    tracker = await patient(fake)
+    late = Answer(Command.GET_TRACKER_STATUS, ResultStatus.SERVER_BUSY)
+    fake.script[Command.FIND_REFLECTOR] = lambda request: [Slow(1.0, [answer(request.command), late])]
+    fake.says_busy = False
+
+    await tracker.find_reflector((1.0, 0.0, 0.0), search_radius_mm=1.0)
+
+    assert len(fake.asked(Command.GET_TRACKER_STATUS)) == 1
+    assert (await tracker.measure_point(duration_s=1.0)).point_mm == (1.0, 2.0, 3.0)
+
+
+async def test_a_status_that_nobody_asked_for_is_an_answer_too_many():
+    fake = FakeTracker()
+    status = answer(Command.GET_TRACKER_STATUS)
+    fake.script[Command.GET_FACE] = lambda request: [
+        encode(answer(request.command, tracker_face=1)) + encode(status)
+    ]
+    tracker = await patient(fake)
+
+    with pytest.raises(RemoteProtocolError, match="more than was asked"):
+        await tracker.measure_point(duration_s=1.0)
+
+
+async def test_a_result_that_a_living_tracker_never_sends_is_waited_for_ten_seconds_longer():
+    fake = FakeTracker()
+    tracker = await patient(fake)
+    fake.script[Command.START_MEASUREMENT] = lambda request: [answer(request.command)]
+
+    assert await seconds_of(tracker.measure_point(duration_s=2.0)) == pytest.approx(12.0, abs=0.1)
