@@ -10,7 +10,9 @@ from typing import Literal, Protocol, TypeAlias, runtime_checkable
 Vector: TypeAlias = tuple[float, float, float]
 Quaternion: TypeAlias = tuple[float, float, float, float]  # w x y z
 Options: TypeAlias = Mapping[str, str | int | float | bool]
-DeviceKind: TypeAlias = Literal["tracker", "robot", "clock", "ballbar", "hands", "pose_tracker"]
+DeviceKind: TypeAlias = Literal[
+    "tracker", "robot", "clock", "ballbar", "hands", "pose_tracker", "linear_gauge"
+]
 
 
 @dataclass(frozen=True, slots=True)
@@ -201,6 +203,26 @@ class Ballbar(Device, Protocol):
         ...
 
 
+class LinearGauge(Device, Protocol):
+    """A length gauge on its own, whose plunger touches something; a box of several is one device."""
+
+    async def read(self) -> BallbarReading:
+        """Return what the gauge shows, of several the first one.
+
+        `deviation_mm` grows as the plunger is pushed in, and is counted from the gauge's own zero.
+        """
+        ...
+
+
+@runtime_checkable
+class ReadsChannels(Protocol):
+    """A box of several gauges, each of them as a LinearGauge."""
+
+    async def read_channels(self) -> tuple[BallbarReading, ...]:
+        """Return what all gauges show, in the order in which the cell file names their channels."""
+        ...
+
+
 class SimulatedHands(Device, Protocol):
     """The person at a simulated cell: what the service's demonstrations and tests have it do."""
 
@@ -239,7 +261,9 @@ def motion_guard(controller: object) -> MotionGuard:
     return controller.motion_guard if isinstance(controller, GuardsMotion) else MotionGuard()
 
 
-AnyDevice: TypeAlias = PointTracker | PoseTracker | RobotController | Clock | Ballbar | SimulatedHands
+AnyDevice: TypeAlias = (
+    PointTracker | PoseTracker | RobotController | Clock | Ballbar | LinearGauge | SimulatedHands
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -247,6 +271,7 @@ class DriverPlugin:
     """A registered driver: its configuration name, what it drives, and how to open it.
 
     `open` takes the options of the cell file (host, port, ...) and the cell's clock; it connects nothing.
+    What it returns must do for its `kind` and for every one in `also`.
     """
 
     name: str
@@ -254,6 +279,7 @@ class DriverPlugin:
     protocol: str
     options: Mapping[str, str]  # option -> one sentence, for the cell file's reader
     open: "OpenDriver"
+    also: tuple[DeviceKind, ...] = ()  # what else the cell file may use the device as
 
 
 class OpenDriver(Protocol):

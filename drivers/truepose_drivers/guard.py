@@ -22,12 +22,14 @@ from truepose_drivers.api import (
     DeviceKind,
     Environment,
     JointReading,
+    LinearGauge,
     MotionGuard,
     MotionLimits,
     Options,
     PointTracker,
     PoseReading,
     PoseTracker,
+    ReadsChannels,
     RobotController,
     SimulatedHands,
     TrackerReading,
@@ -47,6 +49,7 @@ from truepose_drivers.plausibility import (
     require_length,
     require_point,
     require_pose,
+    require_some,
     require_time,
 )
 
@@ -242,6 +245,35 @@ class GuardedBallbar(GuardedDevice):
         return await self._guarded("read", ask)
 
 
+class GuardedGauge(GuardedDevice):
+    """A box of linear gauges whose readings are judged; a gauge alone is a box of one."""
+
+    _device: LinearGauge
+
+    async def read(self) -> BallbarReading:
+        """Return what the first gauge shows; raises ImplausibleReadingError."""
+        return (await self.read_channels())[0]
+
+    async def read_channels(self) -> tuple[BallbarReading, ...]:
+        """Return what all gauges show; raises ImplausibleReadingError."""
+
+        async def ask() -> tuple[BallbarReading, ...]:
+            readings = await _all_channels(self._device)
+            require_some(readings)
+            for reading in readings:
+                require_length(reading)
+                self._stamp(reading.time_s)
+            return readings
+
+        return await self._guarded("read_channels", ask)
+
+
+async def _all_channels(gauge: LinearGauge) -> tuple[BallbarReading, ...]:
+    if isinstance(gauge, ReadsChannels):
+        return await gauge.read_channels()
+    return (await gauge.read(),)
+
+
 class GuardedHands(GuardedDevice):
     """The person at a simulated cell."""
 
@@ -303,6 +335,8 @@ def guarded(name: str, kind: DeviceKind, device: AnyDevice) -> AnyDevice:
             return GuardedRobot(name, cast(RobotController, device))
         case "ballbar":
             return GuardedBallbar(name, cast(Ballbar, device))
+        case "linear_gauge":
+            return GuardedGauge(name, cast(LinearGauge, device))
         case "hands":
             return GuardedHands(name, cast(SimulatedHands, device))
         case "clock":

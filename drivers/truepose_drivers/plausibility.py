@@ -79,7 +79,7 @@ def require_joints(reading: JointReading, joints_before: int | None) -> None:
 
 
 def require_length(reading: BallbarReading) -> None:
-    """Judge a ballbar's reading."""
+    """Judge a reading of a ballbar or a gauge."""
     _require(reading.signal in _SIGNALS, f"the signal {reading.signal!r}")
     if reading.signal != "none":
         _require(
@@ -92,6 +92,11 @@ def require_length(reading: BallbarReading) -> None:
     )
     if reading.temperature_c is not None:
         _require_temperature(reading.temperature_c)
+
+
+def require_some(readings: Sequence[BallbarReading]) -> None:
+    """Judge how many gauges a box has."""
+    _require(len(readings) > 0, "that it has no gauge")
 
 
 def require_environment(air: Environment) -> None:

@@ -27,7 +27,7 @@ class DriverRegistry:
     def names(self, kind: DeviceKind | None = None) -> tuple[str, ...]:
         """Return the names of usable drivers, of one kind or of all, sorted."""
         return tuple(
-            sorted(name for name, plugin in self.plugins.items() if kind is None or plugin.kind == kind)
+            sorted(name for name, plugin in self.plugins.items() if kind is None or kind in _uses(plugin))
         )
 
     def plugin(self, name: str) -> DriverPlugin:
@@ -39,11 +39,20 @@ class DriverRegistry:
         known = ", ".join(self.names()) or "none"
         raise ConfigurationError(f"there is no driver {name!r}; installed drivers: {known}")
 
-    def open(self, name: str, options: Options, clock: Clock | None = None) -> AnyDevice:
+    def kind(self, name: str, use: str = "") -> DeviceKind:
+        """Return as what a driver's device is used; raises ConfigurationError where it cannot be that."""
+        uses = _uses(self.plugin(name))
+        found = next((kind for kind in uses if kind == (use or uses[0])), None)
+        if found is None:
+            raise ConfigurationError(f"driver {name} cannot be used as {use!r}, but as {' or '.join(uses)}")
+        return found
+
+    def open(self, name: str, options: Options, clock: Clock | None = None, *, use: str = "") -> AnyDevice:
         """Build a driver behind its guard; connects nothing.
 
-        Without `clock` it stamps with the computer's monotonic time. Raises ConfigurationError for an
-        unknown driver or option, or a value that does not fit.
+        Without `clock` it stamps with the computer's monotonic time; without `use` its device is used as
+        what the driver says first. Raises ConfigurationError for an unknown driver or option, or a value
+        that does not fit.
         """
         plugin = self.plugin(name)
         unknown = sorted(set(options) - set(plugin.options))
@@ -53,7 +62,7 @@ class DriverRegistry:
                 f"driver {name} has no option {', '.join(unknown)}; its options: {known}"
             )
         try:
-            return guarded(name, plugin.kind, plugin.open(options, clock))
+            return guarded(name, self.kind(name, use), plugin.open(options, clock))
         except ConfigurationError as error:
             raise ConfigurationError(f"driver {name}: {error}") from error
         except DriverError:
@@ -80,14 +89,19 @@ def load_registry(entries: Iterable[EntryPoint] | None = None) -> DriverRegistry
     return DriverRegistry(plugins, broken)
 
 
+def _uses(plugin: DriverPlugin) -> tuple[DeviceKind, ...]:
+    return plugin.kind, *plugin.also
+
+
 def _checked(name: str, candidate: object) -> DriverPlugin:
     if not isinstance(candidate, DriverPlugin):
         raise ConfigurationError(f"its entry point is a {type(candidate).__name__}, not a DriverPlugin")
     if candidate.name != name:
         raise ConfigurationError(f"it calls itself {candidate.name!r} but is registered as {name!r}")
-    if candidate.kind not in get_args(DeviceKind):
-        kinds = ", ".join(get_args(DeviceKind))
-        raise ConfigurationError(f"its kind is {candidate.kind!r}; known kinds: {kinds}")
+    for kind in _uses(candidate):
+        if kind not in get_args(DeviceKind):
+            kinds = ", ".join(get_args(DeviceKind))
+            raise ConfigurationError(f"its kind is {kind!r}; known kinds: {kinds}")
     if not isinstance(candidate.options, Mapping) or not all(
         isinstance(text, str) for item in candidate.options.items() for text in item
     ):

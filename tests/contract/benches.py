@@ -20,7 +20,12 @@ from truepose_drivers.cell_clock.driver import CellClock
 from truepose_drivers.cell_hands.driver import CellHands
 from truepose_drivers.fanuc_mappdk.driver import MappdkRobot
 from truepose_drivers.heidenhain_nd.driver import HeidenhainCounter
+from truepose_drivers.keyence_gt2.driver import KeyenceUnit
 from truepose_drivers.leica_emscon.driver import LaserTracker
+from truepose_drivers.line_gauges.dialogue import LineGauges
+from truepose_drivers.line_gauges.settings import GaugeSettings
+from truepose_drivers.mitutoyo_eh.driver import EhCounter
+from truepose_drivers.mitutoyo_serial.driver import MitutoyoBox
 from truepose_drivers.mitutoyo_usb_itn.driver import UsbItnGauge
 from truepose_drivers.monotonic_clock import MonotonicClock
 from truepose_drivers.ndi_polaris.driver import PolarisTracker
@@ -41,6 +46,9 @@ from truepose_simulators.instruments.camera.accuracy import CameraSetup
 from truepose_simulators.instruments.camera.ndi_polaris import camera_endpoint
 from truepose_simulators.instruments.cell_clock import clock_endpoint
 from truepose_simulators.instruments.endpoint import Endpoint
+from truepose_simulators.instruments.gauges.keyence_gt2 import keyence_gt2_endpoint
+from truepose_simulators.instruments.gauges.mitutoyo_eh import mitutoyo_eh_endpoint
+from truepose_simulators.instruments.gauges.mitutoyo_serial import mitutoyo_serial_endpoint
 from truepose_simulators.instruments.hands_endpoint import hands_endpoint
 from truepose_simulators.instruments.robot.mappdk import MappdkProgram
 from truepose_simulators.instruments.robot.mappdk_server import mappdk_endpoint
@@ -59,7 +67,16 @@ from truepose_simulators.scenarios.file import load_scenario
 
 PYPROJECT = Path(__file__).parents[2] / "pyproject.toml"
 ARTEFACT = PYPROJECT.parent / "tests" / "helpers" / "instruments" / "artefact.rom"
-NEEDED = {"ndi_polaris": {"tool_file": str(ARTEFACT)}}  # options that a driver cannot do without
+NEEDED = {  # options that a driver cannot do without here
+    "ndi_polaris": {"tool_file": str(ARTEFACT)},
+    **{name: {"range_mm": 1.0} for name in ("keyence_gt2", "mitutoyo_eh", "mitutoyo_serial")},
+}
+
+
+def gauges(link: Link, clock: Clock, dialect: object) -> LineGauges:
+    return LineGauges(link, clock, dialect, GaugeSettings(range_mm=1.0), reply_timeout_s=0.5, settle_s=0.0)
+
+
 LINKS: dict[str, Callable[[Callable[[], Link], Clock], object]] = {
     "leica_emscon": lambda new_link, clock: LaserTracker(new_link(), clock),
     "abb_open_abb": lambda new_link, clock: OpenAbbRobot(new_link(), clock),
@@ -67,6 +84,9 @@ LINKS: dict[str, Callable[[Callable[[], Link], Clock], object]] = {
     "ballbar_bridge": lambda new_link, clock: BridgedBallbar(new_link(), clock),
     "cell_clock": lambda new_link, clock: CellClock(new_link),
     "cell_hands": lambda new_link, clock: CellHands(new_link()),
+    "keyence_gt2": lambda new_link, clock: gauges(new_link(), clock, KeyenceUnit()),
+    "mitutoyo_eh": lambda new_link, clock: gauges(new_link(), clock, EhCounter()),
+    "mitutoyo_serial": lambda new_link, clock: gauges(new_link(), clock, MitutoyoBox()),
     "heidenhain_nd": lambda new_link, clock: HeidenhainCounter(new_link(), clock, reply_timeout_s=1.5),
     "ndi_polaris": lambda new_link, clock: PolarisTracker(new_link(), clock, ARTEFACT.read_bytes()),
 }
@@ -148,6 +168,9 @@ class Bench:
             "cell_hands": hands_endpoint(self.hands),
             "heidenhain_nd": nd28x_endpoint(bar),
             "ndi_polaris": camera_endpoint(self.cell, camera),
+            "keyence_gt2": keyence_gt2_endpoint([bar]),
+            "mitutoyo_eh": mitutoyo_eh_endpoint([bar]),
+            "mitutoyo_serial": mitutoyo_serial_endpoint([bar]),
         }
         controller = Controller(self.cell)
         programs = Programs(controller)

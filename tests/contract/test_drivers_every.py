@@ -6,7 +6,14 @@ import socket
 import pytest
 
 from tests.contract.benches import LINKS, NEEDED, ON_SEVERAL_LINKS, USB_PORTS, WITHOUT_A_DEVICE, registry
-from truepose_drivers.api import Ballbar, PointTracker, PoseTracker, RobotController, SimulatedHands
+from truepose_drivers.api import (
+    Ballbar,
+    LinearGauge,
+    PointTracker,
+    PoseTracker,
+    RobotController,
+    SimulatedHands,
+)
 from truepose_drivers.errors import ConnectFailedError, DriverError, LinkError
 
 DEVICES = sorted(name for name in registry().names() if registry().plugin(name).kind != "clock")
@@ -15,6 +22,7 @@ PROTOCOLS = {
     "tracker": PointTracker,
     "robot": RobotController,
     "ballbar": Ballbar,
+    "linear_gauge": LinearGauge,
     "hands": SimulatedHands,
     "pose_tracker": PoseTracker,
 }

@@ -7,7 +7,8 @@ import pytest
 from truepose_drivers.errors import DriverError, NotInitialisedError, RemoteProtocolError
 from truepose_simulators.faults import wire
 
-GAUGES = ["heidenhain_nd", "mitutoyo_usb_itn"]
+LINE_GAUGES = ["keyence_gt2", "mitutoyo_eh", "mitutoyo_serial"]
+GAUGES = ["heidenhain_nd", "mitutoyo_usb_itn", *LINE_GAUGES]
 
 
 async def reading_gauge(bench, name):
@@ -39,8 +40,9 @@ async def test_a_counter_switched_to_inches_goes_on_in_millimetres(bench):
         assert reading.deviation_mm == pytest.approx(deviation_mm, abs=reading.resolution_mm)
 
 
-async def test_a_gauge_switched_to_inches_is_no_reading_until_it_shows_millimetres(bench):
-    gauge = await reading_gauge(bench, "mitutoyo_usb_itn")
+@pytest.mark.parametrize("name", ["mitutoyo_usb_itn", *LINE_GAUGES])
+async def test_a_gauge_switched_to_inches_is_no_reading_until_it_shows_millimetres(bench, name):
+    gauge = await reading_gauge(bench, name)
     now_s = bench.cell.clock.now_s
     bench.cell.add_fault(wire.BallbarInches(from_s=now_s, until_s=now_s + 10.0))
 
@@ -73,8 +75,9 @@ async def test_digits_that_come_twice_are_no_reading(bench, name):
     assert not gauge.connected
 
 
-async def test_a_line_that_stalls_inside_a_number_is_waited_for(bench):
-    counter = await reading_gauge(bench, "heidenhain_nd")
+@pytest.mark.parametrize("name", ["heidenhain_nd", *LINE_GAUGES])
+async def test_a_line_that_stalls_inside_a_number_is_waited_for(bench, name):
+    counter = await reading_gauge(bench, name)
     bench.cell.add_fault(wire.LineStalls())
     bench.bar.deviation_mm = -0.1234
 

@@ -23,6 +23,7 @@ import numpy as np
 from tests.studies.wires.cameras import Camera
 from tests.studies.wires.fanuc import Fanuc
 from tests.studies.wires.gauges import Bar, Bridge, Cable, Counter
+from tests.studies.wires.line_gauges import KeyenceAmplifiers, MitutoyoCounter, MitutoyoLine
 from tests.studies.wires.machines import ClockOfCell, Controller, HandsOfPerson, Tracker
 from tests.studies.wires.spoiling import GENERAL, WITHIN_A_FRAME, WITHIN_FREE_NUMBERS
 from truepose_drivers.errors import DriverError, DriverFaultError
@@ -38,6 +39,9 @@ BENCHES = {
     "ballbar_bridge": Bridge,
     "heidenhain_nd": Counter,
     "mitutoyo_usb_itn": Cable,
+    "keyence_gt2": KeyenceAmplifiers,
+    "mitutoyo_eh": MitutoyoCounter,
+    "mitutoyo_serial": MitutoyoLine,
     "cell_clock": ClockOfCell,
     "cell_hands": HandsOfPerson,
 }

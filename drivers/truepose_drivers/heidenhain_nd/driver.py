@@ -215,4 +215,4 @@ _OPTIONS = {
     "host": "instead of serial: address of a terminal server in raw mode",
     "port": f"TCP port of the terminal server's line, {_TERMINAL_SERVER_PORT} unless changed",
 }
-PLUGIN = DriverPlugin("heidenhain_nd", "ballbar", "nd28x", _OPTIONS, _open)
+PLUGIN = DriverPlugin("heidenhain_nd", "ballbar", "nd28x", _OPTIONS, _open, also=("linear_gauge",))

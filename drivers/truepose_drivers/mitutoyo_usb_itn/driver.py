@@ -1,11 +1,12 @@
 """A Digimatic gauge on a Mitutoyo USB-ITN cable: on this computer, or over USB/IP."""
 
 import math
-from typing import TypeAlias
 
 from truepose_drivers import options as option
 from truepose_drivers.api import BallbarReading, Clock, DeviceIdentity, DriverPlugin, Options
-from truepose_drivers.errors import ConfigurationError, ConnectFailedError, DeviceRefusedError, NoReplyError
+from truepose_drivers.errors import ConnectFailedError, DeviceRefusedError, NoReplyError
+from truepose_drivers.line_gauges.settings import decimals as decimals_option
+from truepose_drivers.line_gauges.value_form import MOST_LESSONS, Value, ValueForm
 from truepose_drivers.mitutoyo_usb_itn.protocol import (
     GET_MODE,
     PRODUCT,
@@ -20,7 +21,6 @@ from truepose_drivers.mitutoyo_usb_itn.protocol import (
     ItnProtocolError,
     Reply,
     ReplyReader,
-    Value,
 )
 from truepose_drivers.monotonic_clock import MonotonicClock
 from truepose_drivers.transports.conversation import Listener
@@ -31,14 +31,8 @@ from truepose_drivers.usb.protocol.control import VENDOR_FROM_DEVICE, VENDOR_TO_
 _REPLY_TIMEOUT_S = 1.0  # a Digimatic gauge takes up to a quarter of a second to send its value
 _ANY_CABLE = f"{VENDOR:04x}:{PRODUCT:04x}"
 _RANGE_MM = 1.0
-_FINEST_DECIMALS = 4  # in millimetres, 0.1 um: with more of them a gauge shows inches
-_MOST_DECIMALS = 6  # that fit the field
 _MOST_TRIES = 2  # of a question that somebody's press of a key disturbed
-_MOST_LESSONS = 3  # values that may follow each other without agreeing
 _PLUG = "unplug the cable and plug it in again"
-
-
-_Form: TypeAlias = tuple[int, int]  # characters behind the sign, digits behind the point
 
 
 class UsbItnGauge:
@@ -58,8 +52,7 @@ class UsbItnGauge:
         self._clock = clock
         self._range_mm = range_mm
         self._reply_timeout_s = reply_timeout_s
-        self._stated_decimals = decimals
-        self._form: _Form | None = None  # of the gauge's values; kept over connections, as the gauge is
+        self._form = ValueForm(decimals, ItnProtocolError)  # kept over connections, as the gauge is
         self._replies: Listener[Reply] = Listener(port, ReplyReader)
 
     @property
@@ -103,51 +96,25 @@ class UsbItnGauge:
             reply = await self._ask_value()
             if isinstance(reply, Value):
                 reply = await self._in_form(reply)
-        time_s = await self._clock.now_s()
+        time_s, resolution_mm = await self._clock.now_s(), self._form.resolution_mm
         if isinstance(reply, Error):
-            return BallbarReading(math.nan, "none", self._resolution_mm, time_s)
+            return BallbarReading(math.nan, "none", resolution_mm, time_s)
         # Half a step more: the end of the range is within it, whatever a double makes of it.
-        inside = abs(reply.shown) <= self._range_mm + 0.5 * self._resolution_mm
-        return BallbarReading(reply.shown, "good" if inside else "out_of_range", self._resolution_mm, time_s)
-
-    @property
-    def _resolution_mm(self) -> float:
-        return 10.0 ** -(_FINEST_DECIMALS if self._form is None else self._form[1])
+        inside = abs(reply.shown) <= self._range_mm + 0.5 * resolution_mm
+        return BallbarReading(reply.shown, "good" if inside else "out_of_range", resolution_mm, time_s)
 
     async def _in_form(self, value: Value) -> Value:
-        """Return a value of the form of all others: inches have other decimals, a bad line another width.
-
-        The form is learnt from values that follow each other and agree. Raises ItnProtocolError.
-        """
-        for _ in range(_MOST_LESSONS):
-            if self._form is not None:
+        """Return a value of the form of all others; raises ItnProtocolError."""
+        for _ in range(MOST_LESSONS):
+            if self._form.known:
                 break
             again = await self._ask_value()
             if not isinstance(again, Value):
                 break
-            if _form(again) == _form(value) and value.decimals in self._acceptable_decimals:
-                self._form = _form(value)
+            self._form.learn(value, again)
             value = again
-        if _form(value) != self._form:
-            raise ItnProtocolError(
-                f"the gauge sends {value.decimals} digits behind the point, {value.width} characters in all,"
-                f" where {self._expected} belong: it shows inches, or characters were lost; set it to"
-                " millimetres, and for another gauge on this cable start the service again"
-            )
+        self._form.require(value)
         return value
-
-    @property
-    def _acceptable_decimals(self) -> tuple[int, ...]:
-        if self._stated_decimals is not None:
-            return (self._stated_decimals,)
-        return tuple(range(_FINEST_DECIMALS + 1))
-
-    @property
-    def _expected(self) -> str:
-        if self._form is not None:
-            width, decimals = self._form
-            return f"{decimals} and {width}"
-        return " or ".join(map(str, self._acceptable_decimals))
 
     async def _ask_value(self) -> Value | Error:
         """Ask for the value; what was sent before the question is passed over, whoever made it be sent.
@@ -180,24 +147,12 @@ class UsbItnGauge:
         await self._port.control_out(VENDOR_TO_DEVICE, SEND_COMMAND, data=command)
 
 
-def _form(value: Value) -> _Form:
-    return value.width, value.decimals
-
-
 def _open(options: Options, clock: Clock | None) -> UsbItnGauge:
     where = usb_address(options, default=_ANY_CABLE)
     range_mm = option.positive(options, "range_mm", _RANGE_MM)
-    decimals = _decimals(options)
-    return UsbItnGauge(UsbDevice(where), clock or MonotonicClock(), range_mm=range_mm, decimals=decimals)
-
-
-def _decimals(options: Options) -> int | None:
-    decimals = options.get("decimals")
-    if decimals is None:
-        return None
-    if isinstance(decimals, bool) or not isinstance(decimals, int) or not 0 <= decimals <= _MOST_DECIMALS:
-        raise ConfigurationError(f"option decimals is {decimals!r}: give a number from 0 to {_MOST_DECIMALS}")
-    return decimals
+    return UsbItnGauge(
+        UsbDevice(where), clock or MonotonicClock(), range_mm=range_mm, decimals=decimals_option(options)
+    )
 
 
 _OPTIONS = {
@@ -207,4 +162,4 @@ _OPTIONS = {
     "range_mm": "either way of zero; what lies beyond is out of range; 1.0 unless given",
     "decimals": "digits behind the point in millimetres; learnt from the first values unless given",
 }
-PLUGIN = DriverPlugin("mitutoyo_usb_itn", "ballbar", "usb_itn", _OPTIONS, _open)
+PLUGIN = DriverPlugin("mitutoyo_usb_itn", "ballbar", "usb_itn", _OPTIONS, _open, also=("linear_gauge",))

@@ -5,11 +5,12 @@ Commands go out in a vendor request; replies come in packets of the interrupt en
 ``01A+0000.1234``, ``1...`` about the cable itself, ``91n`` errors.
 """
 
-import re
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import TypeAlias
 
 from truepose_drivers.errors import RemoteProtocolError
+from truepose_drivers.line_gauges.digimatic import data_line, read_data_line, read_error_line
+from truepose_drivers.line_gauges.value_form import Value
 from truepose_drivers.stream_reader import StreamReader
 
 VENDOR, PRODUCT = 0x0FE7, 0x4001
@@ -22,27 +23,14 @@ SERIAL_MODE = 0xA5A5  # value of SET_MODE: text instead of key strokes
 READ_VALUE = b"1\r"
 READ_DEVICE = b"V\r"
 
-NOT_CONNECTED = 911  # no gauge on the cable, or it is off and says nothing
-NOT_CONVERTIBLE = 912  # the gauge sent something that is no value
 _END = b"\r"
 _LONGEST_REPLY = 64
-# Channel 1 is the only one of a cable; the manual gives the value 8 characters, public clients saw 9.
-_VALUE = re.compile(r"01A([+-])(?=[\d.]{8,9}$)(\d+)\.?(\d*)")
-_ERROR = re.compile(r"(9\d\d)")
-_FIELD_WIDTH = 9
+_CHANNEL = 1  # the only one of a cable
+_FIELD_WIDTH = 9  # the manual gives the value 8 characters, public clients saw 9
 
 
 class ItnProtocolError(RemoteProtocolError):
     """The cable sent something that is no reply."""
-
-
-@dataclass(frozen=True, slots=True)
-class Value:
-    """What the gauge displays, in its own unit; `decimals` digits stand behind the point."""
-
-    shown: float
-    decimals: int
-    width: int = field(default=_FIELD_WIDTH, compare=False)  # characters behind the sign, as they came
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,8 +53,8 @@ Reply: TypeAlias = Value | DeviceInfo | Error
 def encode(reply: Reply) -> bytes:
     """Return the characters of a reply."""
     match reply:
-        case Value(shown, decimals):
-            text = f"01A{'-' if shown < 0.0 else '+'}{abs(shown):0{_FIELD_WIDTH}.{decimals}f}"
+        case Value():
+            text = data_line(_CHANNEL, reply, _FIELD_WIDTH)
         case DeviceInfo(text):
             text = f"1{text}"
         case Error(number):
@@ -77,11 +65,10 @@ def encode(reply: Reply) -> bytes:
 def decode(data: bytes) -> Reply:
     """Read a reply without its end; raises ItnProtocolError."""
     text = data.decode("ascii", "replace")
-    if match := _VALUE.fullmatch(text):
-        sign, whole, decimals = match.groups()
-        return Value(float(f"{sign}{whole}.{decimals}"), len(decimals), len(text) - match.end(1))
-    if match := _ERROR.fullmatch(text):
-        return Error(int(match[1]))
+    if (read := read_data_line(text)) is not None and read[0] == _CHANNEL:
+        return read[1]
+    if (number := read_error_line(text)) is not None:
+        return Error(number)
     if text.startswith("1"):
         return DeviceInfo(text[1:].strip())
     raise ItnProtocolError(f"{text!r} is no reply of a USB-ITN cable")

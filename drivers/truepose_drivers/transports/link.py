@@ -68,13 +68,14 @@ async def open_patiently(
         await asyncio.sleep(every_s)
 
 
-async def drain(source: Source) -> None:
+async def drain(source: Source, *, quiet_s: float = 0.0) -> None:
     """Drop what arrived unasked, so that it is not taken for the answer to the next question.
 
-    Raises RemoteProtocolError where it does not end.
+    What still arrives is dropped as well, until nothing has for `quiet_s` [s, wall time]. Raises
+    RemoteProtocolError where it does not end.
     """
     for _ in range(MOST_PIECES):
-        if await source.receive(0.0) is None:
+        if await source.receive(quiet_s) is None:
             return
     raise unending(source)
 

@@ -185,15 +185,16 @@ def _drivers_of(endpoint: Endpoint, drivers: DriverRegistry) -> list[str]:
 
 
 def _rack(cell: Cell, simulation: Simulation | None, drivers: DriverRegistry) -> Rack:
-    clock_entries = [entry for entry in cell.devices if drivers.plugin(entry.driver).kind == "clock"]
+    kinds = {entry.name: drivers.kind(entry.driver, entry.use) for entry in cell.devices}
+    clock_entries = [entry for entry in cell.devices if kinds[entry.name] == "clock"]
     clock = _clock(simulation, clock_entries, drivers)
     mounted = [
         MountedDevice(
             entry=entry,
-            kind=drivers.plugin(entry.driver).kind,
+            kind=kinds[entry.name],
             protocol=drivers.plugin(entry.driver).protocol,
-            device=drivers.open(entry.driver, entry.options, clock),
-            expected_serial=cell.expected_serial(drivers.plugin(entry.driver).kind, entry),
+            device=drivers.open(entry.driver, entry.options, clock, use=entry.use),
+            expected_serial=cell.expected_serial(kinds[entry.name], entry),
         )
         for entry in cell.devices
         if entry not in clock_entries

@@ -24,8 +24,9 @@ from truepose_drivers.heidenhain_nd.protocol import (
     printed_line,
     value_line,
 )
+from truepose_drivers.line_gauges.value_form import Value
 from truepose_drivers.mitutoyo_usb_itn.driver import UsbItnGauge
-from truepose_drivers.mitutoyo_usb_itn.protocol import DeviceInfo, Value, encode
+from truepose_drivers.mitutoyo_usb_itn.protocol import DeviceInfo, encode
 from truepose_drivers.monotonic_clock import MonotonicClock
 
 _TOLERANCE_MM = 2e-4  # a step of an inch display

@@ -68,6 +68,13 @@ class Instrument:
         self.connected = False
 
 
+class Box(Instrument):
+    """Several gauges that answer at once."""
+
+    async def read_channels(self):
+        return await self._answer()
+
+
 CALLS = {
     "tracker": [
         ("connect", (), {}),
@@ -86,6 +93,7 @@ CALLS = {
     ],
     "robot": [("set_limits", (MotionLimits(),), {}), ("move_joints", ((0.0,),), {}), ("read_joints", (), {})],
     "ballbar": [("read", (), {})],
+    "linear_gauge": [("read_channels", (), {})],
     "hands": [("do", ("detach", {}), {})],
     "clock": [("now_s", (), {}), ("sleep", (1.0,), {})],
 }
@@ -272,6 +280,24 @@ async def test_a_length_that_no_gauge_shows_is_no_reading(changes):
         await device.read()
 
     assert not device.connected
+
+
+@pytest.mark.parametrize(
+    "readings", [(), (LENGTH, replace(LENGTH, deviation_mm=2000.0)), (LENGTH, replace(LENGTH, time_s=9.0))]
+)
+async def test_a_box_of_gauges_that_says_what_none_shows_is_no_reading(readings):
+    device = guarded("acme", "linear_gauge", Box(readings))
+
+    with pytest.raises(ImplausibleReadingError):
+        await device.read_channels()
+
+
+async def test_a_gauge_alone_is_a_box_of_one():
+    alone = guarded("acme", "linear_gauge", Instrument(LENGTH))
+    several = guarded("acme", "linear_gauge", Box((LENGTH, replace(LENGTH, deviation_mm=0.5))))
+
+    assert await alone.read_channels() == (LENGTH,)
+    assert [one.deviation_mm for one in await several.read_channels()] == [0.1234, 0.5]
 
 
 async def test_without_a_signal_a_value_is_not_asked_for():

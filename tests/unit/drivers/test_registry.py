@@ -9,7 +9,7 @@ import pytest
 
 from truepose_drivers.api import DriverPlugin
 from truepose_drivers.errors import ConfigurationError, DriverFaultError
-from truepose_drivers.guard import GuardedTracker
+from truepose_drivers.guard import GuardedBallbar, GuardedGauge, GuardedTracker
 from truepose_drivers.leica_emscon.driver import PLUGIN as TRACKER
 from truepose_drivers.registry import ENTRY_POINT_GROUP, load_registry
 
@@ -164,3 +164,28 @@ def test_a_driver_that_fails_while_it_is_opened_is_named():
 
     with pytest.raises(DriverFaultError, match=r"driver theirs failed in open.*KeyError"):
         registry.open("theirs", {})
+
+
+def test_a_device_that_can_be_two_things_is_used_as_the_cell_file_says():
+    registry = load_registry(SHIPPED)
+    place = {"host": "127.0.0.1", "port": 5000}
+
+    assert registry.kind("heidenhain_nd") == "ballbar"
+    assert registry.kind("heidenhain_nd", "linear_gauge") == "linear_gauge"
+    assert isinstance(registry.open("heidenhain_nd", place), GuardedBallbar)
+    assert isinstance(registry.open("heidenhain_nd", place, use="linear_gauge"), GuardedGauge)
+    assert isinstance(registry.open("keyence_gt2", place), GuardedGauge)
+    assert {"heidenhain_nd", "keyence_gt2"} <= set(registry.names("linear_gauge"))
+
+
+def test_a_device_is_not_used_as_what_it_cannot_be():
+    registry = load_registry(SHIPPED)
+
+    with pytest.raises(ConfigurationError, match=r"heidenhain_nd.*'tracker'.*ballbar or linear_gauge"):
+        registry.open("heidenhain_nd", {"host": "127.0.0.1", "port": 5000}, use="tracker")
+
+
+def test_a_driver_that_may_be_used_as_an_unknown_kind_is_broken():
+    registry = load_registry([named("acme", also=("toaster",))])
+
+    assert "toaster" in registry.broken["acme"]

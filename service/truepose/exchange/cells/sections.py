@@ -29,6 +29,7 @@ _DEVICE: Final = [
     Key("driver", "driver", TEXT),
     Key("serial_number", "serial_number", TEXT, absent=""),
     Key("certificate", "certificate", TEXT, absent=""),
+    Key("use", "use", TEXT, absent=""),
 ]
 _EFFECT: Final = [
     Key("name", "name", TEXT),

@@ -3,6 +3,8 @@
 import asyncio
 import math
 
+from truepose_drivers.line_gauges.digimatic import NOT_CONNECTED, NOT_CONVERTIBLE
+from truepose_drivers.line_gauges.value_form import Value
 from truepose_drivers.mitutoyo_usb_itn import protocol
 from truepose_drivers.usb.protocol import descriptors
 from truepose_drivers.usb.protocol.control import (
@@ -133,9 +135,9 @@ class UsbItnGadget:
             return protocol.Error(_UNKNOWN_COMMAND)
         sample = self._bar.show()
         if sample.too_fast:
-            return protocol.Error(protocol.NOT_CONVERTIBLE)
+            return protocol.Error(NOT_CONVERTIBLE)
         if sample.signal == "none" or math.isnan(sample.deviation_mm):
-            return protocol.Error(protocol.NOT_CONNECTED)
+            return protocol.Error(NOT_CONNECTED)
         if self._bar.has(BallbarInches):
-            return protocol.Value(sample.deviation_mm / _MM_PER_INCH, _DECIMALS_OF_INCHES)
-        return protocol.Value(sample.deviation_mm, _DECIMALS)
+            return Value(sample.deviation_mm / _MM_PER_INCH, _DECIMALS_OF_INCHES)
+        return Value(sample.deviation_mm, _DECIMALS)

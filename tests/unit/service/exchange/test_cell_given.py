@@ -44,6 +44,16 @@ def test_a_cell_file_is_read():
     assert cell_given("docs/examples/networked-cell.toml").devices
 
 
+def test_a_device_that_can_be_two_things_says_which(tmp_path):
+    path = tmp_path / "cell.toml"
+    device = '[[device]]\nname = "probe"\ndriver = "heidenhain_nd"\nuse = "linear_gauge"\nport = 4001\n'
+    path.write_text(f'robot = "abb-irb-120"\n{device}host = "127.0.0.1"\n')
+
+    (entry,) = cell_given(str(path)).devices
+
+    assert (entry.use, dict(entry.options)) == ("linear_gauge", {"host": "127.0.0.1", "port": 4001})
+
+
 def test_a_name_that_nobody_knows_lists_the_robots():
     with pytest.raises(UnknownRobotError, match=r"'robbie'.*abb-irb-120"):
         cell_given("robbie")

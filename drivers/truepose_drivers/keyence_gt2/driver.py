@@ -1,0 +1,95 @@
+"""Keyence GT2 contact sensors behind a DL-EN1 (Ethernet) or DL-RS1A (serial) unit."""
+
+from collections.abc import Sequence
+from typing import Final
+
+from truepose_drivers.api import Clock, DeviceIdentity, DriverPlugin, Options
+from truepose_drivers.errors import DeviceRefusedError
+from truepose_drivers.keyence_gt2.protocol import (
+    BOTH,
+    HIGH,
+    LOW,
+    MOST_AMPLIFIERS,
+    STATES_AND_VALUES,
+    Amplifier,
+    Amplifiers,
+    Refused,
+    Reply,
+    encode_question,
+    reply_reader,
+)
+from truepose_drivers.line_gauges.dialogue import Ask, LineGauges, Shown
+from truepose_drivers.line_gauges.settings import (
+    SERIAL_OPTIONS,
+    SHARED_OPTIONS,
+    gauge_settings,
+    serial_or_tcp,
+)
+from truepose_drivers.line_gauges.text_lines import LineGaugeError
+from truepose_drivers.monotonic_clock import MonotonicClock
+from truepose_drivers.transports.conversation import Reader
+from truepose_drivers.transports.serial import Framing
+
+_PORT: Final = 64_000  # of the DL-EN1, as delivered
+_SETTLE_S: Final = 0.05  # the unit has its values at hand
+_FACTORY: Final = Framing(baud=9600, data_bits=8, parity="N", stop_bits=1)
+
+
+class KeyenceUnit:
+    """The dialect of the units: one question, and all amplifiers answer at once."""
+
+    box = "the Keyence unit"
+
+    def new_reader(self) -> Reader[Reply]:
+        """Return a reader of its lines."""
+        return reply_reader()
+
+    async def identity(self, ask: Ask[Reply], channels: Sequence[int]) -> DeviceIdentity:
+        """Count the amplifiers; none of them tells a serial number."""
+        amplifiers = await _ask_all(ask, channels)
+        return DeviceIdentity("Keyence", f"GT2, {len(amplifiers)} amplifiers", "unknown", "unknown")
+
+    async def shown(self, ask: Ask[Reply], channels: Sequence[int]) -> Sequence[Shown]:
+        """Ask once, and pick the amplifiers that are used."""
+        amplifiers = await _ask_all(ask, channels)
+        return [_shown(amplifiers[channel - 1]) for channel in channels]
+
+
+async def _ask_all(ask: Ask[Reply], channels: Sequence[int]) -> tuple[Amplifier, ...]:
+    reply = await ask(encode_question(STATES_AND_VALUES))
+    match reply:
+        case Amplifiers(command, amplifiers) if command == STATES_AND_VALUES:
+            if len(amplifiers) >= max(channels):
+                return amplifiers
+            raise DeviceRefusedError(
+                f"the unit has {len(amplifiers)} amplifiers, and channel {max(channels)} is asked for:"
+                " check channels in the cell file, and that all amplifiers are plugged together"
+            )
+        case Refused(_, code):
+            raise DeviceRefusedError(f"the unit refuses to tell its values (error {code}): see its manual")
+    raise LineGaugeError(f"the unit answered MS with {reply}: connect again")
+
+
+def _shown(amplifier: Amplifier) -> Shown:
+    return Shown(amplifier.value, sorted_out=amplifier.state in {HIGH, LOW, BOTH})
+
+
+def _open(options: Options, clock: Clock | None) -> LineGauges[Reply]:
+    on_network = {} if "serial" in options else {"port": _PORT}
+    return LineGauges(
+        serial_or_tcp({**on_network, **options}, _FACTORY),
+        clock or MonotonicClock(),
+        KeyenceUnit(),
+        gauge_settings(options, most_channels=MOST_AMPLIFIERS),
+        settle_s=_SETTLE_S,
+    )
+
+
+_OPTIONS = {
+    "host": "address of the DL-EN1 unit",
+    "port": f"TCP port of the unit, {_PORT} unless changed",
+    "serial": "instead of host: name of the serial port of a DL-RS1A unit",
+    "baud": SERIAL_OPTIONS["baud"],
+    **SHARED_OPTIONS,
+}
+PLUGIN = DriverPlugin("keyence_gt2", "linear_gauge", "keyence_gt2", _OPTIONS, _open, also=("ballbar",))

@@ -1,0 +1,159 @@
+"""The conversation with gauges that answer a line; a dialect says what is asked, and what an answer says."""
+
+import math
+from collections.abc import Awaitable, Callable, Sequence
+from dataclasses import dataclass
+from typing import Final, Generic, Protocol, TypeAlias, TypeVar
+
+from truepose_drivers.api import BallbarReading, Clock, DeviceIdentity
+from truepose_drivers.errors import (
+    ConnectFailedError,
+    ConnectionLostError,
+    DeviceRefusedError,
+    NoReplyError,
+)
+from truepose_drivers.line_gauges.settings import GaugeSettings
+from truepose_drivers.line_gauges.text_lines import LineGaugeError
+from truepose_drivers.line_gauges.value_form import MOST_LESSONS, Value, ValueForm
+from truepose_drivers.transports.conversation import Conversation, Reader
+from truepose_drivers.transports.link import Link, drain
+
+_REPLY_TIMEOUT_S: Final = 1.0  # a Digimatic gauge takes up to a quarter of a second to send its value
+_SETTLE_S: Final = 0.3  # a Digimatic gauge needs no longer, and the line no time
+_MOST_TRIES: Final = 3  # of a question that somebody's press of a key disturbed
+
+Message = TypeVar("Message")
+
+
+@dataclass(frozen=True, slots=True)
+class Shown:
+    """What one gauge says."""
+
+    value: Value | None  # None where it has none
+    sorted_out: bool = False  # beyond the limits that were set at the box itself
+
+
+Ask: TypeAlias = Callable[[bytes], Awaitable[Message]]
+
+
+class Dialect(Protocol[Message]):
+    """What a maker's box understands."""
+
+    @property
+    def box(self) -> str:
+        """What stands at the other end, for error texts."""
+        ...
+
+    def new_reader(self) -> Reader[Message]:
+        """Return a reader of its lines."""
+        ...
+
+    async def identity(self, ask: Ask[Message], channels: Sequence[int]) -> DeviceIdentity:
+        """Ask who is there."""
+        ...
+
+    async def shown(self, ask: Ask[Message], channels: Sequence[int]) -> Sequence[Shown]:
+        """Ask what the gauges show, in the order of `channels`."""
+        ...
+
+
+class LineGauges(Generic[Message]):
+    """Gauges behind one box on a link; each channel that the cell file names is one gauge."""
+
+    def __init__(
+        self,
+        link: Link,
+        clock: Clock,
+        dialect: Dialect[Message],
+        settings: GaugeSettings,
+        *,
+        reply_timeout_s: float = _REPLY_TIMEOUT_S,
+        settle_s: float = _SETTLE_S,
+    ) -> None:
+        """Prepare; an answer to a question of before comes within `settle_s` of connecting again."""
+        self._link = link
+        self._clock = clock
+        self._dialect = dialect
+        self._settings = settings
+        self._reply_timeout_s = reply_timeout_s
+        self._settle_s = settle_s
+        # Kept over connections, as the gauges are.
+        self._forms = [ValueForm(settings.decimals, LineGaugeError) for _ in settings.channels]
+        self._has_asked = False  # so that an answer may still come after connecting again
+        self._conversation: Conversation[Message] = Conversation(
+            link, dialect.new_reader, harmless=(DeviceRefusedError,)
+        )
+
+    @property
+    def connected(self) -> bool:
+        """Whether the link is up as far as known."""
+        return self._conversation.is_open
+
+    async def connect(self) -> None:
+        """Open the link, let answers of before pass, and ask who is there; raises ConnectFailedError."""
+        await self._conversation.open()
+        try:
+            async with self._conversation.turn():
+                await drain(self._link, quiet_s=self._settle_s if self._has_asked else 0.0)
+                await self._dialect.identity(self._ask, self._settings.channels)
+        except (NoReplyError, ConnectionLostError) as error:
+            raise ConnectFailedError(str(error)) from error
+
+    async def close(self) -> None:
+        """Close the link; never raises."""
+        await self._conversation.close()
+
+    async def identify(self) -> DeviceIdentity:
+        """Ask the box who it is; the gauges on it do not tell."""
+        async with self._conversation.turn():
+            return await self._dialect.identity(self._ask, self._settings.channels)
+
+    async def read(self) -> BallbarReading:
+        """Return what the first gauge shows now."""
+        return (await self.read_channels())[0]
+
+    async def read_channels(self) -> tuple[BallbarReading, ...]:
+        """Return what all gauges show now, in the order of the cell file's channels."""
+        async with self._conversation.turn():
+            shown = await self._shown_in_form()
+        time_s = await self._clock.now_s()
+        return tuple(self._reading(one, form, time_s) for one, form in zip(shown, self._forms, strict=True))
+
+    def _reading(self, shown: Shown, form: ValueForm, time_s: float) -> BallbarReading:
+        resolution_mm = form.resolution_mm
+        if shown.value is None:
+            return BallbarReading(math.nan, "none", resolution_mm, time_s)
+        value_mm = -shown.value.shown if self._settings.reversed else shown.value.shown
+        # Half a step more: the end of the range is within it, whatever a double makes of it.
+        inside = not shown.sorted_out and abs(value_mm) <= self._settings.range_mm + 0.5 * resolution_mm
+        return BallbarReading(value_mm, "good" if inside else "out_of_range", resolution_mm, time_s)
+
+    async def _shown_in_form(self) -> Sequence[Shown]:
+        shown = await self._all_shown()
+        for _ in range(MOST_LESSONS):
+            if all(form.known or one.value is None for form, one in zip(self._forms, shown, strict=True)):
+                break
+            before, shown = shown, await self._all_shown()
+            for form, first, second in zip(self._forms, before, shown, strict=True):
+                if first.value is not None and second.value is not None:
+                    form.learn(first.value, second.value)
+        for form, one in zip(self._forms, shown, strict=True):
+            if one.value is not None:
+                form.require(one.value)
+        return shown
+
+    async def _all_shown(self) -> Sequence[Shown]:
+        return await self._dialect.shown(self._ask, self._settings.channels)
+
+    async def _ask(self, question: bytes) -> Message:
+        """Ask, and return the answer; where a second line comes with it, nobody knows which it is."""
+        box = f"{self._dialect.box} at {self._link.address}"
+        self._has_asked = True
+        silence = f"{box} says nothing: check cable, power and rate"
+        for _ in range(_MOST_TRIES):
+            await self._conversation.drain()
+            await self._conversation.send(question, timeout_s=self._reply_timeout_s, silence=silence)
+            message = await self._conversation.next()
+            if await self._conversation.is_quiet():
+                return message
+        raise LineGaugeError(f"{box} sends more than it is asked for: leave the keys of gauge and box alone")

@@ -1,0 +1,1 @@
+"""Gauges behind Mitutoyo's EH and EV counters, and ID-H indicators."""

@@ -1,0 +1,1 @@
+"""Digimatic gauges on a Mitutoyo multiplexer or serial input tool."""

@@ -1,0 +1,1 @@
+"""Boxes of length gauges: the same gauges, whatever protocol speaks for them."""
