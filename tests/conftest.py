@@ -10,7 +10,7 @@ from hypothesis import HealthCheck, settings
 
 from tests.helpers.machine import MEASURED_DATA, what_was_untested
 from tests.helpers.order import spread, turned
-from tests.helpers.simulated_time import SimulatedTimeLoop
+from truepose_drivers.contract.simulated_time import SimulatedTimeLoop
 
 _TESTS = Path(__file__).parent
 _OBJECTS_BETWEEN_SEARCHES = 50_000
@@ -39,9 +39,10 @@ def _share_before(config):
 def pytest_collection_modifyitems(items):
     """Let files that wait run beside files that compute, in the same order in every process."""
     items.sort(key=lambda item: item.path)
-    files = {item.path: item.path.relative_to(_TESTS).as_posix() for item in items}
+    ours = {item.path for item in items if item.path.is_relative_to(_TESTS)}  # not the suite of drivers
+    files = {path: path.relative_to(_TESTS).as_posix() for path in sorted(ours)}
     ranks = spread(list(files.values()))
-    items.sort(key=lambda item: ranks[files[item.path]])
+    items.sort(key=lambda item: ranks.get(files.get(item.path, ""), 0))
 
 
 def pytest_asyncio_loop_factories(config, item):

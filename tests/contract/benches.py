@@ -94,7 +94,6 @@ USB_PORTS: dict[str, Callable[[UsbPort, Clock], object]] = {
     "ballbar_hid": lambda port, clock: HidBallbar(HidOverUsb(port), clock),
     "mitutoyo_usb_itn": lambda port, clock: UsbItnGauge(port, clock),
 }
-ON_SEVERAL_LINKS = frozenset({"universal_robots"})
 WITHOUT_A_DEVICE = frozenset({"monotonic_clock"})
 
 

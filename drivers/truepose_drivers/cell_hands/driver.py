@@ -5,7 +5,7 @@ from truepose_drivers.cell_hands.protocol import Answer, Do, Request, Who, decod
 from truepose_drivers.errors import DeviceRefusedError
 from truepose_drivers.json_lines import LineReader, Refusal
 from truepose_drivers.transports.conversation import Conversation
-from truepose_drivers.transports.link import Link
+from truepose_drivers.transports.link import Link, introduction
 from truepose_drivers.transports.tcp import tcp_link
 
 _ANSWER_TIMEOUT_S = 30.0  # wall time; at real pace the hands take as long as a person's
@@ -24,8 +24,10 @@ class CellHands:
         return self._conversation.is_open
 
     async def connect(self) -> None:
-        """Open the link; raises ConnectFailedError."""
+        """Open the link and ask who is there; raises ConnectFailedError."""
         await self._conversation.open()
+        async with introduction(self._conversation):
+            await self._ask(Who())
 
     async def close(self) -> None:
         """Close the link; never raises."""

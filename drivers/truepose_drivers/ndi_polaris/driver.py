@@ -47,7 +47,7 @@ from truepose_drivers.ndi_polaris.protocol import (
 )
 from truepose_drivers.ndi_polaris.refusals import CommandUnknownError, refusal, started_again
 from truepose_drivers.transports.conversation import Conversation
-from truepose_drivers.transports.link import Link
+from truepose_drivers.transports.link import Link, introduction
 from truepose_drivers.transports.tcp import tcp_link
 
 _MANUFACTURER = "Northern Digital"
@@ -61,6 +61,7 @@ _POLL_S: Final = 0.002  # between two looks at the same frame
 _SEEN_SHARE: Final = 0.9  # of the frames; below it what is left says little of where the artefact was
 _FRAMES = "0801"  # poses, those outside the measuring volume too, which their status then tells
 _ALL_HANDLES = Request("PHSR", "00")
+_VERSION = Request("VER", "0")  # which every model knows
 _HARDWARE = Request("GETINFO", "Features.Hardware.*")
 
 _Lost = Literal["missing", "outside", "partly"]
@@ -92,9 +93,11 @@ class PolarisTracker:
         return self._conversation.is_open
 
     async def connect(self) -> None:
-        """Open the link; raises ConnectFailedError. The camera must be initialised afterwards."""
+        """Open the link and ask who is there; raises ConnectFailedError. To be initialised afterwards."""
         self._handle = None
         await self._conversation.open()
+        async with introduction(self._conversation):
+            await self._text(_VERSION)
 
     async def close(self) -> None:
         """Close the link; never raises."""
@@ -102,7 +105,7 @@ class PolarisTracker:
 
     async def identify(self) -> DeviceIdentity:
         """Ask for model, serial number and firmware; older models know VER alone."""
-        who = identified(facts(await self._text(Request("VER", "0"))), await self._hardware())
+        who = identified(facts(await self._text(_VERSION)), await self._hardware())
         firmware = " ".join(filter(None, (who.firmware, await self._interface())))
         return DeviceIdentity(
             _MANUFACTURER, who.model or "unknown", who.serial or "unknown", firmware or "unknown"

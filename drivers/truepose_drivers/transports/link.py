@@ -1,10 +1,11 @@
 """What a driver needs of a connection: bytes with time-outs in wall time, and the two ways it ends."""
 
 import asyncio
-from collections.abc import Awaitable, Callable
+import contextlib
+from collections.abc import AsyncIterator, Awaitable, Callable
 from typing import Final, Protocol
 
-from truepose_drivers.errors import ConnectFailedError, LinkError, RemoteProtocolError
+from truepose_drivers.errors import ConnectFailedError, DriverError, LinkError, RemoteProtocolError
 
 MOST_PIECES: Final = 10_000  # waiting on a stream: whoever sends more never stops
 
@@ -66,6 +67,22 @@ async def open_patiently(
             if loop.time() >= give_up_s:
                 raise ConnectFailedError(f"{error}; {advice}") from error
         await asyncio.sleep(every_s)
+
+
+@contextlib.asynccontextmanager
+async def introduction(port: Port) -> AsyncIterator[None]:
+    """Let whoever answers say who it is; what goes wrong meanwhile closes the port.
+
+    An open port behind which nobody speaks is no connection: raises ConnectFailedError for its silence.
+    """
+    try:
+        yield
+    except LinkError as error:
+        await port.close()
+        raise ConnectFailedError(str(error)) from error
+    except DriverError:
+        await port.close()
+        raise
 
 
 async def drain(source: Source, *, quiet_s: float = 0.0) -> None:

@@ -95,10 +95,7 @@ def _read(model: Path, points: Path, words: Catalogue) -> "tuple[Model, Readings
 
     identified = read_model(model)
     measured = read_validation_file(
-        points,
-        identified.robot.n_joints,
-        [nest.nest for nest in identified.nests],
-        identified.targets,
+        points, identified.robot.n_joints, [nest.nest for nest in identified.nests]
     )
     remark(map(words.spoken, measured.ignored))
     return identified, measured.readings

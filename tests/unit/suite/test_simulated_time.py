@@ -5,7 +5,7 @@ import time
 
 import pytest
 
-from tests.helpers.simulated_time import SimulatedTimeLoop
+from truepose_drivers.contract.simulated_time import SimulatedTimeLoop
 
 
 def run(coroutine):

@@ -12,6 +12,8 @@ pytestmark = pytest.mark.simulated_time
 
 async def test_an_answer_too_many_is_not_the_answer_to_the_next_deed():
     async def serve(end: MemoryEnd) -> None:
+        await end.receive()
+        end.write(encode(Done("a person")))
         while await end.receive():
             end.write(encode(Done()))
             end.write(encode(Done()))

@@ -145,7 +145,7 @@ async def test_the_definition_is_loaded_into_a_free_handle_after_what_others_lef
     camera = FakeCamera(says={"TSTOP": error_text(0x0C)})  # it was not tracking
     driver = await camera.ready()
 
-    names = [request.name for request in camera.asked]
+    names = [request.name for request in camera.asked if request.name != "VER"]
     written = "".join(request.arguments[6:] for request in camera.asked if request.name == "PVWR")
     assert names[:5] == ["TSTOP", "INIT", "PHSR", "PHF", "PHRQ"]
     assert names[5:-1] == ["PVWR"] * 16 + ["PINIT", "PENA", "TSTART"]

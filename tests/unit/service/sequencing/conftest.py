@@ -1,6 +1,6 @@
 """Sessions in simulated time: their devices, clocks and records live in memory."""
 
-from tests.helpers.simulated_time import SimulatedTimeLoop
+from truepose_drivers.contract.simulated_time import SimulatedTimeLoop
 
 
 def pytest_asyncio_loop_factories(config, item):

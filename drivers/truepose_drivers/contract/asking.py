@@ -1,0 +1,67 @@
+"""Options of `pytest --pyargs truepose_drivers.contract`, its cases, and the table at the end."""
+
+import pytest
+
+from truepose_drivers.contract.benches import find_benches
+from truepose_drivers.contract.case import NewBench
+from truepose_drivers.contract.cases import CASES
+from truepose_drivers.contract.hostile import QUICK_INPUTS
+from truepose_drivers.contract.link_faults import FAULTS_EACH
+from truepose_drivers.contract.table import Row, table
+from truepose_drivers.errors import ConfigurationError
+
+_BENCHES = pytest.StashKey[dict[str, NewBench]]()
+_MARKS = {"passed": "yes", "failed": "NO", "error": "NO", "skipped": "-"}
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """Say which drivers are asked, and for how long."""
+    group = parser.getgroup("truepose", "the contract of truepose's drivers")
+    group.addoption("--driver", action="append", help="ask this driver, may be repeated; all unless given")
+    group.addoption(
+        "--bench",
+        action="append",
+        default=[],
+        help="MODULE:NAME of a bench, or of a list of them, besides those of installed packages",
+    )
+    group.addoption(
+        "--fuzz-inputs",
+        type=int,
+        default=QUICK_INPUTS,
+        help="hostile inputs to each driver; a night has 2000000",
+    )
+    group.addoption("--link-faults", type=int, default=FAULTS_EACH, help="faults of each driver's link")
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Find the benches."""
+    try:
+        config.stash[_BENCHES] = find_benches(config.getoption("bench"), config.getoption("driver"))
+    except ConfigurationError as error:
+        raise pytest.UsageError(str(error)) from error
+
+
+def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
+    """Ask every case of every driver."""
+    benches = metafunc.config.stash[_BENCHES]
+    metafunc.parametrize("new_bench", list(benches.values()), ids=list(benches))
+    if "case" in metafunc.fixturenames:
+        metafunc.parametrize("case", CASES, ids=[case.name for case in CASES])
+
+
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
+    """Say which driver keeps which case, and why a case is not asked."""
+    rows = [
+        Row(**named, kept=mark, reason=_reason(report))
+        for outcome, mark in _MARKS.items()
+        for report in terminalreporter.stats.get(outcome, [])
+        if {"driver", "case"} == (named := dict(report.user_properties)).keys()
+    ]
+    for line in table(rows):
+        terminalreporter.write_line(line)
+
+
+def _reason(report: pytest.TestReport) -> str:
+    if not report.skipped or not isinstance(report.longrepr, tuple):
+        return ""
+    return str(report.longrepr[2]).removeprefix("Skipped: ")

@@ -1,0 +1,46 @@
+"""Every case of the contract, asked of every driver that has a bench."""
+
+from collections.abc import Callable
+
+import pytest
+
+from truepose_drivers.contract.case import Case, NewBench, reason_absent, run, unknown_absences
+from truepose_drivers.contract.cases import CASES
+from truepose_drivers.contract.hostile import require_unharmed
+from truepose_drivers.contract.link_faults import require_found
+
+Record = Callable[[str, object], None]
+
+
+def test_the_bench_leaves_out_cases_that_there_are(new_bench: NewBench) -> None:
+    """A case that the bench declares absent is one of the contract's, and has a reason."""
+    if unknown := unknown_absences(new_bench(), CASES):
+        pytest.fail(f"`absent` of the bench names what is no case or has no reason: {', '.join(unknown)}")
+
+
+def test_the_driver_keeps(case: Case, new_bench: NewBench, record_property: Record) -> None:
+    """Ask one case."""
+    bench = new_bench()
+    record_property("driver", bench.plugin.name)
+    record_property("case", case.name)
+    if reason := reason_absent(case, bench):
+        pytest.skip(reason)
+    run(case, new_bench)
+
+
+def test_hostile_inputs_do_no_harm(
+    new_bench: NewBench, record_property: Record, pytestconfig: pytest.Config
+) -> None:
+    """No hostile answer crashes a driver, hangs it, or becomes a reading that something betrays."""
+    record_property("driver", new_bench().plugin.name)
+    record_property("case", "hostile_inputs_do_no_harm")
+    require_unharmed(new_bench, pytestconfig.getoption("fuzz_inputs"))
+
+
+def test_link_faults_are_found_and_pass(
+    new_bench: NewBench, record_property: Record, pytestconfig: pytest.Config
+) -> None:
+    """A lost link is told within 2 s, is back within 5 s, and leaves no stale value."""
+    record_property("driver", new_bench().plugin.name)
+    record_property("case", "link_faults_are_found_and_pass")
+    require_found(new_bench, pytestconfig.getoption("link_faults"))

@@ -1,0 +1,25 @@
+"""The bench of every driver that is shipped: `--bench tests.contract.devices.every:BENCHES`."""
+
+from tests.contract.devices.cameras import Camera
+from tests.contract.devices.fanuc import Fanuc
+from tests.contract.devices.gauges import Bar, Bridge, Cable, Counter
+from tests.contract.devices.line_gauges import KeyenceAmplifiers, MitutoyoCounter, MitutoyoLine
+from tests.contract.devices.machines import ClockOfCell, Controller, HandsOfPerson, Tracker
+from tests.contract.devices.universal_robots import Universal
+
+BENCHES = [
+    Tracker,
+    Controller,
+    Fanuc,
+    Universal,
+    Camera,
+    Bar,
+    Bridge,
+    Counter,
+    Cable,
+    KeyenceAmplifiers,
+    MitutoyoCounter,
+    MitutoyoLine,
+    ClockOfCell,
+    HandsOfPerson,
+]

@@ -1,0 +1,289 @@
+"""Models of a robot's controller, a tracker, a cell's clock and its hands on hostile wires."""
+
+import json
+import math
+
+import numpy as np
+
+from truepose.domain.robot import JointRange
+from truepose.sequencing.engine.motion.plausible_robot import WatchfulRobot
+from truepose_drivers.abb_open_abb.driver import PLUGIN as OPEN_ABB
+from truepose_drivers.abb_open_abb.driver import OpenAbbRobot
+from truepose_drivers.abb_open_abb.protocol import (
+    Code,
+    Reply,
+    ReplyStatus,
+    decode_request,
+    encode_reply,
+    rapid_number,
+)
+from truepose_drivers.cell_clock.driver import PLUGIN as CELL_CLOCK
+from truepose_drivers.cell_clock.driver import CellClock
+from truepose_drivers.cell_hands.driver import PLUGIN as CELL_HANDS
+from truepose_drivers.cell_hands.driver import CellHands
+from truepose_drivers.contract.bench import Bench, RobotBench, TrackerBench
+from truepose_drivers.errors import DeviceRefusedError, NotInitialisedError
+from truepose_drivers.guard import guarded
+from truepose_drivers.leica_emscon.driver import PLUGIN as EMSCON
+from truepose_drivers.leica_emscon.driver import LaserTracker
+from truepose_drivers.leica_emscon.protocol import (
+    RESULTS,
+    Answer,
+    Command,
+    FrameReader,
+    PacketType,
+    Record,
+    Result,
+    StatusChange,
+    SystemStatusChange,
+    encode,
+    exchange,
+)
+from truepose_drivers.leica_emscon.protocol import (
+    decode_request as decode_command,
+)
+from truepose_drivers.leica_emscon.protocol.settings import LengthUnit
+
+_RANGES_DEG = ((-165, 165), (-110, 110), (-110, 70), (-160, 160), (-120, 120), (-400, 400))
+_RANGES = tuple(JointRange(math.radians(low), math.radians(high)) for low, high in _RANGES_DEG)
+MM_PER_INCH = 25.4
+
+
+class Controller(RobotBench):
+    """An IRC5 with open_abb."""
+
+    plugin = OPEN_ABB
+    ranges_deg = _RANGES_DEG
+    free_numbers = True
+    specials = {
+        "wrong_id": "foreign", "nan": "nonsense", "huge_angle": "nonsense", "seven_joints": "nonsense",
+        "five_joints": "nonsense",
+    }  # fmt: skip
+    absent = {
+        "another_unit_changes_no_reading": "joints are in degrees, and nothing changes that",
+        "a_frozen_device_gives_no_reading": "its replies have no count and no time stamp",
+    }
+
+    def driver(self, wiring):
+        return OpenAbbRobot(wiring.line(self.answer), wiring.clock)
+
+    def watched(self, device):
+        return WatchfulRobot(device, _RANGES)
+
+    def move(self, rng):
+        self.decimals = int(rng.choice([0, 1, 2, 2]))
+        super().move(rng)
+
+    def answer(self, data):
+        code = decode_request(data).code
+        if code == Code.CLOSE:
+            return []
+        text = {
+            Code.GET_JOINTS: " ".join(rapid_number(angle, 2) for angle in self.joints_deg),
+            Code.CONTROLLER_INFO: f"{self.serial}*6.08.01*IRB 120",
+        }.get(code, "")
+        return [encode_reply(Reply(code, ReplyStatus.OK, text))]
+
+    def special(self, name, wiring, rng):
+        said = {
+            "wrong_id": b"3 1 300.00 0.00 500.00 0.000 0.707 0.000",
+            "nan": b"4 1 10.00 nan 30.00 0.00 45.00 -0.01",
+            "huge_angle": b"4 1 10.00 9E+09 30.00 0.00 45.00 -0.01",
+            "seven_joints": b"4 1 10.00 20.00 30.00 0.00 45.00 -0.01 7.00",
+            "five_joints": b"4 1 10.00 20.00 30.00 0.00 45.01",
+        }[name]
+        wiring.spoil = lambda _: [said]
+
+
+class Tracker(TrackerBench):
+    """An emScon server, whose settings other programs change."""
+
+    plugin = EMSCON
+    tolerance_mm = 1e-6
+    specials = {
+        "silent_units": "unit", "announced_units": "unit", "silent_frame": "unit",
+        "silent_coordinates": "unit", "units_meanwhile": "unit", "stale_result": "stale",
+        "repeated_result": "frozen", "try_mode": "foreign", "negative_scatter": "nonsense", "nan": "nonsense",
+    }  # fmt: skip
+
+    def __init__(self):
+        super().__init__()
+        self.result = b""
+        self.taken_result = b""  # the last one that the driver took
+        self.kept = {}
+        self.script = None
+
+    def driver(self, wiring):
+        return LaserTracker(wiring.line(self.answer), wiring.clock)
+
+    def answer(self, data):
+        reader, said = FrameReader(), []
+        reader.receive_data(data)
+        while (frame := reader.next_message()) is not None:
+            said += self._answers(decode_command(frame))
+        return said
+
+    def _answers(self, request):
+        name = Command(request.command).name
+        if name.startswith("SET_"):
+            self.kept[f"GET_{name[4:]}"] = request.values
+        if request.command == Command.START_MEASUREMENT:
+            script, self.script = self.script, None
+            return (script or self._measured)()
+        special = {
+            Command.GET_SYSTEM_STATUS: {
+                "tracker_processor_status": 5,
+                "tracker_serial_number": int(self.serial),
+            },
+            Command.GET_FACE: {"tracker_face": 1},
+            Command.GET_REFLECTORS: {
+                "total_reflectors": 1,
+                "internal_reflector_id": 7,
+                "reflector_name": "R",
+            },
+            Command.GET_CURRENT_PRISM_POSITION: self._place(),
+        }.get(request.command, self.kept.get(name, {}))
+        values = exchange(request.command).answer.zeros() | special
+        return [encode(Answer(request.command, 0, Record(values)))]
+
+    def _place(self):
+        """Where the reflector is, in the units and the frame that somebody has set."""
+        kept = {name: value for values in self.kept.values() for name, value in values.items()}
+        shown = np.array(self.point_mm) / (
+            MM_PER_INCH if kept.get("len_unit_type") == LengthUnit.INCH else 1.0
+        )
+        shown = shown + (100.0 if kept.get("apply_transformation_params") else 0.0)
+        if kept.get("coord_sys_type"):
+            shown = np.array([0.3, 1.2, np.linalg.norm(shown)])
+        return dict(zip(("val1", "val2", "val3"), shown.tolist(), strict=True))
+
+    def _result(self, **changes):
+        kind = PacketType.SINGLE_MEAS_RESULT_2
+        stated = {f"apriori_std{axis}": 0.01 for axis in (1, 2, 3)}
+        stated["std_total"] = 1e-5 * self.point_mm[0]
+        return encode(Result(kind, Record(RESULTS[kind].zeros() | stated | self._place() | changes)))
+
+    def _measured(self, **changes):
+        self.result = self._result(**changes)
+        return [encode(Answer(Command.START_MEASUREMENT, 0)), self.result]
+
+    def special(self, name, wiring, rng):
+        announce = encode(StatusChange(SystemStatusChange.UNITS_CHANGED))
+        accepted = encode(Answer(Command.START_MEASUREMENT, 0))
+        match name:
+            case "silent_units" | "announced_units":
+                self.kept["GET_UNITS"] = Record(self.kept["GET_UNITS"], len_unit_type=LengthUnit.INCH)
+                if name == "announced_units":
+                    wiring.say(announce)
+            case "silent_frame":
+                self.kept["GET_SYSTEM_SETTINGS"] = Record(
+                    self.kept["GET_SYSTEM_SETTINGS"], apply_transformation_params=True
+                )
+            case "silent_coordinates":
+                self.kept["GET_COORDINATE_SYSTEM_TYPE"] = Record(coord_sys_type=7)
+            case "units_meanwhile":
+                wrong = {key: value / 1000.0 for key, value in self._place().items()}
+                self.script = lambda: [accepted, announce, self._result(**wrong), announce]
+            case "stale_result":
+                stale = self._result(val1=777.0)
+                self.script = lambda: [stale, *self._measured()]
+            case "repeated_result":
+                again = self.taken_result
+                self.script = lambda: [accepted, again] if again else self._measured()
+            case "try_mode":
+                self.script = lambda: self._measured(is_try_mode=True, val1=1.0)
+            case "negative_scatter":
+                self.script = lambda: self._measured(std1=-1.0, val1=1.0)
+            case "nan":
+                self.script = lambda: self._measured(val2=float("nan"))
+
+    async def ask(self, device):
+        try:
+            point_mm = await super().ask(device)
+        except NotInitialisedError:
+            await device.close()  # the session opens everything anew after it
+            raise
+        self.taken_result = self.result
+        return point_mm
+
+
+class ClockOfCell(Bench):
+    """The clock of a simulated cell; connects by itself."""
+
+    plugin = CELL_CLOCK
+    free_numbers = True
+    specials = {"back": "nonsense", "nan": "nonsense", "huge_number": "nonsense"}
+    absent = {
+        "another_unit_changes_no_reading": "a clock counts seconds",
+        "a_frozen_device_gives_no_reading": "a cell that nobody lets move on stands still",
+        "answers_to_others_are_no_reading": "it has one answer",
+    }
+
+    def __init__(self):
+        super().__init__()
+        self.time_s = 0.0
+
+    def watched(self, device):
+        return guarded("cell_clock", "clock", device)  # which sees a clock that runs back
+
+    def driver(self, wiring):
+        return CellClock(lambda: wiring.line(self.answer), answer_timeout_s=1.0)
+
+    def move(self, rng):
+        self.time_s += float(rng.uniform(0.1, 100.0))
+
+    def answer(self, data):
+        return [json.dumps({"now_s": self.time_s}).encode() + b"\n"]
+
+    def special(self, name, wiring, rng):
+        said = {
+            "back": b'{"now_s": -5.0}\n',
+            "nan": b'{"now_s": NaN}\n',
+            "huge_number": b'{"now_s": 1e999}\n',
+        }
+        wiring.spoil = lambda _: [said[name]]
+
+    async def ask(self, device):
+        return await device.now_s()
+
+    def is_right(self, now_s):
+        return now_s == self.time_s
+
+
+class HandsOfPerson(Bench):
+    """The hands of a simulated cell: every second deed is refused."""
+
+    plugin = CELL_HANDS
+    specials = {"nothing_said": "nonsense", "a_number": "nonsense"}
+    absent = {
+        "another_unit_changes_no_reading": "hands do, and measure nothing",
+        "a_frozen_device_gives_no_reading": "hands do, and measure nothing",
+        "answers_to_others_are_no_reading": "hands have one answer",
+        "another_serial_number_is_told": "a person has no serial number",
+    }
+
+    def __init__(self):
+        super().__init__()
+        self.refuses = False
+
+    def driver(self, wiring):
+        return CellHands(wiring.line(self.answer), answer_timeout_s=1.0)
+
+    def move(self, rng):
+        self.refuses = not self.refuses
+
+    def answer(self, data):
+        return [b'{"error": "no"}\n' if self.refuses else b'{"ok": true}\n']
+
+    def special(self, name, wiring, rng):
+        wiring.spoil = lambda _: [b"{}\n" if name == "nothing_said" else b"1\n"]
+
+    async def ask(self, device):
+        try:
+            await device.do("connect", {"base": 1, "tool": 1})
+        except DeviceRefusedError as error:
+            return type(error) is DeviceRefusedError
+        return False
+
+    def is_right(self, refused):
+        return refused == self.refuses

@@ -1,0 +1,53 @@
+"""Every shipped driver keeps every case of the contract that ships with the drivers' package."""
+
+import pytest
+
+from tests.contract.benches import WITHOUT_A_DEVICE, registry
+from tests.contract.devices.every import BENCHES
+from truepose_drivers.contract.case import reason_absent, run, unknown_absences
+from truepose_drivers.contract.cases import CASES
+from truepose_drivers.contract.hostile import require_unharmed
+from truepose_drivers.contract.link_faults import require_found
+
+STILL_OPEN = {  # what is being mended; an entry goes with its gap
+    ("abb_open_abb", "connect_asks_who_is_there"),
+    ("abb_open_abb", "connect_refuses_another_protocol"),
+    ("abb_open_abb", "silence_is_told_within_two_seconds"),
+    ("fanuc_mappdk", "silence_is_told_within_two_seconds"),
+    ("leica_emscon", "connect_asks_who_is_there"),
+    ("leica_emscon", "connect_refuses_another_protocol"),
+}
+SLOW_TO_TELL = {name for name, case in STILL_OPEN if case == "silence_is_told_within_two_seconds"}
+NAMES = [bench.plugin.name for bench in BENCHES]
+ASKED = [(bench, case) for bench in BENCHES for case in CASES if reason_absent(case, bench()) is None]
+IDS = [f"{bench.plugin.name}-{case.name}" for bench, case in ASKED]
+every_driver = pytest.mark.parametrize("bench", BENCHES, ids=NAMES)
+
+
+def test_every_registered_driver_has_a_bench():
+    assert set(registry().names()) == {*NAMES, *WITHOUT_A_DEVICE}
+    assert registry().broken == {}
+
+
+@pytest.mark.parametrize(("bench", "case"), ASKED, ids=IDS)
+def test_a_driver_keeps_the_contract(bench, case):
+    if (bench.plugin.name, case.name) in STILL_OPEN:
+        pytest.xfail("known, and being mended")
+    run(case, bench)
+
+
+@every_driver
+def test_a_bench_leaves_out_cases_that_there_are(bench):
+    assert unknown_absences(bench(), CASES) == []
+
+
+@every_driver
+def test_hostile_inputs_do_no_harm(bench):
+    require_unharmed(bench, 150, seed=7)
+
+
+@every_driver
+def test_faults_of_a_link_are_found_and_pass(bench):
+    if bench.plugin.name in SLOW_TO_TELL:
+        pytest.xfail("known, and being mended")
+    require_found(bench, 30, seed=7)
