@@ -17,6 +17,8 @@ def summary_of(campaign: Campaign) -> CampaignSummary:
         validation_points=_rows(campaign.validation),
         calibration_legs=_rows(campaign.legs),
         validation_legs=_rows(campaign.validation_legs),
+        calibration_contacts=_rows(campaign.contacts),
+        validation_contacts=_rows(campaign.validation_contacts),
         reference_readings=_rows(campaign.reference),
         ignored=_first(tuple(map(english, campaign.ignored))),
         notes=_first(campaign.notes),

@@ -95,7 +95,10 @@ def _read(model: Path, points: Path, words: Catalogue) -> "tuple[Model, Readings
 
     identified = read_model(model)
     measured = read_validation_file(
-        points, identified.robot.n_joints, [nest.nest for nest in identified.nests]
+        points,
+        identified.robot.n_joints,
+        [nest.nest for nest in identified.nests],
+        identified.targets,
     )
     remark(map(words.spoken, measured.ignored))
     return identified, measured.readings

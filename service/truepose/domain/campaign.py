@@ -9,8 +9,10 @@ import numpy as np
 from truepose.domain.arrays import FloatArray, IntArray, Table
 from truepose.domain.robot import FixedNest, FramePlacement, Nest, Robot, WorldRegistration
 from truepose.domain.sentences import Text
+from truepose.domain.targets import Target
 
 Quantity = Literal["position", "length"]  # what the readings of a campaign are of
+NO_AXIS = -1  # of a reading that is along no axis of a sensor
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,6 +42,7 @@ class PointReadings(Table):
     """Positions of tool nests in the world frame; n rows."""
 
     quantity: ClassVar[Quantity] = "position"
+    frozen_if_equal: ClassVar[bool] = True
 
     stops: Stops
     nest: IntArray  # (n,) 1-based
@@ -73,6 +76,7 @@ class LegReadings(Table):
     """Lengths between a base nest and a tool nest; n rows."""
 
     quantity: ClassVar[Quantity] = "length"
+    frozen_if_equal: ClassVar[bool] = True
 
     stops: Stops
     placement: IntArray  # (n,) of the base fixture, from 1
@@ -107,7 +111,45 @@ class LegReadings(Table):
         return np.unique(cups, axis=0, return_inverse=True)[1].reshape(-1)
 
 
-Readings: TypeAlias = PointReadings | LegReadings
+@dataclass(frozen=True, slots=True)
+class ContactReadings(Table):
+    """What probes, gauges, wires and sensors read against targets; n rows."""
+
+    quantity: ClassVar[Quantity] = "length"
+    frozen_if_equal: ClassVar[bool] = False  # an arm that stops where its probe touches reads nothing but 0
+
+    stops: Stops
+    target: IntArray  # (n,) its number
+    nest: IntArray  # (n,) of the tool, 1-based
+    reading_mm: FloatArray  # (n,)
+    standard_uncertainty_mm: FloatArray  # (n,)
+    axis: IntArray | None = None  # (n,) 0 to 2 of the sensor in the tool, NO_AXIS where it has none
+
+    def __len__(self) -> int:
+        return len(self.stops)
+
+    @property
+    def observed_mm(self) -> FloatArray:
+        """What was read, shape (n, 1)."""
+        return self.reading_mm[:, None]
+
+    @property
+    def axes(self) -> IntArray:
+        """Axis of the sensor of each reading, shape (n,)."""
+        return np.full(len(self), NO_AXIS) if self.axis is None else self.axis
+
+    @property
+    def ends(self) -> IntArray:
+        """What tells the readings of one stop apart, shape (n, 3)."""
+        return np.column_stack([self.nest, self.target, self.axes])
+
+    @property
+    def seen_from(self) -> IntArray:
+        """Number of the target that each was read against, shape (n,)."""
+        return self.target
+
+
+Readings: TypeAlias = PointReadings | LegReadings | ContactReadings
 
 
 @dataclass(frozen=True, slots=True)
@@ -154,6 +196,16 @@ class CupReadings:
 
 
 @dataclass(frozen=True, slots=True)
+class TargetDistances:
+    """Certified distances between the centres of two targets; n rows."""
+
+    target_a: IntArray
+    target_b: IntArray
+    distance_mm: FloatArray
+    standard_uncertainty_mm: FloatArray
+
+
+@dataclass(frozen=True, slots=True)
 class Campaign:
     """One robot, one set-up, its readings and what is known beforehand."""
 
@@ -169,6 +221,10 @@ class Campaign:
     fixture: FixtureLengths | None = None
     setup: CupSetups | None = None
     cups: CupReadings | None = None
+    contacts: ContactReadings | None = None
+    validation_contacts: ContactReadings | None = None
+    targets: tuple[Target, ...] = ()  # of the contacts
+    target_distances: TargetDistances | None = None
     repeatability_in_uncertainty: bool = False  # u_mm already contains the robot's repeatability
     tracker_position_mm: tuple[float, float, float] | None = None
     fixed_nests: tuple[FixedNest, ...] = ()
@@ -183,13 +239,15 @@ class Campaign:
 
     @property
     def readings(self) -> Readings | None:
-        """What the robot is identified from: positions where there are any, else legs."""
-        return self.calibration or self.legs
+        """What the robot is identified from: positions where there are any, else legs, else contacts."""
+        return self.calibration or self.legs or self.contacts
 
     @property
     def held_out(self) -> Readings | None:
         """What judges a model of these readings: others of the same kind; None where there are none."""
-        return (self.validation if self.calibration is not None else self.validation_legs) or None
+        if self.calibration is not None:
+            return self.validation or None
+        return (self.validation_contacts if self.legs is None else self.validation_legs) or None
 
     @property
     def scatter_mm(self) -> float:
@@ -200,4 +258,6 @@ class Campaign:
         """Return the campaign with some of the readings that identify, shape (m,) indices."""
         if self.calibration is not None:
             return replace(self, calibration=self.calibration.taken(rows))
-        return self if self.legs is None else replace(self, legs=self.legs.taken(rows))
+        if self.legs is not None:
+            return replace(self, legs=self.legs.taken(rows))
+        return self if self.contacts is None else replace(self, contacts=self.contacts.taken(rows))

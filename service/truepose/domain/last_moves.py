@@ -5,12 +5,14 @@ came against its way from the stop before.
 """
 
 from dataclasses import replace
+from typing import TypeVar
 
 import numpy as np
 
 from truepose.domain.arrays import BoolArray, FloatArray, IntArray
-from truepose.domain.campaign import Campaign, LegReadings, PointReadings, Stops
+from truepose.domain.campaign import Campaign, ContactReadings, LegReadings, PointReadings, Stops
 
+_Readings = TypeVar("_Readings", PointReadings, LegReadings, ContactReadings)
 _AGAINST = 0.02  # share of moves that may go against the stated direction before none is believed
 
 
@@ -18,18 +20,16 @@ def with_last_moves(campaign: Campaign) -> Campaign:
     """Return a campaign whose stops say how far each joint came, before any of its rows are left out."""
     return replace(
         campaign,
-        calibration=_points(campaign.calibration),
-        validation=_points(campaign.validation),
-        legs=_legs(campaign.legs),
-        validation_legs=_legs(campaign.validation_legs),
+        calibration=_told(campaign.calibration),
+        validation=_told(campaign.validation),
+        legs=_told(campaign.legs),
+        validation_legs=_told(campaign.validation_legs),
+        contacts=_told(campaign.contacts),
+        validation_contacts=_told(campaign.validation_contacts),
     )
 
 
-def _points(readings: PointReadings | None) -> PointReadings | None:
-    return None if readings is None else replace(readings, stops=told_moves(readings.stops))
-
-
-def _legs(readings: LegReadings | None) -> LegReadings | None:
+def _told(readings: _Readings | None) -> _Readings | None:
     return None if readings is None else replace(readings, stops=told_moves(readings.stops))
 
 

@@ -7,6 +7,7 @@ from typing import Literal
 from truepose.domain.arrays import FloatArray
 from truepose.domain.robot import FramePlacement, JointRange, Robot
 from truepose.domain.sentences import Text
+from truepose.domain.targets import Target
 
 Unit = Literal[
     "mm",
@@ -143,6 +144,8 @@ class Model:
     origin_s: float = 0.0  # time from which drifts and warm-ups count
     nominal_leg_offset_mm: float = 0.0
     nominal_anchors: tuple[Anchor, ...] = ()
+    targets: tuple[Target, ...] = ()  # of contacts; the parameters target_* start from their places
+    nominal_targets: tuple[float, ...] = ()  # what these parameters are around the nominal robot
     zone: MeasuredZone | None = None  # None: nobody said
     shortfall: Shortfall | None = None  # None: the discrepancy stands for it, the same everywhere
     identified_from: dict[str, str | int | float] = field(default_factory=dict)

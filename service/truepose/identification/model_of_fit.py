@@ -10,6 +10,7 @@ from truepose.domain.results import Anchor, Model, NestCentre, Parameter
 from truepose.domain.robot import FramePlacement
 from truepose.identification.fit.robust import RobustFit
 from truepose.identification.model.anchors import LEG_OFFSET, anchor_name
+from truepose.identification.model.counterparts import TARGET_OWNER
 from truepose.identification.model.missing import spanned
 from truepose.identification.model.stops import sites
 from truepose.identification.model.structure import Structure, base_axes
@@ -44,11 +45,14 @@ def model_of(fits: Fits, *, discrepancy_mm: float, program_version: str) -> Mode
         repeatability_mm=campaign.robot.repeatability_mm,
         nominal_base=nominal_base,
         nominal_nests=nominal_nests,
+        nominal_tool_rotation_rad=_turned(fits.nominal),
         instrument_mm=campaign.tracker_position_mm,
         torques_measured=structure.torques_measured and structure.has_springs,
         origin_s=structure.origin_s,
         nominal_leg_offset_mm=_value(fits.nominal, LEG_OFFSET),
         nominal_anchors=_anchors(fits.nominal),
+        targets=structure.targets,
+        nominal_targets=_of_targets(fits.nominal),
         zone=measured_zone(structure.robot, fits.identified.blocks[0].targets.stops.joints_rad),
         identified_from=_origin(fits),
         program_version=program_version,
@@ -77,6 +81,11 @@ def _placed(nominal: RobustFit) -> tuple[FramePlacement, tuple[NestCentre, ...]]
     return placement_of(rotation, structure.base_origin_mm + shift), _nests(moved)
 
 
+def _turned(nominal: RobustFit) -> tuple[float, float, float]:
+    turn = np.array([_value(nominal, name) for name in ("tool_rx", "tool_ry", "tool_rz")])
+    return angles_xyz(base_axes(nominal.structure.tool_rotation, turn)[0])
+
+
 def _nests(centres_mm: FloatArray) -> tuple[NestCentre, ...]:
     return tuple(
         NestCentre(number, (float(x), float(y), float(z)))
@@ -95,6 +104,10 @@ def _anchors(fit: RobustFit) -> tuple[Anchor, ...]:
         x, y, z = (_value(fit, anchor_name(anchor, component)) for component in range(3))
         found.append(Anchor(*anchor, (x, y, z)))
     return tuple(found)
+
+
+def _of_targets(fit: RobustFit) -> tuple[float, ...]:
+    return tuple(float(fit.values[k]) for k in fit.structure.indices_of(TARGET_OWNER))
 
 
 def _origin(fits: Fits) -> dict[str, str | int | float]:

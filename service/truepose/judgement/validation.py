@@ -21,7 +21,7 @@ def validate(
     Parameters
     ----------
     model : Model
-    readings : PointReadings or LegReadings
+    readings : PointReadings, LegReadings or ContactReadings
         n >= 1 readings.
     limit_mm : float, optional
         Largest error that passes; without it the model passes when its mean error is neither above the

@@ -25,15 +25,22 @@ if TYPE_CHECKING:
     from pandas import DataFrame
 
 Role = Literal[
-    "calibration", "validation", "reference", "legs", "validation_legs", "fixture", "setup", "cups"
-]
+    "calibration", "validation", "reference", "legs", "validation_legs", "fixture", "setup", "cups",
+    "contacts", "validation_contacts", "targets", "target_distances",
+]  # fmt: skip
 Vector = Sequence[float]
 _WORDS: dict[Role, str] = {
     "calibration": "points to calibrate",
     "validation": "points to validate",
     "legs": "legs to calibrate",
     "validation_legs": "legs to validate",
+    "contacts": "contacts to calibrate",
+    "validation_contacts": "contacts to validate",
     "reference": "looks at fixed nests",
+}
+_ROLES_BY_COLUMN: dict[str, tuple[Role, Role]] = {
+    "length_mm": ("legs", "validation_legs"),
+    "reading_mm": ("contacts", "validation_contacts"),
 }
 
 
@@ -141,7 +148,8 @@ def read_campaign(
         file format, shape (n,): `config`, `q1_deg`.. (or `q1_rad`..), `nest`, `x_mm`, `y_mm`, `z_mm`,
         `u_mm` (standard uncertainty per axis), and what else is known of a stop. In a mapping a single value
         holds for every row, and blocks stand for columns: `joints_deg` or `joints_rad` (n, J),
-        `position_mm` (n, 3), `dir` (n, J), `tau_Nm` (n, J). Columns of legs make it a campaign of lengths.
+        `position_mm` (n, 3), `dir` (n, J), `tau_Nm` (n, J). Columns of legs make it a campaign of lengths,
+        those of contacts (`target`, `reading_mm`) a closed loop, whose `targets` are then among `tables`.
     robot : str, path or table
         Name of a shipped robot, a file of one's own (`.toml`, `.urdf`), or one row per joint of the table of
         Denavit and Hartenberg (modified, after Craig): `alpha_deg`, `a_mm`, `theta_offset_deg`, `d_mm`, and
@@ -159,7 +167,8 @@ def read_campaign(
     repeatability_mm : float, optional
         Standard deviation of the arm itself per axis [mm]; by default that of the shipped robot.
     tables : mapping of role to table, optional
-        Further tables by their role in the file format: `reference`, `fixture`, `setup`, `cups`.
+        Further tables by their role in the file format: `reference`, `fixture`, `setup`, `cups`, `targets`,
+        `target_distances`.
     keys : mapping, optional
         Further keys of `campaign.json`, such as `masses` or `tracker_position_world_mm`. The masses of a
         shipped robot contain the tool that it was measured with; give your own.
@@ -227,10 +236,10 @@ def campaign_given(given: Campaign | str | Path) -> Campaign:
 
 
 def _arrays(source: Table, validation: Table | None, tables: Mapping[Role, Table]) -> dict[str, Arrays]:
-    """Return the tables by role; lengths without positions are legs."""
+    """Return the tables by role; lengths and readings without positions are legs and contacts."""
     given = columns_of(source, "calibration")
-    lengths = "length_mm" in given and "x_mm" not in given
-    first, held_out = ("legs", "validation_legs") if lengths else ("calibration", "validation")
+    told = (own for column, own in _ROLES_BY_COLUMN.items() if column in given and "x_mm" not in given)
+    first, held_out = next(told, ("calibration", "validation"))
     roles: dict[str, Arrays] = {first: given}
     if validation is not None:
         roles[held_out] = columns_of(validation, held_out)

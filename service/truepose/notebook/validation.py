@@ -211,7 +211,7 @@ def validate(
         raise ConfigurationError(f"limit_mm {limit_mm:g}: give the largest error that passes, above 0 mm.")
     data = model_given(model).data
     nests = [nest.nest for nest in data.nests]
-    table = held_out_readings(*named_data(points, "points"), data.robot.n_joints, nests)
+    table = held_out_readings(*named_data(points, "points"), data.robot.n_joints, nests, data.targets)
     answer = validate_model(data, table.readings, limit_mm=limit_mm, rule=rule)
     remarks = tuple(map(english, (*table.ignored, *validation_cautions(data, table.readings))))
     test = pose_test(data, table.readings) if iso9283 else None

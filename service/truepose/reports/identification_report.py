@@ -98,7 +98,8 @@ def _with_temperature(conditions: ReportConditions, campaign: Campaign) -> Repor
 
 
 def _all_stops(campaign: Campaign) -> Iterator[Stops]:
-    for table in (campaign.calibration, campaign.validation, campaign.legs, campaign.validation_legs):
+    points, legs = (campaign.calibration, campaign.validation), (campaign.legs, campaign.validation_legs)
+    for table in (*points, *legs, campaign.contacts, campaign.validation_contacts):
         if table is not None:
             yield table.stops
 

@@ -124,6 +124,8 @@ class CampaignSummary:
     reference_readings: int
     ignored: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
+    calibration_contacts: int = 0
+    validation_contacts: int = 0
     simulated: bool | None = None  # as its description says; None: it does not
     measured_on: str | None = None  # a day; None: nobody said
 

@@ -5,7 +5,9 @@ import math
 import numpy as np
 
 from truepose.domain.campaign import (
+    NO_AXIS,
     Campaign,
+    ContactReadings,
     CupReadings,
     CupSetups,
     FixedNestReadings,
@@ -13,6 +15,7 @@ from truepose.domain.campaign import (
     LegReadings,
     PointReadings,
     Stops,
+    TargetDistances,
 )
 from truepose.domain.results import (
     Counts,
@@ -25,6 +28,7 @@ from truepose.domain.results import (
     Status,
 )
 from truepose.domain.robot import FixedNest, FramePlacement, JointRow, LinkMass, Nest, Robot
+from truepose.domain.targets import Target, TargetKind
 
 ELBOW = (
     JointRow(0.0, 0.0, 0.0, 300.0),
@@ -127,6 +131,39 @@ def make_ballbar_campaign(**changes):
         "ballbar_nominal_mm": 300.0,
         "ballbar_range_mm": 1.0,
         "setup_uncertainty_mm": 0.01,
+    }
+    return make_campaign(**{**values, **changes})
+
+
+def make_targets():
+    """A sphere about which much is known, and a gauge about which nothing is."""
+    sphere = Target(1, TargetKind.SPHERE, 25.5, 0.001, 0.0005, place_mm=(400.0, -100.5, 50.25))
+    return sphere, Target(3, TargetKind.GAUGE), Target(7, TargetKind.BALL, place_mm=(1.0, 2.0, 3.0))
+
+
+def make_contacts(n=3, n_joints=3, **changes):
+    """Readings about 0 against the targets of `make_targets` by turns."""
+    target = np.array([1, 3, 7])[np.arange(n) % 3]
+    values = {
+        "stops": make_stops(n, n_joints),
+        "target": target,
+        "nest": np.ones(n, np.int64),
+        "reading_mm": 0.125 * np.arange(n) - 0.25,
+        "standard_uncertainty_mm": np.full(n, 0.002),
+        "axis": np.where(target == 7, 2, NO_AXIS),
+    }
+    return ContactReadings(**{**values, **changes})
+
+
+def make_contact_campaign(**changes):
+    """A closed loop with every table that it may have."""
+    distances = TargetDistances(np.array([1]), np.array([7]), np.array([300.125]), np.array([0.001]))
+    values = {
+        "calibration": None,
+        "contacts": make_contacts(6),
+        "validation_contacts": make_contacts(),
+        "targets": make_targets(),
+        "target_distances": distances,
     }
     return make_campaign(**{**values, **changes})
 

@@ -12,7 +12,7 @@ from truepose.analysis.ballbar.assembly import Counting
 from truepose.analysis.errors import NothingMeasuredError
 from truepose.analysis.workers.correcting import CheckFileTask, CorrectFileTask, FileChecked, FileCorrected
 from truepose.domain.ballbar import BallbarPlan, PreCalibration, SphereWish
-from truepose.domain.campaign import Campaign, LegReadings, PointReadings
+from truepose.domain.campaign import Campaign, Readings
 from truepose.domain.diagnosis import Diagnosis
 from truepose.domain.results import Identification, Model, Validation
 from truepose.domain.robot import FramePlacement
@@ -247,14 +247,15 @@ def stored_campaign(content: bytes) -> Campaign:
     return read_campaign_zip(content)
 
 
-def held_out(campaign: Campaign) -> PointReadings | LegReadings:
+def held_out(campaign: Campaign) -> Readings:
     """Return the validation readings of a campaign; raises NothingMeasuredError where it has none.
 
     Calibration readings never stand in: a model may have been made from them.
     """
-    readings = campaign.validation if campaign.validation is not None else campaign.validation_legs
-    if readings is None:
-        raise NothingMeasuredError(
-            "The campaign has no validation readings; give one with a 'validation' or 'validation_legs' file."
-        )
-    return readings
+    for readings in (campaign.validation, campaign.validation_legs, campaign.validation_contacts):
+        if readings is not None:
+            return readings
+    raise NothingMeasuredError(
+        "The campaign has no validation readings; give one with a 'validation', 'validation_legs' or "
+        "'validation_contacts' file."
+    )

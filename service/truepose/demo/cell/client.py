@@ -19,6 +19,7 @@ _STANDING_STILL: Final = {"paused", "awaiting_confirmation", "aborted", "failed"
 _ENDED_JOB: Final = {"succeeded", "failed", "cancelled", "interrupted"}
 _ANSWER_S: Final = 60.0  # a page of a thousand readings takes a tenth of a second on an idle machine
 _PERCENT: Final = 100
+_PAGE: Final = 500
 
 
 @contextlib.asynccontextmanager
@@ -95,8 +96,8 @@ class ServiceClient:
 
     async def run_session(self, session_id: int, told: Told) -> None:
         """Start a session, confirm it as a person would, and follow it; raises SessionHaltedError."""
-        await self._post(f"/sessions/{session_id}/start", None)
-        await self._post(f"/sessions/{session_id}/confirm", {"person": PERSON})
+        await self.begin(session_id)
+        await self.confirm(session_id)
         moved = False
         async with contextlib.aclosing(self._events(session_id=session_id)) as events:
             async for kind, event in events:
@@ -111,6 +112,28 @@ class ServiceClient:
                         )
                     moved = moved or event["state"] == "running"
         raise ServiceFailedError(f"The service ended its events before session {session_id} had ended.")
+
+    async def begin(self, session_id: int) -> None:
+        """Ask for a session to start; it then waits for a person."""
+        await self._post(f"/sessions/{session_id}/start", None)
+
+    async def resume(self, session_id: int) -> None:
+        """Go on with a paused session, as a person who looked at the cell."""
+        await self._post(f"/sessions/{session_id}/resume", {"person": PERSON})
+
+    async def confirm(self, session_id: int) -> None:
+        """Say as a person that the cell is clear: the arm may move."""
+        await self._post(f"/sessions/{session_id}/confirm", {"person": PERSON})
+
+    async def readings(self, session_id: int) -> list[dict[str, Any]]:
+        """Return every reading of a session, those that no longer count included."""
+        found: list[dict[str, Any]] = []
+        while True:
+            after = found[-1]["id"] if found else 0
+            page = await self.get(f"/sessions/{session_id}/readings?after={after}&limit={_PAGE}")
+            found += page
+            if len(page) < _PAGE:
+                return found
 
     async def _events(self, **interest: int) -> AsyncGenerator[tuple[str, dict[str, Any]], None]:
         """Yield kind and document of every event of a session or a job, from its first on."""

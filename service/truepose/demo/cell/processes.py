@@ -35,8 +35,12 @@ class SimulatedService:
 
 
 @contextlib.asynccontextmanager
-async def running_service(service: SimulatedService) -> AsyncIterator[str]:
+async def running_service(
+    service: SimulatedService, ended_by: signal.Signals = signal.SIGINT
+) -> AsyncIterator[str]:
     """Start the service, yield its URL, and end it and its cell with the context.
+
+    By default it is ended in order; SIGKILL ends it as a power cut would.
 
     Raises
     ------
@@ -57,7 +61,7 @@ async def running_service(service: SimulatedService) -> AsyncIterator[str]:
     try:
         yield await _address(process, service.log)
     finally:
-        await _end(process)
+        await _end(process, ended_by)
 
 
 async def _address(process: asyncio.subprocess.Process, log: Path) -> str:
@@ -80,9 +84,9 @@ def _last_words(log: Path) -> str:
     return "\n".join(line for line in lines if not line.startswith(("INFO", "WARNING", "DEBUG")))
 
 
-async def _end(process: asyncio.subprocess.Process) -> None:
+async def _end(process: asyncio.subprocess.Process, by: signal.Signals) -> None:
     if process.returncode is None:
-        process.send_signal(signal.SIGINT)
+        process.send_signal(by)
         with contextlib.suppress(TimeoutError):
             await asyncio.wait_for(process.wait(), _END_S)
     with contextlib.suppress(ProcessLookupError):

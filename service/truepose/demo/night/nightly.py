@@ -7,6 +7,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Final
 
+from truepose.demo.cell.run import DATABASE
 from truepose.demo.errors import UnknownCaseError
 from truepose.demo.night.cases import night_cases
 from truepose.demo.night.check import NightCase
@@ -91,6 +92,8 @@ def _outcome(case: NightCase, folder: Path, progress: RunProgress) -> CaseOutcom
     began_s = time.perf_counter()
     progress.chapter(case.name)
     folder.mkdir(parents=True, exist_ok=True)
+    for left in folder.glob(f"{DATABASE}*"):  # of a night before, with the state of its cell
+        left.unlink()
     try:
         checks = tuple(case.run(folder, progress))
     except TrueposeError as error:

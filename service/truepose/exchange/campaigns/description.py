@@ -52,9 +52,15 @@ ROLES = (
     "setup",
     "fixture",
     "cups",
+    "contacts",
+    "validation_contacts",
+    "targets",
+    "target_distances",
 )
-_READING_ROLES = ("calibration", "validation", "legs", "validation_legs")
-_KINDS = ("tracker", "ballbar")
+_READING_ROLES = (
+    "calibration", "validation", "legs", "validation_legs", "contacts", "validation_contacts",
+)  # fmt: skip
+_KINDS = ("tracker", "ballbar", "contacts")
 _IN_ORDER = (
     "format", "kind", "robot", "dhm_nominal", "base_in_world_nominal", "tool_nests_mm", "tool_nest_u_mm",
     "masses", "gravity_m_s2_world", "robot_repeatability_mm", "u_includes_repeatability", "gear_ratio",
@@ -231,7 +237,7 @@ def description_document(campaign: Campaign, files: dict[str, str]) -> dict[str,
     robot = campaign.robot
     said: dict[str, Json] = {
         "format": FORMAT,
-        "kind": "tracker" if campaign.legs is None and campaign.validation_legs is None else "ballbar",
+        "kind": _kind_of(campaign),
         "robot": robot.name,
         "dhm_nominal": joints_document(robot.joints),
         **written_keys(robot, arm_keys(robot.n_joints)),
@@ -241,6 +247,12 @@ def description_document(campaign: Campaign, files: dict[str, str]) -> dict[str,
         "files": dict(files),
     }
     return {key: said[key] for key in _IN_ORDER if said[key] is not None or key in _NULL_IF_UNKNOWN}
+
+
+def _kind_of(campaign: Campaign) -> str:
+    if campaign.legs or campaign.validation_legs:
+        return "ballbar"
+    return "contacts" if campaign.contacts or campaign.validation_contacts else "tracker"
 
 
 def _nests_document(campaign: Campaign) -> dict[str, Json]:

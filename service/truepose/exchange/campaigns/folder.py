@@ -14,6 +14,14 @@ from truepose.exchange.document import json_document
 from truepose.exchange.errors import MissingFileError, UnreadableFileError
 from truepose.exchange.input_file import GREATEST_BYTES, read_bytes
 from truepose.exchange.json_text import render_json
+from truepose.exchange.tables.contacts import (
+    contact_text,
+    distance_text,
+    read_contact_table,
+    read_distance_table,
+    read_target_table,
+    target_text,
+)
 from truepose.exchange.tables.legs import (
     cup_text,
     fixture_text,
@@ -103,9 +111,18 @@ def with_tables(description: Description, load: LoadTable) -> Campaign:
         "fixture": read_fixture_table,
         "setup": lambda file, data: read_setup_table(file, data, joints),
         "cups": read_cup_table,
+        "targets": read_target_table,
+        "contacts": lambda file, data: read_contact_table(file, data, joints, nests, campaign.targets),
+        "validation_contacts": lambda file, data: read_contact_table(
+            file, data, joints, nests, campaign.targets
+        ),
+        "target_distances": lambda file, data: read_distance_table(file, data, campaign.targets),
     }
     ignored: dict[Sentence, list[str]] = {}
-    for role in description.files:  # one after the other: the text of a table is larger than the table
+    # Targets come first, which other tables name.
+    for role in sorted(
+        description.files, key=lambda role: role != "targets"
+    ):  # one after the other: the text of a table is larger than the table
         table, clauses = readers[role](description.files[role], _load_role(description, role, load))
         campaign = replace(campaign, **{role: table})  # type: ignore[arg-type]  # a role is the field of its table
         for clause in clauses:
@@ -148,6 +165,10 @@ def campaign_files(campaign: Campaign) -> dict[str, str]:
         "fixture": campaign.fixture and fixture_text(campaign.fixture),
         "setup": campaign.setup and setup_text(campaign.setup),
         "cups": campaign.cups and cup_text(campaign.cups),
+        "targets": target_text(campaign.targets) if campaign.targets else None,
+        "contacts": campaign.contacts and contact_text(campaign.contacts),
+        "validation_contacts": campaign.validation_contacts and contact_text(campaign.validation_contacts),
+        "target_distances": campaign.target_distances and distance_text(campaign.target_distances),
     }
     texts = {f"{role}.csv": text for role, text in tables.items() if isinstance(text, str)}
     files = {name.removesuffix(".csv"): name for name in texts}

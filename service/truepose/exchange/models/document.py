@@ -14,6 +14,7 @@ import numpy as np
 from truepose.domain.arrays import FloatArray
 from truepose.domain.results import Anchor, MeasuredZone, Model, NestCentre, Parameter, Shortfall, Unit
 from truepose.domain.robot import JointRange, Robot
+from truepose.domain.targets import Target, TargetKind
 from truepose.exchange.document import Node
 from truepose.exchange.errors import NewerVersionError, UnreadableFileError
 from truepose.exchange.json_text import Json, number_or_null
@@ -26,6 +27,7 @@ from truepose.exchange.keys import (
     Form,
     Key,
     each,
+    number,
     or_null,
     read_keys,
     record,
@@ -83,6 +85,20 @@ _NESTS: Final = each(record(NestCentre, [Key("nest", "nest", whole(least=1)), _P
 _ANCHORS: Final = each(
     record(Anchor, [*(Key(name, name, whole()) for name in ("placement", "base_point")), _PLACE])
 )
+_TARGETS: Final = each(
+    record(
+        Target,
+        [
+            Key("target", "number", whole(least=1)),
+            Key("kind", "kind", Form(lambda node: TargetKind(node.text()), lambda kind: kind.value)),
+            Key("zero_mm", "zero_mm", NUMBER, absent=None),
+            Key("u_zero_mm", "zero_uncertainty_mm", number(least=0.0)),
+            Key("form_mm", "form_mm", number(least=0.0)),
+            Key("place_mm", "place_mm", VECTOR, absent=None),
+            Key("normal", "normal", VECTOR, absent=None),
+        ],
+    )
+)
 _ROTATION: Final = Form(
     lambda node: tuple(math.radians(angle) for angle in node.vector()),
     lambda angles_rad: [math.degrees(angle) for angle in angles_rad],
@@ -115,6 +131,7 @@ _MODEL: Final = [
     Key("torques_measured", "torques_measured", TRUTH),
     # Files from before there were drifts lack it; nothing in them counts from it.
     Key("origin_s", "origin_s", NUMBER, absent=0.0),
+    Key("targets", "targets", _TARGETS, absent=()),
     # Files from before targets were corrected lack it: nobody says where they extrapolate.
     Key("measured_zone", "zone", _ZONE, absent=None),
 ]
@@ -124,6 +141,7 @@ _NOMINAL: Final = [
     Key("tool_rotation_deg", "nominal_tool_rotation_rad", _ROTATION),
     Key("leg_offset_mm", "nominal_leg_offset_mm", NUMBER),
     Key("anchors", "nominal_anchors", _ANCHORS),
+    Key("targets", "nominal_targets", each(NUMBER), absent=()),
 ]
 
 

@@ -7,9 +7,11 @@ from pathlib import Path
 import numpy as np
 
 from truepose.domain.arrays import FloatArray, IntArray
-from truepose.domain.campaign import LegReadings, PointReadings, Stops
+from truepose.domain.campaign import Readings, Stops
 from truepose.domain.sentences import Sentence
+from truepose.domain.targets import Target
 from truepose.exchange.input_file import read_bytes
+from truepose.exchange.tables.contacts import contact_columns, read_contact_table
 from truepose.exchange.tables.fields import LENGTH, Field, columns_of, table_text
 from truepose.exchange.tables.legs import leg_columns, read_leg_table
 from truepose.exchange.tables.points import (
@@ -48,7 +50,7 @@ class PointsToPredict:
 class ValidationFile:
     """Readings of a table for `validate`."""
 
-    readings: PointReadings | LegReadings
+    readings: Readings
     ignored: tuple[Sentence, ...]
 
 
@@ -80,7 +82,11 @@ def points_to_predict(name: str, data: TableData, n_joints: int, nests: Collecti
         *columns_of(stop_fields(n_joints)),
         Column("nest", required=False, rules=(WHOLE, one_of(nests, "the known nests"))),
     ]
-    measured = [*point_columns(n_joints, nests), *leg_columns(n_joints, nests)]
+    measured = [
+        column
+        for columns in (point_columns, leg_columns, contact_columns)
+        for column in columns(n_joints, nests)
+    ]
     table = read_table(
         name,
         data,
@@ -95,13 +101,19 @@ def points_to_predict(name: str, data: TableData, n_joints: int, nests: Collecti
     )
 
 
-def read_validation_file(file: Path, n_joints: int, nests: Collection[int]) -> ValidationFile:
+def read_validation_file(
+    file: Path, n_joints: int, nests: Collection[int], targets: Sequence[Target] = ()
+) -> ValidationFile:
     """Read the file of a table as `held_out_readings` does; raises InputFileError."""
-    return held_out_readings(file.name, read_bytes(file), n_joints, nests)
+    return held_out_readings(file.name, read_bytes(file), n_joints, nests, targets)
 
 
-def held_out_readings(name: str, data: TableData, n_joints: int, nests: Collection[int]) -> ValidationFile:
-    """Read points or legs, whichever the columns announce, as in a campaign; parameters as above.
+def held_out_readings(
+    name: str, data: TableData, n_joints: int, nests: Collection[int], targets: Sequence[Target] = ()
+) -> ValidationFile:
+    """Read points, legs or contacts, whichever the columns announce, as in a campaign; parameters as above.
+
+    `targets` are those that the model knows.
 
     Raises
     ------
@@ -113,6 +125,9 @@ def held_out_readings(name: str, data: TableData, n_joints: int, nests: Collecti
     if "length_mm" in names and "x_mm" not in names:
         legs, ignored = read_leg_table(name, data, n_joints, nests)
         return ValidationFile(legs, _sentences(name, ignored))
+    if "reading_mm" in names and "x_mm" not in names:
+        contacts, ignored = read_contact_table(name, data, n_joints, nests, targets)
+        return ValidationFile(contacts, _sentences(name, ignored))
     points, ignored = read_point_table(name, data, n_joints, nests, None)
     return ValidationFile(points, _sentences(name, ignored))
 

@@ -9,6 +9,7 @@ from truepose.domain.errors import ConfigurationError
 from truepose.domain.results import Anchor, Model, NestCentre, Parameter
 from truepose.effects.ports import ParameterSpec
 from truepose.identification.model.anchors import LEG_OFFSET, LEG_OWNER, anchor_name
+from truepose.identification.model.counterparts import TARGET_OWNER
 from truepose.identification.model.evaluation import Targets
 from truepose.identification.model.missing import span_of
 from truepose.identification.model.structure import NOMINAL_EFFECTS, Structure
@@ -39,14 +40,17 @@ def nominal_estimate(model: Model) -> Estimate:
     }
     if anchors:
         fitted[LEG_OFFSET] = model.nominal_leg_offset_mm
+    targets = [p.name for p in model.parameters if p.effect == TARGET_OWNER]
+    fitted |= dict(zip(targets, model.nominal_targets, strict=True))
     structure = replace(
         structure_of(model),
         base_rotation=placement_rotation(model.nominal_base),
         base_origin_mm=placement_translation(model.nominal_base),
         nests_mm=_centres(model.nominal_nests),
+        tool_rotation=rotation_xyz(*model.nominal_tool_rotation_rad),
         effects=tuple(name for name in model.effects if name in NOMINAL_EFFECTS),
         specs=tuple(ParameterSpec(name, "mm", 0.0, 0.0) for name in fitted),
-        owners=(LEG_OWNER,) * len(fitted),
+        owners=(LEG_OWNER,) * (len(fitted) - len(targets)) + (TARGET_OWNER,) * len(targets),
         anchors=tuple(anchors),
     )
     return Estimate(structure, np.array(list(fitted.values())), np.zeros((len(fitted), len(fitted))))
@@ -65,6 +69,7 @@ def structure_of(model: Model) -> Structure:
         specs=tuple(ParameterSpec(p.name, p.unit, 0.0, p.prior_width) for p in model.parameters),
         owners=tuple(p.effect for p in model.parameters),
         anchors=_anchors_of(model.parameters),
+        targets=model.targets,
         instrument_mm=None if model.instrument_mm is None else np.array(model.instrument_mm),
         torques_measured=model.torques_measured,
         origin_s=model.origin_s,

@@ -17,7 +17,7 @@ from truepose.domain.campaign import Stops
 from truepose.domain.results import Model, NestCentre, Parameter
 from truepose.domain.robot import FramePlacement, JointRow, Robot
 from truepose.effects.ports import Port, PortKind, Term
-from truepose.identification.model.anchors import LEG_OWNER
+from truepose.identification.model.counterparts import COUNTERPARTS
 from truepose.identification.model.estimates import identified_estimate
 from truepose.identification.model.evaluation import State, Targets, evaluate, nest_centres
 from truepose.identification.model.structure import base_axes
@@ -63,7 +63,7 @@ def rigid_arm(model: Model) -> RigidArm:
         left_out=tuple(
             parameter
             for k, parameter in enumerate(model.parameters)
-            if k not in fixed and parameter.effect != LEG_OWNER
+            if k not in fixed and parameter.effect not in COUNTERPARTS
         ),
     )
 

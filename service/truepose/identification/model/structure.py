@@ -7,8 +7,9 @@ from math import cos, sin
 
 import numpy as np
 
-from truepose.domain.arrays import FloatArray
+from truepose.domain.arrays import FloatArray, IntArray
 from truepose.domain.robot import Robot
+from truepose.domain.targets import Target
 from truepose.effects.ports import ParameterSpec, Trait
 from truepose.effects.registry import effects_with
 from truepose.kinematics.frames import rotation_xyz
@@ -34,6 +35,7 @@ class Structure:
     specs: tuple[ParameterSpec, ...]
     owners: tuple[str, ...]  # effect of each parameter
     anchors: tuple[tuple[int, int], ...] = ()  # (placement, base point)
+    targets: tuple[Target, ...] = ()  # of contacts, whose parameters `target_<number>_..` come last too
     instrument_mm: FloatArray | None = None  # (3,) place of the instrument in the world
     torques_measured: bool = False  # springs are loaded by measured torques, not by gravity's
     origin_s: float = 0.0  # time from which drifts and warm-ups count
@@ -94,10 +96,14 @@ class Structure:
 
     def without(self, effects: tuple[str, ...]) -> "Structure":
         """Return the structure without the parameters of these effects."""
-        keep = [k for k, owner in enumerate(self.owners) if owner not in effects]
+        left = np.array([k for k, owner in enumerate(self.owners) if owner not in effects], dtype=np.int64)
+        return replace(self.kept(left), effects=tuple(name for name in self.effects if name not in effects))
+
+    def kept(self, parameters: IntArray) -> "Structure":
+        """Return the structure with some of its parameters, shape (p,) indices."""
+        keep = parameters.tolist()
         return replace(
             self,
-            effects=tuple(name for name in self.effects if name not in effects),
             specs=tuple(self.specs[k] for k in keep),
             owners=tuple(self.owners[k] for k in keep),
         )

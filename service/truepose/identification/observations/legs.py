@@ -1,43 +1,30 @@
 """Legs as observations: measured lengths from base nests, which are parameters themselves, to tool nests."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
 
-from truepose.domain.arrays import BoolArray, FloatArray, IntArray
+from truepose.domain.arrays import FloatArray, IntArray
 from truepose.domain.campaign import LegReadings
 from truepose.domain.errors import ConfigurationError
 from truepose.identification.model.anchors import LEG_OFFSET, anchor_places, first_anchor
 from truepose.identification.model.evaluation import State, Targets
 from truepose.identification.model.lengths import excess_mm, foot_gradient, length_jacobian, moved_feet
 from truepose.identification.model.structure import Structure
-from truepose.identification.observations.blocks import Block, BlockResult
-from truepose.identification.observations.whitening import Whitener, whitener
+from truepose.identification.observations.blocks import BlockResult
+from truepose.identification.observations.lengths import LengthBlock
 from truepose.kinematics.chain import theta_gradient
-
-# What a model of an arm lacks is angles of joints first of all: gears, backlash, couplings. The legs of a
-# stop see such an angle together, each at its own lever; a discrepancy of d mm is one of d / 400 mm in every
-# joint, and besides a part of d in each leg by itself, for what is no angle of a joint.
-_ARM_MM = 400.0
-_OWN_SHARE = 0.6
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class LegBlock(Block):
-    """Measured lengths from base nests, which are parameters themselves, to tool nests.
+class LegBlock(LengthBlock):
+    """Measured lengths from base nests, which are parameters themselves, to tool nests."""
 
-    The discrepancy [mm] is at an arm's length from the joints. Certified tool nests are parameters too, and
-    cups of unknown place see no world: nothing moves these lengths that is held.
-    """
-
-    quantity: ClassVar[str] = "length"
     table: ClassVar[str] = "legs"
-    components: ClassVar[int] = 1
 
     anchor: IntArray  # (n,) index in the structure's anchors
     length_mm: FloatArray  # (n,)
-    uncertainty_mm: FloatArray  # (n,)
 
     def result(self, structure: Structure, values: FloatArray, previous: BlockResult | None) -> BlockResult:
         """Return residuals [mm] and derivatives."""
@@ -48,7 +35,7 @@ class LegBlock(Block):
         offset = values[structure.index_of(LEG_OFFSET)] if LEG_OFFSET in structure.names else 0.0
         residual = (self.length_mm - distance - offset - excess_mm(state))[:, None]
         lever = np.einsum("jni,ni->nj", theta_gradient(state.chain, state.position_mm), direction)
-        whitening = self._whitening(direction, lever)
+        whitening = self.whitening(direction, lever)
         return BlockResult(residual, self.differentiated(state), state, whitening, direction, lever)
 
     def derivatives(self, state: State) -> FloatArray:
@@ -74,45 +61,9 @@ class LegBlock(Block):
         """Return the two nests of each leg."""
         return self.targets.nest, self.anchor
 
-    def covariance(self) -> FloatArray:
-        """Return the variance of each length, shape (n, 1, 1) [mm2]."""
-        return np.asarray(self.uncertainty_mm[:, None, None] ** 2)
-
     def moved_by_growth(self, result: BlockResult, origin_mm: FloatArray) -> FloatArray:
         """Return the lengths themselves, shape (n, 1): they grow from wherever."""
         return self.length_mm[:, None]
-
-    def component_variance(self) -> FloatArray:
-        """Variance of each length [mm2], shape (n,)."""
-        return np.asarray(self.uncertainty_mm**2 + self.discrepancy**2)
-
-    def stated_sigma(self) -> float:
-        """Root mean variance of a length with the arm's scatter [mm]."""
-        return float(np.sqrt(np.mean(self.uncertainty_mm**2) + self.scatter_mm**2))
-
-    def rewhitened(self, result: BlockResult) -> BlockResult:
-        """Return a result with this block's weights."""
-        n, joints = self.targets.stops.joints_rad.shape
-        direction = np.zeros((n, 3)) if result.direction is None else result.direction
-        lever = np.zeros((n, joints)) if result.lever_mm is None else result.lever_mm
-        return replace(result, whitening=self._whitening(direction, lever))
-
-    def squared(self, result: BlockResult) -> FloatArray:
-        """Return each length's squared residual over its variance, scatter included, shape (n,)."""
-        return np.asarray(result.residual[:, 0] ** 2 / (self.component_variance() + self.scatter_mm**2))
-
-    def _whitening(self, direction: FloatArray, lever_mm: FloatArray) -> Whitener:
-        together = self._together()
-        part = np.where(together, _OWN_SHARE, 1.0) * self.discrepancy
-        own = (self.uncertainty_mm**2 + part**2)[:, None, None]
-        joints = together[:, None] * self.discrepancy / _ARM_MM * lever_mm
-        shared = np.hstack([self.scatter_mm * direction, joints])
-        return whitener(own, self.weights, self.targets.stops.config, shared[:, None, :])
-
-    def _together(self) -> BoolArray:
-        """Return which legs were read at a stop with others, shape (n,)."""
-        _, stop, legs = np.unique(self.targets.stops.config, return_inverse=True, return_counts=True)
-        return np.asarray(legs[stop] > 1)
 
 
 def leg_targets(legs: LegReadings) -> Targets:

@@ -1,8 +1,9 @@
 """The readings of a campaign as observations: the one place that asks which kind they are."""
 
-from truepose.domain.campaign import PointReadings, Readings
+from truepose.domain.campaign import LegReadings, PointReadings, Readings
 from truepose.identification.model.structure import Structure
 from truepose.identification.observations.blocks import Block
+from truepose.identification.observations.contacts.block import contact_block
 from truepose.identification.observations.legs import leg_block
 from truepose.identification.observations.positions import position_block
 
@@ -12,7 +13,7 @@ def observed(readings: Readings, scatter_mm: float, structure: Structure) -> Blo
 
     Parameters
     ----------
-    readings : PointReadings or LegReadings
+    readings : PointReadings, LegReadings or ContactReadings
     scatter_mm : float
         Of the arm per axis, beside what the readings state.
     structure : Structure
@@ -21,8 +22,10 @@ def observed(readings: Readings, scatter_mm: float, structure: Structure) -> Blo
     Raises
     ------
     ConfigurationError
-        A leg is from a cup that the model does not know.
+        A leg is from a cup, or a contact against a target, that the model does not know.
     """
     if isinstance(readings, PointReadings):
         return position_block(readings, scatter_mm)
-    return leg_block(readings, scatter_mm, structure.anchors)
+    if isinstance(readings, LegReadings):
+        return leg_block(readings, scatter_mm, structure.anchors)
+    return contact_block(readings, scatter_mm, structure.targets)

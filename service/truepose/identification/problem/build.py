@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
-from truepose.domain.campaign import Campaign, LegReadings, PointReadings, Quantity, Stops
+from truepose.domain.campaign import Campaign, ContactReadings, LegReadings, PointReadings, Quantity, Stops
 from truepose.domain.errors import ConfigurationError
 from truepose.effects.base.base_frame import NAME as BASE
 from truepose.effects.ports import Setting, Trait
@@ -16,6 +16,7 @@ from truepose.identification.observations.blocks import Block
 from truepose.identification.observations.fixed_nests import reference_block, with_reference_parameters
 from truepose.identification.observations.orientations import orientation_block
 from truepose.identification.observations.positions import position_block
+from truepose.identification.problem.contacts import contact_structure
 from truepose.identification.problem.legs import leg_structure
 from truepose.identification.problem.placement import Placement, place
 from truepose.identification.problem.setting import (
@@ -75,13 +76,14 @@ def build(campaign: Campaign, effects: tuple[str, ...], *, with_reference: bool 
     readings = campaign.readings
     if readings is None:
         raise ConfigurationError(
-            "The campaign has neither calibration points nor legs: give one of them under `files`."
+            "The campaign has neither calibration points nor legs nor contacts: "
+            "give one of them under `files`."
         )
     _check(campaign, readings.stops, effects)
     problem = (
         _point_problem(campaign, readings, effects)
         if isinstance(readings, PointReadings)
-        else _leg_problem(campaign, readings, effects)
+        else _length_problem(campaign, readings, effects)
     )
     if not problem.structure.specs:
         raise ConfigurationError(
@@ -156,9 +158,14 @@ def _mean_turn(turns: FloatArray) -> FloatArray:
     return rotation_from_vector(np.median(vector_from_rotation(turns), axis=0))
 
 
-def _leg_problem(campaign: Campaign, legs: LegReadings, effects: tuple[str, ...]) -> Problem:
-    setting = setting_of(campaign, legs.stops)
-    structure, blocks, start = leg_structure(campaign, legs, effects, setting)
+def _length_problem(
+    campaign: Campaign, lengths: LegReadings | ContactReadings, effects: tuple[str, ...]
+) -> Problem:
+    setting = setting_of(campaign, lengths.stops)
+    if isinstance(lengths, LegReadings):
+        structure, blocks, start = leg_structure(campaign, lengths, effects, setting)
+    else:
+        structure, blocks, start = contact_structure(campaign, lengths, effects, setting)
     nominal = structure.without(tuple(name for name in effects if name not in NOMINAL_EFFECTS))
     keep = [structure.index_of(name) for name in nominal.names]
     residual = blocks[0].result(nominal, start[keep], None).residual

@@ -66,7 +66,7 @@ def place_legs(
         chain.rotation[-1][rows], chain.origin[-1][rows], nest[rows], anchor[rows], length_mm[rows],
         nests_mm, nest_unknown, told_mm, with_offset,
     )  # fmt: skip
-    starts = [search.start(attachment) for attachment in _attachments(bool(nest_unknown.any()))]
+    starts = [search.start(attachment) for attachment in attachments(bool(nest_unknown.any()))]
     starts.sort(key=search.typical)
     ends = [search.refined(start) for start in starts[:_REFINED]]
     return search.answer(min(ends, key=search.typical))
@@ -82,7 +82,8 @@ def _spread(anchor: IntArray) -> IntArray:
     return np.sort(np.concatenate(chosen))
 
 
-def _attachments(unknown: bool) -> list[FloatArray]:
+def attachments(unknown: bool) -> list[FloatArray]:
+    """Return the places in the last frame where an unknown nest is tried first, shape (3,) each."""
     if not unknown:
         return [np.zeros(3)]
     directions = [np.array(d, dtype=float) for d in np.ndindex(3, 3, 3)]

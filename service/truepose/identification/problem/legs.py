@@ -5,22 +5,20 @@ from dataclasses import replace
 import numpy as np
 
 from truepose.domain.arrays import FloatArray, IntArray
-from truepose.domain.campaign import Campaign, FixtureLengths, LegReadings
+from truepose.domain.campaign import Campaign, LegReadings
 from truepose.domain.errors import ConfigurationError
 from truepose.domain.robot import FramePlacement
 from truepose.effects.base.base_frame import NAME as BASE
 from truepose.effects.ports import ParameterSpec, Setting
-from truepose.effects.tool.tool_certificate import NAME as TOOL_CERTIFICATE
-from truepose.effects.tool.tool_certificate import certificate_specs
-from truepose.identification.distributions import chi2_limit
 from truepose.identification.model.anchors import LEG_OFFSET, LEG_OWNER, anchor_name
 from truepose.identification.model.structure import Structure
 from truepose.identification.observations.blocks import Block
-from truepose.identification.observations.fixture import BALL_NEST, TOOL_PLACEMENT, clamp_block, side_block
+from truepose.identification.observations.fixture import BALL_NEST, clamp_block, side_block
 from truepose.identification.observations.legs import leg_block
+from truepose.identification.problem.certified_nests import with_certified_nests
 from truepose.identification.problem.leg_placement import LegPlacement, place_legs
 from truepose.identification.problem.placement import Known, Placement
-from truepose.identification.problem.setting import known_placement, unknown_nests
+from truepose.identification.problem.setting import known_placement
 from truepose.identification.problem.start import started_structure
 from truepose.kinematics.chain import nominal_chain
 from truepose.kinematics.frames import placement_rotation, placement_translation
@@ -29,7 +27,6 @@ _ANCHOR_WIDTH_MM = 10.0  # about the start found from the data, as for an unknow
 _NOMINAL_OFF_MM = (
     3.0  # no further is a nominal robot off: a cup that fits within that is where it was clamped
 )
-_CONTRADICTION_LEVEL = 1e-3  # at which a measured triangle is found to contradict the nests' certificates
 
 
 def leg_anchors(legs: LegReadings) -> tuple[tuple[tuple[int, int], ...], IntArray]:
@@ -70,7 +67,7 @@ def leg_structure(
     )
     placement = _at_base(campaign.base_nominal or FramePlacement(), found)
     structure, start = started_structure(_with_base(campaign), effects, placement, np.eye(3), setting)
-    structure, start = _with_certified_nests(structure, start, campaign, legs)
+    structure, start = with_certified_nests(structure, start, campaign, legs.nest)
     anchors_mm = found.anchors_mm @ placement.rotation.T + placement.origin_mm
     offset_mm = found.offset_mm if with_offset else None
     structure, start = _with_anchors(structure, start, anchors, anchors_mm, offset_mm)
@@ -105,45 +102,6 @@ def _fixture_blocks(campaign: Campaign, anchors: tuple[tuple[int, int], ...]) ->
         off_mm = float(np.hypot(clamped_mm, campaign.robot.repeatability_mm))
         blocks.append(clamp_block(setup, anchors, off_mm))
     return [block for block in blocks if block is not None]
-
-
-def _with_certified_nests(
-    structure: Structure, start: FloatArray, campaign: Campaign, legs: LegReadings
-) -> tuple[Structure, FloatArray]:
-    """Let certified nests move within their certificates: legs are finer than these."""
-    known = sorted(set(np.unique(legs.nest).tolist()) - set(unknown_nests(campaign)))
-    stated = {k: campaign.nests[k - 1].standard_uncertainty_mm for k in known}
-    wider = _certificates_contradicted(campaign)
-    specs = certificate_specs({k: wider * u for k, u in stated.items() if u})
-    if not specs:
-        return structure, start
-    return structure.extended(TOOL_CERTIFICATE, specs), np.concatenate([start, np.zeros(len(specs))])
-
-
-def _certificates_contradicted(campaign: Campaign) -> float:
-    """Return how much wider than certified nests scatter, by the measured triangle of the tool; 1 or more."""
-    fixture = campaign.fixture
-    if fixture is None:
-        return 1.0
-    tool = np.flatnonzero(fixture.placement == TOOL_PLACEMENT).tolist()
-    squares = [square for row in tool if (square := _against_certificate(campaign, fixture, row)) is not None]
-    total = float(np.sum(squares))
-    if not squares or total <= chi2_limit(_CONTRADICTION_LEVEL, len(squares)):
-        return 1.0
-    return float(np.sqrt(total / len(squares)))
-
-
-def _against_certificate(campaign: Campaign, fixture: FixtureLengths, row: int) -> float | None:
-    """Return the square of a side's deviation from its certificate over its variance, None without one."""
-    ends = (int(fixture.point_a[row]), int(fixture.point_b[row]))
-    if max(ends) > len(campaign.nests):
-        return None
-    first, second = (campaign.nests[end - 1] for end in ends)
-    if first.centre_mm is None or second.centre_mm is None:
-        return None
-    off_mm = float(fixture.length_mm[row] - np.linalg.norm(np.subtract(first.centre_mm, second.centre_mm)))
-    stated = (first.standard_uncertainty_mm or 0.0, second.standard_uncertainty_mm or 0.0)
-    return off_mm**2 / (float(fixture.standard_uncertainty_mm[row]) ** 2 + stated[0] ** 2 + stated[1] ** 2)
 
 
 def _at_base(base: FramePlacement, found: LegPlacement) -> Placement:

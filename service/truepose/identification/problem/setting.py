@@ -4,6 +4,7 @@ import numpy as np
 
 from truepose.domain.arrays import FloatArray, IntArray
 from truepose.domain.campaign import Campaign, Stops
+from truepose.domain.targets import SEEN_ALONG_AXES
 from truepose.effects.ports import Setting
 from truepose.identification.problem.placement import Known
 from truepose.kinematics.chain import nominal_chain
@@ -26,8 +27,10 @@ def unknown_nests(campaign: Campaign) -> tuple[int, ...]:
 
 
 def has_orientations(campaign: Campaign) -> bool:
-    """Whether the orientation of the tool was measured."""
-    return campaign.calibration is not None and campaign.calibration.quaternion is not None
+    """Whether the orientation of the tool shows in what was measured."""
+    if campaign.calibration is None:
+        return any(target.kind in SEEN_ALONG_AXES for target in campaign.targets)
+    return campaign.calibration.quaternion is not None
 
 
 def known_placement(campaign: Campaign) -> Known:

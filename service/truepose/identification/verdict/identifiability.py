@@ -14,7 +14,9 @@ from truepose.domain.sentences import Sentence, said
 from truepose.effects.base.base_frame import PARAMETERS as BASE
 from truepose.effects.ports import Setting, Trait
 from truepose.effects.registry import effects_with, left_open_by
+from truepose.identification.model.counterparts import certified_zeros
 from truepose.identification.model.structure import Structure
+from truepose.identification.verdict.size import split_off_size
 
 UNDETERMINED = 0.5  # of the prior width: what is not known better, the data leave open
 _TOGETHER = 0.05  # share of the largest motion at which a parameter takes part in a combination
@@ -30,6 +32,7 @@ _BASE_OF_CUPS = NotIdentifiable(
     BASE,
     said("open.base_of_cups"),
 )
+_BASE_OF_TARGETS = NotIdentifiable(BASE, said("open.base_of_targets"))
 
 
 def not_identifiable(
@@ -68,14 +71,24 @@ def left_open(
     """Name what these configurations leave open, others need not; parameters as above."""
     # What the readings leave open of a place within its certificate is nobody's question.
     certificates = effects_with(Trait.NUISANCE)
-    own = np.array([owner not in certificates for owner in structure.owners], dtype=bool)
-    found = _by_data(structure.without(certificates), covariance[np.ix_(own, own)], jacobian[own], moved)
+    held = certified_zeros(structure)
+    own = np.array(
+        [
+            owner not in certificates and name not in held
+            for name, owner in zip(structure.names, structure.owners, strict=True)
+        ],
+        dtype=bool,
+    )
+    asked = structure.kept(np.flatnonzero(own))
+    found = _by_data(asked, covariance[np.ix_(own, own)], jacobian[own], moved)
     return tuple(found)
 
 
 def _by_construction(structure: Structure, setting: Setting) -> tuple[NotIdentifiable, ...]:
-    """Return what effects and unknown cups leave open whatever is read."""
+    """Return what effects, unknown cups and targets of unknown place leave open whatever is read."""
     entries = left_open_by(structure.effects, structure.names, setting)
+    if structure.targets:
+        return (_BASE_OF_TARGETS, *entries)
     return (_BASE_OF_CUPS, *entries) if structure.anchors else entries
 
 
@@ -86,15 +99,20 @@ def _by_data(
     scaled = covariance / np.outer(widths, widths)
     eigenvalues, vectors = np.linalg.eigh(scaled)
     open_space = vectors[:, eigenvalues > UNDETERMINED**2]
+    size, open_space = split_off_size(structure, open_space)
+    entries = [] if size is None else [_of_size(size * widths, jacobian, structure)]
     if open_space.shape[1] == 0:
-        return []
-    entries = []
+        return entries
     for direction in _sparse_basis(open_space):
         members = _members(direction * widths, jacobian, structure)
         entry = NotIdentifiable(members, _reason(members, structure, moved))
         if entry not in entries:
             entries.append(entry)
     return entries
+
+
+def _of_size(direction: FloatArray, jacobian: FloatArray, structure: Structure) -> NotIdentifiable:
+    return NotIdentifiable(_members(direction, jacobian, structure), said("open.size"))
 
 
 def _sparse_basis(space: FloatArray) -> FloatArray:
@@ -131,6 +149,8 @@ def _reason(members: tuple[str, ...], structure: Structure, moved: BoolArray) ->
     last = structure.robot.n_joints
     if {"length_offset", *(name for name in members if name.startswith("anchor_"))} & set(members):
         return said("open.anchor")
+    if any(name.startswith("target_") for name in members):
+        return said("open.target")
     if "scale" in members:
         return said("open.scale")
     if nests and {f"theta_{last}", f"d_{last}"} & set(members) and not set(still) & joints_named:

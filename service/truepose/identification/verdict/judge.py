@@ -120,7 +120,7 @@ def judge(model: Model, readings: Readings, scatter_mm: float) -> Judged:
     Parameters
     ----------
     model : Model
-    readings : PointReadings or LegReadings
+    readings : PointReadings, LegReadings or ContactReadings
         n >= 1 readings.
     scatter_mm : float
         Of the arm per axis, beside what the readings state.

@@ -45,7 +45,7 @@ def too_few_data(campaign: Campaign, effects: tuple[str, ...]) -> Sentence | Non
     observations = per_reading * different
     if configurations == 1:
         return said("status.one_configuration", readings=len(readings))
-    if np.ptp(readings.observed_mm, axis=0).max() < _SAME_MM:
+    if readings.frozen_if_equal and np.ptp(readings.observed_mm, axis=0).max() < _SAME_MM:
         key = "status.same_position" if readings.quantity == "position" else "status.same_length"
         return said(key, readings=len(readings))
     if observations < parameters:

@@ -117,7 +117,7 @@ def _nominal(parameter: Parameter, model: Model, campaign: Campaign) -> float | 
         return _stated(model, kind, index)
     if kind == "base":
         return None if campaign.base_nominal is None else _start(parameter.name, model)
-    if kind in {"nest", "tool", "anchor"} or parameter.name == "length_offset":
+    if kind in {"nest", "tool", "anchor", "target"} or parameter.name == "length_offset":
         return None
     return 0.0
 

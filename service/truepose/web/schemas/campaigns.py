@@ -54,6 +54,8 @@ class CampaignReply(Reply):
     validation_points: int = Field(examples=[1000])
     calibration_legs: int
     validation_legs: int
+    calibration_contacts: int = Field(description="Readings of closed loops.")
+    validation_contacts: int
     reference_readings: int = Field(description="Looks at fixed nests.")
     ignored: list[str] = Field(description="Columns and keys kept but not understood, a sentence each.")
     notes: list[str]

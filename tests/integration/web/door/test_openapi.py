@@ -78,7 +78,7 @@ def test_every_number_that_is_a_quantity_names_its_unit():
     counts = re.compile(
         r"^(id|\w+_id|\w+_ids|n|config|nest|face|sign|joint|joints|direction|samples|port|status|seed|attachment"
         r"|supersedes|superseded_by|repeat_of|done|skipped|planned|measured|configurations?|observations"
-        r"|parameters|outliers|\w+_points|\w+_legs|\w+_readings|reference_every|fraction"
+        r"|parameters|outliers|\w+_points|\w+_legs|\w+_contacts|\w+_readings|reference_every|fraction"
         r"|number|\w+_number|entry|index|count|\w+_count|attempt|placement|poses|\w+_poses|base_point|base|tool"
         r"|corrected|far_moved|outside|line|a|b|legs|readings|watching|initialisation|exchanged"
         r"|row|group|revisits|degrees_of_freedom|targets|advised|nests|cycles|visits|set_aside)$"

@@ -204,7 +204,7 @@ def test_every_cut_of_the_file_is_refused():
     "key",
     sorted(
         json.loads(model_text(make_model())).keys()
-        - {"format", "units", "origin_s", "measured_zone", "shortfall"}
+        - {"format", "units", "origin_s", "measured_zone", "shortfall", "targets"}
     ),
 )
 def test_a_missing_key_is_named(key):
