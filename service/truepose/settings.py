@@ -35,4 +35,5 @@ class Settings:
     simulated_pace: Literal[0, 1] = 1  # wall time per cell time; 0: waiting costs nothing
     simulated_scenario: str = "irb120-tilted"  # without a cell file
     simulated_seed: int = 0
+    simulated_faults: Path | None = None  # what goes wrong in the simulated cell, and when
     allowed_hosts: tuple[str, ...] = ()  # names beside loopback and `host` under which it may be asked

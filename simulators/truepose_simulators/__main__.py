@@ -10,14 +10,18 @@ from pathlib import Path
 from truepose_simulators.cell.clock import CellClock, Pace
 from truepose_simulators.cell.journal import RememberedCell
 from truepose_simulators.errors import EndpointUnavailableError, ModelError, SimulatorError
+from truepose_simulators.faults.file import read_faults
+from truepose_simulators.faults.times import Fault
 from truepose_simulators.instruments.ballbars.ballbar_hid import HidBallbarGadget
 from truepose_simulators.instruments.ballbars.length_source import Electronics
 from truepose_simulators.instruments.ballbars.nd28x import nd28x_endpoint
 from truepose_simulators.instruments.ballbars.usb_itn import UsbItnGadget
 from truepose_simulators.instruments.ballbars.usbip import usbip_endpoint
+from truepose_simulators.instruments.cable import FaultyCable
 from truepose_simulators.instruments.camera.ndi_polaris import camera_endpoint
 from truepose_simulators.instruments.cell_clock import clock_endpoint
 from truepose_simulators.instruments.endpoint import Endpoint
+from truepose_simulators.instruments.faults_endpoint import faults_endpoint
 from truepose_simulators.instruments.hands_endpoint import hands_endpoint
 from truepose_simulators.instruments.robot.mappdk import MappdkProgram
 from truepose_simulators.instruments.robot.mappdk_server import mappdk_endpoint, mappdk_logger_endpoint
@@ -48,6 +52,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         scenario = load_scenario(options.scenario)
         model = None if options.model is None else _drivable(load_model(options.model))
         cell = RememberedCell(scenario, options.seed, CellClock(0), model)
+        for fault in _faults(options.faults, cell):
+            cell.add_fault(fault)
         asyncio.run(_run(cell, options))
     except EndpointUnavailableError as error:
         return _fail(error, _EXIT_DEVICE_FAILED)
@@ -81,6 +87,9 @@ def _parse(arguments: Sequence[str] | None) -> argparse.Namespace:
         "--model",
         type=Path,
         help="identified model (JSON): its robot, base and tool stand in the place of the scenario's",
+    )
+    parser.add_argument(
+        "--faults", type=Path, help="what goes wrong, and when: a file of [[fault]] tables (docs/faults.md)"
     )
     parser.add_argument(
         "--state",
@@ -124,6 +133,7 @@ async def _run(cell: RememberedCell, options: argparse.Namespace) -> None:
     endpoints, first = _endpoints(cell), options.port_base
     try:
         for offset, endpoint in enumerate(endpoints):
+            endpoint.cable = FaultyCable(endpoint.device, cell.faults, cell.clock)
             address = await endpoint.open(options.host, first + offset if first else 0)
             sys.stdout.write(address.as_json() + "\n")
         sys.stdout.flush()
@@ -147,7 +157,12 @@ def _endpoints(cell: RememberedCell) -> list[Endpoint]:
         usbip_endpoint("usb_itn", UsbItnGadget(bar)),
         hands_endpoint(cell),
         *([] if camera is None else [camera_endpoint(cell, camera)]),
+        faults_endpoint(cell),
     ]
+
+
+def _faults(path: Path | None, cell: RememberedCell) -> tuple[Fault, ...]:
+    return () if path is None else read_faults(path, cell.scenario.check_fault)
 
 
 def _controller(cell: RememberedCell) -> list[Endpoint]:

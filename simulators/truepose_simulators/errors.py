@@ -7,6 +7,7 @@ SimulatorError
 ├── JournalError             what was done in a cell cannot be kept or read: file, line, what to do
 ├── EndpointUnavailableError an endpoint cannot listen at its address
 ├── TruthRequestError        a request to the truth endpoint makes no sense
+├── ArmStoppedError          an emergency stop or a protective stop holds the arm
 ├── HandsError               the simulated person cannot do what is asked
 └── BeamError                the tracker has nothing to measure
     ├── NoTargetError          no reflector is locked on
@@ -40,6 +41,10 @@ class EndpointUnavailableError(SimulatorError):
 
 class TruthRequestError(SimulatorError):
     """A request to the truth endpoint makes no sense."""
+
+
+class ArmStoppedError(SimulatorError):
+    """A stop holds the arm."""
 
 
 class HandsError(SimulatorError):

@@ -107,7 +107,7 @@ async def ready_tracker(bench):
 
 async def test_units_that_another_program_changes_during_a_measurement_spoil_no_point(bench):
     tracker = await ready_tracker(bench)
-    bench.cell.add_fault(wire.TrackerUnitsChanged(1))
+    bench.cell.add_fault(wire.TrackerUnitsChanged())
 
     with pytest.raises(NotInitialisedError, match="units"):
         await tracker.measure_point(duration_s=0.5)
@@ -122,7 +122,7 @@ async def test_units_that_another_program_changes_during_a_measurement_spoil_no_
 
 async def test_the_result_of_an_earlier_measurement_is_no_point_of_this_one(bench):
     tracker = await ready_tracker(bench)
-    bench.cell.add_fault(wire.TrackerRepeatsResult(1))
+    bench.cell.add_fault(wire.TrackerRepeatsResult())
 
     with pytest.raises(RemoteProtocolError, match="earlier measurement"):
         await tracker.measure_point(duration_s=0.5)
@@ -131,7 +131,7 @@ async def test_the_result_of_an_earlier_measurement_is_no_point_of_this_one(benc
 
 async def test_a_result_that_was_under_way_is_passed_over(bench):
     tracker = await ready_tracker(bench)
-    bench.cell.add_fault(wire.TrackerStaleResult(1))
+    bench.cell.add_fault(wire.TrackerStaleResult())
 
     point = (await tracker.measure_point(duration_s=0.5)).point_mm
 

@@ -10,6 +10,7 @@ import sqlite3
 import subprocess
 import sys
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import httpx
@@ -205,6 +206,17 @@ def test_a_cell_file_with_a_mistake_is_one_sentence_and_status_2(database_url, t
 
     assert (status, out) == (2, "")
     assert err.startswith("cell.toml")
+    assert err.count("\n") == 1
+
+
+def test_faults_on_order_are_for_simulated_cells(database_url, tmp_path, refused):
+    (tmp_path / "cell.toml").write_text(CELL)
+    cell = Settings(database_url, port=0, cell_file=tmp_path / "cell.toml")
+
+    status, out, err = refused(replace(cell, simulated_faults=tmp_path / "morning.toml"))
+
+    assert (status, out) == (2, "")
+    assert "only a simulated cell has faults on order" in err
     assert err.count("\n") == 1
 
 

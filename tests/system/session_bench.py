@@ -6,9 +6,13 @@ import math
 import sys
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
+from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from tests.unit.service.sequencing.tracker.fakes import ListLedger
+from truepose.domain.arrays import FloatArray
 from truepose.domain.robot import JointRange
 from truepose.exchange.cells.file import simulated_cell
 from truepose.planning.work_volume.work_space import WorkSpace
@@ -78,6 +82,15 @@ class Bench:
         assert "error" not in answer, answer
         return answer
 
+    async def true_errors_mm(self) -> FloatArray:
+        """Return how far each reading is from what is true in the cell now, shape (n,)."""
+        points = self.journal.points
+        joints, nests = [point.commanded_rad for point in points], [point.nest for point in points]
+        true = await self.ask(op="positions", joints_rad=joints, nests=nests)
+        read = np.array([point.position_world_mm for point in points])
+        off: FloatArray = np.linalg.norm(read - np.array(true["positions_mm"]), axis=1)
+        return off
+
     async def close(self) -> None:
         await self.tracker.close()
         await self.robot.close()
@@ -85,14 +98,19 @@ class Bench:
 
 
 @asynccontextmanager
-async def bench(scenario: str, seed: int, *arguments: str) -> AsyncIterator[Bench]:
-    """Start the simulators at pace 0, with further arguments, and end them again."""
+async def bench(
+    scenario: str, seed: int, *arguments: str, scenario_file: Path | None = None
+) -> AsyncIterator[Bench]:
+    """Start the simulators at pace 0, with further arguments, and end them again.
+
+    `scenario_file` is the cell where it differs from the shipped one in what the service does not know.
+    """
     process = await asyncio.create_subprocess_exec(
         *(
             sys.executable,
             "-m",
             "truepose_simulators",
-            scenario,
+            str(scenario_file or scenario),
             "--seed",
             str(seed),
             "--pace",

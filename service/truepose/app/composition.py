@@ -12,7 +12,7 @@ from truepose.analysis.campaigns import CampaignDesk
 from truepose.analysis.jobs import JobDesk, Perform
 from truepose.analysis.workers.process import perform_in_worker
 from truepose.analysis.workers.uploads import Uploads
-from truepose.app.errors import StartError
+from truepose.app.errors import ScenarioRefusedError, StartError
 from truepose.app.simulation import Simulation, running_simulation
 from truepose.domain.cell import Cell, DeviceEntry
 from truepose.exchange.cells.file import read_cell, simulated_cell
@@ -149,10 +149,15 @@ def _present(cell: Cell, settings: Settings) -> PresentCell:
 async def _simulation(
     cell: Cell, settings: Settings, state: Path, stack: contextlib.AsyncExitStack
 ) -> Simulation | None:
+    faults = settings.simulated_faults
     if cell.simulated is None:
+        if faults is not None:
+            raise ScenarioRefusedError(
+                f"{faults}: only a simulated cell has faults on order; this one is real."
+            )
         return None
     pace = settings.simulated_pace if cell.simulated.pace is None else cell.simulated.pace
-    return await stack.enter_async_context(running_simulation(cell.simulated, pace, state))
+    return await stack.enter_async_context(running_simulation(cell.simulated, pace, state, faults))
 
 
 def _with_simulated_devices(cell: Cell, simulation: Simulation | None, drivers: DriverRegistry) -> Cell:

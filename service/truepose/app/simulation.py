@@ -18,7 +18,7 @@ from truepose.app.errors import ScenarioRefusedError, SimulationFailedError
 from truepose.domain.cell import Detail, SimulatedCell
 from truepose.web.context import Endpoint
 
-_NEEDED: Final = {"tracker", "robot", "clock", "truth", "ballbar", "hands"}
+_NEEDED: Final = {"tracker", "robot", "clock", "truth", "ballbar", "hands", "faults"}
 # Runs the simulators' process, and ends it when its input closes: then the service is gone, however it ended.
 _TIED: Final = """
 import os, runpy, sys, threading
@@ -48,7 +48,7 @@ class Simulation:
 
 @contextlib.asynccontextmanager
 async def running_simulation(
-    simulated: SimulatedCell, pace: int, state: Path | None = None
+    simulated: SimulatedCell, pace: int, state: Path | None = None, faults: Path | None = None
 ) -> AsyncIterator[Simulation]:
     """Start a simulated cell and end it with the context; raises SimulationFailedError.
 
@@ -60,6 +60,8 @@ async def running_simulation(
         arguments = [scenario, "--seed", str(simulated.seed), "--pace", str(pace)]
         if state is not None:
             arguments += ["--state", str(state)]
+        if faults is not None:
+            arguments += ["--faults", str(faults)]
         pipe = asyncio.subprocess.PIPE
         # A session of its own: ctrl-C at the terminal is for the service, which ends the cell in order.
         process = await asyncio.create_subprocess_exec(

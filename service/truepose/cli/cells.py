@@ -8,6 +8,9 @@ from typing import Annotated
 import typer
 
 Seed = Annotated[int, typer.Option(min=0, help="Which cell of that kind.")]
+Faults = Annotated[
+    Path | None, typer.Option(help="What goes wrong in the simulated cell, and when (TOML, docs/faults.md).")
+]
 
 
 def demo_command(
@@ -66,6 +69,7 @@ def serve_command(
             "https://NAME behind a proxy with TLS. May be repeated.",
         ),
     ] = None,
+    faults: Faults = None,
 ) -> int:
     """Run the service; prints one JSON line with its url when ready.
 
@@ -81,6 +85,7 @@ def serve_command(
             port=port,
             allowed_hosts=tuple(allowed_host or ()),
             cell_file=cell,
+            simulated_faults=faults,
         )
     )
 
@@ -101,6 +106,7 @@ def simulate_command(
             help="Keep what is done in this file; started with it again, the cell stands where it stood."
         ),
     ] = None,
+    faults: Faults = None,
 ) -> int:
     """Start only the simulated instruments and robot; prints one JSON line per endpoint.
 
@@ -110,6 +116,7 @@ def simulate_command(
     arguments = ["--seed", seed, "--port-base", port_base, "--pace", pace, "--host", host]
     arguments += [] if model is None else ["--model", model]
     arguments += [] if state is None else ["--state", state]
+    arguments += [] if faults is None else ["--faults", faults]
     command = [
         sys.executable,
         "-m",

@@ -10,8 +10,10 @@ from truepose_simulators.cell.building import Chances, adapted, draw_effects, dr
 from truepose_simulators.cell.clock import CellClock
 from truepose_simulators.cell.planted import PlantedEffects
 from truepose_simulators.cell.robot import JointMotion, Robot, SpeedLimits, check_range
-from truepose_simulators.faults.kinds import Fault, TrackerBlinded
+from truepose_simulators.errors import ArmStoppedError
+from truepose_simulators.faults.kinds import ArmStopped, TrackerBlinded, WrongCup
 from truepose_simulators.faults.scripted import Faults
+from truepose_simulators.faults.times import Fault
 from truepose_simulators.instruments.tracker.device import (
     HOME_MM,
     Target,
@@ -30,6 +32,7 @@ from truepose_simulators.scenarios.scenario import Scenario
 
 # Enough configurations all over the ranges that an arm which folds under its weight does so in one of them.
 _TRIED_STOPS = 32
+_LOOK_S = 0.1  # between two looks at whether something stops the arm
 
 
 class Cell:
@@ -54,7 +57,7 @@ class Cell:
         self.scenario = scenario
         self.seed = seed
         self.clock = clock
-        self.faults = Faults()
+        self.faults = Faults(lambda: clock.now_s)
         self.attachment = 1
         self.plant = draw_plant(scenario, plant_rng) if identified is None else identified.plant
         self.tool_nests_mm = draw_nests(scenario.tool.nests_mm, scenario.tool.nest_u_mm, plant_rng)
@@ -63,7 +66,7 @@ class Cell:
         chances = Chances(everyday_rng, np.random.default_rng(of_curves))
         self.planted = draw_effects(scenario, self.plant, seed, chances, effects)
         phase_rad = float(plant_rng.uniform(-math.pi, math.pi))
-        self.air = Air(scenario.air, phase_rad, lambda time_s: self.planted.warming_k(time_s))
+        self.air = Air(scenario.air, phase_rad, self._warming_k)
         self._first_frame = place_tracker(scenario.tracker, plant_rng)
         self.tracker = Tracker(scenario.tracker, self._frame_now, self._targets, self.noise, self._spoil)
         scatter_mm = scenario.arm.scatter_mm if scenario.noise else 0.0
@@ -91,16 +94,16 @@ class Cell:
         self.planted = planted
         self._stop = None
 
-    def add_fault(self, fault: Fault) -> None:
-        """Script a failure; raises ScenarioError when it cannot happen here."""
+    def add_fault(self, fault: Fault) -> int:
+        """Script a failure and return its number; raises ScenarioError when it cannot happen here."""
         self.scenario.check_fault(fault)
-        self.faults.add(fault)
+        return self.faults.add(fault)
 
     async def move_robot(
         self, waypoints_rad: Sequence[FloatArray], limits: SpeedLimits, tool_mm: FloatArray
     ) -> None:
-        """Move along waypoints and return when the arm is at rest; raises TargetOutOfRangeError."""
-        await self.clock.sleep(self.set_off(waypoints_rad, limits, tool_mm).duration_s)
+        """Move along waypoints until at rest; raises TargetOutOfRangeError and ArmStoppedError."""
+        await self.glide(self.set_off(waypoints_rad, limits, tool_mm).duration_s)
 
     def set_off(
         self, waypoints_rad: Sequence[FloatArray], limits: SpeedLimits, tool_mm: FloatArray
@@ -112,6 +115,22 @@ class Cell:
         self._lose_sight(motion)
         self.hands.follow(motion)
         return motion
+
+    async def glide(self, duration_s: float) -> None:
+        """Let so much time go by in a motion; raises ArmStoppedError where something stops it."""
+        end_s = self.clock.now_s + duration_s
+        while not self.faults.holds(ArmStopped, self.clock.now_s):
+            left_s = self.faults.begins_s(ArmStopped, end_s) - self.clock.now_s
+            if left_s <= 0.0:
+                return
+            # Where time is real a stop may be given meanwhile.
+            await self.clock.sleep(min(left_s, _LOOK_S) if self.clock.waits else left_s)
+        self.halt_robot()
+        raise ArmStoppedError("the arm was stopped, and does not move before the stop is released")
+
+    def measured_here(self) -> None:
+        """Note that something on the tool is read where the arm stands: that is what faults count."""
+        self.faults.measured_at(tuple(self.robot.target_rad.tolist()))
 
     def halt_robot(self) -> None:
         """Stop the arm where it is now; without a motion under way that is nothing."""
@@ -134,7 +153,9 @@ class Cell:
         # Nothing but a planted change does anything to a standing arm that shows within a second.
         changes = sum(change.from_s <= time_s for change in self.planted.changes)
         second = math.floor(time_s) if self.planted else 0
-        key = (self.robot.stop_number, second, changes, len(self.planted.changes), self.attachment)
+        slipped = self.faults.tool_shift_mm(time_s)
+        planted = len(self.planted.changes)
+        key = (self.robot.stop_number, second, changes, planted, self.attachment, *slipped)
         if self._standing is None or self._standing[0] != key:
             nests = self._nests_mm(self.robot.target_rad, time_s)
             self._standing = (key, nests + self.robot.scatter_mm)
@@ -147,6 +168,12 @@ class Cell:
     def nest_taken(self, nest: int) -> int:
         """Return the nest that is truly taken for `nest` now; another one where labels are swapped."""
         return int(self.nests_read(np.array([nest]), np.array([self.clock.now_s]))[0])
+
+    def cup_taken(self, cup: int) -> int:
+        """Return the cup of the base that the person truly takes for `cup` now."""
+        self.measured_here()
+        slip = self.faults.next_connection()
+        return slip.cup if isinstance(slip, WrongCup) else cup
 
     def wild_mm(self) -> float:
         """By how much a length that is connected now is read wrong."""
@@ -163,7 +190,11 @@ class Cell:
     def true_nests_mm(self, conditions: Conditions) -> FloatArray:
         """Tool nests where they truly are, last frame, shape (1 or n, nests, 3)."""
         places: FloatArray = self.tool_nests_mm + self.planted.nest_offsets_mm(conditions)
-        return places
+        if not self.faults.moves_frames:
+            return places
+        slipped = np.array([self.faults.tool_shift_mm(float(at_s)) for at_s in conditions.time_s])
+        shifted: FloatArray = places + slipped[:, np.newaxis]
+        return shifted
 
     def conditions(
         self, joints_rad: FloatArray, direction: FloatArray, time_s: FloatArray, attachment: FloatArray
@@ -184,7 +215,10 @@ class Cell:
 
     def tracker_frames(self, time_s: FloatArray) -> FloatArray:
         """Where the tracker stands in the world at times, shape (n,) -> (n, 4, 4)."""
-        frames: FloatArray = small_motion(self.planted.frame_motion(time_s)) @ self._first_frame
+        moved = self.planted.frame_motion(time_s)
+        if self.faults.moves_frames:
+            moved = moved + np.array([self.faults.tracker_motion(float(at_s)) for at_s in time_s])
+        frames: FloatArray = small_motion(moved) @ self._first_frame
         return frames
 
     def spoiled(self, reading_mm: FloatArray, time_s: FloatArray) -> FloatArray:
@@ -201,12 +235,18 @@ class Cell:
         """Nests (1-based) that are truly read under the labels `nest`, shape (n,)."""
         return self.planted.nests_read(nest, time_s, self._spoil_rng)
 
+    def _warming_k(self, time_s: FloatArray) -> FloatArray:
+        warmer = self.planted.warming_k(time_s)
+        if self.faults.moves_frames:
+            warmer = warmer + np.array([self.faults.warming_k(float(at_s)) for at_s in time_s])
+        return warmer
+
     def _nests_mm(self, joints_rad: FloatArray, time_s: float) -> FloatArray:
         nests: FloatArray = self.true_positions(self._conditions(joints_rad[np.newaxis], time_s))[0]
         return nests
 
     def _frame_now(self) -> FloatArray:
-        if not self.planted:
+        if not self.planted and not self.faults.moves_frames:
             return self._first_frame
         now: FloatArray = self.tracker_frames(np.array([self.clock.now_s]))[0]
         return now
@@ -256,7 +296,8 @@ class Cell:
         now = self.clock.now_s
         moving = self.robot.moving(now)
         # Without effects nothing about a stop depends on time.
-        key = (self.robot.stop_number, now if moving or self.planted else -1.0, self.attachment)
+        changes = moving or self.planted or self.faults.moves_frames
+        key = (self.robot.stop_number, now if changes else -1.0, self.attachment)
         if self._stop is None or self._stop[0] != key:
             conditions = self.conditions_now()
             rest = self.rest(conditions)

@@ -1,86 +1,107 @@
-"""What may go wrong in a cell; faults come from the scenario (`[[fault]]`) or over the truth endpoint."""
+"""What may go wrong in a cell, by the names that files and requests have for it (docs/faults.md)."""
 
-import math
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import TypeAlias
 
 from truepose_simulators.errors import ScenarioError
-from truepose_simulators.faults.times import AtMove, AtReading, Lasting, from_one
-from truepose_simulators.faults.wire import (
-    BallbarFrozen,
-    BallbarInches,
-    BallbarKeyPressed,
-    CameraFrozen,
-    LineDoublesDigits,
-    LineStalls,
-    TrackerRepeatsResult,
-    TrackerStaleResult,
-    TrackerUnitsChanged,
-    TrackerWireFault,
-    WireFault,
-)
+from truepose_simulators.faults import links, wire
+from truepose_simulators.faults.times import AtConnection, AtMove, AtReading, Fault, Lasting
 from truepose_simulators.physics.arm import Vector
 
 _WITH_SERIAL = ("tracker", "robot", "ballbar", "pose_tracker")
 _LONGEST_SERIAL = 12  # the ballbar's own report has room for so many
+_NO_VECTOR: Vector = (0.0, 0.0, 0.0)
 
 
-@dataclass(frozen=True, slots=True)
 class BeamBroken(AtReading):
-    """Something crosses the beam during `count` stationary measurements from number `reading` on."""
-
-    count: int = 1
-
-    def __post_init__(self) -> None:
-        from_one(self, "reading", "count")
+    """Something crosses the beam during a stationary measurement."""
 
 
 class TrackerSilent(AtReading):
-    """The tracker accepts measurement number `reading` and never says anything about it."""
+    """The tracker accepts a measurement and never says anything about it."""
 
 
 class TrackerCut(AtReading):
-    """The link breaks in the middle of the result of measurement number `reading`."""
+    """The link breaks in the middle of the result of a measurement."""
 
 
 class TrackerBlinded(Lasting):
-    """The tracker sees no reflector at all."""
+    """Tracker and camera see nothing at all."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TripodKicked(Lasting):
+    """The tracker's frame moves by this, about the world's origin; until the end it stays there."""
+
+    by_mm: Vector = _NO_VECTOR
+    turned_rad: Vector = _NO_VECTOR
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TrackerDrifts(Lasting):
+    """The tracker's frame creeps along the axes of the world; at the end it stays where it is."""
+
+    mm_per_h: Vector
 
 
 @dataclass(frozen=True, slots=True)
-class SmrMissing:
+class SmrMissing(Lasting):
     """Somebody left the reflector out of tool nest `nest`."""
 
     nest: int
-    from_s: float = 0.0
-    until_s: float = math.inf
 
 
 @dataclass(frozen=True, slots=True)
-class FixedNestMoved:
+class FixedNestMoved(Lasting):
     """Fixed nest `nest` is knocked by `by_mm` (world frame)."""
 
     nest: int
     by_mm: Vector
-    from_s: float = 0.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ToolSlips(Lasting):
+    """The tool sits elsewhere on the flange by this (last frame)."""
+
+    by_mm: Vector
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TemperatureStep(Lasting):
+    """Somebody opened the door: the air is warmer by this."""
+
+    by_k: float
 
 
 class BallbarTooFast(Lasting):
     """The ballbar is moved faster than its transducer can count: it has no value until it counts again."""
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BallbarZeroJumps(Lasting):
+    """The gauge shows more by this: it was dropped, or its zero was set."""
+
+    by_mm: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class WrongCup(AtConnection):
+    """The person puts the ballbar on cup `cup` of the base, whatever was asked for."""
+
+    cup: int
+
+
 @dataclass(frozen=True, slots=True)
-class IdentityChanged:
+class IdentityChanged(Lasting):
     """From now on another `device` (one of `_WITH_SERIAL`) answers: with this serial number."""
 
     device: str
     serial: str  # empty: it tells none, where its protocol knows a word for that
-    from_s: float = 0.0
 
     def __post_init__(self) -> None:
+        Lasting.__post_init__(self)
         if self.device not in _WITH_SERIAL:
             raise ScenarioError(f'key "device" must be one of {", ".join(_WITH_SERIAL)}, not {self.device!r}')
         if self.device == "tracker" and not re.fullmatch(r"[0-9]{1,9}", self.serial):  # emScon: 32 bits
@@ -90,50 +111,55 @@ class IdentityChanged:
 
 
 class RobotRefuses(AtMove):
-    """The controller stops its program at move number `move`, as it does for a target out of range."""
+    """The controller stops its program at a motion, as it does for a target out of range."""
 
 
 class RobotHangs(AtMove):
-    """The arm moves to the target of move number `move`, but the reply never comes."""
+    """The arm moves to its target, but the reply never comes."""
 
 
-Fault: TypeAlias = (
-    BeamBroken
-    | TrackerSilent
-    | TrackerCut
-    | TrackerBlinded
-    | SmrMissing
-    | FixedNestMoved
-    | BallbarTooFast
-    | IdentityChanged
-    | RobotRefuses
-    | RobotHangs
-    | WireFault
-    | TrackerWireFault
-)
-ReadingFault: TypeAlias = BeamBroken | TrackerSilent | TrackerCut | TrackerWireFault
-MoveFault: TypeAlias = RobotRefuses | RobotHangs
+class ArmStopped(Lasting):
+    """The arm stops where it is, its program ends, and none moves it while this holds."""
+
+
+class EmergencyStop(ArmStopped):
+    """Somebody presses the emergency stop."""
+
+
+class ProtectiveStop(ArmStopped):
+    """The controller stops by itself: a collision, a fence, a limit of its safety configuration."""
+
 
 KINDS: Mapping[str, type[Fault]] = MappingProxyType({
     "beam_broken": BeamBroken,
     "tracker_silent": TrackerSilent,
     "tracker_cut": TrackerCut,
     "tracker_blinded": TrackerBlinded,
+    "tripod_kicked": TripodKicked,
+    "tracker_drifts": TrackerDrifts,
     "smr_missing": SmrMissing,
     "fixed_nest_moved": FixedNestMoved,
+    "tool_slips": ToolSlips,
+    "temperature_step": TemperatureStep,
     "ballbar_too_fast": BallbarTooFast,
+    "ballbar_zero_jumps": BallbarZeroJumps,
+    "wrong_cup": WrongCup,
     "identity_changed": IdentityChanged,
-    "ballbar_frozen": BallbarFrozen,
-    "ballbar_inches": BallbarInches,
-    "ballbar_key_pressed": BallbarKeyPressed,
-    "camera_frozen": CameraFrozen,
-    "line_stalls": LineStalls,
-    "line_doubles_digits": LineDoublesDigits,
-    "tracker_units_changed": TrackerUnitsChanged,
-    "tracker_repeats_result": TrackerRepeatsResult,
-    "tracker_stale_result": TrackerStaleResult,
+    "ballbar_frozen": wire.BallbarFrozen,
+    "ballbar_inches": wire.BallbarInches,
+    "ballbar_key_pressed": wire.BallbarKeyPressed,
+    "camera_frozen": wire.CameraFrozen,
+    "line_stalls": wire.LineStalls,
+    "line_doubles_digits": wire.LineDoublesDigits,
+    "tracker_units_changed": wire.TrackerUnitsChanged,
+    "tracker_repeats_result": wire.TrackerRepeatsResult,
+    "tracker_stale_result": wire.TrackerStaleResult,
     "robot_refuses": RobotRefuses,
     "robot_hangs": RobotHangs,
+    "emergency_stop": EmergencyStop,
+    "protective_stop": ProtectiveStop,
+    "link_cut": links.LinkCut,
+    "link_half_open": links.LinkHalfOpen,
 })
 
 

@@ -1,7 +1,4 @@
-"""Scripted failures of wires, keys and other programs: what a driver must not take for a reading.
-
-Times are cell time; `reading` counts stationary measurements from the moment the fault is given.
-"""
+"""Scripted failures of wires, keys and other programs: what a driver must not take for a reading."""
 
 from typing import TypeAlias
 
@@ -33,15 +30,15 @@ class CameraFrozen(Lasting):
 
 
 class TrackerUnitsChanged(AtReading):
-    """Another program sets inches during measurement number `reading`; announced where asked for."""
+    """Another program sets inches during a measurement; announced where asked for."""
 
 
 class TrackerRepeatsResult(AtReading):
-    """Measurement number `reading` is answered with the result of the one before."""
+    """A measurement is answered with the result of the one before."""
 
 
 class TrackerStaleResult(AtReading):
-    """The result of the measurement before comes once more, just before number `reading` is accepted."""
+    """The result of the measurement before comes once more, just before the next one is accepted."""
 
 
 WireFault: TypeAlias = (

@@ -7,6 +7,7 @@ from collections.abc import Awaitable, Callable
 from dataclasses import asdict, dataclass
 
 from truepose_simulators.errors import EndpointUnavailableError
+from truepose_simulators.instruments.cable import Cable, Plugged
 
 # What a client may send ahead of being read; also the longest line of a protocol of lines.
 _BUFFER_BYTES = 1 << 16
@@ -36,6 +37,7 @@ class Endpoint:
     ) -> None:
         self.device = device
         self.protocol = protocol
+        self.cable: Cable = Plugged()
         self._serve = serve
         self._buffer_bytes = buffer_bytes
         self._server: asyncio.Server | None = None
@@ -78,7 +80,9 @@ class Endpoint:
         # A client that vanishes is an everyday event for a server, not an error.
         with contextlib.suppress(ConnectionError):
             try:
-                await self._serve(reader, writer)
+                ends = await self.cable.connect(reader, writer)
+                if ends is not None:
+                    await self._serve(*ends)
             finally:
                 writer.close()
 

@@ -15,20 +15,20 @@ at cell time `time_s` (a number or one per row; now when absent). `nests` has on
 it each row gives all nests. An impossible request is answered `{"error": "..."}`.
 """
 
-import asyncio
-import json
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
 from truepose_simulators.cell.true_cell import Cell
 from truepose_simulators.cell.truth_document import plant_document
-from truepose_simulators.errors import SimulatorError, TruthRequestError
+from truepose_simulators.errors import TruthRequestError
+from truepose_simulators.faults.table import read_fault
 from truepose_simulators.instruments.endpoint import Endpoint
+from truepose_simulators.instruments.json_requests import Operations, carry_out, requests_endpoint
 from truepose_simulators.instruments.tracker.device import seen_from
 from truepose_simulators.physics.rigid import FloatArray
-from truepose_simulators.scenarios.file import read_change, read_fault
+from truepose_simulators.scenarios.file import read_change
 
 _LONGEST_LINE_BYTES = 1 << 26  # 10,000 configurations are 1.3 MB
 _LATEST_S = 1e9  # thirty years of cell time
@@ -38,48 +38,12 @@ _AIM_STEP_MM = 20.0
 
 def truth_endpoint(cell: Cell) -> Endpoint:
     """Build the truth endpoint of a cell."""
-
-    async def serve(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
-        while True:
-            try:
-                line = await reader.readline()
-            except ValueError:  # the reader's word for a line that does not end
-                sentence = f"a request is one line of at most {_LONGEST_LINE_BYTES} bytes"
-                writer.write(_encode({"error": sentence}))
-                return
-            if not line:
-                return
-            writer.write(_encode(answer(line, cell)))
-            await writer.drain()
-
-    return Endpoint("truth", "truth", serve, buffer_bytes=_LONGEST_LINE_BYTES)
+    return requests_endpoint("truth", lambda line: answer(line, cell), longest_bytes=_LONGEST_LINE_BYTES)
 
 
 def answer(line: bytes, cell: Cell) -> dict[str, Any]:
     """Carry out one request line."""
-    try:
-        request = _decode(line)
-        operation = request.get("op")
-        if not isinstance(operation, str) or operation not in _OPERATIONS:
-            raise TruthRequestError(f'key "op" must be one of {", ".join(_OPERATIONS)}')
-        rest = {key: value for key, value in request.items() if key != "op"}
-        return _OPERATIONS[operation](rest, cell)
-    except SimulatorError as error:
-        return {"error": str(error)}
-
-
-def _encode(document: dict[str, Any]) -> bytes:
-    return json.dumps(document, allow_nan=False).encode() + b"\n"
-
-
-def _decode(line: bytes) -> dict[str, Any]:
-    try:
-        request = json.loads(line)
-    except (ValueError, RecursionError) as error:
-        raise TruthRequestError(f"the request is no JSON: {error}") from error
-    if not isinstance(request, dict):
-        raise TruthRequestError('a request is an object such as {"op": "plant"}')
-    return request
+    return carry_out(line, _OPERATIONS, cell)
 
 
 def _positions(request: Mapping[str, object], cell: Cell) -> dict[str, Any]:
@@ -121,7 +85,7 @@ def _attach(request: Mapping[str, object], cell: Cell) -> dict[str, Any]:
     return {"attachment": cell.attachment}
 
 
-_OPERATIONS: Mapping[str, Callable[[Mapping[str, object], Cell], dict[str, Any]]] = {
+_OPERATIONS: Operations = {
     "positions": _positions,
     "plant": _plant,
     "aim": _aim,

@@ -48,6 +48,10 @@ class Workplace(Protocol):
         """Return the nest that is truly taken for `nest`; another one where labels are swapped."""
         ...
 
+    def cup_taken(self, cup: int) -> int:
+        """Return the cup that is truly taken for `cup` now; another one where the person errs."""
+        ...
+
     def wild_mm(self) -> float:
         """By how much a connection made now is read wrong."""
         ...
@@ -187,7 +191,8 @@ class Hands:
 
     def _connect(self, leg: _Leg) -> None:
         self._need_bars("base", "a leg")
-        self._put_between(Ball("cup", leg.base), Ball("nest", leg.tool))
+        cup = leg.base if self._known_to_fit else self._workplace.cup_taken(leg.base)
+        self._put_between(Ball("cup", cup), Ball("nest", leg.tool))
 
     def _side(self, side: _Side) -> None:
         artefact = _bar_set(side.artefact, "artefact")

@@ -14,7 +14,8 @@ from truepose_simulators.cell.curves import CurveSizes
 from truepose_simulators.cell.everyday import EverydaySizes
 from truepose_simulators.cell.robot import TargetOutOfRangeError, check_range
 from truepose_simulators.errors import ScenarioError
-from truepose_simulators.faults.kinds import KINDS, Fault
+from truepose_simulators.faults.table import read_fault
+from truepose_simulators.faults.times import Fault
 from truepose_simulators.instruments.ballbars.accuracy import BallbarSetup
 from truepose_simulators.instruments.camera.accuracy import CameraSetup
 from truepose_simulators.instruments.tracker.accuracy import TrackerSetup
@@ -93,15 +94,6 @@ def load_scenario(name: str) -> Scenario:
     for number, change in enumerate(scenario.effects, start=1):
         _check_change(change, scenario, f"{where}: [[effect]] number {number}")
     return scenario
-
-
-def read_fault(table: object, where: str) -> Fault:
-    """Build a fault from a table with its `kind`; raises ScenarioError."""
-    kind = table.get("kind") if isinstance(table, Mapping) else None
-    if not isinstance(table, Mapping) or not isinstance(kind, str) or kind not in KINDS:
-        raise ScenarioError(f'{where}: key "kind" must be one of {", ".join(KINDS)}')
-    rest = {key: value for key, value in table.items() if key != "kind"}
-    return _read(KINDS[kind], rest, where)
 
 
 def read_change(table: object, where: str) -> PlantedChange:

@@ -6,7 +6,8 @@ from truepose_simulators.cell.air import AirSetup
 from truepose_simulators.cell.curves import CurveSizes
 from truepose_simulators.cell.everyday import EverydaySizes
 from truepose_simulators.errors import ScenarioError
-from truepose_simulators.faults.kinds import Fault, check_nest
+from truepose_simulators.faults.kinds import check_nest
+from truepose_simulators.faults.times import Fault
 from truepose_simulators.instruments.ballbars.accuracy import BallbarSetup
 from truepose_simulators.instruments.camera.accuracy import CameraSetup
 from truepose_simulators.instruments.tracker.accuracy import TrackerSetup

@@ -31,6 +31,7 @@ ANNOUNCED = [
     ("ballbar", "hid"),
     ("ballbar", "usb_itn"),
     ("hands", "hands"),
+    ("faults", "faults"),
 ]
 
 
@@ -146,6 +147,17 @@ def test_an_unknown_scenario_is_one_sentence_and_status_2():
     assert result.returncode == 2
     assert result.stderr.count("\n") == 1
     assert "irb120-tilted" in result.stderr
+
+
+def test_a_file_of_faults_with_a_mistake_is_one_sentence_with_its_line_and_status_2(tmp_path):
+    file = tmp_path / "morning.toml"
+    file.write_text('[[fault]]\nkind = "smr_missing"\nnest = 9\n')
+
+    done = run("irb120-clean", "--faults", str(file))
+
+    assert done.returncode == 2
+    assert done.stderr == f'{file}, line 3: key "nest" must be 1 to 3, not 9\n'
+    assert done.stdout == ""
 
 
 def test_the_same_seed_gives_the_same_cell_and_another_another(start):

@@ -85,7 +85,7 @@ def test_a_file_of_ones_own_builds_on_another_key_by_key(write):
     assert scenario.tracker.two_face_rad == 2e-6
     assert scenario.tracker.along_mm == 0.008
     assert scenario.effects == (PlantedChange("joint_gain", "joint 3", 1e-3, 0.0),)
-    assert scenario.faults == (BeamBroken(5), FixedNestMoved(2, (0.1, 0.0, 0.0), 100.0))
+    assert scenario.faults == (BeamBroken(reading=5), FixedNestMoved(2, (0.1, 0.0, 0.0), from_s=100.0))
 
 
 @pytest.mark.parametrize(
@@ -114,7 +114,7 @@ def test_a_file_of_ones_own_builds_on_another_key_by_key(write):
             'mine.toml: [[effect]] number 1: unknown effect "x"; known: axis_parallelism, ',
         ),
         ('robot = "irb120"\n[[fault]]\nkind = "flood"', "key \"kind\" must be one of beam_broken"),
-        ('robot = "irb120"\n[[fault]]\nkind = "tracker_cut"', '[[fault]] number 1: key "reading" is missing'),
+        ('robot = "irb120"\n[[fault]]\nkind = "smr_missing"', '[[fault]] number 1: key "nest" is missing'),
         ('robot = "irb120"\n[[fault]]\nkind = ["x"]', "key \"kind\" must be one of beam_broken"),
         ('robot = "irb120"\n[[fault]]\nkind = "tracker_cut"\nreading = 0', 'key "reading" must be 1 or more'),
         ('robot = "irb120"\n[[fault]]\nkind = "smr_missing"\nnest = 4', 'key "nest" must be 1 to 3, not 4'),

@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass
 from typing import Literal, Protocol
 
-from truepose_simulators.faults.kinds import BallbarTooFast
+from truepose_simulators.faults.kinds import BallbarTooFast, BallbarZeroJumps
 from truepose_simulators.faults.scripted import Faults
 from truepose_simulators.faults.wire import BallbarFrozen, WireFault
 
@@ -101,7 +101,9 @@ class Electronics:
         return self._faults.holds(kind, self._clock.now_s)
 
     def _read(self) -> Shown:
-        sample = self._bar.sample(self._clock.now_s)
-        if self._faults.holds(BallbarTooFast, self._clock.now_s):
+        now_s = self._clock.now_s
+        sample = self._bar.sample(now_s)
+        if self._faults.holds(BallbarTooFast, now_s):
             return Shown(math.nan, "none", sample.temperature_c, sample.sequence, too_fast=True)
-        return Shown(sample.deviation_mm, sample.signal, sample.temperature_c, sample.sequence)
+        off_mm = math.fsum(jump.by_mm for jump, _ in self._faults.holding(BallbarZeroJumps, now_s))
+        return Shown(sample.deviation_mm + off_mm, sample.signal, sample.temperature_c, sample.sequence)

@@ -129,6 +129,7 @@ class Polaris:
         options = _number(asked.arguments or "0001")
         if not self._cell.faults.holds(CameraFrozen, self._cell.clock.now_s):
             await self._next_frame(client)
+        self._cell.measured_here()
         encode = encode_binary if asked.name == "BX" else encode_text
         outside_too = bool(options & _OUTSIDE_TOO)
         enabled = [handle for handle, port in self._ports.items() if PortStatus.ENABLED in port.status]

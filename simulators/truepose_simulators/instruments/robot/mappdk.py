@@ -23,6 +23,7 @@ from truepose_drivers.fanuc_mappdk.protocol import (
 )
 from truepose_simulators.cell.robot import SpeedLimits, TargetOutOfRangeError, check_range, nominal_flange
 from truepose_simulators.cell.true_cell import Cell
+from truepose_simulators.errors import ArmStoppedError
 from truepose_simulators.faults.kinds import RobotHangs, RobotRefuses
 from truepose_simulators.instruments.robot.fanuc_joints import (
     flange_angles_deg,
@@ -87,6 +88,8 @@ class MappdkProgram:
             return encode_reply(Reply(ReplyCode.ERROR, str(error)))
         except (TargetOutOfRangeError, UnreachableError):
             return encode_reply(Reply(ReplyCode.ERROR, "position-is-not-reachable"))
+        except ArmStoppedError as error:
+            raise self._stopped(str(error)) from error
 
     async def _carry_out(self, request: Request) -> Reply:
         if request.name in _OWN and not self.is_ours:

@@ -25,7 +25,7 @@ from truepose_drivers.abb_open_abb.protocol import (
 )
 from truepose_simulators.cell.robot import SpeedLimits, TargetOutOfRangeError, nominal_flange
 from truepose_simulators.cell.true_cell import Cell
-from truepose_simulators.errors import SimulatorError
+from truepose_simulators.errors import ArmStoppedError, SimulatorError
 from truepose_simulators.faults.kinds import RobotHangs, RobotRefuses
 from truepose_simulators.instruments.robot.served_client import (
     AlwaysThere,
@@ -123,7 +123,7 @@ class MotionProgram:
             return encode_reply(Reply(request.code, ReplyStatus.BAD_MESSAGE))
         try:
             text = await self._carry_out(request)
-        except (TargetOutOfRangeError, UnreachableError, InvalidPoseError) as error:
+        except (TargetOutOfRangeError, UnreachableError, InvalidPoseError, ArmStoppedError) as error:
             raise self._stopped(str(error)) from error
         return encode_reply(Reply(request.code, ReplyStatus.OK, text))
 

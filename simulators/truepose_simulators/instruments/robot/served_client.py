@@ -81,13 +81,13 @@ async def rest_after(
 ) -> None:
     """Wait for the end of a motion; a watched one is given up when its client falls silent.
 
-    Raises ProgramStoppedError then. 0 for `watched_s` watches nobody.
+    Raises ProgramStoppedError then, and ArmStoppedError. 0 for `watched_s` watches nobody.
     """
     watched = watched_s > 0.0 and cell.clock.waits  # where time costs nothing nobody is late
     while watched and duration_s > look_s:
-        await cell.clock.sleep(look_s)
+        await cell.glide(look_s)
         duration_s -= look_s
         if client.silent_s() > watched_s:
             cell.halt_robot()
             raise ProgramStoppedError("nothing was heard of the client", drops=True)
-    await cell.clock.sleep(duration_s)
+    await cell.glide(duration_s)

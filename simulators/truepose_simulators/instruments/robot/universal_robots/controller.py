@@ -8,6 +8,7 @@ import numpy as np
 from truepose_drivers.universal_robots.protocol.modes import RobotMode, RuntimeState, SafetyMode
 from truepose_simulators.cell.robot import nominal_flange
 from truepose_simulators.cell.true_cell import Cell
+from truepose_simulators.faults.kinds import EmergencyStop, ProtectiveStop
 from truepose_simulators.physics.rigid import FloatArray, to_rotation_vector
 
 SOFTWARE = (3, 15, 8, 106339)  # of the CB series
@@ -60,9 +61,20 @@ class Controller:
                 return tuple(self._joints().tolist())
             case "actual_TCP_pose":
                 return self._flange()
-            case "robot_mode" | "safety_mode" | "runtime_state":
+            case "safety_mode":
+                return (int(self.safety()),)
+            case "robot_mode" | "runtime_state":
                 return (int(getattr(self, name)),)
         return self.registers[name]
+
+    def safety(self) -> SafetyMode:
+        """Return what the safety system allows now."""
+        now_s = self.cell.clock.now_s
+        if self.cell.faults.holds(EmergencyStop, now_s):
+            return SafetyMode.ROBOT_EMERGENCY_STOP
+        if self.cell.faults.holds(ProtectiveStop, now_s):
+            return SafetyMode.PROTECTIVE_STOP
+        return self.safety_mode
 
     def stop(self, safety_mode: SafetyMode) -> None:
         """Stop the arm and the program, as a protective stop or an emergency stop does."""

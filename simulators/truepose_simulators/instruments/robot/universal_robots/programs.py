@@ -22,6 +22,7 @@ from truepose_drivers.universal_robots.protocol.motion import (
     order_in,
 )
 from truepose_simulators.cell.robot import SpeedLimits, TargetOutOfRangeError
+from truepose_simulators.errors import ArmStoppedError
 from truepose_simulators.faults.kinds import RobotHangs, RobotRefuses
 from truepose_simulators.instruments.robot.universal_robots.controller import Controller
 from truepose_simulators.physics.rigid import FloatArray
@@ -50,7 +51,7 @@ class Programs:
 
     def start(self, script: str) -> None:
         """Run a script; one that is none of those above is told of and not run."""
-        if obstacle(self._controller.robot_mode, self._controller.safety_mode) is not None:
+        if obstacle(self._controller.robot_mode, self._controller.safety()) is not None:
             return
         self.stop()
         self._cell.halt_robot()
@@ -70,7 +71,7 @@ class Programs:
                 await self._carry_out(order)
             else:
                 self._answer(GIVEN_UP, order.number)
-        except TargetOutOfRangeError as error:
+        except (TargetOutOfRangeError, ArmStoppedError) as error:
             self._controller.tell(str(error))
         self._controller.runtime_state = RuntimeState.STOPPED
 
@@ -99,17 +100,17 @@ class Programs:
         self._answer(ARRIVED, order.number)
 
     async def _heard_for(self, duration_s: float) -> bool:
-        """Whether the beat goes on for so long."""
+        """Whether the beat goes on for so long; raises ArmStoppedError."""
         clock = self._cell.clock
         beat, unheard_s = self._order().beat, 0.0
         while clock.waits and duration_s > _LOOK_S:
-            await clock.sleep(_LOOK_S)
+            await self._cell.glide(_LOOK_S)
             duration_s -= _LOOK_S
             before, beat = beat, self._order().beat
             unheard_s = unheard_s + _LOOK_S if beat == before else 0.0
             if unheard_s >= SILENCE_S:
                 return False
-        await clock.sleep(duration_s)
+        await self._cell.glide(duration_s)
         return True
 
     async def _run_movej(self, joints: str) -> None:
@@ -120,7 +121,7 @@ class Programs:
         self._controller.runtime_state = RuntimeState.PLAYING
         try:
             await self._cell.move_robot([target], _AS_FAST_AS_JOINTS, _ORIGIN)
-        except TargetOutOfRangeError as error:
+        except (TargetOutOfRangeError, ArmStoppedError) as error:
             self._controller.tell(str(error))
         self._controller.runtime_state = RuntimeState.STOPPED
 

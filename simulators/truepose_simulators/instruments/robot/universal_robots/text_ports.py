@@ -76,7 +76,7 @@ class Dashboard:
             ROBOT_MODEL: lambda: controller.cell.plant.arm.model,
             "PolyscopeVersion": lambda: "URSoftware " + ".".join(map(str, SOFTWARE)),
             "robotmode": lambda: f"Robotmode: {controller.robot_mode.name}",
-            "safetymode": lambda: f"Safetymode: {controller.safety_mode.name}",
+            "safetymode": lambda: f"Safetymode: {controller.safety().name}",
             "running": lambda: f"Program running: {str(self._plays()).lower()}",
             "power on": lambda: self._go(RobotMode.IDLE, "Powering on"),
             "brake release": lambda: self._go(RobotMode.RUNNING, "Brake releasing"),

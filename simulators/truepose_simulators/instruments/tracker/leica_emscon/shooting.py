@@ -62,6 +62,8 @@ class Shooting:
         except BeamError:
             yield Answer(command, NO_REFLECTOR)
             return
+        if (self._tracker.target or "").startswith("tool"):
+            self._cell.measured_here()
         fault = self._cell.faults.next_reading()
         if isinstance(fault, TrackerStaleResult) and self._last_result is not None:
             yield self._last_result

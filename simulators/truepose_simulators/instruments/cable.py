@@ -1,0 +1,139 @@
+"""The cable of an endpoint: what becomes of words on it, as the faults of the cell have it."""
+
+import asyncio
+from collections.abc import Awaitable, Callable
+from typing import Any, Protocol, TypeAlias
+
+from truepose_simulators.cell.clock import CellClock
+from truepose_simulators.faults.links import LinkCut, LinkFault, LinkHalfOpen
+from truepose_simulators.faults.scripted import Faults
+
+Ends: TypeAlias = tuple[asyncio.StreamReader, asyncio.StreamWriter]
+
+_REFUSED_S = 1.0  # that an attempt to connect takes; else nobody's waiting would end a cut at pace 0
+
+
+class Cable(Protocol):
+    """What an endpoint asks of its cable."""
+
+    async def connect(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> Ends | None:
+        """Return what the server hears and speaks to; None where nobody can be reached."""
+        ...
+
+
+class Plugged:
+    """A cable that nothing happens to."""
+
+    async def connect(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> Ends | None:
+        """Return the ends as they are."""
+        return reader, writer
+
+
+class FaultyCable:
+    """The cable of a device in a cell; `endpoint` is the device's name, or of a further port of it."""
+
+    def __init__(self, endpoint: str, faults: Faults, clock: CellClock) -> None:
+        self._device = endpoint.partition("-")[0]
+        self._faults = faults
+        self._clock = clock
+
+    async def connect(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> Ends | None:
+        """Return the ends with their faults, None while it is cut: at pace 0 a second of the cell later."""
+        if self._holds(LinkCut):
+            if not self._clock.waits:
+                await self._clock.sleep(_REFUSED_S)
+            return None
+        connection = Connection(self, writer.transport.abort)
+        return Hearing(reader, connection), Speaking(writer, reader, connection)
+
+    @property
+    def mute(self) -> bool:
+        """Whether words are lost now."""
+        return self._holds(LinkHalfOpen)
+
+    @property
+    def cuts(self) -> int:
+        """How often it has been cut so far."""
+        now_s = self._clock.now_s
+        return sum(
+            isinstance(given.fault, LinkCut)
+            and given.fault.device == self._device
+            and given.began_s() <= min(now_s, given.over_s())
+            for given in self._faults.given
+        )
+
+    def _holds(self, kind: type[LinkFault]) -> bool:
+        return any(fault.device == self._device for fault, _ in self._faults.holding(kind, self._clock.now_s))
+
+
+class Connection:
+    """One connection over a cable; it breaks at the first word after a cut."""
+
+    def __init__(self, cable: FaultyCable, hang_up: Callable[[], None]) -> None:
+        self._cable = cable
+        self._hang_up = hang_up
+        self._cuts = cable.cuts
+
+    def carries(self) -> bool:
+        """Whether a word arrives now."""
+        if self.broken:
+            self._hang_up()
+        return not self.broken and not self._cable.mute
+
+    @property
+    def broken(self) -> bool:
+        """Whether the cable was cut since it was made."""
+        return self._cable.cuts > self._cuts
+
+
+class Hearing(asyncio.StreamReader):
+    """What a server hears of a client over a cable."""
+
+    def __init__(self, heard: asyncio.StreamReader, connection: Connection) -> None:
+        super().__init__()
+        self._heard = heard
+        self._connection = connection
+
+    async def read(self, n: int = -1) -> bytes:
+        """Return what comes next and arrives."""
+        return await self._arrived(lambda: self._heard.read(n))
+
+    async def readline(self) -> bytes:
+        """Return the next line that arrives."""
+        return await self._arrived(self._heard.readline)
+
+    async def readexactly(self, n: int) -> bytes:
+        """Return the next so many bytes that arrive."""
+        return await self._arrived(lambda: self._heard.readexactly(n))
+
+    def at_eof(self) -> bool:
+        """Whether the client is gone."""
+        return self._heard.at_eof()
+
+    def exception(self) -> Exception | None:
+        """Return why nothing can be read any more."""
+        return self._heard.exception()
+
+    async def _arrived(self, read: Callable[[], Awaitable[bytes]]) -> bytes:
+        while data := await read():
+            if self._connection.carries():
+                return data
+            if self._connection.broken:
+                raise ConnectionResetError("the cable was cut")
+        return data
+
+
+class Speaking(asyncio.StreamWriter):
+    """What a server says to a client over a cable."""
+
+    def __init__(
+        self, writer: asyncio.StreamWriter, heard: asyncio.StreamReader, connection: Connection
+    ) -> None:
+        protocol: Any = writer.transport.get_protocol()
+        super().__init__(writer.transport, protocol, heard, asyncio.get_running_loop())
+        self._connection = connection
+
+    def write(self, data: bytes | bytearray | memoryview) -> None:
+        """Say something; it may not arrive."""
+        if self._connection.carries():
+            super().write(data)
