@@ -142,7 +142,8 @@ def wavy_gear_case(
     return CalibratedCell("irb120-wavy-gear", request, _wavy_gear_checks, _WAVY_GEAR)
 
 
-def _converged(judged: JudgedRun) -> Check:
+def converged(judged: JudgedRun) -> Check:
+    """Return whether there is a model at all."""
     status = str(judged.run.identification["status"])
     return Check("identification", "converged", status, judged.run.converged)
 
@@ -158,7 +159,7 @@ def _outcome(judged: JudgedRun) -> str:
 
 
 def _sound_checks(judged: JudgedRun) -> list[Check]:
-    checks = [_converged(judged), _validated(judged), _nothing_found(judged)]
+    checks = [converged(judged), _validated(judged), _nothing_found(judged)]
     if judged.errors is not None:
         checks += _true_error_checks(judged.errors)
     return checks
@@ -183,7 +184,7 @@ def _tilted_checks(judged: JudgedRun) -> list[Check]:
 
 
 def _everyday_checks(judged: JudgedRun) -> list[Check]:
-    checks = [_converged(judged), _validated(judged), _something_found(judged)]
+    checks = [converged(judged), _validated(judged), _something_found(judged)]
     if judged.run.validation is not None:
         mean_mm = judged.run.validation["position"]["identified"]["mean_mm"]
         checks.append(at_most("measured error, mean", mean_mm, _EVERYDAY_MEAN_MM, "mm"))
@@ -198,15 +199,15 @@ def _wrong_axis_checks(judged: JudgedRun) -> list[Check]:
     if validation is not None:
         said += f", {validation['position']['identified']['max_mm']:.3f} mm off"
     return [
-        _converged(judged),
+        converged(judged),
         Check("validation of a wrong joint 3", "failed", said, found),
     ]
 
 
 def _wavy_gear_checks(judged: JudgedRun) -> list[Check]:
     # The validation has the wave too, so it judges nothing here: that the model errs is what is to be found.
-    finding = _wave(_findings(judged))
-    checks = [_converged(judged), Check("diagnosis", "wave of joint 6", _found(judged), finding is not None)]
+    finding = _wave(listed(judged))
+    checks = [converged(judged), Check("diagnosis", "wave of joint 6", found(judged), finding is not None)]
     return checks if finding is None else [*checks, *_wave_checks(finding)]
 
 
@@ -237,21 +238,23 @@ def _gain(gain: dict[str, Any] | None) -> str:
 
 def _nothing_found(judged: JudgedRun) -> Check:
     consistent = judged.run.diagnosis["document"]["verdict"] == "consistent"
-    return Check("diagnosis", "consistent", _found(judged), consistent)
+    return Check("diagnosis", "consistent", found(judged), consistent)
 
 
 def _something_found(judged: JudgedRun) -> Check:
     # Which of the many small effects stand out of 50 configurations differs from robot to robot.
     found = judged.run.diagnosis["document"]["verdict"] != "consistent"
-    return Check("diagnosis", "anything but consistent", _found(judged), found)
+    return Check("diagnosis", "anything but consistent", found(judged), found)
 
 
-def _findings(judged: JudgedRun) -> list[dict[str, Any]]:
+def listed(judged: JudgedRun) -> list[dict[str, Any]]:
+    """Return what the diagnosis found, small findings included."""
     document = judged.run.diagnosis["document"]
     return [*document["findings"], *document["small_findings"]]
 
 
-def _found(judged: JudgedRun) -> str:
+def found(judged: JudgedRun) -> str:
+    """Return what the diagnosis found, in words."""
     verdict = str(judged.run.diagnosis["document"]["verdict"]).replace("_", " ")
-    names = [f"{f['effect']} of {f['subject']} ({f['confidence']})" for f in _findings(judged)]
+    names = [f"{f['effect']} of {f['subject']} ({f['confidence']})" for f in listed(judged)]
     return ": ".join([verdict, ", ".join(names)]) if names else verdict

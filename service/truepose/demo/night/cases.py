@@ -3,6 +3,7 @@
 from truepose.demo.night.calibrated_cells import calibrated_cells
 from truepose.demo.night.check import NightCase
 from truepose.demo.night.crashes import KilledService
+from truepose.demo.night.planted_causes import planted_causes
 from truepose.demo.night.upgrades import upgraded_databases
 
 # Accuracy is compared between nights: only the program may change in between, not the robot.
@@ -11,4 +12,9 @@ _SAME_CELLS = 0
 
 def night_cases(seed: int) -> list[NightCase]:
     """Return the cases of a night; `seed` draws what is to be another every night."""
-    return [*calibrated_cells(_SAME_CELLS), KilledService(seed), *upgraded_databases()]
+    return [
+        *calibrated_cells(_SAME_CELLS),
+        *planted_causes(seed),
+        KilledService(seed),
+        *upgraded_databases(),
+    ]
