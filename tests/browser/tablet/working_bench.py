@@ -11,8 +11,8 @@ import httpx
 from tests.integration.web.ballbar_bench import BALLBAR, PLACEMENT, SESSIONS
 from tests.integration.web.bench import CELL, Bench, FakeBallbar, FakeHands, FakeRobot
 from tests.integration.web.listening import listening
-from tests.studies.interruptions.ballbar_person import PersonAtTablet
 from truepose.app import create_app
+from truepose.demo.cell.person_at_tablet import PersonAtTablet
 from truepose.settings import Settings
 from truepose_drivers.api import BallbarReading
 

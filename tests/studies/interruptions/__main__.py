@@ -21,9 +21,9 @@ from typing import Any, Final, TypeAlias
 import httpx
 import numpy as np
 
-from tests.studies.interruptions.ballbar_person import PersonAtTablet
 from tests.studies.interruptions.killed_service import KilledService, standing_cell
 from tests.studies.interruptions.ledger_check import Entry, Faults, faults
+from truepose.demo.cell.person_at_tablet import PersonAtTablet
 
 _ALIVE_S: Final = (0.02, 2.0)  # how long the service lives between a start and a kill
 _PAGE: Final = 1000

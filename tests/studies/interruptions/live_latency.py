@@ -20,8 +20,8 @@ from typing import Any, Final
 import httpx
 import numpy as np
 
-from tests.studies.interruptions.ballbar_person import PersonAtTablet
 from tests.studies.interruptions.killed_service import KilledService, standing_cell
+from truepose.demo.cell.person_at_tablet import PersonAtTablet
 
 LIMIT_MS: Final = 150.0  # at the 95th percentile
 _ANSWER_S: Final = 120.0

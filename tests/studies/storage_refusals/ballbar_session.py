@@ -16,7 +16,6 @@ from typing import Any
 
 import httpx
 
-from tests.studies.interruptions.ballbar_person import PersonAtTablet, Session, present_step
 from tests.studies.interruptions.killed_service import KilledService
 from tests.studies.interruptions.ledger_check import faults
 from tests.studies.storage_refusals.outcome import TOO_LATE, Outcome
@@ -25,6 +24,7 @@ from tests.studies.taken_up.begun import Begun, Copy
 from tests.studies.taken_up.cell_text import cell_text
 from tests.studies.taken_up.ledger_on_disk import lines
 from tests.studies.taken_up.onlooked_cell import OnlookedCell, standing
+from truepose.demo.cell.person_at_tablet import PersonAtTablet, Session, present_step
 from truepose.demo.errors import DemoError
 from truepose.storage.integrity.arrival import verify_left
 

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from tests.studies.interruptions.ballbar_person import PersonAtTablet
 from tests.studies.taken_up.onlooked_cell import standing
 from tests.studies.taken_up.service_here import ServiceHere
+from truepose.demo.cell.person_at_tablet import PersonAtTablet
 from truepose.storage.connection.library import LIBRARY
 
 _STEPS_BETWEEN = 4

@@ -5,8 +5,8 @@ import asyncio
 import pytest
 
 from tests.integration.web.ballbar_bench import PLACEMENT
-from tests.studies.interruptions.ballbar_person import PersonAtTablet
 from tests.studies.interruptions.killed_service import standing_service
+from truepose.demo.cell.person_at_tablet import PersonAtTablet
 from truepose.exchange.campaigns.zip_file import read_campaign_zip
 
 

@@ -10,8 +10,8 @@ import httpx
 import pytest
 
 from tests.integration.web.ballbar_bench import WANTED
-from tests.studies.interruptions.ballbar_person import PersonAtTablet
 from tests.studies.interruptions.killed_service import KilledService
+from truepose.demo.cell.person_at_tablet import PersonAtTablet
 
 DRIVERS = {
     "emscon": "leica_emscon",

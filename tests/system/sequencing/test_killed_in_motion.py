@@ -12,8 +12,8 @@ import httpx
 import numpy as np
 import pytest
 
-from tests.studies.interruptions.ballbar_person import PersonAtTablet
 from tests.studies.interruptions.killed_service import KilledService
+from truepose.demo.cell.person_at_tablet import PersonAtTablet
 from truepose.demo.cell.truth import cell_endpoint
 from truepose_drivers.abb_open_abb.protocol import LogReader
 

@@ -5,8 +5,8 @@ import hashlib
 
 import pytest
 
-from tests.studies.interruptions.ballbar_person import PersonAtTablet
 from tests.studies.interruptions.killed_service import standing_service
+from truepose.demo.cell.person_at_tablet import PersonAtTablet
 from truepose.exchange.campaigns.folder import read_campaign
 from truepose.exchange.campaigns.zip_file import write_campaign_zip
 from truepose.reports.rounding import rounded

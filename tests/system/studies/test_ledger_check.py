@@ -2,8 +2,8 @@
 
 import pytest
 
-from tests.studies.interruptions.ballbar_person import Acknowledged, OwnLedger
 from tests.studies.interruptions.ledger_check import faults
+from truepose.demo.cell.person_at_tablet import Acknowledged, OwnLedger
 
 MOVE = "placement-1/pose-1/move"
 LEG = "placement-1/pose-1/leg-1-1"
