@@ -2,11 +2,12 @@
 
 import contextlib
 import json
-from collections.abc import AsyncGenerator, AsyncIterator, Callable
+from collections.abc import AsyncGenerator, AsyncIterator, Callable, Sequence
 from typing import Any, Final
 
 import httpx
 
+from truepose.demo.cell.person_at_tablet import PersonAtTablet
 from truepose.demo.errors import JobFailedError, RequestRefusedError, ServiceFailedError, SessionHaltedError
 
 PERSON: Final = "demo"  # who confirms that a simulated cell is clear of people
@@ -78,6 +79,20 @@ class ServiceClient:
     async def diagnose(self, campaign_id: int) -> int:
         """Queue a diagnosis; returns the job's number."""
         return int((await self._post("/diagnoses", {"campaign_id": campaign_id}))["id"])
+
+    async def plan_ballbar(self, name: str, poses: int, seed: int) -> int:
+        """Plan a ballbar session; returns its number."""
+        wanted = {"name": name, "poses": poses, "seed": seed}
+        return int((await self._post("/ballbar-sessions", wanted))["id"])
+
+    def person_at(self, session_id: int) -> PersonAtTablet:
+        """Return somebody who goes through a ballbar session with the simulated hands."""
+        return PersonAtTablet(self._http, session_id)
+
+    async def campaign_of(self, name: str, session_ids: Sequence[int]) -> int:
+        """Make a campaign of a session and, if there is one, of the session that judges it; its number."""
+        request = {"name": name, "session_ids": list(session_ids)}
+        return int((await self._post("/campaigns", request))["id"])
 
     async def make_campaign(self, name: str, calibration_id: int, validation_id: int) -> int:
         """Make a campaign of two sessions; returns its number."""

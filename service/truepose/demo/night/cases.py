@@ -1,5 +1,6 @@
 """What a night tries, in its order."""
 
+from truepose.demo.night.ballbar_cells import BallbarCell
 from truepose.demo.night.calibrated_cells import calibrated_cells
 from truepose.demo.night.check import NightCase
 from truepose.demo.night.crashes import KilledService
@@ -14,6 +15,7 @@ def night_cases(seed: int) -> list[NightCase]:
     """Return the cases of a night; `seed` draws what is to be another every night."""
     return [
         *calibrated_cells(_SAME_CELLS),
+        *(BallbarCell(scenario, _SAME_CELLS) for scenario in ("irb120-tilted", "lrmate-tilted")),
         *planted_causes(seed),
         KilledService(seed),
         *upgraded_databases(),

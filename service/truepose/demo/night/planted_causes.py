@@ -60,7 +60,8 @@ def _coupling(_rng: np.random.Generator) -> _Planted:
 
 
 def _nest(rng: np.random.Generator) -> _Planted:
-    return _Planted("nest_offset", f"nest {rng.integers(1, 4)}", 0.12, {})
+    # Nest 1 faces the tracker in one configuration of twenty: its readings pass for single bad ones.
+    return _Planted("nest_offset", f"nest {rng.integers(2, 4)}", 0.12, {})
 
 
 def _jump(rng: np.random.Generator) -> _Planted:
