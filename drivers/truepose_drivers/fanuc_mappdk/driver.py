@@ -18,6 +18,8 @@ from truepose_drivers.api import (
     MotionLimits,
     Options,
 )
+from truepose_drivers.arms.joint_counting import LR_MATE_SIGNS, Angles, JointCounting
+from truepose_drivers.arms.pace import LR_MATE_SPEEDS_DEG_S, Pace
 from truepose_drivers.errors import (
     ConfigurationError,
     ConnectionLostError,
@@ -28,8 +30,6 @@ from truepose_drivers.errors import (
 )
 from truepose_drivers.fanuc_mappdk.dialogue import Dialogue
 from truepose_drivers.fanuc_mappdk.heartbeat import SILENCE_S, STOPS_WITHIN_S
-from truepose_drivers.fanuc_mappdk.joint_counting import LR_MATE_SIGNS, Angles, JointCounting
-from truepose_drivers.fanuc_mappdk.pace import LR_MATE_SPEEDS_DEG_S, Pace
 from truepose_drivers.fanuc_mappdk.protocol import (
     JOINTS,
     LOGGER_PORT,
