@@ -41,8 +41,11 @@ class Pace:
         No public source says whether the greatest speed of joint 3 is that of the inclination or that
         between upper arm and forearm: the shorter time is taken, so that no share comes out too great.
         """
-        first, second, inclined, *wrist = steps_deg
-        return min(self._slowest_s((first, second, third, *wrist)) for third in (inclined, inclined + second))
+        return min(self._either_way_s(steps_deg))
+
+    def at_share_s(self, steps_deg: Sequence[float], percent: float) -> float:
+        """Return how long a motion takes at most at a share of the joint speeds."""
+        return 100.0 * max(self._either_way_s(steps_deg)) / percent
 
     def share_percent(self, steps_deg: Sequence[float], limits: MotionLimits) -> int:
         """Return the greatest whole share of the joint speeds that keeps the limits, 0 where none does."""
@@ -50,6 +53,13 @@ class Pace:
         if least_s == 0.0:
             return 1
         return min(100, math.floor(100.0 * self.at_full_speed_s(steps_deg) / least_s + 1e-9))
+
+    def _either_way_s(self, steps_deg: Sequence[float]) -> tuple[float, float]:
+        first, second, inclined, *wrist = steps_deg
+        return (
+            self._slowest_s((first, second, inclined, *wrist)),
+            self._slowest_s((first, second, inclined + second, *wrist)),
+        )
 
     def _slowest_s(self, steps_deg: Sequence[float]) -> float:
         return max(abs(step) / speed for step, speed in zip(steps_deg, self.joint_speeds_deg_s, strict=True))

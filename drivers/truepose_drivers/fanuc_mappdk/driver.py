@@ -18,8 +18,9 @@ from truepose_drivers.api import (
     MotionLimits,
     Options,
 )
-from truepose_drivers.arms.joint_counting import LR_MATE_SIGNS, Angles, JointCounting
-from truepose_drivers.arms.pace import LR_MATE_SPEEDS_DEG_S, Pace
+from truepose_drivers.arms import arm_options
+from truepose_drivers.arms.joint_counting import Angles, JointCounting
+from truepose_drivers.arms.pace import Pace
 from truepose_drivers.errors import (
     ConfigurationError,
     ConnectionLostError,
@@ -267,48 +268,14 @@ class MappdkRobot:
         return shown
 
 
-def _counting(options: Options) -> JointCounting:
-    origin = option.text(options, "joint_3_from") or "horizontal"
-    if origin not in {"horizontal", "upper arm"}:
-        raise ConfigurationError(f'option joint_3_from is {origin!r}: give "horizontal" or "upper arm"')
-    signs = _six(options, "signs", LR_MATE_SIGNS)
-    if not all(abs(sign) == 1.0 for sign in signs):
-        raise ConfigurationError("option signs must be six times 1 or -1, such as 1 1 -1 -1 -1 -1")
-    return JointCounting(tuple(map(int, signs)), origin == "horizontal")
-
-
-def _pace(options: Options) -> Pace:
-    speeds = _six(options, "joint_speeds_deg_s", LR_MATE_SPEEDS_DEG_S)
-    if not all(0.0 < speed < math.inf for speed in speeds):
-        raise ConfigurationError("option joint_speeds_deg_s must be six positive numbers")
-    return Pace(
-        speeds,
-        option.positive(options, "reach_mm", Pace().reach_mm),
-        option.positive(options, "tool_reach_mm", Pace().tool_reach_mm),
-    )
-
-
-def _six(options: Options, name: str, default: tuple[float, ...]) -> tuple[float, ...]:
-    words = option.text(options, name)
-    if words is None:
-        return default
-    try:
-        numbers = tuple(map(float, words.split()))
-    except ValueError as error:
-        raise ConfigurationError(f"option {name} is {words!r}: give six numbers") from error
-    if len(numbers) != JOINTS:
-        raise ConfigurationError(f"option {name} is {words!r}: give six numbers")
-    return numbers
-
-
 def _open(options: Options, clock: Clock | None) -> MappdkRobot:
     logger = TcpLink(option.host(options), option.port({"port": options.get("logger_port", LOGGER_PORT)}))
     return MappdkRobot(
         tcp_link(options, MOTION_PORT),
         clock or MonotonicClock(),
         logger=logger,
-        counting=_counting(options),
-        pace=_pace(options),
+        counting=arm_options.counting(options),
+        pace=arm_options.pace(options),
     )
 
 
@@ -316,10 +283,7 @@ _OPTIONS = {
     "host": "address of the controller",
     "port": f"TCP port of the motion server, {MOTION_PORT} unless changed",
     "logger_port": f"TCP port of the logger, {LOGGER_PORT} unless changed; tells joints during motions",
-    "joint_3_from": 'what the controller counts joint 3 from: "horizontal" (FANUC\'s own) or "upper arm"',
-    "signs": "-1 for each joint that the robot file counts the other way round, 1 1 -1 -1 -1 -1 if left out",
-    "joint_speeds_deg_s": "greatest speeds of the six joints, those of the LR Mate 200iC if left out",
-    "reach_mm": "farthest that the tool can be from any joint axis, 1000 if left out",
-    "tool_reach_mm": "farthest that the tool can be from the axes of the wrist, 400 if left out",
+    **arm_options.COUNTING_OPTIONS,
+    **arm_options.PACE_OPTIONS,
 }
 PLUGIN = DriverPlugin("fanuc_mappdk", "robot", "mappdk", _OPTIONS, _open)

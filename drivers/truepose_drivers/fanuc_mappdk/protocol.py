@@ -1,7 +1,7 @@
 """Wire protocol of MAPPDK, the KAREL text server of fanucpy: bytes in, messages out, no I/O.
 
 Source: the KAREL program and the Python client of the public project fanucpy (see the folder's README).
-Wire units: mm, degrees, as the controller counts its joints (see `joint_counting`).
+Wire units: mm, degrees, as the controller counts its joints (see `arms.joint_counting`).
 
 A request is one line of fields joined by `:`. A reply is ``CODE:MESSAGE`` without any terminator, at most
 254 characters; a client sends the next request only after the reply to the last.
