@@ -23,6 +23,9 @@ from truepose_simulators.instruments.cell_clock import clock_endpoint
 from truepose_simulators.instruments.endpoint import Endpoint
 from truepose_simulators.instruments.faults_endpoint import faults_endpoint
 from truepose_simulators.instruments.hands_endpoint import hands_endpoint
+from truepose_simulators.instruments.robot.fanuc_rmi.controller import Controller as FanucController
+from truepose_simulators.instruments.robot.fanuc_rmi.endpoints import connect_endpoint, session_endpoint
+from truepose_simulators.instruments.robot.fanuc_rmi.program import RmiMove
 from truepose_simulators.instruments.robot.mappdk import MappdkProgram
 from truepose_simulators.instruments.robot.mappdk_server import mappdk_endpoint, mappdk_logger_endpoint
 from truepose_simulators.instruments.robot.open_abb import MotionProgram
@@ -67,7 +70,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _parse(arguments: Sequence[str] | None) -> argparse.Namespace:
     parser = argparse.ArgumentParser(
         prog="python -m truepose_simulators",
-        description="Start a simulated cell: tracker (emScon), robot (open_abb, MAPPDK or RTDE), clock.",
+        description="Start a simulated cell: tracker (emScon), robot (open_abb or another maker's), clock.",
         epilog="example: python -m truepose_simulators irb120-clean --seed 3 --port-base 7000 --pace 0",
     )
     parser.add_argument(
@@ -176,6 +179,10 @@ def _controller(cell: RememberedCell) -> list[Endpoint]:
         outputs: dict[str, str] = {}
         motion, logger = (MappdkProgram(cell, outputs=outputs) for _ in range(2))
         return [mappdk_endpoint(cell, motion), mappdk_logger_endpoint(cell, logger)]
+    if cell.scenario.arm.protocol == "rmi":
+        fanuc = FanucController(cell)
+        session = session_endpoint(fanuc, RmiMove(fanuc))
+        return [connect_endpoint(session), session]
     abb = MotionProgram(cell)
     return [robot_endpoint(cell, abb), logger_endpoint(cell, abb)]
 

@@ -19,6 +19,8 @@ from truepose_drivers.ballbar_hid.driver import HidBallbar
 from truepose_drivers.cell_clock.driver import CellClock
 from truepose_drivers.cell_hands.driver import CellHands
 from truepose_drivers.fanuc_mappdk.driver import MappdkRobot
+from truepose_drivers.fanuc_rmi.driver import RmiRobot
+from truepose_drivers.fanuc_rmi.protocol.messages import CONNECT_PORT
 from truepose_drivers.heidenhain_nd.driver import HeidenhainCounter
 from truepose_drivers.keyence_gt2.driver import KeyenceUnit
 from truepose_drivers.leica_emscon.driver import LaserTracker
@@ -50,6 +52,9 @@ from truepose_simulators.instruments.gauges.keyence_gt2 import keyence_gt2_endpo
 from truepose_simulators.instruments.gauges.mitutoyo_eh import mitutoyo_eh_endpoint
 from truepose_simulators.instruments.gauges.mitutoyo_serial import mitutoyo_serial_endpoint
 from truepose_simulators.instruments.hands_endpoint import hands_endpoint
+from truepose_simulators.instruments.robot.fanuc_rmi.controller import Controller as FanucController
+from truepose_simulators.instruments.robot.fanuc_rmi.endpoints import connect_endpoint, session_endpoint
+from truepose_simulators.instruments.robot.fanuc_rmi.program import RmiMove
 from truepose_simulators.instruments.robot.mappdk import MappdkProgram
 from truepose_simulators.instruments.robot.mappdk_server import mappdk_endpoint
 from truepose_simulators.instruments.robot.open_abb import MotionProgram
@@ -178,6 +183,9 @@ class Bench:
             "universal_robots script": script_endpoint(programs),
             "universal_robots dashboard": dashboard_endpoint(controller, programs),
         }
+        fanuc = FanucController(self.cell)
+        session = session_endpoint(fanuc, RmiMove(fanuc))
+        self.endpoints |= {"fanuc_rmi": connect_endpoint(session), "fanuc_rmi session": session}
         self._way = way
         self._ports: dict[str, int] = {}
         self._ends: list[MemoryEnd] = []
@@ -203,8 +211,9 @@ class Bench:
         for port in self._usb_ports:
             port.hang_up()
         if self._way == "socket":
-            await self.endpoints[name].close()
-            await self.endpoints[name].open("127.0.0.1", self._ports[name])
+            for part in (part for part in self.endpoints if part.split()[0] == name):
+                await self.endpoints[part].close()
+                await self.endpoints[part].open("127.0.0.1", self._ports[part])
 
     def driver(self, name: str):
         """Return a driver by its configuration name, on this bench's device, not connected."""
@@ -219,6 +228,9 @@ class Bench:
         elif name == "universal_robots":
             ports = Ports(self._link(name), self._link(f"{name} script"), self._link(f"{name} dashboard"))
             driver = UniversalRobot(ports, self.clock)
+        elif name == "fanuc_rmi":
+            ports = {CONNECT_PORT: name}
+            driver = RmiRobot(lambda port: self._link(ports.get(port, f"{name} session")), self.clock)
         else:
             driver = LINKS[name](lambda: self._link(name), self.clock)
         self._opened.append(driver)
@@ -229,9 +241,9 @@ class Bench:
         return MemoryLink(in_memory(self.endpoints[name], self._ends), chunk_bytes=chunk_bytes)
 
     def _further_ports(self, name: str) -> dict[str, int]:
-        """Ports of a device that listens at several, as its driver's options call them."""
-        named = {other.removeprefix(f"{name} "): port for other, port in self._ports.items()}
-        return {f"{role}_port": port for role, port in named.items() if f"{name} {role}" in self._ports}
+        """Ports of a device that listens at several, as far as its driver has options for them."""
+        named = {other.removeprefix(f"{name} ") + "_port": port for other, port in self._ports.items()}
+        return {role: port for role, port in named.items() if role in registry().plugin(name).options}
 
     def fixed_nest_mm(self, number: int) -> tuple[float, float, float]:
         """Where a fixed nest is, in the tracker's frame; the simulator's knowledge."""

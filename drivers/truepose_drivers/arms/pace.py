@@ -49,10 +49,14 @@ class Pace:
 
     def share_percent(self, steps_deg: Sequence[float], limits: MotionLimits) -> int:
         """Return the greatest whole share of the joint speeds that keeps the limits, 0 where none does."""
+        return math.floor(self.exact_share_percent(steps_deg, limits) + 1e-9)
+
+    def exact_share_percent(self, steps_deg: Sequence[float], limits: MotionLimits) -> float:
+        """Return the greatest share of the joint speeds that keeps the limits."""
         least_s = self.least_s(steps_deg, limits)
         if least_s == 0.0:
-            return 1
-        return min(100, math.floor(100.0 * self.at_full_speed_s(steps_deg) / least_s + 1e-9))
+            return 1.0
+        return min(100.0, 100.0 * self.at_full_speed_s(steps_deg) / least_s)
 
     def _either_way_s(self, steps_deg: Sequence[float]) -> tuple[float, float]:
         first, second, inclined, *wrist = steps_deg

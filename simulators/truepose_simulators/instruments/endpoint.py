@@ -42,6 +42,7 @@ class Endpoint:
         self._buffer_bytes = buffer_bytes
         self._server: asyncio.Server | None = None
         self._connections: set[asyncio.Task[None]] = set()
+        self.port = 0  # at which it listens, 0 before it ever did
 
     async def open(self, host: str, port: int) -> Address:
         """Listen; port 0 takes a free one. Raises EndpointUnavailableError."""
@@ -52,8 +53,8 @@ class Endpoint:
                 f"the {self.device} cannot listen on {host}:{port}: {_reason(error)}; choose another port"
             ) from error
         self._host = host
-        self._port: int = self._server.sockets[0].getsockname()[1]
-        return Address(self.device, self.protocol, host, self._port)
+        self.port = self._server.sockets[0].getsockname()[1]
+        return Address(self.device, self.protocol, host, self.port)
 
     def stop_listening(self) -> None:
         """Refuse new connections; those that exist go on."""
@@ -62,7 +63,7 @@ class Endpoint:
 
     async def listen_again(self) -> None:
         """Accept connections on the same port as before."""
-        await self.open(self._host, self._port)
+        await self.open(self._host, self.port)
 
     async def close(self) -> None:
         """Stop listening and drop every connection."""

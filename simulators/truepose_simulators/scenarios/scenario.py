@@ -16,7 +16,7 @@ from truepose_simulators.physics.arm import Vector
 from truepose_simulators.physics.effects import PlantedChange
 from truepose_simulators.physics.plant import PlantSizes
 
-_PROTOCOLS = ("open_abb", "mappdk", "ur_rtde")
+_PROTOCOLS = ("open_abb", "mappdk", "rmi", "ur_rtde")
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,7 +75,7 @@ class ArmSetup:
     home_deg: tuple[float, ...] = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     refusal: str = "hang"  # what a client sees of a refused target: "hang" or "drop" (of the connection)
     states_gear_ratio: bool = True  # False: the papers of a campaign do not have it
-    protocol: str = "open_abb"  # what the controller speaks, or "mappdk", as FANUC's do, or "ur_rtde"
+    protocol: str = "open_abb"  # what the controller speaks, or another of the above
     server: str = (
         "stock"  # what runs on the controller: the protocol's own program, or "truepose", that of ours
     )

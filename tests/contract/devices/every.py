@@ -2,6 +2,7 @@
 
 from tests.contract.devices.cameras import Camera
 from tests.contract.devices.fanuc import Fanuc
+from tests.contract.devices.fanuc_rmi import FanucRmi
 from tests.contract.devices.gauges import Bar, Bridge, Cable, Counter
 from tests.contract.devices.line_gauges import KeyenceAmplifiers, MitutoyoCounter, MitutoyoLine
 from tests.contract.devices.machines import ClockOfCell, Controller, HandsOfPerson, Tracker
@@ -11,6 +12,7 @@ BENCHES = [
     Tracker,
     Controller,
     Fanuc,
+    FanucRmi,
     Universal,
     Camera,
     Bar,

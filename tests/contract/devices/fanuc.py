@@ -4,9 +4,9 @@ import math
 
 from truepose.domain.robot import JointRange
 from truepose.sequencing.engine.motion.plausible_robot import WatchfulRobot
+from truepose_drivers.arms.joint_counting import JointCounting
 from truepose_drivers.contract.bench import RobotBench
 from truepose_drivers.fanuc_mappdk.driver import PLUGIN, MappdkRobot
-from truepose_drivers.arms.joint_counting import JointCounting
 from truepose_drivers.fanuc_mappdk.protocol import (
     GREETING,
     Command,

@@ -34,6 +34,7 @@ def test_the_shipped_scenarios_are_there():
         "lrmate-clean",
         "lrmate-everyday",
         "lrmate-fanuc",
+        "lrmate-rmi",
         "lrmate-tilted",
         "ur10-clean",
     ]

@@ -1,0 +1,1 @@
+"""FANUC robots with the Remote Motion Interface: joint targets as JSON over TCP."""

@@ -1,0 +1,327 @@
+"""A FANUC robot with the Remote Motion Interface: moves to joint targets, at rest at every one.
+
+The controller goes on with what it was sent when nobody is there any more. So it is sent short motions only,
+and each when the one before has ended: whatever dies, the arm rests within a second.
+"""
+
+import asyncio
+import contextlib
+import math
+from collections.abc import AsyncIterator, Callable
+from dataclasses import dataclass
+from typing import Final, TypeVar
+
+from truepose_drivers import options as option
+from truepose_drivers.api import (
+    Clock,
+    DeviceIdentity,
+    DriverPlugin,
+    JointReading,
+    MotionGuard,
+    MotionLimits,
+    Options,
+)
+from truepose_drivers.arms import arm_options
+from truepose_drivers.arms.joint_counting import Angles, JointCounting
+from truepose_drivers.arms.pace import Pace
+from truepose_drivers.errors import (
+    ConfigurationError,
+    ConnectFailedError,
+    DeviceRefusedError,
+    LinkError,
+    NoReplyError,
+    NotInitialisedError,
+    TargetRefusedError,
+)
+from truepose_drivers.fanuc_rmi.exchanges import Exchanges
+from truepose_drivers.fanuc_rmi.handover import Handover
+from truepose_drivers.fanuc_rmi.pieces import LONGEST_PIECE_S, PieceMaker
+from truepose_drivers.fanuc_rmi.protocol.messages import (
+    CONNECT_PORT,
+    JOINTS,
+    RESOLUTION_DEG,
+    Command,
+    JointMotion,
+    StatedAxes,
+    Status,
+    command,
+    decode_axes,
+    decode_status,
+    encode_motion,
+    error_of,
+    error_texts,
+)
+from truepose_drivers.fanuc_rmi.protocol.packets import Packet, RmiProtocolError
+from truepose_drivers.fanuc_rmi.protocol.refusals import in_words, is_of_target
+from truepose_drivers.monotonic_clock import MonotonicClock
+from truepose_drivers.transports.link import Link
+from truepose_drivers.transports.tcp import TcpLink
+
+_UNKNOWN: Final = "unknown"
+_ARRIVED_DEG: Final = 0.02  # a joint at rest is nearer to its target: encoders resolve far better
+_SECOND_PORT_OPENS_WITHIN_S: Final = 2.0  # it is not opened to a second client
+
+Answer = TypeVar("Answer")
+
+
+@dataclass(frozen=True, slots=True)
+class TimeOuts:
+    """How long the controller may take, in wall time."""
+
+    reply_s: float = 1.5
+    initialise_s: float = 20.0  # to reset faults, to end its program and to begin it
+    alive_s: float = 0.5  # of silence during a motion, after which it is asked whether it is there
+    motion_s: float = 20.0  # of each piece, in addition to its motion: somebody holds it at the pendant
+    newer_s: float = 0.5  # for joints that are newer than the last ones
+    next_client_s: float = 3.0  # after the last client has left
+
+
+class RmiRobot:
+    """A controller behind a handed-over link. Keeps the conversation."""
+
+    def __init__(
+        self,
+        to_port: Callable[[int], Link],
+        clock: Clock,
+        *,
+        first_port: int = CONNECT_PORT,
+        counting: JointCounting | None = None,
+        pace: Pace | None = None,
+        time_outs: TimeOuts | None = None,
+    ) -> None:
+        self._time_outs = time_outs or TimeOuts()
+        reply_s, patience_s = self._time_outs.reply_s, self._time_outs.next_client_s
+        self._link = Handover(to_port, first_port, reply_s=reply_s, patience_s=patience_s)
+        self._exchanges = Exchanges(self._link, alive_s=self._time_outs.alive_s, answer_s=reply_s - 0.5)
+        self._clock = clock
+        self._counting = counting or JointCounting()
+        self._pace = pace or Pace()
+        self._limits = MotionLimits()
+        self._one_motion = asyncio.Lock()
+        self._sequence = 0  # number of the next instruction
+        self._stated: StatedAxes | None = None  # last in this session
+
+    @property
+    def connected(self) -> bool:
+        """Whether the session is up as far as known."""
+        return self._link.is_open
+
+    @property
+    def can_stop_motion(self) -> bool:
+        """A motion that is given up ends the session, and with it the controller's program."""
+        return True
+
+    @property
+    def motion_guard(self) -> MotionGuard:
+        """Without a heartbeat the piece of a motion that was sent goes on to its end."""
+        return MotionGuard(longest_piece_s=LONGEST_PIECE_S)
+
+    async def connect(self) -> None:
+        """Begin a session; raises ConnectFailedError. The motion group stays free before the first motion."""
+        self._stated, self._exchanges.holds = None, True
+        await self._exchanges.open()
+        try:
+            await self._newest_axes()  # those of the first reading must be newer
+        except (LinkError, DeviceRefusedError) as error:
+            await self._link.close()
+            raise ConnectFailedError(
+                f"{error}; check that no other program is connected to the robot"
+            ) from error
+
+    async def close(self) -> None:
+        """End the session; never raises."""
+        await self._link.close()
+
+    async def identify(self) -> DeviceIdentity:
+        """Return the interface's version, which is all that it tells of itself."""
+        await self._asked(Command.STATUS, decode_status)
+        return DeviceIdentity("FANUC", _UNKNOWN, _UNKNOWN, self._link.version)
+
+    async def set_limits(self, limits: MotionLimits) -> None:
+        """Set the limits of the following motions, whose speed goes out with each of them."""
+        for name, value in (
+            ("tool_speed_mm_s", limits.tool_speed_mm_s),
+            ("orientation_speed_rad_s", limits.orientation_speed_rad_s),
+        ):
+            if not (math.isfinite(value) and value > 0.0):
+                raise ConfigurationError(f"{name} is {value}: a speed limit must be positive")
+        self._limits = limits
+
+    async def move_joints(self, target_rad: tuple[float, ...]) -> None:
+        """Move all joints to `target_rad`; return when the arm rests there.
+
+        Raises TargetRefusedError when the target is none or the controller says no, NotInitialisedError where
+        the arm may not move or was stopped, with what to do.
+        """
+        target_deg = self._shown_deg(target_rad)
+        async with self._one_motion:
+            status = await self._ready()
+            axes_deg = (await self._newest_axes()).axes_deg
+            maker = PieceMaker(self._counting, self._pace, self._limits)
+            pieces = maker.pieces(axes_deg, target_deg, status.override_percent)
+            async with self._overridden(pieces.override_percent, status.override_percent):
+                for end_deg in pieces.ends_deg:
+                    await self._move(JointMotion(self._sequence, end_deg, pieces.speed_percent), target_deg)
+            await self._require_arrival(target_deg)
+
+    async def read_joints(self) -> JointReading:
+        """Ask where the joints are; between two pieces while the arm moves."""
+        stated = await self._newest_axes()
+        shown_rad = tuple(map(math.radians, stated.axes_deg[:JOINTS]))
+        return JointReading(
+            joints_rad=self._counting.of_robot(shown_rad),
+            resolution_rad=math.radians(RESOLUTION_DEG),
+            time_s=await self._clock.now_s(),
+        )
+
+    async def _asked(self, name: Command, decode: Callable[[Packet], Answer]) -> Answer:
+        async with self._exchanges.turn():
+            return await self._answer(name, decode)
+
+    async def _answer(self, name: Command, decode: Callable[[Packet], Answer]) -> Answer:
+        answer = await self._exchanges.reply_to(command(name), self._time_outs.reply_s)
+        if (error := error_of(answer)) != 0:
+            raise DeviceRefusedError(f"the robot does not answer {name}: {in_words(error)}")
+        return decode(answer)
+
+    async def _newest_axes(self) -> StatedAxes:
+        """Return axes that were stated later than any before in this session."""
+        give_up_s = _now_s() + self._time_outs.newer_s
+        async with self._exchanges.turn():
+            while not self._is_news(stated := await self._answer(Command.JOINTS, decode_axes)):
+                if _now_s() > give_up_s:
+                    raise NoReplyError(
+                        "the robot repeats itself, or its clock stands still: check the controller, then"
+                        " connect again"
+                    )
+                await asyncio.sleep(0.002)
+            self._stated = stated
+        return stated
+
+    def _is_news(self, stated: StatedAxes) -> bool:
+        before = self._stated
+        if before is None or stated.is_newer_than(before):
+            return True
+        if stated.time_ms != before.time_ms:
+            raise RmiProtocolError("the robot states joints that are older than the last ones: connect again")
+        return False
+
+    async def _ready(self) -> Status:
+        """Have the controller take motions, and return its status; raises NotInitialisedError."""
+        status = await self._asked(Command.STATUS, decode_status)
+        if status.pendant_on or status.single_step:
+            what = "switch its pendant off" if status.pendant_on else "end single steps on its pendant"
+            raise NotInitialisedError(
+                f"the robot cannot move: {what}, set it to automatic mode, then confirm"
+            )
+        if self._exchanges.holds or not status.running:
+            await self._initialise(status)
+            status = await self._asked(Command.STATUS, decode_status)
+            self._sequence = status.next_sequence
+            self._exchanges.holds = False
+        return status
+
+    async def _initialise(self, status: Status) -> None:
+        """Begin the controller's program anew; its faults are reset where that is refused."""
+        if status.running:
+            await self._told(Command.ABORT)
+        if await self._told(Command.INITIALIZE) != 0:
+            await self._told(Command.RESET)
+            if (error := await self._told(Command.INITIALIZE)) != 0:
+                raise NotInitialisedError(
+                    f"the robot takes no motions: {in_words(error)}{await self._shown_errors()}; put that"
+                    " right at the pendant, then confirm"
+                )
+
+    async def _told(self, name: Command) -> int:
+        """Give a command that takes its time, and return with which error."""
+        async with self._exchanges.turn():
+            return error_of(await self._exchanges.reply_to(command(name), self._time_outs.initialise_s))
+
+    async def _shown_errors(self) -> str:
+        texts = await self._asked(Command.ERROR_TEXTS, error_texts)
+        return f' (it shows "{"; ".join(texts)[:200]}")' if texts else ""
+
+    @contextlib.asynccontextmanager
+    async def _overridden(self, percent: int, before_percent: int) -> AsyncIterator[None]:
+        """Have a lower speed override for as long as this lasts."""
+        if percent == before_percent:
+            yield
+            return
+        await self._set_override(percent)
+        try:
+            yield
+        finally:
+            if self.connected:
+                await self._set_override(before_percent)
+
+    async def _set_override(self, percent: int) -> None:
+        async with self._exchanges.turn():
+            request = command(Command.OVERRIDE, Value=percent)
+            if (error := error_of(await self._exchanges.reply_to(request, self._time_outs.reply_s))) != 0:
+                raise DeviceRefusedError(f"the robot keeps its speed override: {in_words(error)}")
+
+    async def _move(self, motion: JointMotion, target_deg: Angles) -> None:
+        async with self._exchanges.turn():
+            end = await self._exchanges.end_of(encode_motion(motion), self._time_outs.motion_s)
+            error = error_of(end)
+            self._sequence += 1
+            self._exchanges.holds = self._exchanges.holds or error != 0
+        if error != 0:
+            raise await self._refusal(error, target_deg)
+
+    async def _refusal(self, error: int, target_deg: Angles) -> DeviceRefusedError:
+        why = f"{in_words(error)}{await self._shown_errors()}"
+        if is_of_target(error):
+            shown = ", ".join(f"{angle:.3f}" for angle in target_deg)
+            return TargetRefusedError(
+                f"the robot refused the joint target ({shown}) deg, as its pendant counts them: {why}"
+            )
+        return NotInitialisedError(
+            f"the robot broke off its motion: {why}; look at the pendant, then confirm"
+        )
+
+    async def _require_arrival(self, target_deg: Angles) -> None:
+        """See that the arm is where it was sent."""
+        stands_deg = (await self._newest_axes()).axes_deg[:JOINTS]
+        off_deg = max(abs(stands - target) for stands, target in zip(stands_deg, target_deg, strict=True))
+        if off_deg > _ARRIVED_DEG:
+            await self._link.close()
+            raise RmiProtocolError(
+                f"the robot reported the end of its motion and stands {off_deg:.3f} deg off its target:"
+                " look at the pendant, then connect again"
+            )
+
+    def _shown_deg(self, target_rad: tuple[float, ...]) -> Angles:
+        if len(target_rad) != JOINTS:
+            raise TargetRefusedError(f"the robot moves {JOINTS} joints; the target has {len(target_rad)}")
+        shown = self._counting.of_controller(tuple(map(math.degrees, target_rad)))
+        try:
+            encode_motion(JointMotion(0, shown, 1))
+        except ValueError as error:
+            raise TargetRefusedError(str(error)) from error
+        return shown
+
+
+def _now_s() -> float:
+    return asyncio.get_running_loop().time()
+
+
+def _open(options: Options, clock: Clock | None) -> RmiRobot:
+    host = option.host(options)
+    return RmiRobot(
+        lambda port: TcpLink(host, port, connect_timeout_s=_SECOND_PORT_OPENS_WITHIN_S),
+        clock or MonotonicClock(),
+        first_port=option.port(options, CONNECT_PORT),
+        counting=arm_options.counting(options),
+        pace=arm_options.pace(options),
+    )
+
+
+_OPTIONS = {
+    "host": "address of the controller",
+    "port": f"TCP port at which sessions begin, {CONNECT_PORT} unless changed",
+    **arm_options.COUNTING_OPTIONS,
+    **arm_options.PACE_OPTIONS,
+}
+PLUGIN = DriverPlugin("fanuc_rmi", "robot", "rmi", _OPTIONS, _open)

@@ -1,0 +1,1 @@
+"""What goes over the wire of FANUC's Remote Motion Interface."""

@@ -1,0 +1,1 @@
+"""A controller of FANUC with the Remote Motion Interface."""

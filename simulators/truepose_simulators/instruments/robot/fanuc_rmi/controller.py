@@ -1,0 +1,218 @@
+"""What the controller is, and its commands: they are carried out at once, while instructions wait."""
+
+import asyncio
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+
+from truepose_drivers.errors import RemoteProtocolError
+from truepose_drivers.fanuc_rmi.protocol import refusals
+from truepose_drivers.fanuc_rmi.protocol.messages import Status, encode_axes, encode_status, reply
+from truepose_drivers.fanuc_rmi.protocol.packets import Kind, Packet
+from truepose_simulators.cell.true_cell import Cell
+from truepose_simulators.errors import SimulatorError
+from truepose_simulators.faults.kinds import ArmStopped
+from truepose_simulators.instruments.robot.fanuc_joints import shown_deg
+from truepose_simulators.instruments.robot.fanuc_rmi.frames import Frames, fields_of, six_in
+from truepose_simulators.physics.rigid import FloatArray
+
+Fields = Mapping[str, object]
+_AXES = 9  # that are stated of every arm
+
+
+class RefusedError(SimulatorError):
+    """The controller refuses with a number."""
+
+    def __init__(self, error: int, shown: str = "") -> None:
+        super().__init__(shown or f"error {error}")
+        self.error = error
+        self.shown = shown  # on its pendant
+
+
+class Controller:
+    """One controller; its arm is that of the cell."""
+
+    def __init__(self, cell: Cell, *, keeps_sequence: bool = False, strands: bool = False) -> None:
+        self.cell = cell
+        self.frames = Frames(cell.plant.arm)
+        self.status = Status(
+            servo_ready=True,
+            pendant_on=False,
+            running=False,
+            single_step=False,
+            next_sequence=1,
+            override_percent=100,
+        )
+        self.shown_errors: list[str] = []
+        self.clock_stands = False  # joints are stated, and none is newer
+        self.on_abort: Callable[[], None] = lambda: None  # what its program does then
+        self.on_continue: Callable[[], None] = lambda: None
+        self._keeps_sequence = keeps_sequence  # of instructions, as some controllers do until switched off
+        self._strands = strands  # a session that dies leaves a program that only a person can delete
+        self._stranded = False
+        self._inputs: dict[int, int] = {}
+        self._registers: dict[int, float] = {}
+        self._time_ms = 0
+        self._commands: dict[str, Callable[[Packet], Fields]] = {
+            "FRC_Initialize": self._initialize,
+            "FRC_Abort": self._abort,
+            "FRC_Reset": self._reset,
+            "FRC_Pause": lambda _: {},
+            "FRC_Continue": self._continue,
+            "FRC_GetStatus": lambda _: encode_status(self._status()),
+            "FRC_GetExtStatus": self._extended_status,
+            "FRC_ReadError": self._errors,
+            "FRC_ReadJointAngles": self._joint_angles,
+            "FRC_ReadCartesianPosition": self._position,
+            "FRC_SetOverRide": self._set_override,
+            "FRC_GetUFrameUTool": self._numbers,
+            "FRC_SetUFrameUTool": self._set_numbers,
+            "FRC_ReadUFrameData": lambda asked: self._read_frame(asked, "FrameNumber"),
+            "FRC_WriteUFrameData": lambda asked: self._write_frame(asked, "FrameNumber"),
+            "FRC_ReadUToolData": lambda asked: self._read_frame(asked, "ToolNumber"),
+            "FRC_WriteUToolData": lambda asked: self._write_frame(asked, "ToolNumber"),
+            "FRC_ReadDIN": self._input,
+            "FRC_WriteDOUT": self._output,
+            "FRC_ReadRegister": self._register,
+            "FRC_WriteRegister": self._write_register,
+            "FRC_SetPayloadID": lambda _: {},
+        }
+
+    def answer(self, request: Packet) -> Packet:
+        """Carry out a command and return the reply."""
+        carry_out = self._commands.get(request.name)
+        if request.kind is not Kind.COMMAND or carry_out is None:
+            return Packet(Kind.COMMAND, "Unknown", {"ErrorID": refusals.UNKNOWN_COMMAND})
+        try:
+            return reply(request, fields=carry_out(request))
+        except RefusedError as refusal:
+            return reply(request, refusal.error)
+        except RemoteProtocolError:
+            return reply(request, refusals.BAD_VALUE)
+
+    def lose_client(self) -> None:
+        """Go on with what was sent: nobody said that the session ends."""
+        self._stranded = self._strands and self.status.running
+
+    def end(self) -> None:
+        """End the program, and the arm's motion with it."""
+        self.status = replace(self.status, running=False)
+        self.on_abort()
+        self.cell.halt_robot()
+
+    def joints(self) -> FloatArray:
+        """Return the joint angles of the drawing now, shape (6,) [rad]."""
+        return self.cell.robot.motion.joints_at(self.cell.clock.now_s)
+
+    def select(self, stated: Packet) -> None:
+        """Make the frames active that a packet names, as far as it does; raises RefusedError."""
+        user = stated.whole("UFrameNumber") if "UFrameNumber" in stated.fields else self.frames.user_number
+        tool = stated.whole("UToolNumber") if "UToolNumber" in stated.fields else self.frames.tool_number
+        if user not in self.frames.user:
+            raise RefusedError(refusals.BAD_FRAME)
+        if tool not in self.frames.tools:
+            raise RefusedError(refusals.BAD_TOOL)
+        self.frames.user_number, self.frames.tool_number = user, tool
+
+    def _initialize(self, _: Packet) -> Fields:
+        if self._stranded:
+            raise RefusedError(refusals.PROGRAM_EXISTS)
+        status = self._status()
+        if status.running or status.pendant_on or not status.servo_ready or self.shown_errors:
+            raise RefusedError(refusals.INVALID_STATE)
+        sequence = self.status.next_sequence if self._keeps_sequence else 1
+        self.status = replace(self.status, running=True, next_sequence=sequence)
+        return {"GroupMask": 1}
+
+    def _status(self) -> Status:
+        stopped = self.cell.faults.holds(ArmStopped, self.cell.clock.now_s)
+        return replace(self.status, servo_ready=self.status.servo_ready and not stopped)
+
+    def _abort(self, _: Packet) -> Fields:
+        if not self.status.running:
+            raise RefusedError(refusals.NOT_RUNNING)
+        self.end()
+        return {}
+
+    def _reset(self, _: Packet) -> Fields:
+        if self._status().servo_ready:
+            self.shown_errors.clear()
+        return {}
+
+    def _continue(self, _: Packet) -> Fields:
+        self.on_continue()
+        return {}
+
+    def _extended_status(self, _: Packet) -> Fields:
+        return {
+            "InMotion": int(self.cell.robot_moves),
+            "DrivesPowered": int(self._status().servo_ready),
+            "GenOverride": self.status.override_percent,
+            "ControlMode": "AUTO",
+        }
+
+    def _errors(self, asked: Packet) -> Fields:
+        count = asked.whole("Count") if "Count" in asked.fields else 1
+        shown = self.shown_errors[-count:] or ["No Error"]
+        names = ("ErrorData", *(f"ErrorData{number}" for number in range(2, 6)))
+        return {"Count": len(shown), **dict(zip(names, reversed(shown), strict=False))}
+
+    def _tagged(self) -> Fields:
+        # Tags are of the controller's own time, which runs on where cell time stands still.
+        if not self.clock_stands:
+            self._time_ms = round(1000.0 * asyncio.get_running_loop().time())
+        return {"TimeTag": self._time_ms}
+
+    def _joint_angles(self, _: Packet) -> Fields:
+        shown = [round(angle, 3) + 0.0 for angle in shown_deg(self.joints()).tolist()]
+        axes = encode_axes([*shown, *(0.0 for _ in range(_AXES - len(shown)))])
+        return {**self._tagged(), "JointAngle": axes}
+
+    def _position(self, _: Packet) -> Fields:
+        return {**self._tagged(), **self.frames.stated(self.frames.position(self.joints()))}
+
+    def _set_override(self, asked: Packet) -> Fields:
+        value = asked.whole("Value")
+        if not 1 <= value <= 100:
+            raise RefusedError(refusals.BAD_OVERRIDE)
+        self.status = replace(self.status, override_percent=value)
+        return {}
+
+    def _numbers(self, _: Packet) -> Fields:
+        return {"UFrameNumber": self.frames.user_number, "UToolNumber": self.frames.tool_number}
+
+    def _set_numbers(self, asked: Packet) -> Fields:
+        self.select(asked)
+        return {}
+
+    def _read_frame(self, asked: Packet, key: str) -> Fields:
+        number = self._known(asked, key)
+        return {key: number, "Frame": fields_of(self._taught(key)[number])}
+
+    def _write_frame(self, asked: Packet, key: str) -> Fields:
+        self._taught(key)[self._known(asked, key)] = six_in(asked.part("Frame"))
+        return {}
+
+    def _known(self, asked: Packet, key: str) -> int:
+        number = asked.whole(key)
+        if number not in self._taught(key) or number == 0:
+            raise RefusedError(refusals.BAD_FRAME if key == "FrameNumber" else refusals.BAD_TOOL)
+        return number
+
+    def _taught(self, key: str) -> dict[int, tuple[float, ...]]:
+        return self.frames.user if key == "FrameNumber" else self.frames.tools
+
+    def _input(self, asked: Packet) -> Fields:
+        port = asked.whole("PortNumber")
+        return {"PortNumber": port, "PortValue": self._inputs.get(port, 0)}
+
+    def _output(self, asked: Packet) -> Fields:
+        self._inputs[asked.whole("PortNumber")] = int(asked.fields.get("PortValue") == "ON")
+        return {}
+
+    def _register(self, asked: Packet) -> Fields:
+        number = asked.whole("RegisterNumber")
+        return {"RegisterNumber": number, "RegisterValue": self._registers.get(number, 0)}
+
+    def _write_register(self, asked: Packet) -> Fields:
+        self._registers[asked.whole("RegisterNumber")] = asked.number("RegisterValue")
+        return {}

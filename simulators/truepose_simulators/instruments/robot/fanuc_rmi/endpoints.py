@@ -1,0 +1,119 @@
+"""The two ports of the Remote Motion Interface: one names the other, where one client is served."""
+
+import asyncio
+import contextlib
+
+from truepose_drivers.errors import RemoteProtocolError
+from truepose_drivers.fanuc_rmi.protocol import refusals
+from truepose_drivers.fanuc_rmi.protocol.messages import CONNECT_PORT, Session, reply
+from truepose_drivers.fanuc_rmi.protocol.packets import (
+    Kind,
+    Packet,
+    PacketReader,
+    decode,
+    encode,
+)
+from truepose_drivers.json_lines import JsonLineError, LineReader
+from truepose_simulators.errors import SimulatorError
+from truepose_simulators.faults.wire import LineStalls
+from truepose_simulators.instruments.ballbars.bad_lines import write_with_stall
+from truepose_simulators.instruments.endpoint import Endpoint
+from truepose_simulators.instruments.robot.fanuc_rmi.controller import Controller
+from truepose_simulators.instruments.robot.fanuc_rmi.program import RmiMove
+from truepose_simulators.instruments.robot.one_client import one_client_endpoint
+
+_CHUNK_BYTES = 4096
+_VERSION = {"MajorVersion": 9, "MinorVersion": 0}
+
+
+def session_endpoint(controller: Controller, program: RmiMove) -> Endpoint:
+    """Build the port where everything but the connecting is said."""
+
+    async def attend(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        program.tell = lambda packet: writer.write(encode(packet))
+        try:
+            await _Attendance(controller, program, reader, writer).serve()
+        finally:
+            program.tell = lambda _: None
+
+    return one_client_endpoint("robot-session", "rmi_session", attend, controller.cell)
+
+
+def connect_endpoint(second: Endpoint) -> Endpoint:
+    """Build the port where sessions begin."""
+
+    async def serve(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        packets = PacketReader()
+        with contextlib.suppress(RemoteProtocolError):  # the controller hangs up
+            while data := await reader.read(_CHUNK_BYTES):
+                packets.receive_data(data)
+                while (packet := packets.next_message()) is not None:
+                    writer.write(encode(_welcome(packet, second.port)))
+                await writer.drain()
+
+    return Endpoint("robot", "rmi", serve)
+
+
+def _welcome(packet: Packet, port: int) -> Packet:
+    # Clients of Stream Motion and of ROS 2 say so, and are answered alike.
+    if packet.kind is not Kind.SESSION or not packet.name.startswith(Session.CONNECT):
+        return Packet(Kind.COMMAND, "Unknown", {"ErrorID": refusals.UNKNOWN_COMMAND})
+    return reply(packet, fields={"PortNumber": port or CONNECT_PORT + 1, **_VERSION})
+
+
+def _packet(line: bytes) -> Packet:
+    try:
+        return decode(line)
+    except RemoteProtocolError:
+        return Packet(Kind.COMMAND, "Unknown")
+
+
+class _ClientLeavesError(SimulatorError):
+    """The client said that it goes."""
+
+
+class _Attendance:
+    """One client and the controller."""
+
+    def __init__(
+        self,
+        controller: Controller,
+        program: RmiMove,
+        reader: asyncio.StreamReader,
+        writer: asyncio.StreamWriter,
+    ) -> None:
+        self._controller = controller
+        self._program = program
+        self._reader = reader
+        self._writer = writer
+
+    async def serve(self) -> None:
+        """Answer until the client says that it goes, or is gone."""
+        lines = LineReader()
+        try:
+            while data := await self._reader.read(_CHUNK_BYTES):
+                lines.receive_data(data)
+                while (line := lines.next_message()) is not None:
+                    await self._take(_packet(line))
+        except (_ClientLeavesError, JsonLineError):  # or no end of line in sight: the controller hangs up
+            return
+        finally:
+            self._controller.lose_client()
+
+    async def _take(self, packet: Packet) -> None:
+        if packet.name == Session.DISCONNECT:
+            self._controller.end()
+            await self._say(reply(packet))
+            raise _ClientLeavesError
+        if packet.kind is Kind.INSTRUCTION:
+            self._program.take(packet)
+            await self._writer.drain()
+        else:
+            await self._say(self._controller.answer(packet))
+
+    async def _say(self, packet: Packet) -> None:
+        if self._controller.cell.faults.holds(LineStalls, self._controller.cell.clock.now_s):
+            await write_with_stall(self._writer, encode(packet))
+        else:
+            self._writer.write(encode(packet))
+        await self._writer.drain()

@@ -1,0 +1,92 @@
+"""Model of a FANUC controller with the Remote Motion Interface on a hostile wire."""
+
+import json
+import math
+
+from truepose.domain.robot import JointRange
+from truepose.sequencing.engine.motion.plausible_robot import WatchfulRobot
+from truepose_drivers.arms.joint_counting import JointCounting
+from truepose_drivers.contract.bench import RobotBench
+from truepose_drivers.fanuc_rmi.driver import PLUGIN, RmiRobot
+from truepose_drivers.fanuc_rmi.protocol.messages import Status, encode_axes, encode_status, reply
+from truepose_drivers.fanuc_rmi.protocol.packets import decode, encode
+
+_RANGES_DEG = ((-170, 170), (-60, 140), (-194, 194), (-190, 190), (-120, 120), (-360, 360))
+_RANGES = tuple(JointRange(math.radians(low), math.radians(high)) for low, high in _RANGES_DEG)
+_STATUS = Status(True, False, True, False, 1, 100)
+_ELSEWHERE_DEG = (10.0, 20.0, 30.0, 40.0, 50.0, 60.0)
+
+
+class FanucRmi(RobotBench):
+    """A controller that shows joint 3 from the horizontal, and both of its ports."""
+
+    plugin = PLUGIN
+    ranges_deg = _RANGES_DEG
+    decimals = 3
+    free_numbers = True
+    specials = {
+        "clock_stands": "frozen", "joints_of_before": "stale", "position": "foreign",
+        "other_command": "foreign", "end_of_motion": "foreign", "nan": "nonsense",
+        "huge_angle": "nonsense", "five_joints": "nonsense", "axis_twice": "nonsense",
+    }  # fmt: skip
+    absent = {
+        "another_unit_changes_no_reading": "joints are in degrees, and nothing changes that",
+        "another_serial_number_is_told": "the interface tells no serial number",
+    }
+
+    def __init__(self):
+        super().__init__()
+        self.time_ms = 1000
+
+    def driver(self, wiring):
+        return RmiRobot(lambda port: wiring.line(self.answer), wiring.clock)
+
+    def watched(self, device):
+        return WatchfulRobot(device, _RANGES)
+
+    def answer(self, data):
+        return [encode(reply(request, fields=self._fields(request.name))) for request in _requests(data)]
+
+    def _fields(self, name):
+        match name:
+            case "FRC_Connect":
+                return {"PortNumber": 16002, "MajorVersion": 9, "MinorVersion": 0}
+            case "FRC_GetStatus":
+                return encode_status(_STATUS)
+            case "FRC_ReadJointAngles":
+                self.time_ms += self.fault != "clock_stands"
+                return self._axes(JointCounting().of_controller(self.joints_deg), self.time_ms)
+        return {}
+
+    def _axes(self, angles_deg, time_ms):
+        axes = encode_axes([*(round(angle, 3) for angle in angles_deg), 0.0, 0.0, 0.0])
+        return {"TimeTag": time_ms, "JointAngle": axes}
+
+    def special(self, name, wiring, rng):
+        super().special(name, wiring, rng)
+        if name == "clock_stands":
+            return
+        said = {
+            "Command": "FRC_ReadJointAngles",
+            "ErrorID": 0,
+            **self._axes(_ELSEWHERE_DEG, self.time_ms + 5),
+        }
+        axes = said["JointAngle"]
+        bad = {
+            "joints_of_before": said | {"TimeTag": self.time_ms - 5},
+            "position": {"Command": "FRC_ReadCartesianPosition", "ErrorID": 0, "Position": {"X": 1.0}},
+            "other_command": said | {"Command": "FRC_ReadJointSpeeds"},
+            "end_of_motion": {"Instruction": "FRC_JointMotionJRep", "ErrorID": 0, "SequenceID": 3},
+            "nan": said | {"JointAngle": axes | {"J2": math.nan}},
+            "huge_angle": said | {"JointAngle": axes | {"J2": 90_000.0}},
+            "five_joints": said | {"JointAngle": {f"J{joint}": 1.0 for joint in range(1, 6)}},
+            "axis_twice": said,
+        }[name]
+        line = json.dumps(bad).encode() + b"\r\n"
+        if name == "axis_twice":
+            line = line.replace(b'"J2"', b'"J1"')
+        wiring.spoil = lambda _: [line]
+
+
+def _requests(data):
+    return [decode(line) for line in data.splitlines()]
