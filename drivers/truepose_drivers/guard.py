@@ -3,7 +3,8 @@
 - An exception that is none of a driver becomes a DriverFaultError with a sentence, and closes the link: what
   a driver left in the middle of a conversation must not be taken for the answer to the next question.
 - Nonsense closes the link as well, where the driver has not done so.
-- A reading is judged for what no instrument of its kind can mean, see `plausibility`.
+- A reading is judged for what no instrument of its kind can mean, see `plausibility`, and a device's count of
+  its readings for whether it goes on, see `standing_count`.
 
 Whatever ends a task (CancelledError, KeyboardInterrupt) passes.
 """
@@ -52,6 +53,7 @@ from truepose_drivers.plausibility import (
     require_some,
     require_time,
 )
+from truepose_drivers.standing_count import StandingCount
 
 Value = TypeVar("Value")
 
@@ -233,6 +235,15 @@ class GuardedBallbar(GuardedDevice):
 
     _device: Ballbar
 
+    def __init__(self, name: str, device: Ballbar) -> None:
+        super().__init__(name, device)
+        self._count = StandingCount()
+
+    async def connect(self) -> None:
+        """Open the link; raises ConnectFailedError."""
+        self._count = StandingCount()
+        await super().connect()
+
     async def read(self) -> BallbarReading:
         """Return the newest reading; raises ImplausibleReadingError."""
 
@@ -240,6 +251,7 @@ class GuardedBallbar(GuardedDevice):
             reading = await self._device.read()
             require_length(reading)
             self._stamp(reading.time_s)
+            self._count.require_going_on(reading)
             return reading
 
         return await self._guarded("read", ask)

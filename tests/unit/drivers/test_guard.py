@@ -300,6 +300,35 @@ async def test_a_gauge_alone_is_a_box_of_one():
     assert [one.deviation_mm for one in await several.read_channels()] == [0.1234, 0.5]
 
 
+async def test_a_count_that_stands_still_for_a_second_is_no_reading():
+    later = [replace(LENGTH, time_s=LENGTH.time_s + passed_s) for passed_s in (0.0, 0.9, 1.1)]
+    device = guarded("acme", "ballbar", Instrument(*later))
+    await device.read()
+    await device.read()  # asked faster than it measures
+
+    with pytest.raises(RemoteProtocolError, match="repeated its reading 7"):
+        await device.read()
+
+    assert not device.connected
+
+
+@pytest.mark.parametrize("counts", [(7, 8, 9), (None, None, None)])
+async def test_a_count_that_goes_on_or_is_none_may_take_its_time(counts):
+    readings = [replace(LENGTH, sequence=count, time_s=10.0 * at) for at, count in enumerate(counts)]
+    device = guarded("acme", "ballbar", Instrument(*readings))
+
+    assert [(await device.read()).sequence for _ in counts] == list(counts)
+
+
+async def test_a_new_connection_may_begin_with_the_count_of_before():
+    device = guarded("acme", "ballbar", Instrument(LENGTH, None, replace(LENGTH, time_s=100.0)))
+    await device.read()
+
+    await device.connect()
+
+    assert (await device.read()).sequence == LENGTH.sequence
+
+
 async def test_without_a_signal_a_value_is_not_asked_for():
     nothing = replace(LENGTH, deviation_mm=math.nan, signal="none", temperature_c=None)
 
