@@ -123,8 +123,7 @@ class _Hostility:
         """Ask once; whether a value came."""
         try:
             async with asyncio.timeout(_PATIENCE_S):
-                await self._trial.reach()
-                value = await self._bench.ask(self._trial.device)
+                value = await self._trial.ask()
         except TimeoutError:
             self._tally.note("hung", fault, "no end")
         except DriverFaultError as error:

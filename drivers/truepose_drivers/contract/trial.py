@@ -9,7 +9,7 @@ import numpy as np
 from truepose_drivers.contract.bench import Bench
 from truepose_drivers.contract.spoiling import Fault, Pieces
 from truepose_drivers.contract.wire import Wiring
-from truepose_drivers.errors import DriverError, DriverFaultError
+from truepose_drivers.errors import DriverError, DriverFaultError, NotInitialisedError
 from truepose_drivers.guard import guarded
 
 _PATIENCE_S: Final = 300.0  # no driver may wait as long for a reading
@@ -36,6 +36,7 @@ class Trial:
         if behind_guard:
             device = guarded(bench.plugin.name, bench.plugin.kind, device)
         self.device: Any = bench.watched(device)
+        self._ready = False
         self._earlier = b"?"
 
     @property
@@ -49,17 +50,30 @@ class Trial:
         return self.connects and bool(self.device.connected)
 
     async def reach(self) -> None:
-        """Connect and prepare as the service does, where the link is not up."""
-        if self.connects and not self.device.connected:
+        """Connect and prepare as the service does, where the link is not up or the device was not ready."""
+        if not self.connects:
+            return
+        if not self.device.connected:
             await self.device.connect()
+            self._ready = False
+        if not self._ready:
             await self.bench.prepare(self.device)
+            self._ready = True
+
+    async def ask(self) -> object:
+        """Reach the device and take one reading; one that must be initialised is, before the next."""
+        await self.reach()
+        try:
+            return await self.bench.ask(self.device)
+        except NotInitialisedError:
+            self._ready = False
+            raise
 
     async def take(self) -> object:
         """Return a right value, None, or the DriverError instead; anything else breaks the contract."""
         try:
             async with asyncio.timeout(_PATIENCE_S):
-                await self.reach()
-                value = await self.bench.ask(self.device)
+                value = await self.ask()
         except TimeoutError:
             broken(f"the driver still waited after {_PATIENCE_S:g} s")
         except DriverFaultError as error:

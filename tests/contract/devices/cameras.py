@@ -4,7 +4,6 @@ import math
 from dataclasses import replace
 
 from truepose_drivers.contract.bench import PoseTrackerBench
-from truepose_drivers.errors import NotInitialisedError
 from truepose_drivers.ndi_polaris.driver import PLUGIN, PolarisTracker
 from truepose_drivers.ndi_polaris.protocol import (
     OKAY,
@@ -75,10 +74,3 @@ class Camera(PoseTrackerBench):
 
     def _seen(self):
         return ToolFrame(1, ToolPose((0.5, -0.5, 0.5, 0.5), self.position_mm, 0.1), _GOOD, self.frame)
-
-    async def ask(self, device):
-        try:
-            return await super().ask(device)
-        except NotInitialisedError:
-            await device.initialise()
-            return await super().ask(device)

@@ -22,7 +22,7 @@ from truepose_drivers.cell_clock.driver import CellClock
 from truepose_drivers.cell_hands.driver import PLUGIN as CELL_HANDS
 from truepose_drivers.cell_hands.driver import CellHands
 from truepose_drivers.contract.bench import Bench, RobotBench, TrackerBench
-from truepose_drivers.errors import DeviceRefusedError, NotInitialisedError
+from truepose_drivers.errors import DeviceRefusedError
 from truepose_drivers.guard import guarded
 from truepose_drivers.leica_emscon.driver import PLUGIN as EMSCON
 from truepose_drivers.leica_emscon.driver import LaserTracker
@@ -198,11 +198,7 @@ class Tracker(TrackerBench):
                 self.script = lambda: self._measured(val2=float("nan"))
 
     async def ask(self, device):
-        try:
-            point_mm = await super().ask(device)
-        except NotInitialisedError:
-            await device.close()  # the session opens everything anew after it
-            raise
+        point_mm = await super().ask(device)
         self.taken_result = self.result
         return point_mm
 

@@ -1,6 +1,5 @@
 """The worked examples of docs/integrator.md do what the page says."""
 
-import asyncio
 import math
 import sys
 import tomllib
@@ -23,12 +22,16 @@ from truepose.identification.model.derivatives import position_jacobian
 from truepose.identification.model.evaluation import Targets, evaluate
 from truepose.identification.problem.build import build
 from truepose.kinematics.chain import nominal_chain
+from truepose_drivers.api import Environment
+from truepose_drivers.contract.case import run
+from truepose_drivers.contract.cases import CASES
+from truepose_drivers.contract.hostile import require_unharmed
+from truepose_drivers.contract.link_faults import require_found
 from truepose_drivers.errors import (
     BeamBrokenError,
     ConfigurationError,
-    ConnectionLostError,
     DeviceRefusedError,
-    NoReplyError,
+    NotInitialisedError,
     ReflectorNotFoundError,
     RemoteProtocolError,
 )
@@ -57,9 +60,9 @@ class AcmeInstrument:
             "WHO": "ACME T1 42 1.0",
             "MODE_MM": "OK",
             "AIM": "LOCKED",
-            "MEASURE": "POINT 1 -2.5 3.0001 0.01 0.01 0.02 0.03",
+            "MEASURE": "POINT 1 mm 2 1.0000 -2.5000 3.0001 0.0100 0.0100 0.0200 0.0300",
             "FLIP": "OK",
-            "AIR": "AIR 20.5 1013.2 45",
+            "AIR": "AIR 20.5000 1013.2000 45.0000",
             **replies,
         }
 
@@ -109,7 +112,7 @@ async def test_the_example_driver_measures_a_point_in_whatever_pieces_it_arrives
 
     assert reading.point_mm == (1.0, -2.5, 3.0001)
     assert (reading.face, reading.rms_mm) == (2, 0.03)
-    assert instrument.asked[1] == "AIM 1.0000 -2.5000 3.0000 10.0000"
+    assert instrument.asked[2] == "AIM 1.0000 -2.5000 3.0000 10.0000"
 
 
 @pytest.mark.parametrize(
@@ -118,9 +121,11 @@ async def test_the_example_driver_measures_a_point_in_whatever_pieces_it_arrives
         ("AIM", "EMPTY", ReflectorNotFoundError),
         ("MEASURE", "BEAM", BeamBrokenError),
         ("MEASURE", "REFUSED warming up", DeviceRefusedError),
-        ("MEASURE", "POINT 1 2 nan 0 0 0 0", RemoteProtocolError),
-        ("MEASURE", "POINT 1 2", RemoteProtocolError),
-        ("MEASURE", "", RemoteProtocolError),
+        ("MEASURE", "POINT 1 mm 1 1.0000 2.0000 nan 0.0000 0.0000 0.0000 0.0000", RemoteProtocolError),
+        ("MEASURE", "POINT 1 mm 1 1.0000 2.0000", RemoteProtocolError),
+        ("MEASURE", "POINT 1 mm 3 1.0000 2.0000 3.0000 0.0000 0.0000 0.0000 0.0000", RemoteProtocolError),
+        ("MEASURE", "POINT x mm 1 1.0000 2.0000 3.0000 0.0000 0.0000 0.0000 0.0000", RemoteProtocolError),
+        ("MEASURE", "POINT 1 in 1 1.0000 2.0000 3.0000 0.0000 0.0000 0.0000 0.0000", NotInitialisedError),
         ("MEASURE", "x" * 2000, RemoteProtocolError),
     ],
 )
@@ -134,16 +139,24 @@ async def test_the_example_driver_names_what_went_wrong(acme, word, reply, error
     await tracker.close()
 
 
-async def test_the_example_driver_closes_the_link_after_an_abandoned_question(acme):
-    tracker = await _connected(AcmeInstrument(WHO=None))
+async def test_the_example_driver_reads_the_air(acme):
+    tracker = await _connected(AcmeInstrument())
 
-    with pytest.raises(TimeoutError):
-        async with asyncio.timeout(0.05):
-            await tracker.identify()
+    assert await tracker.environment() == Environment(20.5, 1013.2, 45.0)
 
-    assert not tracker.connected
-    with pytest.raises((ConnectionLostError, NoReplyError)):
-        await tracker.identify()
+
+@pytest.mark.parametrize("case", CASES, ids=[case.name for case in CASES])
+def test_the_example_driver_keeps_the_contract(acme, case):
+    from acme_tracker.bench import AcmeTrackerBench
+
+    run(case, AcmeTrackerBench)
+
+
+def test_the_example_driver_withstands_hostile_answers_and_faults_of_its_link(acme):
+    from acme_tracker.bench import AcmeTrackerBench
+
+    require_unharmed(AcmeTrackerBench, 200)
+    require_found(AcmeTrackerBench, 50)
 
 
 def test_the_example_cell_brings_its_own_robot():

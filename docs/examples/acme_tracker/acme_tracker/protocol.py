@@ -1,14 +1,14 @@
 """Wire protocol of the ACME tracker: one line of ASCII each way. No I/O here.
 
-Source: invented for this example; a real driver names manual, revision and section. Lengths are in mm.
+Source: invented for this example; a real driver names manual, revision and section. A point states its
+number, its unit and the face that it was measured in, so that none of them has to be remembered.
 """
 
 import math
 from dataclasses import dataclass
+from typing import Literal
 
-from truepose_drivers.errors import DeviceRefusedError, RemoteProtocolError
-
-LONGEST_LINE_BYTES = 1000  # more without an end of line is no answer of this instrument
+from truepose_drivers.errors import DeviceRefusedError, NotInitialisedError, RemoteProtocolError
 
 
 @dataclass(frozen=True, slots=True)
@@ -18,15 +18,14 @@ class Reply:
     word: str
     rest: tuple[str, ...]
 
-    def numbers(self, count: int) -> tuple[float, ...]:
-        """Return exactly `count` finite numbers; raises RemoteProtocolError."""
-        try:
-            values = tuple(float(text) for text in self.rest)
-        except ValueError as error:
-            raise RemoteProtocolError(f"the tracker sent {self.rest} where numbers belong") from error
-        if len(values) != count or not all(map(math.isfinite, values)):
-            raise RemoteProtocolError(f"the tracker sent {self.rest}; {count} finite numbers belong there")
-        return values
+
+@dataclass(frozen=True, slots=True)
+class Point:
+    """What a measurement came to, in mm."""
+
+    number: int  # counts the measurements since the tracker was switched on
+    face: Literal[1, 2]
+    numbers: tuple[float, ...]  # x y z, their standard deviations, and the scatter
 
 
 def encode(word: str, *values: float) -> bytes:
@@ -34,9 +33,9 @@ def encode(word: str, *values: float) -> bytes:
     return " ".join([word, *(f"{value:.4f}" for value in values)]).encode("ascii") + b"\n"
 
 
-def decode(line: bytes) -> Reply:
+def decode(line: str) -> Reply:
     """Return the answer of a line; raises DeviceRefusedError, RemoteProtocolError."""
-    words = line.decode("ascii", errors="replace").split()
+    words = line.split()
     if not words:
         raise RemoteProtocolError("the tracker sent an empty line")
     if words[0] == "REFUSED":
@@ -44,27 +43,40 @@ def decode(line: bytes) -> Reply:
     return Reply(words[0], tuple(words[1:]))
 
 
-class LineReader:
-    """Reassembles lines from a byte stream."""
+def expected(reply: Reply, word: str, count: int) -> tuple[str, ...]:
+    """Return the words after the one that belongs there; raises RemoteProtocolError."""
+    if reply.word != word or len(reply.rest) != count:
+        raise RemoteProtocolError(f"the tracker answered {reply} where {word} belongs")
+    return reply.rest
 
-    def __init__(self) -> None:
-        self._buffer = b""
 
-    def receive_data(self, data: bytes) -> None:
-        """Take what arrived; raises RemoteProtocolError where no line can come of it."""
-        self._buffer += data
-        if b"\n" not in self._buffer and len(self._buffer) > LONGEST_LINE_BYTES:
-            raise RemoteProtocolError("the tracker sends no end of line")
+def point(reply: Reply) -> Point:
+    """Read `POINT number unit face` and seven numbers; raises NotInitialisedError for another unit."""
+    number, unit, face, *texts = expected(reply, "POINT", 10)
+    if unit != "mm":
+        raise NotInitialisedError(
+            f"the tracker measures in {unit!r}: another program set that; initialise it"
+        )
+    if face not in {"1", "2"}:
+        raise RemoteProtocolError(f"the tracker says that it stands in face {face}")
+    return Point(_whole(number), 1 if face == "1" else 2, finite(texts))
 
-    @property
-    def inside_message(self) -> bool:
-        """Whether more stands here than was taken."""
-        return bool(self._buffer)
 
-    def next_message(self) -> bytes | None:
-        """Return the oldest complete line, None where there is none yet."""
-        line, end, rest = self._buffer.partition(b"\n")
-        if not end:
-            return None
-        self._buffer = rest
-        return line
+def finite(texts: tuple[str, ...] | list[str]) -> tuple[float, ...]:
+    """Return finite numbers with four decimals; raises RemoteProtocolError.
+
+    One with more or fewer of them has lost a digit, or has one twice.
+    """
+    try:
+        values = tuple(float(text) for text in texts if len(text.partition(".")[2]) == 4)
+    except ValueError as error:
+        raise RemoteProtocolError(f"the tracker sent {texts} where numbers belong") from error
+    if len(values) != len(texts) or not all(map(math.isfinite, values)):
+        raise RemoteProtocolError(f"the tracker sent {texts}; finite numbers with four decimals belong there")
+    return values
+
+
+def _whole(text: str) -> int:
+    if not text.isdecimal():
+        raise RemoteProtocolError(f"the tracker numbers its measurement {text!r}")
+    return int(text)

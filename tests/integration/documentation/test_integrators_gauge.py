@@ -1,0 +1,169 @@
+"""The gauge that docs/integrator.md writes from scratch keeps the contract, and measures in a session."""
+
+import asyncio
+import sys
+import tomllib
+from importlib.metadata import EntryPoint
+from pathlib import Path
+
+import pytest
+
+from tests.helpers.web.clients import client_of
+from tests.integration.web.ballbar_bench import SESSIONS, WANTED, Tablet
+from tests.integration.web.bench import CELL, Bench
+from truepose.app import create_app
+from truepose.settings import Settings
+from truepose_drivers.contract.case import run
+from truepose_drivers.contract.cases import CASES
+from truepose_drivers.contract.hostile import require_unharmed
+from truepose_drivers.contract.link_faults import require_found
+from truepose_drivers.registry import ENTRY_POINT_GROUP, DriverRegistry, load_registry
+
+_FOLDER = Path(__file__).parents[3] / "docs" / "examples" / "acme_gauge"
+_MOST_LINES = 120  # driver, bench and project together
+_OWN, _OTHER = "1001", "2002"
+_BALLBAR = f"""
+[ballbar]
+base_points = 3
+
+[ballbar.instrument]
+name = "ACME G1"
+serial_number = "{_OWN}"
+certificate = "report 12"
+
+[[device]]
+name = "ballbar"
+driver = "acme_gauge"
+host = "127.0.0.1"
+port = %d
+
+[[device]]
+name = "hands"
+driver = "fake_hands"
+"""
+
+
+@pytest.fixture
+def gauge_bench(monkeypatch):
+    """The bench of the example, importable as if it were installed."""
+    monkeypatch.syspath_prepend(str(_FOLDER))
+    from acme_gauge_bench import AcmeGaugeBench
+
+    yield AcmeGaugeBench
+    for name in ("acme_gauge", "acme_gauge_bench"):
+        sys.modules.pop(name)
+
+
+def installed(group):
+    project = tomllib.loads((_FOLDER / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    return [EntryPoint(name, value, group) for name, value in project["entry-points"][group].items()]
+
+
+def test_the_gauge_is_written_in_a_hundred_and_twenty_lines():
+    files = [file for file in _FOLDER.iterdir() if file.is_file()]
+
+    assert sum(len(file.read_text(encoding="utf-8").splitlines()) for file in files) <= _MOST_LINES
+
+
+def test_its_project_names_driver_and_bench(gauge_bench):
+    (bench,) = installed("truepose.driver_benches")
+
+    assert load_registry(installed(ENTRY_POINT_GROUP)).names("ballbar") == ("acme_gauge",)
+    assert bench.load() is gauge_bench
+
+
+@pytest.mark.parametrize("case", CASES, ids=[case.name for case in CASES])
+def test_it_keeps_the_contract(gauge_bench, case):
+    run(case, gauge_bench)
+
+
+def test_it_withstands_hostile_answers_and_faults_of_its_link(gauge_bench):
+    require_unharmed(gauge_bench, 200)
+    require_found(gauge_bench, 50)
+
+
+class SimulatedGauge:
+    """A gauge of the bench, behind a socket."""
+
+    def __init__(self, gauge):
+        self.gauge = gauge
+        self._writers = []
+
+    async def __aenter__(self):
+        self._server = await asyncio.start_server(self._serve, "127.0.0.1", 0)
+        self.port = self._server.sockets[0].getsockname()[1]
+        return self
+
+    async def __aexit__(self, *_):
+        self._server.close()
+        self.hang_up()
+
+    def hang_up(self):
+        while self._writers:
+            self._writers.pop().close()
+
+    async def _serve(self, reader, writer):
+        self._writers.append(writer)
+        while line := await reader.readline():
+            writer.writelines(self.gauge.answer(line))
+
+
+@pytest.fixture
+async def simulated(gauge_bench):
+    async with SimulatedGauge(gauge_bench()) as gauge:
+        yield gauge
+
+
+@pytest.fixture
+async def tablet(tmp_path, simulated):
+    """A person at a cell whose ballbar is the gauge of the example."""
+    (tmp_path / "cell.toml").write_text(CELL + _BALLBAR % simulated.port)
+    settings = Settings(f"sqlite:///{tmp_path / 'kept.sqlite3'}", cell_file=tmp_path / "cell.toml")
+    theirs = load_registry(installed(ENTRY_POINT_GROUP))
+    registry = DriverRegistry({**Bench().registry().plugins, **theirs.plugins}, {})
+    application = create_app(settings, registry)
+    async with application.router.lifespan_context(application), client_of(application) as client:
+        created = await client.post(SESSIONS, json=WANTED)
+        assert created.status_code == 201, created.text
+        yield Tablet(client)
+
+
+async def measured(tablet, step_id):
+    """Store the length of a step, and return the line of the ledger that keeps it."""
+    async with asyncio.timeout(30):
+        while True:
+            found = [one for one in await tablet.ledger() if one["kind"] == "measured"]
+            if found and found[-1]["step_id"] == step_id:
+                return found[-1]["length"]
+            await tablet.press("store", step_id=step_id)
+
+
+async def test_it_measures_in_a_ballbar_session(tablet, simulated):
+    simulated.gauge.true_mm = 0.0123
+    await tablet.press("start")
+
+    length = await measured(tablet, "tool/initialise")
+
+    assert length["deviation_mm"] == pytest.approx(0.0123, abs=1e-9)
+    assert (length["instrument_serial"], length["certificate"]) == (_OWN, "report 12")
+
+
+async def test_another_gauge_at_its_address_is_refused_until_a_person_accepts_it(tablet, simulated):
+    await tablet.press("start")
+    await measured(tablet, "tool/initialise")
+    simulated.gauge.serial = _OTHER
+    simulated.hang_up()
+
+    async with asyncio.timeout(30):
+        while (seen := await tablet.see())["ballbar_in_question"] is None:
+            await tablet.press({"paused": "resume"}.get(seen["state"], "store"))
+    kept = len([one for one in await tablet.ledger() if one["kind"] == "measured"])
+    refused = await tablet.press("confirm")
+    still = len([one for one in await tablet.ledger() if one["kind"] == "measured"])
+    accepted = await tablet.press("confirm", accept_serial_number=_OTHER)
+    length = await measured(tablet, (await tablet.see())["step"]["id"])
+
+    assert refused.status_code == 409
+    assert still == kept == 1
+    assert accepted.status_code == 200, accepted.text
+    assert (length["instrument_serial"], length["certificate"]) == (_OTHER, "")
