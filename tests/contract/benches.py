@@ -24,6 +24,7 @@ from truepose_drivers.fanuc_rmi.protocol.messages import CONNECT_PORT
 from truepose_drivers.heidenhain_nd.driver import HeidenhainCounter
 from truepose_drivers.keyence_gt2.driver import KeyenceUnit
 from truepose_drivers.leica_emscon.driver import LaserTracker
+from truepose_drivers.leica_emscon.probe import ProbeTracker
 from truepose_drivers.line_gauges.dialogue import LineGauges
 from truepose_drivers.line_gauges.settings import GaugeSettings
 from truepose_drivers.mitutoyo_eh.driver import EhCounter
@@ -66,6 +67,7 @@ from truepose_simulators.instruments.robot.universal_robots.text_ports import (
     dashboard_endpoint,
     script_endpoint,
 )
+from truepose_simulators.instruments.tracker.accuracy import ProbeSetup
 from truepose_simulators.instruments.tracker.device import seen_from
 from truepose_simulators.instruments.tracker.leica_emscon import tracker_endpoint
 from truepose_simulators.scenarios.file import load_scenario
@@ -84,6 +86,7 @@ def gauges(link: Link, clock: Clock, dialect: object) -> LineGauges:
 
 LINKS: dict[str, Callable[[Callable[[], Link], Clock], object]] = {
     "leica_emscon": lambda new_link, clock: LaserTracker(new_link(), clock),
+    "leica_emscon_6d": lambda new_link, clock: ProbeTracker(new_link(), clock),
     "abb_open_abb": lambda new_link, clock: OpenAbbRobot(new_link(), clock),
     "fanuc_mappdk": lambda new_link, clock: MappdkRobot(new_link(), clock),
     "ballbar_bridge": lambda new_link, clock: BridgedBallbar(new_link(), clock),
@@ -153,7 +156,8 @@ class Bench:
 
     def __init__(self, way: str) -> None:
         camera = CameraSetup(acceptance_deg=180.0)
-        self.cell = Cell(replace(load_scenario("irb120-clean"), camera=camera), 1, SimulatedClock(0))
+        scenario = replace(load_scenario("irb120-clean"), camera=camera, probe=ProbeSetup())
+        self.cell = Cell(scenario, 1, SimulatedClock(0))
         self.clock = MonotonicClock()
         self.bar = FakeBar()
         self.hands = FakeHands()
@@ -165,6 +169,7 @@ class Bench:
         self.endpoints = {
             **{name: usbip_endpoint(name, gadget) for name, gadget in self.gadgets.items()},
             "leica_emscon": tracker_endpoint(self.cell),
+            "leica_emscon_6d": tracker_endpoint(self.cell),
             "abb_open_abb": robot_endpoint(self.cell, MotionProgram(self.cell)),
             "fanuc_mappdk": mappdk_endpoint(self.cell, MappdkProgram(self.cell, "truepose")),
             "cell_clock": clock_endpoint(self.cell.clock),

@@ -14,8 +14,6 @@ STILL_OPEN = {  # what is being mended; an entry goes with its gap
     ("abb_open_abb", "connect_refuses_another_protocol"),
     ("abb_open_abb", "silence_is_told_within_two_seconds"),
     ("fanuc_mappdk", "silence_is_told_within_two_seconds"),
-    ("leica_emscon", "connect_asks_who_is_there"),
-    ("leica_emscon", "connect_refuses_another_protocol"),
 }
 SLOW_TO_TELL = {name for name, case in STILL_OPEN if case == "silence_is_told_within_two_seconds"}
 NAMES = [bench.plugin.name for bench in BENCHES]

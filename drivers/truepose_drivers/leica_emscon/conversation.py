@@ -3,7 +3,8 @@
 A refusal or a failed measurement is an answer; whatever else breaks an exchange off closes the link.
 
 Turning the head takes seconds, starting up minutes, and nothing comes meanwhile. A tracker that is silent for
-a second is asked for its status: it says that it is busy, or the link is lost.
+a second is asked for its status: it says that it is busy, or the link is lost. One that tells its status and
+has not answered a question that takes no time will not do so any more: commands are answered in their order.
 """
 
 from dataclasses import dataclass
@@ -33,6 +34,12 @@ from truepose_drivers.transports.link import Link
 
 _MOST_ITEMS = 1_000  # of a list; a tracker stores a few dozen reflectors
 _QUIET_S: Final = 0.9  # without a packet, before the tracker is asked, and then before it is given up
+_TAKE_TIME: Final = frozenset({
+    Command.INITIALIZE,
+    Command.GO_POSITION,
+    Command.FIND_REFLECTOR,
+    Command.CHANGE_FACE,
+})
 _SIGN_OF_LIFE: Final = Request(Command.GET_TRACKER_STATUS)
 
 
@@ -54,6 +61,7 @@ class TrackerConversation:
         )
         self._changes: set[int] = set()
         self._owes_sign = False  # of life, that was asked for
+        self._takes_time = False  # what is awaited
         self.answers_while_busy = True  # False: it keeps what it is asked until it is done
 
     @property
@@ -102,6 +110,7 @@ class TrackerConversation:
             await self._send(request, accept_s)
             await self._answer(request.command, purpose, about_anything=True)
             self._expect(request.command, result_s)
+            self._takes_time = True
             result = await self._result()
             if result.status != ResultStatus.ALL_OK:
                 raise error_for(request.command, result.status, purpose)
@@ -125,6 +134,7 @@ class TrackerConversation:
         """Send a request whose answers are awaited from now on."""
         await self._digest_pending()
         self._expect(request.command, timeout_s)
+        self._takes_time = request.command in _TAKE_TIME
         await self._frames.add(encode(request))
 
     def _expect(self, command: int, timeout_s: float) -> None:
@@ -169,6 +179,10 @@ class TrackerConversation:
             packet = self._take(frame)
             if not self._is_sign_of_life(packet):
                 return packet
+            if not self._takes_time and _is_at_leisure(packet):
+                raise NoReplyError(
+                    f"the tracker at {self._frames.address} is there, and its answer is lost: connect again"
+                )
 
     async def _ask_for_sign_of_life(self) -> None:
         if not self.answers_while_busy:
@@ -200,6 +214,11 @@ class TrackerConversation:
         if isinstance(packet, StatusChange):
             self._changes.add(packet.event)
         return packet
+
+
+def _is_at_leisure(packet: FromServer) -> bool:
+    """Whether a tracker that was asked for its status has told it, and is not busy."""
+    return isinstance(packet, Answer) and packet.status == ResultStatus.ALL_OK
 
 
 def _is_about(packet: FromServer, command: int) -> bool:

@@ -14,7 +14,9 @@ from truepose_drivers.api import Clock, DeviceIdentity, Vector
 from truepose_drivers.errors import (
     BusyError,
     ConfigurationError,
+    ConnectFailedError,
     DeviceRefusedError,
+    LinkError,
     NotInitialisedError,
     RemoteProtocolError,
 )
@@ -92,9 +94,19 @@ class EmsconInstrument(ABC):
         return self._measures
 
     async def connect(self) -> None:
-        """Open the link; raises ConnectFailedError. The tracker must be initialised afterwards."""
+        """Open the link and see that a tracker is there, to be initialised; raises ConnectFailedError.
+
+        Raises DeviceRefusedError where another program has the tracker.
+        """
         self._prepared = False
         await self._conversation.open()
+        try:
+            await self._ask(Command.GET_SYSTEM_STATUS)
+        except LinkError as error:
+            raise ConnectFailedError(str(error)) from error
+        except DeviceRefusedError:
+            await self.close()
+            raise
 
     async def close(self) -> None:
         """Close the link; never raises."""
@@ -135,7 +147,8 @@ class EmsconInstrument(ABC):
         size = Record(system_param=SystemParameter.TCP_COMMAND_QUEUE_SIZE)
         with contextlib.suppress(DeviceRefusedError):
             queue = await self._ask(Command.GET_LONG_SYSTEM_PARAMETER, size)
-            self._conversation.answers_while_busy = queue.integer("parameter") == 0
+            queues = queue["system_param"] == size["system_param"] and queue.integer("parameter") > 0
+            self._conversation.answers_while_busy = not queues
 
     async def _ask(self, command: Command, values: Record | None = None) -> Record:
         request = Request(command, values or Record())

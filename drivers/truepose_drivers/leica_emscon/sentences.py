@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from typing import Literal, TypeAlias
 
 from truepose_drivers.errors import (
+    ArtefactNotSeenError,
     BeamBrokenError,
     BusyError,
     DeviceRefusedError,
@@ -18,7 +19,7 @@ from truepose_drivers.errors import (
 )
 from truepose_drivers.leica_emscon.protocol import Command, ResultStatus
 
-Purpose: TypeAlias = Literal["set", "find", "measure"]
+Purpose: TypeAlias = Literal["set", "find", "measure", "measure_pose"]
 """What a command is for: one status says "no reflector" to a search, "beam broken" to a measurement."""
 
 
@@ -54,6 +55,16 @@ _REFUSED: Mapping[int, str] = {
     ResultStatus.ADM_HARDWARE_PROBLEM: "its distance meter is defective: have it serviced",
     ResultStatus.ATR_HARDWARE_PROBLEM: "its target recognition is defective: have it serviced",
     ResultStatus.LICENSE_EXPIRED: "its licence has expired: ask the manufacturer",
+    ResultStatus.MODE_NOT_ALLOWED_6D: "it cannot measure poses as it is: check its camera and the probe",
+    ResultStatus.NO_MEASUREMENTCAMERA: "it has no camera for probes: put it on",
+    ResultStatus.NO_ACTIVE_MEASUREMENTCAMERA: "its camera for probes is not active: see its own program",
+    ResultStatus.COMMUNICATION_WITH_MEASUREMENTCAMERA_FAILED: "it cannot reach its camera: check the cable",
+    ResultStatus.NO_CAMERA_TO_TRACKER_COMP_SET: "its camera is not compensated: see its own program",
+    ResultStatus.NO_MEASUREMENTPROBE: "it sees no probe: lead the beam to the probe",
+    ResultStatus.NO_ACTIVE_MEASUREMENTPROBE: "it sees no probe: lead the beam to the probe",
+    ResultStatus.COMMUNICATION_WITH_MEASUREMENTPROBE_FAILED: "it cannot reach the probe: switch the probe on",
+    ResultStatus.NO_MEASUREMENTPROBE_COMP_SET: "the probe is not compensated: see the tracker's own program",
+    ResultStatus.MEASUREMENT_FACE2_NOT_ALLOWED_6D: "it stands in face 2, poses take face 1: change the face",
 }
 
 _WRONG_PARAMETERS = frozenset({
@@ -69,6 +80,12 @@ _NO_REFLECTOR = frozenset({
     ResultStatus.NO_STATIONARY_RESULT,
     ResultStatus.MEASUREMENT_STATUS_NOT_READY,
 })
+
+_NO_PROBE = _NO_REFLECTOR | {
+    ResultStatus.BAD_6D_RESULT,
+    ResultStatus.NO_MEASUREMENTPROBE,
+    ResultStatus.NO_ACTIVE_MEASUREMENTPROBE,
+}
 
 _COMMANDS: Mapping[int, str] = {int(member): member.name for member in Command}  # one sentence a request
 
@@ -92,6 +109,11 @@ def error_for(command: int, status: int, purpose: Purpose) -> DriverError:
         return NotInitialisedError(f"the tracker refused {name}: it is not initialised, initialise it first")
     if status == ResultStatus.NOT_IMPLEMENTED:
         return CommandUnknownError(f"the tracker refused {name}: this model does not know the command")
+    if purpose == "measure_pose" and status in _NO_PROBE:
+        return ArtefactNotSeenError(
+            f"the tracker does not see the probe ({name}, {_status_name(status)}): clear the line of sight,"
+            " lead the beam to the probe, then repeat the configuration"
+        )
     if status in _REFUSED:
         return DeviceRefusedError(f"the tracker refused {name}: {_REFUSED[status]}")
     if status in _WRONG_PARAMETERS:

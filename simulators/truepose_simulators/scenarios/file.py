@@ -18,7 +18,7 @@ from truepose_simulators.faults.table import read_fault
 from truepose_simulators.faults.times import Fault
 from truepose_simulators.instruments.ballbars.accuracy import BallbarSetup
 from truepose_simulators.instruments.camera.accuracy import CameraSetup
-from truepose_simulators.instruments.tracker.accuracy import TrackerSetup
+from truepose_simulators.instruments.tracker.accuracy import ProbeSetup, TrackerSetup
 from truepose_simulators.person.fixture import HandsSetup
 from truepose_simulators.physics.arm import Arm
 from truepose_simulators.physics.effects import PlantedChange, plant_effect
@@ -43,6 +43,7 @@ _TABLES: Mapping[str, type] = {
     "tool": ToolSetup,
     "table": TableSetup,
     "tracker": TrackerSetup,
+    "probe": ProbeSetup,
     "camera": CameraSetup,
     "ballbar": BallbarSetup,
     "hands": HandsSetup,

@@ -10,7 +10,7 @@ from truepose_simulators.faults.kinds import check_nest
 from truepose_simulators.faults.times import Fault
 from truepose_simulators.instruments.ballbars.accuracy import BallbarSetup
 from truepose_simulators.instruments.camera.accuracy import CameraSetup
-from truepose_simulators.instruments.tracker.accuracy import TrackerSetup
+from truepose_simulators.instruments.tracker.accuracy import ProbeSetup, TrackerSetup
 from truepose_simulators.person.fixture import HandsSetup
 from truepose_simulators.physics.arm import Vector
 from truepose_simulators.physics.effects import PlantedChange
@@ -105,6 +105,7 @@ class Scenario:
     tool: ToolSetup = field(default_factory=ToolSetup)
     table: TableSetup = field(default_factory=TableSetup)
     tracker: TrackerSetup = field(default_factory=TrackerSetup)
+    probe: ProbeSetup | None = None  # absent: the tracker measures points only
     camera: CameraSetup | None = None  # absent: there is none
     ballbar: BallbarSetup = field(default_factory=BallbarSetup)
     hands: HandsSetup = field(default_factory=HandsSetup)

@@ -1,9 +1,7 @@
-"""Models of a robot's controller, a tracker, a cell's clock and its hands on hostile wires."""
+"""Models of a robot's controller, a cell's clock and its hands on hostile wires."""
 
 import json
 import math
-
-import numpy as np
 
 from truepose.domain.robot import JointRange
 from truepose.sequencing.engine.motion.plausible_robot import WatchfulRobot
@@ -21,32 +19,12 @@ from truepose_drivers.cell_clock.driver import PLUGIN as CELL_CLOCK
 from truepose_drivers.cell_clock.driver import CellClock
 from truepose_drivers.cell_hands.driver import PLUGIN as CELL_HANDS
 from truepose_drivers.cell_hands.driver import CellHands
-from truepose_drivers.contract.bench import Bench, RobotBench, TrackerBench
+from truepose_drivers.contract.bench import Bench, RobotBench
 from truepose_drivers.errors import DeviceRefusedError
 from truepose_drivers.guard import guarded
-from truepose_drivers.leica_emscon.driver import PLUGIN as EMSCON
-from truepose_drivers.leica_emscon.driver import LaserTracker
-from truepose_drivers.leica_emscon.protocol import (
-    RESULTS,
-    Answer,
-    Command,
-    FrameReader,
-    PacketType,
-    Record,
-    Result,
-    StatusChange,
-    SystemStatusChange,
-    encode,
-    exchange,
-)
-from truepose_drivers.leica_emscon.protocol import (
-    decode_request as decode_command,
-)
-from truepose_drivers.leica_emscon.protocol.settings import LengthUnit
 
 _RANGES_DEG = ((-165, 165), (-110, 110), (-110, 70), (-160, 160), (-120, 120), (-400, 400))
 _RANGES = tuple(JointRange(math.radians(low), math.radians(high)) for low, high in _RANGES_DEG)
-MM_PER_INCH = 25.4
 
 
 class Controller(RobotBench):
@@ -93,114 +71,6 @@ class Controller(RobotBench):
             "five_joints": b"4 1 10.00 20.00 30.00 0.00 45.01",
         }[name]
         wiring.spoil = lambda _: [said]
-
-
-class Tracker(TrackerBench):
-    """An emScon server, whose settings other programs change."""
-
-    plugin = EMSCON
-    tolerance_mm = 1e-6
-    specials = {
-        "silent_units": "unit", "announced_units": "unit", "silent_frame": "unit",
-        "silent_coordinates": "unit", "units_meanwhile": "unit", "stale_result": "stale",
-        "repeated_result": "frozen", "try_mode": "foreign", "negative_scatter": "nonsense", "nan": "nonsense",
-    }  # fmt: skip
-
-    def __init__(self):
-        super().__init__()
-        self.result = b""
-        self.taken_result = b""  # the last one that the driver took
-        self.kept = {}
-        self.script = None
-
-    def driver(self, wiring):
-        return LaserTracker(wiring.line(self.answer), wiring.clock)
-
-    def answer(self, data):
-        reader, said = FrameReader(), []
-        reader.receive_data(data)
-        while (frame := reader.next_message()) is not None:
-            said += self._answers(decode_command(frame))
-        return said
-
-    def _answers(self, request):
-        name = Command(request.command).name
-        if name.startswith("SET_"):
-            self.kept[f"GET_{name[4:]}"] = request.values
-        if request.command == Command.START_MEASUREMENT:
-            script, self.script = self.script, None
-            return (script or self._measured)()
-        special = {
-            Command.GET_SYSTEM_STATUS: {
-                "tracker_processor_status": 5,
-                "tracker_serial_number": int(self.serial),
-            },
-            Command.GET_FACE: {"tracker_face": 1},
-            Command.GET_REFLECTORS: {
-                "total_reflectors": 1,
-                "internal_reflector_id": 7,
-                "reflector_name": "R",
-            },
-            Command.GET_CURRENT_PRISM_POSITION: self._place(),
-        }.get(request.command, self.kept.get(name, {}))
-        values = exchange(request.command).answer.zeros() | special
-        return [encode(Answer(request.command, 0, Record(values)))]
-
-    def _place(self):
-        """Where the reflector is, in the units and the frame that somebody has set."""
-        kept = {name: value for values in self.kept.values() for name, value in values.items()}
-        shown = np.array(self.point_mm) / (
-            MM_PER_INCH if kept.get("len_unit_type") == LengthUnit.INCH else 1.0
-        )
-        shown = shown + (100.0 if kept.get("apply_transformation_params") else 0.0)
-        if kept.get("coord_sys_type"):
-            shown = np.array([0.3, 1.2, np.linalg.norm(shown)])
-        return dict(zip(("val1", "val2", "val3"), shown.tolist(), strict=True))
-
-    def _result(self, **changes):
-        kind = PacketType.SINGLE_MEAS_RESULT_2
-        stated = {f"apriori_std{axis}": 0.01 for axis in (1, 2, 3)}
-        stated["std_total"] = 1e-5 * self.point_mm[0]
-        return encode(Result(kind, Record(RESULTS[kind].zeros() | stated | self._place() | changes)))
-
-    def _measured(self, **changes):
-        self.result = self._result(**changes)
-        return [encode(Answer(Command.START_MEASUREMENT, 0)), self.result]
-
-    def special(self, name, wiring, rng):
-        announce = encode(StatusChange(SystemStatusChange.UNITS_CHANGED))
-        accepted = encode(Answer(Command.START_MEASUREMENT, 0))
-        match name:
-            case "silent_units" | "announced_units":
-                self.kept["GET_UNITS"] = Record(self.kept["GET_UNITS"], len_unit_type=LengthUnit.INCH)
-                if name == "announced_units":
-                    wiring.say(announce)
-            case "silent_frame":
-                self.kept["GET_SYSTEM_SETTINGS"] = Record(
-                    self.kept["GET_SYSTEM_SETTINGS"], apply_transformation_params=True
-                )
-            case "silent_coordinates":
-                self.kept["GET_COORDINATE_SYSTEM_TYPE"] = Record(coord_sys_type=7)
-            case "units_meanwhile":
-                wrong = {key: value / 1000.0 for key, value in self._place().items()}
-                self.script = lambda: [accepted, announce, self._result(**wrong), announce]
-            case "stale_result":
-                stale = self._result(val1=777.0)
-                self.script = lambda: [stale, *self._measured()]
-            case "repeated_result":
-                again = self.taken_result
-                self.script = lambda: [accepted, again] if again else self._measured()
-            case "try_mode":
-                self.script = lambda: self._measured(is_try_mode=True, val1=1.0)
-            case "negative_scatter":
-                self.script = lambda: self._measured(std1=-1.0, val1=1.0)
-            case "nan":
-                self.script = lambda: self._measured(val2=float("nan"))
-
-    async def ask(self, device):
-        point_mm = await super().ask(device)
-        self.taken_result = self.result
-        return point_mm
 
 
 class ClockOfCell(Bench):

@@ -36,6 +36,7 @@ from truepose_drivers.leica_emscon.protocol.statuses import (
     MeasurementStatus,
     MeasurementStatusInfo,
     ResultStatus,
+    RotationStatus,
 )
 
 DEFAULT_PORT = 700
@@ -64,6 +65,7 @@ __all__ = [
     "Request",
     "Result",
     "ResultStatus",
+    "RotationStatus",
     "ShortRequestError",
     "StatusChange",
     "SystemStatusChange",

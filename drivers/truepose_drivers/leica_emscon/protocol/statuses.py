@@ -161,3 +161,16 @@ class MeasurementStatusInfo(IntFlag):
     SENSOR_BATTERY_MOUNTED = 16384
     NIVEL_IN_WORKING_RANGE = 32768
     INITIALIZED = 65536
+
+
+class RotationStatus(IntFlag):
+    """Bits of what a probe's orientation is worth; how the probe is turned (bits 8 to 15) is not named."""
+
+    VALID = 1
+    ERROR = 2
+    NOT_ENOUGH_LEDS = 4
+    RMS_TOO_HIGH = 8
+    ANGLE_OUT_OF_RANGE = 16
+    FROZEN = 32
+    DISTANCE_OUT_OF_RANGE = 64
+    FACE_2 = 65536

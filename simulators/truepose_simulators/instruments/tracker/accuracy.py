@@ -37,6 +37,25 @@ class TrackerSetup:
             raise ScenarioError(f'key "noise_degrees_of_freedom" must be above 2, not {freedom}')
 
 
+@dataclass(frozen=True, slots=True)
+class ProbeSetup:
+    """A probe of six degrees of freedom on the flange, in the frame of the tool's nests."""
+
+    rotation_rad: float = 6e-5  # noise of one reading about each axis
+    facing: Vector = (0.0, 0.0, 1.0)  # last frame
+    acceptance_deg: float = 180.0  # between facing and line of sight; 180: lamps on all sides
+    reach_mm: float = 9000.0  # of the camera on the tracker
+
+    def __post_init__(self) -> None:
+        if self.rotation_rad < 0.0:
+            raise ScenarioError(f'key "rotation_rad" must be 0 or more, not {self.rotation_rad}')
+        for name in ("acceptance_deg", "reach_mm"):
+            if getattr(self, name) <= 0.0:
+                raise ScenarioError(f'key "{name}" must be above 0, not {getattr(self, name)}')
+        if not any(self.facing):
+            raise ScenarioError('key "facing" must not be a zero vector')
+
+
 def covariance_mm2(setup: TrackerSetup, position_mm: FloatArray) -> FloatArray:
     """Covariance that the accuracy model states for readings, tracker frame, (..., 3) -> (..., 3, 3)."""
     beam, along, across = _beam_and_deviations_mm(setup, position_mm)

@@ -57,10 +57,10 @@ async def test_every_status_has_a_sentence(status, purpose):
 async def test_a_tracker_in_use_by_another_program_says_so():
     fake = FakeTracker(hello=(ErrorReport(0, ResultStatus.MULTI_CONNECTIONS_NOT_ALLOWED),))
     tracker = tracker_on(fake)
-    await tracker.connect()
 
     with pytest.raises(DeviceRefusedError, match="another program is connected"):
-        await tracker.identify()
+        await tracker.connect()
+    assert not tracker.connected
 
 
 async def test_silence_is_reported_and_a_late_answer_is_never_mistaken():
@@ -81,11 +81,10 @@ async def test_a_stream_of_positions_does_not_hide_that_the_answer_is_missing():
             await asyncio.sleep(0.001)
 
     tracker = LaserTracker(MemoryLink(chatter), FixedClock(), time_outs=SILENT)
-    await tracker.connect()
 
     async with asyncio.timeout(5.0):
-        with pytest.raises(NoReplyError):
-            await tracker.identify()
+        with pytest.raises(ConnectFailedError, match="GET_SYSTEM_STATUS"):
+            await tracker.connect()
 
 
 async def test_an_accepted_measurement_without_a_result_is_silence():
@@ -302,6 +301,16 @@ async def test_a_status_that_nobody_asked_for_is_an_answer_too_many():
 
     with pytest.raises(RemoteProtocolError, match="more than was asked"):
         await tracker.measure_point(duration_s=1.0)
+
+
+@pytest.mark.parametrize("command", [Command.GET_ENVIRONMENT_PARAMS, Command.START_MEASUREMENT])
+async def test_an_answer_that_was_lost_is_not_waited_for_where_the_tracker_is_there(command):
+    fake = FakeTracker()
+    tracker = await patient(fake)
+    fake.script[command] = lambda _: []
+
+    assert await seconds_of(USES[command](tracker)) <= 2.0
+    assert not tracker.connected
 
 
 async def test_a_result_that_a_living_tracker_never_sends_is_waited_for_ten_seconds_longer():

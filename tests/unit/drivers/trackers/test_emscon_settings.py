@@ -311,7 +311,7 @@ async def test_nothing_is_measured_in_unknown_units_before_initialising(use):
     with pytest.raises(NotInitialisedError, match="since it was connected"):
         await use(tracker)
 
-    assert fake.requests == []
+    assert {request.command for request in fake.requests} == {Command.GET_SYSTEM_STATUS}
 
 
 async def test_the_reflector_is_stated_as_the_tracker_confirmed_it():

@@ -1,7 +1,8 @@
 """What the emScon server does for every command: a request in, steps out.
 
-The state (settings, tracker) outlives connections. Commands that an AT40x lacks (probes, cameras, continuous
-and 6D modes, point lists) are answered NotImplemented.
+The state (settings, tracker) outlives connections. It is an AT401, or with a probe in the scenario an AT901.
+Commands that they lack here (continuous modes, point lists, of an AT401 also probes) are answered
+NotImplemented.
 """
 
 from collections.abc import Callable, Mapping
@@ -26,7 +27,6 @@ from truepose_simulators.instruments.tracker.leica_emscon.identity import (
     compensation,
     description,
     reflectors,
-    serial_number,
 )
 from truepose_simulators.instruments.tracker.leica_emscon.parameters import (
     COMPENSATION,
@@ -38,11 +38,13 @@ from truepose_simulators.instruments.tracker.leica_emscon.parameters import (
     not_finite,
     wrong_parameter,
 )
+from truepose_simulators.instruments.tracker.leica_emscon.probing import Poses
 from truepose_simulators.instruments.tracker.leica_emscon.settings import ServerSettings
 from truepose_simulators.instruments.tracker.leica_emscon.shooting import Shooting
 from truepose_simulators.instruments.tracker.leica_emscon.status import StatusReports
 from truepose_simulators.instruments.tracker.leica_emscon.steps import HangUp, Steps
 from truepose_simulators.instruments.tracker.leica_emscon.units import Quantity
+from truepose_simulators.instruments.tracker.probe import Probe
 
 Handler = Callable[[Request], Steps]
 
@@ -66,7 +68,9 @@ class Dialogue:
         self.settings = ServerSettings()
         self.last_status: int = ResultStatus.ALL_OK
         self.aiming = Aiming(cell, self.settings)
-        self.shooting = Shooting(cell, self.settings)
+        probe = cell.scenario.probe
+        self._poses = None if probe is None else Poses(Probe(cell, probe), self.settings)
+        self.shooting = Shooting(cell, self.settings, self._poses)
         self._cell = cell
         self._handlers: dict[int, Handler] = {
             Command.EXIT_APPLICATION: self._exit,
@@ -85,6 +89,7 @@ class Dialogue:
             **StatusReports(cell, self.settings, lambda: self.last_status).handlers(),
             **self.aiming.handlers(),
             **self.shooting.handlers(),
+            **({} if self._poses is None else self._poses.handlers()),
         }
         for parameter in PARAMETERS:
             self._handlers[parameter.setter] = self._setter(parameter)
@@ -106,7 +111,7 @@ class Dialogue:
         handler = self._handlers.get(request.command)
         if handler is not None:
             return handler(request)
-        described = description(request.command, serial_number(self._cell))
+        described = description(request.command, self._cell)
         if described is not None:
             return iter([Answer(request.command, values=self._in_user_units(described))])
         return iter([Answer(request.command, ResultStatus.NOT_IMPLEMENTED)])
@@ -131,13 +136,19 @@ class Dialogue:
 
     def _fault(self, parameter: Parameter, values: Record) -> int:
         """Status of members whose validity depends on this tracker."""
-        if parameter is MODE and values["meas_mode"] != MeasMode.STATIONARY:
+        if parameter is MODE and values["meas_mode"] not in self._modes:
             return ResultStatus.NOT_IMPLEMENTED
         if parameter is REFLECTOR and values["internal_reflector_id"] not in REFLECTOR_IDS:
             return wrong_parameter(1)
         if parameter is COMPENSATION and values["internal_compensation_id"] not in COMPENSATION_IDS:
             return ResultStatus.NO_SUCH_COMPENSATION
         return ResultStatus.ALL_OK
+
+    @property
+    def _modes(self) -> tuple[MeasMode, ...]:
+        if self._poses is None:
+            return (MeasMode.STATIONARY,)
+        return MeasMode.STATIONARY, MeasMode.STATIONARY_6D
 
     def _getter(self, parameter: Parameter) -> Handler:
         def handle(request: Request) -> Steps:

@@ -31,6 +31,7 @@ _VERSION: _Members = {
     "firmware_minor_version_number": _FIRMWARE[1],
 }
 _REACH: _Members = {"max_distance": 160_000.0, "min_distance": 1500.0}
+_AT401, _AT901 = (LTSensorType.AT401, "AT401"), (LTSensorType.AT901_MR, "AT901-MR")
 _FIRST_SERIAL = 390_000
 _SEEDS = 10_000
 _REFLECTORS = (
@@ -75,9 +76,11 @@ def compensation(command: Command) -> Record:
     )
 
 
-def description(command: int, serial: int) -> Record | None:
+def description(command: int, cell: Cell) -> Record | None:
     """Return the answer to an information command, None when it is none; lengths in mm, angles in rad."""
-    members = {**_descriptions_of_head(serial), **_descriptions_of_sensors(serial)}.get(command)
+    serial = serial_number(cell)
+    head = _descriptions_of_head(serial, *(_AT401 if cell.scenario.probe is None else _AT901))
+    members = {**head, **_descriptions_of_sensors(serial)}.get(command)
     return None if members is None else _members(Command(command), **members)
 
 
@@ -88,9 +91,9 @@ def _members(command: Command, **values: int | float | str) -> Record:
     return record
 
 
-def _descriptions_of_head(serial: int) -> Mapping[int, _Members]:
+def _descriptions_of_head(serial: int, kind: LTSensorType, name: str) -> Mapping[int, _Members]:
     """Return what describes the tracker as a whole."""
-    tracker: _Members = {"tracker_type": LTSensorType.AT401, "tracker_name": "AT401", "serial_number": serial}
+    tracker: _Members = {"tracker_type": kind, "tracker_name": name, "serial_number": serial}
     return {
         Command.GET_TRACKER_INFO: {
             **tracker, **_REACH, "compensation_id_number": 1, "has_adm": True, "has_nivel": True,
@@ -115,7 +118,7 @@ def _descriptions_of_head(serial: int) -> Mapping[int, _Members]:
             "trackerprocessor_type": TrackerProcessorType.ATC400,
             "micro_processor_type": TPMicroProcessorType.PXA250,
             "micro_processor_clock_speed": 400,
-            "laser_tracker_sensor_type": LTSensorType.AT401,
+            "laser_tracker_sensor_type": kind,
         },
         Command.GET_SYSTEM_SOFTWARE_VERSION: {
             "software_version": ".".join(map(str, SERVER_VERSION)) + " simulated"

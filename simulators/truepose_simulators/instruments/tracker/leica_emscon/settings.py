@@ -31,7 +31,11 @@ from truepose_simulators.instruments.tracker.leica_emscon.units import Quantity,
 from truepose_simulators.physics.rigid import FloatArray, inverse
 
 _EXTERNAL_POWER = 110
-_READ_ONLY = (SystemParameter.AT4XX_CONTROLLER_BATTERY_STATUS, SystemParameter.AT4XX_SENSOR_BATTERY_STATUS)
+_READ_ONLY = (
+    SystemParameter.POWER_LOCK_FUNCTION_AVAILABLE,
+    SystemParameter.AT4XX_CONTROLLER_BATTERY_STATUS,
+    SystemParameter.AT4XX_SENSOR_BATTERY_STATUS,
+)
 
 
 class ServerSettings:
@@ -51,6 +55,8 @@ class ServerSettings:
             SystemParameter.DISPLAY_REFLECTOR_POSITION: 0,
             SystemParameter.TCP_COMMAND_QUEUE_SIZE: 0,
             SystemParameter.TCP_DATA_PACKET_RATE: 3,
+            SystemParameter.POWER_LOCK_FUNCTION_AVAILABLE: 1,
+            SystemParameter.POWER_LOCK_FUNCTION_ACTIVE: 1,
             SystemParameter.AT4XX_CONTROLLER_BATTERY_STATUS: _EXTERNAL_POWER,
             SystemParameter.AT4XX_SENSOR_BATTERY_STATUS: _EXTERNAL_POWER,
             SystemParameter.AT4XX_INCLINATION_SENSOR_STATE: 0,

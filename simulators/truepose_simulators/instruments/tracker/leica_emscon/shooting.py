@@ -14,18 +14,19 @@ from truepose_drivers.leica_emscon.protocol import (
     SystemStatusChange,
 )
 from truepose_drivers.leica_emscon.protocol.equipment import NivelStatus
-from truepose_drivers.leica_emscon.protocol.settings import LengthUnit
+from truepose_drivers.leica_emscon.protocol.settings import LengthUnit, MeasMode
 from truepose_simulators.cell.true_cell import Cell
 from truepose_simulators.errors import BeamError
 from truepose_simulators.faults.kinds import BeamBroken, TrackerCut, TrackerSilent
 from truepose_simulators.faults.wire import TrackerRepeatsResult, TrackerStaleResult, TrackerUnitsChanged
 from truepose_simulators.instruments.tracker.leica_emscon.aiming import NO_REFLECTOR, initialised_only
 from truepose_simulators.instruments.tracker.leica_emscon.measuring import (
+    Points,
     air_members,
     coordinates,
-    stationary_result,
 )
-from truepose_simulators.instruments.tracker.leica_emscon.parameters import STATIONARY, UNITS
+from truepose_simulators.instruments.tracker.leica_emscon.parameters import MODE, STATIONARY, UNITS
+from truepose_simulators.instruments.tracker.leica_emscon.probing import Poses
 from truepose_simulators.instruments.tracker.leica_emscon.settings import ServerSettings
 from truepose_simulators.instruments.tracker.leica_emscon.steps import CutShort, Steps, Wait
 from truepose_simulators.instruments.tracker.leica_emscon.units import Quantity
@@ -39,10 +40,12 @@ Handler = Callable[[Request], Steps]
 class Shooting:
     """The distance meter and the sensors behind the protocol."""
 
-    def __init__(self, cell: Cell, settings: ServerSettings) -> None:
+    def __init__(self, cell: Cell, settings: ServerSettings, poses: Poses | None) -> None:
         self._cell = cell
         self._tracker = cell.tracker
         self._settings = settings
+        self._points = Points(cell.tracker, settings)
+        self._poses = poses
         self._last_result: Result | None = None
 
     def handlers(self) -> dict[int, Handler]:
@@ -56,9 +59,10 @@ class Shooting:
         return {command: initialised_only(self._cell, handler) for command, handler in served.items()}
 
     def stationary(self, command: int) -> Steps:
-        """Measure the reflector locked on: the answer at once, the value after the measuring time."""
+        """Measure what the mode says: the answer at once, the value after the measuring time."""
+        subject = self._subject()
         try:
-            before = self._tracker.locked_target().position_mm
+            before = subject.sight()
         except BeamError:
             yield Answer(command, NO_REFLECTOR)
             return
@@ -79,14 +83,12 @@ class Shooting:
         yield Wait(duration_s)
         try:
             if isinstance(fault, BeamBroken):
-                self._tracker.release()
-            point = self._tracker.measure(duration_s, before)
+                subject.lose()
+            packet = subject.result(duration_s, before, self.air())
         except BeamError:
             yield ErrorReport(command, NO_REFLECTOR)
             yield StatusChange(SystemStatusChange.MEAS_STATUS_NOT_READY)
             return
-        self._tracker.last_measured_mm = point.position_mm
-        packet = stationary_result(point, self.air(), self._settings)
         if isinstance(fault, TrackerRepeatsResult) and self._last_result is not None:
             packet = self._last_result
         self._last_result = packet
@@ -101,11 +103,14 @@ class Shooting:
     def reflector_position(self) -> Result | None:
         """Return the packet of the position stream, None when nothing is locked on."""
         try:
-            point = self._tracker.measure(_PRISM_S)
+            members = coordinates(self._settings, self._subject().position(_PRISM_S))
         except BeamError:
             return None
-        members = coordinates(self._settings, point.position_mm)
         return Result(PacketType.REFLECTOR_POS_RESULT, members)
+
+    def _subject(self) -> Points | Poses:
+        measures_poses = self._settings.kept(MODE)["meas_mode"] == MeasMode.STATIONARY_6D
+        return self._poses if measures_poses and self._poses is not None else self._points
 
     def _start(self, request: Request) -> Steps:
         return self.stationary(request.command)
