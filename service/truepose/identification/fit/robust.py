@@ -33,6 +33,7 @@ from truepose.effects.registry import effects_with
 from truepose.identification.distributions import chi2_limit, chi2_median
 from truepose.identification.fit.crossing import crossing
 from truepose.identification.fit.solver import Solution, solve
+from truepose.identification.model.derivatives import mean_variance
 from truepose.identification.model.estimates import Estimate
 from truepose.identification.model.structure import Structure
 from truepose.identification.observations.blocks import Block, BlockResult, Joint, linearise_blocks, reweighed
@@ -118,7 +119,8 @@ def robust_fit(structure: Structure, blocks: tuple[Block, ...], start: FloatArra
     if _typical(solution.final.results[0]) > _LOST * _typical(gentle.final.results[0]):
         # A sizeable minority drags the fit away from what the majority agrees on: weigh softly after all.
         judged = tuple(
-            _judged(block, result) for block, result in zip(soft, gentle.final.results, strict=True)
+            _judged(block, result, gentle.covariance)
+            for block, result in zip(soft, gentle.final.results, strict=True)
         )
         gross = tuple(flags for flags, _ in judged)
         blocks = tuple(
@@ -159,7 +161,8 @@ def _hard_rounds(
     seen: set[bytes] = set()
     for _ in range(rounds):
         judged = tuple(
-            _judged(block, result) for block, result in zip(blocks, solution.final.results, strict=True)
+            _judged(block, result, solution.covariance)
+            for block, result in zip(blocks, solution.final.results, strict=True)
         )
         gross = tuple(flags for flags, _ in judged)
         blocks = tuple(
@@ -223,7 +226,7 @@ def _softly(block: Block, result: BlockResult) -> Block:
     return block.weighted(weights, excess)
 
 
-def _judged(block: Block, result: BlockResult) -> tuple[BoolArray, FloatArray]:
+def _judged(block: Block, result: BlockResult, covariance: FloatArray) -> tuple[BoolArray, FloatArray]:
     """Flag gross readings and weigh the others, against a scale that they cannot move: the median.
 
     Where the stated noise explains the data, a reading counts in full or not at all. Where the model
@@ -232,7 +235,7 @@ def _judged(block: Block, result: BlockResult) -> tuple[BoolArray, FloatArray]:
     """
     n, d = result.residual.shape
     spread = block.component_variance() + block.scatter_mm**2
-    squared = block.squared(result)
+    squared = block.squared(result) * spread / (spread + _foretold(block, result, covariance))
     scale = max(1.0, float(np.median(squared) / chi2_median(d)))
     lacking = block.discrepancy**2 / float(np.mean(spread))
     limit = (1.0 + lacking) * scale * chi2_limit(FALSE_ALARM / n, d)
@@ -240,6 +243,19 @@ def _judged(block: Block, result: BlockResult) -> tuple[BoolArray, FloatArray]:
     if lacking < _MOSTLY_LACKING or not block.of_arm:
         return gross, np.where(gross, 0.0, 1.0)
     return gross, np.clip(_TAPER * (1.0 - squared / limit), 0.0, 1.0)
+
+
+def _foretold(block: Block, result: BlockResult, covariance: FloatArray) -> FloatArray:
+    """Return how well readings that hardly count are foretold by the others, variance, shape (n,); else 0.
+
+    They are off by that as well: with hardly more readings than parameters, one that was once left out
+    would stay out for it. R. D. Cook, S. Weisberg, Residuals and Influence in Regression, 1982, section 2.2.
+    """
+    variance = np.zeros(len(block.weights))
+    alone = np.flatnonzero(~block.counts)
+    if alone.size:
+        variance[alone] = mean_variance(result.jacobian[:, alone], covariance)
+    return variance
 
 
 def _with_discrepancy(

@@ -9,10 +9,12 @@ from scipy.spatial.transform import Rotation
 from scipy.stats import chi2
 
 from tests.helpers.domain.robots import IRB_120
+from tests.helpers.identification.closed_loops import contact_campaign
 from tests.helpers.identification.synthetic import drawn, measured, nominal_campaign, shifted
+from truepose.domain.targets import TargetKind
 from truepose.effects.ports import Trait
 from truepose.effects.registry import effects_with
-from truepose.identification.fit.robust import robust_fit
+from truepose.identification.fit.robust import robust_fit, settled
 from truepose.identification.model.evaluation import evaluate
 from truepose.identification.problem.build import build
 from truepose.kinematics.frames import rotation_from_vector
@@ -170,3 +172,26 @@ def test_a_model_without_parameters_is_judged_as_it_stands():
     assert near.blocks[0].discrepancy == 0.0
     assert not off.gross[0].any()  # all are off alike: it is the model
     assert off.blocks[0].discrepancy == pytest.approx(5.0 / np.sqrt(3.0), rel=0.01)
+
+
+def test_a_reading_that_was_once_left_out_comes_back_where_the_others_hardly_foretell_it():
+    """35 parameters from 39 readings: each reading alone decides on something."""
+    problem = build(contact_campaign(TargetKind.SPHERE, n=13, noise_mm=0.01), ("geometry",))
+    (block,) = problem.blocks
+
+    for row in range(0, 39, 6):
+        without = block.weighted(np.where(np.arange(39) == row, 0.0, 1.0), 0.0)
+        fit = settled(problem.structure, (without,), problem.start)
+        assert not fit.gross[0].any(), row
+
+
+def test_a_reading_that_the_others_foretell_stays_out():
+    campaign = contact_campaign(TargetKind.SPHERE, n=60, noise_mm=0.01)
+    spoilt = campaign.contacts.reading_mm.copy()
+    spoilt[7] += 0.3
+    campaign = replace(campaign, contacts=replace(campaign.contacts, reading_mm=spoilt))
+    problem = build(campaign, ("geometry",))
+
+    fit = robust_fit(problem.structure, problem.blocks, problem.start)
+
+    assert np.flatnonzero(fit.gross[0]).tolist() == [7]
