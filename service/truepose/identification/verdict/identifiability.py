@@ -16,7 +16,7 @@ from truepose.effects.ports import Setting, Trait
 from truepose.effects.registry import effects_with, left_open_by
 from truepose.identification.model.counterparts import certified_zeros
 from truepose.identification.model.structure import Structure
-from truepose.identification.verdict.size import split_off_size
+from truepose.identification.verdict.size import size_left_open, without
 
 UNDETERMINED = 0.5  # of the prior width: what is not known better, the data leave open
 _TOGETHER = 0.05  # share of the largest motion at which a parameter takes part in a combination
@@ -99,8 +99,9 @@ def _by_data(
     scaled = covariance / np.outer(widths, widths)
     eigenvalues, vectors = np.linalg.eigh(scaled)
     open_space = vectors[:, eigenvalues > UNDETERMINED**2]
-    size, open_space = split_off_size(structure, open_space)
+    size = size_left_open(structure, eigenvalues, vectors)
     entries = [] if size is None else [_of_size(size * widths, jacobian, structure)]
+    open_space = open_space if size is None else without(open_space, size)
     if open_space.shape[1] == 0:
         return entries
     for direction in _sparse_basis(open_space):

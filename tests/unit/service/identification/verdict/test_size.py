@@ -8,38 +8,59 @@ import pytest
 from tests.helpers.identification.closed_loops import contact_campaign
 from truepose.domain.targets import TargetKind
 from truepose.identification.problem.build import build
-from truepose.identification.verdict.size import size_direction, split_off_size
+from truepose.identification.verdict.size import size_direction, size_left_open, without
 from truepose.identification.verdict.status import too_few_data
 
 LOOP = contact_campaign(TargetKind.SPHERE)
 STRUCTURE = build(LOOP, ("geometry",)).structure
 
 
-def orthonormal(*columns):
-    return np.linalg.qr(np.column_stack(columns))[0]
+GROWN = size_direction(STRUCTURE)
 
 
-def test_the_size_is_split_off_what_is_left_open_and_the_rest_stays():
-    grown = size_direction(STRUCTURE)
-    other = np.eye(len(grown))[STRUCTURE.index_of("alpha_5")]
-
-    size, rest = split_off_size(STRUCTURE, orthonormal(grown + 0.2 * other, other))
-
-    assert abs(size @ grown) == pytest.approx(1.0)
-    assert rest.shape[1] == 1
-    assert abs(rest[:, 0] @ other) == pytest.approx(1.0)
+def known(directions, deviations):
+    """Variances and directions of a posterior that is 0.01 of the prior, but along `directions`."""
+    first = np.linalg.qr(np.column_stack(directions))[0]
+    rest = np.linalg.svd(first, full_matrices=True)[0][:, first.shape[1] :]
+    return np.array([*deviations, *[0.01] * rest.shape[1]]) ** 2, np.hstack([first, rest])
 
 
-def test_where_the_size_is_told_nothing_is_split_off():
-    grown = size_direction(STRUCTURE)
-    across = np.zeros(len(grown))
-    across[[STRUCTURE.index_of("a_3"), STRUCTURE.index_of("alpha_3")]] = 0.1, 1.0
-    space = orthonormal(across)
+def direction_of(name):
+    return np.eye(len(GROWN))[STRUCTURE.index_of(name)]
 
-    size, rest = split_off_size(STRUCTURE, space)
 
-    assert size is None
-    assert rest is space
+def test_a_size_that_is_hardly_known_is_left_open():
+    size = size_left_open(STRUCTURE, *known([GROWN + 0.2 * direction_of("alpha_5")], [0.3]))
+
+    assert size @ GROWN > 0.95
+
+
+def test_a_size_that_is_known_to_a_part_of_its_prior_is_not():
+    assert size_left_open(STRUCTURE, *known([GROWN], [0.1])) is None
+
+
+def test_one_length_alone_is_not_the_size():
+    assert size_left_open(STRUCTURE, *known([direction_of("a_3")], [0.9])) is None
+
+
+def test_readings_from_known_places_have_a_size():
+    assert size_left_open(replace(STRUCTURE, targets=()), *known([GROWN], [0.9])) is None
+
+
+def test_what_is_left_open_besides_is_across_the_size():
+    space = np.linalg.qr(np.column_stack([GROWN, direction_of("alpha_5"), direction_of("alpha_6")]))[0]
+
+    rest = without(space, GROWN)
+
+    assert rest.shape[1] == 2
+    assert np.abs(GROWN @ rest).max() < 1e-12
+    assert np.linalg.norm(direction_of("alpha_5") @ rest) == pytest.approx(1.0)
+
+
+def test_a_space_without_the_size_stays_as_it_is():
+    space = direction_of("alpha_5")[:, None]
+
+    assert without(space, GROWN) is space
 
 
 def test_a_model_without_lengths_has_no_size():
