@@ -14,6 +14,9 @@ from truepose_simulators.recording.ballbars.files import write_ballbar_campaign
 from truepose_simulators.recording.ballbars.plan import read_plan
 from truepose_simulators.recording.campaign import record
 from truepose_simulators.recording.files import write_campaign
+from truepose_simulators.recording.loops.campaign import LoopWishes, record_loop
+from truepose_simulators.recording.loops.files import write_loop
+from truepose_simulators.recording.loops.loops import LOOPS
 from truepose_simulators.recording.plan import APPROACHES, Wishes
 from truepose_simulators.recording.replaying.replay import replay, write_replay
 from truepose_simulators.scenarios.file import load_scenario, shipped_scenarios
@@ -42,9 +45,17 @@ def _wishes(options: argparse.Namespace) -> Wishes:
     return replace(usual, **{name: value for name, value in asked.items() if value is not None})
 
 
+def _loop_wishes(options: argparse.Namespace) -> LoopWishes:
+    asked = {name: getattr(options, name) for name in ("configurations", "validation", "approach")}
+    return LoopWishes(options.loop, **{name: value for name, value in asked.items() if value is not None})
+
+
 def _write(options: argparse.Namespace, scenario: Scenario, wishes: Wishes) -> None:
     model = None if options.model is None else load_model(options.model)
     scenario = scenario.quiet() if options.quiet else scenario
+    if options.loop is not None:
+        write_loop(record_loop(scenario, options.seed, _loop_wishes(options)), options.out)
+        return
     if options.ballbar is not None:
         ballbar = BallbarWishes(options.aimed, options.aim_error, options.approach, wishes)
         plan = read_plan(options.ballbar)
@@ -93,6 +104,7 @@ def _parse(arguments: Sequence[str] | None) -> argparse.Namespace:
         default=BallbarWishes().aim_error_mm,
         help="by which that misses a length, mm (default: %(default)s)",
     )
+    add("--loop", choices=LOOPS, help="record a closed loop of this kind instead")
     add("--model", type=Path, help="identified model (JSON) that stands in the place of the robot")
     add("--replay", type=Path, help="measured campaign folder whose stops are made again, with --model")
     options = parser.parse_args(arguments)
@@ -100,6 +112,8 @@ def _parse(arguments: Sequence[str] | None) -> argparse.Namespace:
         parser.error("argument --replay: name the model of that robot too, with --model")
     if options.replay is not None and options.ballbar is not None:
         parser.error("argument --ballbar: a plan is recorded, a campaign is replayed; not both")
+    if options.loop is not None and (options.ballbar is not None or options.model is not None):
+        parser.error("argument --loop: a closed loop is recorded of a scenario's robot, without a ballbar")
     if options.seed < 0:
         parser.error(f"argument --seed: {options.seed} is negative")
     return options

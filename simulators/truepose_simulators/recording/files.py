@@ -126,6 +126,15 @@ def points_table(points: Points) -> Columns:
     return columns
 
 
+def true_table(true_mm: FloatArray) -> Columns:
+    """Columns of where all nests truly were at n stops, shape (n, nests, 3)."""
+    n, nests, _ = true_mm.shape
+    columns = {"config": whole(np.repeat(np.arange(1, n + 1), nests))}
+    columns["nest"] = whole(np.tile(np.arange(1, nests + 1), n))
+    places = true_mm.reshape(-1, 3)
+    return {**columns, **{f"{axis}_mm": decimals(places[:, k], 6) for k, axis in enumerate("xyz")}}
+
+
 def reference_table(references: References) -> Columns:
     """Columns of a `reference` file."""
     return {

@@ -15,6 +15,7 @@ from truepose_simulators.recording.files import (
     decimals,
     points_table,
     reference_table,
+    true_table,
     truth_document,
     whole,
     write_json,
@@ -42,7 +43,7 @@ def write_ballbar_campaign(recording: BallbarRecording, folder: Path) -> None:
     present = {name: columns for name, columns in tables.items() if len(next(iter(columns.values())))}
     for name, columns in present.items():
         write_table(folder / f"{name}.csv", columns)
-    write_table(folder / "true_validation.csv", _true_table(recording.true_validation_mm))
+    write_table(folder / "true_validation.csv", true_table(recording.true_validation_mm))
     write_json(folder / "campaign.json", _ballbar_document(recording, [*present]))
     write_json(folder / "tracker.json", _tracker_document(recording, [*present]))
     write_json(folder / "truth.json", _truth(recording))
@@ -131,14 +132,6 @@ def _cups_table(cups: Cups) -> Columns:
         **coordinates(cups.read_mm),
         "u_mm": decimals(cups.u_mm, 4),
     }
-
-
-def _true_table(true_mm: FloatArray) -> Columns:
-    n, nests, _ = true_mm.shape
-    columns = {"config": whole(np.repeat(np.arange(1, n + 1), nests))}
-    columns["nest"] = whole(np.tile(np.arange(1, nests + 1), n))
-    places = true_mm.reshape(-1, 3)
-    return {**columns, **{f"{axis}_mm": decimals(places[:, k], 6) for k, axis in enumerate("xyz")}}
 
 
 def _joints(joints_deg: FloatArray) -> Columns:

@@ -1,0 +1,1 @@
+"""Closed loops recorded from the simulated cell: probes, gauges, wires and sensors."""

@@ -1,0 +1,132 @@
+"""Where the arm stands in a closed loop: configurations of the nominal arm that bring a nest to a place."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from truepose_simulators.cell.robot import nominal_flange
+from truepose_simulators.cell.true_cell import Cell
+from truepose_simulators.physics.chain import place_bodies
+from truepose_simulators.physics.effects.ports import NestNumbers
+from truepose_simulators.physics.rigid import FloatArray, apply, move
+from truepose_simulators.recording.loops.loops import Loop, Placed
+from truepose_simulators.recording.nominal_tables import papers_of_cell
+from truepose_simulators.recording.plan import NoStopsError
+
+_DRAWN = 40  # configurations for each that is wanted
+_MOST_DRAWS = 10
+_NEAR_MM = 250.0  # from which the arm is led to the place
+_STEPS = 12
+_ARRIVED_MM = 1e-6
+_LOWEST_MM = 80.0  # no nest of a wire closer to the table
+_LEAN = np.cos(np.radians(75.0))  # of the tool against the way in
+
+
+@dataclass(frozen=True, slots=True)
+class Stands:
+    """m stops of a loop."""
+
+    joints_deg: FloatArray  # (m, J) nominal, with the decimals of the file
+    nest: NestNumbers  # (m,) 1-based
+    placed: NestNumbers  # (m,) index of what is met; of loops that read everything at once 0
+
+
+def plan_stands(cell: Cell, loop: Loop, count: int, rng: np.random.Generator) -> Stands:
+    """Draw stops of a loop, nests and places by turns; raises NoStopsError."""
+    rows = np.arange(count)
+    nest = np.array(loop.nests)[rows % len(loop.nests)]
+    n_places = 1 if loop.together else len(loop.placed)
+    placed = rows // len(loop.nests) % n_places
+    joints = np.zeros((count, cell.plant.arm.n_joints))
+    for number in np.unique(nest).tolist():
+        for which in range(n_places):
+            mine = np.flatnonzero((nest == number) & (placed == which))
+            joints[mine] = _stops(cell, loop, loop.placed[which], number, len(mine), rng)
+    return Stands(joints, nest, placed)
+
+
+def _stops(
+    cell: Cell, loop: Loop, placed: Placed, nest: int, count: int, rng: np.random.Generator
+) -> FloatArray:
+    """Return joints [deg] at which the nominal nest is where the loop wants it, shape (count, J)."""
+    lower, upper = np.array(papers_of_cell(cell).calibration_deg).T
+    nest_mm = np.array(cell.scenario.tool.nests_mm[nest - 1])
+    found = np.zeros((0, len(lower)))
+    for _ in range(_MOST_DRAWS):
+        drawn = rng.uniform(lower, upper, (_DRAWN * count, len(lower)))
+        found = np.concatenate([found, _led(cell, loop, placed, nest_mm, drawn, rng)])
+        found = found[((found > lower) & (found < upper)).all(axis=1)]
+        if len(found) >= count:
+            kept: FloatArray = found[:count].round(5)
+            return kept
+    raise NoStopsError(f"the arm reaches the {placed.kind} at {len(found)} stops only, {count} are wanted")
+
+
+def _led(
+    cell: Cell,
+    loop: Loop,
+    placed: Placed,
+    nest_mm: FloatArray,
+    joints_deg: FloatArray,
+    rng: np.random.Generator,
+) -> FloatArray:
+    """Return configurations led to places of the loop near by: those that arrive and may stand there."""
+    if placed.kind == "wire":
+        places = move(nominal_flange(cell.plant.arm, np.radians(joints_deg)), nest_mm)
+        return joints_deg[places[:, 2] > _LOWEST_MM]
+    wanted, inward = _wanted(loop, placed, len(joints_deg), rng)
+    flange = nominal_flange(cell.plant.arm, np.radians(joints_deg))
+    near = np.linalg.norm(move(flange, nest_mm) - wanted, axis=1) < _NEAR_MM
+    wanted, inward = wanted[near], inward[near]
+    joints, arrived = _arrived(cell, nest_mm, np.radians(joints_deg[near]), wanted)
+    pointing = nominal_flange(cell.plant.arm, joints)[:, :3, 2]
+    stands = arrived & ((pointing * inward).sum(axis=1) > _LEAN)
+    kept: FloatArray = np.degrees(joints[stands])
+    return kept
+
+
+def _wanted(
+    loop: Loop, placed: Placed, count: int, rng: np.random.Generator
+) -> tuple[FloatArray, FloatArray]:
+    """Return places for the nest and the way in from where the tool comes, shape (count, 3) each."""
+    place = np.broadcast_to(np.array(placed.place_mm), (count, 3))
+    down = np.broadcast_to(np.array([0.0, 0.0, -1.0]), (count, 3))
+    if placed.kind == "sphere":
+        outward = rng.standard_normal((count, 3))
+        outward[:, 2] = np.abs(outward[:, 2])
+        outward /= np.linalg.norm(outward, axis=1, keepdims=True)
+        return place + (placed.zero_mm or 0.0) * outward, -outward
+    if placed.kind == "plane":
+        axes = axes_of(placed)
+        on_it = rng.uniform(-1.0, 1.0, (count, 2)) * np.array(loop.patch_mm)
+        return place + on_it @ axes[:, :2].T, np.broadcast_to(-axes[:, 2], (count, 3))
+    off = rng.uniform(-loop.spread_mm, loop.spread_mm, (count, 3))
+    way = down if placed.kind == "ball" else np.broadcast_to(-np.ones(3) / np.sqrt(3.0), (count, 3))
+    return place + off, way
+
+
+def axes_of(placed: Placed) -> FloatArray:
+    """Return the axes of a plane or gauge as drawn, in columns (3, 3): the second level, the third across."""
+    normal = np.array(placed.normal) / np.linalg.norm(placed.normal)
+    level = np.cross(normal, [1.0, 0.0, 0.0] if abs(normal[0]) < abs(normal[2]) else [0.0, 0.0, 1.0])
+    level /= np.linalg.norm(level)
+    axes: FloatArray = np.stack([np.cross(level, normal), level, normal], axis=1)
+    return axes
+
+
+def _arrived(
+    cell: Cell, nest_mm: FloatArray, joints_rad: FloatArray, wanted_mm: FloatArray
+) -> tuple[FloatArray, NestNumbers]:
+    """Newton steps of least motion that bring the nest to its place, all stops at once."""
+    arm = cell.plant.arm
+    no_errors = np.broadcast_to(np.eye(4), (arm.n_joints + 2, 4, 4))
+    joints = joints_rad.copy()
+    for _ in range(_STEPS):
+        bodies = place_bodies(arm, no_errors, joints)
+        places = move(bodies.last_frame, nest_mm)
+        levers = places[:, np.newaxis] - bodies.axis_points_mm
+        slopes = np.swapaxes(np.cross(bodies.axis_directions, levers), 1, 2)
+        steps = np.asarray(np.linalg.pinv(slopes), dtype=np.float64)
+        joints = joints + apply(steps, wanted_mm - places)
+    left = np.linalg.norm(move(nominal_flange(arm, joints), nest_mm) - wanted_mm, axis=1)
+    return joints, left < _ARRIVED_MM

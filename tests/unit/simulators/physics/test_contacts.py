@@ -1,0 +1,37 @@
+"""What the tool meets in a closed loop, against the formulas of school geometry."""
+
+import numpy as np
+import pytest
+
+from truepose_simulators.physics.contacts import Flat, Round, Seen
+from truepose_simulators.physics.rigid import motion, move, placed, rotation
+
+RNG = np.random.default_rng(4)
+FRAMES = placed(300.0 * RNG.standard_normal((6, 3)), RNG.uniform(-1.0, 1.0, (6, 3)))
+NESTS = 100.0 * RNG.standard_normal((6, 3))
+PLACES = move(FRAMES, NESTS)
+CENTRE = np.array([400.0, -50.0, 120.0])
+
+
+def test_a_sphere_is_as_far_as_its_centre_less_the_zero():
+    read = Round(CENTRE, 15.7).read_mm(FRAMES, NESTS)
+
+    assert read[:, 0] == pytest.approx(np.sqrt(((PLACES - CENTRE) ** 2).sum(axis=1)) - 15.7, abs=1e-9)
+
+
+def test_a_face_reads_the_distance_along_its_normal():
+    axes = rotation(np.array([0.3, -0.2, 0.9]))
+
+    read = Flat(motion(CENTRE, axes)).read_mm(FRAMES, NESTS)
+
+    assert read[:, 0] == pytest.approx((PLACES - CENTRE) @ axes[:, 2], abs=1e-9)
+
+
+def test_a_sensor_reads_the_ball_along_the_axes_that_the_tool_carries():
+    sensor = rotation(np.array([0.1, 0.4, -0.2]))
+
+    read = Seen(CENTRE, sensor).read_mm(FRAMES, NESTS)
+
+    for axis in range(3):
+        along = FRAMES[:, :3, :3] @ sensor[:, axis]
+        assert read[:, axis] == pytest.approx(((CENTRE - PLACES) * along).sum(axis=1), abs=1e-9)
