@@ -23,6 +23,9 @@ from truepose_simulators.instruments.cell_clock import clock_endpoint
 from truepose_simulators.instruments.endpoint import Endpoint
 from truepose_simulators.instruments.faults_endpoint import faults_endpoint
 from truepose_simulators.instruments.hands_endpoint import hands_endpoint
+from truepose_simulators.instruments.robot.abb_rws.controller import AbbController
+from truepose_simulators.instruments.robot.abb_rws.programs import program_of
+from truepose_simulators.instruments.robot.abb_rws.server import web_endpoint
 from truepose_simulators.instruments.robot.fanuc_rmi.controller import Controller as FanucController
 from truepose_simulators.instruments.robot.fanuc_rmi.endpoints import connect_endpoint, session_endpoint
 from truepose_simulators.instruments.robot.fanuc_rmi.program import RmiMove
@@ -148,10 +151,11 @@ async def _run(cell: RememberedCell, options: argparse.Namespace) -> None:
 
 def _endpoints(cell: RememberedCell) -> list[Endpoint]:
     camera = cell.scenario.camera
+    controller, newer = _controller(cell)
     bar = Electronics(cell.ballbar, cell.faults, cell.clock)
     return [
         tracker_endpoint(cell),
-        *_controller(cell),
+        *controller,
         clock_endpoint(cell.clock),
         truth_endpoint(cell),
         # Newer endpoints come last, so that the older ones keep their ports.
@@ -161,6 +165,7 @@ def _endpoints(cell: RememberedCell) -> list[Endpoint]:
         hands_endpoint(cell),
         *([] if camera is None else [camera_endpoint(cell, camera)]),
         faults_endpoint(cell),
+        *newer,
     ]
 
 
@@ -168,23 +173,29 @@ def _faults(path: Path | None, cell: RememberedCell) -> tuple[Fault, ...]:
     return () if path is None else read_faults(path, cell.scenario.check_fault)
 
 
-def _controller(cell: RememberedCell) -> list[Endpoint]:
-    """Return the ports of the robot's controller, in the language of the scenario."""
+def _controller(cell: RememberedCell) -> tuple[list[Endpoint], list[Endpoint]]:
+    """Return the ports of the robot's controller, in the language of the scenario, and its newer ones."""
     if cell.scenario.arm.protocol == "ur_rtde":
         universal = Controller(cell)
         programs = Programs(universal)
         texts = [script_endpoint(programs), dashboard_endpoint(universal, programs)]
-        return [rtde_endpoint(universal), *texts]
+        return [rtde_endpoint(universal), *texts], []
     if cell.scenario.arm.protocol == "mappdk":
         outputs: dict[str, str] = {}
         motion, logger = (MappdkProgram(cell, outputs=outputs) for _ in range(2))
-        return [mappdk_endpoint(cell, motion), mappdk_logger_endpoint(cell, logger)]
+        return [mappdk_endpoint(cell, motion), mappdk_logger_endpoint(cell, logger)], []
     if cell.scenario.arm.protocol == "rmi":
         fanuc = FanucController(cell)
         session = session_endpoint(fanuc, RmiMove(fanuc))
-        return [connect_endpoint(session), session]
-    abb = MotionProgram(cell)
-    return [robot_endpoint(cell, abb), logger_endpoint(cell, abb)]
+        return [connect_endpoint(session), session], []
+    abb = AbbController(cell)
+    if cell.scenario.arm.protocol == "rws":
+        abb.task = program_of(abb)
+        return [web_endpoint(cell, abb)], []
+    server = MotionProgram(cell, may_move=lambda: abb.runs)
+    return [robot_endpoint(cell, server), logger_endpoint(cell, server)], [
+        web_endpoint(cell, abb, "robot-rws")
+    ]
 
 
 def _fail(error: SimulatorError, status: int) -> int:

@@ -13,6 +13,7 @@ from tests.helpers.ballbar.length_sources import FakeBar, FakeHands
 from tests.helpers.instruments.bridge_server import bridge_endpoint
 from tests.helpers.instruments.usb_in_memory import UsbInMemory
 from truepose_drivers.abb_open_abb.driver import OpenAbbRobot
+from truepose_drivers.abb_rws.driver import RwsRobot
 from truepose_drivers.api import Clock
 from truepose_drivers.ballbar_bridge.driver import BridgedBallbar
 from truepose_drivers.ballbar_hid.driver import HidBallbar
@@ -53,6 +54,9 @@ from truepose_simulators.instruments.gauges.keyence_gt2 import keyence_gt2_endpo
 from truepose_simulators.instruments.gauges.mitutoyo_eh import mitutoyo_eh_endpoint
 from truepose_simulators.instruments.gauges.mitutoyo_serial import mitutoyo_serial_endpoint
 from truepose_simulators.instruments.hands_endpoint import hands_endpoint
+from truepose_simulators.instruments.robot.abb_rws.controller import AbbController
+from truepose_simulators.instruments.robot.abb_rws.programs import OurProgram
+from truepose_simulators.instruments.robot.abb_rws.server import web_endpoint
 from truepose_simulators.instruments.robot.fanuc_rmi.controller import Controller as FanucController
 from truepose_simulators.instruments.robot.fanuc_rmi.endpoints import connect_endpoint, session_endpoint
 from truepose_simulators.instruments.robot.fanuc_rmi.program import RmiMove
@@ -88,6 +92,7 @@ LINKS: dict[str, Callable[[Callable[[], Link], Clock], object]] = {
     "leica_emscon": lambda new_link, clock: LaserTracker(new_link(), clock),
     "leica_emscon_6d": lambda new_link, clock: ProbeTracker(new_link(), clock),
     "abb_open_abb": lambda new_link, clock: OpenAbbRobot(new_link(), clock),
+    "abb_rws": lambda new_link, clock: RwsRobot(new_link(), clock),
     "fanuc_mappdk": lambda new_link, clock: MappdkRobot(new_link(), clock),
     "ballbar_bridge": lambda new_link, clock: BridgedBallbar(new_link(), clock),
     "cell_clock": lambda new_link, clock: CellClock(new_link),
@@ -151,6 +156,12 @@ def in_memory(endpoint: Endpoint, ends: list[MemoryEnd]) -> Callable[[MemoryEnd]
     return serve
 
 
+def _irc5(cell: Cell) -> AbbController:
+    controller = AbbController(cell)
+    controller.task = OurProgram(controller)
+    return controller
+
+
 class Bench:
     """A simulated cell with its instruments, and drivers connected to them one way or the other."""
 
@@ -171,6 +182,7 @@ class Bench:
             "leica_emscon": tracker_endpoint(self.cell),
             "leica_emscon_6d": tracker_endpoint(self.cell),
             "abb_open_abb": robot_endpoint(self.cell, MotionProgram(self.cell)),
+            "abb_rws": web_endpoint(self.cell, _irc5(self.cell)),
             "fanuc_mappdk": mappdk_endpoint(self.cell, MappdkProgram(self.cell, "truepose")),
             "cell_clock": clock_endpoint(self.cell.clock),
             "ballbar_bridge": bridge_endpoint(self.bar, self.cell.clock),

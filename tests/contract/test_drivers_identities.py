@@ -8,6 +8,7 @@ from truepose_simulators.faults.kinds import IdentityChanged
 WITHOUT_LOSS = {
     "leica_emscon": "777777",
     "abb_open_abb": "120-7",
+    "abb_rws": "120-8",
     "fanuc_mappdk": "F-7",
     "universal_robots": "UR-10-7",
     "ballbar_hid": "BAR-9",

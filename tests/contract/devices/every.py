@@ -8,11 +8,13 @@ from tests.contract.devices.gauges import Bar, Bridge, Cable, Counter
 from tests.contract.devices.line_gauges import KeyenceAmplifiers, MitutoyoCounter, MitutoyoLine
 from tests.contract.devices.machines import ClockOfCell, Controller, HandsOfPerson
 from tests.contract.devices.universal_robots import Universal
+from tests.contract.devices.web_services import WebServices
 
 BENCHES = [
     Tracker,
     Probe,
     Controller,
+    WebServices,
     Fanuc,
     FanucRmi,
     Universal,

@@ -32,6 +32,7 @@ ANNOUNCED = [
     ("ballbar", "usb_itn"),
     ("hands", "hands"),
     ("faults", "faults"),
+    ("robot-rws", "rws"),
 ]
 
 

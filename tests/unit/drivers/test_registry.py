@@ -84,7 +84,7 @@ def test_every_shipped_driver_opens_with_its_own_options():
 def test_an_unknown_name_lists_the_known_ones():
     registry = load_registry(SHIPPED)
 
-    with pytest.raises(ConfigurationError, match="'leica'; installed drivers: abb_open_abb, ballbar_bridge"):
+    with pytest.raises(ConfigurationError, match="'leica'; installed drivers: abb_open_abb, abb_rws, ball"):
         registry.open("leica", {})
 
 

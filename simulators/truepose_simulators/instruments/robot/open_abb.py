@@ -7,7 +7,7 @@ mechanics.
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 import numpy as np
 
@@ -76,8 +76,9 @@ class InvalidPoseError(SimulatorError):
 class MotionProgram:
     """The RAPID program: its variables and what each code does."""
 
-    def __init__(self, cell: Cell) -> None:
+    def __init__(self, cell: Cell, *, may_move: Callable[[], bool] = lambda: True) -> None:
         self._cell = cell
+        self._may_move = may_move
         self.restart()
 
     def restart(self) -> None:
@@ -212,7 +213,11 @@ class MotionProgram:
             raise self._stopped("the target was refused")
         if limits.tool_mm_s <= 0.0 or limits.orientation_rad_s <= 0.0:
             raise self._stopped("a speed must be above 0")
+        if not self._may_move():
+            raise self._stopped("the program stands")
         await self._rest_after(self._cell.set_off(waypoints, limits, self._tool[:3, 3]).duration_s)
+        if not self._may_move():
+            raise self._stopped("the program was stopped on the way")
         if isinstance(fault, RobotHangs):
             raise ProgramStoppedError("the reply got lost", drops=False)
 

@@ -1,0 +1,195 @@
+"""An ABB IRC5 through Robot Web Services: state and full-precision joints, and motion by a program of ours.
+
+Robot Web Services 1.0 move nothing themselves. A RAPID program waits for an order in a variable, says what
+it understood, sets off at the first beat and stops when the beats do. Before every order the state of motors,
+key switch, program and speed override is asked for anew.
+"""
+
+import asyncio
+import contextlib
+import math
+from dataclasses import dataclass
+from typing import Final
+
+from truepose_drivers import options as option
+from truepose_drivers.abb_rws.motion import Patience, RapidProgram, read_panel
+from truepose_drivers.abb_rws.protocol import resources
+from truepose_drivers.abb_rws.protocol.digest import Login
+from truepose_drivers.abb_rws.protocol.panel import Panel, controller_state
+from truepose_drivers.abb_rws.protocol.program import STOPS_WITHIN_S, Order
+from truepose_drivers.abb_rws.session import RwsSession
+from truepose_drivers.api import (
+    Clock,
+    DeviceIdentity,
+    DriverPlugin,
+    JointReading,
+    MotionGuard,
+    MotionLimits,
+    Options,
+)
+from truepose_drivers.errors import (
+    BusyError,
+    ConfigurationError,
+    DeviceRefusedError,
+    DriverError,
+    NotInitialisedError,
+    TargetRefusedError,
+)
+from truepose_drivers.monotonic_clock import MonotonicClock
+from truepose_drivers.transports.link import Link
+from truepose_drivers.transports.tcp import tcp_link
+
+_UNKNOWN: Final = "unknown"
+_FURTHEST_DEG: Final = 3600.0  # no joint is wound up further
+_FASTEST: Final = 1e9  # a number of RAPID, far beyond any arm
+
+
+@dataclass(frozen=True, slots=True)
+class TimeOuts:
+    """How long the controller may take, in wall time."""
+
+    reply_s: float = 1.5
+    goodbye_s: float = 0.3
+
+
+class RwsRobot:
+    """A controller on a link. Keeps the conversation; computes nothing."""
+
+    def __init__(
+        self,
+        link: Link,
+        clock: Clock,
+        login: Login | None = None,
+        *,
+        time_outs: TimeOuts | None = None,
+        patience: Patience | None = None,
+    ) -> None:
+        self._time_outs = time_outs or TimeOuts()
+        known = login or Login(resources.USER, resources.PASSWORD)
+        self._session = RwsSession(link, known, reply_s=self._time_outs.reply_s)
+        self._clock = clock
+        self._program = RapidProgram(self._session, patience or Patience())
+        self._limits = MotionLimits()
+        self._one_motion = asyncio.Lock()
+
+    @property
+    def connected(self) -> bool:
+        """Whether the link is up as far as known."""
+        return self._session.is_open
+
+    @property
+    def can_stop_motion(self) -> bool:
+        """Always: a motion that is not waited for any more is stopped."""
+        return True
+
+    @property
+    def motion_guard(self) -> MotionGuard:
+        """Our program stops a motion when it hears nothing, and says what it understood of an order."""
+        return MotionGuard(stops_unheard_s=STOPS_WITHIN_S, speed_read_back=True)
+
+    async def connect(self) -> None:
+        """Open the link and log in; raises ConnectFailedError, DeviceRefusedError."""
+        await self._session.open()
+        try:
+            await self._session.get(resources.CONTROLLER_STATE, controller_state)
+        except DriverError:
+            await self._session.close()
+            raise
+
+    async def close(self) -> None:
+        """End the session, then close the link; never raises."""
+        if self._session.is_open and not self._session.taken:
+            with contextlib.suppress(DriverError, TimeoutError):
+                async with asyncio.timeout(self._time_outs.goodbye_s):
+                    await self._session.get(resources.LOGOUT, lambda _: None)
+        await self._session.close()
+
+    async def identify(self) -> DeviceIdentity:
+        """Ask for serial number, robot type and RobotWare version."""
+        return DeviceIdentity(
+            manufacturer="ABB",
+            model=await self._stated(resources.ROBOT_TYPE, "robot-type"),
+            serial=await self._stated(resources.IDENTITY, "ctrl-id"),
+            firmware=await self._stated(resources.SYSTEM, "rwversion"),
+        )
+
+    async def set_limits(self, limits: MotionLimits) -> None:
+        """Keep the speed limits of the following motions; they go out with each order and are read back."""
+        _check_limits(limits)
+        self._limits = limits
+
+    async def read_panel(self) -> Panel:
+        """Ask for motors, key switch, program and speed override."""
+        return await read_panel(self._session)
+
+    async def read_joints(self) -> JointReading:
+        """Ask where the joints are; also while the arm moves."""
+        joints_deg = await self._session.get(resources.JOINT_TARGET, resources.joint_angles_deg)
+        return JointReading(
+            joints_rad=tuple(map(math.radians, joints_deg)),
+            resolution_rad=math.radians(resources.RESOLUTION_DEG),
+            time_s=await self._clock.now_s(),
+        )
+
+    async def move_joints(self, target_rad: tuple[float, ...]) -> None:
+        """Move all joints to `target_rad`; return when the arm rests there.
+
+        Raises TargetRefusedError for a target that is none or that the controller does not take,
+        NotInitialisedError where the arm may not move or was stopped, with what to do.
+        """
+        order = self._order(target_rad)
+        async with self._one_motion:
+            try:
+                await self._program.carry_out(order)
+            except (BusyError, NotInitialisedError, TargetRefusedError):
+                raise
+            except DriverError:
+                await self._session.close()  # whatever it was, no later answer is taken for one to this
+                raise
+
+    def _order(self, target_rad: tuple[float, ...]) -> Order:
+        target_deg = tuple(map(math.degrees, target_rad))
+        if len(target_deg) != resources.JOINTS:
+            raise TargetRefusedError(
+                f"the robot has {resources.JOINTS} joints; the target has {len(target_deg)}"
+            )
+        for joint, angle in enumerate(target_deg, start=1):
+            if not abs(angle) <= _FURTHEST_DEG:
+                raise TargetRefusedError(f"{angle} deg of joint {joint} is out of any robot's range")
+        return Order(
+            target_deg=target_deg,
+            tool_speed_mm_s=self._limits.tool_speed_mm_s,
+            turning_speed_deg_s=math.degrees(self._limits.orientation_speed_rad_s),
+        )
+
+    async def _stated(self, target: str, name: str) -> str:
+        """Return what a controller says of itself, `unknown` where it does not know the question."""
+        try:
+            return await self._session.get(target, lambda told: resources.stated(told, name)) or _UNKNOWN
+        except DeviceRefusedError:
+            return _UNKNOWN
+
+
+def _check_limits(limits: MotionLimits) -> None:
+    for name, value in (
+        ("tool_speed_mm_s", limits.tool_speed_mm_s),
+        ("orientation_speed_rad_s", limits.orientation_speed_rad_s),
+    ):
+        if not 0.0 < value <= _FASTEST:
+            raise ConfigurationError(f"{name} is {value}: a speed limit must be positive")
+
+
+def _open(options: Options, clock: Clock | None) -> RwsRobot:
+    login = Login(
+        option.text(options, "user") or resources.USER, option.text(options, "password") or resources.PASSWORD
+    )
+    return RwsRobot(tcp_link(options, resources.PORT), clock or MonotonicClock(), login)
+
+
+_OPTIONS = {
+    "host": "address of the controller, often 192.168.125.1",
+    "port": f"TCP port of its web services, {resources.PORT} unless changed",
+    "user": f'user of the controller, "{resources.USER}" unless changed',
+    "password": "password of that user, that of a new controller unless changed",
+}
+PLUGIN = DriverPlugin("abb_rws", "robot", "rws", _OPTIONS, _open)

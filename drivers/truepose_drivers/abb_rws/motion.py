@@ -1,0 +1,225 @@
+"""One motion by our RAPID program: state, order, what it understood, beats until the arm has arrived."""
+
+import asyncio
+import random
+from dataclasses import dataclass, replace
+from typing import Final
+
+from truepose_drivers.abb_rws.protocol import panel, resources
+from truepose_drivers.abb_rws.protocol.panel import Execution, Panel
+from truepose_drivers.abb_rws.protocol.program import (
+    BEAT,
+    BEAT_S,
+    NAME,
+    ORDER,
+    REPORT,
+    SERVER,
+    SILENCE_S,
+    Order,
+    Progress,
+    Report,
+    beat_after,
+    decode_report,
+)
+from truepose_drivers.abb_rws.protocol.rapid import number_text
+from truepose_drivers.abb_rws.protocol.resources import SYMBOL_DATA, value_of
+from truepose_drivers.abb_rws.session import RwsSession
+from truepose_drivers.errors import (
+    BusyError,
+    ConnectionLostError,
+    DeviceRefusedError,
+    NoReplyError,
+    NotInitialisedError,
+    TargetRefusedError,
+)
+
+_BETWEEN_REPORTS_S: Final = 0.05
+_BETWEEN_LOOKS_S: Final = 0.3  # at program and joints, while the arm moves
+_SAME_PLACE_DEG: Final = 1e-2  # an arm that has not set off is no farther from where it was
+_START: Final = {
+    "regain": "continue",
+    "execmode": "continue",
+    "cycle": "once",
+    "condition": "none",
+    "stopatbp": "disabled",
+    "alltaskbytsp": "true",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Patience:
+    """How long the program may take, in wall time."""
+
+    taken_s: float = 2.0  # until it has taken an order
+    stands_s: float = 20.0  # under way, at a low speed override or paused by somebody
+
+
+async def read_panel(session: RwsSession) -> Panel:
+    """Ask for motors, key switch, program and speed override."""
+    return Panel(
+        state=await session.get(resources.CONTROLLER_STATE, panel.controller_state),
+        mode=await session.get(resources.OPERATION_MODE, panel.operation_mode),
+        execution=await session.get(resources.EXECUTION, panel.execution),
+        speed_percent=await session.get(resources.SPEED_RATIO, panel.speed_percent),
+    )
+
+
+class RapidProgram:
+    """Our program on the controller, as seen through its variables."""
+
+    def __init__(self, session: RwsSession, patience: Patience) -> None:
+        self._session = session
+        self._patience = patience
+        self._beat = float(random.randrange(1_000_000))  # another one than that of a client before
+
+    async def carry_out(self, order: Order) -> None:
+        """Have an order carried out; returns when the arm rests at its target.
+
+        Raises NotInitialisedError where the arm may not move or was stopped, TargetRefusedError, BusyError.
+        """
+        await self._make_ready()
+        stood_deg = await self.joints_deg()
+        order = await self._give(order)
+        await self._follow(order, _Course(stood_deg, stood_deg, _now_s()))
+
+    async def joints_deg(self) -> tuple[float, ...]:
+        """Ask where the joints are."""
+        return await self._session.get(resources.JOINT_TARGET, resources.joint_angles_deg)
+
+    async def _make_ready(self) -> None:
+        """See that the arm may move, and start a program that stands, at its beginning."""
+        now = await read_panel(self._session)
+        if now.obstacle is not None:
+            raise NotInitialisedError(f"the robot cannot move: {now.obstacle}; then confirm")
+        await self._require_ours()
+        if now.execution is Execution.STOPPED:
+            await self._session.act(resources.EXECUTION, "resetpp")
+            await self._session.act(resources.EXECUTION, "start", _START)
+
+    async def _require_ours(self) -> None:
+        try:
+            name = await self._session.get(SYMBOL_DATA + NAME, value_of)
+        except DeviceRefusedError:
+            name = ""
+        if name != SERVER:
+            raise NotInitialisedError(
+                "the robot's program is not ours: load TruePoseRws.mod into task T_ROB1 from the pendant,"
+                " then confirm"
+            )
+
+    async def _give(self, order: Order) -> Order:
+        """Write an order and see that the program has understood it; nothing moves before the first beat."""
+        before = await self._report()
+        if before.progress in {Progress.TAKEN, Progress.MOVING}:
+            raise BusyError("the robot is still under way: wait until it rests, then confirm")
+        order = replace(order, number=before.next_number)
+        await self._set(ORDER, order.encode())
+        self._require_understood(order, await self._taken(order))
+        return order
+
+    async def _taken(self, order: Order) -> Report:
+        give_up_s = _now_s() + self._patience.taken_s
+        while int((report := await self._report()).order[0]) != order.number:
+            if _now_s() > give_up_s:
+                raise NotInitialisedError(
+                    "the robot's program takes no order: look at the pendant why it stands, then confirm"
+                )
+            await asyncio.sleep(_BETWEEN_REPORTS_S)
+        return report
+
+    def _require_understood(self, order: Order, report: Report) -> None:
+        if report.progress is Progress.REFUSED:
+            raise _refused(order, "")
+        if not report.is_about(order):
+            raise DeviceRefusedError(
+                f"the robot was ordered {order.values()} and understood {report.order}: look for another"
+                " program that writes its variables, then connect again"
+            )
+
+    async def _follow(self, order: Order, course: "_Course") -> None:
+        """Give beats until the arm has arrived."""
+        beat_s = look_s = _now_s() - BEAT_S
+        while True:
+            if _now_s() - beat_s >= BEAT_S:
+                beat_s = _now_s()
+                self._beat = beat_after(self._beat)
+                await self._set(BEAT, number_text(self._beat))
+            if _has_arrived(await self._report(), order):
+                return
+            if _now_s() - look_s >= _BETWEEN_LOOKS_S:
+                look_s = _now_s()
+                course = await self._look(order, course)
+            await asyncio.sleep(_BETWEEN_REPORTS_S)
+
+    async def _look(self, order: Order, course: "_Course") -> "_Course":
+        """See that program and arm are under way."""
+        if await self._session.get(resources.EXECUTION, panel.execution) is Execution.STOPPED:
+            await self._tell_stop(order, course)
+        here_deg = await self.joints_deg()
+        if _distance_deg(here_deg, course.last_deg) > _SAME_PLACE_DEG:
+            return _Course(course.start_deg, here_deg, _now_s())
+        if _now_s() - course.moved_s > self._patience.stands_s:
+            raise NoReplyError(
+                f"the robot has not moved for {self._patience.stands_s:g} s and has not arrived: look at the"
+                " pendant, then connect again"
+            )
+        return course
+
+    async def _tell_stop(self, order: Order, course: "_Course") -> None:
+        """Say why the program stopped under way."""
+        now = await read_panel(self._session)
+        if now.obstacle is not None:
+            raise NotInitialisedError(f"the robot stopped on its way: {now.obstacle}; then confirm")
+        said = await self._session.get(f"{resources.EVENT_LOG}?lang=en", resources.last_event)
+        if _distance_deg(await self.joints_deg(), course.start_deg) <= _SAME_PLACE_DEG:
+            raise _refused(order, said)
+        raise NotInitialisedError(
+            f"the robot's program stopped on its way{_quoted(said)}: look at the pendant, then confirm"
+        )
+
+    async def _report(self) -> Report:
+        return decode_report(await self._session.get(SYMBOL_DATA + REPORT, value_of))
+
+    async def _set(self, variable: str, value: str) -> None:
+        await self._session.act(SYMBOL_DATA + variable, "set", {"value": value})
+
+
+@dataclass(frozen=True, slots=True)
+class _Course:
+    """Where the arm started, where it was seen last, and since when it was seen there."""
+
+    start_deg: tuple[float, ...]
+    last_deg: tuple[float, ...]
+    moved_s: float
+
+
+def _has_arrived(report: Report, order: Order) -> bool:
+    if int(report.order[0]) != order.number:
+        raise DeviceRefusedError(
+            "somebody else gave the robot an order: see that one program alone moves it, then connect again"
+        )
+    if report.progress is Progress.GIVEN_UP:
+        raise ConnectionLostError(
+            f"the robot stopped on its way, having heard nothing for {SILENCE_S:g} s: check the network, then"
+            " confirm before anything moves"
+        )
+    return report.progress is Progress.ARRIVED
+
+
+def _refused(order: Order, said: str) -> TargetRefusedError:
+    shown = ", ".join(f"{angle:.3f}" for angle in order.target_deg)
+    return TargetRefusedError(
+        f"the robot refused the joint target ({shown}) deg{_quoted(said)}: look at the pendant"
+    )
+
+
+def _quoted(said: str) -> str:
+    return f' (its event log ends with "{said}")' if said else ""
+
+
+def _distance_deg(first: tuple[float, ...], second: tuple[float, ...]) -> float:
+    return max(abs(one - other) for one, other in zip(first, second, strict=True))
+
+
+def _now_s() -> float:
+    return asyncio.get_running_loop().time()

@@ -1,0 +1,149 @@
+"""A session with Robot Web Services: one request at a time, logged in by digest, known again by its cookies.
+
+Answers carry no number, but HTTP's own order: an exchange that is left before its end closes the connection.
+"""
+
+import secrets
+from collections.abc import Callable
+from typing import Final, TypeVar
+
+from truepose_drivers.abb_rws.protocol.digest import Challenge, Login, authorization, decode_challenge
+from truepose_drivers.abb_rws.protocol.errors import RwsProtocolError
+from truepose_drivers.abb_rws.protocol.http import (
+    HttpRequest,
+    HttpResponse,
+    ResponseReader,
+    encode_request,
+    form_body,
+)
+from truepose_drivers.abb_rws.protocol.resources import error_sentence
+from truepose_drivers.errors import ConfigurationError, ConnectionLostError, DeviceRefusedError
+from truepose_drivers.transports.conversation import Conversation
+from truepose_drivers.transports.link import Link
+
+# A controller ends a connection after 400 requests, in the middle of whatever.
+_MOST_REQUESTS: Final = 300
+_UNAUTHORISED: Final = 401
+_BUSY: Final = 503
+
+Told = TypeVar("Told")
+
+
+class RwsSession:
+    """Asks for resources and acts on them."""
+
+    def __init__(self, link: Link, login: Login, *, reply_s: float) -> None:
+        self._conversation = Conversation[HttpResponse](link, ResponseReader, harmless=(DeviceRefusedError,))
+        self._login = login
+        self._reply_s = reply_s
+        self._forget()
+
+    def _forget(self) -> None:
+        self._challenge: Challenge | None = None
+        self._answered = 0  # requests that answered this challenge
+        self._cookies: dict[str, str] = {}
+        self._requests = 0  # on this connection
+        self._ends = False  # the controller said that it closes the connection
+
+    @property
+    def is_open(self) -> bool:
+        """Whether the controller is there as far as known."""
+        return self._conversation.is_open
+
+    @property
+    def taken(self) -> bool:
+        """Whether an exchange is under way."""
+        return self._conversation.taken
+
+    async def open(self) -> None:
+        """Connect and begin a session of its own; raises ConnectFailedError."""
+        self._forget()
+        await self._conversation.open()
+
+    async def close(self) -> None:
+        """Close the connection; never raises."""
+        await self._conversation.close()
+
+    async def get(self, target: str, decode: Callable[[HttpResponse], Told]) -> Told:
+        """Return what a resource tells; raises DeviceRefusedError where there is none, LinkError.
+
+        An answer that `decode` cannot read closes the connection.
+        """
+        return await self._exchange("GET", _in_json(target), b"", decode)
+
+    async def act(self, target: str, action: str, form: dict[str, str] | None = None) -> None:
+        """Do something to a resource; raises DeviceRefusedError, LinkError."""
+        await self._exchange("POST", _in_json(f"{target}?action={action}"), form_body(form or {}), _nothing)
+
+    async def _exchange(
+        self, method: str, target: str, body: bytes, decode: Callable[[HttpResponse], Told]
+    ) -> Told:
+        async with self._conversation.turn():
+            response = await self._answer(method, target, body)
+            if response.status == _UNAUTHORISED:
+                self._challenge, self._answered = decode_challenge(response.header("www-authenticate")), 0
+                response = await self._answer(method, target, body)
+            self._require_success(response, f"{method} {target.partition('?')[0]}")
+            return decode(response)
+
+    def _require_success(self, response: HttpResponse, asked: str) -> None:
+        if response.status == _UNAUTHORISED:
+            raise DeviceRefusedError(
+                f"the robot does not let user {self._login.user!r} in: check the options user and password"
+            )
+        if not 200 <= response.status < 300:
+            more = ": it has too many clients, end some" if response.status == _BUSY else ""
+            raise DeviceRefusedError(f"the robot refused {asked} ({error_sentence(response)}){more}")
+
+    async def _answer(self, method: str, target: str, body: bytes) -> HttpResponse:
+        """Ask once, on a connection that lasts for it."""
+        await self._connect_anew_where_it_ends()
+        await self._conversation.drain()
+        question = self._question(method, target, body)
+        silence = (
+            f"the robot at {self._conversation.address} is connected and says nothing: check the network"
+        )
+        await self._conversation.send(question, timeout_s=self._reply_s, silence=silence)
+        response = await self._conversation.next()
+        if not await self._conversation.is_quiet():
+            raise RwsProtocolError("the robot answered more than was asked: connect again")
+        self._requests += 1
+        self._ends = response.ends_connection
+        self._cookies |= response.cookies
+        return response
+
+    async def _connect_anew_where_it_ends(self) -> None:
+        if not self._conversation.is_open:
+            raise ConnectionLostError(
+                f"there is no connection to {self._conversation.address}: connect first"
+            )
+        if self._ends or self._requests >= _MOST_REQUESTS:
+            await self._conversation.open()
+            self._requests = 0
+
+    def _question(self, method: str, target: str, body: bytes) -> bytes:
+        headers = {}
+        if self._cookies:
+            headers["cookie"] = "; ".join(f"{name}={value}" for name, value in self._cookies.items())
+        if self._challenge is not None:
+            self._answered += 1
+            headers["authorization"] = authorization(
+                self._challenge,
+                self._login,
+                method,
+                target,
+                count=self._answered,
+                client_nonce=secrets.token_hex(8),
+            )
+        try:
+            return encode_request(HttpRequest(method, target, headers, body), self._conversation.address)
+        except ValueError as error:  # h11 sends no line ends or the like in a header
+            raise ConfigurationError(f"user and password cannot be sent: {error}") from error
+
+
+def _in_json(target: str) -> str:
+    return f"{target}{'&' if '?' in target else '?'}json=1"
+
+
+def _nothing(_: HttpResponse) -> None:
+    """Read nothing in the answer to an action, which has no body."""

@@ -1,0 +1,81 @@
+"""Model of an ABB controller's web services on a hostile wire."""
+
+from truepose_drivers.abb_rws.driver import PLUGIN, RwsRobot
+from truepose_drivers.abb_rws.protocol import resources
+from truepose_drivers.abb_rws.protocol.digest import Challenge, challenge_header
+from truepose_drivers.abb_rws.protocol.http import HttpResponse, RequestReader, encode_response
+from truepose_drivers.abb_rws.protocol.rapid import number_text
+from truepose_drivers.contract.bench import RobotBench
+from truepose_drivers.contract.wire import HangUp
+
+_RANGES_DEG = ((-165, 165), (-110, 110), (-110, 70), (-160, 160), (-120, 120), (-400, 400))
+_CHALLENGE = ("www-authenticate", challenge_header(Challenge("validusers@robapi.abb", "6f6e6365")))
+_OTHERS = {
+    resources.CONTROLLER_STATE: {"_type": "pnl-ctrlstate", "ctrlstate": "motoron"},
+    resources.ROBOT_TYPE: {"_type": "sys-robottype", "robot-type": "IRB 120-3/0.6"},
+    resources.SYSTEM: {"_type": "sys-system-li", "rwversion": "6.08.01.00"},
+}
+
+
+class WebServices(RobotBench):
+    """An IRC5 that asks every new client for its password, once."""
+
+    plugin = PLUGIN
+    ranges_deg = _RANGES_DEG
+    decimals = 4
+    tolerance_deg = 1e-4
+    free_numbers = True
+    specials = {
+        "other_resource": "foreign", "page": "nonsense", "nan": "nonsense", "huge_angle": "nonsense",
+        "five_joints": "nonsense", "no_states": "nonsense", "no_json": "nonsense",
+    }  # fmt: skip
+    absent = {
+        "another_unit_changes_no_reading": "joints are in degrees, and nothing changes that",
+        "a_frozen_device_gives_no_reading": "a state has neither number nor time",
+    }
+
+    def driver(self, wiring):
+        return RwsRobot(wiring.line(self.answer), wiring.clock)
+
+    def answer(self, data):
+        reader, said = RequestReader(), []
+        reader.receive_data(data)
+        while (request := reader.next_message()) is not None:
+            said.append(encode_response(self._response(request)))
+        return said or [HangUp()]
+
+    def _response(self, request):
+        if "authorization" not in request.headers:
+            return HttpResponse(401, (_CHALLENGE,))
+        told = {
+            **_OTHERS,
+            resources.IDENTITY: {"_type": "ctrl-identity-info", "ctrl-id": self.serial},
+            resources.JOINT_TARGET: self._joints(),
+        }
+        state = told.get(request.path)
+        return HttpResponse(404) if state is None else _json(resources.encode_states(request.path, [state]))
+
+    def _joints(self):
+        angles = enumerate(self.joints_deg, start=1)
+        return {"_type": "ms-jointtarget", **{f"rax_{joint}": number_text(angle) for joint, angle in angles}}
+
+    def special(self, name, wiring, rng):
+        joints = self._joints()
+        bad = {
+            "other_resource": _state(_OTHERS[resources.CONTROLLER_STATE]),
+            "page": HttpResponse(200, (("content-type", "text/html"),), b"<html>Please log in</html>"),
+            "nan": _state(joints | {"rax_2": "nan"}),
+            "huge_angle": _state(joints | {"rax_2": "90000"}),
+            "five_joints": _state({key: value for key, value in joints.items() if key != "rax_6"}),
+            "no_states": _json(b'{"_embedded": {}}'),
+            "no_json": _json(b'{"_embedded": {"_state": [{"_type": "ms-join'),
+        }[name]
+        wiring.spoil = lambda _: [encode_response(bad)]
+
+
+def _state(state):
+    return _json(resources.encode_states(resources.JOINT_TARGET, [state]))
+
+
+def _json(body):
+    return HttpResponse(200, (("content-type", "application/json"),), body)
