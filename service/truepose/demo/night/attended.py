@@ -49,8 +49,6 @@ async def _help(client: ServiceClient, seen: Attended) -> None:
     session_id, state = int(seen.session["id"]), str(seen.session["state"])
     if state in _FAILED or len(seen.reasons) > _MOST_RESUMED:
         raise SessionHaltedError(f"Session {session_id} is {state}: {seen.session['reason']}")
-    if state == "paused":
+    if state in {"paused", "awaiting_confirmation"}:
         seen.reasons.append(str(seen.session["reason"]))
-        await client.resume(session_id)
-    elif state == "awaiting_confirmation":
-        await client.confirm(session_id)
+        await (client.resume if state == "paused" else client.confirm)(session_id)

@@ -1,5 +1,6 @@
 """What the cases of a night say of what they see, right and wrong."""
 
+import numpy as np
 import pytest
 
 from truepose.demo.cell.processes import SimulatedService
@@ -9,7 +10,9 @@ from truepose.demo.night.attended import attend
 from truepose.demo.night.cases import night_cases
 from truepose.demo.night.crashes import _Lives
 from truepose.demo.night.earlier import earlier_schemas
+from truepose.demo.night.faulty_sessions import FaultySession, _checks, _scenario_text
 from truepose.demo.night.upgrades import UpgradedDatabase, _moved
+from truepose_simulators.scenarios.file import load_scenario
 
 
 class Session:
@@ -66,7 +69,7 @@ async def test_somebody_confirms_and_resumes_until_it_is_finished():
     seen = await attend(session, 1)
 
     assert session.acts == ["confirm", "resume"]
-    assert (seen.finished, seen.reasons) == (True, ["because"])
+    assert (seen.finished, seen.reasons) == (True, ["because", "because"])
 
 
 async def test_nothing_is_done_to_a_session_that_runs():
@@ -156,3 +159,49 @@ def test_other_nights_draw_other_faults_on_the_same_cells():
 
     assert one[0] == other[0]
     assert one != other
+
+
+def a_reading(config, **more):
+    return {"point": {"config": config}, "superseded_by": None} | more
+
+
+def faulty(configurations, skipped=(), errors_mm=(0.01,), finished=True):
+    """What is said of a faulty session of three configurations."""
+    seen = attended.Attended(["because"], shown("finished" if finished else "paused"))
+    session = {"planned": 3, "skipped_stops": [{"config": n, "reason": why} for n, why in skipped]}
+    readings = [a_reading(config) for config in configurations]
+    return {check.figure: check for check in _checks(seen, session, readings, np.array(errors_mm))}
+
+
+def test_a_faulty_session_that_ends_with_true_readings_passes():
+    found = faulty([1, 3], skipped=[(2, "the beam was broken")])
+
+    assert all(check.passed for check in found.values())
+    assert "asked 1 times" in found["session"].measured
+
+
+@pytest.mark.parametrize(
+    ("figure", "session"),
+    [
+        ("configurations neither measured nor left out", faulty([1, 3])),
+        ("configurations measured twice", faulty([1, 2, 2, 3])),
+        ("configurations left out without a reason", faulty([1, 3], skipped=[(2, "")])),
+        ("largest error of a reading that is kept", faulty([1, 2, 3], errors_mm=(0.01, 0.4))),
+        ("session", faulty([1, 2, 3], finished=False)),
+    ],
+)
+def test_what_is_wrong_of_a_faulty_session_is_said_and_nothing_else(figure, session):
+    assert [name for name, check in session.items() if not check.passed] == [figure]
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_the_faults_of_a_night_are_a_scenario(seed, tmp_path):
+    case = FaultySession("lrmate-fanuc", seed)
+    file = tmp_path / "lrmate-fanuc-faulty.toml"
+    file.write_text(_scenario_text(case.scenario, case.faults()), encoding="utf-8")
+
+    at = [fault.configuration for fault in load_scenario(str(file)).faults]
+
+    assert at == sorted(set(at))
+    assert at == [fault["configuration"] for fault in case.faults()]
+    assert FaultySession("lrmate-fanuc", seed + 1).faults() != case.faults()

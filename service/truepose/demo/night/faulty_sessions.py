@@ -1,0 +1,169 @@
+"""Sessions in which much goes wrong, as the night's seed draws it: they end, and nothing false is kept.
+
+What may go wrong, and when, is a scenario's `[[fault]]` tables (docs/faults.md); somebody looks after the
+session as a person would: looks at the cell, confirms, goes on.
+"""
+
+import asyncio
+import json
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+
+from truepose.demo.cell.client import ServiceClient, connected
+from truepose.demo.cell.processes import SimulatedService, running_service
+from truepose.demo.cell.run import DATABASE, SERVICE_LOG
+from truepose.demo.cell.truth import cell_endpoint
+from truepose.demo.night.attended import Attended, attend
+from truepose.demo.night.check import Check, at_most, none_of
+from truepose.demo.progress import RunProgress
+from truepose.domain.arrays import FloatArray
+
+_CONFIGURATIONS: Final = 30
+_FAULTS: Final = 8
+# Ten standard deviations of the tracker at its distance: what is farther off is no reading of that stop.
+_FALSE_MM: Final = 0.2
+_LONGEST_S: Final = 600.0
+
+Keys = Mapping[str, Any]
+_Draw = Callable[[np.random.Generator], Keys]
+
+
+def _strikes(kind: str, most: int = 1) -> _Draw:
+    return lambda rng: {"kind": kind, "count": int(rng.integers(1, most + 1))}
+
+
+def _lasts(kind: str, **keys: Any) -> _Draw:
+    return lambda rng: {"kind": kind, **keys, "for_s": round(float(rng.uniform(1.0, 8.0)), 1)}
+
+
+def _stops(kind: str) -> _Draw:
+    return lambda rng: {**_lasts(kind)(rng), "after_s": round(float(rng.uniform(0.05, 0.8)), 2)}
+
+
+# No robot that refuses or hangs: where a controller reports no errors of motion it is waited for as long as a
+# motion may last, which is minutes of wall time.
+_KINDS: Final[Sequence[_Draw]] = (
+    _strikes("beam_broken", 3),
+    _strikes("tracker_silent"),
+    _strikes("tracker_cut"),
+    _strikes("tracker_repeats_result", 2),
+    _strikes("tracker_stale_result"),
+    _strikes("tracker_units_changed"),
+    _lasts("link_cut", device="tracker"),
+    _lasts("link_cut", device="robot"),
+    _lasts("link_half_open", device="tracker"),
+    _lasts("link_half_open", device="robot"),
+    _lasts("tracker_blinded"),
+    _lasts("temperature_step", by_k=-3.0),
+    _stops("emergency_stop"),
+    _stops("protective_stop"),
+)
+
+
+@dataclass(frozen=True, slots=True)
+class FaultySession:
+    """A tracker session on a cell with faults; `scenario` is shipped."""
+
+    scenario: str
+    seed: int
+
+    @property
+    def name(self) -> str:
+        """As the night calls it: the robot is the first word, as of every scenario."""
+        return f"{self.scenario}-faulty"
+
+    @property
+    def note(self) -> str:
+        """What goes wrong, in its order."""
+        return f"{_CONFIGURATIONS} configurations, with " + ", ".join(
+            f"{fault['kind'].replace('_', ' ')} at {fault['configuration']}" for fault in self.faults()
+        )
+
+    def faults(self) -> list[Keys]:
+        """Return what goes wrong, the first first."""
+        rng = np.random.default_rng((self.seed, *self.scenario.encode()))
+        at = np.sort(rng.choice(np.arange(2, _CONFIGURATIONS), _FAULTS, replace=False))
+        kinds = rng.choice(len(_KINDS), _FAULTS, replace=False)
+        return [
+            {**_KINDS[kind](rng), "configuration": int(number)}
+            for kind, number in zip(kinds, at, strict=True)
+        ]
+
+    def run(self, folder: Path, progress: RunProgress) -> list[Check]:
+        """Measure, with somebody beside it; raises DemoError."""
+        scenario = folder / f"{self.name}.toml"
+        scenario.write_text(_scenario_text(self.scenario, self.faults()), encoding="utf-8")
+        return asyncio.run(self._run(scenario, folder, progress))
+
+    async def _run(self, scenario: Path, folder: Path, progress: RunProgress) -> list[Check]:
+        service = SimulatedService(str(scenario), self.seed, folder / DATABASE, folder / SERVICE_LOG)
+        async with running_service(service) as url, connected(url) as client:
+            await client.connect_devices()
+            with progress.phase("choosing configurations") as told:
+                job = await client.plan("faulty", "validation", _CONFIGURATIONS, self.seed)
+                session_id = await client.finish_job(job, told)
+            with progress.phase("measuring while things go wrong"):
+                await client.begin(session_id)
+                seen = await _ended(client, session_id)
+            session = await client.get(f"/sessions/{session_id}")
+            counting = [one for one in await client.readings(session_id) if _counts(one)]
+            return _checks(seen, session, counting, await _errors_mm(client, counting))
+
+
+async def _ended(client: ServiceClient, session_id: int) -> Attended:
+    async with asyncio.timeout(_LONGEST_S):
+        return await attend(client, session_id)
+
+
+def _counts(reading: Mapping[str, Any]) -> bool:
+    return reading["point"] is not None and reading["superseded_by"] is None
+
+
+async def _errors_mm(client: ServiceClient, readings: Sequence[Mapping[str, Any]]) -> FloatArray:
+    """Return how far readings are from what was true of their stops, shape (n,)."""
+    (cell,) = await client.get("/cells")
+    (truth,) = [entry for entry in cell["endpoints"] if entry["device"] == "truth"]
+    async with cell_endpoint(truth["host"], truth["port"]) as endpoint:
+        true = await endpoint.ask(
+            "positions",
+            joints_rad=np.radians([one["point"]["commanded_deg"] for one in readings]).tolist(),
+            nests=[one["nest"] for one in readings],
+            time_s=[one["time_s"] for one in readings],
+        )
+    read = np.array([one["position_world_mm"] for one in readings])
+    errors: FloatArray = np.linalg.norm(read - np.array(true["positions_mm"]), axis=1)
+    return errors
+
+
+def _checks(
+    seen: Attended,
+    session: Mapping[str, Any],
+    readings: Sequence[Mapping[str, Any]],
+    errors_mm: FloatArray,
+) -> list[Check]:
+    configurations = [one["point"]["config"] for one in readings]
+    left_out = {one["config"]: one["reason"] for one in session["skipped_stops"]}
+    unknown = sorted(set(range(1, session["planned"] + 1)) - {*configurations, *left_out})
+    twice = sorted({one for one in configurations if configurations.count(one) > 1})
+    silent = [f"configuration {config}" for config, reason in left_out.items() if not reason]
+    largest = float(errors_mm.max(initial=0.0))
+    state = f"{seen.session['state']}, a person was asked {len(seen.reasons)} times"
+    return [
+        at_most("largest error of a reading that is kept", largest, _FALSE_MM, "mm", 3),
+        none_of("configurations neither measured nor left out", [f"configuration {n}" for n in unknown]),
+        none_of("configurations measured twice", [f"configuration {n}" for n in twice]),
+        none_of("configurations left out without a reason", silent),
+        at_most("configurations left out", len(left_out), _FAULTS, "of 30", 0),
+        Check("session", "finished", state, seen.finished),
+    ]
+
+
+def _scenario_text(scenario: str, faults: Sequence[Keys]) -> str:
+    lines = [f"extends = {json.dumps(scenario)}"]
+    for fault in faults:
+        lines += ["[[fault]]", *(f"{key} = {json.dumps(value)}" for key, value in fault.items())]
+    return "\n".join([*lines, ""])
