@@ -227,6 +227,9 @@ class Campaign:
     target_distances: TargetDistances | None = None
     repeatability_in_uncertainty: bool = False  # u_mm already contains the robot's repeatability
     tracker_position_mm: tuple[float, float, float] | None = None
+    # Of the measured orientations' frame in the last one, per axis: it is that frame to this; None: it is
+    # whatever the readings show.
+    tool_rotation_uncertainty_rad: float | None = None
     fixed_nests: tuple[FixedNest, ...] = ()
     registration: WorldRegistration | None = None
     ballbar_nominal_mm: float | None = None

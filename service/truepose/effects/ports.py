@@ -74,6 +74,7 @@ class Setting(NamedTuple):
     attachments: tuple[int, ...] = ()  # numbers of the tool's mountings
     initialisations: tuple[int, ...] = ()  # numbers of the ballbar's
     lengths: bool = False  # lengths were read instead of positions
+    tool_rotation_u_rad: float | None = None  # certified: measured orientations are of the last frame to this
 
 
 class Rows(NamedTuple):

@@ -4,6 +4,8 @@ An identification holds certified nests and carries their uncertainty afterwards
 within it, so that what a certificate allows is never named a nest that is out of place.
 """
 
+from collections.abc import Collection
+
 from truepose.effects.ports import NOTHING, Need, ParameterSpec, Port, PortKind, Rows, Setting, Term, Trait
 
 NAME = "tool_certificate"
@@ -28,11 +30,20 @@ class ToolCertificate:
 def certificate_specs(uncertainty_mm: dict[int, float]) -> tuple[ParameterSpec, ...]:
     """Return the errors of certified nests (1-based), as wide as their certificates say."""
     return tuple(
-        ParameterSpec(f"certified_{nest}_{axis}", "mm", 0.0, u_mm)
+        ParameterSpec(_name(nest, axis), "mm", 0.0, u_mm)
         for nest, u_mm in sorted(uncertainty_mm.items())
         for axis in "xyz"
         if u_mm > 0.0
     )
+
+
+def moves(nest: int, names: Collection[str]) -> bool:
+    """Return whether a certified nest (1-based) may move by one of these parameters."""
+    return _name(nest, "x") in names
+
+
+def _name(nest: int, axis: str) -> str:
+    return f"certified_{nest}_{axis}"
 
 
 def _number(name: str) -> int:

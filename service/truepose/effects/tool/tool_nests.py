@@ -29,7 +29,8 @@ class Tool:
             for component in range(3)
         ]
         if setting.has_orientations:
-            specs += [ParameterSpec(name, "rad", 0.0, _WIDTH_RAD) for name in _ROTATIONS]
+            width = setting.tool_rotation_u_rad or _WIDTH_RAD
+            specs += [ParameterSpec(name, "rad", 0.0, width) for name in _ROTATIONS]
         return tuple(specs)
 
     def terms(self, names: tuple[str, ...], rows: Rows) -> list[Term]:

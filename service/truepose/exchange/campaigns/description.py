@@ -7,6 +7,7 @@ x y z in mm, rotation vector x y z in rad) of a small motion about the world ori
 sit wrong in the world.
 """
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from datetime import date
@@ -26,6 +27,7 @@ from truepose.exchange.keys import (
     VECTOR,
     Form,
     Key,
+    degrees,
     each,
     number,
     or_null,
@@ -64,7 +66,7 @@ _KINDS = ("tracker", "ballbar", "contacts")
 _IN_ORDER = (
     "format", "kind", "robot", "dhm_nominal", "base_in_world_nominal", "tool_nests_mm", "tool_nest_u_mm",
     "masses", "gravity_m_s2_world", "robot_repeatability_mm", "u_includes_repeatability", "gear_ratio",
-    "typical_compliance_rad_per_Nmm", "tool_nest_axis", "tracker_position_world_mm",
+    "typical_compliance_rad_per_Nmm", "tool_nest_axis", "tool_rotation_u_deg", "tracker_position_world_mm",
     "fixed_nests_certified_mm", "fixed_nest_u_mm", "ballbar_nominal_mm", "ballbar_range_mm", "setup_u_mm",
     "simulated", "measured_on", "world_registration", "notes", "files",
 )  # fmt: skip
@@ -188,11 +190,13 @@ def _registration_document(registration: WorldRegistration) -> Json:
 
 
 _LENGTH = number(above=0.0)
+_ANGLE = Form(lambda node: math.radians(node.number(above=0.0)), degrees)
 _CAMPAIGN = (
     Key("base_in_world_nominal", "base_nominal", or_null(PLACEMENT)),
     Key("gravity_m_s2_world", "gravity_m_s2", GRAVITY),
     Key("u_includes_repeatability", "repeatability_in_uncertainty", TRUTH, absent=False),
     Key("tracker_position_world_mm", "tracker_position_mm", VECTOR, absent=None),
+    Key("tool_rotation_u_deg", "tool_rotation_uncertainty_rad", _ANGLE, absent=None),
     Key("ballbar_nominal_mm", "ballbar_nominal_mm", _LENGTH, absent=None),
     Key("ballbar_range_mm", "ballbar_range_mm", _LENGTH, absent=None),
     Key("setup_u_mm", "setup_uncertainty_mm", _LENGTH, absent=None),

@@ -12,6 +12,7 @@ import numpy as np
 from truepose.domain.arrays import FloatArray
 from truepose.domain.campaign import Campaign, FixedNestReadings
 from truepose.domain.robot import FixedNest, WorldRegistration
+from truepose.effects.tool.tool_certificate import moves
 from truepose.identification.fit.robust import RobustFit
 from truepose.identification.observations.blocks import Block, BlockResult
 from truepose.kinematics.frames import cross_matrix
@@ -35,7 +36,8 @@ def considered(campaign: Campaign, fit: RobustFit) -> Considered:
     """Carry the certified uncertainties into the covariance of the parameters."""
     covariance, gain = fit.solution.covariance, _Gain(fit)
     each = list(zip(fit.blocks, fit.results, strict=True))
-    nests = gain([_nest_sensitivity(campaign, block, result) for block, result in each])
+    held = _held_nests(campaign, fit)
+    nests = gain([_nest_sensitivity(held, block, result) for block, result in each])
     registration = world_registration(campaign)
     if registration is None:
         return Considered(covariance, nests @ nests.T, np.zeros_like(covariance))
@@ -59,13 +61,20 @@ class _Gain:
         return gain
 
 
-def _nest_sensitivity(campaign: Campaign, block: Block, result: BlockResult) -> FloatArray:
-    """Return how predictions move per standard uncertainty of each certified coordinate, (S, n, d)."""
-    moved = [
-        nest.standard_uncertainty_mm * block.moved_by_nest(result, number)
+def _held_nests(campaign: Campaign, fit: RobustFit) -> dict[int, float]:
+    """Return the standard uncertainty [mm] of each certified nest that is no parameter of the fit."""
+    return {
+        number: nest.standard_uncertainty_mm
         for number, nest in enumerate(campaign.nests, start=1)
-        if nest.centre_mm is not None and nest.standard_uncertainty_mm
-    ]
+        if nest.centre_mm is not None
+        and nest.standard_uncertainty_mm
+        and not moves(number, fit.structure.names)
+    }
+
+
+def _nest_sensitivity(held: dict[int, float], block: Block, result: BlockResult) -> FloatArray:
+    """Return how predictions move per standard uncertainty of each certified coordinate, (S, n, d)."""
+    moved = [u_mm * block.moved_by_nest(result, number) for number, u_mm in held.items()]
     return np.concatenate([np.zeros((0, *result.residual.shape)), *moved])
 
 

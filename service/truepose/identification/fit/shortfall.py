@@ -42,6 +42,7 @@ _KINDS: Final = (BACKLASH, HARMONICS, COMPLIANCE)
 _ROUNDS: Final = 40
 _NONE: Final = 1e-12  # variance, over what is believed, of a function that is not there
 _TOLD: Final = 0.5  # of a group, that must come from the readings and not from what was expected of it
+_FELT: Final = 1e-2  # standard deviations of a reading, by which what is as large as believed moves some
 _LEAST_FREE: Final = 0.05  # of the readings: parameters and functions never take all of them
 
 
@@ -106,7 +107,10 @@ class _Tried:
 
     @classmethod
     def of(cls, fit: RobustFit, functions: tuple[Function, ...]) -> Self:
-        """Return the functions that move some reading, at a fit."""
+        """Return the functions that move some reading, at a fit.
+
+        A nest on the axis of a joint is moved by rounding alone, and would let any size be believed.
+        """
         result, covariance = fit.results[0], fit.solution.covariance
         columns, joint = function_columns(functions, result.state)
         columns *= np.array([one.spec.prior_width for one in functions]).reshape(-1, 1, 1)
@@ -124,7 +128,7 @@ class _Tried:
             residual_square=float(residual @ residual),
             degrees=degrees_of_freedom(fit.blocks[0], result, covariance),
         )
-        return tried.taken(np.flatnonzero(columns.any(axis=(1, 2))))
+        return tried.taken(np.flatnonzero(np.abs(white).max(axis=1, initial=0.0) > _FELT))
 
     def taken(self, kept: IntArray) -> Self:
         """Return some of the functions."""

@@ -16,6 +16,7 @@ from truepose.identification.observations.blocks import Block
 from truepose.identification.observations.fixed_nests import reference_block, with_reference_parameters
 from truepose.identification.observations.orientations import orientation_block
 from truepose.identification.observations.positions import position_block
+from truepose.identification.problem.certified_nests import with_certified_nests
 from truepose.identification.problem.contacts import contact_structure
 from truepose.identification.problem.legs import leg_structure
 from truepose.identification.problem.placement import Placement, place
@@ -134,8 +135,11 @@ def _point_problem(campaign: Campaign, points: PointReadings, effects: tuple[str
     placement = place(chain, points.nest, points.position_mm, search)
     found = placement.rotation if campaign.base_nominal is None else None
     setting = setting_of(campaign, points.stops, found)
-    tool = _tool_rotation(chain, placement, points)
+    certified = campaign.tool_rotation_uncertainty_rad is not None
+    tool = np.eye(3) if certified else _tool_rotation(chain, placement, points)
     structure, start = started_structure(campaign, effects, placement, tool, setting)
+    if certified:
+        structure, start = with_certified_nests(structure, start, campaign, points.nest)
     positions: Block = position_block(points, campaign.scatter_mm)
     # Without the tool's orientation as a parameter, measured orientations say nothing.
     orientations = orientation_block(points) if TOOL in effects else None

@@ -52,6 +52,7 @@ def outline(campaign: Campaign) -> Setting:
         torque_source=torque_source(campaign),
         largest_torque_n_mm=np.zeros(campaign.robot.n_joints),
         lengths=campaign.calibration is None,
+        tool_rotation_u_rad=campaign.tool_rotation_uncertainty_rad,
     )
 
 

@@ -125,6 +125,7 @@ def test_a_tracker_campaign_reads_back_equal(calibration, tool_nests, base, repe
         base_nominal=base,
         repeatability_in_uncertainty=repeatability_included,
         tracker_position_mm=(2600.0, -700.5, 1 / 3),
+        tool_rotation_uncertainty_rad=4.2e-4,
     )
 
     again = written_and_read(campaign)
