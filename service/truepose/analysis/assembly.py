@@ -1,5 +1,6 @@
 """From sessions to a campaign: pure, no storage, no clock."""
 
+import math
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -53,6 +54,7 @@ def assemble_campaign(calibration: MeasuredSession, validation: MeasuredSession 
         validation=None if validation is None else point_readings(validation.points),
         reference=_reference([taken for session in sessions for taken in session.fixed_nests]),
         tracker_position_mm=_tracker_position(registration),
+        tool_rotation_uncertainty_rad=None if cell.camera is None else cell.camera.artefact_rotation_u_rad,
         fixed_nests=cell.fixed_nests,
         registration=None if registration is None else WorldRegistration(registration.covariance),
         simulated=any(session.setup.simulated for session in sessions),
@@ -102,7 +104,17 @@ def point_readings(points: Sequence[PointTaken]) -> PointReadings:
         position_mm=np.array([p.position_world_mm for p in points], dtype=np.float64),
         standard_uncertainty_mm=np.array([p.standard_uncertainty_mm for p in points], dtype=np.float64),
         covariance_mm2=_covariances(points),
+        **_orientations(points),
     )
+
+
+def _orientations(points: Sequence[PointTaken]) -> dict[str, FloatArray]:
+    """Return the orientations of all readings; nothing where an instrument reads none."""
+    turns = [p.quaternion for p in points if p.quaternion is not None]
+    if not points or len(turns) < len(points):
+        return {}
+    stated = [math.nan if p.rotation_uncertainty_rad is None else p.rotation_uncertainty_rad for p in points]
+    return {"quaternion": np.array(turns), "rotation_uncertainty_rad": np.array(stated)}
 
 
 def _groups(points: Sequence[PointTaken]) -> IntArray | None:
@@ -151,6 +163,7 @@ def _check_same_setup(calibration: MeasuredSession, validation: MeasuredSession)
         ("base placement", "base_nominal"),
         ("tool nests", "nests"),
         ("fixed nests", "fixed_nests"),
+        ("camera", "camera"),
     ):
         if getattr(calibration.setup.cell, name) != getattr(validation.setup.cell, name):
             raise SessionsDifferError(
@@ -167,6 +180,11 @@ def _notes(calibration: MeasuredSession, validation: MeasuredSession | None) -> 
     sessions = [calibration] if validation is None else [calibration, validation]
     if any(session.setup.simulated for session in sessions):
         yield "SIMULATED: no robot and no instrument took part."
+    if cell.camera is not None:
+        yield (
+            "The world of the readings is the camera's own frame, put where the cell file says that it "
+            "stands: absolute positions are positions before the camera."
+        )
     yield from _trackers(sessions)
     for what, text in (("Load", cell.conditions.load), ("Warm-up", cell.conditions.warm_up)):
         if text:

@@ -45,6 +45,7 @@ from truepose_drivers.registry import DriverRegistry, load_registry
 
 _REAL_CLOCK: Final = "monotonic_clock"
 _NOT_DEVICES: Final = {"clock", "truth"}  # endpoints that no session measures with
+_TOOL_FILE: Final = "tool_file"  # option of a driver that brings the artefact's definition to its camera
 _RESTARTED: Final = "The service ended before the job did; start it again."
 
 
@@ -157,7 +158,8 @@ async def _simulation(
             )
         return None
     pace = settings.simulated_pace if cell.simulated.pace is None else cell.simulated.pace
-    return await stack.enter_async_context(running_simulation(cell.simulated, pace, state, faults))
+    running = running_simulation(cell.simulated, pace, state, faults, with_camera=cell.camera is not None)
+    return await stack.enter_async_context(running)
 
 
 def _with_simulated_devices(cell: Cell, simulation: Simulation | None, drivers: DriverRegistry) -> Cell:
@@ -171,6 +173,8 @@ def _with_simulated_devices(cell: Cell, simulation: Simulation | None, drivers: 
                 options: dict[str, str | int | float | bool] = {"host": endpoint.host, "port": endpoint.port}
                 # One ballbar listens at several ports, in a language each: the first one is spoken.
                 options |= _further_ports(endpoint, simulation, drivers.plugin(name))
+                if _TOOL_FILE in drivers.plugin(name).options:
+                    options[_TOOL_FILE] = str(simulation.tool_file)
                 entries.setdefault(endpoint.device, DeviceEntry(endpoint.device, name, options))
     return dataclasses.replace(cell, devices=tuple(entries.values()))
 

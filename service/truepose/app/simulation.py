@@ -10,7 +10,7 @@ import contextlib
 import json
 import sys
 import tempfile
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Set
 from pathlib import Path
 from typing import Final
 
@@ -19,6 +19,7 @@ from truepose.domain.cell import Detail, SimulatedCell
 from truepose.web.context import Endpoint
 
 _NEEDED: Final = {"tracker", "robot", "clock", "truth", "ballbar", "hands", "faults"}
+_ARTEFACT: Final = b"the simulated artefact"
 # Runs the simulators' process, and ends it when its input closes: then the service is gone, however it ended.
 _TIED: Final = """
 import os, runpy, sys, threading
@@ -33,9 +34,12 @@ _UNUSABLE_INPUT: Final = 2  # exit status of a cell that refuses its scenario
 class Simulation:
     """A running simulated cell and where its instruments listen."""
 
-    def __init__(self, process: asyncio.subprocess.Process, endpoints: tuple[Endpoint, ...]) -> None:
+    def __init__(
+        self, process: asyncio.subprocess.Process, endpoints: tuple[Endpoint, ...], tool_file: Path
+    ) -> None:
         self._process = process
         self.endpoints = endpoints
+        self.tool_file = tool_file  # for the camera, which takes any definition for the artefact's
 
     @property
     def fault(self) -> str | None:
@@ -48,7 +52,12 @@ class Simulation:
 
 @contextlib.asynccontextmanager
 async def running_simulation(
-    simulated: SimulatedCell, pace: int, state: Path | None = None, faults: Path | None = None
+    simulated: SimulatedCell,
+    pace: int,
+    state: Path | None = None,
+    faults: Path | None = None,
+    *,
+    with_camera: bool = False,
 ) -> AsyncIterator[Simulation]:
     """Start a simulated cell and end it with the context; raises SimulationFailedError.
 
@@ -57,6 +66,9 @@ async def running_simulation(
     """
     with tempfile.TemporaryDirectory(prefix="truepose-") as folder:
         scenario = _with_effects(simulated, Path(folder))
+        tool_file = Path(folder) / "artefact.rom"
+        tool_file.write_bytes(_ARTEFACT)
+        needed = _NEEDED | {"camera"} if with_camera else _NEEDED
         arguments = [scenario, "--seed", str(simulated.seed), "--pace", str(pace)]
         if state is not None:
             arguments += ["--state", str(state)]
@@ -68,16 +80,16 @@ async def running_simulation(
             sys.executable, "-c", _TIED, *arguments, stdin=pipe, stdout=pipe, start_new_session=True
         )
         try:
-            yield Simulation(process, await _endpoints(process))
+            yield Simulation(process, await _endpoints(process, needed), tool_file)
         finally:
             await _end(process)
 
 
-async def _endpoints(process: asyncio.subprocess.Process) -> tuple[Endpoint, ...]:
+async def _endpoints(process: asyncio.subprocess.Process, needed: Set[str]) -> tuple[Endpoint, ...]:
     found: list[Endpoint] = []
     try:
         async with asyncio.timeout(_START_S):
-            while not {endpoint.device for endpoint in found} >= _NEEDED:
+            while not {endpoint.device for endpoint in found} >= needed:
                 line = await process.stdout.readline() if process.stdout is not None else b""
                 if not line:
                     status = await process.wait()

@@ -64,6 +64,21 @@ class CertifiedLength:
 
 
 @dataclass(frozen=True, slots=True)
+class Camera:
+    """An optical tracker of poses in the tracker's place, and how exactly it reads its artefact.
+
+    No fixed nest places it: the world of its readings is its own frame, put where it is said to stand.
+    """
+
+    position_mm: Vector  # in the world, nominal
+    looks_at_mm: Vector  # along its negative z axis; its x axis is level
+    nest: int  # 1-based: the artefact's centre, where poses are told
+    position_u_mm: float  # of a reading, per axis
+    rotation_u_rad: float
+    artefact_rotation_u_rad: float  # of the artefact's definition in the last frame
+
+
+@dataclass(frozen=True, slots=True)
 class CellLimits:
     """What must not be exceeded in this cell."""
 
@@ -102,6 +117,7 @@ class Cell:
     devices: tuple[DeviceEntry, ...] = ()
     simulated: SimulatedCell | None = None
     ballbar: BallbarKit | None = None  # None: the cell has none
+    camera: Camera | None = None  # measures poses in the tracker's place; None: the tracker measures points
     people: tuple[str, ...] = ()  # who may confirm that the cell is clear; empty: whoever gives a name
 
     def keeping_out(self, keep_outs: KeepOuts) -> "Cell":

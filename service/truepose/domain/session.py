@@ -25,6 +25,7 @@ class SessionState(StrEnum):
 
 
 Role = Literal["calibration", "validation"]  # of readings of points
+Measured = Literal["points", "poses"]  # by a tracker, or by a camera, which tells orientations too
 SessionRole = Literal["calibration", "validation", "ballbar"]
 PlaceOf = Literal["work", "approach", "stop"]  # what the arm is somewhere for
 
@@ -99,6 +100,7 @@ class SessionPlan:
     rms_limit_mm: float = 0.1  # scatter within a reading; the table moves 0.01, the tracker scatters 0.03
     failures_in_a_row: int = 3  # so many configurations without a reading pause the session
     ends_when_settled: bool = False  # leaves out further groups once drift has become slow
+    measures: Measured = "points"
 
 
 @dataclass(frozen=True, slots=True)
@@ -123,6 +125,8 @@ class PointTaken:
     covariance_mm2: tuple[Vector, Vector, Vector] | None = None
     instrument_serial: str = ""  # as the tracker says it; empty where it does not
     group: int | None = None  # as planned
+    quaternion: tuple[float, float, float, float] | None = None  # w first, world frame; None: none is read
+    rotation_uncertainty_rad: float | None = None  # of it, per axis
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,7 +3,7 @@
 import asyncio
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Final, cast
+from typing import cast
 
 from truepose.domain.cell import DeviceEntry
 from truepose.domain.identities import IdentityOf
@@ -19,13 +19,12 @@ from truepose_drivers.api import (
     DeviceIdentity,
     DeviceKind,
     PointTracker,
+    PoseTracker,
     RobotController,
     SimulatedHands,
     motion_guard,
 )
 from truepose_drivers.errors import DriverError
-
-_ASKED: Final[tuple[IdentityOf, ...]] = ("tracker", "robot", "ballbar")
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,18 +110,22 @@ class Rack:
             await device.close()
         return self.status(name)
 
-    def expected(self) -> Expected:
-        """Return which devices must answer, for a session that asks them itself."""
+    def expected(self, instrument: DeviceKind = "tracker") -> Expected:
+        """Return which devices must answer, for a session that asks them itself.
+
+        `instrument` is what stands in the tracker's place.
+        """
+        kinds: dict[IdentityOf, DeviceKind] = {"tracker": instrument, "robot": "robot", "ballbar": "ballbar"}
         by_kind = {mounted.kind: mounted.expected_serial for mounted in reversed(self._mounted.values())}
-        return Expected({kind: by_kind.get(kind, "") for kind in _ASKED}, self._hear)
+
+        def hear(device: IdentityOf, identity: DeviceIdentity) -> None:
+            self._identities[self.name_of(kinds[device])] = identity
+
+        return Expected({device: by_kind.get(kind, "") for device, kind in kinds.items()}, hear)
 
     def name_of(self, kind: DeviceKind) -> str:
         """Return the name of the device of this kind that sessions use; empty where there is none."""
         return next((name for name, mounted in self._mounted.items() if mounted.kind == kind), "")
-
-    def _hear(self, kind: IdentityOf, identity: DeviceIdentity) -> None:
-        """Remember what a device said of itself in a session."""
-        self._identities[self.name_of(kind)] = identity
 
     def lend(self, session_id: int) -> None:
         """Give all devices to a session; raises DeviceInUseError where another has them."""
@@ -140,6 +143,11 @@ class Rack:
     def tracker(self) -> PointTracker:
         """The instrument that measures points; raises MissingDeviceError."""
         return cast(PointTracker, self._of_kind("tracker"))
+
+    @property
+    def camera(self) -> PoseTracker:
+        """The instrument that measures poses; raises MissingDeviceError."""
+        return cast(PoseTracker, self._of_kind("pose_tracker"))
 
     @property
     def robot(self) -> RobotController:

@@ -8,6 +8,7 @@ from typing import Final
 
 from truepose.domain.cell import Cell, CellLimits, Conditions, SimulatedCell
 from truepose.domain.robot import FramePlacement, LinkMass, Nest, Robot
+from truepose.exchange.cells.camera import before_camera
 from truepose.exchange.cells.sections import (
     ARTEFACT,
     BALLBAR,
@@ -33,9 +34,10 @@ from truepose.exchange.robots.shipped import RobotWithTool, load_robot_with_tool
 _KEYS = frozenset({
     "name", "robot", "robot_serial_number", "base_in_world", "tool", "tool_nest", "world", "fixed_nest",
     "certified_length", "tracker", "limits", "conditions", "device", "simulated", "effect", "ballbar",
-    "people",
+    "people", "camera",
 })  # fmt: skip
-_TABLE = frozenset({"world", "fixed_nest", "certified_length", "tracker"})
+_TABLE = frozenset({"world", "fixed_nest", "certified_length", "tracker", "camera"})
+_CAMERA_SCENARIOS: Final = ("irb120-camera-spatial", "irb120-camera")  # each has a file; the longest first
 _ROBOT_OF_SCENARIOS: Mapping[str, str] = {
     "irb120": "abb-irb-120",
     "lrmate": "fanuc-lr-mate-200ic",
@@ -78,7 +80,8 @@ def simulated_cell(scenario: str, seed: int) -> Cell:
     UnknownRobotError
         The name does not say which robot stands in the cell.
     """
-    cell = cell_on_usual_table(_robot_of_scenario(scenario))
+    robot = _robot_of_scenario(scenario)
+    cell = _on_table(_template(scenario), robot)
     name = f"Simulated cell {Path(scenario).stem}"
     return replace(cell, name=name, simulated=SimulatedCell(scenario, seed))
 
@@ -98,23 +101,36 @@ def cell_on_usual_table(robot: str) -> Cell:
     InputFileError
         The robot file cannot be used, or no shipped robot has that name.
     """
-    root = _template()
-    cell = _read(replace(root, value={**root.entries(), "robot": robot}), Path())
+    return _on_table(_template(), robot)
+
+
+def _on_table(template: Node, robot: str) -> Cell:
+    cell = _read(replace(template, value={**template.entries(), "robot": robot}), Path())
     return cell if cell.nests else replace(cell, nests=load_robot_with_tool(_USUAL_TOOL_OF).nests)
 
 
-def _template() -> Node:
-    template = files("truepose.exchange") / "cells" / "simulated.toml"
-    return toml_document("simulated.toml", template.read_bytes())
+def _template(scenario: str = "") -> Node:
+    """Return the table of a scenario: the usual one, or that before a camera."""
+    name = Path(scenario).stem
+    camera = next((known for known in _CAMERA_SCENARIOS if name.startswith(known)), None)
+    usual = _shipped_table("simulated.toml")
+    if camera is None:
+        return usual
+    before_camera = _shipped_table(f"{camera}.toml").entries()
+    replaced = {key: entry for key, entry in usual.entries().items() if key not in _TABLE}
+    return replace(usual, value={**replaced, **before_camera})
+
+
+def _shipped_table(name: str) -> Node:
+    return toml_document(name, (files("truepose.exchange") / "cells" / name).read_bytes())
 
 
 def _completed(root: Node) -> Node:
     """Return a simulated cell's file with what it leaves out: robot, table, tool and tracker are known."""
     own_table = not _TABLE.isdisjoint(root.entries())  # nests, tracker and paper of one table belong together
-    shipped = {
-        key: entry for key, entry in _template().entries().items() if not (own_table and key in _TABLE)
-    }
     scenario = root.key("simulated").optional("scenario")
+    template = _template("" if scenario is None else scenario.text())
+    shipped = {key: entry for key, entry in template.entries().items() if not (own_table and key in _TABLE)}
     if scenario is not None and "robot" not in root.entries():
         shipped["robot"] = _robot_of_scenario(scenario.text())
     return replace(root, value={**shipped, **root.entries()})
@@ -163,7 +179,8 @@ def _read(root: Node, folder: Path) -> Cell:
     )
     if cell.devices and cell.simulated is not None:
         root.key("simulated").fail("a cell is either simulated or has devices of its own; remove one")
-    return cell
+    camera = root.optional("camera")
+    return cell if camera is None else before_camera(cell, camera)
 
 
 def _read_robot(node: Node, folder: Path) -> RobotWithTool:

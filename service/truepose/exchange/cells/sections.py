@@ -151,13 +151,14 @@ def limits_of(robot: Robot) -> Form:
         Key("calibration_deg", "calibration", within, absent=None),
         Key(KEEP_OUT, "keep_outs", Form(read_keep_outs), absent=default.keep_outs),
         *_defaulted(default, {"floor_z_mm": NUMBER, "reference_mm": _LENGTH, "tool_speed_mm_s": _LENGTH}),
-        Key("seen_within_deg", "seen_within_rad", Form(_read_cone), absent=None),
+        Key("seen_within_deg", "seen_within_rad", Form(read_cone), absent=None),
         Key("orientation_speed_deg_s", "orientation_speed_rad_s", turning, default.orientation_speed_rad_s),
     ]
     return _sealed(CellLimits, keys)
 
 
-def _read_cone(node: Node) -> float:
+def read_cone(node: Node) -> float:
+    """Read half the angle of a cone within which something is seen."""
     angle_deg = node.number(above=0.0)
     if angle_deg >= _QUARTER_DEG:
         node.fail(

@@ -188,7 +188,7 @@ class TrackerSessions(SessionKind[TrackerRunner]):
     def _cell(self, setup: SessionSetup) -> SessionCell:
         rack, cell = self.desk.rack, self.desk.present.bound(setup.cell)
         return SessionCell(
-            tracker=rack.tracker,
+            tracker=rack.tracker if cell.camera is None else rack.camera,
             robot_controller=WatchfulRobot(rack.robot, cell.robot.joint_limits),
             clock=rack.clock,
             robot=cell.robot,
@@ -201,7 +201,8 @@ class TrackerSessions(SessionKind[TrackerRunner]):
             speed_limits=speed_limits(cell.limits),
             certified_lengths=cell.certified_lengths,
             attachment=setup.attachment,
-            expected=rack.expected(),
+            expected=rack.expected("tracker" if cell.camera is None else "pose_tracker"),
+            camera=cell.camera,
             bodies=bodies_of(cell),
         )
 

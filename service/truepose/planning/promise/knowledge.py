@@ -25,7 +25,8 @@ from truepose.domain.campaign import Campaign, Stops
 from truepose.domain.results import NotIdentifiable
 from truepose.domain.robot import FixedNest, Nest
 from truepose.effects.ports import Setting
-from truepose.identification.model.derivatives import position_jacobian
+from truepose.effects.tool.tool_certificate import moves
+from truepose.identification.model.derivatives import position_jacobian, rotation_jacobian
 from truepose.identification.model.evaluation import State, Targets, evaluate
 from truepose.identification.model.structure import Structure
 from truepose.identification.problem.build import automatic_effects, build
@@ -66,8 +67,8 @@ class PlacesSeen:
 class Told:
     """What readings tell, whitened."""
 
-    rows: FloatArray  # (n, 3, P)
-    held: FloatArray  # (n, 3, H) per standard uncertainty of what certificates hold
+    rows: FloatArray  # (n, 3, P), of poses (n, 6, P)
+    held: FloatArray  # (n, 3 or 6, H) per standard uncertainty of what certificates hold
 
 
 class ArmKnowledge:
@@ -81,7 +82,14 @@ class ArmKnowledge:
         self.structure: Structure = problem.structure
         self._start = problem.start
         self._setting: Setting = problem.setting
-        self._nests = campaign.nests
+        self._held = {
+            number: nest.standard_uncertainty_mm
+            for number, nest in enumerate(campaign.nests, start=1)
+            if nest.centre_mm is not None
+            and nest.standard_uncertainty_mm
+            and not moves(number, self.structure.names)
+        }
+        self._rotation_u_rad = None if space.camera is None else space.camera.rotation_u_rad
         self._knowns = knowns
         self._tracker_mm = np.array(space.tracker_position_mm or (np.nan,) * 3)
         self._scatter_mm = float(np.hypot(space.robot.repeatability_mm, knowns.discrepancy.per_axis_mm))
@@ -99,8 +107,7 @@ class ArmKnowledge:
 
     def places(self, joints_rad: FloatArray, nest: IntArray) -> PlacesSeen:
         """Return nests (n,) at configurations (n, J)."""
-        stops = Stops(config=np.arange(1, len(nest) + 1), joints_rad=joints_rad)
-        state = evaluate(self.structure, self._start, Targets(stops, nest))
+        state = self._state(joints_rad, nest)
         motion = np.moveaxis(position_jacobian(state), 0, -1) * self.structure.prior_widths
         return PlacesSeen(motion, self._certified(state), state.position_mm)
 
@@ -110,7 +117,22 @@ class ArmKnowledge:
         variance = self._per_axis_mm2(seen.position_mm) + self._scatter_mm**2
         sigma = np.sqrt(variance)[:, None, None]
         frame = _rigid_motion(seen.position_mm) @ self._frame
-        return Told(seen.motion / sigma, np.concatenate([seen.certified, frame], axis=2) / sigma)
+        points = Told(seen.motion / sigma, np.concatenate([seen.certified, frame], axis=2) / sigma)
+        return (
+            points
+            if self._rotation_u_rad is None
+            else self._with_turns(points, self._state(joints_rad, nest), self._rotation_u_rad)
+        )
+
+    def _with_turns(self, points: Told, state: State, u_rad: float) -> Told:
+        """Return what poses tell: of their orientations no certificate of a place says anything."""
+        rows = np.moveaxis(rotation_jacobian(state), 0, -1) * self.structure.prior_widths / u_rad
+        held = np.zeros((*rows.shape[:2], points.held.shape[2]))
+        return Told(np.concatenate([points.rows, rows], axis=1), np.concatenate([points.held, held], axis=1))
+
+    def _state(self, joints_rad: FloatArray, nest: IntArray) -> State:
+        stops = Stops(config=np.arange(1, len(nest) + 1), joints_rad=joints_rad)
+        return evaluate(self.structure, self._start, Targets(stops, nest))
 
     def prior(self) -> FloatArray:
         """Return the information that there is before any reading, shape (P, P)."""
@@ -161,9 +183,8 @@ class ArmKnowledge:
     def _certified(self, state: State) -> FloatArray:
         last = state.chain.end_rotation
         each = [
-            np.where((state.targets.nest == number)[:, None, None], last, 0.0) * nest.standard_uncertainty_mm
-            for number, nest in enumerate(self._nests, start=1)
-            if nest.centre_mm is not None and nest.standard_uncertainty_mm
+            np.where((state.targets.nest == number)[:, None, None], last, 0.0) * u_mm
+            for number, u_mm in self._held.items()
         ]
         return np.concatenate([np.zeros((len(last), 3, 0)), *each], axis=2)
 

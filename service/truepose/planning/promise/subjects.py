@@ -12,6 +12,7 @@ from truepose.domain.keep_outs import KeepOuts
 from truepose.domain.results import Model
 from truepose.domain.robot import JointRange, Nest
 from truepose.identification.model.stops import sites
+from truepose.planning.promise.accuracy import TYPICAL as TRACKER
 from truepose.planning.promise.accuracy import TrackerAccuracy, stated
 from truepose.planning.promise.knowledge import Knowns
 from truepose.planning.promise.spread import NONE, Discrepancy
@@ -57,7 +58,11 @@ def of_cell(cell: Cell) -> Subject:
     ConfigurationError
         Neither the cell nor its robot says how far the joints turn.
     """
-    knowns = Knowns(fixed_nests=cell.fixed_nests, discrepancy=expected_discrepancy(cell))
+    knowns = Knowns(
+        accuracy=TRACKER if cell.camera is None else stated(cell.camera.position_u_mm),
+        fixed_nests=cell.fixed_nests,
+        discrepancy=expected_discrepancy(cell),
+    )
     if cell.limits.calibration or cell.robot.calibration_ranges:
         return Subject(space_to_measure(cell, APPROACH_RAD), knowns)
     limits = cell.limits.joints or cell.robot.joint_limits

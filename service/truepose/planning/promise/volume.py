@@ -84,5 +84,7 @@ def _inside(space: WorkSpace, volume: WorkVolume, rng: np.random.Generator) -> t
         least, most = np.array(volume.box_mm).T
         places = nest_places(space, chain)
         nests = np.all((places >= least) & (places <= most), axis=2).T
+    if space.camera is not None:  # a nest of its readings alone: where the tool is, the others say
+        nests[:, space.camera.nest - 1] = False
     kept = has_room(space, drawn, chain) & nests.any(axis=1)
     return drawn[kept], nests[kept]

@@ -8,10 +8,12 @@ import numpy as np
 
 from truepose.domain.arrays import FloatArray, IntArray
 from truepose.domain.campaign import Campaign, PointReadings, Stops
+from truepose.domain.cell import Camera
 from truepose.domain.session import PlannedStop, Role, SessionPlan
-from truepose.identification.model.derivatives import position_jacobian
 from truepose.identification.model.evaluation import evaluate
 from truepose.identification.problem.build import automatic_effects, build
+from truepose.kinematics.chain import Chain
+from truepose.kinematics.frames import quaternion_from_rotation
 from truepose.planning.choice_by_exchange import Selection, choose_by_exchange, rank_substitutes
 from truepose.planning.tracker.clear_ways import clear_order
 from truepose.planning.tracker.mended_ways import is_clear, mended_or_toured, pool_of
@@ -139,7 +141,7 @@ def _nearest(candidates: Candidates, order: Sequence[int], at: int) -> IntArray:
 def scaled_jacobians(
     space: WorkSpace, candidates: Candidates, effects: tuple[str, ...] | None = None
 ) -> FloatArray:
-    """Return the derivatives of the nest positions at the nominal robot.
+    """Return the derivatives of what is read at the nominal robot: positions, and orientations of a camera.
 
     Parameters
     ----------
@@ -150,15 +152,17 @@ def scaled_jacobians(
 
     Returns
     -------
-    ndarray, shape (n, 3, P)
+    ndarray, shape (n, 3 or 6, P)
         In standard uncertainties of a reading per prior width of each of the P parameters.
     """
     campaign = nominal_campaign(space, candidates)
     problem = build(campaign, effects or automatic_effects(campaign))
-    targets = problem.blocks[0].targets
-    state = evaluate(problem.structure, problem.start, targets)
-    scale = problem.structure.prior_widths / _READING_MM
-    return np.moveaxis(position_jacobian(state) * scale[:, None, None], 0, -1)
+    state = evaluate(problem.structure, problem.start, problem.blocks[0].targets)
+    rows = [
+        block.derivatives(state) / np.sqrt(block.component_variance())[:, None] for block in problem.blocks
+    ]
+    widths = problem.structure.prior_widths[:, None, None]
+    return np.moveaxis(np.concatenate(rows, axis=2) * widths, 0, -1)
 
 
 def nominal_campaign(space: WorkSpace, candidates: Candidates) -> Campaign:
@@ -166,14 +170,27 @@ def nominal_campaign(space: WorkSpace, candidates: Candidates) -> Campaign:
     n = len(candidates)
     centres = np.array([nest.centre_mm for nest in space.nests])
     stops = Stops(config=np.arange(1, n + 1), joints_rad=candidates.joints_rad)
-    places = nominal_chain(space, candidates.joints_rad).points(centres[candidates.nest - 1])
+    chain = nominal_chain(space, candidates.joints_rad)
+    places = chain.points(centres[candidates.nest - 1])
     readings = PointReadings(stops, candidates.nest, places, np.full(n, _READING_MM))
+    camera = space.camera
     return Campaign(
         robot=space.robot,
         base_nominal=space.base,
         nests=space.nests,
-        calibration=readings,
+        calibration=readings if camera is None else _as_poses(readings, chain, camera),
         tracker_position_mm=space.tracker_position_mm,
+        tool_rotation_uncertainty_rad=None if camera is None else camera.artefact_rotation_u_rad,
+    )
+
+
+def _as_poses(points: PointReadings, chain: Chain, camera: Camera) -> PointReadings:
+    n = len(points)
+    return replace(
+        points,
+        standard_uncertainty_mm=np.full(n, camera.position_u_mm),
+        quaternion=quaternion_from_rotation(chain.end_rotation),
+        rotation_uncertainty_rad=np.full(n, camera.rotation_u_rad),
     )
 
 

@@ -19,6 +19,7 @@ def space_of_cell(cell: Cell, ranges: tuple[JointRange, ...], approach_offset_ra
         approach_offset_rad=approach_offset_rad,
         keep_outs=cell.limits.keep_outs,
         seen_within_rad=cell.limits.seen_within_rad or SEEN_WITHIN_RAD,
+        camera=cell.camera,
     )
 
 

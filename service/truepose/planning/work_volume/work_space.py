@@ -12,6 +12,7 @@ from typing import Final
 import numpy as np
 
 from truepose.domain.arrays import BoolArray, FloatArray
+from truepose.domain.cell import Camera
 from truepose.domain.keep_outs import KeepOuts
 from truepose.domain.robot import FramePlacement, JointRange, Nest, Robot
 from truepose.kinematics.chain import Chain, forward, nominal_values
@@ -43,6 +44,7 @@ class WorkSpace:
     approach_offset_rad: float | None = None
     keep_outs: KeepOuts = field(default_factory=KeepOuts)
     seen_within_rad: float = SEEN_WITHIN_RAD  # of where a nest faces
+    camera: Camera | None = None  # reads poses at one nest; None: a tracker reads points, at any
 
     @property
     def motion_limits(self) -> tuple[JointRange, ...]:
@@ -116,7 +118,8 @@ def within(limits: tuple[JointRange, ...], joints_rad: FloatArray) -> BoolArray:
 def cosines_to_tracker(space: WorkSpace, chain: Chain) -> FloatArray:
     """Cosine between where each nest's reflector faces and the tracker, shape (K, n).
 
-    -inf where the beam would pass through the robot's column; 1 for a reflector seen from everywhere.
+    -inf where the beam would pass through the robot's column, and at nests that nothing reads; 1 for a
+    reflector seen from everywhere.
     """
     places = nest_places(space, chain)
     if space.tracker_position_mm is None:
@@ -125,7 +128,10 @@ def cosines_to_tracker(space: WorkSpace, chain: Chain) -> FloatArray:
     beams = tracker - places
     beams /= np.linalg.norm(beams, axis=-1, keepdims=True)
     cosines = np.stack([_cosine(nest, chain, beam) for nest, beam in zip(space.nests, beams, strict=True)])
-    return np.where(_crosses_column(space, places, tracker), -np.inf, cosines)
+    cosines[_crosses_column(space, places, tracker)] = -np.inf
+    if space.camera is not None:
+        cosines[np.arange(len(cosines)) != space.camera.nest - 1] = -np.inf
+    return cosines
 
 
 def _cosine(nest: Nest, chain: Chain, beam: FloatArray) -> FloatArray:

@@ -2,12 +2,12 @@
 
 from dataclasses import dataclass, field
 
-from truepose.domain.cell import CertifiedLength
+from truepose.domain.cell import Camera, CertifiedLength
 from truepose.domain.robot import FixedNest, FramePlacement, JointRange, Nest, Robot
 from truepose.domain.session import Vector
 from truepose.planning.work_volume.cell_bodies import CellBodies
 from truepose.sequencing.engine.identity_check import Expected
-from truepose_drivers.api import Clock, MotionLimits, PointTracker, RobotController
+from truepose_drivers.api import Clock, MotionLimits, PointTracker, PoseTracker, RobotController
 
 
 @dataclass(frozen=True, slots=True)
@@ -19,7 +19,7 @@ class SessionCell:
     `tracker_position_mm` is known, by a search around the instrument's vertical axis.
     """
 
-    tracker: PointTracker
+    tracker: PointTracker | PoseTracker  # of poses where the cell has a camera
     robot_controller: RobotController
     clock: Clock
     robot: Robot
@@ -33,4 +33,5 @@ class SessionCell:
     certified_lengths: tuple[CertifiedLength, ...] = ()  # between fixed nests: they verify the scale
     attachment: int = 1  # how often the tool has been mounted
     expected: Expected = field(default_factory=Expected)  # which devices must answer
+    camera: Camera | None = None  # None: the tracker measures points
     bodies: CellBodies | None = None  # by which ways are looked at beforehand; None: they are not

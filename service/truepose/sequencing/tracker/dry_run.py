@@ -19,6 +19,7 @@ from truepose.sequencing.plan_numbers import check_numbers
 from truepose.sequencing.tracker.situation import steps
 from truepose.sequencing.tracker.steps import (
     MeasurePoint,
+    MeasurePose,
     Move,
     OpenDevices,
     Operation,
@@ -76,7 +77,7 @@ def minutes_of(plan: SessionPlan, space: WorkSpace, n_fixed_nests: int) -> float
 def _readings(operation: Operation) -> int:
     if isinstance(operation, ReadFixedNest):
         return operation.readings
-    return int(isinstance(operation, MeasurePoint))
+    return int(isinstance(operation, MeasurePoint | MeasurePose))
 
 
 def _duration_s(plan: SessionPlan, operation: Operation) -> float:
@@ -87,6 +88,8 @@ def _duration_s(plan: SessionPlan, operation: Operation) -> float:
             return duration_s
         case ReadFixedNest() | MeasurePoint():
             return FIND_S + _readings(operation) * plan.measure_s
+        case MeasurePose():
+            return plan.measure_s
         case _:
             return 0.0
 
@@ -119,7 +122,8 @@ def check_plan(
     """
     check_numbers(plan, *_POSITIVE)
     _check_stops(plan, robot, nests)
-    _check_fixed_nests(fixed_nests)
+    if plan.measures == "points":
+        _check_fixed_nests(fixed_nests)
     for stop in plan.stops:
         if stop.config not in done:
             _check_motions(plan, stop, limits)

@@ -1,7 +1,6 @@
 """Performs single operations on the devices; when and whether one is due is the runner's business."""
 
-import math
-from typing import Final, assert_never
+from typing import Final
 
 import numpy as np
 
@@ -15,18 +14,17 @@ from truepose.sequencing.errors import ReadingRejectedError
 from truepose.sequencing.tracker import steps
 from truepose.sequencing.tracker.cell import SessionCell
 from truepose.sequencing.tracker.identity_check import TrackerIdentityCheck
+from truepose.sequencing.tracker.instruments.at_rest import AtRest
+from truepose.sequencing.tracker.instruments.points import Points
+from truepose.sequencing.tracker.instruments.poses import Poses
 from truepose.sequencing.tracker.situation import TrackerSituation
-from truepose.sequencing.tracker.tool_nests import ToolNests
-from truepose.sequencing.tracker.tracking import CheckedTracker
-from truepose.sequencing.tracker.world_frame.fixed_nests import FixedNests
 from truepose_drivers.api import (
     DeviceIdentity,
-    Environment,
     JointReading,
     PointTracker,
+    PoseTracker,
     RobotController,
     motion_guard,
-    stated_settings,
 )
 
 _REST_S: Final = 1.0  # between two motions that nobody measures
@@ -43,22 +41,20 @@ class Execution:
         logbook: Logbook[TrackerSituation],
         identities: TrackerIdentityCheck,
     ) -> None:
-        tracker = CheckedTracker(cell.tracker, identities)
-        self._tracker = tracker
         self._identities = identities
         self._plan = plan
         self._cell = cell
         self._arm = arm
         self._logbook = logbook
-        self._fixed_nests = FixedNests(plan, cell, tracker, logbook)
-        self._tool_nests = ToolNests(plan, cell, tracker, self._fixed_nests, logbook)
+        measured: type[Points | Poses] = Points if plan.measures == "points" else Poses
+        self._instrument = measured(plan, cell, logbook, identities)
         self._joints: JointReading | None = None
         self._work: Work | None = None
         self._place = 0  # of the work, that comes next
 
     def begin_step(self) -> None:
         """Forget what belongs to an earlier step."""
-        self._fixed_nests.begin_step()
+        self._instrument.begin_step()
         self._joints = None
 
     async def perform(self, operation: steps.Operation) -> None:
@@ -66,16 +62,6 @@ class Execution:
         match operation:
             case steps.OpenDevices():
                 await self._open()
-            case steps.LocateFixedNests():
-                await self._fixed_nests.locate()
-            case steps.ReadFixedNest():
-                await self._fixed_nests.read(operation)
-            case steps.CheckFaces():
-                self._fixed_nests.check_faces()
-            case steps.Register():
-                await self._fixed_nests.register()
-            case steps.CheckReferences():
-                self._fixed_nests.check_references()
             case steps.Move(target_rad):
                 await self._move(target_rad)
             case steps.KeepWorking(work):
@@ -84,30 +70,18 @@ class Execution:
                 await self._cell.clock.sleep(duration_s)
             case steps.ReadJoints(expected_rad):
                 await self._read_joints(expected_rad)
-            case steps.FindReflector(stop):
-                await self._tool_nests.find(stop)
-            case steps.MeasurePoint():
-                await self._measure(operation)
             case _:
-                assert_never(operation)
+                await self._instrument.perform(operation, self._at_rest)
 
     async def _open(self) -> None:
         await self._note(_introduce("tracker", await self._meet("tracker", self._cell.tracker)))
         await self._note(_introduce("robot", await self._meet("robot", self._cell.robot_controller)))
         await self._cell.tracker.initialise()
-        await self._note_conditions()
+        for sentence in await self._instrument.conditions():
+            await self._note(sentence)
         speed = binding_speed(self._plan, self._cell.speed_limits)
         await self._cell.robot_controller.set_limits(speed)
         await self._note(speed_sentence(speed, motion_guard(self._cell.robot_controller)))
-
-    async def _note_conditions(self) -> None:
-        """Keep what the tracker says that it measures with, and in which air."""
-        settings = stated_settings(self._cell.tracker)
-        if settings:
-            await self._note(settings)
-        air = await self._tracker.environment()
-        if air is not None:
-            await self._note(_air_sentence(air))
 
     async def _move(self, target_rad: tuple[float, ...]) -> None:
         robot = self._cell.robot_controller
@@ -130,7 +104,9 @@ class Execution:
     async def _note(self, text: str) -> None:
         await self._logbook.write(EntryKind.NOTED, text=text)
 
-    async def _meet(self, what: IdentityOf, device: PointTracker | RobotController) -> DeviceIdentity:
+    async def _meet(
+        self, what: IdentityOf, device: PointTracker | PoseTracker | RobotController
+    ) -> DeviceIdentity:
         if not device.connected:
             await device.connect()
         return await self._identities.meet(what, device)
@@ -149,10 +125,10 @@ class Execution:
             )
         self._joints = reading
 
-    async def _measure(self, operation: steps.MeasurePoint) -> None:
+    def _at_rest(self) -> AtRest:
         if self._joints is None:
             raise ReadingRejectedError("The joints have not been read at this stop.")
-        await self._tool_nests.measure(operation.stop, self._joints, self._arm.direction)
+        return AtRest(self._joints, self._arm.direction)
 
 
 def _introduce(what: str, identity: DeviceIdentity) -> str:
@@ -160,14 +136,3 @@ def _introduce(what: str, identity: DeviceIdentity) -> str:
         f"The {what} is {identity.manufacturer} {identity.model}, serial {identity.serial}, "
         f"firmware {identity.firmware}."
     )
-
-
-def _air_sentence(air: Environment) -> str:
-    """Say what a weather station states, as far as it does."""
-    stated = (
-        (air.temperature_c, ".1f", " °C"),
-        (air.pressure_hpa, ".1f", " hPa"),
-        (air.humidity_percent, ".0f", " % humidity"),
-    )
-    told = [f"{value:{digits}}{unit}" for value, digits, unit in stated if math.isfinite(value)]
-    return f"The air at the tracker: {', '.join(told) or 'not stated'}."

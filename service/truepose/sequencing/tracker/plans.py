@@ -15,9 +15,11 @@ from truepose.sequencing.tracker.steps import (
     KeepWorking,
     LocateFixedNests,
     MeasurePoint,
+    MeasurePose,
     Move,
     OpenDevices,
     Operation,
+    PlaceCamera,
     ReadFixedNest,
     ReadJoints,
     Register,
@@ -46,7 +48,9 @@ def opening() -> Step:
 
 
 def registration(plan: SessionPlan, n_fixed_nests: int) -> Step:
-    """Return the step that finds the tracker's place in the world."""
+    """Return the step that finds the instrument's place in the world."""
+    if plan.measures == "poses":
+        return Step(StepKind.REGISTER, (PlaceCamera(),))
     return Step(StepKind.REGISTER, tuple(_registration(plan, n_fixed_nests)))
 
 
@@ -82,5 +86,8 @@ def _visit(plan: SessionPlan, stop: PlannedStop) -> Iterator[Operation]:
     yield Move(stop.joints_rad)
     yield Settle(plan.settle_s)
     yield ReadJoints(stop.joints_rad)
-    yield FindReflector(stop)
-    yield MeasurePoint(stop)
+    if plan.measures == "poses":
+        yield MeasurePose(stop)
+    else:
+        yield FindReflector(stop)
+        yield MeasurePoint(stop)

@@ -110,7 +110,7 @@ def present_step(
         return plans.opening()
     if not _is_registered(record):
         return plans.registration(plan, n_fixed_nests)
-    if _look_is_due(plan, record, following):
+    if plan.measures == "points" and _look_is_due(plan, record, following):
         return plans.references(n_fixed_nests)
     return None if following is None else plans.visit(plan, following)
 

@@ -86,6 +86,18 @@ class MeasurePoint:
     stop: PlannedStop
 
 
+@dataclass(frozen=True, slots=True)
+class PlaceCamera:
+    """Put the camera where the cell file says that it stands."""
+
+
+@dataclass(frozen=True, slots=True)
+class MeasurePose:
+    """Measure the artefact's pose, check the reading, store it."""
+
+    stop: PlannedStop
+
+
 Operation: TypeAlias = (
     OpenDevices
     | LocateFixedNests
@@ -99,6 +111,8 @@ Operation: TypeAlias = (
     | ReadJoints
     | FindReflector
     | MeasurePoint
+    | PlaceCamera
+    | MeasurePose
 )
 
 
@@ -134,6 +148,8 @@ class Step:
     @property
     def title(self) -> str:
         """What goes on, as the operator reads it."""
+        if self.operations == (PlaceCamera(),):
+            return "putting the camera where the cell file says that it stands"
         if self.stop is None:
             return _TITLES[self.kind]
         first = "" if self.stop.work is None else "working on, then "

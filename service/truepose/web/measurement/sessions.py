@@ -1,6 +1,7 @@
 """Sessions: plan, start, confirm, pause, resume, abort, watch."""
 
 import asyncio
+import math
 from dataclasses import replace
 from typing import Annotated
 
@@ -279,4 +280,5 @@ async def _decided(here: Context, number: int, sentence: str) -> ActionReply:
 
 
 def _registration(found: Registration) -> RegistrationReply:
-    return RegistrationReply.of(found, tracker_position_mm=found.translation_mm.tolist())
+    rms_mm = found.rms_mm if math.isfinite(found.rms_mm) else None
+    return RegistrationReply.of(found, tracker_position_mm=found.translation_mm.tolist(), rms_mm=rms_mm)

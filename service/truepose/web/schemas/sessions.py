@@ -249,7 +249,10 @@ class RegistrationReply(Reply):
     """The tracker's place in the world, from the fixed nests."""
 
     tracker_position_mm: list[float] = Field(description="In the world frame.")
-    rms_mm: float = Field(description="Of the fixed nests' residuals.", examples=[0.006])
+    rms_mm: float | None = Field(
+        description="Of the fixed nests' residuals; null of a camera, whose place the cell file states.",
+        examples=[0.006],
+    )
     two_face_mm: float | None = Field(description="Half the difference between the faces.", examples=[0.004])
     scale: float | None = Field(description="Certified over measured lengths; null: scale not verified.")
     scale_standard_uncertainty: float | None
@@ -300,6 +303,7 @@ def planned(wanted: SessionRequest, cell: Cell) -> SessionPlan:
         tool_speed_mm_s=cell.limits.tool_speed_mm_s,
         orientation_speed_rad_s=cell.limits.orientation_speed_rad_s,
         reference_limit_mm=cell.limits.reference_mm,
+        measures="points" if cell.camera is None else "poses",
     )
 
 

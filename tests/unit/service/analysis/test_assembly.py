@@ -9,7 +9,7 @@ from tests.helpers.domain.tracker_sessions import make_fixed_nest, make_point, m
 from truepose.analysis.assembly import MeasuredSession, assemble_campaign, judged_by, point_readings
 from truepose.analysis.errors import NothingMeasuredError, SessionsDifferError
 from truepose.domain.campaign import Campaign
-from truepose.domain.cell import Conditions, DeviceEntry, SimulatedCell
+from truepose.domain.cell import Camera, Conditions, DeviceEntry, SimulatedCell
 from truepose.domain.robot import FramePlacement
 from truepose.domain.session import Registration
 from truepose.storage.records import SessionSetup
@@ -157,3 +157,35 @@ def test_groups_reach_the_table_where_every_reading_is_in_one():
     assert point_readings(grouped).stops.group.tolist() == [1, 1, 2, 2]
     assert point_readings([*grouped, make_point(5)]).stops.group is None
     assert point_readings([make_point()]).stops.group is None
+
+
+CAMERA = Camera((2200.0, 0.0, 900.0), (0.0, 0.0, 0.0), 1, 0.03, 5e-4, 4e-4)
+TURN = (0.5, 0.5, 0.5, 0.5)
+
+
+def seen(config, **changes):
+    changes = {"quaternion": TURN, "rotation_uncertainty_rad": 5e-4} | changes
+    return dataclasses.replace(make_point(config), **changes)
+
+
+def test_poses_keep_their_orientations_and_how_well_the_artefact_is_known():
+    session = measured(setup=changed_cell(camera=CAMERA), points=(seen(1), seen(2)))
+
+    campaign = assemble_campaign(session)
+
+    assert campaign.calibration.quaternion.tolist() == [list(TURN)] * 2
+    assert campaign.calibration.rotation_uncertainty_rad.tolist() == [5e-4] * 2
+    assert campaign.tool_rotation_uncertainty_rad == 4e-4
+    assert any("the camera's own frame" in note for note in campaign.notes)
+
+
+def test_orientations_that_only_some_readings_have_are_no_column():
+    campaign = assemble_campaign(measured(points=(seen(1), make_point(2))))
+
+    assert campaign.calibration.quaternion is None
+    assert campaign.tool_rotation_uncertainty_rad is None
+
+
+def test_readings_of_camera_and_tracker_are_no_campaign():
+    with pytest.raises(SessionsDifferError, match="camera"):
+        assemble_campaign(measured(1, setup=changed_cell(camera=CAMERA)), measured(2))

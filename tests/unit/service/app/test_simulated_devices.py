@@ -1,15 +1,21 @@
 """The instruments of a simulated cell as devices of the service."""
 
+from pathlib import Path
+
 from tests.contract.benches import registry
 from truepose.app.composition import _with_simulated_devices
 from truepose.app.simulation import Simulation
 from truepose.exchange.cells.file import simulated_cell
 from truepose.web.context import Endpoint
 
+TOOL_FILE = Path("artefact.rom")
+
 
 def devices_of(*announced: tuple[str, str, int]):
     endpoints = tuple(Endpoint(device, protocol, "127.0.0.1", port) for device, protocol, port in announced)
-    cell = _with_simulated_devices(simulated_cell("ur10-clean", 1), Simulation(None, endpoints), registry())
+    cell = _with_simulated_devices(
+        simulated_cell("ur10-clean", 1), Simulation(None, endpoints, TOOL_FILE), registry()
+    )
     return {device.name: (device.driver, dict(device.options)) for device in cell.devices}
 
 
@@ -36,3 +42,9 @@ def test_a_port_that_the_driver_does_not_know_is_left_out():
     found = devices_of(("robot", "open_abb", 2), ("robot-log", "open_abb_log", 3))
 
     assert found == {"robot": ("abb_open_abb", {"host": "127.0.0.1", "port": 2})}
+
+
+def test_a_camera_is_brought_the_definition_of_the_simulated_artefact():
+    found = devices_of(("camera", "ndi", 4))
+
+    assert found == {"camera": ("ndi_polaris", {"host": "127.0.0.1", "port": 4, "tool_file": "artefact.rom"})}

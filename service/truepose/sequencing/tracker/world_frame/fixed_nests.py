@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import replace
-from typing import Final
+from typing import Final, cast
 
 import numpy as np
 
@@ -22,7 +22,7 @@ from truepose.sequencing.tracker.tracking import (
 from truepose.sequencing.tracker.world_frame.location import AIMED_RADIUS_MM, RoughFrame, locate_tracker
 from truepose.sequencing.tracker.world_frame.registration import nest_mean, register, to_tracker, to_world
 from truepose.sequencing.tracker.world_frame.scale import scale_sentence
-from truepose_drivers.api import TrackerReading
+from truepose_drivers.api import PointTracker, TrackerReading
 from truepose_drivers.errors import MeasurementFailedError
 
 # A nest that was pushed in the plane of the nests leaves about a third of it as residual: the rigid
@@ -66,7 +66,7 @@ class FixedNests:
         """Find out roughly where the fixed nests are."""
         position = self._cell.tracker_position_mm
         self._rough = await locate_tracker(
-            self._cell.tracker,
+            cast(PointTracker, self._cell.tracker),
             self._cell.fixed_nests,
             self._guesses(),
             None if position is None else np.array(position),

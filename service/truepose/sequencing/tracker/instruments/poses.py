@@ -1,0 +1,181 @@
+"""A camera's part of a session: it stands where it is said to, and tells the artefact's pose at each stop.
+
+Its frame is the world of its readings: nothing but the arm is measured, and the arm's base is found in that
+frame. Where it is said to stand only has to be good enough to tell another artefact, or another stop.
+"""
+
+import math
+from collections.abc import Callable
+from typing import Final, cast
+
+import numpy as np
+
+from truepose.domain.arrays import FloatArray
+from truepose.domain.cell import Camera
+from truepose.domain.ledger import EntryKind
+from truepose.domain.session import PlannedStop, PointTaken, Registration, SessionPlan, stop_id
+from truepose.kinematics.frames import (
+    quaternion_from_rotation,
+    rotation_from_quaternion,
+    vector_from_rotation,
+)
+from truepose.sequencing.engine.identities import told
+from truepose.sequencing.engine.logbook import Logbook
+from truepose.sequencing.engine.motion.nominal_arm import nest_centre, nominal_chain
+from truepose.sequencing.errors import AttentionNeededError, PlanRefusedError, ReadingRejectedError
+from truepose.sequencing.tracker import steps
+from truepose.sequencing.tracker.cell import SessionCell
+from truepose.sequencing.tracker.identity_check import TrackerIdentityCheck
+from truepose.sequencing.tracker.instruments.at_rest import AtRest
+from truepose.sequencing.tracker.situation import TrackerSituation
+from truepose.sequencing.tracker.steps import StepKind
+from truepose.sequencing.tracker.world_frame.registration import to_world
+from truepose_drivers.api import PoseReading, PoseTracker, stated_settings
+
+_STANDS_WITHIN_MM: Final = 50.0  # of where a tape measure puts the camera, and the arm its tool
+_TURNED_WITHIN_RAD: Final = 0.1  # likewise
+_FITS_WITHIN_MM: Final = 0.5  # ten times what markers err by
+_UNIT: Final = 1e-3  # by which a quaternion may be off, as codecs round it
+
+
+class Poses:
+    """Does the operations of a camera."""
+
+    def __init__(
+        self,
+        plan: SessionPlan,
+        cell: SessionCell,
+        logbook: Logbook[TrackerSituation],
+        identities: TrackerIdentityCheck,
+    ) -> None:
+        if cell.camera is None:
+            raise PlanRefusedError("The plan measures poses; the cell file describes no camera.")
+        self._plan, self._cell, self._camera = plan, cell, cell.camera
+        self._device = cast(PoseTracker, cell.tracker)
+        self._logbook = logbook
+        self._identities = identities
+        self._centre_mm = nest_centre(cell.nests, cell.camera.nest)
+
+    def begin_step(self) -> None:
+        """Forget what belongs to an earlier step: nothing does."""
+
+    async def conditions(self) -> list[str]:
+        """Return what the camera says that it measures with, where it says something."""
+        return [*filter(None, [stated_settings(self._device)])]
+
+    async def perform(self, operation: steps.Operation, at_rest: Callable[[], AtRest]) -> None:
+        """Do one operation; raises what the camera and the checks raise."""
+        match operation:
+            case steps.PlaceCamera():
+                await self._place()
+            case steps.MeasurePose(stop):
+                await self._measure(stop, at_rest())
+            case _:
+                raise PlanRefusedError(f"A camera cannot do this: {operation}.")
+
+    async def _place(self) -> None:
+        serial = told((await self._identities.meet("tracker", self._device)).serial)
+        placed = stated_place(self._camera, serial)
+        await self._logbook.write(EntryKind.COMPUTED, StepKind.REGISTER, registration=placed)
+
+    async def _measure(self, stop: PlannedStop, here: AtRest) -> None:
+        reading = await self._device.measure_pose(duration_s=self._plan.measure_s)
+        # asked after the reading: one that was exchanged meanwhile behind the same address is seen
+        serial = told((await self._identities.meet("tracker", self._device)).serial)
+        turn = _turn(reading)
+        seen_mm = turn @ self._centre_mm + np.array(reading.position_mm)
+        world_mm, world_turn = to_world(self._registration, seen_mm), self._registration.rotation @ turn
+        self._check(stop, reading, world_mm, world_turn)
+        point = self._record(stop, reading, here, seen_mm, world_mm, world_turn, serial)
+        await self._logbook.write(EntryKind.MEASURED, stop_id(stop.config), point=point, time_s=point.time_s)
+
+    @property
+    def _registration(self) -> Registration:
+        found = self._logbook.situation.registration
+        if found is None:
+            raise AttentionNeededError("The camera's place in the world is not known.")
+        return found
+
+    def _check(
+        self, stop: PlannedStop, reading: PoseReading, world_mm: FloatArray, world_turn: FloatArray
+    ) -> None:
+        """Raise ReadingRejectedError for another artefact than the expected one, and for one in motion."""
+        expected = nominal_chain(self._cell.robot, self._cell.base, np.array([stop.joints_rad]))
+        off_mm = float(np.linalg.norm(world_mm - expected.points(self._centre_mm)[0]))
+        off_rad = float(np.linalg.norm(vector_from_rotation(world_turn @ expected.end_rotation[0].T)))
+        if off_mm > _STANDS_WITHIN_MM or off_rad > _TURNED_WITHIN_RAD:
+            raise ReadingRejectedError(
+                f"The artefact is seen {off_mm:.0f} mm and {math.degrees(off_rad):.1f} deg from where it is "
+                f"expected, limits {_STANDS_WITHIN_MM:.0f} mm and {math.degrees(_TURNED_WITHIN_RAD):.1f} "
+                "deg: it is another one, sits otherwise, or the camera was moved."
+            )
+        if not reading.rms_mm <= _FITS_WITHIN_MM:
+            raise ReadingRejectedError(
+                f"The artefact's markers fit to {reading.rms_mm:.3f} mm only, limit {_FITS_WITHIN_MM:.1f} "
+                "mm: it is another one, or partly hidden."
+            )
+        scatter_mm = float(np.linalg.norm(reading.position_deviation_mm))
+        if scatter_mm > self._plan.rms_limit_mm:  # NaN of a single frame is none
+            raise ReadingRejectedError(
+                f"The frames scatter by {scatter_mm:.3f} mm, limit {self._plan.rms_limit_mm:.3f} mm: "
+                "the arm or the camera is not at rest."
+            )
+
+    def _record(
+        self,
+        stop: PlannedStop,
+        reading: PoseReading,
+        here: AtRest,
+        seen_mm: FloatArray,
+        world_mm: FloatArray,
+        world_turn: FloatArray,
+        serial: str,
+    ) -> PointTaken:
+        w, *xyz = quaternion_from_rotation(world_turn).tolist()
+        return PointTaken(
+            config=stop.config,
+            nest=self._camera.nest,
+            commanded_rad=stop.joints_rad,
+            reported_rad=here.joints.joints_rad,
+            direction=here.direction,
+            time_s=reading.time_s,
+            temperature_c=math.nan,
+            attachment=self._cell.attachment,
+            position_tracker_mm=tuple(seen_mm.tolist()),
+            position_world_mm=tuple(world_mm.tolist()),
+            standard_uncertainty_mm=self._camera.position_u_mm,
+            rms_mm=reading.rms_mm,
+            samples=reading.frames,
+            repeat_of=stop.repeat_of,
+            instrument_serial=serial,
+            group=stop.group,
+            quaternion=(w, *xyz),
+            rotation_uncertainty_rad=self._camera.rotation_u_rad,
+        )
+
+
+def _turn(reading: PoseReading) -> FloatArray:
+    """Return the rotation that a reading states; raises ReadingRejectedError for what is no pose."""
+    quaternion = np.array(reading.quaternion)
+    stated = (*reading.quaternion, *reading.position_mm, reading.time_s)
+    length = float(np.linalg.norm(quaternion))
+    if not all(map(math.isfinite, stated)) or abs(length - 1.0) > _UNIT:
+        raise ReadingRejectedError("The camera's reading is no pose: a number is missing, or it is no turn.")
+    return rotation_from_quaternion(quaternion / length)
+
+
+def stated_place(camera: Camera, serial: str = "") -> Registration:
+    """Return where a camera stands by its cell file: it looks along its negative z axis, x is level."""
+    position_mm = np.array(camera.position_mm)
+    z = position_mm - np.array(camera.looks_at_mm)
+    z /= np.linalg.norm(z)
+    x = np.cross([0.0, 0.0, 1.0], z)
+    x /= np.linalg.norm(x)
+    return Registration(
+        rotation=np.stack([x, np.cross(z, x), z], axis=-1),
+        translation_mm=position_mm,
+        covariance=np.zeros((6, 6)),  # the world of the readings is what it is said to be
+        rms_mm=math.nan,  # nothing was measured
+        two_face_mm=None,
+        instrument_serial=serial,
+    )
