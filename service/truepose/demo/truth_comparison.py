@@ -51,7 +51,7 @@ def judge(run: CellRun) -> JudgedRun:
     return JudgedRun(
         run=run,
         identification=identification,
-        errors=true_errors(run.model, run.campaign.validation, run.true.validation_mm),
+        errors=true_errors(run.model, run.true.judged or run.campaign.validation, run.true.validation_mm),
         parameters=parameters_against_truth(run.model, run.campaign, run.true),
     )
 
@@ -97,7 +97,10 @@ def true_campaign(campaign: Campaign, true: TrueReadings) -> Campaign:
         Nest((float(x), float(y), float(z)), nest.standard_uncertainty_mm, nest.facing)
         for nest, (x, y, z) in zip(campaign.nests, true.tool_nests_mm, strict=True)
     )
-    readings = replace(campaign.calibration, position_mm=true.calibration_mm)
+    turns = campaign.calibration.quaternion
+    if true.calibration_quaternion is not None:
+        turns = true.calibration_quaternion
+    readings = replace(campaign.calibration, position_mm=true.calibration_mm, quaternion=turns)
     return replace(campaign, nests=nests, calibration=readings, validation=None)
 
 

@@ -2,7 +2,8 @@
 
 - `{"op": "positions", "joints_rad": [[...], ...], "nests": [1, ...]}` gives
   `{"positions_mm": [[x, y, z], ...]}`;
-- `{"op": "plant"}` gives link motions, springs, base, nests, the tracker's frame and what is planted;
+- `{"op": "plant"}` gives link motions, springs, base, nests, the tracker's and the camera's frame, and
+  what is planted;
 - `{"op": "aim"}` gives `{"fixed_nests_seen_from_tracker_mm": [[x, y, z], ...]}`, about as well as an
   operator aims by hand;
 - `{"op": "effect", "name": ..., "subject": ..., "amplitude": ..., "from_s": ...}` plants a change, with

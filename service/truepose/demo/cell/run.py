@@ -12,12 +12,15 @@ from typing import Any, Final
 from truepose.demo.cell.client import ServiceClient, connected
 from truepose.demo.cell.processes import SimulatedService, running_service
 from truepose.demo.cell.truth import TrueReadings, cell_endpoint
+from truepose.demo.cell.truth_of_poses import shown_artefact, true_poses
 from truepose.demo.errors import TruthUnknownError
 from truepose.demo.progress import RunProgress
 from truepose.domain.campaign import Campaign
+from truepose.domain.cell import Cell
 from truepose.domain.results import Model
 from truepose.exchange.campaigns.folder import write_campaign
 from truepose.exchange.campaigns.zip_file import read_campaign_zip
+from truepose.exchange.cells.file import simulated_cell
 from truepose.exchange.models.file import model_from_text
 
 DATABASE: Final = "sessions.sqlite3"
@@ -99,7 +102,7 @@ async def run_cell(request: CellRequest, out: Path, progress: RunProgress) -> Ce
             diagnosis=await _diagnose(client, campaign_id, progress),
             campaign=campaign,
             model=await _model(client, identified["model_id"], out / MODEL_FILE),
-            true=await _truth(endpoints["truth"], campaign),
+            true=await _truth(endpoints["truth"], campaign, simulated_cell(request.scenario, request.seed)),
             records=await _records(client, *sessions),
         )
 
@@ -188,10 +191,13 @@ async def _model(client: ServiceClient, model_id: int | None, file: Path) -> Mod
     return model_from_text(text, file.name)
 
 
-async def _truth(address: tuple[str, int], campaign: Campaign) -> TrueReadings:
+async def _truth(address: tuple[str, int], campaign: Campaign, cell: Cell) -> TrueReadings:
     if campaign.calibration is None or campaign.validation is None:
         raise TruthUnknownError("The campaign has no readings whose truth could be asked.")
     async with cell_endpoint(*address) as endpoint:
+        shown = shown_artefact(cell)
+        if shown is not None:
+            return await true_poses(endpoint, campaign.calibration, campaign.validation, shown)
         return TrueReadings(
             calibration_mm=await endpoint.positions_mm(campaign.calibration),
             validation_mm=await endpoint.positions_mm(campaign.validation),

@@ -14,7 +14,7 @@ import numpy as np
 
 from truepose.demo.errors import TruthUnknownError
 from truepose.domain.arrays import FloatArray
-from truepose.domain.campaign import PointReadings
+from truepose.domain.campaign import PointReadings, Stops
 
 _LONGEST_LINE_BYTES: Final = 1 << 26  # an answer holds thousands of positions
 _ANSWER_S: Final = 60.0
@@ -27,6 +27,8 @@ class TrueReadings:
     calibration_mm: FloatArray  # (n, 3) world frame
     validation_mm: FloatArray  # (m, 3) world frame
     tool_nests_mm: FloatArray  # (nests, 3) last frame
+    calibration_quaternion: FloatArray | None = None  # (n, 4) w first, world frame; None: no poses are read
+    judged: PointReadings | None = None  # m rows that the validation is of; None: those of the campaign
 
 
 class CellEndpoint:
@@ -40,6 +42,13 @@ class CellEndpoint:
         """Return where the nests truly were at each reading, shape (n, 3), world frame."""
         stops = readings.stops
         request: dict[str, Any] = {"joints_rad": stops.joints_rad.tolist(), "nests": readings.nest.tolist()}
+        if stops.time_s is not None:
+            request["time_s"] = stops.time_s.tolist()
+        return np.array((await self.ask("positions", **request))["positions_mm"], dtype=np.float64)
+
+    async def every_nest_mm(self, stops: Stops) -> FloatArray:
+        """Return where all nests truly were at each of n stops, shape (n, nests, 3), world frame."""
+        request: dict[str, Any] = {"joints_rad": stops.joints_rad.tolist()}
         if stops.time_s is not None:
             request["time_s"] = stops.time_s.tolist()
         return np.array((await self.ask("positions", **request))["positions_mm"], dtype=np.float64)

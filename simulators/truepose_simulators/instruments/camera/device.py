@@ -43,7 +43,8 @@ class Camera:
         self.setup = setup
         self.frame = _place(setup, rng)  # (4, 4) in the world
         self._cell = cell
-        self._defined_mm = nests_mm + setup.artefact_mm / _KEPT * rng.standard_normal(nests_mm.shape)
+        # (nests, 3) of the artefact by its definition, last frame
+        self.defined_mm = nests_mm + setup.artefact_mm / _KEPT * rng.standard_normal(nests_mm.shape)
 
     def see(self, frame: int) -> PoseSeen | None:
         """Return the artefact as it is now in a numbered frame, None where it is not seen."""
@@ -51,8 +52,8 @@ class Camera:
         nests_mm = move(inverse(self.frame), self._cell.nests_at_mm(now_s))
         if self._cell.faults.holds(TrackerBlinded, now_s) or not self._faces(nests_mm):
             return None
-        pose = register(self._defined_mm, nests_mm + self._errors_mm(nests_mm.shape, frame))
-        left_mm = move(pose, self._defined_mm) - nests_mm
+        pose = register(self.defined_mm, nests_mm + self._errors_mm(nests_mm.shape, frame))
+        left_mm = move(pose, self.defined_mm) - nests_mm
         return PoseSeen(
             to_quaternion(pose[:3, :3]),
             pose[:3, 3],
