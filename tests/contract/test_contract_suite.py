@@ -4,9 +4,9 @@ import pytest
 
 from tests.contract.benches import WITHOUT_A_DEVICE, registry
 from tests.contract.devices.every import BENCHES
+from truepose_drivers.contract import codec_fuzz, hostile
 from truepose_drivers.contract.case import reason_absent, run, unknown_absences
 from truepose_drivers.contract.cases import CASES
-from truepose_drivers.contract.hostile import require_unharmed
 from truepose_drivers.contract.link_faults import require_found
 
 STILL_OPEN = {  # what is being mended; an entry goes with its gap
@@ -40,8 +40,13 @@ def test_a_bench_leaves_out_cases_that_there_are(bench):
 
 
 @every_driver
-def test_hostile_inputs_do_no_harm(bench):
-    require_unharmed(bench, 150, seed=7)
+def test_hostile_bytes_do_no_harm(bench):
+    codec_fuzz.require_unharmed(bench, 500, seed=7)
+
+
+@every_driver
+def test_hostile_answers_do_no_harm(bench):
+    hostile.require_unharmed(bench, 150, seed=7)
 
 
 @every_driver

@@ -1,8 +1,9 @@
 """Hostile input to every driver, and faults of its link: what a night asks of the contract suite.
 
-`python -m tests.studies.hostile_wires --out DIR [--runs N] [--faults N] [--seed N] [--driver NAME]` asks each
-driver so many times over a line that spoils an answer (`truepose_drivers.contract.hostile`), and lets so many
-faults befall its link (`truepose_drivers.contract.link_faults`). Time is simulated, so nobody waits.
+`python -m tests.studies.hostile_wires --out DIR [--bytes N] [--runs N] [--faults N] [--seed N] [--driver D]`
+gives each codec so many hostile inputs (`codec_fuzz` of the suite; 2000000 in a night), asks each driver so
+many times over a line that spoils an answer (`hostile`), and lets so many faults befall its link
+(`link_faults`). Time is simulated, so nobody waits.
 """
 
 import argparse
@@ -12,19 +13,20 @@ from dataclasses import asdict
 from pathlib import Path
 
 from tests.contract.devices.every import BENCHES
-from truepose_drivers.contract import hostile, link_faults
+from truepose_drivers.contract import codec_fuzz, hostile, link_faults
 
+_OF_CODECS = ("inputs", "read", "refused", "waiting", "foreign", "cpu_s")
 _COLUMNS = (
     "inputs", "right", "no_value", "refused", "wrong_betrayable", "wrong_unseen", "foreign", "hung",
     "out_of_step", "cpu_s",
 )  # fmt: skip
 
 
-def table(tallies):
-    """Return the tallies of hostile inputs as lines of a table."""
-    head = " ".join(f"{name:>16s}" for name in ("driver", *_COLUMNS))
+def table(tallies, columns):
+    """Return tallies as lines of a table."""
+    head = " ".join(f"{name:>16s}" for name in ("driver", *columns))
     lines = [
-        " ".join(f"{value!s:>16s}" for value in (tally.driver, *(getattr(tally, c) for c in _COLUMNS)))
+        " ".join(f"{value!s:>16s}" for value in (tally.driver, *(getattr(tally, c) for c in columns)))
         for tally in tallies
     ]
     return [head, *lines]
@@ -34,26 +36,28 @@ def main():
     named = {bench.plugin.name: bench for bench in BENCHES}
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--out", type=Path, required=True)
-    parser.add_argument(
-        "--runs", type=int, default=hostile.QUICK_INPUTS, help="hostile inputs to each driver"
-    )
+    parser.add_argument("--bytes", type=int, default=hostile.QUICK_INPUTS, help="hostile inputs to a codec")
+    parser.add_argument("--runs", type=int, default=hostile.QUICK_INPUTS, help="answers spoiled")
     parser.add_argument("--faults", type=int, default=link_faults.FAULTS_EACH, help="faults of each link")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--driver", choices=named, action="append", help="only this one; may be repeated")
     options = parser.parse_args()
     benches = [named[name] for name in options.driver or named]
+    codecs = [codec_fuzz.tally(bench, options.bytes, options.seed) for bench in benches]
     tallies = [hostile.tally(bench, options.runs, options.seed) for bench in benches]
     links = [link_faults.tally(bench, options.faults, options.seed) for bench in benches]
+    lines = [*table(codecs, _OF_CODECS), "", *table(tallies, _COLUMNS), "", *map(link_faults.line, links)]
+    sys.stdout.writelines(f"{line}\n" for line in lines)
     options.out.mkdir(parents=True, exist_ok=True)
     document = {
+        "bytes": options.bytes,
         "runs": options.runs,
         "seed": options.seed,
+        "codecs": [asdict(tally) for tally in codecs],
         "drivers": [asdict(tally) for tally in tallies],
         "links": [asdict(tally) for tally in links],
     }
     (options.out / "hostile_wires.json").write_text(json.dumps(document, indent=1))
-    lines = [*table(tallies), "", *map(link_faults.line, links)]
-    sys.stdout.writelines(f"{line}\n" for line in lines)
 
 
 if __name__ == "__main__":

@@ -164,7 +164,8 @@ def decode_reply(data: bytes) -> Reply:
     """Read what one receive delivered; raises OpenAbbProtocolError when it is no reply."""
     text = data.decode("ascii", errors="replace")
     words = text.rstrip("\r\n").split(" ", 2)
-    if len(words) < 2 or not _is_count(words[0]) or words[1] not in _STATUSES:
+    too_long = len(text) > 2 * LONGEST_MESSAGE_CHARS  # of a whole one, and what lagged behind it
+    if too_long or len(words) < 2 or not _is_count(words[0]) or words[1] not in _STATUSES:
         raise OpenAbbProtocolError(f"{text[:80]!r} is no reply of open_abb: code and status were expected")
     return Reply(int(words[0]), int(words[1]), words[2].strip() if len(words) == 3 else "")
 

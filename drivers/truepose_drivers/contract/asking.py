@@ -28,7 +28,13 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         "--fuzz-inputs",
         type=int,
         default=QUICK_INPUTS,
-        help="hostile inputs to each driver; a night has 2000000",
+        help="hostile bytes to each codec",
+    )
+    group.addoption(
+        "--hostile-answers",
+        type=int,
+        default=QUICK_INPUTS,
+        help="answers spoiled, of each driver",
     )
     group.addoption("--link-faults", type=int, default=FAULTS_EACH, help="faults of each driver's link")
 

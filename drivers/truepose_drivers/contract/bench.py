@@ -6,15 +6,17 @@ what the device truly shows (`move`, `is_right`), and says which cases the proto
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
-from typing import Any, ClassVar, Literal, TypeAlias
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, ClassVar, Literal, TypeAlias, TypeVar
 
 import numpy as np
 
 from truepose_drivers.api import DriverPlugin
 from truepose_drivers.contract.wire import Wiring
+from truepose_drivers.transports.conversation import Reader
 
 Kind: TypeAlias = Literal["unit", "frozen", "stale", "foreign", "nonsense"]
+Message = TypeVar("Message")
 
 
 class Bench(ABC):
@@ -59,6 +61,10 @@ class Bench(ABC):
     def mend(self) -> None:
         """End what `special` began."""
         self.fault = None
+
+    def decoded(self, data: bytes) -> Sequence[object]:
+        """Return what the driver's codec makes of bytes, see `codec_fuzz`; raises DriverError."""
+        raise NotImplementedError(f"{type(self).__name__} does not say how the codec reads")
 
     def watched(self, device: Any) -> Any:
         """Return the device as the service uses it, where it puts something more between."""
@@ -171,3 +177,14 @@ class PoseTrackerBench(Bench):
     def is_right(self, value: tuple[float, float, float]) -> bool:
         """Whether the position is that of the artefact, within `tolerance_mm`."""
         return math.dist(value, self.position_mm) <= self.tolerance_mm
+
+
+def messages(
+    reader: Reader[Message], data: bytes, decode: Callable[[Message], object] = lambda message: message
+) -> list[object]:
+    """Return all messages that a codec's reader makes of bytes, each read by `decode`."""
+    reader.receive_data(data)
+    found = []
+    while (message := reader.next_message()) is not None:
+        found.append(decode(message))
+    return found

@@ -10,7 +10,6 @@ that. All others could have been betrayed.
 
 import asyncio
 import time
-from collections import Counter
 from dataclasses import dataclass, field
 from typing import Final
 
@@ -45,7 +44,7 @@ class Tally:
     out_of_step: int = 0  # nothing was read over the second good exchange
     cpu_s: float = 0.0
     examples: list[str] = field(default_factory=list)
-    wrong_by_fault: Counter[str] = field(default_factory=Counter)
+    wrong_by_fault: dict[str, int] = field(default_factory=dict)
 
     @property
     def harmed(self) -> bool:
@@ -145,5 +144,5 @@ class _Hostility:
         elif fault in self._unseen:
             self._tally.wrong_unseen += 1
         else:
-            self._tally.wrong_by_fault[fault] += 1
+            self._tally.wrong_by_fault[fault] = self._tally.wrong_by_fault.get(fault, 0) + 1
             self._tally.note("wrong_betrayable", fault, value)

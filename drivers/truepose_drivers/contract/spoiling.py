@@ -17,20 +17,21 @@ Fault: TypeAlias = Callable[[np.random.Generator, Pieces, bytes], Pieces]
 _DIGITS = re.compile(rb"\d")
 
 
-def _whole(pieces: Pieces) -> bytes:
+def whole(pieces: Pieces) -> bytes:
+    """Return the bytes of an answer, however they come."""
     return b"".join(piece for piece in pieces if isinstance(piece, bytes))
 
 
 def flip(rng: np.random.Generator, pieces: Pieces, earlier: bytes) -> Pieces:
     """One bit of it, anywhere."""
-    data = bytearray(_whole(pieces))
+    data = bytearray(whole(pieces))
     data[rng.integers(len(data))] ^= 1 << int(rng.integers(8))
     return [bytes(data)]
 
 
 def other_digit(rng: np.random.Generator, pieces: Pieces, earlier: bytes) -> Pieces:
     """One digit is read as another."""
-    data = bytearray(_whole(pieces))
+    data = bytearray(whole(pieces))
     place = _digit_place(rng, data)
     if place is not None:
         data[place] = ord(b"0") + (data[place] - ord(b"0") + int(rng.integers(1, 10))) % 10
@@ -39,7 +40,7 @@ def other_digit(rng: np.random.Generator, pieces: Pieces, earlier: bytes) -> Pie
 
 def double_digit(rng: np.random.Generator, pieces: Pieces, earlier: bytes) -> Pieces:
     """One digit comes twice."""
-    data = bytearray(_whole(pieces))
+    data = bytearray(whole(pieces))
     place = _digit_place(rng, data)
     if place is not None:
         data.insert(place, data[place])
@@ -48,26 +49,26 @@ def double_digit(rng: np.random.Generator, pieces: Pieces, earlier: bytes) -> Pi
 
 def lose_byte(rng: np.random.Generator, pieces: Pieces, earlier: bytes) -> Pieces:
     """One byte is lost."""
-    data = bytearray(_whole(pieces))
+    data = bytearray(whole(pieces))
     del data[rng.integers(len(data))]
     return [bytes(data), Silence()]
 
 
 def truncate(rng: np.random.Generator, pieces: Pieces, earlier: bytes) -> Pieces:
     """The end never comes."""
-    data = _whole(pieces)
+    data = whole(pieces)
     return [data[: rng.integers(len(data))], Silence()]
 
 
 def cut(rng: np.random.Generator, pieces: Pieces, earlier: bytes) -> Pieces:
     """The link breaks in the middle."""
-    data = _whole(pieces)
+    data = whole(pieces)
     return [data[: rng.integers(len(data))], HangUp()]
 
 
 def split(rng: np.random.Generator, pieces: Pieces, earlier: bytes) -> Pieces:
     """It comes in pieces, with stalls of 50 ms between them, also inside numbers."""
-    data = _whole(pieces)
+    data = whole(pieces)
     places = sorted({int(place) for place in rng.integers(1, max(2, len(data)), 3)})
     parts = [data[a:b] for a, b in zip([0, *places], [*places, len(data)], strict=True)]
     return [thing for part in parts if part for thing in (part, Pause())]
@@ -80,7 +81,7 @@ def late(rng: np.random.Generator, pieces: Pieces, earlier: bytes) -> Pieces:
 
 def half_late(rng: np.random.Generator, pieces: Pieces, earlier: bytes) -> Pieces:
     """Its second half does."""
-    data = _whole(pieces)
+    data = whole(pieces)
     place = int(rng.integers(1, max(2, len(data))))
     return [data[:place], Silence(), data[place:]]
 
@@ -92,12 +93,12 @@ def repeat(rng: np.random.Generator, pieces: Pieces, earlier: bytes) -> Pieces:
 
 def replay(rng: np.random.Generator, pieces: Pieces, earlier: bytes) -> Pieces:
     """An earlier answer comes before it."""
-    return [earlier, *pieces] if rng.integers(2) else [earlier + _whole(pieces)]
+    return [earlier, *pieces] if rng.integers(2) else [earlier + whole(pieces)]
 
 
 def merge(rng: np.random.Generator, pieces: Pieces, earlier: bytes) -> Pieces:
     """The beginning of an earlier answer runs into it."""
-    return [earlier[: rng.integers(1, len(earlier) + 1)] + _whole(pieces)]
+    return [earlier[: rng.integers(1, len(earlier) + 1)] + whole(pieces)]
 
 
 def garbage(rng: np.random.Generator, pieces: Pieces, earlier: bytes) -> Pieces:

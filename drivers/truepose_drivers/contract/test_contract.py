@@ -4,9 +4,9 @@ from collections.abc import Callable
 
 import pytest
 
+from truepose_drivers.contract import codec_fuzz, hostile
 from truepose_drivers.contract.case import Case, NewBench, reason_absent, run, unknown_absences
 from truepose_drivers.contract.cases import CASES
-from truepose_drivers.contract.hostile import require_unharmed
 from truepose_drivers.contract.link_faults import require_found
 
 Record = Callable[[str, object], None]
@@ -28,13 +28,24 @@ def test_the_driver_keeps(case: Case, new_bench: NewBench, record_property: Reco
     run(case, new_bench)
 
 
-def test_hostile_inputs_do_no_harm(
+def test_hostile_bytes_do_no_harm(
+    new_bench: NewBench, record_property: Record, pytestconfig: pytest.Config
+) -> None:
+    """No hostile bytes crash a codec, or hang it."""
+    record_property("driver", new_bench().plugin.name)
+    record_property("case", "hostile_bytes_do_no_harm")
+    if not codec_fuzz.has_codec(new_bench()):
+        pytest.skip("the bench does not say how the codec reads")
+    codec_fuzz.require_unharmed(new_bench, pytestconfig.getoption("fuzz_inputs"))
+
+
+def test_hostile_answers_do_no_harm(
     new_bench: NewBench, record_property: Record, pytestconfig: pytest.Config
 ) -> None:
     """No hostile answer crashes a driver, hangs it, or becomes a reading that something betrays."""
     record_property("driver", new_bench().plugin.name)
-    record_property("case", "hostile_inputs_do_no_harm")
-    require_unharmed(new_bench, pytestconfig.getoption("fuzz_inputs"))
+    record_property("case", "hostile_answers_do_no_harm")
+    hostile.require_unharmed(new_bench, pytestconfig.getoption("hostile_answers"))
 
 
 def test_link_faults_are_found_and_pass(

@@ -7,7 +7,7 @@ from typing import Any, Final, NoReturn
 import numpy as np
 
 from truepose_drivers.contract.bench import Bench
-from truepose_drivers.contract.spoiling import Fault, Pieces
+from truepose_drivers.contract.spoiling import Fault, Pieces, whole
 from truepose_drivers.contract.wire import Wiring
 from truepose_drivers.errors import DriverError, DriverFaultError, NotInitialisedError
 from truepose_drivers.guard import guarded
@@ -124,7 +124,7 @@ class Trial:
                 later -= 1
                 self.wiring.spoil = spoiled
                 return said
-            earlier, self._earlier = self._earlier, _whole(said)
+            earlier, self._earlier = self._earlier, whole(said)
             return fault(self.rng, said, earlier)
 
         self.wiring.spoil = spoiled
@@ -134,10 +134,6 @@ class Trial:
         self.wiring.spoil = None
         self.wiring.deaf = self.wiring.unreachable = False
         self.bench.mend()
-
-
-def _whole(pieces: Pieces) -> bytes:
-    return b"".join(piece for piece in pieces if isinstance(piece, bytes))
 
 
 def now_s() -> float:

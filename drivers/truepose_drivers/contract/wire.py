@@ -16,6 +16,7 @@ from truepose_drivers.errors import ConnectFailedError, ConnectionLostError
 
 STALL_S: Final = 0.05  # longer than any gap by which a driver might tell the end of a reply
 _ANSWERS_AFTER_S: Final = 0.001
+_KEPT: Final = 100  # questions and answers, the last ones
 _INSTANT_S: Final = 1e-9  # below it two times are one, whatever doubles make of them
 
 
@@ -61,7 +62,8 @@ class Wiring:
         self.piece_bytes: int | None = None  # what arrives comes in pieces of so many at most
         self.deaf = False  # half-open: what is sent gets lost, and nothing comes
         self.unreachable = False
-        self.sent: list[bytes] = []
+        self.sent: deque[bytes] = deque(maxlen=_KEPT)
+        self.said: deque[bytes] = deque(maxlen=_KEPT)  # what the device answered, before any fault
         self.open_lines: list[Wire] = []
 
     def line(
@@ -92,7 +94,9 @@ class Wiring:
 
     def spoiled(self, said: Sequence[Piece]) -> Sequence[Piece]:
         """Return what becomes of an answer."""
-        if self.spoil is None or not any(isinstance(piece, bytes) for piece in said):
+        spoken = [piece for piece in said if isinstance(piece, bytes)]
+        self.said.extend(spoken)
+        if self.spoil is None or not spoken:
             return said
         spoil, self.spoil = self.spoil, None
         return spoil(said)

@@ -3,16 +3,19 @@
 import math
 from dataclasses import replace
 
-from truepose_drivers.contract.bench import PoseTrackerBench
+from truepose_drivers.contract.bench import PoseTrackerBench, messages
 from truepose_drivers.ndi_polaris.driver import PLUGIN, PolarisTracker
 from truepose_drivers.ndi_polaris.protocol import (
     OKAY,
     RESET,
+    Binary,
     PortStatus,
+    ReplyReader,
     RequestReader,
     Text,
     ToolFrame,
     ToolPose,
+    decode_binary,
     encode_binary,
     encode_handles,
     encode_reply,
@@ -38,7 +41,7 @@ class Camera(PoseTrackerBench):
         self.frame = 0
 
     def driver(self, wiring):
-        return PolarisTracker(wiring.line(self.answer), self, bytes(752))
+        return PolarisTracker(wiring.line(self.answer), self, bytes(64))
 
     async def now_s(self):
         return self.frame / _RATE_HZ
@@ -53,6 +56,9 @@ class Camera(PoseTrackerBench):
         version = Text(f"Polaris Vega Control Firmware\nNDI S/N: {self.serial}\nFreeze Tag: Vega Rev 003")
         said = {"VER": version, "PHSR": encode_handles([]), "PHRQ": Text("01")}.get(name, OKAY)
         return [encode_reply(said)]
+
+    def decoded(self, data):
+        return messages(ReplyReader(), data, _read)
 
     def special(self, name, wiring, rng):
         wiring.spoil = lambda _: [encode_reply(self._said(name))]
@@ -74,3 +80,7 @@ class Camera(PoseTrackerBench):
 
     def _seen(self):
         return ToolFrame(1, ToolPose((0.5, -0.5, 0.5, 0.5), self.position_mm, 0.1), _GOOD, self.frame)
+
+
+def _read(reply):
+    return decode_binary(reply) if isinstance(reply, Binary) else reply

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from truepose_drivers.contract.bench import PoseTrackerBench, TrackerBench
+from truepose_drivers.contract.bench import PoseTrackerBench, TrackerBench, messages
 from truepose_drivers.leica_emscon.driver import PLUGIN, LaserTracker
 from truepose_drivers.leica_emscon.probe import PLUGIN as PLUGIN_6D
 from truepose_drivers.leica_emscon.probe import ProbeTracker
@@ -16,6 +16,7 @@ from truepose_drivers.leica_emscon.protocol import (
     Result,
     StatusChange,
     SystemStatusChange,
+    decode_from_server,
     decode_request,
     encode,
     exchange,
@@ -48,6 +49,9 @@ class _Server:
         while (frame := reader.next_message()) is not None:
             said += self._answers(decode_request(frame))
         return said
+
+    def decoded(self, data):
+        return messages(FrameReader(), data, decode_from_server)
 
     def _answers(self, request):
         name = Command(request.command).name

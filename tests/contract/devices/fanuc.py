@@ -12,10 +12,12 @@ from truepose_drivers.fanuc_mappdk.protocol import (
     Command,
     Reply,
     ReplyCode,
+    decode_reply,
     decode_request,
     encode_identity,
     encode_joints,
     encode_reply,
+    joint_angles_deg,
 )
 
 _RANGES_DEG = ((-170, 170), (-60, 140), (-194, 194), (-190, 190), (-120, 120), (-360, 360))
@@ -51,6 +53,9 @@ class Fanuc(RobotBench):
         if decode_request(data.decode().strip()).name == Command.IDENTITY:
             return [encode_reply(encode_identity("LR Mate 200iC", self.serial, "V7.70"))]
         return [encode_reply(Reply(ReplyCode.ERROR, "wrong-command"))]
+
+    def decoded(self, data):
+        return [joint_angles_deg(decode_reply(data))]
 
     def special(self, name, wiring, rng):
         said = encode_reply(encode_joints((10.0, 20.0, 30.0, 40.0, 50.0, 60.0)))

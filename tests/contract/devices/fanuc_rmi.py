@@ -6,10 +6,10 @@ import math
 from truepose.domain.robot import JointRange
 from truepose.sequencing.engine.motion.plausible_robot import WatchfulRobot
 from truepose_drivers.arms.joint_counting import JointCounting
-from truepose_drivers.contract.bench import RobotBench
+from truepose_drivers.contract.bench import RobotBench, messages
 from truepose_drivers.fanuc_rmi.driver import PLUGIN, RmiRobot
 from truepose_drivers.fanuc_rmi.protocol.messages import Status, encode_axes, encode_status, reply
-from truepose_drivers.fanuc_rmi.protocol.packets import decode, encode
+from truepose_drivers.fanuc_rmi.protocol.packets import PacketReader, decode, encode
 
 _RANGES_DEG = ((-170, 170), (-60, 140), (-194, 194), (-190, 190), (-120, 120), (-360, 360))
 _RANGES = tuple(JointRange(math.radians(low), math.radians(high)) for low, high in _RANGES_DEG)
@@ -61,6 +61,9 @@ class FanucRmi(RobotBench):
     def _axes(self, angles_deg, time_ms):
         axes = encode_axes([*(round(angle, 3) for angle in angles_deg), 0.0, 0.0, 0.0])
         return {"TimeTag": time_ms, "JointAngle": axes}
+
+    def decoded(self, data):
+        return messages(PacketReader(), data)
 
     def special(self, name, wiring, rng):
         super().special(name, wiring, rng)

@@ -7,12 +7,19 @@ from tests.contract.devices.usb_plug import UsbPlug
 from truepose.sequencing.ballbar.measuring.live import live_state
 from truepose_drivers.ballbar_bridge.driver import PLUGIN as BRIDGE
 from truepose_drivers.ballbar_bridge.driver import BridgedBallbar
-from truepose_drivers.ballbar_bridge.protocol import BridgeReading, Hello
+from truepose_drivers.ballbar_bridge.protocol import BridgeReading, Hello, decode
 from truepose_drivers.ballbar_bridge.protocol import encode as encode_line
 from truepose_drivers.ballbar_hid.driver import PLUGIN as HID
 from truepose_drivers.ballbar_hid.driver import HidBallbar
-from truepose_drivers.ballbar_hid.protocol import BarIdentity, BarReading, Status, encode_bar, encode_reading
-from truepose_drivers.contract.bench import BallbarBench
+from truepose_drivers.ballbar_hid.protocol import (
+    BarIdentity,
+    BarReading,
+    Status,
+    decode_reading,
+    encode_bar,
+    encode_reading,
+)
+from truepose_drivers.contract.bench import BallbarBench, messages
 from truepose_drivers.contract.wire import Silence
 from truepose_drivers.heidenhain_nd.driver import PLUGIN as ND
 from truepose_drivers.heidenhain_nd.driver import HeidenhainCounter
@@ -22,6 +29,7 @@ from truepose_drivers.heidenhain_nd.protocol import (
     MM_PER_INCH,
     Lamps,
     Refused,
+    ReplyReader,
     RequestReader,
     encode_reply,
     identity_lines,
@@ -29,9 +37,12 @@ from truepose_drivers.heidenhain_nd.protocol import (
     printed_line,
     value_line,
 )
+from truepose_drivers.json_lines import LineReader
+from truepose_drivers.line_gauges.value_form import Value
 from truepose_drivers.mitutoyo_usb_itn.driver import PLUGIN as USB_ITN
 from truepose_drivers.mitutoyo_usb_itn.driver import UsbItnGauge
-from truepose_drivers.mitutoyo_usb_itn.protocol import DeviceInfo, Value, encode
+from truepose_drivers.mitutoyo_usb_itn.protocol import DeviceInfo, encode
+from truepose_drivers.mitutoyo_usb_itn.protocol import ReplyReader as UsbItnReader
 
 _TOLERANCE_MM = 2e-4  # a step of an inch display
 _RANGE_MM = 1.0
@@ -87,6 +98,9 @@ class Counter(Gauge):
             "A0800": (lamps_line(Lamps(inch=self.inch, inside=True)),),
         }[code]
 
+    def decoded(self, data):
+        return messages(ReplyReader(), data)
+
     def special(self, name, wiring, rng):
         printed = encode_reply(printed_line(int(rng.integers(-9999, 9999)), Lamps(inside=True)))
         if name == "unit":
@@ -128,6 +142,9 @@ class Cable(Gauge):
         super().move(rng)
         self.inch = False
 
+    def decoded(self, data):
+        return messages(UsbItnReader(), data)
+
     def special(self, name, wiring, rng):
         pressed = encode(self._value())  # what it shows when the button is pressed, before it moves on
         self.move(rng)
@@ -168,6 +185,9 @@ class Bar(Gauge):
         change, self.change = self.change, None
         return [encode_reading(report if change is None else change(report))]
 
+    def decoded(self, data):
+        return [decode_reading(data)]
+
     def special(self, name, wiring, rng):
         def change(report):
             match name:
@@ -175,7 +195,7 @@ class Bar(Gauge):
                     steps = 1 if name == "frozen" else int(rng.integers(2, 1000))
                     return replace(report, sequence=report.sequence - steps, deviation_mm=0.5)
                 case "inch":
-                    return replace(report, deviation_mm=report.deviation_mm * 1e6 + 1e6)
+                    return replace(report, deviation_mm=report.deviation_mm * 1e6 + 2e6)
             return replace(report, status=Status.NOT_REFERENCED, deviation_mm=0.5)
 
         self.change = change
@@ -219,6 +239,9 @@ class Bridge(Gauge):
     def _line(self):
         self.number += 1
         return encode_line(BridgeReading(self.true_mm, "good", 21.0, self.number))
+
+    def decoded(self, data):
+        return messages(LineReader(), data, decode)
 
     def special(self, name, wiring, rng):
         delivered = self.number

@@ -1,6 +1,7 @@
 """Models of boxes of gauges that know their true values, and drivers on lines to them."""
 
 from tests.contract.devices.gauges import Gauge
+from truepose_drivers.contract.bench import messages
 from truepose_drivers.keyence_gt2 import protocol as keyence
 from truepose_drivers.keyence_gt2.driver import PLUGIN as KEYENCE
 from truepose_drivers.keyence_gt2.driver import KeyenceUnit
@@ -43,6 +44,9 @@ class Box(Gauge):
     def move(self, rng):
         super().move(rng)
         self.inch = False
+
+    def decoded(self, data):
+        return messages(type(self).dialect().new_reader(), data)
 
     def special(self, name, wiring, rng):
         pressed = self.answer(b"")[0]  # what it shows when a key is pressed, before it moves on

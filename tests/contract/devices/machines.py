@@ -11,17 +11,22 @@ from truepose_drivers.abb_open_abb.protocol import (
     Code,
     Reply,
     ReplyStatus,
+    decode_reply,
     decode_request,
     encode_reply,
+    joint_angles_deg,
     rapid_number,
 )
 from truepose_drivers.cell_clock.driver import PLUGIN as CELL_CLOCK
 from truepose_drivers.cell_clock.driver import CellClock
+from truepose_drivers.cell_clock.protocol import decode_answer as decode_time
 from truepose_drivers.cell_hands.driver import PLUGIN as CELL_HANDS
 from truepose_drivers.cell_hands.driver import CellHands
-from truepose_drivers.contract.bench import Bench, RobotBench
+from truepose_drivers.cell_hands.protocol import decode_answer as decode_deed
+from truepose_drivers.contract.bench import Bench, RobotBench, messages
 from truepose_drivers.errors import DeviceRefusedError
 from truepose_drivers.guard import guarded
+from truepose_drivers.json_lines import LineReader
 
 _RANGES_DEG = ((-165, 165), (-110, 110), (-110, 70), (-160, 160), (-120, 120), (-400, 400))
 _RANGES = tuple(JointRange(math.radians(low), math.radians(high)) for low, high in _RANGES_DEG)
@@ -62,6 +67,9 @@ class Controller(RobotBench):
         }.get(code, "")
         return [encode_reply(Reply(code, ReplyStatus.OK, text))]
 
+    def decoded(self, data):
+        return [joint_angles_deg(decode_reply(data), 6)]
+
     def special(self, name, wiring, rng):
         said = {
             "wrong_id": b"3 1 300.00 0.00 500.00 0.000 0.707 0.000",
@@ -100,6 +108,9 @@ class ClockOfCell(Bench):
 
     def answer(self, data):
         return [json.dumps({"now_s": self.time_s}).encode() + b"\n"]
+
+    def decoded(self, data):
+        return messages(LineReader(), data, decode_time)
 
     def special(self, name, wiring, rng):
         said = {
@@ -140,6 +151,9 @@ class HandsOfPerson(Bench):
 
     def answer(self, data):
         return [b'{"error": "no"}\n' if self.refuses else b'{"ok": true}\n']
+
+    def decoded(self, data):
+        return messages(LineReader(), data, decode_deed)
 
     def special(self, name, wiring, rng):
         wiring.spoil = lambda _: [b"{}\n" if name == "nothing_said" else b"1\n"]

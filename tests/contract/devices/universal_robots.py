@@ -2,10 +2,10 @@
 
 import math
 
-from truepose_drivers.contract.bench import RobotBench
+from truepose_drivers.contract.bench import RobotBench, messages
 from truepose_drivers.universal_robots.driver import PLUGIN, Ports, UniversalRobot
 from truepose_drivers.universal_robots.protocol.dashboard import GREETING
-from truepose_drivers.universal_robots.protocol.motion import INPUTS, OUTPUTS
+from truepose_drivers.universal_robots.protocol.motion import INPUTS, OUTPUTS, robot_state
 from truepose_drivers.universal_robots.protocol.packets import (
     Kind,
     PacketReader,
@@ -73,6 +73,9 @@ class Universal(RobotBench):
         joints_rad = tuple(map(math.radians, self.joints_deg))
         return zeros | {"actual_q": joints_rad, "timestamp": (self.time_s,)} | changes
 
+    def decoded(self, data):
+        return messages(PacketReader(), data, _read)
+
     def special(self, name, wiring, rng):
         super().special(name, wiring, rng)
         elsewhere = {"actual_q": (1.0,) * 6}
@@ -84,3 +87,7 @@ class Universal(RobotBench):
         }
         if name in said:
             wiring.say(encode(said[name]))
+
+
+def _read(packet):
+    return robot_state(_STATES.unpack(packet.payload)) if packet.kind is Kind.DATA else packet

@@ -3,9 +3,14 @@
 from truepose_drivers.abb_rws.driver import PLUGIN, RwsRobot
 from truepose_drivers.abb_rws.protocol import resources
 from truepose_drivers.abb_rws.protocol.digest import Challenge, challenge_header
-from truepose_drivers.abb_rws.protocol.http import HttpResponse, RequestReader, encode_response
+from truepose_drivers.abb_rws.protocol.http import (
+    HttpResponse,
+    RequestReader,
+    ResponseReader,
+    encode_response,
+)
 from truepose_drivers.abb_rws.protocol.rapid import number_text
-from truepose_drivers.contract.bench import RobotBench
+from truepose_drivers.contract.bench import RobotBench, messages
 from truepose_drivers.contract.wire import HangUp
 
 _RANGES_DEG = ((-165, 165), (-110, 110), (-110, 70), (-160, 160), (-120, 120), (-400, 400))
@@ -58,6 +63,9 @@ class WebServices(RobotBench):
     def _joints(self):
         angles = enumerate(self.joints_deg, start=1)
         return {"_type": "ms-jointtarget", **{f"rax_{joint}": number_text(angle) for joint, angle in angles}}
+
+    def decoded(self, data):
+        return messages(ResponseReader(), data)
 
     def special(self, name, wiring, rng):
         joints = self._joints()

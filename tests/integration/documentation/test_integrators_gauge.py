@@ -1,6 +1,7 @@
 """The gauge that docs/integrator.md writes from scratch keeps the contract, and measures in a session."""
 
 import asyncio
+import os
 import sys
 import tomllib
 from importlib.metadata import EntryPoint
@@ -13,10 +14,7 @@ from tests.integration.web.ballbar_bench import SESSIONS, WANTED, Tablet
 from tests.integration.web.bench import CELL, Bench
 from truepose.app import create_app
 from truepose.settings import Settings
-from truepose_drivers.contract.case import run
 from truepose_drivers.contract.cases import CASES
-from truepose_drivers.contract.hostile import require_unharmed
-from truepose_drivers.contract.link_faults import require_found
 from truepose_drivers.registry import ENTRY_POINT_GROUP, DriverRegistry, load_registry
 
 _FOLDER = Path(__file__).parents[3] / "docs" / "examples" / "acme_gauge"
@@ -72,14 +70,33 @@ def test_its_project_names_driver_and_bench(gauge_bench):
     assert bench.load() is gauge_bench
 
 
-@pytest.mark.parametrize("case", CASES, ids=[case.name for case in CASES])
-def test_it_keeps_the_contract(gauge_bench, case):
-    run(case, gauge_bench)
+async def test_it_keeps_the_contract_by_the_command_of_the_page(tmp_path):
+    """In a process of its own, as whoever wrote it would ask; its package is not installed here."""
+    plugin = "truepose_drivers.contract"
+    command = ["-p", f"{plugin}.plugin", "--pyargs", plugin, "--driver", "acme_gauge"]  # `-p` as installed
+    shorter = [
+        "--hostile-answers",
+        "200",
+        "--link-faults",
+        "50",
+        "--bench",
+        "acme_gauge_bench:AcmeGaugeBench",
+    ]
 
+    asked = await asyncio.create_subprocess_exec(
+        *(sys.executable, "-m", "pytest", "-p", "no:cacheprovider", *command, *shorter),
+        stdout=asyncio.subprocess.PIPE,
+        cwd=tmp_path,
+        env={"PYTHONPATH": os.pathsep.join([str(_FOLDER), *sys.path]), "PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1"},
+    )
+    said = (await asked.communicate())[0].decode()
 
-def test_it_withstands_hostile_answers_and_faults_of_its_link(gauge_bench):
-    require_unharmed(gauge_bench, 200)
-    require_found(gauge_bench, 50)
+    assert asked.returncode == 0, said
+    table = dict(line.rsplit(maxsplit=1) for line in said.splitlines() if line.endswith(("yes", " -", "NO")))
+    not_asked = {case for case, kept in table.items() if kept == "-"}
+    assert len(table) == len(CASES) + 3  # hostile bytes, hostile answers, faults of the link
+    assert "a_frozen_device_gives_no_reading" not in not_asked
+    assert "acme_gauge: it has no keys, and serves one program at a time" in said
 
 
 class SimulatedGauge:

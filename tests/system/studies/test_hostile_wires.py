@@ -28,12 +28,24 @@ def test_every_fault_says_what_it_is():
 
 
 def test_the_study_writes_what_it_found(tmp_path, monkeypatch, capsys):
-    arguments = ["--runs", "20", "--faults", "5", "--driver", "cell_hands", "--out", str(tmp_path)]
+    arguments = [
+        "--bytes",
+        "50",
+        "--runs",
+        "20",
+        "--faults",
+        "5",
+        "--driver",
+        "cell_hands",
+        "--out",
+        str(tmp_path),
+    ]
     monkeypatch.setattr(sys, "argv", ["hostile_wires", *arguments])
 
     main()
 
     found = json.loads((tmp_path / "hostile_wires.json").read_text())
     assert [one["driver"] for one in found["drivers"]] == ["cell_hands"]
+    assert [one["inputs"] for one in found["codecs"]] == [50]
     assert [one["faults"] for one in found["links"]] == [5]
     assert "cell_hands" in capsys.readouterr().out

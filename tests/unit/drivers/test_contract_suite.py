@@ -7,14 +7,15 @@ from typing import ClassVar
 import pytest
 
 from truepose_drivers.api import BallbarReading, DeviceIdentity, DriverPlugin
-from truepose_drivers.contract import hostile, link_faults
-from truepose_drivers.contract.bench import BallbarBench
+from truepose_drivers.contract import codec_fuzz, hostile, link_faults
+from truepose_drivers.contract.bench import BallbarBench, messages
 from truepose_drivers.contract.benches import find_benches
 from truepose_drivers.contract.case import reason_absent, run, unknown_absences
 from truepose_drivers.contract.cases import CASES
 from truepose_drivers.contract.table import Row, table
 from truepose_drivers.contract.trial import ContractBrokenError
-from truepose_drivers.errors import ConfigurationError
+from truepose_drivers.errors import ConfigurationError, RemoteProtocolError
+from truepose_drivers.json_lines import LineReader
 
 NAMED = {case.name: case for case in CASES}
 CARELESS = DriverPlugin("careless", "ballbar", "lines", {}, lambda options, clock: CarelessGauge(None, clock))
@@ -105,6 +106,36 @@ def test_hostile_inputs_and_link_faults_find_a_careless_driver():
         hostile.require_unharmed(CarelessBench, 50)
     with pytest.raises(ContractBrokenError, match="stale"):
         link_faults.require_found(CarelessBench, 20)
+
+
+def test_bytes_that_a_codec_stumbles_over_are_told():
+    class Stumbling(CarelessBench):
+        def decoded(self, data):
+            return [float(data)]
+
+    with pytest.raises(ContractBrokenError, match="could not convert"):
+        codec_fuzz.require_unharmed(Stumbling, 20)
+
+
+def test_a_codec_that_refuses_or_waits_is_unharmed():
+    class Wary(CarelessBench):
+        def decoded(self, data):
+            return messages(LineReader(), data, _number)
+
+    found = codec_fuzz.tally(Wary, 100)
+
+    assert (found.inputs, found.foreign) == (100, 0)
+    assert found.read + found.refused + found.waiting == 100
+    assert min(found.read, found.refused, found.waiting) > 5
+    assert codec_fuzz.has_codec(Wary())
+    assert not codec_fuzz.has_codec(CarelessBench())
+
+
+def _number(line):
+    try:
+        return float(line)
+    except ValueError as error:
+        raise RemoteProtocolError(str(error)) from error
 
 
 def test_an_absence_that_is_misspelt_or_has_no_reason_is_told():
