@@ -7,7 +7,7 @@ import pytest
 
 from tests.contract.benches import registry
 from truepose_drivers.api import MotionLimits
-from truepose_drivers.errors import ConnectionLostError, DriverError, LinkError, TargetRefusedError
+from truepose_drivers.errors import ConnectionLostError, LinkError, TargetRefusedError
 from truepose_simulators.faults.kinds import RobotRefuses
 
 robots = pytest.mark.parametrize("name", registry().names("robot"))
@@ -79,26 +79,6 @@ async def test_a_target_out_of_range_never_passes_in_silence(bench, name):
 
     with pytest.raises((TargetRefusedError, ConnectionLostError)):
         await robot.move_joints((math.radians(359.0), 0.0, 0.0, 0.0, 0.0, 0.0))
-
-
-@robots
-@pytest.mark.parametrize("target", [(), (0.0,) * 5, (math.nan,) * 6])
-async def test_a_target_that_is_none_is_refused_before_anything_moves(bench, name, target):
-    robot = await ready(bench, name)
-
-    with pytest.raises(TargetRefusedError):
-        await robot.move_joints(target)
-
-    assert (await robot.read_joints()).joints_rad
-
-
-@robots
-@pytest.mark.parametrize("speed", [0.0, -1.0, math.nan])
-async def test_a_speed_that_is_none_is_refused(bench, name, speed):
-    robot = await ready(bench, name)
-
-    with pytest.raises(DriverError):
-        await robot.set_limits(MotionLimits(tool_speed_mm_s=speed))
 
 
 def _dropping(scenario):
