@@ -68,6 +68,7 @@ hardening-report: setup
 	$(BIN)/python -m tests.studies.tampering --out out/hardening
 	$(BIN)/python -m tests.studies.durable_writes --out out/hardening
 	$(BIN)/python -m tests.studies.ready_again --readings 1000000 --out out/hardening
+	$(BIN)/python -m tests.studies.session_overhead --out out/hardening
 
 # Two hundred kills of a ballbar session take a quarter of an hour; the latency of the live stream half a minute.
 interruptions: setup

@@ -81,6 +81,12 @@ class PresentCell:
                 f"The session was planned for the robot {stored.robot.name}; the cell has "
                 f"{present.robot.name} now. Plan a new session for it."
             )
+        if (present.simulated is None) != (stored.simulated is None):
+            planned, found = ("a real", "simulated") if stored.simulated is None else ("a simulated", "real")
+            raise PlanRefusedError(
+                f"The session was planned in {planned} cell, and this one is {found}. What is simulated and "
+                "what is measured are never mixed in one session: plan a new one."
+            )
         speed = slowest(speed_limits(stored.limits), speed_limits(present.limits))
         limits = replace(
             stored.limits,

@@ -4,6 +4,8 @@
   `{"positions_mm": [[x, y, z], ...]}`;
 - `{"op": "plant"}` gives link motions, springs, base, nests, the tracker's and the camera's frame, and
   what is planted;
+- `{"op": "robot"}` gives `{"now_s": ..., "rest_s": ..., "joints_rad": [...]}`: when the arm came to rest, or
+  will, and where it is now;
 - `{"op": "aim"}` gives `{"fixed_nests_seen_from_tracker_mm": [[x, y, z], ...]}`, about as well as an
   operator aims by hand;
 - `{"op": "effect", "name": ..., "subject": ..., "amplitude": ..., "from_s": ...}` plants a change, with
@@ -64,6 +66,13 @@ def _plant(request: Mapping[str, object], cell: Cell) -> dict[str, Any]:
     return plant_document(cell)
 
 
+def _robot(request: Mapping[str, object], cell: Cell) -> dict[str, Any]:
+    del request
+    motion, now_s = cell.robot.motion, cell.clock.now_s
+    rest_s = motion.start_s + motion.duration_s
+    return {"now_s": now_s, "rest_s": rest_s, "joints_rad": motion.joints_at(now_s).tolist()}
+
+
 def _aim(request: Mapping[str, object], cell: Cell) -> dict[str, Any]:
     del request
     seen = seen_from(cell.tracker.frame, cell.fixed_nests_mm())
@@ -89,6 +98,7 @@ def _attach(request: Mapping[str, object], cell: Cell) -> dict[str, Any]:
 _OPERATIONS: Operations = {
     "positions": _positions,
     "plant": _plant,
+    "robot": _robot,
     "aim": _aim,
     "effect": _effect,
     "fault": _fault,

@@ -257,6 +257,13 @@ REFUSED = {
         "effect",
         "in a simulated cell only",
     ),
+    "a simulated clock beside real devices": (
+        "[[device]]",
+        '[[device]]\nname = "clock"\ndriver = "cell_clock"\nhost = "10.0.0.9"\nport = 9000\n\n[[device]]',
+        BadValueError,
+        "device[1]",
+        "never mixed",
+    ),
     "devices of a simulated cell": (
         "[conditions]",
         '[simulated]\nscenario = "irb120-tilted"\n[conditions]',

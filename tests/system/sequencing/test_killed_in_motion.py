@@ -10,7 +10,6 @@ import sys
 
 import httpx
 import numpy as np
-import pytest
 
 from tests.studies.interruptions.killed_service import KilledService
 from truepose.demo.cell.person_at_tablet import PersonAtTablet
@@ -130,16 +129,9 @@ async def killed_in_motion(folder, server):
     return rest_s - killed_s, place, session["motion_notice"]
 
 
-@pytest.mark.parametrize(
-    ("server", "notice"),
-    [
-        ("truepose", "stops the arm by itself within 1 s"),
-        ("stock", "the arm goes on for up to 1 s"),
-    ],
-)
-async def test_a_killed_service_leaves_an_arm_that_stops_within_a_second(tmp_path, server, notice):
-    after_s, place, said = await killed_in_motion(tmp_path, server)
+async def test_a_killed_service_leaves_an_arm_that_nobody_watches_to_its_piece_of_a_second(tmp_path):
+    after_s, place, said = await killed_in_motion(tmp_path, "stock")
 
     assert after_s <= 1.0 + BETWEEN_LINES_S
     assert np.max(np.abs(place - TARGET_DEG)) > 10.0  # the whole motion takes a quarter of a minute
-    assert notice in said
+    assert "the arm goes on for up to 1 s" in said

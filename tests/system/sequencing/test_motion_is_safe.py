@@ -39,7 +39,9 @@ class Guard:
 
     def __init__(self, cell: FakeCell) -> None:
         self.cell = cell
-        self.runner = TrackerRunner(make_plan(N_STOPS, registration_readings=1), cell.cell, cell.journal)
+        self.plan = make_plan(N_STOPS, registration_readings=1)
+        self.runner = TrackerRunner(self.plan, cell.cell, cell.journal)
+        self.running = asyncio.create_task(self.runner.run())
         self.stop_asked = False
         self.confirmed_since_fault = False
         self.read_at_s: float | None = None
@@ -58,7 +60,9 @@ class Guard:
     async def move(self, target):
         self.motions += 1
         assert self.runner.state is SessionState.RUNNING
-        assert self.cell.journal.states[-1][0] is SessionState.RUNNING, "the record lags behind the motion"
+        entered, _, person = self.cell.journal.states[-1]
+        assert entered is SessionState.RUNNING, "the record lags behind the motion"
+        assert person == "Eva"
         assert self.runner.question is None
         assert not self.stop_asked
         assert self.confirmed_since_fault
@@ -135,12 +139,25 @@ class Guard:
     async def grow_fresh(self):
         self.cell.robot.reading_age_s = 0.0
 
+    async def restart(self):
+        """Kill the service wherever it is, and have another one take up what is on the disk."""
+        self.running.cancel()
+        await asyncio.gather(self.running, return_exceptions=True)
+        self.confirmed_since_fault = False
+        self.stop_asked = False
+        await self.cell.tracker.close()
+        await self.cell.robot.close()
+        entries = tuple(self.cell.journal.entries)
+        self.runner = TrackerRunner(self.plan, self.cell.cell, self.cell.journal, entries)
+        self.running = asyncio.create_task(self.runner.run())
+
     async def jog(self):
         self.cell.robot.joints = tuple(joint + 0.05 for joint in self.cell.robot.joints)
 
 
 REQUESTS = ("pause", "abort", "resume", "confirm", "resume", "confirm")
-FAULTS = ("lose_robot", "lose_tracker", "lose_clock", "go_blind", "see", "grow_stale", "grow_fresh", "jog")
+LOSSES = ("restart", "lose_robot", "lose_tracker", "lose_clock")
+FAULTS = (*LOSSES, "go_blind", "see", "grow_stale", "grow_fresh", "jog")
 ACTIONS = st.sampled_from((*REQUESTS, *FAULTS))
 SCRIPTS = st.lists(st.tuples(st.integers(0, 12), ACTIONS), max_size=14)  # turns of the loop between two
 
@@ -149,7 +166,6 @@ async def play(script):
     cell = FakeCell()
     cell.journal = SlowLedger()
     guard = Guard(cell)
-    running = asyncio.create_task(guard.runner.run())
     while guard.runner.state is not SessionState.AWAITING_CONFIRMATION:
         await asyncio.sleep(0)
     for turns, action in ((0, "confirm"), *script):
@@ -158,22 +174,22 @@ async def play(script):
         await guard.act(action)
     await guard.see()
     await guard.grow_fresh()
-    ended = await finish(guard, running)
+    ended = await finish(guard)
     return cell, guard, ended
 
 
-async def finish(guard, running):
+async def finish(guard):
     """Answer all questions that are left, ten at most, and end the session after that."""
     answers = 0
     async with asyncio.timeout(20):
-        while not running.done():
+        while not guard.running.done():
             await asyncio.sleep(0)
             if guard.runner.question is None:
                 continue
             answers += 1
             await guard.act("abort" if answers > 200 else "confirm")
             await guard.act("resume")
-    return running.result()
+    return guard.running.result()
 
 
 @settings(max_examples=100, deadline=None)

@@ -8,6 +8,7 @@ import pytest
 from tests.integration.web.ballbar_bench import PLACEMENT
 from tests.studies.durable_writes import durable
 from tests.studies.ready_again import ready_again
+from tests.studies.session_overhead import overhead
 from tests.studies.storage_refusals.ballbar_session import ballbar_session
 from tests.studies.storage_refusals.tracker_session import tracker_session
 from tests.studies.taken_up.begun import begin
@@ -50,6 +51,13 @@ async def test_writes_are_counted(tmp_path):
 
     assert found.readings >= 40
     assert found.ratio > 0
+
+
+async def test_what_a_session_costs_beside_its_devices_is_measured_and_its_lines_are_few(tmp_path):
+    found = await overhead(tmp_path, configurations=10, runs=1)
+
+    assert found.lines < 4.0  # each waits for the disk
+    assert found.devices_ms > 0.0
 
 
 def test_a_killed_service_is_ready_again_and_everything_is_whole(tmp_path):

@@ -39,6 +39,7 @@ _EFFECT: Final = [
 ]
 _ADDRESSES = ("host", "serial", "usb")
 _QUARTER_DEG = 90.0
+_OF_SIMULATED_CELLS: Final = {"cell_clock", "cell_hands"}
 _LAST_PORT = 65535
 _ROUNDING_RAD = 1e-9  # limits come from degrees
 
@@ -210,7 +211,25 @@ def read_devices(node: Node) -> tuple[DeviceEntry, ...]:
         if device.name in devices:
             entry.key("name").fail(f"two devices are called {device.name!r}; names must differ")
         devices[device.name] = device
+    _refuse_mixture(node, devices)
     return tuple(devices.values())
+
+
+def _refuse_mixture(node: Node, devices: Mapping[str, DeviceEntry]) -> None:
+    """Refuse a clock or a person of a simulated cell beside a device that cannot be of the same cell.
+
+    By a simulated clock nobody could tell how old the statement of a real robot is.
+    """
+    simulated = [device for device in devices.values() if device.driver in _OF_SIMULATED_CELLS]
+    if not simulated:
+        return
+    host = simulated[0].options.get("host")
+    for entry, device in zip(node.items(), devices.values(), strict=True):
+        if device.options.get("host") != host:
+            entry.fail(
+                f"device {device.name} is not at {host}, where {simulated[0].name} of a simulated cell is: "
+                "what is simulated and what is real are never mixed"
+            )
 
 
 def _read_device(node: Node) -> DeviceEntry:

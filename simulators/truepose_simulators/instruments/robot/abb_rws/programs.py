@@ -21,6 +21,7 @@ from truepose_drivers.abb_rws.protocol.program import (
 )
 from truepose_drivers.abb_rws.protocol.rapid import NO_AXIS, array_text, numbers
 from truepose_simulators.cell.robot import SpeedLimits, TargetOutOfRangeError
+from truepose_simulators.errors import ArmStoppedError
 from truepose_simulators.faults.kinds import RobotHangs, RobotRefuses
 from truepose_simulators.instruments.robot.abb_rws.controller import AbbController, Task
 from truepose_simulators.instruments.robot.served_client import ProgramStoppedError, rest_after
@@ -29,6 +30,7 @@ from truepose_simulators.physics.rigid import FloatArray
 _LOOK_S = 0.1  # between two looks of our program at the beat
 _FLANGE = np.zeros(3)
 _OUT_OF_RANGE = 50027
+_EMERGENCY_STOP = 10013
 _V100 = (100.0, 500.0)  # mm/s, deg/s
 _NO_AXES = array_text((NO_AXIS,) * 6)
 _JOINTS = 6
@@ -59,10 +61,13 @@ class _Motions:
             if isinstance(fault, RobotRefuses):
                 raise TargetOutOfRangeError("the target was refused")
             motion = self._cell.set_off([np.radians(target_deg)], limits, _FLANGE)
+            await rest_after(self._cell, motion.duration_s, silent, watched_s=watched_s, look_s=_LOOK_S)
         except TargetOutOfRangeError as error:
             self._controller.fail(_OUT_OF_RANGE, "Joint Out of Range", str(error))
             return False
-        await rest_after(self._cell, motion.duration_s, silent, watched_s=watched_s, look_s=_LOOK_S)
+        except ArmStoppedError as error:
+            self._controller.fail(_EMERGENCY_STOP, "Emergency stop state", str(error))
+            return False
         return not isinstance(fault, RobotHangs)
 
 

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from itertools import product
 
 import pytest
 
@@ -79,3 +80,29 @@ def test_after_a_person_confirmed_it_does_not_matter_where_the_arm_was_left():
     moved = replace(IN_ORDER, left_at_rad=None, reading=JointReading((0.9, 0.9), 1e-4, 100.0))
 
     assert what_forbids_motion(moved, AT, LIMITS) is None
+
+
+# Of every condition one value that is in order, first, and all kinds that are not.
+EVERY = {
+    "state": [SessionState.RUNNING, *(state for state in SessionState if state is not SessionState.RUNNING)],
+    "stop_requested": [False, True],
+    "question": [None, "Is the cell clear?"],
+    "obstacle": [None, "The ballbar may still be attached."],
+    "robot_connected": [True, False],
+    "now_s": [100.5, 102.1, 97.0, math.nan],
+    "left_at_rad": [AT, (0.1, -0.21), (0.1, -0.2, 0.0)],
+}
+TARGETS = [AT, (1.01, 0.0), (math.nan, 0.0)]
+
+
+def test_of_all_combinations_of_conditions_one_moves_the_arm():
+    combinations = list(product(*EVERY.values(), TARGETS))
+
+    let_through = []
+    for *values, target in combinations:
+        conditions = replace(IN_ORDER, **dict(zip(EVERY, values, strict=True)))
+        if what_forbids_motion(conditions, target, LIMITS) is None:
+            let_through.append((values, target))
+
+    assert len(combinations) == 9 * 2 * 2 * 2 * 2 * 4 * 3 * 3
+    assert let_through == [([values[0] for values in EVERY.values()], AT)]
