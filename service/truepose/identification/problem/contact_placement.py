@@ -5,7 +5,7 @@ one is unknown, and what fits best is refined with a loss that far readings do n
 the tool is what turns the places of the ball, as seen from it, onto its readings.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -104,16 +104,50 @@ def place_contacts(contacts: Contacts) -> ContactPlacement:
     -------
     ContactPlacement
     """
-    starts = [_started(contacts, nest) for nest in attachments(bool(contacts.nest_unknown.any()))]
+    starts = [_started(contacts, nests) for nests in _nests_to_try(contacts)]
     starts.sort(key=lambda start: _typical(contacts, start))
     ends = [_refined(contacts, start) for start in starts[:_REFINED]]
     if contacts.turning:
         ends += [_refined(contacts, _turned(contacts, end)) for end in ends]
-    return contacts.answer(min(ends, key=lambda end: _typical(contacts, end)))
+    return _centred(contacts.answer(min(ends, key=lambda end: _typical(contacts, end))))
 
 
-def _started(contacts: Contacts, nest_mm: FloatArray) -> _Unknowns:
-    unknown = np.tile(nest_mm, (int(contacts.nest_unknown.sum()), 1))
+def _centred(found: ContactPlacement) -> ContactPlacement:
+    """Return what was found with each target where it was found, wherever it was looked for first."""
+    each = [
+        KINDS[target.kind].centred(target, values)
+        for target, values in zip(found.targets, found.values, strict=True)
+    ]
+    targets, values = zip(*each, strict=True)
+    return replace(found, targets=targets, values=values)
+
+
+def _nests_to_try(contacts: Contacts) -> list[FloatArray]:
+    """Return places of the unknown nests to begin with, shape (U, 3) each."""
+    unknown = int(contacts.nest_unknown.sum())
+    tried = [np.tile(nest, (unknown, 1)) for nest in attachments(unknown > 0)]
+    return [_at_one_place(contacts), *tried] if unknown else tried
+
+
+def _at_one_place(contacts: Contacts) -> FloatArray:
+    """Return the unknown nests of an arm that comes to each target at one place, shape (U, 3).
+
+    So it does with gauges of a few millimetres' travel, small spheres and sensors: o + R t is the same at all
+    stops of a target, which is linear in the nests t and these places.
+    """
+    n, numbers = len(contacts.nest), np.flatnonzero(contacts.nest_unknown)
+    known = np.where(contacts.nest_unknown[:, None], 0.0, contacts.nests_mm)[contacts.nest - 1]
+    of_nests = [np.where((contacts.nest == k + 1)[:, None, None], contacts.rotation, 0.0) for k in numbers]
+    of_places = [
+        np.where((contacts.target == k)[:, None, None], -np.eye(3), 0.0) for k in range(len(contacts.targets))
+    ]
+    design = np.concatenate([*of_nests, *of_places], axis=2).reshape(3 * n, -1)
+    right = -(contacts.origin_mm + np.einsum("nij,nj->ni", contacts.rotation, known)).reshape(-1)
+    found: FloatArray = np.linalg.lstsq(design, right, rcond=1e-9)[0]
+    return found[: 3 * len(numbers)].reshape(-1, 3)
+
+
+def _started(contacts: Contacts, unknown: FloatArray) -> _Unknowns:
     start = _Unknowns(contacts.targets, (), unknown, np.zeros(3))
     probe = contacts.probe(contacts.answer(start))
     found = []

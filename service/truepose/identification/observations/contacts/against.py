@@ -48,6 +48,10 @@ class Against(Protocol):
         """Return the target where readings (n,) of a nominal robot put it, and values to start from."""
         ...
 
+    def centred(self, target: Target, values: FloatArray) -> tuple[Target, FloatArray]:
+        """Return the same about where these values put it."""
+        ...
+
 
 def sensor_axes(end_rotation: FloatArray, axis: IntArray) -> FloatArray:
     """Return the axis of the sensor of each reading, shape (n, 3); zeros where it has none.

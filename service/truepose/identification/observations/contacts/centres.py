@@ -60,6 +60,10 @@ class Centre:
         zero = away if target.zero_mm is None else target.zero_mm
         return target, np.append(centre, zero) if _has_zero(target) else centre
 
+    def centred(self, target: Target, values: FloatArray) -> tuple[Target, FloatArray]:
+        """Return it as it is: coordinates count from the world."""
+        return target, values
+
 
 def _has_zero(target: Target) -> bool:
     return target.zero_mm is None or target.zero_uncertainty_mm > 0.0

@@ -60,6 +60,11 @@ class Plane:
         shift = float(np.median(off @ normal - reading_mm))
         return replace(target, place_mm=(x, y, z), normal=(nx, ny, nz)), np.array([shift, 0.0, 0.0])
 
+    def centred(self, target: Target, values: FloatArray) -> tuple[Target, FloatArray]:
+        """Return it about the normal as it is tilted."""
+        nx, ny, nz = _tilted(target, values)[0].tolist()
+        return replace(target, normal=(nx, ny, nz)), np.array([values[0], 0.0, 0.0])
+
 
 def _point(target: Target) -> FloatArray:
     return np.zeros(3) if target.place_mm is None else np.array(target.place_mm)
