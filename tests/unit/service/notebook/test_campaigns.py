@@ -104,6 +104,24 @@ def test_lengths_make_a_campaign_of_legs():
     assert repr(campaign).endswith("6 joints, 2 nests; 8 legs to calibrate, 8 legs to validate")
 
 
+def test_readings_against_targets_make_a_campaign_of_contacts():
+    contacts = {
+        "config": np.arange(8),
+        "joints_rad": _READINGS["joints_rad"],
+        "target": 1,
+        "nest": 1,
+        "reading_mm": np.linspace(-1.0, 1.0, 8),
+        "u_mm": 0.002,
+    }
+    targets = {"target": [1], "kind": ["sphere"], "zero_mm": [15.7]}
+
+    campaign = tp.read_campaign(contacts, robot="abb-irb-120", tables={"targets": targets})
+
+    assert repr(campaign).endswith("6 joints, 1 nest; 8 contacts to calibrate")
+    assert campaign.data.targets[0].zero_mm == 15.7
+    assert campaign.to_frame("targets")["kind"].tolist() == ["sphere"]
+
+
 @pytest.mark.parametrize(
     ("changes", "arguments", "error", "sentence"),
     [
