@@ -29,6 +29,8 @@ from truepose_simulators.instruments.robot.abb_rws.server import web_endpoint
 from truepose_simulators.instruments.robot.fanuc_rmi.controller import Controller as FanucController
 from truepose_simulators.instruments.robot.fanuc_rmi.endpoints import connect_endpoint, session_endpoint
 from truepose_simulators.instruments.robot.fanuc_rmi.program import RmiMove
+from truepose_simulators.instruments.robot.kuka.proxy import proxy_endpoint
+from truepose_simulators.instruments.robot.kuka.variables import Variables
 from truepose_simulators.instruments.robot.mappdk import MappdkProgram
 from truepose_simulators.instruments.robot.mappdk_server import mappdk_endpoint, mappdk_logger_endpoint
 from truepose_simulators.instruments.robot.open_abb import MotionProgram
@@ -188,6 +190,8 @@ def _controller(cell: RememberedCell) -> tuple[list[Endpoint], list[Endpoint]]:
         fanuc = FanucController(cell)
         session = session_endpoint(fanuc, RmiMove(fanuc))
         return [connect_endpoint(session), session], []
+    if cell.scenario.arm.protocol == "kuka_variable_proxy":
+        return [proxy_endpoint(cell, Variables(cell))], []
     abb = AbbController(cell)
     if cell.scenario.arm.protocol == "rws":
         abb.task = program_of(abb)

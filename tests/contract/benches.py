@@ -24,6 +24,7 @@ from truepose_drivers.fanuc_rmi.driver import RmiRobot
 from truepose_drivers.fanuc_rmi.protocol.messages import CONNECT_PORT
 from truepose_drivers.heidenhain_nd.driver import HeidenhainCounter
 from truepose_drivers.keyence_gt2.driver import KeyenceUnit
+from truepose_drivers.kuka_variable_proxy.driver import KukaRobot
 from truepose_drivers.leica_emscon.driver import LaserTracker
 from truepose_drivers.leica_emscon.probe import ProbeTracker
 from truepose_drivers.line_gauges.dialogue import LineGauges
@@ -60,6 +61,8 @@ from truepose_simulators.instruments.robot.abb_rws.server import web_endpoint
 from truepose_simulators.instruments.robot.fanuc_rmi.controller import Controller as FanucController
 from truepose_simulators.instruments.robot.fanuc_rmi.endpoints import connect_endpoint, session_endpoint
 from truepose_simulators.instruments.robot.fanuc_rmi.program import RmiMove
+from truepose_simulators.instruments.robot.kuka.proxy import proxy_endpoint
+from truepose_simulators.instruments.robot.kuka.variables import Variables
 from truepose_simulators.instruments.robot.mappdk import MappdkProgram
 from truepose_simulators.instruments.robot.mappdk_server import mappdk_endpoint
 from truepose_simulators.instruments.robot.open_abb import MotionProgram
@@ -94,6 +97,7 @@ LINKS: dict[str, Callable[[Callable[[], Link], Clock], object]] = {
     "abb_open_abb": lambda new_link, clock: OpenAbbRobot(new_link(), clock),
     "abb_rws": lambda new_link, clock: RwsRobot(new_link(), clock),
     "fanuc_mappdk": lambda new_link, clock: MappdkRobot(new_link(), clock),
+    "kuka_variable_proxy": lambda new_link, clock: KukaRobot(new_link(), clock),
     "ballbar_bridge": lambda new_link, clock: BridgedBallbar(new_link(), clock),
     "cell_clock": lambda new_link, clock: CellClock(new_link),
     "cell_hands": lambda new_link, clock: CellHands(new_link()),
@@ -203,6 +207,7 @@ class Bench:
         fanuc = FanucController(self.cell)
         session = session_endpoint(fanuc, RmiMove(fanuc))
         self.endpoints |= {"fanuc_rmi": connect_endpoint(session), "fanuc_rmi session": session}
+        self.endpoints["kuka_variable_proxy"] = proxy_endpoint(self.cell, Variables(self.cell, "truepose"))
         self._way = way
         self._ports: dict[str, int] = {}
         self._ends: list[MemoryEnd] = []

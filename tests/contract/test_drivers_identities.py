@@ -11,6 +11,7 @@ WITHOUT_LOSS = {
     "abb_rws": "120-8",
     "fanuc_mappdk": "F-7",
     "universal_robots": "UR-10-7",
+    "kuka_variable_proxy": "482916",
     "ballbar_hid": "BAR-9",
     "ndi_polaris": "P9-77777",
 }

@@ -84,7 +84,9 @@ async def test_a_line_that_stalls_inside_a_number_is_waited_for(bench, name):
     assert (await counter.read()).deviation_mm == -0.1234
 
 
-@pytest.mark.parametrize("name", ["abb_open_abb", "abb_rws", "fanuc_mappdk", "fanuc_rmi"])
+@pytest.mark.parametrize(
+    "name", ["abb_open_abb", "abb_rws", "fanuc_mappdk", "fanuc_rmi", "kuka_variable_proxy"]
+)
 async def test_joints_on_a_line_that_stalls_are_whole(bench, name):
     robot = bench.driver(name)
     await robot.connect()

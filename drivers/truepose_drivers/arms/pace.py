@@ -11,10 +11,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from truepose_drivers.api import MotionLimits
+from truepose_drivers.errors import DeviceRefusedError
 
 # FANUC, "LR Mate 200iC" data sheet.
 LR_MATE_SPEEDS_DEG_S = (350.0, 350.0, 400.0, 450.0, 450.0, 720.0)
 _WRIST = 3  # joints before the wrist's
+_COARSE_PERCENT = 4.0  # shares below are met by the override: whole ones lie far apart there
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,6 +59,24 @@ class Pace:
         if least_s == 0.0:
             return 1.0
         return min(100.0, 100.0 * self.at_full_speed_s(steps_deg) / least_s)
+
+    def share_and_override(
+        self, steps_deg: Sequence[float], limits: MotionLimits, override_percent: int
+    ) -> tuple[int, int]:
+        """Return the whole share of the joint speeds and the speed override that keep the limits best [%].
+
+        The override is never above `override_percent`. Raises DeviceRefusedError where no speed is so low.
+        """
+        share = self.exact_share_percent(steps_deg, limits) + 1e-9
+        if share >= _COARSE_PERCENT:
+            return math.floor(share), override_percent
+        percent = math.ceil(share)
+        override = math.floor(100.0 * share / percent)
+        if override < 1:
+            raise DeviceRefusedError(
+                "the robot knows no speed as low as the limits here ask for: allow more speed"
+            )
+        return percent, min(override_percent, override)
 
     def _either_way_s(self, steps_deg: Sequence[float]) -> tuple[float, float]:
         first, second, inclined, *wrist = steps_deg

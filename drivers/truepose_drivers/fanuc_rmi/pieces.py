@@ -12,7 +12,6 @@ from truepose_drivers.fanuc_rmi.protocol.messages import JOINTS
 
 LONGEST_PIECE_S: Final = 0.8  # of what is sent at once; ramps take up to 0.2 s more
 _MOST_PIECES: Final = 2_000
-_COARSE_PERCENT: Final = 4.0  # speeds below are met by the override: their whole shares lie far apart
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,7 +37,7 @@ class PieceMaker:
         Raises DeviceRefusedError where no speed of the controller keeps the limits.
         """
         steps_deg = self._steps_deg(axes_deg[:JOINTS], target_deg)
-        percent, override = self._speed(steps_deg, override_percent)
+        percent, override = self.pace.share_and_override(steps_deg, self.limits, override_percent)
         duration_s = 100.0 * self.pace.at_share_s(steps_deg, percent) / override
         whole_deg = (*target_deg, *axes_deg[JOINTS:])
         ends_deg = tuple(_between(axes_deg, whole_deg, share) for share in _shares(duration_s))
@@ -47,19 +46,6 @@ class PieceMaker:
     def _steps_deg(self, joints_deg: Angles, target_deg: Angles) -> Angles:
         before, after = self.counting.inclined(joints_deg), self.counting.inclined(target_deg)
         return tuple(to - origin for origin, to in zip(before, after, strict=True))
-
-    def _speed(self, steps_deg: Angles, override_percent: int) -> tuple[int, int]:
-        """Return share of the joints' speeds and speed override that keep the limits."""
-        share = self.pace.exact_share_percent(steps_deg, self.limits) + 1e-9
-        if share >= _COARSE_PERCENT:
-            return math.floor(share), override_percent
-        percent = math.ceil(share)
-        override = math.floor(100.0 * share / percent)
-        if override < 1:
-            raise DeviceRefusedError(
-                "the robot knows no speed as low as the limits here ask for: allow more speed"
-            )
-        return percent, min(override_percent, override)
 
 
 def _shares(duration_s: float) -> list[float]:

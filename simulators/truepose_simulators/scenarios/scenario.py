@@ -16,7 +16,7 @@ from truepose_simulators.physics.arm import Vector
 from truepose_simulators.physics.effects import PlantedChange
 from truepose_simulators.physics.plant import PlantSizes
 
-_PROTOCOLS = ("open_abb", "rws", "mappdk", "rmi", "ur_rtde")
+_PROTOCOLS = ("open_abb", "rws", "mappdk", "rmi", "ur_rtde", "kuka_variable_proxy")
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,6 +5,7 @@ from tests.contract.devices.emscon import Probe, Tracker
 from tests.contract.devices.fanuc import Fanuc
 from tests.contract.devices.fanuc_rmi import FanucRmi
 from tests.contract.devices.gauges import Bar, Bridge, Cable, Counter
+from tests.contract.devices.kuka import Kuka
 from tests.contract.devices.line_gauges import KeyenceAmplifiers, MitutoyoCounter, MitutoyoLine
 from tests.contract.devices.machines import ClockOfCell, Controller, HandsOfPerson
 from tests.contract.devices.universal_robots import Universal
@@ -18,6 +19,7 @@ BENCHES = [
     Fanuc,
     FanucRmi,
     Universal,
+    Kuka,
     Camera,
     Bar,
     Bridge,

@@ -8,7 +8,15 @@ from truepose.sequencing.engine.motion.plausible_robot import WatchfulRobot
 from truepose_drivers.arms.joint_counting import JointCounting
 from truepose_drivers.contract.bench import RobotBench, messages
 from truepose_drivers.fanuc_rmi.driver import PLUGIN, RmiRobot
-from truepose_drivers.fanuc_rmi.protocol.messages import Status, encode_axes, encode_status, reply
+from truepose_drivers.fanuc_rmi.protocol.messages import (
+    Status,
+    decode_axes,
+    decode_status,
+    encode_axes,
+    encode_status,
+    handed_over,
+    reply,
+)
 from truepose_drivers.fanuc_rmi.protocol.packets import PacketReader, decode, encode
 
 _RANGES_DEG = ((-170, 170), (-60, 140), (-194, 194), (-190, 190), (-120, 120), (-360, 360))
@@ -63,7 +71,7 @@ class FanucRmi(RobotBench):
         return {"TimeTag": time_ms, "JointAngle": axes}
 
     def decoded(self, data):
-        return messages(PacketReader(), data)
+        return messages(PacketReader(), data, _read)
 
     def special(self, name, wiring, rng):
         super().special(name, wiring, rng)
@@ -93,3 +101,8 @@ class FanucRmi(RobotBench):
 
 def _requests(data):
     return [decode(line) for line in data.splitlines()]
+
+
+def _read(packet):
+    readers = {"FRC_Connect": handed_over, "FRC_GetStatus": decode_status, "FRC_ReadJointAngles": decode_axes}
+    return readers.get(packet.name, lambda other: other)(packet)

@@ -69,19 +69,6 @@ async def test_a_session_on_a_fanuc_that_counts_joint_3_from_the_horizontal_is_a
     assert np.sqrt(np.mean(errors**2)) == pytest.approx(0.016, rel=0.35)
 
 
-async def test_a_session_over_the_remote_motion_interface_is_as_exact():
-    async with bench("lrmate-rmi", seed=11) as opened:
-        plan = plan_calibration(opened.space, 6, seed=1, n_candidates=120)
-
-        ended = await run(opened, plan)
-
-        errors = await true_errors(opened)
-    assert ended is SessionState.FINISHED
-    assert opened.journal.skipped == []
-    # as on the IRB 120; of 9 x 3 values 40 % may be chance
-    assert np.sqrt(np.mean(errors**2)) == pytest.approx(0.016, rel=0.4)
-
-
 async def test_a_session_on_a_ur10_is_as_exact_as_the_arm_repeats():
     async with bench("ur10-clean", seed=11) as opened:
         plan = plan_calibration(opened.space, 6, seed=1, n_candidates=120)

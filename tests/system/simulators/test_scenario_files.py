@@ -29,6 +29,7 @@ def test_the_shipped_scenarios_are_there():
         "irb120-clean",
         "irb120-curves",
         "irb120-everyday",
+        "irb120-kuka",
         "irb120-probe",
         "irb120-thesis",
         "irb120-tilted",

@@ -172,5 +172,5 @@ async def test_scripted_faults_befall_the_move_they_name(make_cell, refusal, dro
 
 
 def test_a_protocol_that_nobody_speaks_is_no_scenario():
-    with pytest.raises(Exception, match='"open_abb" or "mappdk"'):
+    with pytest.raises(Exception, match=r'"open_abb" or .*"mappdk"'):
         ArmSetup(protocol="morse")

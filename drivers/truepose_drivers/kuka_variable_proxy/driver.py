@@ -1,0 +1,221 @@
+"""A KUKA robot behind a variable proxy: its program TRUEPOSE moves to the target that its variables say.
+
+The proxy reads and writes variables, and knows nothing of motions. The program moves only while a variable
+keeps changing: whoever gave the order and is gone has the arm stopped.
+"""
+
+import asyncio
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final
+
+from truepose_drivers.api import (
+    Clock,
+    DeviceIdentity,
+    DriverPlugin,
+    JointReading,
+    MotionGuard,
+    MotionLimits,
+    Options,
+)
+from truepose_drivers.arms import arm_options
+from truepose_drivers.arms.joint_counting import Angles, JointCounting
+from truepose_drivers.arms.pace import Pace
+from truepose_drivers.errors import (
+    ConfigurationError,
+    ConnectFailedError,
+    DeviceRefusedError,
+    LinkError,
+    TargetRefusedError,
+)
+from truepose_drivers.kuka_variable_proxy.program import Order, Program, off_deg
+from truepose_drivers.kuka_variable_proxy.protocol.frames import PROXY_PORT, ProxyProtocolError
+from truepose_drivers.kuka_variable_proxy.protocol.variables import (
+    JOINTS,
+    STEP_DEG,
+    STOPS_WITHIN_S,
+    Variable,
+    decode_axes,
+    decode_count,
+    decode_text,
+    encode_axes,
+)
+from truepose_drivers.kuka_variable_proxy.proxy import VariableProxy
+from truepose_drivers.monotonic_clock import MonotonicClock
+from truepose_drivers.transports.link import Link
+from truepose_drivers.transports.tcp import tcp_link
+
+_UNKNOWN: Final = "unknown"
+_ARRIVED_DEG: Final = 0.02  # a joint at rest is nearer to its target: encoders resolve far better
+# KUKA, "KR AGILUS sixx" specification: axis speeds of the KR 6 R900 sixx.
+_AGILUS_PACE: Final = Pace(joint_speeds_deg_s=(360.0, 300.0, 360.0, 381.0, 388.0, 615.0))
+_SIGNS: Final = (1, 1, 1, 1, 1, 1)
+
+
+@dataclass(frozen=True, slots=True)
+class TimeOuts:
+    """How long the controller may take, in wall time."""
+
+    reply_s: float = 1.5
+    motion_s: float = 20.0  # in addition to the motion at the speed override that holds
+
+
+class KukaRobot:
+    """A controller behind its proxy. Keeps the conversation; computes nothing."""
+
+    def __init__(
+        self,
+        link: Link,
+        clock: Clock,
+        *,
+        signs: tuple[int, ...] = _SIGNS,
+        pace: Pace = _AGILUS_PACE,
+        time_outs: TimeOuts | None = None,
+    ) -> None:
+        self._time_outs = time_outs or TimeOuts()
+        self._proxy = VariableProxy(link, reply_s=self._time_outs.reply_s)
+        self._clock = clock
+        self._counting = JointCounting(signs, from_horizontal=False)
+        self._pace = pace
+        self._limits = MotionLimits()
+        self._one_motion = asyncio.Lock()
+        self._program = Program(self._proxy)
+
+    @property
+    def connected(self) -> bool:
+        """Whether the link is up as far as known."""
+        return self._proxy.is_open
+
+    @property
+    def can_stop_motion(self) -> bool:
+        """A motion that is given up is heard of no more, and the program stops the arm."""
+        return True
+
+    @property
+    def motion_guard(self) -> MotionGuard:
+        """The program stops a motion when it hears nothing."""
+        return MotionGuard(stops_unheard_s=STOPS_WITHIN_S)
+
+    async def connect(self) -> None:
+        """Open the link and see that a robot is behind it; raises ConnectFailedError."""
+        await self._proxy.open()
+        try:
+            await self._axes_deg()
+        except (LinkError, DeviceRefusedError) as error:
+            await self._proxy.close()
+            raise ConnectFailedError(f"{error}; check that this is a controller of KUKA") from error
+
+    async def close(self) -> None:
+        """Close the link; never raises."""
+        await self._proxy.close()
+
+    async def identify(self) -> DeviceIdentity:
+        """Ask for serial number, model and software."""
+        serial, model, software = [
+            await self._named(name) for name in (Variable.SERIAL, Variable.MODEL, Variable.SOFTWARE)
+        ]
+        return DeviceIdentity("KUKA", model, serial, software)
+
+    async def set_limits(self, limits: MotionLimits) -> None:
+        """Set the limits of the following motions, whose speed goes out with each of them."""
+        for name, value in (
+            ("tool_speed_mm_s", limits.tool_speed_mm_s),
+            ("orientation_speed_rad_s", limits.orientation_speed_rad_s),
+        ):
+            if not (math.isfinite(value) and value > 0.0):
+                raise ConfigurationError(f"{name} is {value}: a speed limit must be positive")
+        self._limits = limits
+
+    async def move_joints(self, target_rad: tuple[float, ...]) -> None:
+        """Move all joints to `target_rad`; return when the arm rests there.
+
+        Raises TargetRefusedError for a target that is none, NotInitialisedError where the arm may not move,
+        refuses the target or was stopped, with what to do.
+        """
+        target_deg = self._shown_deg(target_rad)
+        async with self._one_motion:
+            state = await self._program.ready()
+            axes_deg = await self._axes_deg()
+            order, duration_s = await self._order(axes_deg, target_deg)
+            await self._program.give(order)
+            try:
+                await self._program.carry_out(state.unused_number, self._time_outs.motion_s + duration_s)
+            except TargetRefusedError as error:
+                shown = ", ".join(f"{angle:.3f}" for angle in target_deg)
+                raise TargetRefusedError(
+                    f"joint target ({shown}) deg, as the pendant counts: {error}"
+                ) from error
+            await self._require_arrival(target_deg)
+
+    async def read_joints(self) -> JointReading:
+        """Ask where the joints are, the arm moving or not."""
+        shown_rad = tuple(map(math.radians, (await self._axes_deg())[:JOINTS]))
+        return JointReading(
+            joints_rad=self._counting.of_robot(shown_rad),
+            resolution_rad=math.radians(STEP_DEG),
+            time_s=await self._clock.now_s(),
+        )
+
+    async def _axes_deg(self) -> Angles:
+        return await self._proxy.read(Variable.AXES, decode_axes)
+
+    async def _named(self, name: Variable) -> str:
+        try:
+            return await self._proxy.read(name, decode_text) or _UNKNOWN
+        except DeviceRefusedError:  # older software does not have it
+            return _UNKNOWN
+
+    async def _order(self, axes_deg: Angles, target_deg: Angles) -> tuple[Order, float]:
+        """Return the order of a motion within the limits, and how long it takes [s]."""
+        override = max(await self._proxy.read(Variable.OVERRIDE, decode_count), 1)
+        steps_deg = _inclined([to - origin for to, origin in zip(target_deg, axes_deg, strict=False)])
+        percent, override = self._pace.share_and_override(steps_deg, self._limits, override)
+        duration_s = 100.0 * self._pace.at_share_s(steps_deg, percent) / override
+        return Order((*target_deg, *axes_deg[JOINTS:]), percent, override), duration_s
+
+    async def _require_arrival(self, target_deg: Angles) -> None:
+        """See that the arm is where it was sent."""
+        astray_deg = off_deg(await self._axes_deg(), target_deg)
+        if astray_deg > _ARRIVED_DEG:
+            await self._proxy.close()
+            raise ProxyProtocolError(
+                f"the robot reported the end of its motion and stands {astray_deg:.3f} deg off its target:"
+                " look at the pendant, then connect again"
+            )
+
+    def _shown_deg(self, target_rad: tuple[float, ...]) -> Angles:
+        if len(target_rad) != JOINTS:
+            raise TargetRefusedError(f"the robot moves {JOINTS} joints; the target has {len(target_rad)}")
+        shown = self._counting.of_controller(tuple(map(math.degrees, target_rad)))
+        try:
+            encode_axes(shown)
+        except ValueError as error:
+            raise TargetRefusedError(str(error)) from error
+        return shown
+
+
+def _inclined(steps_deg: Sequence[float]) -> Angles:
+    """Return by how much joints turn, for joint 3 the forearm: axes 2 and 3 both count downwards."""
+    first, second, third, *wrist = steps_deg
+    return (first, second, -(second + third), *wrist)
+
+
+def _open(options: Options, clock: Clock | None) -> KukaRobot:
+    return KukaRobot(
+        tcp_link(options, PROXY_PORT),
+        clock or MonotonicClock(),
+        signs=arm_options.signs(options, _SIGNS),
+        pace=arm_options.pace(options, _AGILUS_PACE),
+    )
+
+
+_OPTIONS = {
+    "host": "address of the controller",
+    "port": f"TCP port of the variable proxy, {PROXY_PORT} unless changed",
+    "signs": "-1 for each joint that the robot file counts the other way round, all 1 if left out",
+    "joint_speeds_deg_s": "greatest speeds of the six joints, those of the KR 6 R900 sixx if left out",
+    "reach_mm": "farthest that the tool can be from any joint axis, 1000 if left out",
+    "tool_reach_mm": "farthest that the tool can be from the axes of the wrist, 400 if left out",
+}
+PLUGIN = DriverPlugin("kuka_variable_proxy", "robot", "kuka_variable_proxy", _OPTIONS, _open)

@@ -1,0 +1,1 @@
+"""A controller of KUKA behind a variable proxy."""
