@@ -11,6 +11,7 @@ import numpy as np
 
 from tests.helpers.ballbar.length_sources import FakeBar, FakeHands
 from tests.helpers.instruments.bridge_server import bridge_endpoint
+from tests.helpers.instruments.json_bridge_server import json_bridge_endpoint
 from tests.helpers.instruments.usb_in_memory import UsbInMemory
 from truepose_drivers.abb_open_abb.driver import OpenAbbRobot
 from truepose_drivers.abb_rws.driver import RwsRobot
@@ -23,6 +24,7 @@ from truepose_drivers.fanuc_mappdk.driver import MappdkRobot
 from truepose_drivers.fanuc_rmi.driver import RmiRobot
 from truepose_drivers.fanuc_rmi.protocol.messages import CONNECT_PORT
 from truepose_drivers.heidenhain_nd.driver import HeidenhainCounter
+from truepose_drivers.json_bridge.driver import BridgedTracker
 from truepose_drivers.keyence_gt2.driver import KeyenceUnit
 from truepose_drivers.kuka_variable_proxy.driver import KukaRobot
 from truepose_drivers.leica_emscon.driver import LaserTracker
@@ -94,6 +96,7 @@ def gauges(link: Link, clock: Clock, dialect: object) -> LineGauges:
 LINKS: dict[str, Callable[[Callable[[], Link], Clock], object]] = {
     "leica_emscon": lambda new_link, clock: LaserTracker(new_link(), clock),
     "leica_emscon_6d": lambda new_link, clock: ProbeTracker(new_link(), clock),
+    "json_bridge": lambda new_link, clock: BridgedTracker(new_link(), clock),
     "abb_open_abb": lambda new_link, clock: OpenAbbRobot(new_link(), clock),
     "abb_rws": lambda new_link, clock: RwsRobot(new_link(), clock),
     "fanuc_mappdk": lambda new_link, clock: MappdkRobot(new_link(), clock),
@@ -185,6 +188,7 @@ class Bench:
             **{name: usbip_endpoint(name, gadget) for name, gadget in self.gadgets.items()},
             "leica_emscon": tracker_endpoint(self.cell),
             "leica_emscon_6d": tracker_endpoint(self.cell),
+            "json_bridge": json_bridge_endpoint(self.cell),
             "abb_open_abb": robot_endpoint(self.cell, MotionProgram(self.cell)),
             "abb_rws": web_endpoint(self.cell, _irc5(self.cell)),
             "fanuc_mappdk": mappdk_endpoint(self.cell, MappdkProgram(self.cell, "truepose")),

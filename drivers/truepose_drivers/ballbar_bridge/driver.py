@@ -120,4 +120,4 @@ _OPTIONS = {
     "host": "address of the computer on which the bridge runs",
     "port": f"TCP port of the bridge, {PORT} unless changed",
 }
-PLUGIN = DriverPlugin("ballbar_bridge", "ballbar", "ballbar_bridge", _OPTIONS, _open)
+PLUGIN = DriverPlugin("ballbar_bridge", "ballbar", "ballbar_bridge", _OPTIONS, _open, also=("linear_gauge",))

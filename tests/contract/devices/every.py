@@ -5,6 +5,7 @@ from tests.contract.devices.emscon import Probe, Tracker
 from tests.contract.devices.fanuc import Fanuc
 from tests.contract.devices.fanuc_rmi import FanucRmi
 from tests.contract.devices.gauges import Bar, Bridge, Cable, Counter
+from tests.contract.devices.json_bridge import PointBridge, PoseBridge
 from tests.contract.devices.kuka import Kuka
 from tests.contract.devices.line_gauges import KeyenceAmplifiers, MitutoyoCounter, MitutoyoLine
 from tests.contract.devices.machines import ClockOfCell, Controller, HandsOfPerson
@@ -14,6 +15,8 @@ from tests.contract.devices.web_services import WebServices
 BENCHES = [
     Tracker,
     Probe,
+    PointBridge,
+    PoseBridge,
     Controller,
     WebServices,
     Fanuc,

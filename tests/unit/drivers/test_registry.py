@@ -175,7 +175,7 @@ def test_a_device_that_can_be_two_things_is_used_as_the_cell_file_says():
     assert isinstance(registry.open("heidenhain_nd", place), GuardedBallbar)
     assert isinstance(registry.open("heidenhain_nd", place, use="linear_gauge"), GuardedGauge)
     assert isinstance(registry.open("keyence_gt2", place), GuardedGauge)
-    assert {"heidenhain_nd", "keyence_gt2"} <= set(registry.names("linear_gauge"))
+    assert {"heidenhain_nd", "keyence_gt2", "ballbar_bridge"} <= set(registry.names("linear_gauge"))
 
 
 def test_a_device_is_not_used_as_what_it_cannot_be():

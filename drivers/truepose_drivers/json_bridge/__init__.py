@@ -1,0 +1,1 @@
+"""Trackers that only their maker's software can drive, by way of a small program beside it."""

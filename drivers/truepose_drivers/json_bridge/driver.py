@@ -1,0 +1,247 @@
+"""A tracker behind a bridge: a program of the shop's that speaks to the maker's software."""
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from types import MappingProxyType
+from typing import Final, TypeVar
+
+from truepose_drivers.api import (
+    Clock,
+    DeviceIdentity,
+    DriverPlugin,
+    Environment,
+    Options,
+    PoseReading,
+    TrackerReading,
+    Vector,
+)
+from truepose_drivers.errors import (
+    ArtefactNotSeenError,
+    BeamBrokenError,
+    BusyError,
+    ConfigurationError,
+    ConnectFailedError,
+    DeviceRefusedError,
+    DriverError,
+    LinkError,
+    MeasurementFailedError,
+    NoReplyError,
+    NotInitialisedError,
+    OutOfVolumeError,
+    ReflectorNotFoundError,
+)
+from truepose_drivers.json_bridge.protocol import (
+    VERSION,
+    Answer,
+    Ask,
+    BridgeError,
+    Busy,
+    Failed,
+    Question,
+    counted,
+    decode_reply,
+    encode_question,
+    measured,
+    text,
+)
+from truepose_drivers.json_bridge.readings import air_of, point_of, pose_of
+from truepose_drivers.json_lines import LineReader
+from truepose_drivers.monotonic_clock import MonotonicClock
+from truepose_drivers.transports.conversation import Conversation
+from truepose_drivers.transports.link import Link
+from truepose_drivers.transports.tcp import tcp_link
+
+Value = TypeVar("Value")
+
+PORT: Final = 7421  # ours, and free to choose: no registry lists it
+_QUIET_S: Final = 1.8  # without a line; a bridge that is at work says so every second
+_PATIENCE_S: Final = 60.0  # with a bridge that says that it is at work, besides the time that is measured
+_WARM_UP_S: Final = 600.0
+_FAILURES: Mapping[str, type[DriverError]] = {
+    "beam_broken": BeamBrokenError,
+    "reflector_not_found": ReflectorNotFoundError,
+    "artefact_not_seen": ArtefactNotSeenError,
+    "out_of_volume": OutOfVolumeError,
+    "measurement_failed": MeasurementFailedError,
+    "not_initialised": NotInitialisedError,
+    "busy": BusyError,
+    "refused": DeviceRefusedError,
+}
+
+
+class BridgedTracker:
+    """An instrument bridge on a link: measures points, poses or both, as its instrument does."""
+
+    def __init__(self, link: Link, clock: Clock) -> None:
+        self._lines: Conversation[bytes] = Conversation(
+            link, LineReader, harmless=(DeviceRefusedError, MeasurementFailedError)
+        )
+        self._clock = clock
+        self._asked = 0  # questions on this connection
+        self._serial: str | None = None  # of the instrument that was initialised
+        self._newest = 0  # number of the newest measurement
+        self._measures = ""
+
+    @property
+    def connected(self) -> bool:
+        """Whether the link is up as far as known."""
+        return self._lines.is_open
+
+    @property
+    def settings(self) -> str:
+        """What the instrument measures with, as the bridge said when it was last initialised."""
+        return self._measures
+
+    async def connect(self) -> None:
+        """Open the link and ask who is there; raises ConnectFailedError."""
+        self._asked, self._serial, self._measures = 0, None, ""
+        await self._lines.open()
+        try:
+            await self.identify()
+        except LinkError as error:
+            raise ConnectFailedError(str(error)) from error
+
+    async def close(self) -> None:
+        """Close the link; never raises."""
+        await self._lines.close()
+
+    async def identify(self) -> DeviceIdentity:
+        """Ask the bridge what instrument it speaks for."""
+        return await self._ask("hello", _identity)
+
+    async def initialise(self) -> None:
+        """Have the instrument made ready; what is measured comes in its own frame."""
+        self._serial = None
+        ready = await self._ask("initialise", _ready, longest_s=_WARM_UP_S)
+        self._measures, self._newest, self._serial = ready
+
+    async def find_reflector(self, near_mm: Vector, *, search_radius_mm: float) -> None:
+        """Point at `near_mm` and lock on the reflector there; raises ReflectorNotFoundError."""
+        if not all(map(math.isfinite, (*near_mm, search_radius_mm))) or search_radius_mm <= 0.0:
+            raise ConfigurationError(f"no instrument finds {near_mm} within {search_radius_mm} mm")
+        details = {"near_mm": list(near_mm), "radius_mm": search_radius_mm}
+        await self._ask("find_reflector", self._of_ours, details)
+
+    async def measure_point(self, *, duration_s: float) -> TrackerReading:
+        """Measure the reflector locked on; raises BeamBrokenError."""
+        values = await self._measure("measure_point", duration_s, point_of)
+        return replace(values, duration_s=duration_s, time_s=await self._clock.now_s())
+
+    async def measure_pose(self, *, duration_s: float) -> PoseReading:
+        """Measure the artefact; raises ArtefactNotSeenError, OutOfVolumeError."""
+        values = await self._measure("measure_pose", duration_s, pose_of)
+        return replace(values, duration_s=duration_s, time_s=await self._clock.now_s())
+
+    async def change_face(self) -> None:
+        """Turn to the other face; raises DeviceRefusedError where the instrument has one only."""
+        await self._ask("change_face", self._of_ours)
+
+    async def environment(self) -> Environment:
+        """Read the weather station; raises DeviceRefusedError where there is none."""
+        return await self._ask("environment", lambda answer: air_of(self._of_ours(answer).values))
+
+    async def _measure(
+        self, ask: Ask, duration_s: float, decode: Callable[[Mapping[str, object]], Value]
+    ) -> Value:
+        """Have a measurement made that none before was."""
+        if not (math.isfinite(duration_s) and duration_s > 0.0):
+            raise ConfigurationError(f"nothing can be measured in {duration_s} s")
+
+        def new(answer: Answer) -> Value:
+            self._require_new(measured(self._of_ours(answer)))
+            return decode(answer.values)
+
+        details = {"duration_s": duration_s}
+        return await self._ask(ask, new, details, longest_s=duration_s + _PATIENCE_S)
+
+    def _require_new(self, sequence: int) -> None:
+        """See that measurements are counted up, from what the bridge said when it was initialised."""
+        if sequence <= self._newest:
+            raise BridgeError(
+                f"the bridge sends measurement {sequence} after {self._newest}: it repeats itself; take the"
+                " count from the instrument or from the clock"
+            )
+        self._newest = sequence
+
+    def _of_ours(self, answer: Answer) -> Answer:
+        """Return an answer of the instrument that was initialised; raises NotInitialisedError."""
+        if answer.serial != self._serial:
+            before, self._serial = self._serial, None
+            raise NotInitialisedError(
+                f"another instrument answers, {answer.serial} where {before} was made ready: initialise it"
+            )
+        return answer
+
+    async def _ask(
+        self,
+        ask: Ask,
+        decode: Callable[[Answer], Value],
+        details: Mapping[str, object] = MappingProxyType({}),
+        *,
+        longest_s: float = _PATIENCE_S,
+    ) -> Value:
+        if self._serial is None and ask not in ("hello", "initialise"):
+            raise NotInitialisedError(
+                "it was not initialised since it was connected, or exchanged: initialise it"
+            )
+        async with self._lines.turn():
+            await self._pass_over_busy()
+            self._asked += 1
+            question = encode_question(Question(self._asked, ask, details))
+            await self._lines.send(question, timeout_s=longest_s, silence=self._silence(ask))
+            answer = await self._answer(ask)
+            await self._pass_over_busy()
+            return decode(answer)
+
+    async def _answer(self, ask: Ask) -> Answer:
+        while True:
+            line = await self._lines.next_within(_QUIET_S)
+            if line is None:
+                raise NoReplyError(self._silence(ask))
+            match decode_reply(line):
+                case Busy():
+                    continue
+                case Answer() | Failed() as reply if reply.number != self._asked:
+                    raise BridgeError(f"the bridge answered question {reply.number}, {self._asked} was asked")
+                case Failed(_, kind, sentence):
+                    raise _FAILURES.get(kind, DeviceRefusedError)(sentence)
+                case Answer() as answer:
+                    return answer
+
+    async def _pass_over_busy(self) -> None:
+        """Read what arrived unasked: that it was at work, and nothing else."""
+        async for line in self._lines.arrived():
+            if not isinstance(decode_reply(line), Busy):
+                raise BridgeError(f"the bridge at {self._lines.address} said more than was asked")
+
+    def _silence(self, ask: Ask) -> str:
+        return (
+            f"the bridge at {self._lines.address} did not answer {ask}: look whether it and the maker's"
+            " software are running, then connect again"
+        )
+
+
+def _identity(hello: Answer) -> DeviceIdentity:
+    version = hello.values.get("version")
+    if version != VERSION:
+        raise BridgeError(f"the bridge speaks version {version!r}, we {VERSION}: update the older of the two")
+    manufacturer, model, firmware = (text(hello.values, key) for key in ("manufacturer", "model", "firmware"))
+    return DeviceIdentity(manufacturer, model, hello.serial, firmware)
+
+
+def _ready(answer: Answer) -> tuple[str, int, str]:
+    """Return what the instrument measures with, how far its measurements are counted, and which it is."""
+    settings = answer.values.get("settings")
+    return ("" if settings is None else text(answer.values, "settings")), counted(answer), answer.serial
+
+
+def _open(options: Options, clock: Clock | None) -> BridgedTracker:
+    return BridgedTracker(tcp_link(options, PORT), clock or MonotonicClock())
+
+
+_OPTIONS = {
+    "host": "address of the computer on which the bridge runs",
+    "port": f"TCP port of the bridge, {PORT} unless changed",
+}
+PLUGIN = DriverPlugin("json_bridge", "tracker", "json_bridge", _OPTIONS, _open, also=("pose_tracker",))
