@@ -2,7 +2,7 @@
 
 import math
 
-from truepose_drivers.api import Options
+from truepose_drivers.api import Options, Vector
 from truepose_drivers.errors import ConfigurationError
 
 _HIGHEST_PORT = 65_535
@@ -38,3 +38,17 @@ def positive(options: Options, name: str, default: float) -> float:
     if isinstance(value, bool) or not isinstance(value, int | float) or not 0.0 < value < math.inf:
         raise ConfigurationError(f"option {name} is {value!r}: give a positive number")
     return float(value)
+
+
+def vector(options: Options, name: str) -> Vector:
+    """Return three numbers in a text, 0 0 0 where there is none; raises ConfigurationError."""
+    words = str(options.get(name, "0 0 0")).split()
+    try:
+        x, y, z = map(float, words)
+    except ValueError:
+        x = y = z = math.nan
+    if not all(map(math.isfinite, (x, y, z))):
+        raise ConfigurationError(
+            f'option {name} is {options.get(name)!r}: give three numbers, as in "0 0 125"'
+        )
+    return x, y, z

@@ -10,9 +10,6 @@ from truepose_drivers.contract.cases import CASES
 from truepose_drivers.contract.link_faults import require_found
 
 STILL_OPEN = {  # what is being mended; an entry goes with its gap
-    ("abb_open_abb", "connect_asks_who_is_there"),
-    ("abb_open_abb", "connect_refuses_another_protocol"),
-    ("abb_open_abb", "silence_is_told_within_two_seconds"),
     ("fanuc_mappdk", "silence_is_told_within_two_seconds"),
 }
 SLOW_TO_TELL = {name for name, case in STILL_OPEN if case == "silence_is_told_within_two_seconds"}

@@ -10,6 +10,7 @@ import contextlib
 import math
 from dataclasses import dataclass
 
+from truepose_drivers import options as option
 from truepose_drivers.abb_open_abb.heartbeat import BEAT, BEAT_S, SILENCE_S, STOPS_WITHIN_S, is_our_server
 from truepose_drivers.abb_open_abb.protocol import (
     LONGEST_MESSAGE_CHARS,
@@ -38,11 +39,13 @@ from truepose_drivers.api import (
     MotionGuard,
     MotionLimits,
     Options,
+    Vector,
 )
 from truepose_drivers.errors import (
     ConfigurationError,
     ConnectionLostError,
     DeviceRefusedError,
+    DriverError,
     NoReplyError,
     TargetRefusedError,
 )
@@ -58,6 +61,8 @@ _UNKNOWN = "unknown"
 _LONGEST_TURN_RAD = 4.0 * math.pi
 _LONGEST_PATH_MM = 20_000.0
 _LONGEST_PIECE_S = 1.0  # of a motion to a stock server, which cannot be stopped once it was sent
+_ORIGIN = ("0", "0", "0")
+_UPRIGHT = ("1", "0", "0", "0")  # quaternion of no turn
 _SPEED_ROUNDING = 0.06  # mm/s and deg/s: sent with one decimal and two
 
 _LOOK_AT_PENDANT = (
@@ -72,7 +77,7 @@ class TimeOuts:
 
     connect_s: float = 1.5  # it looks for a new client every 0.5 s
     retry_s: float = 0.25
-    reply_s: float = 10.0
+    reply_s: float = 1.8
     motion_s: float = 20.0  # in addition to the longest motion at the speed set
     rest_of_reply_s: float = 0.02  # how long the end of a reply without text may lag behind its status
 
@@ -80,11 +85,20 @@ class TimeOuts:
 class OpenAbbRobot:
     """An open_abb server on a link. Keeps the conversation; computes nothing."""
 
-    def __init__(self, link: Link, clock: Clock, *, time_outs: TimeOuts | None = None) -> None:
+    def __init__(
+        self,
+        link: Link,
+        clock: Clock,
+        *,
+        time_outs: TimeOuts | None = None,
+        tool_mm: Vector = (0.0, 0.0, 0.0),
+    ) -> None:
+        """Take the link to a controller; speeds hold at `tool_mm`, in the flange's frame."""
         self._link = link
         self._clock = clock
         self._time_outs = time_outs or TimeOuts()
         self._turns = Turns(link)
+        self._tool_mm = [decimal(value, 1) for value in tool_mm]
         self._limits = MotionLimits()
         self._limits_sent = False
         self._finest_decimals = 0  # of the angles that this server has given
@@ -113,11 +127,20 @@ class OpenAbbRobot:
         self._limits_sent = self._watching = False
         self._watches = None
         await open_patiently(
-            self._link.open,
+            self._open_and_meet,
             within_s=self._time_outs.connect_s,
             every_s=self._time_outs.retry_s,
             advice="also look whether the server program runs on the pendant",
         )
+
+    async def _open_and_meet(self) -> None:
+        """Open the link and see that a server answers, not merely the system that will pass us to one."""
+        await self._link.open()
+        try:
+            await self.identify()
+        except DriverError:
+            await self._link.close()
+            raise
 
     async def close(self) -> None:
         """Let the server listen for the next client, then close the link; never raises."""
@@ -141,6 +164,9 @@ class OpenAbbRobot:
             decimal(limits.tool_speed_mm_s, 1),
             decimal(math.degrees(limits.orientation_speed_rad_s), 2),
         ]
+        # The server keeps the tool of whoever was here before, and holds the speed at its point.
+        await self._ask(encode_request(Code.SET_TOOL, [*self._tool_mm, *_UPRIGHT]), Code.SET_TOOL)
+        await self._ask(encode_request(Code.SET_WORK_OBJECT, [*_ORIGIN, *_UPRIGHT]), Code.SET_WORK_OBJECT)
         await self._ask(encode_request(Code.SET_SPEED, speed), Code.SET_SPEED)
         # A fly-by zone would answer before the arm is at rest; with "fine" the three zone sizes are moot.
         await self._ask(encode_request(Code.SET_ZONE, ["1", "0", "0", "0"]), Code.SET_ZONE)
@@ -254,7 +280,8 @@ class OpenAbbRobot:
         """Return a reply; with `beats` the controller hears meanwhile that somebody waits for it."""
         deadline_s = asyncio.get_running_loop().time() + timeout_s
         data = b""
-        while (extent := reply_extent(data, code, words)) != "whole":
+        # The space that ends a reply without text may come as late as this one.
+        while (extent := reply_extent(data := data.lstrip(b" \r\n"), code, words)) != "whole":
             if extent == "maybe whole" and words:
                 return data + await self._rest(deadline_s)
             left_s = deadline_s - asyncio.get_running_loop().time()
@@ -317,11 +344,13 @@ def _check_limits(limits: MotionLimits) -> None:
 
 
 def _open(options: Options, clock: Clock | None) -> OpenAbbRobot:
-    return OpenAbbRobot(tcp_link(options, MOTION_PORT), clock or MonotonicClock())
+    link = tcp_link(options, MOTION_PORT)
+    return OpenAbbRobot(link, clock or MonotonicClock(), tool_mm=option.vector(options, "tool_mm"))
 
 
 _OPTIONS = {
     "host": "address of the controller, often 192.168.125.1",
     "port": f"TCP port of the motion server, {MOTION_PORT} unless changed",
+    "tool_mm": 'point of the tool at which speeds hold, on the flange\'s axes: "0 0 125"; the flange unless given',
 }
 PLUGIN = DriverPlugin("abb_open_abb", "robot", "open_abb", _OPTIONS, _open)

@@ -22,7 +22,8 @@ MOTION_PORT = 5000
 LOGGER_PORT = 5001
 LONGEST_MESSAGE_CHARS = 80
 MOST_PARAMETERS = 10
-OUR_SERVER = "truepose 2"  # fourth field of the identity of our own server, which the stock one has not
+OUR_SERVER = "truepose 3"  # fourth field of the identity of our own server, which the stock one has not
+MOST_DECIMALS = 5  # of a number, which our own server gives
 REPLY_RESOLUTION_DEG = 0.01  # joint angles leave the controller with two decimals
 _FULL_TURN_DEG = 360.0
 _FURTHEST_DEG = 10 * _FULL_TURN_DEG  # no joint is wound up further
@@ -173,9 +174,9 @@ def decode_reply(data: bytes) -> Reply:
 def reply_extent(data: bytes, code: int, words: int) -> ReplyExtent:
     """Tell whether a stream delivered all of the reply to `code`, whose text has at least `words` words.
 
-    A last number with as many decimals as the others, at least two, ends a reply for certain, and so does
-    the space behind the status where no text belongs; any other last word may still grow. What can never
-    become that reply counts as whole, so that it is refused at once.
+    A last number with five decimals, which no server exceeds, ends a reply for certain, and so does the space
+    behind the status where no text belongs; any other last word may still grow. What can never become that
+    reply counts as whole, so that it is refused at once.
     """
     head = _REPLY_START.fullmatch(data)
     if head is None or len(data) > LONGEST_MESSAGE_CHARS:
@@ -190,7 +191,7 @@ def reply_extent(data: bytes, code: int, words: int) -> ReplyExtent:
     numbers = (text or b"").split()
     if len(numbers) < words:
         return "part"
-    return "whole" if _ends(numbers) else "maybe whole"
+    return "whole" if _decimals(numbers[-1]) >= MOST_DECIMALS else "maybe whole"
 
 
 def ends_for_certain(reply: Reply) -> bool:

@@ -1,8 +1,8 @@
 MODULE TruePoseServer
     !*****************************************************************************************
     ! Joint-target server for truepose: the subset of the open_abb text protocol that a
-    ! calibration session needs (codes 0, 2, 4, 8, 9, 98, 99), with joint angles reported to
-    ! five decimals instead of two, and three codes of its own:
+    ! calibration session needs (codes 0, 2, 4, 6, 7, 8, 9, 98, 99), with joint angles reported
+    ! to five decimals instead of two, and three codes of its own:
     !   94            the speed that holds: "94 1 v_tcp v_ori"
     !   95 seconds    watch this client: a motion is stopped and given up when nothing was heard
     !                 of it for so long; 0: never. Asked for anew by each client.
@@ -30,7 +30,7 @@ MODULE TruePoseServer
     CONST num SPEED_DECIMALS:=2;
     CONST num LOOK_S:=0.1;
     CONST num FOR_EVER:=0;
-    CONST string SERVER_NAME:="truepose 2";
+    CONST string SERVER_NAME:="truepose 3";
     CONST string BEAT:="96 #";
 
     PERS string serverAddress:="192.168.125.1";
@@ -154,6 +154,16 @@ MODULE TruePoseServer
             IF valueCount=0 RETURN Head(STATUS_OK);
         CASE 4:
             IF valueCount=0 RETURN Head(STATUS_OK)+JointText(CJointT());
+        CASE 6:
+            ! The point at which the speed holds.
+            IF valueCount=7 THEN
+                sessionTool.tframe.trans:=[values{1},values{2},values{3}];
+                sessionTool.tframe.rot:=[values{4},values{5},values{6},values{7}];
+                RETURN Head(STATUS_OK);
+            ENDIF
+        CASE 7:
+            ! Joint targets know no work object: it is accepted and ignored.
+            IF valueCount=7 RETURN Head(STATUS_OK);
         CASE 8:
             IF valueCount=2 OR valueCount=4 THEN
                 sessionSpeed.v_tcp:=values{1};

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 
-from truepose_drivers.abb_open_abb.driver import OpenAbbRobot, TimeOuts
+from truepose_drivers.abb_open_abb.driver import PLUGIN, OpenAbbRobot, TimeOuts
 from truepose_drivers.abb_open_abb.protocol import REPLY_RESOLUTION_DEG, decode_request
 from truepose_drivers.api import MotionGuard, MotionLimits, RobotController
 from truepose_drivers.errors import (
@@ -33,7 +33,7 @@ class FakeController:
     """Replies from a table and records the requests as text."""
 
     def __init__(self, **replies: object) -> None:
-        self.replies: dict[int, object] = {0: "0 1 ", 2: "2 1 ", 8: "8 1 ", 9: "9 1 "}
+        self.replies: dict[int, object] = {0: "0 1 ", 2: "2 1 ", 6: "6 1 ", 7: "7 1 ", 8: "8 1 ", 9: "9 1 "}
         self.replies |= {4: "4 1 10.00 -20.55 30.00 0.00 45.00 -0.01", 98: "98 1 120-1*6.08*IRB 120"}
         self.replies |= {int(code.removeprefix("code_")): reply for code, reply in replies.items()}
         self.requests: list[str] = []
@@ -50,12 +50,16 @@ class FakeController:
             if reply is HANG_UP:
                 return
             if reply:
-                await end.send(str(reply).encode())
+                await self.say(end, str(reply))
+
+    async def say(self, end: MemoryEnd, reply: str) -> None:
+        await end.send(reply.encode())
 
 
 async def connected_robot(fake: FakeController, chunk_bytes: int = 4096) -> OpenAbbRobot:
     robot = OpenAbbRobot(MemoryLink(fake.serve, chunk_bytes=chunk_bytes), FixedClock(), time_outs=QUICK)
     await robot.connect()
+    fake.requests.clear()
     return robot
 
 
@@ -72,7 +76,9 @@ def codes(fake: FakeController) -> list[str]:
     return [request.split()[0] for request in fake.requests]
 
 
-OURS = {"code_98": "98 1 120-1*6.08*IRB 120*truepose 2", "code_95": "95 1 "}
+PLAIN_TOOL = ["6 0.0 0.0 0.0 1 0 0 0 #", "7 0 0 0 1 0 0 0 #"]
+LIMITS = ["6", "7", "8", "9"]
+OURS = {"code_98": "98 1 120-1*6.08*IRB 120*truepose 3", "code_95": "95 1 "}
 
 
 async def test_a_stock_server_is_sent_short_pieces_and_nothing_that_it_does_not_know():
@@ -84,7 +90,7 @@ async def test_a_stock_server_is_sent_short_pieces_and_nothing_that_it_does_not_
     await robot.move_joints(TARGET)
 
     assert robot.motion_guard == MotionGuard(longest_piece_s=1.0)
-    assert [code for code in codes(fake) if code != "0"] == ["98", "8", "9", "2"]
+    assert [code for code in codes(fake) if code != "0"] == ["98", "6", "7", "8", "9", "2"]
 
 
 async def test_our_own_server_watches_and_states_its_speed():
@@ -97,17 +103,31 @@ async def test_our_own_server_watches_and_states_its_speed():
     await robot.move_joints(TARGET)
 
     assert robot.motion_guard == MotionGuard(stops_unheard_s=1.0, speed_read_back=True)
-    assert [code for code in codes(fake) if code != "0"] == ["98", "8", "9", "94", "95", "2", "2"]
+    assert [code for code in codes(fake) if code != "0"] == ["98", *LIMITS, "94", "95", "2", "2"]
     assert "95 0.80 #" in fake.requests
 
 
-async def test_after_connecting_again_nobody_knows_who_is_there():
-    robot = await connected_robot(FakeController(**OURS))
-    await robot.identify()
+async def test_connecting_asks_who_is_there_each_time():
+    fake = FakeController(**OURS)
+    robot = await connected_robot(fake)
+    assert robot.motion_guard.stops_unheard_s == 1.0
+    fake.replies[98] = "98 1 120-1*6.08*IRB 120"
 
     await robot.connect()
 
     assert robot.motion_guard == MotionGuard(longest_piece_s=1.0)
+
+
+async def test_the_point_at_which_speeds_hold_is_that_of_the_tool():
+    fake = FakeController()
+    link = MemoryLink(fake.serve)
+    robot = OpenAbbRobot(link, FixedClock(), time_outs=QUICK, tool_mm=(150.0, 0.04, 125.0))
+    await robot.connect()
+
+    await robot.set_limits(FAST)
+
+    assert "6 150.0 0.0 125.0 1 0 0 0 #" in fake.requests
+    assert "7 0 0 0 1 0 0 0 #" in fake.requests
 
 
 async def test_a_controller_that_states_another_speed_is_not_moved():
@@ -160,7 +180,7 @@ async def test_limits_are_sent_in_wire_units_with_a_fine_zone():
 
     await robot.set_limits(MotionLimits(tool_speed_mm_s=500.0, orientation_speed_rad_s=math.radians(20.0)))
 
-    assert fake.requests == ["8 500.0 20.00 #", "9 1 0 0 0 #"]
+    assert fake.requests == [*PLAIN_TOOL, "8 500.0 20.00 #", "9 1 0 0 0 #"]
 
 
 async def test_the_first_motion_of_a_connection_never_runs_with_a_fly_by_zone():
@@ -173,7 +193,7 @@ async def test_the_first_motion_of_a_connection_never_runs_with_a_fly_by_zone():
     await robot.move_joints(TARGET)
     await robot.move_joints(TARGET)
 
-    assert [request.split()[0] for request in fake.requests] == ["8", "9", "2", "2"]
+    assert [request.split()[0] for request in fake.requests] == [*LIMITS, "2", "2"]
 
 
 @pytest.mark.parametrize("chunk_bytes", [1, 5, 4096])
@@ -213,21 +233,20 @@ async def test_a_server_that_gives_more_decimals_is_read_to_its_own_resolution(c
         ("4 1 10.00 -20.55 30.00 0.00 45.00 -0.0", "1", -0.01),
         ("4 1 10.00 -20.55 30.00 0.00 45.00 9", "0.12", 90.12),
         ("4 1 10 20 30 0 45 1", "80.25", 180.25),
+        ("4 1 0 0 0 0 0 10.12", "345", 10.12345),
         ("4 1 10.00 -20.55 30.00 0.00 45.00 9", "1.00 ", 91.0),
     ],
 )
 async def test_a_line_that_stalls_inside_a_number_ends_none(begun, rest, last_deg):
-    async def serve(end: MemoryEnd) -> None:
-        await end.receive()
-        await end.send(begun.encode())
-        await asyncio.sleep(0.025)  # longer than the driver waits for the rest of a reply
-        await end.send(rest.encode())
-        await end.receive()
-        await end.send(b"0 1 ")
-        while await end.receive():
-            await end.send(f"{begun}{rest}".encode())
+    class Stalling(FakeController):
+        async def say(self, end: MemoryEnd, reply: str) -> None:
+            if not reply.startswith(begun):
+                return await end.send(reply.encode())
+            await end.send(begun.encode())
+            await asyncio.sleep(0.05)  # longer than the driver waits for the rest of a reply
+            await end.send(rest.encode())
 
-    robot = OpenAbbRobot(MemoryLink(serve), FixedClock(), time_outs=QUICK)
+    robot = OpenAbbRobot(MemoryLink(Stalling(code_4=begun + rest).serve), FixedClock())
     await robot.connect()
 
     assert math.degrees((await robot.read_joints()).joints_rad[5]) == pytest.approx(last_deg)
@@ -279,8 +298,9 @@ class Said:
 
 
 async def test_a_reply_whose_end_cannot_be_told_is_none_where_the_ping_stays_without_reply():
-    fake = FakeController(code_4="4 1 10 20 30 0 45 90", code_0="")
+    fake = FakeController(code_4="4 1 10 20 30 0 45 90")
     robot = await connected_robot(fake)
+    fake.replies[0] = ""
 
     with pytest.raises(NoReplyError, match="does not end its reply"):
         await robot.read_joints()
@@ -497,3 +517,11 @@ async def test_an_abandoned_motion_closes_the_link():
         await task
 
     assert not robot.connected
+
+
+@pytest.mark.parametrize("tool", ["", "1 2", "1 2 3 4", "a b c", "0 0 nan", 125, True])
+async def test_a_tool_that_is_no_point_is_refused_with_an_example(tool):
+    with pytest.raises(ConfigurationError, match='tool_mm .* give three numbers, as in "0 0 125"'):
+        PLUGIN.open({"host": "10.0.0.1", "tool_mm": tool}, None)
+
+    assert PLUGIN.open({"host": "10.0.0.1", "tool_mm": "150 0 125.5"}, None)

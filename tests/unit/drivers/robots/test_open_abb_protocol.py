@@ -152,7 +152,7 @@ def test_what_is_no_reply_is_refused(text):
         (b"4 1 1 2 3 4 5", 6, "part"),
         (b"4 1 1 2 3 4 5 6", 6, "maybe whole"),
         (b"4 1 1 2 3 4 5 6.5", 6, "maybe whole"),
-        (b"4 1 1 2 3 4 5 6.50", 6, "whole"),
+        (b"4 1 1 2 3 4 5 6.50", 6, "maybe whole"),
         (b"4 1 1.00", 6, "part"),
         (b"4 1 1.12345 2 3 4 5 6.12", 6, "maybe whole"),
         (b"4 1 1.12345 2 3 4 5 6.12345", 6, "whole"),
