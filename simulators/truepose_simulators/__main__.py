@@ -20,12 +20,13 @@ from truepose_simulators.instruments.ballbars.usbip import usbip_endpoint
 from truepose_simulators.instruments.cable import FaultyCable
 from truepose_simulators.instruments.camera.ndi_polaris import camera_endpoint
 from truepose_simulators.instruments.cell_clock import clock_endpoint
-from truepose_simulators.instruments.endpoint import Endpoint
+from truepose_simulators.instruments.endpoint import Announced
 from truepose_simulators.instruments.faults_endpoint import faults_endpoint
 from truepose_simulators.instruments.hands_endpoint import hands_endpoint
 from truepose_simulators.instruments.robot.abb_rws.controller import AbbController
 from truepose_simulators.instruments.robot.abb_rws.programs import program_of
 from truepose_simulators.instruments.robot.abb_rws.server import web_endpoint
+from truepose_simulators.instruments.robot.egm_stream import EgmStream
 from truepose_simulators.instruments.robot.fanuc_rmi.controller import Controller as FanucController
 from truepose_simulators.instruments.robot.fanuc_rmi.endpoints import connect_endpoint, session_endpoint
 from truepose_simulators.instruments.robot.fanuc_rmi.program import RmiMove
@@ -151,7 +152,7 @@ async def _run(cell: RememberedCell, options: argparse.Namespace) -> None:
             await endpoint.close()
 
 
-def _endpoints(cell: RememberedCell) -> list[Endpoint]:
+def _endpoints(cell: RememberedCell) -> list[Announced]:
     camera = cell.scenario.camera
     controller, newer = _controller(cell)
     bar = Electronics(cell.ballbar, cell.faults, cell.clock)
@@ -175,7 +176,7 @@ def _faults(path: Path | None, cell: RememberedCell) -> tuple[Fault, ...]:
     return () if path is None else read_faults(path, cell.scenario.check_fault)
 
 
-def _controller(cell: RememberedCell) -> tuple[list[Endpoint], list[Endpoint]]:
+def _controller(cell: RememberedCell) -> tuple[list[Announced], list[Announced]]:
     """Return the ports of the robot's controller, in the language of the scenario, and its newer ones."""
     if cell.scenario.arm.protocol == "ur_rtde":
         universal = Controller(cell)
@@ -192,12 +193,18 @@ def _controller(cell: RememberedCell) -> tuple[list[Endpoint], list[Endpoint]]:
         return [connect_endpoint(session), session], []
     if cell.scenario.arm.protocol == "kuka_variable_proxy":
         return [proxy_endpoint(cell, Variables(cell))], []
+    return _abb(cell)
+
+
+def _abb(cell: RememberedCell) -> tuple[list[Announced], list[Announced]]:
     abb = AbbController(cell)
+    port = cell.scenario.arm.egm_port
+    stream: list[Announced] = [] if port is None else [EgmStream(abb, port)]
     if cell.scenario.arm.protocol == "rws":
         abb.task = program_of(abb)
-        return [web_endpoint(cell, abb)], []
-    server = MotionProgram(cell, may_move=lambda: abb.runs)
-    return [robot_endpoint(cell, server), logger_endpoint(cell, server)], [
+        return [web_endpoint(cell, abb), *stream], []
+    server = MotionProgram(cell, abb)
+    return [robot_endpoint(cell, server), logger_endpoint(cell, server), *stream], [
         web_endpoint(cell, abb, "robot-rws")
     ]
 

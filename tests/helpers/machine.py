@@ -22,7 +22,10 @@ UMOCKDEV = Lack(
 CHROMIUM = Lack("no Chromium is installed here", "pages in a browser")
 CESAPI = Lack("CESAPI 1.1.3 is not installed: no independent client", "a tracker's client by others")
 NDICAPI = Lack("ndicapi 3.7.6 is not installed: no independent client", "a camera's client by others")
-_ALL = (MEASURED_DATA, UMOCKDEV, CHROMIUM, CESAPI, NDICAPI)
+ABB_ROBOT_CLIENT = Lack(
+    "abb-robot-client 0.4.0 is not installed: no independent client", "a robot controller's client by others"
+)
+_ALL = (MEASURED_DATA, UMOCKDEV, CHROMIUM, CESAPI, NDICAPI, ABB_ROBOT_CLIENT)
 
 
 def what_was_untested(reasons: Iterable[str]) -> str:

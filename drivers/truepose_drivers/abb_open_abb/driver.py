@@ -11,6 +11,7 @@ import math
 from dataclasses import dataclass
 
 from truepose_drivers import options as option
+from truepose_drivers.abb_egm.robot import EGM_OPTION, GuardingRobot, read_by_egm
 from truepose_drivers.abb_open_abb.heartbeat import BEAT, BEAT_S, SILENCE_S, STOPS_WITHIN_S, is_our_server
 from truepose_drivers.abb_open_abb.protocol import (
     LONGEST_MESSAGE_CHARS,
@@ -343,14 +344,17 @@ def _check_limits(limits: MotionLimits) -> None:
             raise ConfigurationError(f"{name} is {value}: a speed limit must be positive")
 
 
-def _open(options: Options, clock: Clock | None) -> OpenAbbRobot:
-    link = tcp_link(options, MOTION_PORT)
-    return OpenAbbRobot(link, clock or MonotonicClock(), tool_mm=option.vector(options, "tool_mm"))
+def _open(options: Options, clock: Clock | None) -> GuardingRobot:
+    keeps_time = clock or MonotonicClock()
+    tool_mm = option.vector(options, "tool_mm")
+    robot = OpenAbbRobot(tcp_link(options, MOTION_PORT), keeps_time, tool_mm=tool_mm)
+    return read_by_egm(robot, options, keeps_time)
 
 
 _OPTIONS = {
     "host": "address of the controller, often 192.168.125.1",
     "port": f"TCP port of the motion server, {MOTION_PORT} unless changed",
-    "tool_mm": 'point of the tool at which speeds hold, on the flange\'s axes: "0 0 125"; the flange unless given',
+    "tool_mm": 'point at which speeds hold, on the axes of the flange: "0 0 125"; the flange unless given',
+    "egm_port": EGM_OPTION,
 }
 PLUGIN = DriverPlugin("abb_open_abb", "robot", "open_abb", _OPTIONS, _open)

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from truepose_drivers import options as option
+from truepose_drivers.abb_egm.robot import EGM_OPTION, GuardingRobot, read_by_egm
 from truepose_drivers.abb_rws.motion import Patience, RapidProgram, read_panel
 from truepose_drivers.abb_rws.protocol import resources
 from truepose_drivers.abb_rws.protocol.digest import Login
@@ -179,11 +180,12 @@ def _check_limits(limits: MotionLimits) -> None:
             raise ConfigurationError(f"{name} is {value}: a speed limit must be positive")
 
 
-def _open(options: Options, clock: Clock | None) -> RwsRobot:
+def _open(options: Options, clock: Clock | None) -> GuardingRobot:
+    keeps_time = clock or MonotonicClock()
     login = Login(
         option.text(options, "user") or resources.USER, option.text(options, "password") or resources.PASSWORD
     )
-    return RwsRobot(tcp_link(options, resources.PORT), clock or MonotonicClock(), login)
+    return read_by_egm(RwsRobot(tcp_link(options, resources.PORT), keeps_time, login), options, keeps_time)
 
 
 _OPTIONS = {
@@ -191,5 +193,6 @@ _OPTIONS = {
     "port": f"TCP port of its web services, {resources.PORT} unless changed",
     "user": f'user of the controller, "{resources.USER}" unless changed',
     "password": "password of that user, that of a new controller unless changed",
+    "egm_port": EGM_OPTION,
 }
 PLUGIN = DriverPlugin("abb_rws", "robot", "rws", _OPTIONS, _open)

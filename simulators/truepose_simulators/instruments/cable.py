@@ -20,6 +20,11 @@ class Cable(Protocol):
         """Return what the server hears and speaks to; None where nobody can be reached."""
         ...
 
+    @property
+    def passes(self) -> bool:
+        """Whether a datagram gets through now."""
+        ...
+
 
 class Plugged:
     """A cable that nothing happens to."""
@@ -27,6 +32,11 @@ class Plugged:
     async def connect(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> Ends | None:
         """Return the ends as they are."""
         return reader, writer
+
+    @property
+    def passes(self) -> bool:
+        """Always."""
+        return True
 
 
 class FaultyCable:
@@ -45,6 +55,11 @@ class FaultyCable:
             return None
         connection = Connection(self, writer.transport.abort)
         return Hearing(reader, connection), Speaking(writer, reader, connection)
+
+    @property
+    def passes(self) -> bool:
+        """Whether a datagram gets through now."""
+        return not (self.mute or self._holds(LinkCut))
 
     @property
     def mute(self) -> bool:

@@ -5,6 +5,7 @@ import contextlib
 import json
 from collections.abc import Awaitable, Callable
 from dataclasses import asdict, dataclass
+from typing import Protocol
 
 from truepose_simulators.errors import EndpointUnavailableError
 from truepose_simulators.instruments.cable import Cable, Plugged
@@ -27,6 +28,21 @@ class Address:
     def as_json(self) -> str:
         """Return the announcement, one line."""
         return json.dumps(asdict(self))
+
+
+class Announced(Protocol):
+    """Where a client finds an instrument, or is found by it."""
+
+    device: str
+    cable: Cable
+
+    async def open(self, host: str, port: int) -> Address:
+        """Begin, at a port or at any where that is 0; raises EndpointUnavailableError."""
+        ...
+
+    async def close(self) -> None:
+        """End it."""
+        ...
 
 
 class Endpoint:

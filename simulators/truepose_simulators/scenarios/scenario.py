@@ -17,6 +17,7 @@ from truepose_simulators.physics.effects import PlantedChange
 from truepose_simulators.physics.plant import PlantSizes
 
 _PROTOCOLS = ("open_abb", "rws", "mappdk", "rmi", "ur_rtde", "kuka_variable_proxy")
+_HIGHEST_PORT = 65_535
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,6 +77,7 @@ class ArmSetup:
     refusal: str = "hang"  # what a client sees of a refused target: "hang" or "drop" (of the connection)
     states_gear_ratio: bool = True  # False: the papers of a campaign do not have it
     protocol: str = "open_abb"  # what the controller speaks, or another of the above
+    egm_port: int | None = None  # of the computer to which an ABB streams its joints; absent: to none
     server: str = (
         "stock"  # what runs on the controller: the protocol's own program, or "truepose", that of ours
     )
@@ -87,6 +89,8 @@ class ArmSetup:
         if self.protocol not in _PROTOCOLS:
             known = " or ".join(f'"{protocol}"' for protocol in _PROTOCOLS)
             raise ScenarioError(f'key "protocol" must be {known}, not "{self.protocol}"')
+        if self.egm_port is not None and not 1 <= self.egm_port <= _HIGHEST_PORT:
+            raise ScenarioError(f'key "egm_port" must be 1 to {_HIGHEST_PORT}, not {self.egm_port}')
         if self.server not in {"stock", "truepose"}:
             raise ScenarioError(f'key "server" must be "stock" or "truepose", not "{self.server}"')
 

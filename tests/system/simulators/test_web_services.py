@@ -28,7 +28,7 @@ from truepose_drivers.monotonic_clock import MonotonicClock
 from truepose_drivers.transports.memory import MemoryLink
 from truepose_simulators.cell.clock import CellClock
 from truepose_simulators.cell.true_cell import Cell
-from truepose_simulators.faults.kinds import RobotHangs, RobotRefuses
+from truepose_simulators.faults.kinds import EmergencyStop, RobotHangs, RobotRefuses
 from truepose_simulators.faults.wire import LineStalls
 from truepose_simulators.instruments.robot.abb_rws.controller import AbbController
 from truepose_simulators.instruments.robot.abb_rws.programs import OurProgram, PublicProgram
@@ -216,6 +216,24 @@ async def test_an_emergency_stop_on_the_way_is_told_and_nothing_moves_before_it_
         bench.controller.switch(ControllerState.MOTORS_ON)
         await robot.move_joints(HOME)
         assert bench.cell.robot.target_rad == pytest.approx(HOME)
+
+
+async def test_a_stop_of_the_cell_is_told_and_its_release_starts_nothing():
+    bench = Bench()
+    robot = await bench.connected()
+    now_s = bench.cell.clock.now_s
+    bench.cell.add_fault(EmergencyStop(from_s=now_s + 1.0, until_s=now_s + 5.0))
+
+    with pytest.raises(NotInitialisedError, match=r"stopped on its way.*emergency stop"):
+        await robot.move_joints(AWAY)
+    stopped_at = bench.cell.robot.target_rad[0]
+    await asyncio.sleep(10.0)
+    assert bench.cell.robot.target_rad[0] == stopped_at
+    assert (await robot.read_panel()).execution == "stopped"
+
+    await robot.move_joints(HOME)
+    assert bench.cell.robot.target_rad == pytest.approx(HOME)
+    await robot.close()
 
 
 async def test_a_program_that_stops_on_the_way_is_told_with_the_event():

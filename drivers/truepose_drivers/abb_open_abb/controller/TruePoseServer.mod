@@ -50,6 +50,7 @@ MODULE TruePoseServer
     VAR bool givenUp:=FALSE;
 
     PROC main()
+        StreamJoints;
         CONNECT lookInterrupt WITH LookForClient;
         ITimer LOOK_S,lookInterrupt;
         ISleep lookInterrupt;
@@ -57,6 +58,14 @@ MODULE TruePoseServer
         WHILE TRUE DO
             ServeOneRequest;
         ENDWHILE
+    ENDPROC
+
+    ! Streams the joints by EGM where TruePoseEgm is loaded.
+    PROC StreamJoints()
+        %"StartEgm"%;
+    ERROR
+        IF ERRNO=ERR_REFUNKPRC TRYNEXT;
+        RAISE;
     ENDPROC
 
     PROC ServeOneRequest()

@@ -39,6 +39,7 @@ MODULE TruePoseRws
     VAR intnum lookInterrupt;
 
     PROC main()
+        StreamJoints;
         IDelete lookInterrupt;
         CONNECT lookInterrupt WITH LookForBeat;
         ITimer LOOK_S,lookInterrupt;
@@ -50,6 +51,14 @@ MODULE TruePoseRws
             order:=tpOrder;
             CarryOut;
         ENDWHILE
+    ENDPROC
+
+    ! Streams the joints by EGM where TruePoseEgm is loaded.
+    PROC StreamJoints()
+        %"StartEgm"%;
+    ERROR
+        IF ERRNO=ERR_REFUNKPRC TRYNEXT;
+        RAISE;
     ENDPROC
 
     PROC CarryOut()

@@ -7,7 +7,8 @@ mechanics.
 """
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
+from typing import Protocol
 
 import numpy as np
 
@@ -69,6 +70,28 @@ _LOOK_S = 0.1  # between two looks of our program at whether its client is still
 _ANGLE_DECIMALS = {"stock": 2, "truepose": 5}
 
 
+class ProgramState(Protocol):
+    """Whether the controller runs its program; others may stop it."""
+
+    @property
+    def runs(self) -> bool:
+        """Whether it runs."""
+        ...
+
+    def restart(self) -> None:
+        """Run it from its beginning, as far as nothing holds the arm."""
+        ...
+
+
+class AlwaysRuns:
+    """A program that nobody else can stop."""
+
+    runs = True
+
+    def restart(self) -> None:
+        """Do nothing: it runs."""
+
+
 class InvalidPoseError(SimulatorError):
     """A pose whose quaternion has no length."""
 
@@ -76,13 +99,14 @@ class InvalidPoseError(SimulatorError):
 class MotionProgram:
     """The RAPID program: its variables and what each code does."""
 
-    def __init__(self, cell: Cell, *, may_move: Callable[[], bool] = lambda: True) -> None:
+    def __init__(self, cell: Cell, controller: ProgramState | None = None) -> None:
         self._cell = cell
-        self._may_move = may_move
+        self._controller = controller or AlwaysRuns()
         self.restart()
 
     def restart(self) -> None:
         """Begin anew, as somebody starts a stopped program; variables outlive clients but not this."""
+        self._controller.restart()
         self._tool = np.eye(4)
         self._work_object = np.eye(4)
         self._limits = SpeedLimits()
@@ -213,10 +237,10 @@ class MotionProgram:
             raise self._stopped("the target was refused")
         if limits.tool_mm_s <= 0.0 or limits.orientation_rad_s <= 0.0:
             raise self._stopped("a speed must be above 0")
-        if not self._may_move():
+        if not self._controller.runs:
             raise self._stopped("the program stands")
         await self._rest_after(self._cell.set_off(waypoints, limits, self._tool[:3, 3]).duration_s)
-        if not self._may_move():
+        if not self._controller.runs:
             raise self._stopped("the program was stopped on the way")
         if isinstance(fault, RobotHangs):
             raise ProgramStoppedError("the reply got lost", drops=False)

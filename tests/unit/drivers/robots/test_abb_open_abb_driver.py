@@ -240,11 +240,11 @@ async def test_a_server_that_gives_more_decimals_is_read_to_its_own_resolution(c
 async def test_a_line_that_stalls_inside_a_number_ends_none(begun, rest, last_deg):
     class Stalling(FakeController):
         async def say(self, end: MemoryEnd, reply: str) -> None:
-            if not reply.startswith(begun):
-                return await end.send(reply.encode())
-            await end.send(begun.encode())
-            await asyncio.sleep(0.05)  # longer than the driver waits for the rest of a reply
-            await end.send(rest.encode())
+            if reply.startswith(begun):
+                await end.send(begun.encode())
+                await asyncio.sleep(0.05)  # longer than the driver waits for the rest of a reply
+                reply = rest
+            await end.send(reply.encode())
 
     robot = OpenAbbRobot(MemoryLink(Stalling(code_4=begun + rest).serve), FixedClock())
     await robot.connect()
@@ -521,7 +521,7 @@ async def test_an_abandoned_motion_closes_the_link():
 
 @pytest.mark.parametrize("tool", ["", "1 2", "1 2 3 4", "a b c", "0 0 nan", 125, True])
 async def test_a_tool_that_is_no_point_is_refused_with_an_example(tool):
-    with pytest.raises(ConfigurationError, match='tool_mm .* give three numbers, as in "0 0 125"'):
+    with pytest.raises(ConfigurationError, match=r'tool_mm .* give three numbers, as in "0 0 125"'):
         PLUGIN.open({"host": "10.0.0.1", "tool_mm": tool}, None)
 
     assert PLUGIN.open({"host": "10.0.0.1", "tool_mm": "150 0 125.5"}, None)

@@ -8,6 +8,7 @@ from truepose_drivers.abb_rws.protocol.panel import ControllerState, Execution, 
 from truepose_simulators.cell.robot import SpeedLimits
 from truepose_simulators.cell.true_cell import Cell
 from truepose_simulators.errors import SimulatorError
+from truepose_simulators.faults.kinds import EmergencyStop, ProtectiveStop
 
 ROBOTWARE = "6.08.01.00"
 _FULL_PERCENT = 100.0
@@ -66,15 +67,33 @@ class AbbController:
 
     def __init__(self, cell: Cell) -> None:
         self.cell = cell
-        self.state = ControllerState.MOTORS_ON
+        self._state = ControllerState.MOTORS_ON
+        self._execution = Execution.RUNNING
         self.mode = OperationMode.AUTO
-        self.execution = Execution.RUNNING
         self.cycle = "forever"
         self.speed_percent = _FULL_PERCENT
         self.signals: dict[str, str] = {}
         self.files: dict[str, bytes] = {}
         self.events: list[Event] = []
         self.task: Task = ServedElsewhere()
+
+    @property
+    def state(self) -> ControllerState:
+        """Motors, as far as nobody and nothing holds them."""
+        held_by = {
+            EmergencyStop: ControllerState.EMERGENCY_STOP,
+            ProtectiveStop: ControllerState.GUARD_STOP,
+        }
+        now_s = self.cell.clock.now_s
+        stops = (state for kind, state in held_by.items() if self.cell.faults.holds(kind, now_s))
+        return next(stops, self._state)
+
+    @property
+    def execution(self) -> Execution:
+        """Whether the program runs; a stop ends it, and its release does not start it."""
+        if self._execution is Execution.RUNNING and self.state is not ControllerState.MOTORS_ON:
+            self.stop()
+        return self._execution
 
     @property
     def runs(self) -> bool:
@@ -96,12 +115,16 @@ class AbbController:
         if self.state is not ControllerState.MOTORS_ON:
             raise RefusedError("Operation is not allowed: motors are off")
         self.cycle = self.cycle if cycle == "asis" else cycle
-        self.execution = Execution.RUNNING
+        self._execution = Execution.RUNNING
         self.task.start()
+
+    def restart(self) -> None:
+        """Run the program from its beginning, as somebody does at the pendant; a stop that holds ends it."""
+        self._execution = Execution.RUNNING
 
     def stop(self) -> None:
         """Stop the program, and the arm with it."""
-        self.execution = Execution.STOPPED
+        self._execution = Execution.STOPPED
         self.task.stop()
         self.cell.halt_robot()
 
@@ -119,7 +142,7 @@ class AbbController:
         """Switch the motors, or have a stop happen to them."""
         if state is not ControllerState.MOTORS_ON and self.runs:
             self.stop()
-        self.state = state
+        self._state = state
         self._note(_INFORMATION, 10010 if state is ControllerState.MOTORS_OFF else 10011, state.value, "")
 
     def write(self, name: str, value: str) -> None:

@@ -1,0 +1,92 @@
+"""Reads where the joints are from a controller's stream: only what is newer than what was read before."""
+
+import asyncio
+import contextlib
+import math
+from typing import Final
+
+from truepose_drivers.abb_egm.protocol import Motors, Rapid, RobotFrame, decode_robot
+from truepose_drivers.api import Clock, JointReading
+from truepose_drivers.errors import ConnectFailedError, NoReplyError, NotInitialisedError
+from truepose_drivers.transports.conversation import Turns
+from truepose_drivers.transports.link import Source, drain
+
+_FRESH_WITHIN_S: Final = 0.5  # wall time; a controller sends every 4 ms, or a few multiples of it
+# Doubles, of a standing arm that its servos hold.
+_STANDING_RAD: Final = 1e-6
+
+
+class EgmReader:
+    """The stream of one controller at a port of ours."""
+
+    def __init__(self, source: Source, clock: Clock, *, fresh_within_s: float = _FRESH_WITHIN_S) -> None:
+        self._source = source
+        self._clock = clock
+        self._fresh_within_s = fresh_within_s
+        self._turns = Turns(source, harmless=(NotInitialisedError,))
+        self._last: RobotFrame | None = None
+
+    @property
+    def connected(self) -> bool:
+        """Whether the stream is there as far as known."""
+        return self._source.is_open
+
+    async def connect(self) -> None:
+        """Listen, and see that a controller sends; raises ConnectFailedError."""
+        self._last = None
+        await self._source.open()
+        try:
+            await self.next_frame()
+        except NoReplyError as error:
+            raise ConnectFailedError(str(error)) from error
+
+    async def close(self) -> None:
+        """Listen no more; never raises."""
+        await self._source.close()
+
+    async def next_frame(self) -> RobotFrame:
+        """Return the first frame that arrives from now on and is newer than all before.
+
+        Frames that come again, late or with a clock that stands are passed over. Raises NoReplyError where no
+        other comes, EgmProtocolError for what is no frame; either closes the port.
+        """
+        async with self._turns.turn():
+            await drain(self._source)
+            with contextlib.suppress(TimeoutError):
+                async with asyncio.timeout(self._fresh_within_s):
+                    return await self._newer()
+            raise NoReplyError(
+                f"nothing new arrives at {self._source.address}: check the network, the computer's address at"
+                " the controller's UDPUC device, and that TruePoseEgm.mod runs, then connect again"
+            )
+
+    async def _newer(self) -> RobotFrame:
+        while True:
+            data = await self._source.receive(self._fresh_within_s)
+            if data is None:
+                continue
+            frame = decode_robot(data)
+            if self._last is None or frame.follows(self._last):
+                self._last = frame
+                return frame
+
+    async def read_joints(self) -> JointReading:
+        """Return where the joints are now."""
+        frame = await self.next_frame()
+        return JointReading(
+            joints_rad=tuple(map(math.radians, frame.joints_deg)),
+            resolution_rad=_STANDING_RAD,
+            time_s=await self._clock.now_s(),
+        )
+
+    async def require_ready(self) -> None:
+        """Raise NotInitialisedError where the arm cannot move, by what the controller states now."""
+        frame = await self.next_frame()
+        if frame.motors is Motors.OFF:
+            raise NotInitialisedError(
+                "the robot cannot move: its motors are off; look at the cell, switch them on, then confirm"
+            )
+        if frame.rapid is Rapid.STOPPED:
+            raise NotInitialisedError(
+                "the robot cannot move: its program stands; start it on the pendant, then confirm"
+            )
