@@ -53,5 +53,5 @@ def _elsewhere(test: PoseTest) -> Sentence:
 
 def _unseen_base(model: Model) -> Iterator[Sentence]:
     """Say of a model of lengths that its positions stand or fall with the stated base."""
-    if model.nominal_anchors and BASE not in model.effects:
+    if (model.nominal_anchors or model.targets) and BASE not in model.effects:
         yield said("cautions.unseen_base")
