@@ -14,10 +14,11 @@ class TargetKind(StrEnum):
     PLANE = "plane"  # distance of P, the probe's centre, from the plane
     GAUGE = "gauge"  # travel of a fixed gauge with a flat face that P's ball pushes: along one direction
     BALL = "ball"  # from P, the sensor in the tool, to a fixed ball, along one axis of the sensor
+    FACE = "face"  # from P, the sensor or gauge in the tool, to a fixed plane, along one axis of the sensor
 
 
-CENTRES = frozenset({TargetKind.SPHERE, TargetKind.WIRE, TargetKind.BALL})  # all but what is flat
-SEEN_ALONG_AXES = frozenset({TargetKind.BALL})  # from the tool, along axes of a sensor there
+CENTRES = frozenset({TargetKind.SPHERE, TargetKind.WIRE, TargetKind.BALL})
+SEEN_ALONG_AXES = frozenset({TargetKind.BALL, TargetKind.FACE})  # from the tool, along axes of a sensor there
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,4 +31,4 @@ class Target:
     zero_uncertainty_mm: float = 0.0  # 0: exact
     form_mm: float = 0.0  # standard deviation of its form: flatness, roundness
     place_mm: Vector | None = None  # about where it is, world frame
-    normal: Vector | None = None  # of a plane or gauge, about the direction in which readings grow
+    normal: Vector | None = None  # of what is flat, about the direction in which readings grow

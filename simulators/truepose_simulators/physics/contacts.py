@@ -61,3 +61,17 @@ class Seen:
         """Return where the ball is for the sensor, shape (n, 3)."""
         sensor = last_frame @ motion(nest_mm, self.sensor)
         return move(inverse(sensor), self.centre_mm)
+
+
+@dataclass(frozen=True, slots=True)
+class Ranged:
+    """A plane that a sensor in the nest looks at, along the z axis of the sensor."""
+
+    frame: FloatArray  # (4, 4) of the plane in the world
+    sensor: FloatArray  # (3, 3) its axes in the last frame, in columns
+
+    def read_mm(self, last_frame: FloatArray, nest_mm: FloatArray) -> FloatArray:
+        """Return where the beam meets the plane, from the nest on, shape (n, 1)."""
+        sensor = inverse(self.frame) @ last_frame @ motion(nest_mm, self.sensor)
+        met: FloatArray = -sensor[:, 2, 3:] / sensor[:, 2, 2:3]
+        return met

@@ -8,7 +8,7 @@ from tests.helpers.domain.robots import IRB_120
 from tests.helpers.identification.synthetic import NESTS, configurations
 from truepose.domain.campaign import NO_AXIS, Campaign, ContactReadings, Stops, TargetDistances
 from truepose.domain.robot import FramePlacement, Nest
-from truepose.domain.targets import Target, TargetKind
+from truepose.domain.targets import SEEN_ALONG_AXES, Target, TargetKind
 from truepose.kinematics.chain import forward, nominal_values
 from truepose.kinematics.frames import rotation_xyz
 
@@ -23,8 +23,8 @@ def contact_campaign(kind, n=60, seed=0, noise_mm=NOISE_MM, known_nests=True, **
     """Contacts of nest 1 with three targets of a kind, each as large as the arm goes."""
     joints = np.repeat(configurations(n, seed), 3, axis=0)
     number = np.tile(np.arange(3), n)
-    axes = np.tile(np.arange(3), n) if kind is TargetKind.BALL else np.full(3 * n, NO_AXIS)
-    if kind is TargetKind.BALL:
+    axes = np.tile(np.arange(3), n) if kind in SEEN_ALONG_AXES else np.full(3 * n, NO_AXIS)
+    if kind in SEEN_ALONG_AXES:
         number = np.repeat(np.arange(n) % 3, 3)
     chain = forward(nominal_values(IRB_120, joints), np.eye(3), np.zeros(3))
     place = chain.points(np.array(NESTS[0]))
@@ -35,14 +35,21 @@ def contact_campaign(kind, n=60, seed=0, noise_mm=NOISE_MM, known_nests=True, **
     elif kind is TargetKind.BALL:
         along = (chain.end_rotation @ SENSOR)[np.arange(3 * n), :, axes]
         reading = -(arm * along).sum(axis=1)
-    reading += noise_mm * np.random.default_rng(seed + 1).standard_normal(3 * n)
+    elif kind is TargetKind.FACE:
+        along = (chain.end_rotation @ SENSOR)[np.arange(3 * n), :, axes]
+        height, facing = ((x * NORMALS[number]).sum(axis=1) for x in (arm, along))
+        met = np.abs(facing) > 0.5
+        number, joints, axes = number[met], joints[met], axes[met]
+        reading = -height[met] / facing[met]
+    n_read = len(reading)
+    reading += noise_mm * np.random.default_rng(seed + 1).standard_normal(n_read)
     contacts = ContactReadings(
-        Stops(np.repeat(np.arange(n), 3), joints),
+        Stops(np.arange(n_read) if kind is TargetKind.FACE else np.repeat(np.arange(n), 3), joints),
         number + 1,
-        np.ones(3 * n, np.int64),
+        np.ones(n_read, np.int64),
         reading,
-        np.full(3 * n, noise_mm),
-        axes if kind is TargetKind.BALL else None,
+        np.full(n_read, noise_mm),
+        axes if kind in SEEN_ALONG_AXES else None,
     )
     return Campaign(
         robot=replace(IRB_120, masses=()),

@@ -37,6 +37,7 @@ Ignored = tuple[Sentence, ...]  # clauses that name a column each
 Targets = Sequence[Target]
 _KINDS = tuple(kind.value for kind in TargetKind)
 _AXES = ("x", "y", "z")
+_SEEN = " or ".join(kind.value for kind in TargetKind if kind in SEEN_ALONG_AXES)
 _AXIS = Column("axis", required=False, blank=NO_AXIS, words=_AXES)
 _PLACE, _NORMAL = ("x_mm", "y_mm", "z_mm"), ("nx", "ny", "nz")
 _LEAST_NORMAL = 1e-3
@@ -82,10 +83,10 @@ def _check_axes(table: Table, contacts: ContactReadings, targets: Targets) -> No
     table.require(
         ~along | (contacts.axes != NO_AXIS),
         column,
-        f"a reading of a ball is along an axis of its sensor: {', '.join(_AXES)}",
+        f"a reading of {_SEEN} is along an axis of its sensor: {', '.join(_AXES)}",
     )
     table.require(
-        along | (contacts.axes == NO_AXIS), column, "only readings of a ball are along an axis of a sensor"
+        along | (contacts.axes == NO_AXIS), column, f"only a reading of {_SEEN} is along an axis of a sensor"
     )
 
 

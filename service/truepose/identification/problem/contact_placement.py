@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from truepose.domain.arrays import BoolArray, FloatArray, IntArray
-from truepose.domain.targets import SEEN_ALONG_AXES, Target
+from truepose.domain.targets import SEEN_ALONG_AXES, Target, TargetKind
 from truepose.identification.observations.contacts.against import Probe, sensor_axes
 from truepose.identification.observations.contacts.kinds import KINDS
 from truepose.identification.problem.leg_placement import attachments
@@ -187,7 +187,7 @@ def _turned(contacts: Contacts, unknowns: _Unknowns) -> _Unknowns:
     probe = contacts.probe(placement)
     sums = np.zeros((3, 3))
     for number, (target, centre) in enumerate(zip(placement.targets, placement.values, strict=True)):
-        if target.kind in SEEN_ALONG_AXES:
+        if target.kind is TargetKind.BALL:
             rows = np.flatnonzero(contacts.target == number)
             arm = centre - probe.place_mm[rows]
             seen = np.einsum("nji,nj->ni", contacts.rotation[rows], arm)

@@ -7,7 +7,7 @@ import numpy as np
 from truepose_simulators.cell.clock import CellClock
 from truepose_simulators.cell.true_cell import Cell
 from truepose_simulators.errors import ScenarioError
-from truepose_simulators.physics.contacts import Flat, Met, Round, Seen
+from truepose_simulators.physics.contacts import Flat, Met, Ranged, Round, Seen
 from truepose_simulators.physics.effects import Conditions
 from truepose_simulators.physics.effects.ports import NestNumbers
 from truepose_simulators.physics.rigid import FloatArray, motion, rotation
@@ -130,7 +130,8 @@ def _standing(placed: Placed, loop: Loop, sensor: FloatArray, cell: Cell, rng: n
         return Seen(place, sensor)
     if placed.kind in ("sphere", "wire"):
         return Round(place, zero_mm)
-    return Flat(motion(place, askew @ axes_of(placed)))
+    frame = motion(place, askew @ axes_of(placed))
+    return Ranged(frame, sensor) if placed.kind == "face" else Flat(frame)
 
 
 def _read(
@@ -213,7 +214,7 @@ class _Stops:
             temperature_c=air[stop],
             target=1 + (number if self.loop.together else self.stands.placed[stop]),
             nest=self.stands.nest[stop],
-            axis=axis if c > 1 else np.full(len(stop), -1),
+            axis=axis if c > 1 else np.full(len(stop), 2 if isinstance(self.met[0], Ranged) else -1),
             reading_mm=reading_mm.ravel(),
         )
 

@@ -37,6 +37,8 @@ class Loop:
     touches: bool = False  # the arm goes on until the probe triggers, which reads 0
     nests_known: bool = True  # the papers say where the nests are
     together: bool = False  # everything is read at each stop
+    stand_off_mm: float = 0.0  # of a sensor from a plane
+    lean_deg: float = 75.0  # by at most which the tool leans against the way in
 
 
 _SPHERE_MM = 12.7 + 3.0  # a sphere of one inch and a probe's tip of 6 mm
@@ -50,7 +52,8 @@ _SPHERES = (
     Placed("sphere", (450.0, 230.0, 260.0), zero_mm=_SPHERE_MM),
 )
 _LEVEL = Placed("plane", (450.0, 0.0, 120.0))
-_TILTED = Placed("plane", (450.0, 0.0, 250.0), (-0.5, 0.3, 0.8))
+_TILTED_AT = ((450.0, 0.0, 250.0), (-0.5, 0.3, 0.8))
+_TILTED = Placed("plane", *_TILTED_AT)
 _FACES = (
     Placed("plane", (450.0, 0.0, 300.0)),
     Placed("plane", (350.0, 0.0, 250.0), (-1.0, 0.0, 0.0)),
@@ -71,6 +74,16 @@ LOOPS: Mapping[str, Loop] = MappingProxyType({
     "tilted-plane": _planes((_TILTED,), (150.0, 300.0)),
     "planes": _planes(_FACES, (80.0, 150.0)),
     "gauges": Loop(_GAUGES, (1, 2, 3), 0.001, spread_mm=3.0, together=True),
+    "face": Loop(
+        (Placed("face", *_TILTED_AT),),
+        (2,),
+        0.005,
+        form_mm=0.002,
+        spread_mm=5.0,
+        patch_mm=(150.0, 300.0),
+        stand_off_mm=40.0,
+        lean_deg=25.0,
+    ),
     "wires": Loop(
         tuple(
             Placed("wire", place)

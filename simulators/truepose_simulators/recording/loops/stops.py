@@ -14,12 +14,11 @@ from truepose_simulators.recording.nominal_tables import papers_of_cell
 from truepose_simulators.recording.plan import NoStopsError
 
 _DRAWN = 40  # configurations for each that is wanted
-_MOST_DRAWS = 10
+_MOST_DRAWS = 30
 _NEAR_MM = 250.0  # from which the arm is led to the place
 _STEPS = 12
 _ARRIVED_MM = 1e-6
 _LOWEST_MM = 80.0  # no nest of a wire closer to the table
-_LEAN = np.cos(np.radians(75.0))  # of the tool against the way in
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,7 +79,7 @@ def _led(
     wanted, inward = wanted[near], inward[near]
     joints, arrived = _arrived(cell, nest_mm, np.radians(joints_deg[near]), wanted)
     pointing = nominal_flange(cell.plant.arm, joints)[:, :3, 2]
-    stands = arrived & ((pointing * inward).sum(axis=1) > _LEAN)
+    stands = arrived & ((pointing * inward).sum(axis=1) > np.cos(np.radians(loop.lean_deg)))
     kept: FloatArray = np.degrees(joints[stands])
     return kept
 
@@ -96,10 +95,11 @@ def _wanted(
         outward[:, 2] = np.abs(outward[:, 2])
         outward /= np.linalg.norm(outward, axis=1, keepdims=True)
         return place + (placed.zero_mm or 0.0) * outward, -outward
-    if placed.kind == "plane":
+    if placed.kind in ("plane", "face"):
         axes = axes_of(placed)
         on_it = rng.uniform(-1.0, 1.0, (count, 2)) * np.array(loop.patch_mm)
-        return place + on_it @ axes[:, :2].T, np.broadcast_to(-axes[:, 2], (count, 3))
+        high = loop.stand_off_mm + loop.spread_mm * rng.uniform(-1.0, 1.0, (count, 1))
+        return place + np.hstack([on_it, high]) @ axes.T, np.broadcast_to(-axes[:, 2], (count, 3))
     off = rng.uniform(-loop.spread_mm, loop.spread_mm, (count, 3))
     way = down if placed.kind == "ball" else np.broadcast_to(-np.ones(3) / np.sqrt(3.0), (count, 3))
     return place + off, way

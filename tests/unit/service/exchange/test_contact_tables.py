@@ -88,7 +88,7 @@ def test_a_row_without_an_axis_has_none():
         (lambda: contacts("1,10,1,4,0,0.002"), "one of the tool nests"),
         (lambda: contacts("1,10,1,1,0,0.002", targets=()), "files.targets"),
         (lambda: contacts("1,10,1,1,0,0.002", targets=BALL), "along an axis of its sensor"),
-        (lambda: contacts("1,10,1,1,0,0.002,x", header=HEADER + ",axis"), "only readings of a ball"),
+        (lambda: contacts("1,10,1,1,0,0.002,x", header=HEADER + ",axis"), "only a reading of ball or face"),
         (lambda: contacts("1,10,1,1,0,0.002,w", header=HEADER + ",axis", targets=BALL), "x or y or z"),
         (lambda: contacts("1,10,1,1,0,0"), "greater than 0"),
         (lambda: read_target_table("targets.csv", b"target,kind\n1,cube\n"), "sphere or wire"),

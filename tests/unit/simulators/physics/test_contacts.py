@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from truepose_simulators.physics.contacts import Flat, Round, Seen
+from truepose_simulators.physics.contacts import Flat, Ranged, Round, Seen
 from truepose_simulators.physics.rigid import motion, move, placed, rotation
 
 RNG = np.random.default_rng(4)
@@ -35,3 +35,12 @@ def test_a_sensor_reads_the_ball_along_the_axes_that_the_tool_carries():
     for axis in range(3):
         along = FRAMES[:, :3, :3] @ sensor[:, axis]
         assert read[:, axis] == pytest.approx(((CENTRE - PLACES) * along).sum(axis=1), abs=1e-9)
+
+
+def test_a_beam_ends_where_it_meets_the_plane():
+    axes, sensor = rotation(np.array([0.3, -0.2, 0.9])), rotation(np.array([0.1, 0.4, -0.2]))
+
+    read = Ranged(motion(CENTRE, axes), sensor).read_mm(FRAMES, NESTS)
+
+    met = PLACES + read * (FRAMES[:, :3, :3] @ sensor[:, 2])
+    assert (met - CENTRE) @ axes[:, 2] == pytest.approx(np.zeros(6), abs=1e-9)

@@ -37,7 +37,7 @@ def test_every_loop_is_recorded_near_where_its_drawing_has_it(kind):
     contacts, loop = recording.calibration, recording.loop
     assert set(contacts.target.tolist()) == set(range(1, len(loop.placed) + 1))
     assert set(contacts.config.tolist()) == set(range(1, 13))
-    if loop.spread_mm:
+    if loop.spread_mm and kind != "face":  # whose sensor looks at it from 40 mm away
         assert (
             np.abs(contacts.reading_mm).max() < 20.0
         )  # its range, for an arm and a fixture off by millimetres

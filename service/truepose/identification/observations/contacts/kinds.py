@@ -6,6 +6,7 @@ from typing import Final
 from truepose.domain.targets import TargetKind
 from truepose.identification.observations.contacts.against import Against
 from truepose.identification.observations.contacts.centres import Centre
+from truepose.identification.observations.contacts.faces import Face
 from truepose.identification.observations.contacts.planes import Plane
 from truepose.identification.observations.contacts.seen_balls import SeenBall
 
@@ -15,4 +16,5 @@ KINDS: Final[Mapping[TargetKind, Against]] = {
     TargetKind.PLANE: Plane(),
     TargetKind.GAUGE: Plane(),
     TargetKind.BALL: SeenBall(),
+    TargetKind.FACE: Face(),
 }

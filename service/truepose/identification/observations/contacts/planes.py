@@ -38,13 +38,13 @@ class Plane:
 
     def reading_mm(self, target: Target, values: FloatArray, probe: Probe) -> FloatArray:
         """Return the distances from the plane."""
-        normal, _ = _tilted(target, values)
-        return np.asarray((probe.place_mm - _point(target)) @ normal - values[0])
+        normal, _ = tilted(target, values)
+        return np.asarray((probe.place_mm - point_of(target)) @ normal - values[0])
 
     def slope(self, target: Target, values: FloatArray, probe: Probe) -> Slope:
         """Return the normal, and what tilting it does."""
-        normal, across = _tilted(target, values)
-        arm = probe.place_mm - _point(target)
+        normal, across = tilted(target, values)
+        arm = probe.place_mm - point_of(target)
         own = np.vstack([np.full(len(arm), -1.0), across @ arm.T])
         place = np.broadcast_to(normal, arm.shape)
         return Slope(place, np.zeros_like(arm), own)
@@ -62,15 +62,16 @@ class Plane:
 
     def centred(self, target: Target, values: FloatArray) -> tuple[Target, FloatArray]:
         """Return it about the normal as it is tilted."""
-        nx, ny, nz = _tilted(target, values)[0].tolist()
+        nx, ny, nz = tilted(target, values)[0].tolist()
         return replace(target, normal=(nx, ny, nz)), np.array([values[0], 0.0, 0.0])
 
 
-def _point(target: Target) -> FloatArray:
+def point_of(target: Target) -> FloatArray:
+    """Return the point that a plane's shift counts from, shape (3,) [mm, world frame]."""
     return np.zeros(3) if target.place_mm is None else np.array(target.place_mm)
 
 
-def _tilted(target: Target, values: FloatArray) -> tuple[FloatArray, FloatArray]:
+def tilted(target: Target, values: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return the normal, shape (3,), and its change per slope, shape (2, 3)."""
     start = np.array([0.0, 0.0, 1.0]) if target.normal is None else np.array(target.normal)
     start = start / np.linalg.norm(start)

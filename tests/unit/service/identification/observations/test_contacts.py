@@ -11,7 +11,7 @@ from tests.helpers.identification.closed_loops import (
     contact_campaign,
     with_distance,
 )
-from truepose.domain.targets import Target, TargetKind
+from truepose.domain.targets import SEEN_ALONG_AXES, Target, TargetKind
 from truepose.identification.observations.contacts.against import Probe
 from truepose.identification.observations.contacts.kinds import KINDS
 from truepose.identification.problem.build import build
@@ -24,14 +24,16 @@ CAMPAIGNS = {
     "plane": contact_campaign(TargetKind.PLANE, known_nests=False),
     "gauge": contact_campaign(TargetKind.GAUGE),
     "ball": contact_campaign(TargetKind.BALL, known_nests=False),
+    "face": contact_campaign(TargetKind.FACE, n=120),
 }
 
+FLAT = (TargetKind.PLANE, TargetKind.GAUGE, TargetKind.FACE)
 OWN = {kind: 4 if kind in (TargetKind.SPHERE, TargetKind.WIRE) else 3 for kind in KINDS}
 
 
 @pytest.mark.parametrize("campaign", CAMPAIGNS.values(), ids=CAMPAIGNS)
 def test_contacts_are_differentiated_exactly(campaign):
-    tool = campaign.nests[0].centre_mm is None or campaign.targets[0].kind is TargetKind.BALL
+    tool = campaign.nests[0].centre_mm is None or campaign.targets[0].kind in SEEN_ALONG_AXES
     problem = build(campaign, ("tool", "geometry", "instrument_scale") if tool else ("geometry",))
     structure = problem.structure
     steps = np.minimum(structure.prior_widths, 1.0)
@@ -86,12 +88,14 @@ def test_a_kind_is_differentiated_as_complex_steps_say(kind):
 
 def complex_reading(kind, target, own, place, along):
     """The reading by the formula alone, of complex numbers."""
-    if kind in (TargetKind.PLANE, TargetKind.GAUGE):
+    if kind in FLAT:
         start = np.array(target.normal) / np.linalg.norm(target.normal)
         first = np.cross([1.0, 0.0, 0.0], start)  # the smallest component of the normal is x
         first /= np.linalg.norm(first)
         normal = start + own[1] * first + own[2] * np.cross(start, first)
-        return (place - np.array(target.place_mm)) @ normal / np.sqrt((normal**2).sum()) - own[0]
+        unit = normal / np.sqrt((normal**2).sum())
+        height = (place - np.array(target.place_mm)) @ unit - own[0]
+        return -height / (along @ unit) if kind is TargetKind.FACE else height
     arm = place - own[:3]
     if kind is TargetKind.BALL:
         return -(arm * along).sum(axis=1)
@@ -106,7 +110,7 @@ def found(problem, target, names="xyz"):
 @pytest.mark.parametrize("name", ["sphere of unknown radius", "two spheres", "wire", "ball"])
 def test_centres_are_found_without_a_guess(name):
     campaign = CAMPAIGNS[name]
-    tool = campaign.nests[0].centre_mm is None or campaign.targets[0].kind is TargetKind.BALL
+    tool = campaign.nests[0].centre_mm is None or campaign.targets[0].kind in SEEN_ALONG_AXES
 
     problem = build(campaign, ("tool", "geometry") if tool else ("geometry",))
 
@@ -115,17 +119,21 @@ def test_centres_are_found_without_a_guess(name):
         assert found(problem, target) == pytest.approx(PLACES[target - 1], abs=0.02)
 
 
-@pytest.mark.parametrize("name", ["plane", "gauge"])
+@pytest.mark.parametrize("name", ["plane", "gauge", "face"])
 def test_planes_are_found_without_a_guess_and_on_the_side_on_which_readings_grow(name):
     campaign = CAMPAIGNS[name]
 
-    problem = build(campaign, ("tool", "geometry") if campaign.nests[0].centre_mm is None else ("geometry",))
+    tool = campaign.nests[0].centre_mm is None or campaign.targets[0].kind in SEEN_ALONG_AXES
+
+    problem = build(campaign, ("tool", "geometry") if tool else ("geometry",))
 
     for target, normal in zip(problem.structure.targets, NORMALS, strict=True):
         own = found(problem, target.number, ("shift", "slope1", "slope2"))
         somewhere = Probe(np.zeros((1, 3)), np.zeros((1, 3)))
         # a robot without errors: what is left is the noise of 60 readings over half a metre
-        assert KINDS[target.kind].slope(target, own, somewhere).place[0] == pytest.approx(normal, abs=1e-4)
+        seen = KINDS[TargetKind.PLANE].slope(target, own, somewhere).place[0]
+        seen = seen if name != "face" else np.copysign(1.0, seen @ normal) * seen  # from either side alike
+        assert seen == pytest.approx(normal, abs=3e-4)
 
 
 def test_places_that_are_told_are_started_from():
