@@ -40,16 +40,21 @@ def nightly_command(
     case: Annotated[
         list[str] | None, typer.Option(help="Run only this case; may be repeated. No night is added.")
     ] = None,
+    bench: Annotated[
+        list[str] | None,
+        typer.Option(help="MODULE:NAME of a driver's bench, or of a list of them; may be repeated."),
+    ] = None,
     label: Annotated[str, typer.Option(help="By which the night is found again, e.g. a commit.")] = "",
 ) -> int:
     """Try everything that needs no person on simulated devices, and compare with the nights before.
 
     Example: truepose nightly --out nightly
     """
-    from truepose.demo.night.nightly import NightRequest, run_nightly, seed_of_the_day
+    from truepose.demo.night.nightly import run_nightly
+    from truepose.demo.night.request import NightRequest, seed_of_the_day
 
     drawn = seed_of_the_day() if seed is None else seed
-    return run_nightly(NightRequest(out, drawn, label, tuple(case or ())))
+    return run_nightly(NightRequest(out, drawn, label, tuple(case or ()), tuple(bench or ())))
 
 
 def serve_command(

@@ -7,7 +7,7 @@ DemoError
 ├── SessionHaltedError      a session paused or ended before everything was measured
 ├── JobFailedError          a job ended without a result
 ├── TruthUnknownError       the simulated cell did not tell its truth
-├── UnknownCaseError        a night has no case of that name
+├── UnknownCaseError        a night is asked for a case or a bench that there is not
 └── UnreadableHistoryError  the file of earlier nights is none
 """
 
@@ -43,7 +43,7 @@ class TruthUnknownError(DemoError):
 
 
 class UnknownCaseError(DemoError):
-    """A night has no case of that name."""
+    """A night is asked for a case or a bench that there is not."""
 
 
 class UnreadableHistoryError(DemoError):

@@ -17,7 +17,8 @@ from truepose.demo.night.calibrated_cells import (
     wrong_axis_case,
 )
 from truepose.demo.night.check import Check
-from truepose.demo.night.nightly import NightRequest, run_nightly
+from truepose.demo.night.nightly import run_nightly
+from truepose.demo.night.request import NightRequest
 from truepose_simulators.scenarios.file import shipped_scenarios
 
 REPOSITORY = Path(__file__).parents[3]

@@ -1,5 +1,6 @@
 """What a night tries, in its order."""
 
+from truepose.demo.night.bad_lines import bad_lines
 from truepose.demo.night.ballbar_cells import BallbarCell
 from truepose.demo.night.calibrated_cells import calibrated_cells
 from truepose.demo.night.check import NightCase
@@ -12,8 +13,11 @@ from truepose.demo.night.upgrades import upgraded_databases
 _SAME_CELLS = 0
 
 
-def night_cases(seed: int) -> list[NightCase]:
-    """Return the cases of a night; `seed` draws what is to be another every night."""
+def night_cases(seed: int, benches: tuple[str, ...] = ()) -> list[NightCase]:
+    """Return the cases of a night; `seed` draws what is to be another every night.
+
+    `benches` are those of drivers beside the installed ones (`MODULE:NAME`); raises UnknownCaseError.
+    """
     return [
         *calibrated_cells(_SAME_CELLS),
         *(BallbarCell(scenario, _SAME_CELLS) for scenario in ("irb120-tilted", "lrmate-tilted")),
@@ -21,4 +25,5 @@ def night_cases(seed: int) -> list[NightCase]:
         *(FaultySession(scenario, seed) for scenario in ("irb120-clean", "lrmate-fanuc", "ur10-clean")),
         KilledService(seed),
         *upgraded_databases(),
+        *bad_lines(seed, benches),
     ]

@@ -44,8 +44,6 @@ def _stops(kind: str) -> _Draw:
     return lambda rng: {**_lasts(kind)(rng), "after_s": round(float(rng.uniform(0.05, 0.8)), 2)}
 
 
-# No robot that refuses or hangs: where a controller reports no errors of motion it is waited for as long as a
-# motion may last, which is minutes of wall time.
 _KINDS: Final[Sequence[_Draw]] = (
     _strikes("beam_broken", 3),
     _strikes("tracker_silent"),
@@ -59,9 +57,14 @@ _KINDS: Final[Sequence[_Draw]] = (
     _lasts("link_half_open", device="robot"),
     _lasts("tracker_blinded"),
     _lasts("temperature_step", by_k=-3.0),
+)
+# Where a controller reports no stop, its motion is waited for as long as it may last: minutes of wall time.
+_REPORTED: Final[Sequence[_Draw]] = (
+    _strikes("robot_refuses"),
     _stops("emergency_stop"),
     _stops("protective_stop"),
 )
+_REPORTING: Final = frozenset({"ur10-clean"})
 
 
 @dataclass(frozen=True, slots=True)

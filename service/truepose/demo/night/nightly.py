@@ -2,7 +2,6 @@
 
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Final
@@ -12,6 +11,7 @@ from truepose.demo.errors import UnknownCaseError
 from truepose.demo.night.cases import night_cases
 from truepose.demo.night.check import NightCase
 from truepose.demo.night.history import HISTORY, append_night, read_history
+from truepose.demo.night.request import NightRequest
 from truepose.demo.night.results import CaseOutcome, NightRun, print_night, write_night
 from truepose.demo.progress import RunProgress, shown_progress
 from truepose.domain.errors import TrueposeError
@@ -19,21 +19,6 @@ from truepose.domain.errors import TrueposeError
 _FAILED: Final = 1
 _SERVICE_FAILED: Final = 3
 _INTERRUPTED: Final = 130
-
-
-@dataclass(frozen=True, slots=True)
-class NightRequest:
-    """What is run, and where it is left."""
-
-    out: Path  # created where needed
-    seed: int  # of what a night draws
-    label: str = ""  # by which the night is found again, e.g. a commit
-    only: tuple[str, ...] = ()  # names of cases; none: all of them
-
-
-def seed_of_the_day() -> int:
-    """Return the seed of a night that asks for none: every day draws something else."""
-    return datetime.now(UTC).date().toordinal()
 
 
 def run_nightly(request: NightRequest, cases: Sequence[NightCase] | None = None) -> int:
@@ -60,7 +45,7 @@ def run_nightly(request: NightRequest, cases: Sequence[NightCase] | None = None)
     OSError
         The folder cannot be written.
     """
-    chosen = _chosen(night_cases(request.seed) if cases is None else cases, request.only)
+    chosen = _chosen(night_cases(request.seed, request.benches) if cases is None else cases, request.only)
     request.out.mkdir(parents=True, exist_ok=True)
     earlier = read_history(request.out / HISTORY)
     began, began_s = datetime.now(UTC), time.perf_counter()
@@ -72,7 +57,7 @@ def run_nightly(request: NightRequest, cases: Sequence[NightCase] | None = None)
         except KeyboardInterrupt:
             progress.say(f"Interrupted while {progress.doing}; nothing is judged. {_kept(request.out)}")
             return _INTERRUPTED
-    night = NightRun(request.seed, request.label, began, time.perf_counter() - began_s, tuple(outcomes))
+    night = NightRun(request, began, time.perf_counter() - began_s, tuple(outcomes))
     if not request.only:
         append_night(request.out / HISTORY, night.remembered)
     write_night(night, earlier, request.out)

@@ -12,6 +12,7 @@ from rich.table import Table
 
 from truepose.demo.night.check import Check, NightCase
 from truepose.demo.night.history import Course, Measured, Night, course
+from truepose.demo.night.request import NightRequest
 from truepose.demo.report import REPORT
 from truepose.demo.result import RESULT
 from truepose.exchange.json_text import Json, render_json
@@ -41,8 +42,7 @@ class CaseOutcome:
 class NightRun:
     """A night as it went."""
 
-    seed: int
-    label: str
+    request: NightRequest
     began: datetime  # with its zone
     wall_s: float
     outcomes: tuple[CaseOutcome, ...]
@@ -51,11 +51,17 @@ class NightRun:
     def remembered(self) -> Night:
         """What later nights are compared with."""
         figures = tuple(one for outcome in self.outcomes for one in _remembered(outcome))
-        return Night(began=self.began, version=__version__, label=self.label, seed=self.seed, figures=figures)
+        return Night(
+            began=self.began,
+            version=__version__,
+            label=self.request.label,
+            seed=self.request.seed,
+            figures=figures,
+        )
 
     def again(self, outcome: CaseOutcome) -> str:
         """Return the command that runs one case again."""
-        return f"truepose nightly --seed {self.seed} --case {outcome.case.name} --out night-again"
+        return self.request.again(outcome.case.name)
 
 
 def _remembered(outcome: CaseOutcome) -> Iterator[Measured]:
@@ -70,7 +76,7 @@ def write_night(night: NightRun, earlier: Sequence[Night], out: Path) -> None:
     root = junit(night)
     ElementTree.indent(root)
     ElementTree.ElementTree(root).write(out / JUNIT, encoding="utf-8", xml_declaration=True)
-    title = f"Night run of truepose {__version__}, seed {night.seed}"
+    title = f"Night run of truepose {__version__}, seed {night.request.seed}"
     now = night.began.isoformat(timespec="seconds")
     write_table_report(out / REPORT, title, _sections(night, earlier), simulated=True, written_at=now)
     (out / RESULT).write_text(render_json(_document(night, earlier)) + "\n", encoding="utf-8")
@@ -104,7 +110,11 @@ def _suite(outcome: CaseOutcome, night: NightRun) -> ElementTree.Element:
         },
     )
     properties = ElementTree.SubElement(suite, "properties")
-    for key, value in (("seed", night.seed), ("version", __version__), ("again", night.again(outcome))):
+    for key, value in (
+        ("seed", night.request.seed),
+        ("version", __version__),
+        ("again", night.again(outcome)),
+    ):
         ElementTree.SubElement(properties, "property", {"name": key, "value": str(value)})
     for check in outcome.checks:
         case = ElementTree.SubElement(suite, "testcase", {"classname": name, "name": check.figure})
@@ -155,8 +165,8 @@ def _document(night: NightRun, earlier: Sequence[Night]) -> dict[str, Json]:
     nights = (*earlier, night.remembered)
     return {
         "version": __version__,
-        "label": night.label,
-        "seed": night.seed,
+        "label": night.request.label,
+        "seed": night.request.seed,
         "began": night.began.isoformat(timespec="seconds"),
         "pass": all(outcome.passed for outcome in night.outcomes),
         "cases": [_case(outcome, night, nights) for outcome in night.outcomes],

@@ -15,7 +15,8 @@ from truepose.demo.night.history import (
     course,
     read_history,
 )
-from truepose.demo.night.nightly import NightRequest, run_nightly
+from truepose.demo.night.nightly import run_nightly
+from truepose.demo.night.request import NightRequest
 from truepose.domain.errors import TrueposeError
 
 FIRST = datetime(2026, 11, 1, 2, 17, tzinfo=UTC)

@@ -1,0 +1,58 @@
+"""What a night says of a driver on bad lines."""
+
+import pytest
+
+from tests.contract.devices.every import BENCHES
+from truepose.demo.errors import UnknownCaseError
+from truepose.demo.night.bad_lines import BadLine, _of_answers, _of_link, bad_lines
+from truepose.demo.progress import shown_progress
+from truepose_drivers.contract.hostile import Tally
+from truepose_drivers.contract.link_faults import LinkTally
+
+EVERY = "tests.contract.devices.every:BENCHES"
+
+
+def test_a_driver_that_keeps_the_contract_passes_and_leaves_no_example(tmp_path):
+    (counter,) = [bench for bench in BENCHES if bench.plugin.name == "heidenhain_nd"]
+
+    with shown_progress() as progress:
+        checks = BadLine("heidenhain_nd", counter, seed=3, inputs=300).run(tmp_path, progress)
+
+    assert [check.figure for check in checks if not check.passed] == []
+    assert (tmp_path / "examples.txt").read_text().strip() == ""
+
+
+@pytest.mark.parametrize("harm", ["wrong_betrayable", "foreign", "hung", "out_of_step"])
+def test_each_harm_is_a_figure_of_its_own_with_its_count_and_an_example(harm):
+    tally = Tally("acme")
+    for _ in range(3):
+        tally.note(harm, "cut", "7.0 mm")
+
+    (wrong,) = [check for check in _of_answers(tally) if not check.passed]
+
+    assert wrong.value == 3.0
+    assert "7.0 mm" in wrong.measured
+
+
+@pytest.mark.parametrize(
+    ("figure", "seen"),
+    [
+        ("slowest to be told lost", {"lost_s": [0.1, 2.4]}),
+        ("slowest to be back", {"back_s": [5.2]}),
+        ("stale values taken", {"stale": 1}),
+        ("links left open", {"left_open": 2}),
+    ],
+)
+def test_each_fault_of_a_link_that_is_not_kept_is_a_figure_of_its_own(figure, seen):
+    assert [check.figure for check in _of_link(LinkTally("acme", **seen), 2.0) if not check.passed] == [
+        figure
+    ]
+
+
+def test_every_bench_that_is_named_has_its_case_and_a_wrong_name_is_one_sentence():
+    names = [case.name for case in bad_lines(1, (EVERY,))]
+
+    assert "bad-line-leica-emscon" in names
+    assert len(names) == len(BENCHES)
+    with pytest.raises(UnknownCaseError, match="cannot be found"):
+        bad_lines(1, ("tests.nowhere:BENCHES",))
