@@ -13,6 +13,7 @@ from truepose.exchange.json_text import Json, number_or_null, render_json
 from truepose.exchange.results.identification_and_validation import statistics_document
 from truepose.reports.rounding import millimetres
 from truepose.reports.summary import figures_table, truth_table
+from truepose.reports.turns import turns_table
 from truepose.version import __version__
 from truepose.words.catalogue import english
 
@@ -58,6 +59,9 @@ def show_result(judged: JudgedRun, out: Path) -> None:
     """Print the tables on standard output."""
     console = Console(highlight=False)
     console.print(figures_table(judged.identification))
+    turns = turns_table(judged.identification)
+    if turns is not None:
+        console.print(turns)
     if judged.errors is None:
         console.print(english(judged.identification.message), soft_wrap=True, markup=False)
     else:

@@ -283,7 +283,7 @@ def _sentence(shown: Shown) -> Text:
 def _model(answer: _Answer) -> Model:
     """Return the extended model, fitted without what only the diagnosis needed."""
     start, full = answer.start, answer.end
-    structure = full.structure.without(NUISANCE)
+    structure = full.structure.without(_only_of_diagnosis(start.campaign))
     blocks = tuple(block for block in full.blocks if block.table != "reference")
     if _acts_on_instrument(structure.effects):
         structure, blocks = full.structure.without((CERTIFICATE,)), full.blocks
@@ -297,6 +297,13 @@ def _model(answer: _Answer) -> Model:
     lacking_mm = _folds_show_mm(answer) if short is None else typical_mm(short, honest)
     draft = model_of(fits, discrepancy_mm=lacking_mm, program_version=__version__)
     return replace(draft, shortfall=short)
+
+
+def _only_of_diagnosis(campaign: Campaign) -> tuple[str, ...]:
+    """Return what no model keeps; the artefact of poses is off in every one, and stays out of the arm."""
+    if campaign.tool_rotation_uncertainty_rad is None:
+        return NUISANCE
+    return tuple(name for name in NUISANCE if name != CERTIFICATE)
 
 
 def _acts_on_instrument(effects: tuple[str, ...]) -> bool:

@@ -43,6 +43,26 @@ class Statistics:
 
 
 @dataclass(frozen=True, slots=True)
+class TurnStatistics:
+    """Angles [rad] between n measured orientations and a model's; `noise_rad`: mean of stated noise alone."""
+
+    n: int
+    mean_rad: float
+    rms_rad: float
+    sd_rad: float
+    max_rad: float
+    noise_rad: float  # NaN where the readings state nothing
+
+
+@dataclass(frozen=True, slots=True)
+class TurnPair:
+    """The same for the nominal model and the identified one."""
+
+    nominal: TurnStatistics
+    identified: TurnStatistics
+
+
+@dataclass(frozen=True, slots=True)
 class Parameter:
     """An identified parameter, in internal units (angles in rad)."""
 
@@ -281,6 +301,8 @@ class Identification:
     model: Model | None  # None where nothing could be fitted
     positions: PositionsJudged | None = None  # of a model of lengths
     relative: NominalAndIdentified | None = None  # held-out positions after the best rigid alignment
+    calibration_turns: TurnPair | None = None  # None: no orientations were used
+    validation_turns: TurnPair | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -328,3 +350,4 @@ class Validation:
     decision: Decision | None = None  # None without a limit
     relative: NominalAndIdentified | None = None  # after the best rigid alignment; None of lengths
     uncertainty: ValidationUncertainty | None = None  # None: of a program that did not tell it yet
+    turns: TurnPair | None = None  # None: no orientations were read, or the model knows none

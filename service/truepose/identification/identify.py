@@ -38,6 +38,7 @@ from truepose.identification.verdict.outliers import outliers
 from truepose.identification.verdict.pure_error import pure_error
 from truepose.identification.verdict.reach import WithinReach, within_reach
 from truepose.identification.verdict.relative import relative_errors
+from truepose.identification.verdict.turns import turn_errors
 from truepose.version import __version__
 
 _MOVED_RAD = np.deg2rad(0.5)  # a joint that stays within this has not moved
@@ -155,6 +156,8 @@ def _answer(
         pure_error=_pure_error(identified),
         model=model,
         positions=judged_by_positions(campaign, model) if problem.quantity == "length" else None,
+        calibration_turns=turn_errors(model, campaign.calibration),
+        validation_turns=turn_errors(model, campaign.validation),
     )
 
 

@@ -5,6 +5,7 @@ from truepose.domain.errors import ConfigurationError
 from truepose.domain.results import DecisionRule, Model, NominalAndIdentified, Validation
 from truepose.identification import judge
 from truepose.identification.verdict.relative import relative_errors
+from truepose.identification.verdict.turns import turn_errors
 from truepose.judgement.decision import decide
 from truepose.judgement.distances import distances
 from truepose.judgement.places import errors_by_place
@@ -57,6 +58,7 @@ def validate(
         relative=relative,
         decision=None if limit_mm is None else decide(found, known(model, found), limit_mm, rule),
         uncertainty=figure_uncertainty(model, found, apart, aligned=relative is not None),
+        turns=turn_errors(model, readings),
     )
 
 

@@ -18,6 +18,7 @@ from truepose.reports.headline import headline
 from truepose.reports.pages import write_page
 from truepose.reports.parameters.rows import parameter_rows
 from truepose.reports.truth import Truth, truth_row
+from truepose.reports.turns import turns_rows
 from truepose.reports.uncertainty.budget import Budget, budget
 from truepose.reports.uncertainty.judged import FAR_OUT, judged, noise_split, shown_noise_mm
 from truepose.reports.uncertainty.shifts import DRAWS
@@ -78,6 +79,7 @@ def write_identification_report(path: Path, report: ReportInput) -> None:
         simulated=conditions.simulated or bool(campaign.simulated),
         headline=headline(identification, shown, uncertainties, words),
         figures_rows=tuple(figures_rows(identification, shown)),
+        turns_rows=turns_rows(identification, words),
         far_out=FAR_OUT,
         budget=uncertainties,
         draws=DRAWS,

@@ -26,6 +26,7 @@ from truepose.reports.figures_rows import figures_rows
 from truepose.reports.parameters.rows import is_held_by_prior
 from truepose.reports.rounding import millimetres, rounded, uncertainty
 from truepose.reports.truth import TrueParameter, truth_row
+from truepose.reports.turns import turns_table
 from truepose.reports.validation.pose_test_rows import drift_sentences, pose_test_rows, withheld_sentences
 from truepose.words.catalogue import IN_ENGLISH, Catalogue
 
@@ -43,6 +44,9 @@ def identification_summary(identification: Identification, words: Catalogue = IN
     parts: list[RenderableType] = [Text(words.spoken(identification.message))]
     if any(figures_rows(identification, None)):
         parts.append(figures_table(identification, words))
+    turns = turns_table(identification, words)
+    if turns is not None:
+        parts.append(turns)
     if identification.parameters:
         parts.append(_parameter_table(identification, words))
     parts += [
@@ -69,7 +73,9 @@ def validation_summary(validation: Validation, words: Catalogue = IN_ENGLISH) ->
     if validation.distance is not None:
         _add_pair(table, words.say("validation.distances"), validation.distance, words, known.distance)
     told = verdict_sentence(validation), decision_sentence(validation)
-    return Group(table, *(Text(words.spoken(sentence)) for sentence in told if sentence))
+    turns = turns_table(validation, words)
+    tables = (table,) if turns is None else (table, turns)
+    return Group(*tables, *(Text(words.spoken(sentence)) for sentence in told if sentence))
 
 
 def pose_test_summary(test: PoseTest, words: Catalogue = IN_ENGLISH) -> Group:

@@ -1,5 +1,6 @@
 """Identifications and validations as documents: angles in degrees, null for what is no number."""
 
+import math
 from typing import Literal, Self
 
 from pydantic import AliasChoices, Field, model_validator
@@ -13,6 +14,8 @@ from truepose.domain.results import (
     Shell,
     Statistics,
     Status,
+    TurnPair,
+    TurnStatistics,
     Validation,
     Verdict,
 )
@@ -40,6 +43,34 @@ class PairDocument(Document):
     identified: StatisticsDocument
 
 
+class TurnStatisticsDocument(Document):
+    """Angles between measured orientations and a model's; `noise_deg`: what stated noise alone gives."""
+
+    n: int = Field(examples=[50])
+    mean_deg: Quantity = Field(examples=[0.035])
+    rms_deg: Quantity = Field(examples=[0.038])
+    sd_deg: Quantity = Field(examples=[0.015])
+    max_deg: Quantity = Field(examples=[0.081])
+    noise_deg: Quantity = Field(examples=[0.043])
+
+    @model_validator(mode="before")
+    @classmethod
+    def _in_degrees(cls, turns: object) -> object:
+        if not isinstance(turns, TurnStatistics):
+            return turns
+        figures = ("mean", "rms", "sd", "max", "noise")
+        return {"n": turns.n} | {
+            f"{name}_deg": math.degrees(getattr(turns, f"{name}_rad")) for name in figures
+        }
+
+
+class TurnPairDocument(Document):
+    """The same for the nominal model and the identified one."""
+
+    nominal: TurnStatisticsDocument
+    identified: TurnStatisticsDocument
+
+
 class BlocksDocument(Document):
     """Statistics by the readings they are of; `cross_validation` stands where there is no `validation`."""
 
@@ -57,6 +88,8 @@ class BlocksDocument(Document):
     validation_position_aligned: PairDocument | None = Field(
         None, description="Of a model of lengths: held-out positions after the best rigid alignment."
     )
+    calibration_orientation: TurnPairDocument | None = Field(None, description="Where poses were read.")
+    validation_orientation: TurnPairDocument | None = None
 
 
 class ParameterDocument(Document):
@@ -133,10 +166,10 @@ class IdentificationDocument(Document):
         return cls.of(identification, robot=robot, statistics=_blocks(identification))
 
 
-def _blocks(identification: Identification) -> dict[str, NominalAndIdentified]:
+def _blocks(identification: Identification) -> dict[str, NominalAndIdentified | TurnPair]:
     """Return the blocks that could be computed; the others are absent."""
     positions = identification.positions
-    blocks = {
+    blocks: dict[str, NominalAndIdentified | TurnPair | None] = {
         "calibration": identification.calibration,
         "calibration_without_outliers": identification.calibration_without_outliers,
         "validation": identification.validation,
@@ -145,6 +178,8 @@ def _blocks(identification: Identification) -> dict[str, NominalAndIdentified]:
         "cross_validation_relative": None if identification.validation else identification.relative,
         "validation_position": positions.tied if positions else None,
         "validation_position_aligned": positions.aligned if positions else None,
+        "calibration_orientation": identification.calibration_turns,
+        "validation_orientation": identification.validation_turns,
     }
     # Held-out positions judge a model of lengths where no lengths were held out.
     blocks["validation"] = (
@@ -287,6 +322,9 @@ class ValidationDocument(Document):
     places: PlacesDocument | None = Field(None, description="Null: of a program that did not tell it yet.")
     uncertainty: ValidationUncertaintyDocument | None = Field(
         None, description="Null: of a program that did not tell it yet."
+    )
+    orientation: TurnPairDocument | None = Field(
+        None, validation_alias=AliasChoices("turns", "orientation"), description="Null: none were read."
     )
     limit_mm: Quantity
     decision: DecisionDocument | None = Field(None, description="Null without a limit.")

@@ -20,6 +20,7 @@ from truepose.reports.figures.place_errors import place_errors
 from truepose.reports.pages import rendered, write_page
 from truepose.reports.summary import decision_sentence, verdict_sentence
 from truepose.reports.traced import Traced, traced_context, with_temperature
+from truepose.reports.turns import turns_rows
 from truepose.reports.validation.pose_test_rows import (
     drift_sentences,
     pose_test_cards,
@@ -80,6 +81,7 @@ def _context(report: ValidationInput) -> dict[str, object]:
         "verdict": verdict_sentence(found),
         "decision": decision_sentence(found),
         "remarks": report.remarks,
+        "turns_rows": turns_rows(found, words),
         "simulated": conditions.simulated,
         "histogram": histogram(shown, found.position.identified.noise_mm, words),
         "distances": None

@@ -111,6 +111,7 @@ def test_a_validation_has_the_promised_keys():
         "quantity",
         "position",
         "relative",
+        "orientation",
         "distance",
         "distance_errors",
         "places",

@@ -1,0 +1,60 @@
+"""Errors of orientation as a reader sees them, in degrees: only where orientations were read."""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from rich.table import Table
+
+from truepose.domain.results import Identification, TurnPair, TurnStatistics, Validation
+from truepose.reports.rounding import MISSING
+from truepose.words.catalogue import IN_ENGLISH, Catalogue
+
+
+@dataclass(frozen=True, slots=True)
+class TurnsRow:
+    """One line of the table of orientations."""
+
+    label: str  # empty: as the line above
+    model: str
+    n: int
+    values: tuple[str, ...]  # mean, RMS, standard deviation, largest, noise [deg]
+
+
+def turns_rows(judged: Identification | Validation, words: Catalogue) -> tuple[TurnsRow, ...]:
+    """Return the lines; none where no orientations were read."""
+    return tuple(row for label, pair in _pairs(judged) for row in _rows(words.say(label), pair, words))
+
+
+def turns_table(judged: Identification | Validation, words: Catalogue = IN_ENGLISH) -> Table | None:
+    """Return the table for a terminal; None where no orientations were read."""
+    rows = turns_rows(judged, words)
+    if not rows:
+        return None
+    table = Table(title=words.say("turns.title"))
+    table.add_column(words.say("curve.readings"))
+    table.add_column(words.say("terminal.model"))
+    mean, sd, noise = map(words.say, ("terminal.mean", "terminal.sd", "terminal.noise_column"))
+    for name in ("n", mean, "rms", sd, "max", noise):
+        table.add_column(name, justify="right")
+    for row in rows:
+        table.add_row(row.label, row.model, str(row.n), *row.values)
+    return table
+
+
+def _pairs(judged: Identification | Validation) -> Iterator[tuple[str, TurnPair]]:
+    held_out = judged.turns if isinstance(judged, Validation) else judged.validation_turns
+    calibration = None if isinstance(judged, Validation) else judged.calibration_turns
+    for label, pair in (("turns.validation", held_out), ("turns.calibration", calibration)):
+        if pair is not None:
+            yield label, pair
+
+
+def _rows(label: str, pair: TurnPair, words: Catalogue) -> Iterator[TurnsRow]:
+    yield TurnsRow(label, words.say("model.nominal"), pair.nominal.n, _values(pair.nominal))
+    yield TurnsRow("", words.say("model.identified"), pair.identified.n, _values(pair.identified))
+
+
+def _values(turns: TurnStatistics) -> tuple[str, ...]:
+    figures = (turns.mean_rad, turns.rms_rad, turns.sd_rad, turns.max_rad, turns.noise_rad)
+    return tuple(f"{math.degrees(one):.4f}" if math.isfinite(one) else MISSING for one in figures)
