@@ -79,6 +79,7 @@ async def rest_after(truth, driver, where, deadly):
         ("irb120-clean", "open_abb", "abb_open_abb"),
         ("irb120-clean", "rws", "abb_rws"),
         ("lrmate-clean", "mappdk", "fanuc_mappdk"),
+        ("irb120-clean", "kuka_variable_proxy", "kuka_variable_proxy"),
         ("ur10-clean", "ur_rtde", "universal_robots"),
     ],
 )
