@@ -90,10 +90,10 @@ class FaultySession:
         """Return what goes wrong, the first first."""
         rng = np.random.default_rng((self.seed, *self.scenario.encode()))
         at = np.sort(rng.choice(np.arange(2, _CONFIGURATIONS), _FAULTS, replace=False))
-        kinds = rng.choice(len(_KINDS), _FAULTS, replace=False)
+        kinds = (*_KINDS, *(_REPORTED if self.scenario in _REPORTING else ()))
+        drawn = rng.choice(len(kinds), _FAULTS, replace=False)
         return [
-            {**_KINDS[kind](rng), "configuration": int(number)}
-            for kind, number in zip(kinds, at, strict=True)
+            {**kinds[kind](rng), "configuration": int(number)} for kind, number in zip(drawn, at, strict=True)
         ]
 
     def run(self, folder: Path, progress: RunProgress) -> list[Check]:
