@@ -5,12 +5,16 @@ import contextlib
 import math
 from typing import Final
 
-from truepose_drivers.abb_egm.protocol import Motors, Rapid, RobotFrame, decode_robot
-from truepose_drivers.api import Clock, JointReading
+from truepose_drivers import options as option
+from truepose_drivers.abb_egm.protocol import EGM_PORT, Motors, Rapid, RobotFrame, decode_robot
+from truepose_drivers.api import Clock, JointReading, Options
+from truepose_drivers.arms.companion import AccompaniedRobot, GuardingRobot
 from truepose_drivers.errors import ConnectFailedError, NoReplyError, NotInitialisedError
 from truepose_drivers.transports.conversation import Turns
 from truepose_drivers.transports.link import Source, drain
+from truepose_drivers.transports.udp import UdpPort
 
+EGM_OPTION: Final = f"UDP port at which joints arrive by EGM, often {EGM_PORT}; without it they are asked for"
 _FRESH_WITHIN_S: Final = 0.5  # wall time; a controller sends every 4 ms, or a few multiples of it
 # Doubles, of a standing arm that its servos hold.
 _STANDING_RAD: Final = 1e-6
@@ -79,6 +83,10 @@ class EgmReader:
             time_s=await self._clock.now_s(),
         )
 
+    async def last_words(self) -> str:
+        """Return nothing: a stream has no words."""
+        return ""
+
     async def require_ready(self) -> None:
         """Raise NotInitialisedError where the arm cannot move, by what the controller states now."""
         frame = await self.next_frame()
@@ -90,3 +98,11 @@ class EgmReader:
             raise NotInitialisedError(
                 "the robot cannot move: its program stands; start it on the pendant, then confirm"
             )
+
+
+def read_by_egm(robot: GuardingRobot, options: Options, clock: Clock) -> GuardingRobot:
+    """Return a robot as its options have it: read by EGM where they say at which port."""
+    if "egm_port" not in options:
+        return robot
+    port = UdpPort(option.host(options), option.port(options, name="egm_port"))
+    return AccompaniedRobot(robot, EgmReader(port, clock))

@@ -11,7 +11,7 @@ import math
 from dataclasses import dataclass
 
 from truepose_drivers import options as option
-from truepose_drivers.abb_egm.robot import EGM_OPTION, GuardingRobot, read_by_egm
+from truepose_drivers.abb_egm.reader import EGM_OPTION, read_by_egm
 from truepose_drivers.abb_open_abb.heartbeat import BEAT, BEAT_S, SILENCE_S, STOPS_WITHIN_S, is_our_server
 from truepose_drivers.abb_open_abb.protocol import (
     LONGEST_MESSAGE_CHARS,
@@ -32,6 +32,7 @@ from truepose_drivers.abb_open_abb.protocol import (
     reply_numbers,
     rest_before_ping,
 )
+from truepose_drivers.abb_rws.companion import LOGIN_OPTIONS, watched_by_rws
 from truepose_drivers.api import (
     Clock,
     DeviceIdentity,
@@ -42,6 +43,7 @@ from truepose_drivers.api import (
     Options,
     Vector,
 )
+from truepose_drivers.arms.companion import GuardingRobot
 from truepose_drivers.errors import (
     ConfigurationError,
     ConnectionLostError,
@@ -348,13 +350,15 @@ def _open(options: Options, clock: Clock | None) -> GuardingRobot:
     keeps_time = clock or MonotonicClock()
     tool_mm = option.vector(options, "tool_mm")
     robot = OpenAbbRobot(tcp_link(options, MOTION_PORT), keeps_time, tool_mm=tool_mm)
-    return read_by_egm(robot, options, keeps_time)
+    return read_by_egm(watched_by_rws(robot, options, keeps_time), options, keeps_time)
 
 
 _OPTIONS = {
     "host": "address of the controller, often 192.168.125.1",
     "port": f"TCP port of the motion server, {MOTION_PORT} unless changed",
     "tool_mm": 'point at which speeds hold, on the axes of the flange: "0 0 125"; the flange unless given',
+    "rws_port": "TCP port of Robot Web Services, often 80, to watch state and joints by; else none",
+    **LOGIN_OPTIONS,
     "egm_port": EGM_OPTION,
 }
 PLUGIN = DriverPlugin("abb_open_abb", "robot", "open_abb", _OPTIONS, _open)

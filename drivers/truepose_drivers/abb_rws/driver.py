@@ -6,17 +6,15 @@ key switch, program and speed override is asked for anew.
 """
 
 import asyncio
-import contextlib
 import math
-from dataclasses import dataclass
 from typing import Final
 
-from truepose_drivers import options as option
-from truepose_drivers.abb_egm.robot import EGM_OPTION, GuardingRobot, read_by_egm
+from truepose_drivers.abb_egm.reader import EGM_OPTION, read_by_egm
+from truepose_drivers.abb_rws.companion import LOGIN_OPTIONS, RwsCompanion, login_of
 from truepose_drivers.abb_rws.motion import Patience, RapidProgram, read_panel
 from truepose_drivers.abb_rws.protocol import resources
 from truepose_drivers.abb_rws.protocol.digest import Login
-from truepose_drivers.abb_rws.protocol.panel import Panel, controller_state
+from truepose_drivers.abb_rws.protocol.panel import Panel
 from truepose_drivers.abb_rws.protocol.program import STOPS_WITHIN_S, Order
 from truepose_drivers.abb_rws.session import RwsSession
 from truepose_drivers.api import (
@@ -28,6 +26,7 @@ from truepose_drivers.api import (
     MotionLimits,
     Options,
 )
+from truepose_drivers.arms.companion import GuardingRobot
 from truepose_drivers.errors import (
     BusyError,
     ConfigurationError,
@@ -45,14 +44,6 @@ _FURTHEST_DEG: Final = 3600.0  # no joint is wound up further
 _FASTEST: Final = 1e9  # a number of RAPID, far beyond any arm
 
 
-@dataclass(frozen=True, slots=True)
-class TimeOuts:
-    """How long the controller may take, in wall time."""
-
-    reply_s: float = 1.5
-    goodbye_s: float = 0.3
-
-
 class RwsRobot:
     """A controller on a link. Keeps the conversation; computes nothing."""
 
@@ -62,13 +53,11 @@ class RwsRobot:
         clock: Clock,
         login: Login | None = None,
         *,
-        time_outs: TimeOuts | None = None,
         patience: Patience | None = None,
     ) -> None:
-        self._time_outs = time_outs or TimeOuts()
         known = login or Login(resources.USER, resources.PASSWORD)
-        self._session = RwsSession(link, known, reply_s=self._time_outs.reply_s)
-        self._clock = clock
+        self._session = RwsSession(link, known)
+        self._watch = RwsCompanion(self._session, clock)
         self._program = RapidProgram(self._session, patience or Patience())
         self._limits = MotionLimits()
         self._one_motion = asyncio.Lock()
@@ -90,20 +79,11 @@ class RwsRobot:
 
     async def connect(self) -> None:
         """Open the link and log in; raises ConnectFailedError, DeviceRefusedError."""
-        await self._session.open()
-        try:
-            await self._session.get(resources.CONTROLLER_STATE, controller_state)
-        except DriverError:
-            await self._session.close()
-            raise
+        await self._watch.connect()
 
     async def close(self) -> None:
         """End the session, then close the link; never raises."""
-        if self._session.is_open and not self._session.taken:
-            with contextlib.suppress(DriverError, TimeoutError):
-                async with asyncio.timeout(self._time_outs.goodbye_s):
-                    await self._session.get(resources.LOGOUT, lambda _: None)
-        await self._session.close()
+        await self._watch.close()
 
     async def identify(self) -> DeviceIdentity:
         """Ask for serial number, robot type and RobotWare version."""
@@ -125,12 +105,7 @@ class RwsRobot:
 
     async def read_joints(self) -> JointReading:
         """Ask where the joints are; also while the arm moves."""
-        joints_deg = await self._session.get(resources.JOINT_TARGET, resources.joint_angles_deg)
-        return JointReading(
-            joints_rad=tuple(map(math.radians, joints_deg)),
-            resolution_rad=math.radians(resources.RESOLUTION_DEG),
-            time_s=await self._clock.now_s(),
-        )
+        return await self._watch.read_joints()
 
     async def move_joints(self, target_rad: tuple[float, ...]) -> None:
         """Move all joints to `target_rad`; return when the arm rests there.
@@ -182,17 +157,14 @@ def _check_limits(limits: MotionLimits) -> None:
 
 def _open(options: Options, clock: Clock | None) -> GuardingRobot:
     keeps_time = clock or MonotonicClock()
-    login = Login(
-        option.text(options, "user") or resources.USER, option.text(options, "password") or resources.PASSWORD
-    )
-    return read_by_egm(RwsRobot(tcp_link(options, resources.PORT), keeps_time, login), options, keeps_time)
+    robot = RwsRobot(tcp_link(options, resources.PORT), keeps_time, login_of(options))
+    return read_by_egm(robot, options, keeps_time)
 
 
 _OPTIONS = {
     "host": "address of the controller, often 192.168.125.1",
     "port": f"TCP port of its web services, {resources.PORT} unless changed",
-    "user": f'user of the controller, "{resources.USER}" unless changed',
-    "password": "password of that user, that of a new controller unless changed",
+    **LOGIN_OPTIONS,
     "egm_port": EGM_OPTION,
 }
 PLUGIN = DriverPlugin("abb_rws", "robot", "rws", _OPTIONS, _open)

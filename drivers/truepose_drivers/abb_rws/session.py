@@ -3,6 +3,8 @@
 Answers carry no number, but HTTP's own order: an exchange that is left before its end closes the connection.
 """
 
+import asyncio
+import contextlib
 import secrets
 from collections.abc import Callable
 from typing import Final, TypeVar
@@ -16,13 +18,15 @@ from truepose_drivers.abb_rws.protocol.http import (
     encode_request,
     form_body,
 )
-from truepose_drivers.abb_rws.protocol.resources import error_sentence
-from truepose_drivers.errors import ConfigurationError, ConnectionLostError, DeviceRefusedError
+from truepose_drivers.abb_rws.protocol.resources import LOGOUT, error_sentence
+from truepose_drivers.errors import ConfigurationError, ConnectionLostError, DeviceRefusedError, DriverError
 from truepose_drivers.transports.conversation import Conversation
 from truepose_drivers.transports.link import Link
 
 # A controller ends a connection after 400 requests, in the middle of whatever.
 _MOST_REQUESTS: Final = 300
+_REPLY_S: Final = 1.5
+_GOODBYE_S: Final = 0.3
 _UNAUTHORISED: Final = 401
 _BUSY: Final = 503
 
@@ -32,10 +36,9 @@ Told = TypeVar("Told")
 class RwsSession:
     """Asks for resources and acts on them."""
 
-    def __init__(self, link: Link, login: Login, *, reply_s: float) -> None:
+    def __init__(self, link: Link, login: Login) -> None:
         self._conversation = Conversation[HttpResponse](link, ResponseReader, harmless=(DeviceRefusedError,))
         self._login = login
-        self._reply_s = reply_s
         self._forget()
 
     def _forget(self) -> None:
@@ -50,11 +53,6 @@ class RwsSession:
         """Whether the controller is there as far as known."""
         return self._conversation.is_open
 
-    @property
-    def taken(self) -> bool:
-        """Whether an exchange is under way."""
-        return self._conversation.taken
-
     async def open(self) -> None:
         """Connect and begin a session of its own; raises ConnectFailedError."""
         self._forget()
@@ -63,6 +61,14 @@ class RwsSession:
     async def close(self) -> None:
         """Close the connection; never raises."""
         await self._conversation.close()
+
+    async def leave(self) -> None:
+        """Log out, for sessions are few, then close the connection; never raises."""
+        if self.is_open and not self._conversation.taken:
+            with contextlib.suppress(DriverError, TimeoutError):
+                async with asyncio.timeout(_GOODBYE_S):
+                    await self.get(LOGOUT, _nothing)
+        await self.close()
 
     async def get(self, target: str, decode: Callable[[HttpResponse], Told]) -> Told:
         """Return what a resource tells; raises DeviceRefusedError where there is none, LinkError.
@@ -103,7 +109,7 @@ class RwsSession:
         silence = (
             f"the robot at {self._conversation.address} is connected and says nothing: check the network"
         )
-        await self._conversation.send(question, timeout_s=self._reply_s, silence=silence)
+        await self._conversation.send(question, timeout_s=_REPLY_S, silence=silence)
         response = await self._conversation.next()
         if not await self._conversation.is_quiet():
             raise RwsProtocolError("the robot answered more than was asked: connect again")

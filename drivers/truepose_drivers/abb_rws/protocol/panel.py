@@ -56,14 +56,17 @@ class Panel:
 
     @property
     def obstacle(self) -> str | None:
-        """Why the arm may not be moved, with what to do; None where it may. The program may stand."""
+        """Why the arm may not be moved from here, with what to do; None where it may."""
+        if self.halt is None and self.mode is not OperationMode.AUTO:
+            return f"its key switch is at {self.mode.value}: switch it to AUTO and confirm on the pendant"
+        return self.halt
+
+    @property
+    def halt(self) -> str | None:
+        """Why nothing moves the arm now, with what to do; None where something may."""
         if self.state is not ControllerState.MOTORS_ON:
             return _WHY[self.state]
-        if self.mode is not OperationMode.AUTO:
-            return f"its key switch is at {self.mode.value}: switch it to AUTO and confirm on the pendant"
-        if self.speed_percent <= 0.0:
-            return "its speed override is 0 %: raise it on the pendant"
-        return None
+        return "its speed override is 0 %: raise it on the pendant" if self.speed_percent <= 0.0 else None
 
 
 _WHY: Final = {

@@ -8,8 +8,8 @@ import pytest
 
 from truepose_drivers.abb_egm.protocol import Motors, Rapid, RobotFrame, encode_robot
 from truepose_drivers.abb_egm.reader import EgmReader
-from truepose_drivers.abb_egm.robot import RobotReadByEgm
 from truepose_drivers.api import GuardsMotion, MotionGuard, MotionLimits, RobotController
+from truepose_drivers.arms.companion import AccompaniedRobot
 from truepose_drivers.errors import (
     ConnectFailedError,
     ConnectionLostError,
@@ -192,7 +192,7 @@ class FakeRobot:
 
 def robot_on(stream):
     mover = FakeRobot()
-    return mover, RobotReadByEgm(mover, EgmReader(stream, LoopClock()))
+    return mover, AccompaniedRobot(mover, EgmReader(stream, LoopClock()))
 
 
 async def test_a_robot_is_moved_one_way_and_read_the_other():

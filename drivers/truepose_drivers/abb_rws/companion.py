@@ -1,0 +1,82 @@
+"""Robot Web Services beside open_abb: state before every motion, joints to all digits, the event log."""
+
+import math
+
+from truepose_drivers import options as option
+from truepose_drivers.abb_rws.motion import read_panel
+from truepose_drivers.abb_rws.protocol import resources
+from truepose_drivers.abb_rws.protocol.digest import Login
+from truepose_drivers.abb_rws.protocol.panel import Execution, controller_state
+from truepose_drivers.abb_rws.session import RwsSession
+from truepose_drivers.api import Clock, JointReading, Options
+from truepose_drivers.arms.companion import AccompaniedRobot, GuardingRobot
+from truepose_drivers.errors import DriverError, NotInitialisedError
+from truepose_drivers.transports.tcp import tcp_link
+
+LOGIN_OPTIONS = {
+    "user": f'user of the controller\'s web services, "{resources.USER}" unless changed',
+    "password": "password of that user, that of a new controller unless changed",
+}
+
+
+class RwsCompanion:
+    """A session that asks and moves nothing."""
+
+    def __init__(self, session: RwsSession, clock: Clock) -> None:
+        self._session = session
+        self._clock = clock
+
+    @property
+    def connected(self) -> bool:
+        """Whether the link is up as far as known."""
+        return self._session.is_open
+
+    async def connect(self) -> None:
+        """Open the link and log in; raises ConnectFailedError, DeviceRefusedError."""
+        await self._session.open()
+        try:
+            await self._session.get(resources.CONTROLLER_STATE, controller_state)
+        except DriverError:
+            await self._session.close()
+            raise
+
+    async def close(self) -> None:
+        """End the session, then close the link; never raises."""
+        await self._session.leave()
+
+    async def require_ready(self) -> None:
+        """Raise NotInitialisedError where motors, program or speed override are in the way."""
+        now = await read_panel(self._session)
+        if now.halt is not None:
+            raise NotInitialisedError(f"the robot cannot move: {now.halt}; then confirm")
+        if now.execution is Execution.STOPPED:
+            raise NotInitialisedError(
+                "the robot cannot move: its program stands; start it on the pendant, then confirm"
+            )
+
+    async def read_joints(self) -> JointReading:
+        """Ask where the joints are; also while the arm moves."""
+        joints_deg = await self._session.get(resources.JOINT_TARGET, resources.joint_angles_deg)
+        return JointReading(
+            joints_rad=tuple(map(math.radians, joints_deg)),
+            resolution_rad=math.radians(resources.RESOLUTION_DEG),
+            time_s=await self._clock.now_s(),
+        )
+
+    async def last_words(self) -> str:
+        """Return the newest entry of the event log."""
+        return await self._session.get(f"{resources.EVENT_LOG}?lang=en", resources.last_event)
+
+
+def login_of(options: Options) -> Login:
+    """Return who logs in, by the options `user` and `password`; raises ConfigurationError."""
+    user, password = option.text(options, "user"), option.text(options, "password")
+    return Login(user or resources.USER, password or resources.PASSWORD)
+
+
+def watched_by_rws(robot: GuardingRobot, options: Options, clock: Clock) -> GuardingRobot:
+    """Return a robot as its options have it: watched by web services where they say at which port."""
+    if "rws_port" not in options:
+        return robot
+    session = RwsSession(tcp_link(options, port="rws_port"), login_of(options))
+    return AccompaniedRobot(robot, RwsCompanion(session, clock))
