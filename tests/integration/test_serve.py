@@ -78,6 +78,28 @@ def refused(monkeypatch, capsys):
     everything.setLevel(level)
 
 
+def given(url):
+    return httpx.get(f"{url}/api/v1/simulated-faults").json()["faults"]
+
+
+def test_an_engineer_gives_and_ends_a_fault_while_the_service_runs(service):
+    url = url_of(service)
+    faults = f"{url}/api/v1/simulated-faults"
+    wanted = {"person": "Ada", "kind": "smr_missing", "keys": {"nest": 2.0}}
+
+    number = httpx.post(faults, json=wanted).json()["number"]
+    refused = httpx.post(faults, json={**wanted, "keys": {"nest": 9}})
+    (active,) = given(url)
+    httpx.post(f"{faults}/{number}/end", json={"person": "Ada"})
+    (over,) = given(url)
+
+    assert (active["kind"], active["keys"], active["person"]) == ("smr_missing", {"nest": 2}, "Ada")
+    assert (active["state"], over["state"]) == ("active", "over")
+    assert refused.status_code == 422
+    assert refused.json()["detail"] == 'The cell refuses that: key "nest" must be 1 to 3, not 9.'
+    assert "A reflector was left out" in httpx.get(f"{url}/faults").text
+
+
 def test_without_a_cell_file_it_says_on_every_page_that_all_is_simulated(service):
     url = url_of(service)
 
@@ -161,6 +183,8 @@ def test_a_simulated_cell_that_ended_is_told_and_not_started_anew(service):
 
     assert health["status"] == "degraded"
     assert health["fault"] == "The simulated cell has ended with status -9; start the service again."
+    assert httpx.get(f"{url}/api/v1/simulated-faults").status_code == 503
+    assert "The simulated cell does not answer." in httpx.get(f"{url}/faults").text
     refused = httpx.post(f"{url}/api/v1/devices/tracker/connect", timeout=60)
     assert refused.status_code == 503
 

@@ -22,6 +22,7 @@ from truepose.operation.devices import MountedDevice, Rack
 from truepose.operation.present_cell import PresentCell
 from truepose.operation.repeated_diagnosis import RepeatedDiagnosis
 from truepose.operation.sessions import SessionDesk
+from truepose.operation.simulated_faults import FaultsDesk
 from truepose.operation.simulated_hands import HandsDesk
 from truepose.operation.tracker.sessions import TrackerSessions
 from truepose.settings import Settings
@@ -273,6 +274,7 @@ def _context(
         tracker_sessions=TrackerSessions(session_desk, additions, again.after_session),
         ballbar_sessions=ballbar_sessions,
         hands_desk=HandsDesk(rack, ballbar_sessions.frame_of),
+        faults_desk=FaultsDesk(None if simulation is None else simulation.ask_of_faults, present),
         job_desk=job_desk,
         campaign_desk=campaign_desk,
         stopping=asyncio.Event(),

@@ -10,13 +10,14 @@ import contextlib
 import json
 import sys
 import tempfile
-from collections.abc import AsyncIterator, Set
+from collections.abc import AsyncIterator, Mapping, Set
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 from truepose.app.errors import ScenarioRefusedError, SimulationFailedError
 from truepose.domain.cell import Detail, SimulatedCell
 from truepose.web.context import Endpoint
+from truepose_drivers.errors import ConnectionLostError
 
 _NEEDED: Final = {"tracker", "robot", "clock", "truth", "ballbar", "hands", "faults"}
 _ARTEFACT: Final = b"the simulated artefact"
@@ -27,6 +28,7 @@ threading.Thread(target=lambda: (os.read(0, 1), os._exit(1)), daemon=True).start
 runpy.run_module("truepose_simulators", run_name="__main__", alter_sys=True)
 """
 _START_S: Final = 30.0  # a second on an idle machine
+_ANSWER_S: Final = 10.0  # of a question about faults; a thousandth of it on an idle machine
 _END_S: Final = 5.0
 _UNUSABLE_INPUT: Final = 2  # exit status of a cell that refuses its scenario
 
@@ -48,6 +50,19 @@ class Simulation:
         if status is None:
             return None
         return f"The simulated cell has ended with status {status}; start the service again."
+
+    async def ask_of_faults(self, request: Mapping[str, object]) -> dict[str, Any]:
+        """Put a question to the endpoint of the cell's faults; raises ConnectionLostError."""
+        at = next(endpoint for endpoint in self.endpoints if endpoint.device == "faults")
+        try:
+            async with asyncio.timeout(_ANSWER_S):
+                reader, writer = await asyncio.open_connection(at.host, at.port)
+                writer.write(json.dumps(dict(request)).encode() + b"\n")
+                answer: dict[str, Any] = json.loads(await reader.readline())
+                writer.close()
+        except (OSError, TimeoutError, ValueError) as error:
+            raise ConnectionLostError("The simulated cell does not answer; see the start page.") from error
+        return answer
 
 
 @contextlib.asynccontextmanager

@@ -6,6 +6,7 @@ OperationError
 ├── DeviceInUseError     a session holds the device
 ├── CellChangedError     the cell file says something else than the service was started with
 ├── NoBallbarError       the cell file does not describe a ballbar
+├── FaultRefusedError    a simulated cell cannot have that go wrong
 └── RealCellError        only a simulated cell can be asked that
 """
 
@@ -34,6 +35,10 @@ class CellChangedError(OperationError):
 
 class NoBallbarError(OperationError):
     """The cell file does not describe a ballbar."""
+
+
+class FaultRefusedError(OperationError):
+    """A simulated cell cannot have that go wrong."""
 
 
 class RealCellError(OperationError):

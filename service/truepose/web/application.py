@@ -33,6 +33,7 @@ from truepose.web.measurement import (
     promises,
     readings,
     sessions,
+    simulated_faults,
     simulated_hands,
 )
 from truepose.web.tablet import routes as tablet
@@ -48,6 +49,7 @@ _RESOURCES: Final = (
     ballbar_sessions,
     ballbar_live,
     simulated_hands,
+    simulated_faults,
     readings,
     jobs,
     identifications,

@@ -13,6 +13,7 @@ from truepose.domain.cell import Cell
 from truepose.operation.ballbar.sessions import BallbarSessions
 from truepose.operation.devices import Rack
 from truepose.operation.sessions import SessionDesk
+from truepose.operation.simulated_faults import FaultsDesk
 from truepose.operation.simulated_hands import HandsDesk
 from truepose.operation.tracker.sessions import TrackerSessions
 from truepose.storage.calibration.campaigns import CampaignRepository
@@ -57,6 +58,7 @@ class Context:
     tracker_sessions: TrackerSessions
     ballbar_sessions: BallbarSessions
     hands_desk: HandsDesk
+    faults_desk: FaultsDesk
     job_desk: JobDesk
     campaign_desk: CampaignDesk
     stopping: asyncio.Event  # set when the service ends: streams end with it

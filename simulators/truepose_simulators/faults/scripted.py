@@ -89,7 +89,7 @@ class Given:
             "kind": _NAMES[type(self.fault)],
             "keys": stated,
             "state": self.state(time_s),
-            "begun_s": begun_s if begun_s <= time_s else None,
+            "begun_s": begun_s if begun_s <= min(time_s, over_s) else None,
             "over_s": over_s if over_s <= time_s else None,
             "struck": len(self.struck_s),
         }

@@ -17,7 +17,8 @@ Headers: TypeAlias = Sequence[tuple[bytes, bytes]]
 
 # Where a link on somebody else's page may lead; whatever is not here can only be asked by our own pages.
 PAGES: Final = re.compile(
-    r"/|/docs|/operator(/[^/]+)?|/diagnoses(/[^/]+)?|/corrections(/[^/]+)?|/plan|/sessions(/[^/]+(/result)?)?"
+    r"/|/docs|/operator(/[^/]+)?|/diagnoses(/[^/]+)?|/corrections(/[^/]+)?|/plan|/faults"
+    r"|/sessions(/[^/]+(/result)?)?"
 )
 _READING: Final = frozenset({"GET", "HEAD", "OPTIONS"})
 _FRAMES: Final = frozenset({"iframe", "frame", "fencedframe", "embed", "object", "portal"})

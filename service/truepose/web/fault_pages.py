@@ -1,0 +1,39 @@
+"""The faults of a simulated cell for people: a list of what was given, and a form for each kind."""
+
+from typing import Any, Final
+
+from fastapi import APIRouter
+from fastapi.responses import HTMLResponse
+
+from truepose.web.context import Here
+from truepose.web.languages import Kept, Words
+from truepose.web.rendering import spoken_page
+from truepose_drivers.errors import DriverError
+
+router = APIRouter(prefix="/faults", include_in_schema=False)
+_WHEN: Final = {"from_s", "configuration", "move", "reading", "after_s", "for_s", "until_s", "count"}
+
+
+@router.get("", response_class=HTMLResponse)
+async def faults_page(here: Here, words: Words, kept: Kept) -> HTMLResponse:
+    """Show what goes wrong in the cell, and what may."""
+    desk = here.faults_desk
+    try:
+        kinds = await desk.kinds() if desk.simulated else []
+    except DriverError:  # the cell has ended: the page says so
+        kinds = []
+    return spoken_page(
+        words,
+        "faults.html",
+        here=here,
+        kept=kept,
+        simulated=desk.simulated,
+        kinds=[_shown(kind) for kind in kinds],
+        names={kind["kind"]: words.name(kind["kind"]) for kind in kinds},
+    )
+
+
+def _shown(kind: dict[str, Any]) -> dict[str, Any]:
+    keys = {key["key"]: key for key in kind["keys"]}
+    own = [key for name, key in keys.items() if name not in _WHEN]
+    return {"kind": kind["kind"], "own": own, "lasts": "for_s" in keys}
