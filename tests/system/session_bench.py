@@ -42,7 +42,8 @@ class Bench:
         self._truth = address["truth"]
         self.robot_address = address["robot"]
         self.clock = CLOCK.open(address["clock"], None)
-        self.tracker = TRACKER.open(address["tracker"], self.clock)
+        self.tracker_address = address["tracker"]
+        self.tracker = TRACKER.open(self.tracker_address, self.clock)
         robot = {**address["robot"]}
         if endpoints["robot"]["protocol"] == MAPPDK.protocol:
             robot["logger_port"] = address["robot-logger"]["port"]

@@ -65,7 +65,7 @@ class CertifiedLength:
 
 @dataclass(frozen=True, slots=True)
 class Camera:
-    """An optical tracker of poses in the tracker's place, and how exactly it reads its artefact.
+    """A tracker of poses in the tracker's place, and how exactly it reads its artefact.
 
     No fixed nest places it: the world of its readings is its own frame, put where it is said to stand.
     """
@@ -76,6 +76,7 @@ class Camera:
     position_u_mm: float  # of a reading, per axis
     rotation_u_rad: float
     artefact_rotation_u_rad: float  # of the artefact's definition in the last frame
+    upright: bool = False  # a laser tracker's frame: z is up, and x points to what lies below `looks_at_mm`
 
 
 @dataclass(frozen=True, slots=True)

@@ -15,7 +15,7 @@ from truepose.domain.cell import Camera, Cell, Vector
 from truepose.domain.robot import Nest
 from truepose.exchange.cells.sections import read_cone, refuse_unlisted
 from truepose.exchange.document import Node
-from truepose.exchange.keys import VECTOR, Form, Key, number, read_keys
+from truepose.exchange.keys import TRUTH, VECTOR, Form, Key, number, read_keys
 from truepose.kinematics.artefact import centre, normal, pose_uncertainty
 
 _FEWEST_NESTS: Final = 3
@@ -30,6 +30,7 @@ class _Section:
     reading_u_mm: float  # of a nest's coordinate by one reading
     artefact_u_mm: float  # of a nest's coordinate in the artefact's definition
     seen_within_rad: float | None  # of the artefact's normal; None: from all sides
+    upright: bool
 
 
 _SECTION: Final = (
@@ -38,6 +39,7 @@ _SECTION: Final = (
     Key("reading_u_mm", "reading_u_mm", _LENGTH),
     Key("artefact_u_mm", "artefact_u_mm", _LENGTH),
     Key("seen_within_deg", "seen_within_rad", Form(read_cone), absent=None),
+    Key("upright", "upright", TRUTH, absent=False),
 )
 
 
@@ -58,6 +60,7 @@ def before_camera(cell: Cell, node: Node) -> Cell:
         position_u_mm=read.position_mm,
         rotation_u_rad=read.rotation_rad,
         artefact_rotation_u_rad=defined.rotation_rad,
+        upright=said.upright,
     )
     return replace(
         cell,

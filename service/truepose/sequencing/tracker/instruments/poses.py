@@ -109,7 +109,7 @@ class Poses:
                 f"expected, limits {_STANDS_WITHIN_MM:.0f} mm and {math.degrees(_TURNED_WITHIN_RAD):.1f} "
                 "deg: it is another one, sits otherwise, or the camera was moved."
             )
-        if not reading.rms_mm <= _FITS_WITHIN_MM:
+        if reading.rms_mm > _FITS_WITHIN_MM:  # NaN where the instrument judges that by itself
             raise ReadingRejectedError(
                 f"The artefact's markers fit to {reading.rms_mm:.3f} mm only, limit {_FITS_WITHIN_MM:.1f} "
                 "mm: it is another one, or partly hidden."
@@ -165,17 +165,25 @@ def _turn(reading: PoseReading) -> FloatArray:
 
 
 def stated_place(camera: Camera, serial: str = "") -> Registration:
-    """Return where a camera stands by its cell file: it looks along its negative z axis, x is level."""
-    position_mm = np.array(camera.position_mm)
-    z = position_mm - np.array(camera.looks_at_mm)
-    z /= np.linalg.norm(z)
-    x = np.cross([0.0, 0.0, 1.0], z)
-    x /= np.linalg.norm(x)
+    """Return where a camera stands by its cell file."""
     return Registration(
-        rotation=np.stack([x, np.cross(z, x), z], axis=-1),
-        translation_mm=position_mm,
+        rotation=_stated_turn(camera),
+        translation_mm=np.array(camera.position_mm),
         covariance=np.zeros((6, 6)),  # the world of the readings is what it is said to be
         rms_mm=math.nan,  # nothing was measured
         two_face_mm=None,
         instrument_serial=serial,
     )
+
+
+def _stated_turn(camera: Camera) -> FloatArray:
+    """Return a camera's axes in the world, shape (3, 3): one that looks does so along -z, and x is level."""
+    sight = np.array(camera.looks_at_mm) - np.array(camera.position_mm)
+    if camera.upright:
+        z = np.array([0.0, 0.0, 1.0])
+        x = np.array([sight[0], sight[1], 0.0])
+    else:
+        z = -sight / np.linalg.norm(sight)
+        x = np.cross([0.0, 0.0, 1.0], z)
+    x /= np.linalg.norm(x)
+    return np.stack([x, np.cross(z, x), z], axis=-1)

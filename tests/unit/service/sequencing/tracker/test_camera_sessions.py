@@ -122,13 +122,29 @@ async def test_the_camera_is_put_where_the_cell_file_says_and_nothing_is_measure
     assert (placed.instrument_serial, math.isnan(placed.rms_mm)) == ("P-1", True)
 
 
+async def test_an_instrument_that_states_no_fit_of_markers_is_believed():
+    fake = camera_cell()
+    fake.camera.changes = {"rms_mm": math.nan}
+
+    await run_session(fake, plan_of(1))
+
+    (point,) = fake.journal.points
+    assert math.isnan(point.rms_mm)
+
+
+def test_an_upright_instrument_has_its_z_axis_up_and_looks_along_x():
+    stands = stated_place(replace(CAMERA, upright=True, looks_at_mm=(2200.0, -500.0, 0.0)))
+
+    assert stands.rotation == pytest.approx(np.array([[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]))
+    assert stands.translation_mm == pytest.approx(CAMERA.position_mm)
+
+
 @pytest.mark.parametrize(
     ("change", "said"),
     [
         ({"off_mm": np.array([80.0, 0.0, 0.0])}, "80 mm"),
         ({"off_rad": np.array([0.0, 0.0, 0.2])}, "11.5 deg"),
         ({"changes": {"rms_mm": 0.8}}, "fit to 0.800 mm"),
-        ({"changes": {"rms_mm": math.nan}}, "fit to nan mm"),
         ({"changes": {"position_deviation_mm": (0.3, 0.0, 0.0)}}, "scatter by 0.300 mm"),
         ({"changes": {"position_mm": (math.nan, 0.0, 0.0)}}, "no pose"),
         ({"changes": {"quaternion": (0.0, 0.0, 0.0, 0.0)}}, "no pose"),
