@@ -9,10 +9,6 @@ from truepose_drivers.contract.case import reason_absent, run, unknown_absences
 from truepose_drivers.contract.cases import CASES
 from truepose_drivers.contract.link_faults import require_found
 
-STILL_OPEN = {  # what is being mended; an entry goes with its gap
-    ("fanuc_mappdk", "silence_is_told_within_two_seconds"),
-}
-SLOW_TO_TELL = {name for name, case in STILL_OPEN if case == "silence_is_told_within_two_seconds"}
 NAMES = [bench.plugin.name for bench in BENCHES]
 ASKED = [(bench, case) for bench in BENCHES for case in CASES if reason_absent(case, bench()) is None]
 IDS = [f"{bench.plugin.name}-{case.name}" for bench, case in ASKED]
@@ -26,8 +22,6 @@ def test_every_registered_driver_has_a_bench():
 
 @pytest.mark.parametrize(("bench", "case"), ASKED, ids=IDS)
 def test_a_driver_keeps_the_contract(bench, case):
-    if (bench.plugin.name, case.name) in STILL_OPEN:
-        pytest.xfail("known, and being mended")
     run(case, bench)
 
 
@@ -48,6 +42,4 @@ def test_hostile_answers_do_no_harm(bench):
 
 @every_driver
 def test_faults_of_a_link_are_found_and_pass(bench):
-    if bench.plugin.name in SLOW_TO_TELL:
-        pytest.xfail("known, and being mended")
     require_found(bench, 30, seed=7)

@@ -71,7 +71,7 @@ class TimeOuts:
     connect_s: float = 1.5  # it closes its socket before it listens again
     retry_s: float = 0.25
     greeting_s: float = 3.0
-    reply_s: float = 10.0
+    reply_s: float = 1.8  # a robot that is gone is told within two seconds
     motion_s: float = 20.0  # in addition to the motion at a low speed override
     rest_of_reply_s: float = 0.25  # how long the end of an error in unknown words may lag behind
 
