@@ -112,7 +112,7 @@ async def _suffer(trial: Trial, found: LinkTally, fault: str) -> None:
     began_s = now_s()
     taken = await trial.take()
     if isinstance(taken, DriverError):
-        found.lost_s.append(now_s() - began_s - trial.bench.measures_s)
+        found.lost_s.append(max(0.0, now_s() - began_s - trial.bench.measures_s))
         if trial.connected and fault in _OF_LINE:
             found.left_open += 1
     await asyncio.sleep(float(trial.rng.uniform(0.0, _LONGEST_AWAY_S)))
@@ -138,4 +138,4 @@ async def _back_s(trial: Trial) -> float:
         await asyncio.sleep(_RETRY_S)
         if now_s() - began_s > _GIVE_UP_S:
             broken("the device is back, and the driver does not read it any more")
-    return now_s() - began_s - trial.bench.measures_s
+    return max(0.0, now_s() - began_s - trial.bench.measures_s)
