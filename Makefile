@@ -57,11 +57,11 @@ diagnosis-report: setup
 ballbar-report: setup
 	$(BIN)/python -m tests.studies.ballbar_report --out out/ballbar
 
-# An hour and a half on two idle cores; each study has a command of its own, in docs/hardening-figures.md.
+# Two hours on two idle cores; each study has a command of its own, in docs/hardening-figures.md.
 hardening-report: setup
 	$(BIN)/python -m tests.studies.erring_operator --out out/hardening
 	$(BIN)/python -m tests.studies.wrong_pairs --out out/hardening
-	$(BIN)/python -m tests.studies.hostile_wires --out out/hardening
+	$(BIN)/python -m tests.studies.hostile_wires --bytes 2000000 --out out/hardening
 	$(BIN)/python -m tests.studies.crowded_door --out out/hardening
 	$(BIN)/python -m tests.studies.giant_upload --out out/hardening
 	$(BIN)/python -m tests.studies.storage_refusals --lock-s 60 --out out/hardening
