@@ -18,6 +18,7 @@ from truepose.exchange.cells.file import simulated_cell
 from truepose.planning.work_volume.work_space import WorkSpace
 from truepose.sequencing.tracker.cell import SessionCell
 from truepose_drivers.abb_open_abb.driver import PLUGIN as OPEN_ABB
+from truepose_drivers.abb_rws.driver import PLUGIN as RWS
 from truepose_drivers.cell_clock.driver import PLUGIN as CLOCK
 from truepose_drivers.fanuc_mappdk.driver import PLUGIN as MAPPDK
 from truepose_drivers.fanuc_rmi.driver import PLUGIN as RMI
@@ -25,7 +26,7 @@ from truepose_drivers.kuka_variable_proxy.driver import PLUGIN as KUKA
 from truepose_drivers.leica_emscon.driver import PLUGIN as TRACKER
 from truepose_drivers.universal_robots.driver import PLUGIN as UNIVERSAL
 
-_ROBOTS = {plugin.protocol: plugin for plugin in (OPEN_ABB, MAPPDK, RMI, UNIVERSAL, KUKA)}
+_ROBOTS = {plugin.protocol: plugin for plugin in (OPEN_ABB, RWS, MAPPDK, RMI, UNIVERSAL, KUKA)}
 # Of a UR10, whose maker states full turns only: elbow above the table, tool in front.
 _ELBOW_UP = tuple(
     JointRange(math.radians(lower), math.radians(upper))

@@ -80,6 +80,7 @@ class RapidProgram:
         await self._make_ready()
         stood_deg = await self.joints_deg()
         order = await self._give(order)
+        await self._require_still_ready()
         await self._follow(order, _Course(stood_deg, stood_deg, _now_s()))
 
     async def joints_deg(self) -> tuple[float, ...]:
@@ -95,6 +96,15 @@ class RapidProgram:
         if now.execution is Execution.STOPPED:
             await self._session.act(resources.EXECUTION, "resetpp")
             await self._session.act(resources.EXECUTION, "start", _START)
+
+    async def _require_still_ready(self) -> None:
+        """See once more what a stop changes: requests are slow, and the first beat sets the arm off."""
+        runs = await self._session.get(resources.EXECUTION, panel.execution)
+        state = await self._session.get(resources.CONTROLLER_STATE, panel.controller_state)
+        if runs is Execution.STOPPED or state is not panel.ControllerState.MOTORS_ON:
+            raise NotInitialisedError(
+                f"the robot was stopped before it set off ({state.value}): look at the pendant, then confirm"
+            )
 
     async def _require_ours(self) -> None:
         try:

@@ -31,6 +31,7 @@ def test_the_shipped_scenarios_are_there():
         "irb120-everyday",
         "irb120-kuka",
         "irb120-probe",
+        "irb120-rws",
         "irb120-thesis",
         "irb120-tilted",
         "lrmate-clean",

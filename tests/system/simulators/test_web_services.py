@@ -144,7 +144,7 @@ async def test_an_order_that_nobody_waits_for_moves_nothing():
 
     bench.write(program.ORDER, program.Order(7, (60.0, *HOME[1:]), 250.0, 20.0).encode())
     assert bench.reported() is program.Progress.TAKEN
-    await asyncio.sleep(1.0)
+    await asyncio.sleep(program.FIRST_BEAT_S + 0.1)
     assert bench.reported() is program.Progress.GIVEN_UP
     bench.write(program.BEAT, "9")
     await asyncio.sleep(1.0)
@@ -163,6 +163,23 @@ async def test_an_order_from_before_the_start_moves_nothing():
 
     assert bench.reported() is program.Progress.IDLE
     assert not bench.cell.robot.target_rad.any()
+
+
+async def test_a_stop_between_order_and_first_beat_moves_nothing():
+    bench = Bench()
+    robot = await bench.connected()
+    take = bench.controller.task._take
+
+    def take_and_stop():
+        take()
+        bench.controller.switch(ControllerState.EMERGENCY_STOP)
+
+    bench.controller.task._take = take_and_stop
+    with pytest.raises(NotInitialisedError, match=r"stopped before it set off \(emergencystop\)"):
+        await robot.move_joints(AWAY)
+
+    assert not bench.cell.robot.target_rad.any()
+    await robot.close()
 
 
 async def test_a_program_that_understood_another_order_gets_no_beat():

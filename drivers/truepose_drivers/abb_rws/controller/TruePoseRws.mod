@@ -25,6 +25,8 @@ MODULE TruePoseRws
     CONST num REFUSED:=5;
     CONST num SILENCE_S:=0.8;
     CONST num LOOK_S:=0.1;
+    ! For the first beat of an order, before which nothing moves.
+    CONST num PATIENCE_S:=3;
 
     PERS string tpServer:="truepose rws 1";
     PERS num tpOrder{9}:=[0,0,0,0,0,0,0,0,0];
@@ -70,7 +72,7 @@ MODULE TruePoseRws
         ENDIF
         lastBeat:=tpBeat;
         Tell TAKEN;
-        WaitUntil tpBeat<>lastBeat\MaxTime:=SILENCE_S\TimeFlag:=silent\PollRate:=0.02;
+        WaitUntil tpBeat<>lastBeat\MaxTime:=PATIENCE_S\TimeFlag:=silent\PollRate:=0.02;
         IF silent THEN
             Tell GIVEN_UP;
             RETURN;

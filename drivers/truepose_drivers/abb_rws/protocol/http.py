@@ -121,29 +121,30 @@ class _MessageReader(Generic[Message]):
         self._begin(b"")
 
     def _begin(self, data: bytes) -> None:
-        self._wire = self._new_wire()
+        self._wire: h11.Connection | None = None  # made for the first byte: readers are cheap to throw away
         self._head: h11.Request | h11.Response | None = None
         self._body = b""
-        self._arrived = False
         self.receive_data(data)
 
     @property
     def inside_message(self) -> bool:
         """Whether more stands here than was taken."""
-        return self._arrived
+        return self._wire is not None
 
     def receive_data(self, data: bytes) -> None:
         """Append what arrived."""
         if data:
-            self._arrived = True
+            self._wire = self._wire or self._new_wire()
             self._wire.receive_data(data)
 
     def next_message(self) -> Message | None:
         """Take the oldest whole message, None until more arrives; raises RwsProtocolError."""
+        if self._wire is None:
+            return None
         try:
             while (event := self._wire.next_event()) not in (h11.NEED_DATA, h11.PAUSED):
                 if isinstance(event, h11.EndOfMessage):
-                    return self._end()
+                    return self._end(self._wire.trailing_data[0])
                 self._take(event)
         except h11.RemoteProtocolError as error:
             raise RwsProtocolError(f"what arrived is no HTTP ({error}): is this the right port?") from error
@@ -157,11 +158,11 @@ class _MessageReader(Generic[Message]):
         if len(self._body) > LONGEST_BODY_BYTES:
             raise RwsProtocolError(f"a message has more than {LONGEST_BODY_BYTES} bytes: connect again")
 
-    def _end(self) -> Message:
+    def _end(self, behind: bytes) -> Message:
         head, body = self._head, self._body
         if head is None:  # h11 ends nothing that has not begun
             raise RwsProtocolError("a message ended that had not begun: connect again")
-        self._begin(self._wire.trailing_data[0])
+        self._begin(behind)
         return self._whole(head, body)
 
 

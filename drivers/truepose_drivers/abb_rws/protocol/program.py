@@ -20,6 +20,7 @@ BEAT: Final = "tpBeat"
 REPORT: Final = "tpReport"
 
 SILENCE_S: Final = 0.8  # after which the program stops the arm; it looks every 0.1 s
+FIRST_BEAT_S: Final = 3.0  # after which an order is given up that nobody gave a beat to; nothing has moved
 BEAT_S: Final = 0.2  # so often the driver is heard while the arm moves
 STOPS_WITHIN_S: Final = 1.0  # silence, look and deceleration
 

@@ -9,6 +9,7 @@ import numpy as np
 from truepose_drivers.abb_rws.protocol.errors import RwsProtocolError
 from truepose_drivers.abb_rws.protocol.program import (
     BEAT,
+    FIRST_BEAT_S,
     NAME,
     ORDER,
     REPORT,
@@ -127,7 +128,7 @@ class OurProgram(_Motions):
 
     async def _give_up_unless_heard(self, order: Order) -> None:
         if self._cell.clock.waits:
-            await self._cell.clock.sleep(SILENCE_S)
+            await self._cell.clock.sleep(FIRST_BEAT_S)
             if self._report == Report(Progress.TAKEN, order.values()):
                 self._tell(Progress.GIVEN_UP, order)
 
