@@ -13,6 +13,7 @@ from truepose.demo.progress import RunProgress, shown_progress
 from truepose.demo.report import REPORT, write_report
 from truepose.demo.result import RESULT, show_result, write_result
 from truepose.demo.truth_comparison import JudgedRun, judge
+from truepose.exchange.cells.file import reads_poses
 
 _FAILED: Final = 1
 _UNUSABLE_INPUT: Final = 2
@@ -26,6 +27,9 @@ class DemoSize:
 
     calibration: int = 50
     validation: int = 1000
+
+
+_OF_POSES: Final = DemoSize(36, 300)  # calibration as the thesis; a pose shows three nests to judge by
 
 
 def run_demo(out: Path, seed: int, scenario: str, size: DemoSize | None = None) -> int:
@@ -49,7 +53,7 @@ def run_demo(out: Path, seed: int, scenario: str, size: DemoSize | None = None) 
         cell failed, 130 interrupted.
     """
     out.mkdir(parents=True, exist_ok=True)
-    amount = size or DemoSize()
+    amount = size or (_OF_POSES if reads_poses(scenario) else DemoSize())
     request = CellRequest(scenario, seed, amount.calibration, amount.validation)
     with shown_progress() as progress:
         try:

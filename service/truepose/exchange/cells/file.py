@@ -111,14 +111,22 @@ def _on_table(template: Node, robot: str) -> Cell:
 
 def _template(scenario: str = "") -> Node:
     """Return the table of a scenario: the usual one, or that before a camera."""
-    name = Path(scenario).stem
-    camera = next((known for known in _CAMERA_SCENARIOS if name.startswith(known)), None)
-    usual = _shipped_table("simulated.toml")
+    usual, camera = _shipped_table("simulated.toml"), _camera_scenario(scenario)
     if camera is None:
         return usual
     before_camera = _shipped_table(f"{camera}.toml").entries()
     replaced = {key: entry for key, entry in usual.entries().items() if key not in _TABLE}
     return replace(usual, value={**replaced, **before_camera})
+
+
+def _camera_scenario(scenario: str) -> str | None:
+    name = Path(scenario).stem
+    return next((known for known in _CAMERA_SCENARIOS if name.startswith(known)), None)
+
+
+def reads_poses(scenario: str) -> bool:
+    """Return whether a camera reads poses in a scenario, by its shipped name or file."""
+    return _camera_scenario(scenario) is not None
 
 
 def _shipped_table(name: str) -> Node:

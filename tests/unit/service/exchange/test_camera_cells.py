@@ -5,7 +5,7 @@ import re
 import numpy as np
 import pytest
 
-from truepose.exchange.cells.file import read_cell, simulated_cell
+from truepose.exchange.cells.file import read_cell, reads_poses, simulated_cell
 from truepose.exchange.errors import BadValueError
 from truepose.kinematics.artefact import pose_uncertainty
 from truepose.planning.work_volume.cell_space import space_to_measure
@@ -59,6 +59,19 @@ def test_the_tracker_of_other_scenarios_stands_where_it_stood():
 
     assert cell.camera is None
     assert (len(cell.nests), len(cell.fixed_nests)) == (3, 3)
+
+
+@pytest.mark.parametrize(
+    ("scenario", "poses"),
+    [
+        ("irb120-camera", True),
+        ("my/irb120-camera-tall.toml", True),
+        ("irb120-tilted", False),
+        ("nobody", False),
+    ],
+)
+def test_a_scenario_says_by_its_name_whether_a_camera_reads_poses(scenario, poses):
+    assert reads_poses(scenario) is poses
 
 
 def test_a_real_cell_describes_its_camera(tmp_path):
