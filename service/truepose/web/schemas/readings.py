@@ -21,6 +21,12 @@ class PointReadingReply(Reply):
     samples: int = Field(examples=[1000])
     repeat_of: int | None = Field(description="Earlier configuration with the same joints.")
     group: int | None = Field(description="Of readings that belong together, as planned.")
+    quaternion: list[float] | None = Field(
+        description="Of the artefact in the world, w first; null of a tracker, which reads points."
+    )
+    rotation_uncertainty_deg: Quantity | None = Field(
+        description="Of the orientation, per axis; null as above."
+    )
 
 
 class FixedNestReadingReply(Reply):

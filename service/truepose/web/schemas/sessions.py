@@ -6,7 +6,7 @@ from pydantic import Field
 
 from truepose.analysis.workers.tasks import CirclePlanTask, PosePlanTask
 from truepose.domain.cell import Cell
-from truepose.domain.session import PlannedStop, Role, SessionPlan, SessionRole, SessionState, Turn
+from truepose.domain.session import Measured, PlannedStop, Role, SessionPlan, SessionRole, SessionState, Turn
 from truepose.storage.records import SessionSetup
 from truepose.web.schemas.base import (
     NUMBER_LIMIT,
@@ -272,6 +272,9 @@ class PlanReply(Reply):
     """What a session does, in order."""
 
     role: Role
+    measures: Measured = Field(
+        description="poses where the cell has a camera; fixed nests are of points only."
+    )
     approach_offset_deg: float | None
     settle_s: float
     measure_s: float
