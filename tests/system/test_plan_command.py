@@ -42,6 +42,20 @@ def test_parameters_that_a_plan_cannot_determine_are_named_with_status_1():
     assert all(group["reason"] for group in document["open"])
 
 
+def test_a_plan_of_a_closed_loop_says_what_is_read_at_each_stop(tmp_path):
+    (tmp_path / "targets.csv").write_text("target,kind,x_mm,y_mm,z_mm\n4,ball,430,0,260\n")
+    out = tmp_path / "plan.csv"
+
+    loop = ("--targets", str(tmp_path / "targets.csv"), "--nests", "2", "--reading-mm", "0.01")
+    document = json.loads(plan("lrmate-tilted", *loop, "--n", "30", "--json", "--out", str(out)).stdout)
+
+    assert document["instrument"] == "closed loop"
+    assert document["targets"] == [[4]] * 30
+    assert document["nests"] == [2] * 30
+    rows = list(csv.DictReader(out.read_text().splitlines()))
+    assert {row["targets"] for row in rows} == {"4"}
+
+
 def test_a_ballbar_plan_has_legs_and_cups():
     document = json.loads(plan("irb120-tilted", "--ballbar", "--n", "20", "--json").stdout)
 
@@ -82,6 +96,7 @@ def test_a_campaign_that_is_too_small_for_a_model_promises_nothing(tmp_path):
         (("abb-irb-120", "--volume", "none.toml"), "none.toml"),
         (("abb-irb-120", "--reading-mm", "-1"), "--reading-mm -1"),
         (("docs/examples/campaign", "--ballbar"), "not for a campaign"),
+        (("abb-irb-120", "--nests", "1"), "give its --targets too"),
     ],
 )
 def test_unusable_input_is_one_sentence(arguments, sentence):

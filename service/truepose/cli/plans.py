@@ -14,10 +14,13 @@ from truepose.words.catalogue import ENGLISH, catalogue, english
 
 if TYPE_CHECKING:
     from truepose.domain.keep_outs import KeepOuts
-    from truepose.domain.robot import Robot
+    from truepose.domain.robot import Nest, Robot
+    from truepose.planning.loops.stands import LoopWish
     from truepose.planning.promise.plan import PromisedPlan
     from truepose.planning.promise.subjects import Subject
     from truepose.planning.promise.volume import WorkVolume
+
+_USUAL_READING_MM = 0.001  # of a touch probe or a linear gauge
 
 
 def plan_command(
@@ -42,6 +45,16 @@ def plan_command(
         typer.Option("--one-sided", help="Keep the gears that carry the arm loaded from one side (masses)."),
     ] = False,
     ballbar: Annotated[bool, typer.Option("--ballbar", help="Lengths of a ballbar, no tracker.")] = False,
+    targets: Annotated[
+        Path | None,
+        typer.Option(help="A closed loop with these targets and where they stand (CSV), no tracker."),
+    ] = None,
+    distances: Annotated[
+        Path | None, typer.Option(help="Certified distances of the targets of a closed loop (CSV).")
+    ] = None,
+    nests: Annotated[
+        str, typer.Option(help="Tool nests that a closed loop uses, with commas; by default all.")
+    ] = "",
     reading_mm: Annotated[
         float | None, typer.Option(help="Standard uncertainty of a reading per axis; else a usual tracker's.")
     ] = None,
@@ -62,7 +75,11 @@ def plan_command(
     require_folders(out)
     asked = _Asked(subject, n, volume, keep_out, _size(reading_mm, "--reading-mm"), seed, one_sided)
     lacking_mm = _size(discrepancy_mm, "--discrepancy-mm")
-    made = _for_ballbar(asked, lacking_mm) if ballbar else _for_tracker(asked, lacking_mm)
+    loop = _loop(targets, distances, nests, ballbar=ballbar)
+    if loop is not None:
+        made = _for_loop(asked, loop, lacking_mm)
+    else:
+        made = _for_ballbar(asked, lacking_mm) if ballbar else _for_tracker(asked, lacking_mm)
     if out is not None:
         _write(out, made.plan)
     _print(made, language, as_json=json)
@@ -105,6 +122,28 @@ class _Asked:
         from truepose.exchange.cells.keep_outs import read_keep_out_file
 
         return KeepOuts() if self.keep_out is None else read_keep_out_file(self.keep_out)
+
+
+@dataclass(frozen=True, slots=True)
+class _Loop:
+    """The files of a closed loop."""
+
+    targets: Path
+    distances: Path | None
+    nests: tuple[int, ...]  # none: all of the tool
+
+
+def _loop(targets: Path | None, distances: Path | None, nests: str, *, ballbar: bool) -> _Loop | None:
+    if targets is None:
+        if distances is not None or nests:
+            raise ConfigurationError("--distances and --nests are of a closed loop: give its --targets too.")
+        return None
+    if ballbar:
+        raise ConfigurationError("--targets and --ballbar are two ways to measure; give one.")
+    numbers = nests.replace(" ", "").split(",") if nests else []
+    if not all(number.isdigit() for number in numbers):
+        raise ConfigurationError(f"--nests {nests}: give numbers of tool nests with commas, such as 1,2,3.")
+    return _Loop(targets, distances, tuple(map(int, numbers)))
 
 
 @dataclass(frozen=True, slots=True)
@@ -181,6 +220,42 @@ def _for_ballbar(asked: _Asked, discrepancy_mm: float | None) -> _Made:
     plan = promised_ballbar_session(cell, asked.n, volume=volume, discrepancy=lack, seed=asked.seed)
     run = dry_run(session_plan(cell, plan), cell.ballbar or BallbarKit())
     return _Made(cell.robot, plan, run.duration_s / 60.0)
+
+
+def _for_loop(asked: _Asked, loop: _Loop, discrepancy_mm: float | None) -> _Made:
+    from truepose.planning.loops.plan import promised_loop
+    from truepose.planning.promise.tracker import session_plan
+    from truepose.sequencing.tracker.dry_run import minutes_of
+
+    if asked.is_campaign or asked.one_sided:
+        raise ConfigurationError(
+            "--targets plans for a robot or a cell file, without --one-sided; give one of these."
+        )
+    subject = _subject(asked, discrepancy_mm)
+    plan = promised_loop(
+        subject.space,
+        _wish(loop, subject.space.nests, asked.reading_mm),
+        asked.n,
+        discrepancy=subject.knowns.discrepancy,
+        volume=asked.work_volume(subject.space.robot),
+        seed=asked.seed,
+    )
+    return _Made(subject.space.robot, plan, minutes_of(session_plan(plan), subject.space, 0))
+
+
+def _wish(loop: _Loop, nests: "tuple[Nest, ...]", reading_mm: float | None) -> "LoopWish":
+    from truepose.exchange.input_file import read_bytes
+    from truepose.exchange.tables.contacts import read_distance_table, read_target_table
+    from truepose.planning.loops.stands import LoopWish
+
+    targets, _ = read_target_table(loop.targets.name, read_bytes(loop.targets))
+    distances = None
+    if loop.distances is not None:
+        distances, _ = read_distance_table(loop.distances.name, read_bytes(loop.distances), targets)
+    used = loop.nests or tuple(range(1, len(nests) + 1))
+    if max(used) > len(nests) or min(used) < 1:
+        raise ConfigurationError(f"--nests {max(used)}: the tool has nests 1 to {len(nests)}.")
+    return LoopWish(targets, used, _USUAL_READING_MM if reading_mm is None else reading_mm, distances)
 
 
 def _write(file: Path, plan: "PromisedPlan") -> None:

@@ -13,6 +13,12 @@ from truepose.words.catalogue import Catalogue
 
 _MOST_SAID: Final = 3  # combinations that are left open; a plan of a few configurations leaves dozens
 _MOST_NAMED: Final = 8  # parameters of one of them; documents have all
+# Readings and keep-out volumes, by whether lengths of a ballbar, and contacts of a closed loop, are read.
+_KEYS: Final = {
+    (False, False): ("plans.readings", "plans.kept_out"),
+    (True, False): ("plans.lengths", "plans.kept_out.poses"),
+    (False, True): ("plans.contacts", "plans.kept_out.loops"),
+}
 _HEADS: Final = (
     "plans.head.n",
     "plans.head.mean",
@@ -79,11 +85,10 @@ def _open(group: NotIdentifiable) -> Sentence:
 
 def _assumptions(plan: PromisedPlan) -> Iterator[Sentence]:
     assumed = plan.assumptions
-    key = "plans.readings" if plan.poses is None else "plans.lengths"
+    key, kept_out = _KEYS[plan.poses is not None, plan.targets is not None]
     yield said(key, reading_um=1e3 * assumed.reading_mm, repeatability_um=1e3 * assumed.repeatability_mm)
     if assumed.kept_out:
-        key = "plans.kept_out" if plan.poses is None else "plans.kept_out.poses"
-        yield said(key, volumes=", ".join(assumed.kept_out))
+        yield said(kept_out, volumes=", ".join(assumed.kept_out))
     lack = assumed.discrepancy
     if lack.per_axis_mm > 0.0:
         yield said("plans.discrepancy", discrepancy_mm=lack.per_axis_mm, percent=100.0 * lack.known_to)

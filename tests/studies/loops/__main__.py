@@ -6,7 +6,6 @@
 
 import argparse
 import sys
-import tempfile
 from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
@@ -14,24 +13,16 @@ from typing import Final
 
 import numpy as np
 
-from tests.studies.loops.held_out import HeldOut, Truth, held_out
+from tests.studies.loops.held_out import HeldOut
+from tests.studies.loops.planned import attained, planned
+from tests.studies.loops.recorded import TRACKER, calibrated
 from tests.studies.report_command import shown, status_of
-from truepose.domain.campaign import Stops
 from truepose.domain.results import NotIdentifiable
-from truepose.exchange.campaigns.folder import read_campaign
 from truepose.reports.table_report import Row, Section, Verdict, write_table_report
 from truepose.words.catalogue import english
-from truepose_simulators.cell.true_cell import Cell
-from truepose_simulators.recording import Stops as RecordedStops
-from truepose_simulators.recording import Wishes, record, write_campaign
-from truepose_simulators.recording.loops.campaign import LoopWishes, record_loop
-from truepose_simulators.recording.loops.files import write_loop
 from truepose_simulators.recording.loops.loops import LOOPS
-from truepose_simulators.scenarios.file import load_scenario
-from truepose_simulators.scenarios.scenario import Scenario
 
-_TRACKER: Final = "tracker"  # as many points of it, to compare with
-_ALL: Final = (*LOOPS, _TRACKER)
+_ALL: Final = (*LOOPS, TRACKER)
 _KEPT: Final = (0.8, 1.2)  # of the promise, over all arms
 _HELD_BY_PRIORS: Final = frozenset({"plane"})  # what it promises is what the priors let any arm be
 _BY_CONSTRUCTION: Final = frozenset({
@@ -58,6 +49,7 @@ def _options() -> argparse.Namespace:
     parser.add_argument("--seeds", type=int, default=20)
     parser.add_argument("--stops", type=int, default=100)
     parser.add_argument("--loops", nargs="+", choices=_ALL, default=[*_ALL])
+    parser.add_argument("--planned", nargs="*", default=["two-spheres", "tilted-plane", "gauges", "wires"])
     return parser.parse_args()
 
 
@@ -70,41 +62,22 @@ def _sections(options: argparse.Namespace) -> Iterator[Section]:
             f"{kind}: {options.seeds} arms of {options.scenario}, {options.stops} stops",
             (*_figures(arms, kind), *_left_open(arms)),
         )
+    for kind in options.planned:
+        yield _kept(options.scenario, kind, options.seeds)
 
 
-def calibrated(scenario: str, seed: int, kind: str, stops: int) -> HeldOut:
-    """Record a loop, or a tracker, calibrate by it, and hold the model against the truth."""
-    with tempfile.TemporaryDirectory() as name:
-        if kind == _TRACKER:
-            truth = _tracked(load_scenario(scenario), seed, stops, Path(name))
-        else:
-            truth = _looped(load_scenario(scenario), seed, LoopWishes(kind, stops), Path(name))
-        campaign = read_campaign(Path(name))
-    return held_out(campaign, truth)
-
-
-def _looped(scenario: Scenario, seed: int, wishes: LoopWishes, folder: Path) -> Truth:
-    recording = record_loop(scenario, seed, wishes)
-    write_loop(recording, folder)
-    return _truth(recording.cell, recording.points.stops)
-
-
-def _tracked(scenario: Scenario, seed: int, stops: int, folder: Path) -> Truth:
-    recording = record(scenario, seed, Wishes(configurations=stops, validation=300, attachments=1))
-    write_campaign(recording, folder)
-    return _truth(recording.cell, recording.validation.stops)
-
-
-def _truth(cell: Cell, stops: RecordedStops) -> Truth:
-    joints = np.radians(stops.joints_deg)
-    true = cell.true_positions(cell.conditions(joints, stops.direction, stops.time_s, stops.attachment))
-    n, nests, _ = true.shape
-    rows = np.repeat(np.arange(n), nests)
-    return Truth(
-        Stops(rows, joints[rows], stops.direction.astype(np.int64)[rows]),
-        np.tile(np.arange(1, nests + 1), n),
-        true.reshape(-1, 3),
+def _kept(scenario: str, kind: str, seeds: int) -> Section:
+    """Return whether the knee of a plan is what arms attain."""
+    plan = planned(scenario, kind, None)
+    arms = [attained(scenario, seed, kind, plan) for seed in range(1, seeds + 1)]
+    mean, promised = float(np.mean([arm.mean_mm for arm in arms])), plan.promised.mean_mm
+    low, high = _KEPT
+    verdict = Verdict.PASSED if low <= mean / promised <= high else Verdict.FAILED
+    rows = (
+        Row("mean error", f"{promised:.4f} mm promised", f"{mean:.4f} mm", Verdict.NO_TARGET),
+        Row("error / promise", f"{low:g} to {high:g}", f"{mean / promised:.2f}", verdict),
     )
+    return Section(f"{kind} as planned: {len(plan.joints_rad)} stops, {seeds} arms", rows)
 
 
 def _figures(arms: list[HeldOut], kind: str) -> Iterator[Row]:

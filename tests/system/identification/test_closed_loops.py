@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tests.studies.loops.__main__ import calibrated
+from tests.studies.loops.recorded import calibrated
 from truepose.diagnosis.diagnose import diagnose
 from truepose.domain.diagnosis import Verdict
 from truepose.exchange.campaigns.folder import read_campaign

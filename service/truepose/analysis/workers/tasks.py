@@ -252,7 +252,8 @@ def held_out(campaign: Campaign) -> Readings:
 
     Calibration readings never stand in: a model may have been made from them.
     """
-    for readings in (campaign.validation, campaign.validation_legs, campaign.validation_contacts):
+    others = (campaign.validation, campaign.validation_legs, campaign.validation_contacts)
+    for readings in (campaign.held_out, *others):
         if readings is not None:
             return readings
     raise NothingMeasuredError(

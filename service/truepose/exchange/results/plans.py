@@ -50,9 +50,10 @@ class PlanDocument(Document):
     """Configurations to measure, and what they promise."""
 
     robot: str
-    instrument: Literal["tracker", "ballbar"]
+    instrument: Literal["tracker", "ballbar", "closed loop"]
     configurations_deg: list[list[float]]
-    nests: list[int] | None = Field(None, description="Tool nest that faces the tracker.")
+    nests: list[int] | None = Field(None, description="Tool nest that faces the tracker, or takes part.")
+    targets: list[list[int]] | None = Field(None, description="Targets that are read, in a closed loop.")
     legs: list[list[list[int]]] | None = Field(None, description="Base and tool point of each length.")
     placement: list[int] | None = Field(None, description="Of the base fixture, of each configuration.")
     placements: list[PlacementDocument] | None = None
@@ -71,9 +72,10 @@ def plan_document(plan: PromisedPlan, robot: str, minutes: float, remarks: Seque
     """Return what `truepose plan --json` prints and the API shows."""
     document = {
         "robot": robot,
-        "instrument": "tracker" if plan.poses is None else "ballbar",
+        "instrument": _instrument(plan),
         "configurations_deg": np.round(np.degrees(plan.joints_rad), 9).tolist(),
         **({} if plan.nest is None else {"nests": plan.nest.tolist()}),
+        **({} if plan.targets is None else {"targets": [list(own) for own in plan.targets]}),
         **({} if plan.poses is None else _ballbar(plan.poses)),
         "n": plan.total,
         "measured": plan.measured,
@@ -86,6 +88,12 @@ def plan_document(plan: PromisedPlan, robot: str, minutes: float, remarks: Seque
         "remarks": remarks,
     }
     return PlanDocument.model_validate(document)
+
+
+def _instrument(plan: PromisedPlan) -> str:
+    if plan.targets is not None:
+        return "closed loop"
+    return "tracker" if plan.poses is None else "ballbar"
 
 
 def _assumed(assumptions: Assumptions) -> Assumed:

@@ -17,11 +17,15 @@ _PLACEMENT = Field("placement", Column("placement"))
 def write_plan(file: Path, plan: PromisedPlan) -> None:
     """Write `config, q1_deg..` and the `nest` that faces the tracker, or `placement, legs` of a ballbar.
 
+    Stops of a closed loop say the `targets` that are read there as well.
+
     Configurations are numbered on from those that were measured.
     """
     numbers = plan.measured + 1 + np.arange(len(plan.joints_rad))
     cells = stop_cells(Stops(numbers, plan.joints_rad))
     cells |= _NEST.cells(plan.nest) if plan.poses is None else _pose_cells(plan.poses)
+    if plan.targets is not None:
+        cells["targets"] = [" ".join(map(str, own)) for own in plan.targets]
     file.write_text(table_text(cells), encoding="utf-8", newline="\n")
 
 

@@ -48,6 +48,7 @@ class PromisedPlan:
     left_open: tuple[NotIdentifiable, ...]  # what readings at all of them would not determine
     observability: Mapping[str, float]  # O1 to O5 of all of them, by name
     assumptions: Assumptions
+    targets: tuple[tuple[int, ...], ...] | None = None  # n, read at each stop of a closed loop; None: none
 
     @property
     def total(self) -> int:

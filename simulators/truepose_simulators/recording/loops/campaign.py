@@ -79,8 +79,12 @@ class LoopRecording:
     true_points_mm: FloatArray  # (n, nests, 3) at the points, without noise and scatter
 
 
-def record_loop(scenario: Scenario, seed: int, wishes: LoopWishes) -> LoopRecording:
+def record_loop(
+    scenario: Scenario, seed: int, wishes: LoopWishes, planned: Stands | None = None
+) -> LoopRecording:
     """Record a closed loop in the cell that scenario and seed give.
+
+    Where stops are planned they come before those that judge, instead of drawn ones.
 
     Raises
     ------
@@ -91,9 +95,11 @@ def record_loop(scenario: Scenario, seed: int, wishes: LoopWishes) -> LoopRecord
     streams = np.random.SeedSequence(seed, spawn_key=(_STREAM,)).spawn(3)
     plan_rng, setup_rng, noise_rng = (np.random.default_rng(stream) for stream in streams)
     met = _set_up(cell, loop, setup_rng)
-    stands = plan_stands(cell, loop, wishes.configurations + wishes.validation, plan_rng)
+    n = wishes.configurations if planned is None else len(planned.nest)
+    stands = plan_stands(cell, loop, n + wishes.validation, plan_rng)
+    stands = stands if planned is None else planned.before(stands.last(wishes.validation))
     contacts = _read(cell, loop, met, stands, wishes.approach, noise_rng)
-    first = contacts.config <= wishes.configurations
+    first = contacts.config <= n
     points = record_in(cell, wishes.tracker, float(contacts.time_s[-1]))[0].validation
     stops = points.stops
     true = cell.true_positions(

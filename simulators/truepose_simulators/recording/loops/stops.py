@@ -29,6 +29,19 @@ class Stands:
     nest: NestNumbers  # (m,) 1-based
     placed: NestNumbers  # (m,) index of what is met; of loops that read everything at once 0
 
+    def last(self, n: int) -> "Stands":
+        """Return the last n stops."""
+        first = len(self.nest) - n
+        return Stands(self.joints_deg[first:], self.nest[first:], self.placed[first:])
+
+    def before(self, others: "Stands") -> "Stands":
+        """Return these stops and behind them others."""
+        return Stands(
+            np.concatenate([self.joints_deg, others.joints_deg]),
+            np.concatenate([self.nest, others.nest]),
+            np.concatenate([self.placed, others.placed]),
+        )
+
 
 def plan_stands(cell: Cell, loop: Loop, count: int, rng: np.random.Generator) -> Stands:
     """Draw stops of a loop, nests and places by turns; raises NoStopsError."""

@@ -1,0 +1,1 @@
+"""Stops of closed loops, and the accuracy that they promise."""

@@ -1,0 +1,153 @@
+"""Plans of closed loops: stops where the tool meets its targets, and what they promise."""
+
+from dataclasses import replace
+from functools import cache
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from truepose.domain.campaign import TargetDistances
+from truepose.domain.errors import ConfigurationError
+from truepose.domain.targets import Target, TargetKind
+from truepose.exchange.cells.given import cell_given
+from truepose.planning.errors import TooFewCandidatesError
+from truepose.planning.loops.plan import promised_loop
+from truepose.planning.loops.stands import LoopWish, draw_stands
+from truepose.planning.promise.subjects import of_cell
+from truepose.planning.work_volume.work_space import nominal_chain
+
+SPACE = of_cell(cell_given("lrmate-tilted")).space
+SPHERES = (
+    Target(1, TargetKind.SPHERE, 15.7, 0.001, 0.0005, (330.0, -250.0, 140.0)),
+    Target(2, TargetKind.SPHERE, 15.7, 0.001, 0.0005, (450.0, 230.0, 260.0)),
+)
+BAR = TargetDistances(np.array([1]), np.array([2]), np.array([509.0]), np.array([0.001]))
+GAUGES = tuple(
+    Target(k + 1, TargetKind.GAUGE, place_mm=(420.0, -60.0, 240.0), normal=tuple(axis))
+    for k, axis in enumerate(np.eye(3).tolist())
+)
+WIRES = tuple(
+    Target(k, TargetKind.WIRE, place_mm=place)
+    for k, place in enumerate(((900.0, -700.0, 30.0), (900.0, 700.0, 30.0)), start=1)
+)
+BALL = (Target(1, TargetKind.BALL, place_mm=(430.0, 0.0, 260.0)),)
+
+
+def plane(normal, kind=TargetKind.PLANE):
+    return (Target(1, kind, form_mm=0.002, place_mm=(450.0, 0.0, 250.0), normal=normal),)
+
+
+TILTED = plane((-0.5, 0.3, 0.8))
+WISHES = {
+    "spheres": LoopWish(SPHERES, (2,), 0.001, BAR),
+    "gauges": LoopWish(GAUGES, (1, 2), 0.001),
+    "wires": LoopWish(WIRES, (2,), 0.02),
+    "ball": LoopWish(BALL, (2,), 0.01),
+    "plane": LoopWish(TILTED, (1, 2, 3), 0.001),
+    "face": LoopWish(plane((-0.5, 0.3, 0.8), TargetKind.FACE), (2,), 0.005),
+}
+
+
+@cache
+def stands_of(name):
+    return draw_stands(SPACE, WISHES[name], 24, np.random.default_rng(1))
+
+
+@cache
+def plan_of(name, n=40):
+    return promised_loop(SPACE, WISHES[name], n)
+
+
+def places(stands):
+    centres = np.array([nest.centre_mm for nest in SPACE.nests])
+    chain = nominal_chain(SPACE, stands.joints_rad)
+    return chain.end_origin + np.einsum("nij,nj->ni", chain.end_rotation, centres[stands.nest - 1]), chain
+
+
+def test_a_probe_stands_on_its_sphere_and_comes_from_outside():
+    stands = stands_of("spheres")
+    where, chain = places(stands)
+
+    centres = np.array([target.place_mm for target in SPHERES])[stands.group]
+    outward = where - centres
+    assert np.linalg.norm(outward, axis=1) == pytest.approx(15.7, abs=1e-5)
+    assert (outward[:, 2] >= 0.0).all()
+    assert ((chain.end_rotation[:, :, 2] * outward).sum(axis=1) < 0.0).all()
+    assert np.bincount(stands.group).tolist() == [12, 12]
+
+
+def test_a_probe_stands_on_its_plane():
+    where, _ = places(stands_of("plane"))
+
+    normal = np.array(TILTED[0].normal) / np.linalg.norm(TILTED[0].normal)
+    assert (where - TILTED[0].place_mm) @ normal == pytest.approx(np.zeros(24), abs=1e-5)
+    assert np.bincount(stands_of("plane").nest).tolist() == [0, 8, 8, 8]
+
+
+@pytest.mark.parametrize(("name", "target"), [("gauges", GAUGES[0]), ("ball", BALL[0])])
+def test_gauges_and_sensors_stay_within_their_travel(name, target):
+    where, _ = places(stands_of(name))
+
+    assert np.abs(where - target.place_mm).max() <= 2.0 + 1e-6
+
+
+def test_a_sensor_looks_at_its_face_from_a_distance():
+    where, chain = places(stands_of("face"))
+
+    normal = np.array(TILTED[0].normal) / np.linalg.norm(TILTED[0].normal)
+    assert np.abs((where - TILTED[0].place_mm) @ normal - 40.0).max() <= 2.0 + 1e-6
+    assert (chain.end_rotation[:, :, 2] @ -normal > np.cos(np.radians(25.0))).all()
+
+
+def test_all_gauges_at_one_place_and_all_wires_are_read_at_one_stop():
+    assert plan_of("gauges").targets[0] == (1, 2, 3)
+    assert plan_of("wires").targets[0] == (1, 2)
+    assert set(plan_of("spheres").targets) == {(1,), (2,)}
+
+
+def test_stops_of_a_target_follow_one_another():
+    numbers = [numbers[0] for numbers in plan_of("spheres").targets]
+
+    assert numbers == sorted(numbers)
+
+
+def test_more_stops_promise_more():
+    curve = plan_of("wires").curve
+
+    means = [point.mean_mm for point in curve]
+    assert all(after <= before for before, after in pairwise(means))
+    assert curve[-1].mean_mm < 0.03
+    assert plan_of("wires").left_open == ()
+
+
+def test_a_certified_distance_tells_what_an_uncertified_tool_does_not():
+    unknown = tuple(replace(nest, standard_uncertainty_mm=0.1) for nest in SPACE.nests)
+    space = replace(SPACE, nests=unknown)
+    spheres = tuple(replace(target, zero_uncertainty_mm=0.05) for target in SPHERES)
+
+    without, with_bar = (
+        promised_loop(space, LoopWish(spheres, (2,), 0.001, bar), 60).promised.mean_mm for bar in (None, BAR)
+    )
+
+    assert with_bar < 0.7 * without
+
+
+def test_a_level_plane_leaves_open_what_a_tilted_one_tells():
+    level = promised_loop(SPACE, LoopWish(plane((0.0, 0.0, 1.0)), (1, 2, 3), 0.001), 60)
+
+    assert {"a_2", "d_2"} <= {name for entry in level.left_open for name in entry.parameters}
+    assert plan_of("plane", 60).left_open == ()
+    assert level.promised.mean_mm > 10.0 * plan_of("plane", 60).promised.mean_mm
+
+
+def test_a_target_out_of_reach_is_named():
+    far = (replace(BALL[0], place_mm=(3000.0, 0.0, 500.0)),)
+
+    with pytest.raises(TooFewCandidatesError, match="comes to target 1 in 0 of"):
+        promised_loop(SPACE, LoopWish(far, (2,), 0.01), 20)
+
+
+def test_a_target_without_a_place_is_refused():
+    with pytest.raises(ConfigurationError, match="Target 2 has no place"):
+        LoopWish((BALL[0], Target(2, TargetKind.BALL)), (1,), 0.01)
