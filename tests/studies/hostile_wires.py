@@ -12,9 +12,10 @@ import sys
 from dataclasses import asdict
 from pathlib import Path
 
-from tests.contract.devices.every import BENCHES
 from truepose_drivers.contract import codec_fuzz, hostile, link_faults
+from truepose_drivers.contract.benches import find_benches
 
+_EVERY = "tests.contract.devices.every:BENCHES"
 _OF_CODECS = ("inputs", "read", "refused", "waiting", "foreign", "cpu_s")
 _COLUMNS = (
     "inputs", "right", "no_value", "refused", "wrong_betrayable", "wrong_unseen", "foreign", "hung",
@@ -33,16 +34,15 @@ def table(tallies, columns):
 
 
 def main():
-    named = {bench.plugin.name: bench for bench in BENCHES}
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--out", type=Path, required=True)
     parser.add_argument("--bytes", type=int, default=hostile.QUICK_INPUTS, help="hostile inputs to a codec")
     parser.add_argument("--runs", type=int, default=hostile.QUICK_INPUTS, help="answers spoiled")
     parser.add_argument("--faults", type=int, default=link_faults.FAULTS_EACH, help="faults of each link")
     parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--driver", choices=named, action="append", help="only this one; may be repeated")
+    parser.add_argument("--driver", action="append", help="only this one; may be repeated")
     options = parser.parse_args()
-    benches = [named[name] for name in options.driver or named]
+    benches = list(find_benches([_EVERY], options.driver).values())
     codecs = [codec_fuzz.tally(bench, options.bytes, options.seed) for bench in benches]
     tallies = [hostile.tally(bench, options.runs, options.seed) for bench in benches]
     links = [link_faults.tally(bench, options.faults, options.seed) for bench in benches]

@@ -50,7 +50,7 @@ def pytest_configure(config: pytest.Config) -> None:
 def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
     """Ask every case of every driver."""
     benches = metafunc.config.stash[_BENCHES]
-    metafunc.parametrize("new_bench", list(benches.values()), ids=list(benches))
+    metafunc.parametrize(("driver", "new_bench"), list(benches.items()), ids=list(benches))
     if "case" in metafunc.fixturenames:
         metafunc.parametrize("case", CASES, ids=[case.name for case in CASES])
 

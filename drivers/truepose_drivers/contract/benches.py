@@ -13,20 +13,29 @@ ENTRY_POINT_GROUP: Final = "truepose.driver_benches"
 
 
 def find_benches(named: Sequence[str], drivers: Sequence[str] | None) -> dict[str, NewBench]:
-    """Return benches by the name of their driver; those of `named` go before installed ones.
+    """Return benches by the name of their driver, with its kind where it drives several.
 
-    Raises ConfigurationError where one cannot be used, or a driver of `drivers` has none.
+    Those of `named` go before installed ones. Raises ConfigurationError where one cannot be used, or a driver
+    of `drivers` has none.
     """
-    found = {bench.plugin.name: bench for bench in (*_installed(), *_named(named))}
-    wanted = list(found) if drivers is None else drivers
-    missing = [driver for driver in wanted if driver not in found]
+    of_kind = {(bench.plugin.name, bench.plugin.kind): bench for bench in (*_installed(), *_named(named))}
+    benches = list(of_kind.values())
+    found = {bench.plugin.name for bench in benches}
+    missing = [driver for driver in drivers or () if driver not in found]
     if missing:
         raise ConfigurationError(
             f"there is no bench for {', '.join(missing)}: register one in the entry-point group"
             f" {ENTRY_POINT_GROUP}, or name it with --bench MODULE:NAME;"
-            f" there are {', '.join(found) or 'none'}"
+            f" there are {', '.join(sorted(found)) or 'none'}"
         )
-    return {driver: found[driver] for driver in wanted}
+    wanted = [bench for bench in benches if drivers is None or bench.plugin.name in drivers]
+    return {_title(bench, wanted): bench for bench in wanted}
+
+
+def _title(bench: type[Bench], benches: Sequence[type[Bench]]) -> str:
+    name = bench.plugin.name
+    alone = sum(other.plugin.name == name for other in benches) == 1
+    return name if alone else f"{name}_{bench.plugin.kind}"
 
 
 def _installed() -> Iterable[type[Bench]]:

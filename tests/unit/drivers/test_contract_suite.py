@@ -1,6 +1,7 @@
 """The contract suite fails a driver that breaks the contract, and says what its author does."""
 
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import ClassVar
 
@@ -154,6 +155,27 @@ def test_every_case_asks_one_sentence_and_says_what_to_do():
 def test_a_bench_that_cannot_be_found_is_told(place):
     with pytest.raises(ConfigurationError, match=r"MODULE:NAME|subclass"):
         find_benches([place], None)
+
+
+class GaugeBench(CarelessBench):
+    plugin = replace(CARELESS, kind="linear_gauge")
+
+
+class OwnBench(CarelessBench):
+    pass
+
+
+TWO = [CarelessBench, GaugeBench]
+
+
+def test_a_driver_of_two_kinds_has_two_benches_each_under_its_own_name():
+    found = find_benches([f"{__name__}:TWO"], ["careless"])
+
+    assert found == {"careless_ballbar": CarelessBench, "careless_linear_gauge": GaugeBench}
+
+
+def test_the_bench_that_is_named_last_goes_before_another_of_its_kind():
+    assert find_benches([f"{__name__}:CarelessBench", f"{__name__}:OwnBench"], None) == {"careless": OwnBench}
 
 
 def test_a_driver_without_a_bench_is_told():
