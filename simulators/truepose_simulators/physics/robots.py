@@ -2,7 +2,8 @@
 
 Sources: ABB, "Product specification IRB 120", 3HAC035960 (working range, dimensions, axis speeds);
 FANUC, "LR Mate 200iC" data sheet (dimensions, motion range, speeds); Universal Robots, UR10 data sheet and
-"DH parameters for calculations of kinematics and dynamics" (dimensions, masses). Other masses and places of
+"DH parameters for calculations of kinematics and dynamics" (dimensions, masses); of the KR 6 the axes, ranges
+and speeds of ros-industrial/kuka_experimental, kr6r900sixx_macro.xacro. Other masses and places of
 the centres of gravity: A. Nubiola, thesis, ETS Montreal 2014, section 2.3, moved into the base frame by hand.
 No maker states compliances, few state gear ratios; these are typical of gearboxes of that size.
 """
@@ -15,6 +16,7 @@ from truepose_simulators.physics.arm import Arm, CarriedMass, JointAxis, Vector
 
 _UP: Vector = (0.0, 0.0, 1.0)
 _FORWARD: Vector = (1.0, 0.0, 0.0)
+_BACKWARD: Vector = (-1.0, 0.0, 0.0)
 _DOWN: Vector = (0.0, 0.0, -1.0)
 _LEFT: Vector = (0.0, 1.0, 0.0)
 _RIGHT: Vector = (0.0, -1.0, 0.0)
@@ -98,4 +100,26 @@ _UR10 = Arm(
     gear_ratio=(101.0, 101.0, 101.0, 101.0, 101.0, 101.0),
 )
 
-ARMS: Mapping[str, Arm] = MappingProxyType({arm.name: arm for arm in (_IRB120, _LRMATE, _UR10)})
+# Stretched forward: shoulder 25 in front of axis 1 and 400 above the floor, upper arm 455, wrist line 35
+# above the elbow, wrist centre 420 further on, flange 80. Axes 1, 4 and 6 point down or back. The maker
+# states 52 kg in all and no masses of links; those here are guessed.
+_KR6 = Arm(
+    name="kr6r900",
+    model="KR 6 R900 sixx",
+    joints=(
+        _joint((0.0, 0.0, 400.0), _DOWN, _FORWARD, (-170.0, 170.0), 360.0),
+        _joint((25.0, 0.0, 400.0), _LEFT, _FORWARD, (-190.0, 45.0), 300.0),
+        _joint((480.0, 0.0, 400.0), _LEFT, _FORWARD, (-120.0, 156.0), 360.0),
+        _joint((900.0, 0.0, 435.0), _BACKWARD, _UP, (-185.0, 185.0), 381.0),
+        _joint((900.0, 0.0, 435.0), _LEFT, _UP, (-120.0, 120.0), 388.0),
+        _joint((980.0, 0.0, 435.0), _BACKWARD, _UP, (-350.0, 350.0), 615.0),
+    ),
+    masses=(CarriedMass(2, 8.0, (250.0, 0.0, 400.0)), CarriedMass(4, 9.0, (650.0, 0.0, 435.0))),
+    flange_mm=(980.0, 0.0, 435.0),
+    flange_x=_DOWN,
+    flange_z=_FORWARD,
+    typical_compliance_rad_per_n_mm=(0.015e-6, 0.02e-6, 0.06e-6, 0.30e-6, 0.30e-6, 0.40e-6),
+    gear_ratio=(100.0, 100.0, 100.0, 80.0, 80.0, 50.0),
+)
+
+ARMS: Mapping[str, Arm] = MappingProxyType({arm.name: arm for arm in (_IRB120, _LRMATE, _UR10, _KR6)})

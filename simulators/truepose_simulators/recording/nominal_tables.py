@@ -2,7 +2,8 @@
 
 Only written into files, for whoever identifies; the truth of drawn arms is computed from `physics.robots`.
 Sources: A. Nubiola, thesis, ETS Montreal 2014, sections 2.3, 2.4 and 4.3 (tables, masses, ranges); of the
-UR10 its maker's "DH parameters for calculations of kinematics and dynamics", brought to this form by hand.
+UR10 its maker's "DH parameters for calculations of kinematics and dynamics", of the KR 6 the axes of
+ros-industrial/kuka_experimental, kr6r900sixx_macro.xacro, brought to this form by hand.
 """
 
 from collections.abc import Mapping
@@ -77,6 +78,20 @@ NOMINAL_TABLES: Mapping[str, NominalTable] = MappingProxyType({
         ),
         # the maker states full turns only: elbow above the table, tool in front
         calibration_deg=((-90, 90), (-120, -60), (-120, -20), (-180, 0), (-120, 120), (-180, 180)),
+    ),
+    "kr6r900": NominalTable(
+        name="KUKA KR 6 R900 sixx",
+        rows=(
+            (0.0, 0.0, 0.0, 400.0),
+            (-90.0, 25.0, 0.0, 0.0),
+            (0.0, 455.0, -90.0, 0.0),
+            (-90.0, 35.0, 0.0, 420.0),
+            (90.0, 0.0, 0.0, 0.0),
+            (-90.0, 0.0, 180.0, 80.0),
+        ),
+        masses=((2, 9.0, (227.5, 0.0, 0.0)), (4, 8.0, (0.0, 0.0, -210.0))),  # estimates: there are no others
+        calibration_deg=((-90, 90), (-130, -40), (30, 140), (-150, 150), (-100, 100), (-180, 180)),
+        signs=(-1, 1, 1, -1, 1, -1),
     ),
 })
 

@@ -328,6 +328,7 @@ def test_a_folder_is_no_cell_file(tmp_path):
         ("irb120-tilted", "abb-irb-120"),
         ("lrmate-clean", "fanuc-lr-mate-200ic"),
         ("ur10-clean", "universal-robots-ur10"),
+        ("kr6-clean", "kuka-kr-6-r900-sixx"),
         ("x/irb120-mine.toml", "abb-irb-120"),
     ],
 )
@@ -341,7 +342,9 @@ def test_a_simulated_cell_knows_its_robot_from_the_scenario(scenario, robot):
 
 
 def test_a_scenario_of_an_unknown_robot_needs_a_cell_file():
-    with pytest.raises(UnknownRobotError, match=r"begin with irb120\.\.\. or lrmate\.\.\. or ur10\.\.\."):
+    with pytest.raises(
+        UnknownRobotError, match=r"begin with irb120\.\.\. or lrmate\.\.\. or ur10\.\.\. or kr6\.\.\."
+    ):
         simulated_cell("kr10-clean", 0)
 
 

@@ -28,11 +28,10 @@ from truepose_simulators.scenarios.file import load_scenario
 pytestmark = pytest.mark.simulated_time
 
 LIMITS = MotionLimits(tool_speed_mm_s=1e5)  # 20 deg/s
-TARGET = tuple(np.radians([30.0, 20.0, -50.0, 10.0, 20.0, 30.0]).tolist())
-AWAY = tuple(np.radians([60.0, 0.0, 0.0, 0.0, 0.0, 0.0]).tolist())
-PACE_DEG_S = (
-    250.0 * 0.05 * 1.0
-)  # of joint 1: the arm's own greatest speed, and 5 % of the KR 6 R900's 360 deg/s
+TARGET = tuple(np.radians([30.0, -70.0, 40.0, 10.0, 20.0, 30.0]).tolist())
+HOME = tuple(np.radians([0.0, -90.0, 90.0, 0.0, 0.0, 0.0]).tolist())
+AWAY = (np.radians(60.0), *HOME[1:])
+PACE_DEG_S = 360.0 * 0.05  # of joint 1
 
 
 class Bench:
@@ -40,7 +39,7 @@ class Bench:
 
     def __init__(self) -> None:
         clock = CellClock(1, wall_s=asyncio.get_running_loop().time)
-        self.cell = Cell(replace(load_scenario("irb120-kuka"), noise=False), 1, clock)
+        self.cell = Cell(replace(load_scenario("kr6-clean"), noise=False), 1, clock)
         self.variables = Variables(self.cell)
         self.endpoint = proxy_endpoint(self.cell, self.variables)
         self.ends: list = []
@@ -139,7 +138,7 @@ async def test_an_order_after_which_nobody_is_heard_moves_nothing():
     with pytest.raises(RemoteProtocolError, match="off its target"):
         await robot.move_joints(TARGET)
 
-    assert not bench.cell.robot.target_rad.any()
+    assert bench.cell.robot.target_rad == pytest.approx(HOME)
     assert bench.variables.program.state.given_up == 1
 
 
@@ -180,8 +179,8 @@ async def test_a_target_that_the_controller_does_not_take_is_refused_and_the_nex
     bench = Bench()
     robot = await bench.connected()
 
-    with pytest.raises(TargetRefusedError, match="170"):
-        await robot.move_joints((np.radians(170.0), 0.0, 0.0, 0.0, 0.0, 0.0))
+    with pytest.raises(TargetRefusedError, match=r"50\.000"):
+        await robot.move_joints((0.0, np.radians(50.0), *HOME[2:]))
     bench.cell.add_fault(RobotRefuses(move=1))
     with pytest.raises(TargetRefusedError):
         await robot.move_joints(TARGET)

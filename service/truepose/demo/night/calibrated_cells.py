@@ -26,7 +26,7 @@ _CALIBRATION: Final = 50
 _FULL_VALIDATION: Final = 1000
 _SHORT_VALIDATION: Final = 200  # a mean error is known to 3 % from so many
 _SHIPPED: Final = (
-    *("irb120-tilted", "irb120-clean", "irb120-thesis", "irb120-rws", "irb120-kuka"),
+    *("irb120-tilted", "irb120-clean", "irb120-thesis", "irb120-rws"),
     *("lrmate-clean", "lrmate-tilted", "lrmate-fanuc", "lrmate-rmi"),
 )
 # Robots with many small effects that the model does not know: what remains is theirs, 0.11-0.21 mm in the

@@ -42,6 +42,7 @@ _ROBOT_OF_SCENARIOS: Mapping[str, str] = {
     "irb120": "abb-irb-120",
     "lrmate": "fanuc-lr-mate-200ic",
     "ur10": "universal-robots-ur10",
+    "kr6": "kuka-kr-6-r900-sixx",
 }
 _USUAL_TOOL_OF: Final = "abb-irb-120"
 SCENARIO_PREFIXES: Final = tuple(_ROBOT_OF_SCENARIOS)  # that say which robot stands in a simulated cell
@@ -71,8 +72,8 @@ def simulated_cell(scenario: str, seed: int) -> Cell:
     Parameters
     ----------
     scenario : str
-        Shipped name, or a file whose name begins like one; `irb120...`, `lrmate...` or `ur10...` says
-        which robot.
+        Shipped name, or a file whose name begins like one; `irb120...`, `lrmate...`, `ur10...` or `kr6...`
+        says which robot.
     seed : int
 
     Raises

@@ -36,7 +36,22 @@ def modified_frames(robot, q):
 
 
 UR10 = reference("ur10")["joints"]
+KR6 = reference("kr6r900")
 ARMS = reference("thesis_arms")
+
+
+def placed(step):
+    frame = np.eye(4)
+    frame[:3, 3] = step
+    return frame
+
+
+def turned(axis, angle):
+    """Return a turn about a unit vector, after Rodrigues."""
+    across = np.cross(np.eye(3), axis)
+    frame = np.eye(4)
+    frame[:3, :3] += math.sin(angle) * across + (1.0 - math.cos(angle)) * across @ across
+    return frame
 
 
 def standard_frames(q):
@@ -58,6 +73,20 @@ def test_the_ur10_is_the_makers_in_another_convention():
             here = ours[mass.frame - 1] @ [*mass.centre_of_gravity_mm, 1.0]
             np.testing.assert_allclose(here, frame @ [*centre, 1.0], atol=1e-11)
             assert mass.mass_kg == kg
+
+
+def test_the_kr6_is_what_its_published_axes_make():
+    robot = load_robot("kuka-kr-6-r900-sixx")
+    rng = np.random.default_rng(1)
+
+    for q in rng.uniform(-math.pi, math.pi, (50, 6)):
+        expected = np.eye(4)
+        for (step, axis, *_), angle in zip(KR6["joints"], q, strict=True):
+            expected = expected @ placed(step) @ turned(axis, angle)
+        expected = expected @ turned((0.0, 1.0, 0.0), math.radians(KR6["flange_turn_about_y_deg"]))
+        np.testing.assert_allclose(modified_frames(robot, q)[-1], expected, atol=1e-11)
+    limits = [[math.degrees(own.lower_rad), math.degrees(own.upper_rad)] for own in robot.joint_limits]
+    np.testing.assert_allclose(limits, [joint[2] for joint in KR6["joints"]], rtol=1e-12)
 
 
 @pytest.mark.parametrize("name", ARMS)
@@ -103,7 +132,7 @@ def test_an_unknown_robot_is_answered_with_the_known_ones():
 
     assert str(refusal.value) == (
         "No robot is called 'abb-irb-1600'; the shipped ones are "
-        "abb-irb-120, fanuc-lr-mate-200ic, universal-robots-ur10."
+        "abb-irb-120, fanuc-lr-mate-200ic, kuka-kr-6-r900-sixx, universal-robots-ur10."
     )
 
 

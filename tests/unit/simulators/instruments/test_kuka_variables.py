@@ -14,12 +14,12 @@ from truepose_simulators.instruments.robot.fanuc_joints import rotation_of
 from truepose_simulators.instruments.robot.kuka.variables import Variables
 
 VECTORS = json.loads((Path(__file__).parents[3] / "vectors" / "kuka_variable_proxy.json").read_text())
-JOINTS = np.radians([30.0, 20.0, -50.0, 10.0, 20.0, 30.0])
+JOINTS = np.radians([30.0, -70.0, 40.0, 10.0, 20.0, 30.0])
 
 
 @pytest.fixture
 def cell(make_cell):
-    return make_cell("irb120-kuka")
+    return make_cell("kr6-clean")
 
 
 @pytest.fixture
@@ -68,7 +68,7 @@ def test_no_answer_is_longer_than_a_public_client_reads(variables, cell):
         ("$MODE_OP", "#EX"),
         ("$OV_PRO", "100"),
         ("$KR_SERIALNO", "SIM-1"),
-        ("$MODEL_NAME[]", '"#IRB 120-3/0.6"'),
+        ("$MODEL_NAME[]", '"#KR 6 R900 sixx"'),
         ("TP_NUMBER", "0"),
         ("$NO_SUCH_THING", ""),
         ("", ""),

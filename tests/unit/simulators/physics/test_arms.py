@@ -78,6 +78,22 @@ def test_the_ur10_is_the_arm_of_its_makers_standard_table(joints_rad):
     assert nominal_flange(ARMS["ur10"], joints_rad) == pytest.approx(np.array(expected), abs=ROUNDING_MM)
 
 
+def test_the_kr6_is_the_arm_of_its_published_axes(joints_rad):
+    published, arm = reference("kr6r900"), ARMS["kr6r900"]
+    expected = []
+    for row in joints_rad:
+        frame = np.eye(4)
+        for (step, axis, *_), angle in zip(published["joints"], row, strict=True):
+            at = int(np.flatnonzero(axis)[0])
+            frame = frame @ shift(*step) @ rotate(at, angle * axis[at])
+        expected.append(frame @ rotate(1, np.radians(published["flange_turn_about_y_deg"])))
+
+    assert nominal_flange(arm, joints_rad) == pytest.approx(np.array(expected), abs=ROUNDING_MM)
+    assert np.degrees(arm.limits_rad) == pytest.approx(np.array([joint[2] for joint in published["joints"]]))
+    speeds = [np.degrees(joint.speed_rad_s) for joint in arm.joints]
+    assert speeds == pytest.approx([joint[3] for joint in published["joints"]])
+
+
 def test_the_ur10_is_loaded_as_its_table_of_masses_says(joints_rad):
     papers, no_errors = NOMINAL_TABLES["ur10"], np.broadcast_to(np.eye(4), (8, 4, 4))
 
