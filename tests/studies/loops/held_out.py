@@ -44,12 +44,12 @@ class Truth:
         return Truth(self.stops.taken(rows), self.nest[rows], self.true_mm[rows])
 
 
-def held_out(campaign: Campaign, truth: Truth) -> HeldOut:
-    """Calibrate, and hold the model and the nominal arm against the truth, on the nests that were read."""
+def held_out(campaign: Campaign, truth: Truth, nests: tuple[int, ...] = ()) -> HeldOut:
+    """Calibrate, and hold the model and the nominal arm against the truth, on some nests or those read."""
     answer, readings = identify(campaign), campaign.readings
     if answer.model is None or readings is None:
         raise SystemExit(f"nothing was identified: {answer.status}")
-    truth = truth.of_nests(np.unique(readings.nest))
+    truth = truth.of_nests(np.array(nests) if nests else np.unique(readings.nest))
     model = identified_estimate(answer.model)
     states = [_state(one, truth) for one in (nominal_estimate(answer.model), model)]
     before, after = (_errors_mm(state.position_mm, truth.true_mm) for state in states)
