@@ -34,6 +34,7 @@ _COMMANDS = {
     "sphere": "spheres",
     "correct": "corrections",
     "export": "exports",
+    "import": "imports",
     "nightly": "cells",
     "inspect": "inspection",
     "verify": "records",

@@ -9,16 +9,12 @@ import numpy as np
 
 from truepose.domain.campaign import Campaign
 from truepose.domain.robot import Robot
-from truepose.exchange.robots.document import robot_document
-from truepose.exchange.robots.files import is_robot_file, read_robot_file
-from truepose.exchange.robots.shipped import load_robot
+from truepose.exchange.robots.campaign_keys import campaign_keys, named_robot, without_masses
 from truepose.notebook.tables import Table, columns_of
 
 RobotGiven: TypeAlias = str | Path | Table | Sequence[Mapping[str, float]]
 
 _ANGLES = ("alpha", "theta_offset", "beta")
-_NOT_IN_A_CAMPAIGN = ("calibration_ranges_deg", "joint_limits_deg", "rated_payload_kg", "source", "name")
-_GRAVITY_M_S2 = [0.0, 0.0, -9.81]
 
 
 def known_robot(given: RobotGiven) -> Robot | None:
@@ -29,21 +25,14 @@ def known_robot(given: RobotGiven) -> Robot | None:
     UnknownRobotError, InputFileError
         No shipped robot has that name; the file cannot be used.
     """
-    if isinstance(given, Path) or (isinstance(given, str) and is_robot_file(given)):
-        return read_robot_file(Path(given)).robot
-    return load_robot(given) if isinstance(given, str) else None
+    return named_robot(given) if isinstance(given, str | Path) else None
 
 
 def robot_keys(given: RobotGiven, robot: Robot | None) -> dict[str, object]:
     """Return the keys of `campaign.json` that describe the robot."""
-    common: dict[str, object] = {"gravity_m_s2_world": _GRAVITY_M_S2, "masses": []}
     if robot is None:
-        return common | {"robot": "robot of a table", "dhm_nominal": _rows(given)}
-    document = robot_document(robot)
-    return common | {
-        "robot": robot.name,
-        **{key: value for key, value in document.items() if key not in _NOT_IN_A_CAMPAIGN},
-    }
+        return without_masses() | {"robot": "robot of a table", "dhm_nominal": _rows(given)}
+    return campaign_keys(robot)
 
 
 def with_limits_of(campaign: Campaign, robot: Robot | None) -> Campaign:

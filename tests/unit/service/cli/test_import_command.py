@@ -1,0 +1,75 @@
+"""`truepose import`: from another program's points to a campaign folder."""
+
+import csv
+import json
+
+import pytest
+
+from tests.helpers.checkout import CHECKOUT
+from truepose.cli.imports import LengthUnit, import_command
+from truepose.domain.errors import ConfigurationError
+from truepose.exchange.campaigns.folder import read_campaign
+
+JOINTS = ["config", *(f"q{joint}_deg" for joint in range(1, 7)), "nest"]
+NESTS = ["0,0,125", "75,93.675,215", "150,0,125"]
+
+
+@pytest.fixture
+def exported(tmp_path):
+    """The example's readings as two files: points of a tracker's software, and joint angles."""
+    with (CHECKOUT / "docs/examples/campaign/calibration.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    points = [f"A Group P{row['config']} {row['x_mm']} {row['y_mm']} {row['z_mm']}" for row in rows]
+    (tmp_path / "points.txt").write_text(
+        "\n".join(["// Units: Millimeters", *points[:-2], "A Group P999 1 2 3"])
+    )
+    joints = [",".join(row[name] for name in JOINTS) for row in rows]
+    (tmp_path / "joints.csv").write_text("\n".join([",".join(JOINTS), *joints]))
+    return tmp_path
+
+
+def imported(folder, out="mine", **options):
+    given = {"robot": "abb-irb-120", "u_mm": 0.015, "nest": NESTS} | options
+    return import_command(folder / "points.txt", folder / "joints.csv", out=folder / out, **given)
+
+
+def test_the_campaign_has_the_readings_as_they_were(exported, capsys):
+    assert imported(exported, nest_u_mm=0.002) == 0
+
+    original = read_campaign(CHECKOUT / "docs/examples/campaign").calibration
+    campaign = read_campaign(exported / "mine")
+    assert len(campaign.calibration) == len(original) - 2
+    assert campaign.calibration.position_mm == pytest.approx(original.position_mm[:-2], abs=1e-6)
+    assert campaign.calibration.stops.joints_rad == pytest.approx(original.stops.joints_rad[:-2], abs=1e-9)
+    assert [nest.standard_uncertainty_mm for nest in campaign.nests] == [0.002] * 3
+    said = capsys.readouterr().out
+    assert "28 points at their joint angles" in said
+    assert "left out: P999." in said
+
+
+def test_without_centres_every_nest_that_is_named_is_unknown(exported):
+    imported(exported, nest=None)
+
+    assert [nest.centre_mm for nest in read_campaign(exported / "mine").nests] == [None] * 3
+
+
+def test_json_says_what_was_left_out(exported, capsys):
+    imported(exported, json=True)
+
+    told = json.loads(capsys.readouterr().out)
+    assert (told["readings"], told["left_over"]) == (28, {"points": ["P999"], "lines": [30, 31]})
+
+
+def test_nothing_is_written_over_and_a_centre_is_three_numbers(exported):
+    imported(exported)
+
+    with pytest.raises(ConfigurationError, match="is not empty: name another folder"):
+        imported(exported)
+    with pytest.raises(ConfigurationError, match="--nest 1,2: give three numbers"):
+        imported(exported, out="other", nest=["1,2"])
+
+
+def test_the_units_are_those_that_lists_know():
+    from truepose.exchange.point_lists.reading import UNITS_MM
+
+    assert {unit.value for unit in LengthUnit} == set(UNITS_MM)
