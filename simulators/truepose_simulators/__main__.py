@@ -22,6 +22,7 @@ from truepose_simulators.instruments.camera.ndi_polaris import camera_endpoint
 from truepose_simulators.instruments.cell_clock import clock_endpoint
 from truepose_simulators.instruments.endpoint import Announced
 from truepose_simulators.instruments.faults_endpoint import faults_endpoint
+from truepose_simulators.instruments.gauges.keyence_gt2 import keyence_gt2_endpoint
 from truepose_simulators.instruments.hands_endpoint import hands_endpoint
 from truepose_simulators.instruments.robot.abb_rws.controller import AbbController
 from truepose_simulators.instruments.robot.abb_rws.programs import program_of
@@ -167,9 +168,16 @@ def _endpoints(cell: RememberedCell) -> list[Announced]:
         usbip_endpoint("usb_itn", UsbItnGadget(bar)),
         hands_endpoint(cell),
         *([] if camera is None else [camera_endpoint(cell, camera)]),
+        *_gauges(cell),
         faults_endpoint(cell),
         *newer,
     ]
+
+
+def _gauges(cell: RememberedCell) -> list[Announced]:
+    """Return an endpoint for each gauge of a closed loop: a box of its own."""
+    boxes = [Electronics(gauge, cell.faults, cell.clock) for gauge in cell.loop]
+    return [keyence_gt2_endpoint([box], f"gauge-{number}") for number, box in enumerate(boxes, start=1)]
 
 
 def _faults(path: Path | None, cell: RememberedCell) -> tuple[Fault, ...]:

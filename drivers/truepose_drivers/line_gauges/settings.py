@@ -1,5 +1,6 @@
 """Options that drivers of gauges share, and the link to their box."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final
@@ -12,7 +13,6 @@ from truepose_drivers.transports.link import Link
 from truepose_drivers.transports.serial import Framing, SerialLink
 from truepose_drivers.transports.tcp import tcp_link
 
-_RANGE_MM: Final = 5.0
 _RATES: Final = (1200, 2400, 4800, 9600, 19_200, 38_400, 57_600, 115_200)
 TERMINAL_SERVER_PORT: Final = 4001  # first line of a Moxa NPort, as delivered
 
@@ -22,7 +22,7 @@ class GaugeSettings:
     """What the cell file says of the gauges behind a box."""
 
     channels: tuple[int, ...] = (1,)
-    range_mm: float = _RANGE_MM  # either way of zero; what lies beyond is out of range
+    range_mm: float = math.inf  # either way of zero; what lies beyond is out of range
     reversed: bool = False  # the box counts up as the plunger comes out
     decimals: int | None = None  # behind the point in millimetres; None: learnt from the first values
 
@@ -31,7 +31,7 @@ def gauge_settings(options: Options, *, most_channels: int) -> GaugeSettings:
     """Read the options that all of them have; raises ConfigurationError."""
     return GaugeSettings(
         _channels(options, most_channels),
-        option.positive(options, "range_mm", _RANGE_MM),
+        option.positive(options, "range_mm", 1.0) if "range_mm" in options else math.inf,
         _reversed(options),
         decimals(options),
     )
@@ -79,7 +79,7 @@ def _reversed(options: Options) -> bool:
 
 SHARED_OPTIONS: Final[Mapping[str, str]] = {
     "channels": "which channels are used, each a gauge, such as 1 2 3; 1 unless given",
-    "range_mm": "either way of zero; what lies beyond is out of range; 5.0 unless given",
+    "range_mm": "either way of zero; what lies beyond is out of range; unless given, what the box says is",
     "reversed": "true where the box counts up as the plunger comes out; false unless given",
     "decimals": "digits behind the point in millimetres; learnt from the first values unless given",
 }

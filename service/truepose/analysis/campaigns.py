@@ -22,6 +22,8 @@ from truepose.storage.measurement.tracker_readings import ReadingRepository
 from truepose.storage.records import RequestKey
 
 OfBallbar: TypeAlias = Callable[[int], Awaitable[Campaign]]  # of a ballbar session, by its number
+# Of a session of closed loops, by its number; held out: another of its kind.
+OfContacts: TypeAlias = Callable[[int, int | None], Awaitable[Campaign]]
 
 
 class CampaignDesk:
@@ -33,6 +35,7 @@ class CampaignDesk:
         sessions: SessionRepository,
         readings: ReadingRepository,
         of_ballbar: OfBallbar,
+        of_contacts: OfContacts,
         uploads: Uploads,
     ) -> None:
         self.uploads = uploads
@@ -40,6 +43,7 @@ class CampaignDesk:
         self._sessions = sessions
         self._readings = readings
         self._of_ballbar = of_ballbar
+        self._of_contacts = of_contacts
 
     async def upload(
         self, archive: bytes, name: str, measured_on: date | None = None, key: RequestKey | None = None
@@ -64,7 +68,7 @@ class CampaignDesk:
     ) -> int:
         """Store the campaign of one or two sessions; raises as `assemble_campaign`, RoleError, StorageError.
 
-        The first one identifies, with a tracker or with a ballbar; the second one judges, with a tracker.
+        The first one identifies; the second one judges, with a tracker, or in closed loops as the first.
         """
         role = await self._check_roles(calibration_id, validation_id)
         await self._sessions.require_intact(calibration_id)
@@ -76,7 +80,9 @@ class CampaignDesk:
             if validation_id is None
             else await measured_session(self._sessions, self._readings, validation_id)
         )
-        if role == "ballbar":
+        if role == "contacts":
+            campaign = await self._contacts(calibration_id, validation_id)
+        elif role == "ballbar":
             campaign = await self._of_ballbar(calibration_id)
             campaign = campaign if validation is None else judged_by(campaign, calibration, validation)
         else:
@@ -85,6 +91,17 @@ class CampaignDesk:
         numbers = (calibration_id,) if validation_id is None else (calibration_id, validation_id)
         stored = NewCampaign(name, campaign.robot.name, summary_of(campaign), packed, session_ids=numbers)
         return await self._campaigns.add(stored, key)
+
+    async def _contacts(self, calibration_id: int, validation_id: int | None) -> Campaign:
+        """Return the campaign of a session of closed loops, judged by another, or by one with a tracker."""
+        if validation_id is None or (await self._sessions.get(validation_id)).role == "contacts":
+            return await self._of_contacts(calibration_id, validation_id)
+        campaign = await self._of_contacts(calibration_id, None)
+        measured = [
+            await measured_session(self._sessions, self._readings, number)
+            for number in (calibration_id, validation_id)
+        ]
+        return judged_by(campaign, *measured)
 
     async def archive(self, campaign_id: int) -> bytes:
         """Return the zip of a campaign folder, as it came or else written now; raises NotFoundError."""
@@ -104,7 +121,13 @@ class CampaignDesk:
                 f"Session {calibration_id} cannot judge the model that it identifies; "
                 "name another session, or none."
             )
-        if validation_id is not None and (await self._sessions.get(validation_id)).role == "ballbar":
+        judging = None if validation_id is None else (await self._sessions.get(validation_id)).role
+        if judging == "contacts" and role != "contacts":
+            raise RoleError(
+                f"Session {validation_id} is one of closed loops, whose targets no other session knows; "
+                "name a session with the tracker as its validation session."
+            )
+        if judging == "ballbar":
             raise RoleError(
                 f"Session {validation_id} is one with the ballbar, whose cups no other session knows; "
                 "name a session with the tracker as its validation session."

@@ -18,6 +18,7 @@ from truepose.domain.cell import Cell, DeviceEntry
 from truepose.exchange.cells.file import read_cell, simulated_cell
 from truepose.operation.ballbar.sessions import BallbarSessions
 from truepose.operation.ballbar.worker_tasks import BallbarWork
+from truepose.operation.contacts.sessions import ContactSessions
 from truepose.operation.devices import MountedDevice, Rack
 from truepose.operation.present_cell import PresentCell
 from truepose.operation.repeated_diagnosis import RepeatedDiagnosis
@@ -254,7 +255,10 @@ def _context(
     work = BallbarWork(perform)
     session_desk = SessionDesk(sessions, LedgerRepository(database), rack, present)
     ballbar_sessions = BallbarSessions(session_desk, work.precalibrator, work.choose)
-    campaign_desk = CampaignDesk(campaigns, sessions, readings, ballbar_sessions.campaign, Uploads())
+    contact_sessions = ContactSessions(session_desk)
+    campaign_desk = CampaignDesk(
+        campaigns, sessions, readings, ballbar_sessions.campaign, contact_sessions.campaign, Uploads()
+    )
     again = RepeatedDiagnosis(additions, diagnoses, campaigns, sessions, campaign_desk, job_desk)
     return Context(
         version=program_version(),
@@ -273,6 +277,7 @@ def _context(
         session_desk=session_desk,
         tracker_sessions=TrackerSessions(session_desk, additions, again.after_session),
         ballbar_sessions=ballbar_sessions,
+        contact_sessions=contact_sessions,
         hands_desk=HandsDesk(rack, ballbar_sessions.frame_of),
         faults_desk=FaultsDesk(None if simulation is None else simulation.ask_of_faults, present),
         job_desk=job_desk,

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 from truepose.domain.ballbar import ArrivalTaken, LengthTaken, PreCalibration, Suspicion
+from truepose.domain.contacts import ContactTaken
 from truepose.domain.identities import IdentityTaken
 from truepose.domain.session import FixedNestTaken, PointTaken, Progress, Registration, SessionState
 
@@ -56,6 +57,7 @@ class LedgerEntry:
     point: PointTaken | None = None
     fixed_nest: FixedNestTaken | None = None
     registration: Registration | None = None
+    contact: ContactTaken | None = None
     progress: Progress | None = None
     stops: tuple[int, ...] = ()  # configurations to which the arm goes once the question is answered
 

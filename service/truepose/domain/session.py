@@ -26,7 +26,7 @@ class SessionState(StrEnum):
 
 Role = Literal["calibration", "validation"]  # of readings of points
 Measured = Literal["points", "poses"]  # by a tracker, or by a camera, which tells orientations too
-SessionRole = Literal["calibration", "validation", "ballbar"]
+SessionRole = Literal["calibration", "validation", "ballbar", "contacts"]
 PlaceOf = Literal["work", "approach", "stop"]  # what the arm is somewhere for
 
 

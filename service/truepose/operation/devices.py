@@ -18,6 +18,7 @@ from truepose_drivers.api import (
     Device,
     DeviceIdentity,
     DeviceKind,
+    LinearGauge,
     PointTracker,
     PoseTracker,
     RobotController,
@@ -164,6 +165,15 @@ class Rack:
     def ballbar(self) -> Ballbar:
         """The instrument that measures lengths; raises MissingDeviceError."""
         return cast(Ballbar, self._of_kind("ballbar"))
+
+    @property
+    def gauges(self) -> tuple[tuple[MountedDevice, LinearGauge], ...]:
+        """The linear gauges, in the order of the cell file; none where it lists none."""
+        return tuple(
+            (mounted, cast(LinearGauge, mounted.device))
+            for mounted in self._mounted.values()
+            if mounted.kind == "linear_gauge"
+        )
 
     @property
     def hands(self) -> SimulatedHands | None:

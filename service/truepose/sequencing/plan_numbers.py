@@ -3,11 +3,12 @@
 from math import inf
 
 from truepose.domain.ballbar import BallbarPlan
+from truepose.domain.contacts import ContactPlan
 from truepose.domain.session import SessionPlan
 from truepose.sequencing.errors import PlanRefusedError
 
 
-def check_numbers(plan: SessionPlan | BallbarPlan, *positive: str) -> None:
+def check_numbers(plan: SessionPlan | BallbarPlan | ContactPlan, *positive: str) -> None:
     """Raise PlanRefusedError for the first of the `positive` that is not, or for a negative rest."""
     for name in positive:
         value = getattr(plan, name)

@@ -11,6 +11,7 @@ from truepose.analysis.campaigns import CampaignDesk
 from truepose.analysis.jobs import JobDesk
 from truepose.domain.cell import Cell
 from truepose.operation.ballbar.sessions import BallbarSessions
+from truepose.operation.contacts.sessions import ContactSessions
 from truepose.operation.devices import Rack
 from truepose.operation.sessions import SessionDesk
 from truepose.operation.simulated_faults import FaultsDesk
@@ -25,6 +26,7 @@ from truepose.storage.database import Database
 from truepose.storage.events import EventRepository
 from truepose.storage.measurement.sessions import SessionRepository
 from truepose.storage.measurement.tracker_readings import ReadingRepository
+from truepose.storage.records import SessionRecord
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,12 +59,17 @@ class Context:
     session_desk: SessionDesk
     tracker_sessions: TrackerSessions
     ballbar_sessions: BallbarSessions
+    contact_sessions: ContactSessions
     hands_desk: HandsDesk
     faults_desk: FaultsDesk
     job_desk: JobDesk
     campaign_desk: CampaignDesk
     stopping: asyncio.Event  # set when the service ends: streams end with it
     fault: Callable[[], str | None]  # why the simulated cell does not run any more
+
+    def asked_sessions(self, record: SessionRecord) -> TrackerSessions | ContactSessions:
+        """Return what runs sessions like this one; those with the ballbar have routes of their own."""
+        return self.contact_sessions if self.contact_sessions.owns(record) else self.tracker_sessions
 
     @property
     def simulated(self) -> bool:

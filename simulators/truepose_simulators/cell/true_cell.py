@@ -14,6 +14,7 @@ from truepose_simulators.errors import ArmStoppedError
 from truepose_simulators.faults.kinds import ArmStopped, TrackerBlinded, WrongCup
 from truepose_simulators.faults.scripted import Faults
 from truepose_simulators.faults.times import Fault
+from truepose_simulators.instruments.gauges.loop import LoopGauge, LoopSetup, Tool, loop_gauges
 from truepose_simulators.instruments.tracker.device import (
     HOME_MM,
     Target,
@@ -51,7 +52,7 @@ class Cell:
         if model is not None and identified is not None:
             scenario = adapted(scenario, model, identified)
         # One more part leaves the others as they are: older cells keep their numbers.
-        *parts, of_equipment, of_curves = np.random.SeedSequence(seed).spawn(6)
+        *parts, of_equipment, of_curves, of_loop = np.random.SeedSequence(seed).spawn(7)
         plant_rng, self.rng, everyday_rng, self._spoil_rng = (np.random.default_rng(part) for part in parts)
         self.model = model
         self.scenario = scenario
@@ -75,6 +76,7 @@ class Cell:
         self._standing: tuple[tuple[float, ...], FloatArray] | None = None
         equipment = equip(scenario, lambda: self.planted, self.air, self, of_equipment)
         self.ballbar, self.fixture, self.hands = equipment.ballbar, equipment.fixture, equipment.hands
+        self.loop = () if scenario.loop is None else self._loop(scenario.loop, of_loop)
         facing = np.array(scenario.tool.facing)
         self.facing = facing / np.linalg.norm(facing, axis=1, keepdims=True)  # (nests, 3) last frame
         for fault in scenario.faults:
@@ -240,6 +242,13 @@ class Cell:
         if self.faults.moves_frames:
             warmer = warmer + np.array([self.faults.warming_k(float(at_s)) for at_s in time_s])
         return warmer
+
+    def _loop(self, setup: LoopSetup, seed: np.random.SeedSequence) -> tuple[LoopGauge, ...]:
+        def tool() -> Tool:
+            rotation = self._stop_now()[0].bodies.last_frame[0, :3, :3]
+            return Tool(rotation, self._tool_nests_now()[setup.nest - 1])
+
+        return loop_gauges(setup, tool, np.random.default_rng(seed), noise=self.scenario.noise)
 
     def _nests_mm(self, joints_rad: FloatArray, time_s: float) -> FloatArray:
         nests: FloatArray = self.true_positions(self._conditions(joints_rad[np.newaxis], time_s))[0]

@@ -18,6 +18,7 @@ from truepose_simulators.faults.table import read_fault
 from truepose_simulators.faults.times import Fault
 from truepose_simulators.instruments.ballbars.accuracy import BallbarSetup
 from truepose_simulators.instruments.camera.accuracy import CameraSetup
+from truepose_simulators.instruments.gauges.loop import LoopSetup
 from truepose_simulators.instruments.tracker.accuracy import ProbeSetup, TrackerSetup
 from truepose_simulators.person.fixture import HandsSetup
 from truepose_simulators.physics.arm import Arm
@@ -46,6 +47,7 @@ _TABLES: Mapping[str, type] = {
     "probe": ProbeSetup,
     "camera": CameraSetup,
     "ballbar": BallbarSetup,
+    "loop": LoopSetup,
     "hands": HandsSetup,
     "air": AirSetup,
     "everyday": EverydaySizes,

@@ -10,6 +10,7 @@ from truepose_simulators.faults.kinds import check_nest
 from truepose_simulators.faults.times import Fault
 from truepose_simulators.instruments.ballbars.accuracy import BallbarSetup
 from truepose_simulators.instruments.camera.accuracy import CameraSetup
+from truepose_simulators.instruments.gauges.loop import LoopSetup
 from truepose_simulators.instruments.tracker.accuracy import ProbeSetup, TrackerSetup
 from truepose_simulators.person.fixture import HandsSetup
 from truepose_simulators.physics.arm import Vector
@@ -112,6 +113,7 @@ class Scenario:
     probe: ProbeSetup | None = None  # absent: the tracker measures points only
     camera: CameraSetup | None = None  # absent: there is none
     ballbar: BallbarSetup = field(default_factory=BallbarSetup)
+    loop: LoopSetup | None = None  # absent: no gauge but the ballbar
     hands: HandsSetup = field(default_factory=HandsSetup)
     air: AirSetup = field(default_factory=AirSetup)
     everyday: EverydaySizes | None = None  # absent: none of the many small effects of any robot

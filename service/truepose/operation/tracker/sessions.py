@@ -6,12 +6,11 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 from truepose.domain.cell import Cell
-from truepose.domain.errors import RecordRefusedError
-from truepose.domain.ledger import Control, LedgerEntry
-from truepose.domain.session import SessionPlan, SessionState
+from truepose.domain.ledger import LedgerEntry
+from truepose.domain.session import SessionPlan
 from truepose.operation.ballbar.bar_put_away import require_ballbar_aside
 from truepose.operation.present_cell import speed_limits
-from truepose.operation.session_kind import SessionKind
+from truepose.operation.session_kind import AskedSessionKind
 from truepose.operation.session_ledger import SessionLedger
 from truepose.operation.sessions import SessionDesk
 from truepose.operation.tracker.plans import judged_addition, refuse_below_floor, require_fit
@@ -20,7 +19,7 @@ from truepose.planning.work_volume.cell_bodies import bodies_of
 from truepose.sequencing.engine.acts import Act, ActName
 from truepose.sequencing.engine.ledger_port import Ledger
 from truepose.sequencing.engine.motion.plausible_robot import WatchfulRobot
-from truepose.sequencing.engine.states import after_restart, has_ended, words
+from truepose.sequencing.engine.states import has_ended, words
 from truepose.sequencing.errors import NotNowError
 from truepose.sequencing.tracker.cell import SessionCell
 from truepose.sequencing.tracker.plans import extended_plan
@@ -29,8 +28,6 @@ from truepose.sequencing.tracker.situation import situation
 from truepose.storage.measurement.added_stops import AddedStopsRepository
 from truepose.storage.records import AddedStops, RequestKey, SessionRecord, SessionSetup
 
-_RESTARTED: Final = "The service was restarted during the session; look at the cell, then confirm."
-_STOPPED: Final = "The service was stopped during the session; look at the cell, then confirm."
 _LOOKED_AT_THE_CELL: Final = frozenset({ActName.CONFIRM, ActName.RESUME})
 WhenFinished = Callable[[int], Awaitable[None]]
 MakeRunner = Callable[[SessionPlan, SessionCell, Ledger, tuple[LedgerEntry, ...]], TrackerRunner]
@@ -45,7 +42,7 @@ class WantedStops:
     diagnosis_id: int | None = None  # which proposed them, to be run again
 
 
-class TrackerSessions(SessionKind[TrackerRunner]):
+class TrackerSessions(AskedSessionKind[TrackerRunner]):
     """Sessions in which the tracker measures and nobody is in the cell."""
 
     def __init__(
@@ -59,21 +56,6 @@ class TrackerSessions(SessionKind[TrackerRunner]):
         self._additions = additions
         self._when_finished = when_finished
         self._make_runner = make_runner
-
-    async def start(self, session_id: int) -> str:
-        """Start a planned session and return what a person is asked before anything moves.
-
-        Raises NotFoundError, NotNowError, DeviceInUseError, MissingDeviceError, PlanRefusedError,
-        CellChangedError.
-        """
-        await self.desk.present.require_unchanged()
-        async with self.desk.turn:
-            record = await self.get(session_id)
-            if record.state is not SessionState.PLANNED:
-                raise NotNowError(
-                    f"Session {session_id} is {words(record.state)}; only a planned one starts."
-                )
-            return (await self.desk.start(self, record)).runner.question or ""
 
     async def add_stops(
         self, session_id: int, wanted: WantedStops, person: str, key: RequestKey | None = None
@@ -125,7 +107,7 @@ class TrackerSessions(SessionKind[TrackerRunner]):
 
     def owns(self, record: SessionRecord) -> bool:
         """Whether a session is of this kind."""
-        return record.role != "ballbar"
+        return record.role in {"calibration", "validation"}
 
     async def get(self, session_id: int) -> SessionRecord:
         """Return a tracker session; raises NotFoundError, NotNowError."""
@@ -133,13 +115,10 @@ class TrackerSessions(SessionKind[TrackerRunner]):
         if not self.owns(record):
             raise NotNowError(
                 f"Session {session_id} is one with the ballbar; ask it at ballbar-sessions/{session_id}/acts."
+                if record.role == "ballbar"
+                else f"Session {session_id} is one of closed loops; a tracker has no part in it."
             )
         return record
-
-    def require_startable(self, record: SessionRecord, act: Act) -> None:
-        """Raise NotNowError unless a person confirms what an earlier service left."""
-        if record.state is not SessionState.AWAITING_CONFIRMATION or act.name is not ActName.CONFIRM:
-            raise NotNowError(f"Session {record.id} is {words(record.state)}; nothing of it is under way.")
 
     async def runner(
         self, record: SessionRecord, setup: SessionSetup, ledger: SessionLedger
@@ -152,16 +131,6 @@ class TrackerSessions(SessionKind[TrackerRunner]):
         # On a thread: it goes through the whole plan first.
         return await asyncio.to_thread(self._make_runner, plan, cell, ledger, ledger.earlier)
 
-    async def begun(self, session_id: int, runner: TrackerRunner) -> None:
-        """Wait for the question; raises RecordRefusedError where it cannot be put on record."""
-        # The question comes first, the state that it puts the session in once the journal has it.
-        while self.running(session_id) is runner and (
-            runner.question is None or runner.state is SessionState.PLANNED
-        ):
-            if runner.trouble is not None:
-                raise RecordRefusedError(f"Session {session_id} was not started. {runner.trouble}")
-            await asyncio.sleep(0.001)
-
     async def prepare(self, session_id: int, act: Act) -> None:
         """Raise NotNowError where the ballbar hangs in a cell whose arm is let move."""
         if act.name in _LOOKED_AT_THE_CELL:
@@ -171,19 +140,6 @@ class TrackerSessions(SessionKind[TrackerRunner]):
     async def follow(self, session_id: int) -> None:
         """Do what was wanted after the session."""
         await self._when_finished(session_id)
-
-    async def recover(self, record: SessionRecord) -> None:
-        """Have a session await a person's confirmation, which takes it up."""
-        await self._enter_after_restart(record, _RESTARTED)
-
-    async def leave(self, record: SessionRecord) -> None:
-        """Have a session await a person's confirmation of the next service."""
-        await self._enter_after_restart(record, _STOPPED)
-
-    async def _enter_after_restart(self, record: SessionRecord, reason: str) -> None:
-        state = after_restart(record.state)
-        if state is not record.state:
-            await self.desk.enter(record.id, state, reason, control=Control.RESTARTED)
 
     def _cell(self, setup: SessionSetup) -> SessionCell:
         rack, cell = self.desk.rack, self.desk.present.bound(setup.cell)

@@ -16,7 +16,6 @@ from truepose.sequencing.ballbar.cell import BallbarCell
 from truepose.sequencing.ballbar.measuring.readings import Readings
 from truepose.sequencing.ballbar.plan.agenda import steps
 from truepose.sequencing.ballbar.plan.dry_run import check_motion
-from truepose.sequencing.ballbar.plan.way import rest_of_way
 from truepose.sequencing.ballbar.situation import Situation
 from truepose.sequencing.engine.halts import Halts
 from truepose.sequencing.engine.identities import sentence
@@ -24,6 +23,7 @@ from truepose.sequencing.engine.identity_check import IdentityCheck
 from truepose.sequencing.engine.logbook import Logbook
 from truepose.sequencing.engine.motion.arm import Arm, Permission
 from truepose.sequencing.engine.motion.limits import binding_speed
+from truepose.sequencing.engine.motion.rest_of_way import rest_of_way
 from truepose.sequencing.engine.motion.segments import Joints, MotionSegments
 from truepose.sequencing.errors import ForeignRobotError, MotionForbiddenError
 

@@ -16,6 +16,7 @@ from typing import Final
 
 from truepose.domain.ledger import EntryKind
 from truepose.domain.session import SessionPlan, SessionState
+from truepose.sequencing.engine.faults import is_interruption
 from truepose.sequencing.engine.prompts import CELL_CLEAR
 from truepose.sequencing.errors import (
     AttentionNeededError,
@@ -31,7 +32,6 @@ from truepose_drivers.errors import (
     DeviceRefusedError,
     DriverError,
     MeasurementFailedError,
-    NotInitialisedError,
 )
 
 _INTERRUPTIONS_PER_STOP: Final = 2  # a configuration on which the link breaks so often is left out
@@ -45,14 +45,6 @@ class Line:
     step_id: str = ""
     text: str = ""
     entered: SessionState | None = None
-
-
-def is_interruption(error: Exception) -> bool:
-    """Whether devices have to be opened anew: the link, nonsense on it, or a driver that failed."""
-    if isinstance(error, NotInitialisedError):
-        return True
-    spoken = MeasurementFailedError | DeviceRefusedError | ConfigurationError
-    return isinstance(error, DriverError) and not isinstance(error, spoken)
 
 
 def lines_after(

@@ -17,6 +17,7 @@ from truepose.domain.ledger import EntryKind, LedgerEntry
 from truepose.domain.people import tidy_name
 from truepose.domain.session import PlannedStop, Progress, SessionPlan, SessionState
 from truepose.sequencing.engine.acts import HALTS, Act, ActName, ActOutcome
+from truepose.sequencing.engine.faults import is_interruption
 from truepose.sequencing.engine.halts import Halts
 from truepose.sequencing.engine.ledger_port import Ledger
 from truepose.sequencing.engine.logbook import Logbook
@@ -31,7 +32,7 @@ from truepose.sequencing.errors import MotionForbiddenError, NotNowError, Sequen
 from truepose.sequencing.tracker.cell import SessionCell
 from truepose.sequencing.tracker.dry_run import check_plan, motion_limits
 from truepose.sequencing.tracker.execution import Execution
-from truepose.sequencing.tracker.faults import Line, is_interruption, lines_after
+from truepose.sequencing.tracker.faults import Line, lines_after
 from truepose.sequencing.tracker.identity_check import TrackerIdentityCheck
 from truepose.sequencing.tracker.plans import extended_plan
 from truepose.sequencing.tracker.situation import TrackerSituation, situation_of

@@ -3,13 +3,21 @@
 import asyncio
 import dataclasses
 import functools
-from typing import Any
+from typing import Any, TypeAlias
 
 from sqlalchemy import ColumnElement, Connection, Row, Select, case, exists, func, select
 
 from truepose.domain.ballbar import BallbarPlan
+from truepose.domain.contacts import ContactPlan
 from truepose.domain.identities import IdentityTaken
-from truepose.domain.session import Progress, Registration, SessionPlan, SessionState, StopSkipped
+from truepose.domain.session import (
+    Progress,
+    Registration,
+    SessionPlan,
+    SessionRole,
+    SessionState,
+    StopSkipped,
+)
 from truepose.storage.calibration.origins import simulated_session
 from truepose.storage.database import Database
 from truepose.storage.documents import from_document, to_document
@@ -28,29 +36,35 @@ from truepose.storage.tables import (
     notes,
     readings,
     registrations,
+    session_entries,
     session_states,
     sessions,
     skipped_stops,
 )
 
+AnyPlan: TypeAlias = SessionPlan | BallbarPlan | ContactPlan
 PROGRESS = "session.progress"
 IDENTITY = "session.identity"
 
 
-def add_session(
-    connection: Connection, name: str, setup: SessionSetup, plan: SessionPlan | BallbarPlan
-) -> int:
+def add_session(connection: Connection, name: str, setup: SessionSetup, plan: AnyPlan) -> int:
     """Append a planned session inside the caller's transaction and return its number."""
     number = add_row(
         connection,
         sessions,
         name=name,
-        role="ballbar" if isinstance(plan, BallbarPlan) else plan.role,
+        role=_role_of(plan),
         setup=to_document(setup),
         plan=to_document(plan),
     )
     add_state(connection, number, SessionState.PLANNED, "The plan is stored; nothing has moved.", None)
     return number
+
+
+def _role_of(plan: AnyPlan) -> SessionRole:
+    if isinstance(plan, SessionPlan):
+        return plan.role
+    return "ballbar" if isinstance(plan, BallbarPlan) else "contacts"
 
 
 def add_state(
@@ -88,9 +102,7 @@ class SessionRepository(NumberedRecords[SessionRecord]):
     def __init__(self, database: Database) -> None:
         super().__init__(database, "session", sessions, _records, _record)
 
-    async def add(
-        self, name: str, setup: SessionSetup, plan: SessionPlan | BallbarPlan, key: RequestKey | None = None
-    ) -> int:
+    async def add(self, name: str, setup: SessionSetup, plan: AnyPlan, key: RequestKey | None = None) -> int:
         """Store a planned session and return its number."""
         return await self._database.write(
             lambda c: once(c, key, "session", lambda inner: add_session(inner, name, setup, plan))
@@ -118,10 +130,16 @@ class SessionRepository(NumberedRecords[SessionRecord]):
 
     async def plan(self, session_id: int) -> SessionPlan:
         """Return what the session does, with what was added to it; raises NotFoundError, ConflictError."""
-        if (await self.get(session_id)).role == "ballbar":
+        role = (await self.get(session_id)).role
+        if role == "ballbar":
             raise ConflictError(
                 f"Session {session_id} is one with the ballbar; its steps are at "
                 f"ballbar-sessions/{session_id}/steps."
+            )
+        if role == "contacts":
+            raise ConflictError(
+                f"Session {session_id} is one of closed loops; its plan is at "
+                f"contact-sessions/{session_id}/plan."
             )
         document = await self._column(sessions.c.plan, session_id)
         plan = await asyncio.to_thread(from_document, SessionPlan, document)
@@ -131,6 +149,10 @@ class SessionRepository(NumberedRecords[SessionRecord]):
     async def ballbar_plan(self, session_id: int) -> BallbarPlan:
         """Return what a ballbar session does; raises NotFoundError."""
         return from_document(BallbarPlan, await self._column(sessions.c.plan, session_id))
+
+    async def contact_plan(self, session_id: int) -> ContactPlan:
+        """Return what a session of closed loops does; raises NotFoundError."""
+        return from_document(ContactPlan, await self._column(sessions.c.plan, session_id))
 
     async def setup(self, session_id: int) -> SessionSetup:
         """Return what the session is measured with; raises NotFoundError."""
@@ -233,7 +255,12 @@ def _measured() -> ColumnElement[int]:
         .where(readings.c.session_id == sessions.c.id, readings.c.kind == "point")
         .scalar_subquery()
     )
-    return _by_role(measured_poses(), points)
+    stops = (
+        select(func.count())
+        .where(session_entries.c.session_id == sessions.c.id, session_entries.c.kind == "measured")
+        .scalar_subquery()
+    )
+    return case((sessions.c.role == "contacts", stops), else_=_by_role(measured_poses(), points))
 
 
 def _skipped() -> ColumnElement[int]:

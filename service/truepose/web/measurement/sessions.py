@@ -16,6 +16,7 @@ from truepose.exchange.results.proofs import ProofDocument, proof_document
 from truepose.exchange.results.spheres import SphereTestDocument, sphere_document
 from truepose.operation.tracker.plans import judged
 from truepose.sequencing.engine.acts import Act, ActName
+from truepose.sequencing.tracker.runner import TrackerRunner
 from truepose.storage.errors import ConflictError
 from truepose.storage.records import RequestKey, SessionRecord, SessionSetup
 from truepose.web.context import Context, Here
@@ -205,7 +206,7 @@ async def add_configurations(
 @router.post("/{id}/start", status_code=status.HTTP_202_ACCEPTED, responses=_ACT)
 async def start_session(here: Here, id: Id) -> ActionReply:
     """Start a planned session; it asks a person to confirm before anything moves."""
-    question = await here.tracker_sessions.start(id)
+    question = await here.asked_sessions(await here.sessions.get(id)).start(id)
     return await _decided(here, id, f"{question} {here.rack.motion_notice or ''}".strip())
 
 
@@ -253,10 +254,10 @@ async def _shown(here: Context, number: int) -> SessionReply:
 
 def _reply(here: Context, record: SessionRecord) -> SessionReply:
     # A line is on disk a moment before the runner goes by it: state and question are the runner's, both.
-    runner = here.tracker_sessions.running(record.id)
+    runner = here.asked_sessions(record).running(record.id)
     if runner is not None:
         record = replace(record, state=runner.state)
-    foreign = None if runner is None else runner.tracker_in_question
+    foreign = runner.tracker_in_question if isinstance(runner, TrackerRunner) else None
     return SessionReply.of(
         record,
         tracker_in_question=None if foreign is None else identity_reply(foreign),
@@ -272,7 +273,8 @@ def _halt(name: ActName, by: RequestOfPerson | None) -> Act:
 
 
 async def _act(here: Context, number: int, act: Act) -> ActionReply:
-    return await _decided(here, number, (await here.tracker_sessions.act(number, act)).sentence)
+    kind = here.asked_sessions(await here.sessions.get(number))
+    return await _decided(here, number, (await kind.act(number, act)).sentence)
 
 
 async def _decided(here: Context, number: int, sentence: str) -> ActionReply:

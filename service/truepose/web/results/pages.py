@@ -42,6 +42,7 @@ _ROLES: Final = {
     "calibration": "session.calibration",
     "validation": "session.validation",
     "ballbar": "session.ballbar",
+    "contacts": "session.contacts",
 }
 
 

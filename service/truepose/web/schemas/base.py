@@ -143,7 +143,11 @@ class _InDegrees:
 def _travels(angle_rad: Any) -> Any:
     if angle_rad is None:
         return None
-    return degrees((angle_rad,))[0] if isinstance(angle_rad, float) else degrees(angle_rad)
+    if isinstance(angle_rad, float):
+        return degrees((angle_rad,))[0]
+    if angle_rad and isinstance(angle_rad[0], tuple):
+        return [degrees(angles_rad) for angles_rad in angle_rad]
+    return degrees(angle_rad)
 
 
 def example(document: dict[str, Any]) -> ConfigDict:

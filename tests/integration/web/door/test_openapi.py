@@ -81,7 +81,7 @@ def test_every_number_that_is_a_quantity_names_its_unit():
         r"|parameters|outliers|\w+_points|\w+_legs|\w+_contacts|\w+_readings|reference_every|fraction"
         r"|number|\w+_number|entry|index|count|\w+_count|attempt|placement|poses|\w+_poses|base_point|base|tool"
         r"|corrected|far_moved|outside|line|a|b|legs|readings|watching|initialisation|exchanged"
-        r"|row|group|revisits|degrees_of_freedom|targets|advised|nests|cycles|visits|set_aside)$"
+        r"|axes|row|group|revisits|degrees_of_freedom|targets|advised|nests|cycles|visits|set_aside)$"
     )
     # A ratio has no unit; the unit of a parameter, an amplitude or a curve stands beside its value.
     ratios = {"scale", "scale_standard_uncertainty", "chi2_per_dof", "p_value", "share", "lack_of_fit_ratio"}
@@ -103,7 +103,7 @@ def test_every_number_that_is_a_quantity_names_its_unit():
         "difference",
         "noise",
     }
-    ratios |= {"x", "residual", "line_x", "line", "line_band", "quaternion", "noise_chance"}
+    ratios |= {"x", "residual", "line_x", "line", "line_band", "quaternion", "noise_chance", "axis", "normal"}
     units = re.compile(r"_(mm|deg|s|c|kg|mm_s|deg_s|s_per_reading)$|^(minutes|hours)$")
 
     numeric = {

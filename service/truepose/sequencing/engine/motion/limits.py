@@ -3,6 +3,7 @@
 import math
 
 from truepose.domain.ballbar import BallbarPlan
+from truepose.domain.contacts import ContactPlan
 from truepose.domain.robot import JointRange
 from truepose.domain.session import SessionPlan
 from truepose.sequencing.errors import PlanRefusedError
@@ -25,7 +26,9 @@ def common_ranges(
     )
 
 
-def binding_speed(planned: SessionPlan | BallbarPlan, limits: MotionLimits | None) -> MotionLimits:
+def binding_speed(
+    planned: SessionPlan | BallbarPlan | ContactPlan, limits: MotionLimits | None
+) -> MotionLimits:
     """Return the speed of a session's motions: as planned, and never above the limits of its cell."""
     speed = MotionLimits(planned.tool_speed_mm_s, planned.orientation_speed_rad_s)
     return slowest(speed, limits or speed)

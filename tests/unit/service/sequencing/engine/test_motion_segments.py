@@ -11,9 +11,9 @@ from tests.unit.service.sequencing.tracker.fakes import IRB120, FakeCell, FakeCl
 from tests.unit.service.sequencing.tracker.operators import PatientOperator, until
 from truepose.domain.robot import FramePlacement, JointRange
 from truepose.domain.session import SessionState
-from truepose.sequencing.ballbar.plan.way import rest_of_way
 from truepose.sequencing.engine.motion.arm import Arm, Permission
 from truepose.sequencing.engine.motion.nominal_arm import nominal_chain
+from truepose.sequencing.engine.motion.rest_of_way import rest_of_way
 from truepose.sequencing.engine.motion.segments import MotionSegments
 from truepose.sequencing.engine.notices import motion_notice
 from truepose.sequencing.errors import MotionForbiddenError

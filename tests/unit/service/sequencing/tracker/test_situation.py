@@ -6,8 +6,9 @@ from tests.unit.service.sequencing.tracker.fakes import FakeCell, make_plan
 from tests.unit.service.sequencing.tracker.operators import PatientOperator, run_session
 from truepose.domain.ledger import Control, EntryKind, LedgerEntry
 from truepose.domain.session import SessionState, stop_id
+from truepose.sequencing.engine.faults import is_interruption
 from truepose.sequencing.errors import AttentionNeededError, MotionForbiddenError, PlanRefusedError
-from truepose.sequencing.tracker.faults import is_interruption, lines_after
+from truepose.sequencing.tracker.faults import lines_after
 from truepose.sequencing.tracker.plans import visit
 from truepose.sequencing.tracker.situation import situation, steps
 from truepose.sequencing.tracker.steps import StepKind

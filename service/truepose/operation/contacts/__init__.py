@@ -1,0 +1,1 @@
+"""Sessions of closed loops behind the desk."""

@@ -1,0 +1,146 @@
+"""Sessions of closed loops behind the desk: how they are planned, what runs them, what they amount to."""
+
+import asyncio
+from collections.abc import Sequence
+from itertools import pairwise
+
+import numpy as np
+
+from truepose.analysis.contacts import contact_campaign, judged_by_contacts, taken_of
+from truepose.domain.campaign import Campaign
+from truepose.domain.cell import Cell
+from truepose.domain.contacts import ContactPlan, ContactTaken
+from truepose.domain.errors import ConfigurationError
+from truepose.operation.ballbar.bar_put_away import require_ballbar_aside
+from truepose.operation.errors import MissingDeviceError
+from truepose.operation.present_cell import speed_limits
+from truepose.operation.session_kind import AskedSessionKind
+from truepose.operation.session_ledger import SessionLedger
+from truepose.planning.contacts.plan import plan_of
+from truepose.planning.contacts.wish import ContactWish
+from truepose.planning.errors import PlanningError
+from truepose.planning.work_volume.cell_bodies import bodies_of
+from truepose.planning.work_volume.room_on_ways import Ways, what_blocks_a_way, what_to_watch
+from truepose.sequencing.contacts.cell import ContactCell, GaugeBox
+from truepose.sequencing.contacts.dry_run import check_plan, motion_limits
+from truepose.sequencing.contacts.runner import ContactRunner
+from truepose.sequencing.engine.acts import Act, ActName
+from truepose.sequencing.engine.motion.plausible_robot import WatchfulRobot
+from truepose.sequencing.errors import PlanRefusedError
+from truepose.storage.errors import NotFoundError
+from truepose.storage.records import RequestKey, SessionRecord, SessionSetup
+
+
+class ContactSessions(AskedSessionKind[ContactRunner]):
+    """Sessions in which gauges are read against targets that stand still."""
+
+    async def plan(
+        self, name: str, setup: SessionSetup, wanted: ContactWish | ContactPlan, key: RequestKey | None = None
+    ) -> int:
+        """Store a planned session and return its number; nothing moves.
+
+        Raises PlanRefusedError, KeyReusedError, and what the choice of stops raises.
+        """
+        made = None if key is None else await self.desk.sessions.answered(key)
+        if made is not None:
+            return made
+        plan, notice = await asyncio.to_thread(_planned, setup.cell, wanted)
+        number = await self.desk.sessions.add(name, setup, plan, key)
+        if notice:
+            await self.desk.sessions.note(number, notice)
+        return number
+
+    async def campaign(self, session_id: int, judging_id: int | None = None) -> Campaign:
+        """Return the campaign of what was read; with another session, held out, that judges its model.
+
+        Raises NotFoundError, NothingMeasuredError, SessionsDifferError.
+        """
+        name, plan, taken = await self._measured(session_id)
+        setup = await self.desk.sessions.setup(session_id)
+        campaign = contact_campaign(name, setup, plan, taken)
+        if judging_id is None:
+            return campaign
+        other, judging, held_out = await self._measured(judging_id)
+        return judged_by_contacts(campaign, (plan, judging), other, held_out)
+
+    async def _measured(self, session_id: int) -> tuple[str, ContactPlan, Sequence[ContactTaken]]:
+        await self.get(session_id)
+        lines = await self.desk.ledger.page(session_id)
+        plan = await self.desk.sessions.contact_plan(session_id)
+        return f"session {session_id}", plan, taken_of(line.entry for line in lines)
+
+    # what the desk asks for
+
+    def owns(self, record: SessionRecord) -> bool:
+        """Whether a session is of this kind."""
+        return record.role == "contacts"
+
+    async def get(self, session_id: int) -> SessionRecord:
+        """Return a session of closed loops; raises NotFoundError."""
+        record = await self.desk.sessions.get(session_id)
+        if not self.owns(record):
+            raise NotFoundError("session of closed loops", session_id)
+        return record
+
+    async def runner(
+        self, record: SessionRecord, setup: SessionSetup, ledger: SessionLedger
+    ) -> ContactRunner:
+        """Return what runs a session, from the lines of its ledger; nothing moves yet."""
+        plan = await self.desk.sessions.contact_plan(record.id)
+        return await asyncio.to_thread(ContactRunner, plan, self._cell(setup), ledger, ledger.earlier)
+
+    async def prepare(self, session_id: int, act: Act) -> None:
+        """Raise NotNowError where the ballbar hangs in a cell whose arm is let move."""
+        if act.name in {ActName.CONFIRM, ActName.RESUME}:
+            setup = await self.desk.sessions.setup(session_id)
+            await require_ballbar_aside(self.desk.rack, setup.cell.ballbar)
+
+    def _cell(self, setup: SessionSetup) -> ContactCell:
+        rack, cell = self.desk.rack, self.desk.present.bound(setup.cell)
+        boxes = tuple(
+            GaugeBox(mounted.entry.name, gauge, mounted.expected_serial) for mounted, gauge in rack.gauges
+        )
+        if not boxes:
+            raise MissingDeviceError("The cell file lists no linear gauge; closed loops need one.")
+        return ContactCell(
+            gauges=boxes,
+            robot_controller=WatchfulRobot(rack.robot, cell.robot.joint_limits),
+            clock=rack.clock,
+            robot=cell.robot,
+            base=cell.base_nominal,
+            joint_limits=cell.limits.joints,
+            speed_limits=speed_limits(cell.limits),
+            attachment=setup.attachment,
+            robot_serial=rack.expected().serials.get("robot", ""),
+        )
+
+
+def _planned(cell: Cell, wanted: ContactWish | ContactPlan) -> tuple[ContactPlan, str]:
+    """Return a plan that this cell can do, and what to watch on its ways."""
+    plan = _chosen(cell, wanted) if isinstance(wanted, ContactWish) else wanted
+    check_plan(plan, cell.robot, cell.base_nominal, motion_limits(cell.robot, cell.limits.joints))
+    bodies, ways = bodies_of(cell), _ways(plan)
+    blocked = what_blocks_a_way(bodies, ways)
+    if blocked is not None:
+        raise PlanRefusedError(blocked)
+    return plan, what_to_watch(bodies, ways)
+
+
+def _chosen(cell: Cell, wanted: ContactWish) -> ContactPlan:
+    try:
+        return plan_of(cell, wanted)
+    except (PlanningError, ConfigurationError) as error:
+        raise PlanRefusedError(str(error)) from error
+
+
+def _ways(plan: ContactPlan) -> Ways:
+    """Return the motions of a plan from its first stop on; the ways back are the same ones."""
+    names, starts, ends = [], [], []
+    for before, stop in zip((None, *plan.stops), plan.stops, strict=False):
+        passed = (*(() if before is None else before.way_rad[:1]), *stop.way_rad)
+        for start, end in pairwise(passed):
+            names.append(f"to configuration {stop.config}")
+            starts.append(start)
+            ends.append(end)
+    joints = len(plan.stops[0].joints_rad)
+    return Ways(tuple(names), np.array(starts).reshape(-1, joints), np.array(ends).reshape(-1, joints))

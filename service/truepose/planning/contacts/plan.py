@@ -1,0 +1,187 @@
+"""From a wish to the plan of a session of closed loops: candidates, the choice among them, their order."""
+
+from typing import Final
+
+import numpy as np
+
+from truepose.domain.arrays import FloatArray
+from truepose.domain.cell import Cell
+from truepose.domain.contacts import ContactPlan, ContactStop, Joints
+from truepose.domain.session import Vector
+from truepose.domain.targets import SEEN_ALONG_AXES, Target, TargetKind
+from truepose.kinematics.chain import Chain, alpha_gradient, theta_gradient
+from truepose.planning.choice_by_exchange import choose_by_exchange
+from truepose.planning.contacts.goals import Goals, draw_goals, groups_of
+from truepose.planning.contacts.reaching import Reached, reached
+from truepose.planning.contacts.sense import require_sense
+from truepose.planning.contacts.transits import clear_from, hub_of, keep_off
+from truepose.planning.contacts.wish import ContactWish, normal_of, place_of
+from truepose.planning.errors import TooFewCandidatesError
+from truepose.planning.work_volume.candidates import draw_candidates
+from truepose.planning.work_volume.cell_bodies import CellBodies, bodies_of
+from truepose.planning.work_volume.cell_space import space_to_measure
+from truepose.planning.work_volume.work_space import WorkSpace, nominal_chain
+
+_DRAWN: Final = 1500  # at once
+_MOST_DRAWS: Final = 12
+_CANDIDATES_PER_STOP: Final = 6
+_TOOL_SPEED_MM_S: Final = 250.0  # somebody may stand beside the fixture
+_KNOWN: Final = 1e-3  # beforehand, of each parameter: fewer readings than parameters can be compared too
+_NULL_MM: Final = 0.02  # what is left then acts along the probe's axis, up to 12 deg beside the distance
+
+
+def plan_of(cell: Cell, wish: ContactWish) -> ContactPlan:
+    """Return a plan with the stops that tell most about the robot.
+
+    Raises
+    ------
+    WorkSpaceError
+        What is wanted contradicts itself or the cell.
+    TooFewCandidatesError
+        Hardly any place at the targets is reached.
+    NoWayError
+        No clear way leads to the targets.
+    """
+    require_sense(cell, wish)
+    rng = np.random.default_rng(wish.seed)
+    space, bodies = space_to_measure(cell, None), bodies_of(cell)
+    found = _hanging(space, wish, rng) if wish.loop == "wires" else _candidates(space, bodies, wish, rng)
+    jacobians = _jacobians(space, wish, found)
+    known = _KNOWN * np.eye(jacobians.shape[2])
+    chosen = choose_by_exchange(jacobians, wish.stops, rng, prior_information=known).indices
+    stops = tuple(_stop(wish, found, int(row), config) for config, row in enumerate(chosen, start=1))
+    return ContactPlan(
+        loop=wish.loop,
+        role=wish.role,
+        nest=wish.nest,
+        targets=wish.targets,
+        stops=stops,
+        distances=wish.distances,
+        found_zeros=wish.found_zeros,
+        stroke_mm=wish.stroke_mm,
+        margin_mm=wish.margin_mm,
+        null_mm=_NULL_MM if wish.loop == "probe" else None,
+        reading_u_mm=wish.reading_u_mm,
+        tool_speed_mm_s=min(_TOOL_SPEED_MM_S, cell.limits.tool_speed_mm_s),
+        orientation_speed_rad_s=cell.limits.orientation_speed_rad_s,
+    )
+
+
+def _candidates(space: WorkSpace, bodies: CellBodies, wish: ContactWish, rng: np.random.Generator) -> Reached:
+    """Return places at the targets with their ways, all of which begin at the same place."""
+    wanted, parts = _CANDIDATES_PER_STOP * wish.stops, [_near(space, bodies, wish, rng)]
+    if not len(parts[0].way_rad):
+        return _enough(wish, parts[0])
+    hub_rad = hub_of(space, bodies, wish, parts[0].way_rad[:, 0], rng)
+    for _ in range(_MOST_DRAWS):
+        parts[-1] = _from_hub(space, bodies, wish, hub_rad, parts[-1])
+        if sum(len(part.way_rad) for part in parts) >= wanted:
+            break
+        parts.append(_near(space, bodies, wish, rng))
+    return _enough(wish, _joined(parts))
+
+
+def _near(space: WorkSpace, bodies: CellBodies, wish: ContactWish, rng: np.random.Generator) -> Reached:
+    found = reached(space, bodies, wish, draw_goals(wish, _DRAWN, rng), rng)
+    return found.taken(np.flatnonzero(keep_off(space, wish, found.way_rad[:, 0])))
+
+
+def _from_hub(
+    space: WorkSpace, bodies: CellBodies, wish: ContactWish, hub_rad: FloatArray, found: Reached
+) -> Reached:
+    clear = np.flatnonzero(clear_from(space, bodies, wish, hub_rad, found.way_rad[:, 0]))
+    kept = found.taken(clear)
+    hubs = np.broadcast_to(hub_rad, (len(clear), 1, len(hub_rad)))
+    return Reached(kept.goals, np.concatenate([hubs, kept.way_rad], axis=1))
+
+
+def _joined(parts: list[Reached]) -> Reached:
+    goals = [part.goals for part in parts]
+    return Reached(
+        Goals(
+            np.concatenate([part.group for part in goals]),
+            np.concatenate([part.tip_mm for part in goals]),
+            np.concatenate([part.points for part in goals]),
+            np.concatenate([part.way_in for part in goals]),
+        ),
+        np.concatenate([part.way_rad for part in parts]),
+    )
+
+
+def _hanging(space: WorkSpace, wish: ContactWish, rng: np.random.Generator) -> Reached:
+    """Return configurations all over the work space in which every wire is within its stroke."""
+    joints = draw_candidates(space, _DRAWN, rng).joints_rad
+    tip_mm = _tips_mm(space, wish, joints)
+    off_mm = np.array([
+        np.linalg.norm(tip_mm - place_of(target), axis=1) - (target.zero_mm or 0.0) for target in wish.targets
+    ])
+    kept = np.flatnonzero((np.abs(off_mm) <= wish.usable_mm).all(axis=0))
+    nothing = np.zeros((len(kept), 3))
+    goals = Goals(np.zeros(len(kept), dtype=np.int64), tip_mm[kept], nothing, nothing)
+    return _enough(wish, Reached(goals, joints[kept][:, None]))
+
+
+def _enough(wish: ContactWish, found: Reached) -> Reached:
+    if len(found.way_rad) < 2 * wish.stops:
+        raise TooFewCandidatesError(
+            f"The arm reaches its targets in {len(found.way_rad)} of the ways that were tried, and "
+            f"{wish.stops} stops are to be chosen among twice as many: put the targets nearer, or elsewhere."
+        )
+    return found
+
+
+def _tips_mm(space: WorkSpace, wish: ContactWish, joints_rad: FloatArray) -> FloatArray:
+    return nominal_chain(space, joints_rad).points(np.array(space.nests[wish.nest - 1].centre_mm))
+
+
+def _jacobians(space: WorkSpace, wish: ContactWish, found: Reached) -> FloatArray:
+    """Return the derivatives of each candidate's readings, shape (n, rows, parameters).
+
+    In the joint zeros, the twists between joint axes, and the places of the targets; columns scaled to the
+    size of an arm.
+    """
+    joints = found.way_rad[:, -1]
+    chain = nominal_chain(space, joints)
+    tip_mm = _tips_mm(space, wish, joints)
+    moves = np.concatenate([theta_gradient(chain, tip_mm), alpha_gradient(chain, tip_mm)]) / 500.0
+    directions = _directions(wish, chain, found.goals)  # (n, rows, 3)
+    of_robot = np.einsum("pni,nri->nrp", moves, directions)
+    groups = groups_of(wish)
+    places = np.zeros((len(joints), directions.shape[1], 3 * len(groups)))
+    for number in range(len(groups)):
+        own = found.goals.group == number
+        places[own, :, 3 * number : 3 * number + 3] = -directions[own]
+    return np.concatenate([of_robot, places], axis=2)
+
+
+def _directions(wish: ContactWish, chain: Chain, goals: Goals) -> FloatArray:
+    """Return along which directions of the world each candidate's readings are, shape (n, rows, 3)."""
+    groups = groups_of(wish)
+    if wish.targets[0].kind in SEEN_ALONG_AXES:
+        return np.asarray(np.swapaxes(chain.end_rotation, 1, 2))
+    rows = [np.stack([_direction(target, goals) for target in targets], axis=1) for targets in groups]
+    return np.asarray(np.stack(rows)[goals.group, np.arange(len(goals.group))])
+
+
+def _direction(target: Target, goals: Goals) -> FloatArray:
+    """Return the direction of a reading of one target at each candidate, shape (n, 3)."""
+    if target.kind in {TargetKind.SPHERE, TargetKind.WIRE}:
+        off = goals.tip_mm - place_of(target)
+        return np.asarray(off / np.linalg.norm(off, axis=1, keepdims=True))
+    return np.broadcast_to(normal_of(target), goals.tip_mm.shape)
+
+
+def _stop(wish: ContactWish, found: Reached, row: int, config: int) -> ContactStop:
+    targets = groups_of(wish)[int(found.goals.group[row])]
+    way: tuple[Joints, ...] = tuple(tuple(map(float, place)) for place in found.way_rad[row])
+    return ContactStop(
+        config=config,
+        targets=tuple(target.number for target in targets),
+        way_rad=way,
+        push=_vector(found.goals.way_in[row]) if wish.loop == "probe" else None,
+    )
+
+
+def _vector(values: FloatArray) -> Vector:
+    x, y, z = map(float, values)
+    return x, y, z

@@ -1,0 +1,117 @@
+"""Joint angles for places of the tool, and the ways there: from where nothing is near, by steps."""
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from truepose.domain.arrays import BoolArray, FloatArray, IntArray
+from truepose.domain.robot import JointRange
+from truepose.kinematics.frames import placement_rotation, placement_translation
+from truepose.kinematics.inverse import all_branches, brought_within
+from truepose.planning.contacts.goals import Goals
+from truepose.planning.contacts.wish import ContactWish
+from truepose.planning.work_volume.cell_bodies import CellBodies, rooms
+from truepose.planning.work_volume.room_on_ways import Ways, least_rooms_mm
+from truepose.planning.work_volume.work_space import WorkSpace
+
+_ROOM_MM: Final = 10.0  # of arm and tool, where the service chooses
+_LAST_STEPS: Final = (1.0, 0.75, 0.5, 0.25, 0.0)  # of the stroke, before the stop
+_TURNED_RAD: Final = 0.5  # on a step of some millimetres: further is near a singularity
+
+
+@dataclass(frozen=True, slots=True)
+class Reached:
+    """n places that the arm reaches, and the ways there."""
+
+    goals: Goals
+    way_rad: FloatArray  # (n, k, J), the stop last
+
+    def taken(self, rows: IntArray) -> "Reached":
+        """Return some of them, in the order of `rows`."""
+        return Reached(self.goals.taken(rows), self.way_rad[rows])
+
+
+def step_lengths_mm(wish: ContactWish) -> tuple[float, ...]:
+    """Return how far before its stop each place of a way is [mm]."""
+    last = (share * wish.stroke_mm for share in _LAST_STEPS)
+    return (wish.clearance_mm, *last)
+
+
+def reached(
+    space: WorkSpace, bodies: CellBodies, wish: ContactWish, goals: Goals, rng: np.random.Generator
+) -> Reached:
+    """Return the goals that the arm reaches with room all the way, each with a branch drawn at random."""
+    turn = _tool_rotations(np.array(wish.axis), goals.points, rng)
+    poses = [_poses(space, wish, goals, turn, before_mm) for before_mm in step_lengths_mm(wish)]
+    branches = np.stack([all_branches(space.robot, pose) for pose in poses], axis=1)  # (n, k, 8, J)
+    rows, drawn = _drawn_branches(branches, rng)
+    found, fits = _within(branches[rows, :, drawn], space.motion_limits)
+    fits &= np.abs(np.diff(found[:, 1:], axis=1)).max(axis=(1, 2)) < _TURNED_RAD
+    rows, found = rows[fits], found[fits]
+    clear = _has_room(bodies, found)
+    clear_rows = np.flatnonzero(clear)
+    return Reached(goals.taken(rows[clear_rows]), found[clear_rows])
+
+
+def _tool_rotations(axis: FloatArray, points: FloatArray, rng: np.random.Generator) -> FloatArray:
+    """Return rotations that turn the tool's axis where it points, spun at random, shape (n, 3, 3)."""
+    spin = rng.uniform(-np.pi, np.pi, len(points))
+    tool = _frame_about(axis[None], np.zeros(1))[0]
+    return np.asarray(_frame_about(points, spin) @ tool.T)
+
+
+def _frame_about(z: FloatArray, spin_rad: FloatArray) -> FloatArray:
+    """Return right-handed frames whose third axis is `z`, shape (n, 3, 3)."""
+    unit = z / np.linalg.norm(z, axis=1, keepdims=True)
+    helper = np.where(np.abs(unit[:, 2:]) < 0.9, [[0.0, 0.0, 1.0]], [[1.0, 0.0, 0.0]])
+    x = np.cross(helper, unit)
+    x /= np.linalg.norm(x, axis=1, keepdims=True)
+    y = np.cross(unit, x)
+    cosine, sine = np.cos(spin_rad)[:, None], np.sin(spin_rad)[:, None]
+    return np.stack([cosine * x + sine * y, cosine * y - sine * x, unit], axis=2)
+
+
+def _poses(
+    space: WorkSpace, wish: ContactWish, goals: Goals, turn: FloatArray, before_mm: float
+) -> FloatArray:
+    """Return the poses of the last frame in the base, shape (n, 4, 4)."""
+    nest_mm = np.array(space.nests[wish.nest - 1].centre_mm)
+    origin_mm = goals.tip_mm - before_mm * goals.way_in - turn @ nest_mm
+    base, foot_mm = placement_rotation(space.base), placement_translation(space.base)
+    poses = np.zeros((len(turn), 4, 4))
+    poses[:, :3, :3] = base.T @ turn
+    poses[:, :3, 3] = (origin_mm - foot_mm) @ base
+    poses[:, 3, 3] = 1.0
+    return poses
+
+
+def _drawn_branches(branches: FloatArray, rng: np.random.Generator) -> tuple[IntArray, IntArray]:
+    """Return rows that have a branch all the way, and one of these branches each."""
+    there: BoolArray = np.all(np.isfinite(branches), axis=(1, 3))  # (n, 8)
+    weight = np.where(there, rng.random(there.shape), -1.0)
+    rows = np.flatnonzero(np.any(there, axis=1))
+    return rows, np.argmax(weight[rows], axis=1)
+
+
+def _within(ways: FloatArray, limits: tuple[JointRange, ...]) -> tuple[FloatArray, BoolArray]:
+    """Turn each way by whole turns into the limits, all its places alike."""
+    n, k, joints = ways.shape
+    stops, inside = brought_within(ways[:, -1], limits)
+    turned = ways - 2 * np.pi * np.round((ways - stops[:, None]) / (2 * np.pi))
+    _, each_inside = brought_within(turned.reshape(-1, joints), limits)
+    low = np.array([limit.lower_rad for limit in limits])
+    high = np.array([limit.upper_rad for limit in limits])
+    kept = np.all((turned >= low) & (turned <= high), axis=(1, 2))
+    return turned, inside & kept & each_inside.reshape(n, k).all(axis=1)
+
+
+def _has_room(bodies: CellBodies, ways: FloatArray) -> BoolArray:
+    """Whether arm and tool have room at all places of n ways, and on the first motion of each."""
+    n, k, joints = ways.shape
+    if not n:
+        return np.zeros(0, dtype=bool)
+    places = rooms(bodies, ways.reshape(-1, joints)).least_mm().reshape(n, k)
+    between = least_rooms_mm(bodies, Ways((), ways[:, 0], ways[:, 1]))
+    clear: BoolArray = (places.min(axis=1) >= _ROOM_MM) & (between >= _ROOM_MM)
+    return clear

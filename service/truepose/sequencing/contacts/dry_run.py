@@ -1,0 +1,89 @@
+"""Whether a plan of closed loops can be done, before anything moves; and how long it takes."""
+
+from collections.abc import Iterator
+from typing import Final
+
+import numpy as np
+
+from truepose.domain.contacts import FREE_PLACES, ContactPlan, ContactStop, Joints
+from truepose.domain.robot import FramePlacement, JointRange, Robot
+from truepose.sequencing.contacts.situation import Visit, steps
+from truepose.sequencing.engine.motion.interlocks import joint_outside
+from truepose.sequencing.engine.motion.nominal_arm import nominal_chain
+from truepose.sequencing.errors import PlanRefusedError
+from truepose.sequencing.plan_numbers import check_numbers
+
+_POSITIVE: Final = (
+    "stroke_mm", "reading_u_mm", "samples", "tool_speed_mm_s", "orientation_speed_rad_s", "touch_speed_mm_s",
+    "failures_in_a_row",
+)  # fmt: skip
+
+
+def motion_limits(robot: Robot, joint_limits: tuple[JointRange, ...] | None) -> tuple[JointRange, ...]:
+    """Return what every move must keep to; raises PlanRefusedError where nothing is known."""
+    known = joint_limits or robot.joint_limits or robot.calibration_ranges
+    if known is None:
+        raise PlanRefusedError(
+            "Neither the cell nor the robot states joint limits; nothing moves without them."
+        )
+    return known
+
+
+def check_plan(plan: ContactPlan, robot: Robot, base: FramePlacement, limits: tuple[JointRange, ...]) -> None:
+    """Raise PlanRefusedError, with one sentence, for the first thing that cannot be done as planned."""
+    check_numbers(plan, *_POSITIVE)
+    if not 0.0 <= plan.margin_mm < plan.stroke_mm / 2:
+        raise PlanRefusedError(f"The plan's margin_mm is {plan.margin_mm}; it must be below half the stroke.")
+    if not plan.stops:
+        raise PlanRefusedError("The plan has no stop; choose at least one.")
+    if len({stop.config for stop in plan.stops}) < len(plan.stops):
+        raise PlanRefusedError("A configuration is in the plan twice; number it anew.")
+    for stop in plan.stops:
+        _check_stop(plan, stop, robot, limits)
+        if plan.touches:
+            _check_last_steps(plan, stop, robot, base)
+
+
+def _check_stop(plan: ContactPlan, stop: ContactStop, robot: Robot, limits: tuple[JointRange, ...]) -> None:
+    unknown = set(stop.targets) - {target.number for target in plan.targets}
+    if unknown or not stop.targets:
+        raise PlanRefusedError(
+            f"Configuration {stop.config} is against a target that the plan does not list."
+        )
+    for joints_rad in stop.way_rad:
+        if len(joints_rad) != robot.n_joints or not np.all(np.isfinite(joints_rad)):
+            raise PlanRefusedError(f"Configuration {stop.config} needs {robot.n_joints} finite joint angles.")
+        outside = joint_outside(joints_rad, limits)
+        if outside is not None:
+            raise PlanRefusedError(f"The way to configuration {stop.config} leaves the limits: {outside}.")
+
+
+def _check_last_steps(plan: ContactPlan, stop: ContactStop, robot: Robot, base: FramePlacement) -> None:
+    """See that the steps on which something may be touched are no longer than half a stroke."""
+    if len(stop.way_rad) <= FREE_PLACES:
+        raise PlanRefusedError(
+            f"Configuration {stop.config} is reached at once; its way begins where nothing is near, and goes "
+            "on by steps of half a stroke."
+        )
+    flange = nominal_chain(robot, base, np.array(stop.way_rad[FREE_PLACES - 1 :])).origin[-1]
+    steps_mm = np.linalg.norm(np.diff(flange, axis=0), axis=1)
+    if steps_mm.size and steps_mm.max() > 0.5 * plan.stroke_mm + 1e-6:
+        raise PlanRefusedError(
+            f"A step of the way to configuration {stop.config} is {steps_mm.max():.2f} mm long; half the "
+            f"stroke is {0.5 * plan.stroke_mm:.2f} mm."
+        )
+
+
+def minutes_of(plan: ContactPlan, robot: Robot, base: FramePlacement) -> float:
+    """Return about how long a plan takes [min], persons not included."""
+    seconds = 0.0
+    for joints_rad in _passed(plan):
+        tool_mm = nominal_chain(robot, base, np.array(joints_rad)).origin[-1]
+        path_mm = np.linalg.norm(np.diff(tool_mm, axis=0), axis=1)
+        creeps = 2 * path_mm[FREE_PLACES - 1 :].sum() / plan.touch_speed_mm_s if plan.touches else 0.0
+        seconds += 2 * path_mm[: FREE_PLACES - 1].sum() / plan.tool_speed_mm_s + creeps + 2 * plan.settle_s
+    return float(seconds / 60.0)
+
+
+def _passed(plan: ContactPlan) -> Iterator[tuple[Joints, ...]]:
+    return (step.stop.way_rad for step in steps(plan) if isinstance(step, Visit))

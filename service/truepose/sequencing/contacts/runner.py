@@ -1,0 +1,274 @@
+"""Runs a session of closed loops: questions first, then one stop after the other while nobody is in the cell.
+
+A stop whose reading fails is skipped with its reason; several in a row pause the session. A lost link, or an
+arm that is not where it was left, has a person look at the cell before anything moves again.
+"""
+
+from collections import deque
+from dataclasses import replace
+from typing import Any, Final
+
+from truepose.domain.contacts import ContactPlan
+from truepose.domain.ledger import EntryKind, LedgerEntry
+from truepose.domain.people import tidy_name
+from truepose.domain.session import Progress, SessionState
+from truepose.sequencing.contacts.cell import ContactCell
+from truepose.sequencing.contacts.dry_run import check_plan, motion_limits
+from truepose.sequencing.contacts.gauges import Gauges
+from truepose.sequencing.contacts.questions import Question, asked
+from truepose.sequencing.contacts.record import OPEN, ContactRecord
+from truepose.sequencing.contacts.situation import ContactSituation, Open, Visit, situation_of
+from truepose.sequencing.contacts.visiting import Visiting
+from truepose.sequencing.engine.acts import HALTS, Act, ActName, ActOutcome
+from truepose.sequencing.engine.faults import is_interruption
+from truepose.sequencing.engine.halts import Halts
+from truepose.sequencing.engine.identities import same_number, told
+from truepose.sequencing.engine.ledger_port import Ledger
+from truepose.sequencing.engine.logbook import Logbook
+from truepose.sequencing.engine.motion.arm import Arm, Permission
+from truepose.sequencing.engine.motion.limits import binding_speed, speed_sentence
+from truepose.sequencing.engine.motion.segments import MotionSegments
+from truepose.sequencing.engine.notices import end_of_motion
+from truepose.sequencing.engine.prompts import CELL_CLEAR, require_person
+from truepose.sequencing.engine.runner import SessionRunner
+from truepose.sequencing.engine.states import has_ended, require_transition, words
+from truepose.sequencing.errors import (
+    AttentionNeededError,
+    ForeignRobotError,
+    MotionForbiddenError,
+    NotNowError,
+    SequencingError,
+)
+from truepose_drivers.api import motion_guard
+from truepose_drivers.errors import DriverError
+
+_EFFECTS: Final = {
+    SessionState.PAUSED: f"Paused on request. {CELL_CLEAR}",
+    SessionState.ABORTED: "The session ended on request, between two motions.",
+}
+_WAITS_IN: Final = {
+    ActName.CONFIRM: SessionState.AWAITING_CONFIRMATION,
+    ActName.RESUME: SessionState.PAUSED,
+}
+_RESTARTED: Final = "The service was started anew."
+
+
+class ContactRunner(SessionRunner[ContactSituation]):
+    """One session of closed loops on one cell.
+
+    `entries` are what earlier runs kept: the session goes on where they end, once a person has confirmed.
+    Raises PlanRefusedError where the plan does not fit the cell.
+    """
+
+    def __init__(
+        self, plan: ContactPlan, cell: ContactCell, ledger: Ledger, entries: tuple[LedgerEntry, ...] = ()
+    ) -> None:
+        limits = motion_limits(cell.robot, cell.joint_limits)
+        check_plan(plan, cell.robot, cell.base, limits)
+        self._plan = plan
+        self._cell = cell
+        record = ContactRecord()
+        logbook = Logbook(ledger, cell.clock, record, lambda: situation_of(plan, record), entries)
+        super().__init__(logbook, Halts(logbook, lambda: end_of_motion(cell.robot_controller), _EFFECTS))
+        self._speed = binding_speed(plan, cell.speed_limits)
+        self._arm = Arm(
+            cell.robot_controller,
+            cell.clock,
+            limits,
+            plan.joint_tolerance_rad,
+            self._permission,
+            pieces=MotionSegments(cell.robot, self._speed),
+        )
+        self._gauges = Gauges(cell.gauges, cell.clock, plan)
+        self._visiting = Visiting(plan, cell, self._arm, self._gauges)
+
+    @property
+    def question(self) -> str | None:
+        """What a person is asked to confirm, or why the session waits; None before this run has asked."""
+        return self.trouble or (None if self._logbook.restarted else self.situation.question)
+
+    @property
+    def progress(self) -> Progress:
+        """How far the session is."""
+        return self.situation.progress
+
+    # what a person asks for
+
+    def require(self, act: Act) -> None:
+        """Raise NotNowError, PersonMissingError where an act is not allowed now."""
+        if act.name is ActName.PAUSE:
+            require_transition(self.state, SessionState.PAUSING)
+        elif act.name is ActName.ABORT:
+            if self._ended or self.state is SessionState.ABORTING:
+                raise NotNowError(f"The session is {words(self.state)} already.")
+        else:
+            require_person(act.person)
+            if self.state is not _WAITS_IN.get(act.name) or self._logbook.restarted:
+                raise NotNowError(f"The session is {words(self.state)}; there is nothing to {act.name}.")
+
+    async def do(self, act: Act) -> ActOutcome:
+        """Do what an act asks for; raises NotNowError."""
+        if act.name in HALTS:
+            return await self._halts.halt(act)
+        number = await self._logbook.enter(
+            SessionState.RUNNING, f"{tidy_name(act.person)} had the session go on.", act
+        )
+        self._halts.forget()
+        self._arm.forget()
+        self._visiting.forget()
+        return ActOutcome("Confirmed; the session goes on.", number)
+
+    def _permission(self, _: float) -> Permission:
+        return Permission(self.state, self._halts.wish is not None, self.situation.question, self.trouble)
+
+    # what the run does
+
+    async def begin(self) -> None:
+        """Ask the first thing; after a restart that is whether the cell is clear, or what was asked then."""
+        if has_ended(self.state):
+            await super().begin()
+        elif self.state is SessionState.PLANNED:
+            await self._ask(Question.FIXTURE)
+        elif self._logbook.restarted:
+            step = self.situation.step
+            question = step if isinstance(step, Question) else Question.CLEAR
+            text = f"{_RESTARTED} {asked(question, self._plan)}"
+            await self._logbook.keep(
+                lambda: self._logbook.open(step_id=question, text=text, progress=self.progress)
+            )
+
+    async def _ask(self, question: Question) -> None:
+        async def put() -> None:
+            if not self._ended and self._halts.wish is None:
+                said: dict[str, Any] = {"entered": SessionState.AWAITING_CONFIRMATION}
+                said |= {"text": asked(question, self._plan), "progress": self.progress}
+                await self._logbook.append(EntryKind.CONTROL, question, **said)
+
+        await self._logbook.keep(put)
+
+    async def perform(self) -> None:
+        """Do the present step; after a fault the ledger says what is to be done about it."""
+        step = self.situation.step
+        if self._halts.wish is not None:
+            return
+        if step is None:
+            await self._logbook.keep(self.settle)
+        elif isinstance(step, Question):
+            await self._ask(step)
+        elif self._logbook.interrupted is not None:
+            await self._logbook.keep(self._wait_after_refusal)
+        else:
+            await self._do(step)
+
+    async def _do(self, step: Open | Visit) -> None:
+        self._halts.moving = True
+        try:
+            lines = await self._attempt(step)
+        finally:
+            self._halts.moving = False
+        waiting = deque(lines)
+        await self._logbook.keep(lambda: self._conclude(waiting))
+
+    async def _attempt(self, step: Open | Visit) -> list[dict[str, Any]]:
+        """Do a step; returns the lines that are put on record at its end."""
+        progress = replace(self.progress, doing=step.title)
+        await self._logbook.write(EntryKind.BEGUN, step.id, text=step.title, progress=progress)
+        try:
+            if isinstance(step, Open):
+                await self._open()
+                return [{"kind": EntryKind.ENDED, "step_id": OPEN}]
+            await self._require_same_robot()
+            taken = await self._visiting.visit(step.stop)
+            return [{"kind": EntryKind.MEASURED, "step_id": step.id, "contact": taken}]
+        except (SequencingError, DriverError) as error:
+            if isinstance(error, MotionForbiddenError) and self._halts.wish is not None:
+                return []  # asked for between two looks
+            if is_interruption(error):
+                await self._gauges.close()
+                await self._cell.robot_controller.close()
+            return self._lines_after(error, step)
+
+    def _lines_after(self, error: Exception, step: Open | Visit) -> list[dict[str, Any]]:
+        """Return what is put on record after a fault: somebody looks, or the stop is left out."""
+        reason = str(error)
+        if is_interruption(error) or isinstance(error, MotionForbiddenError):
+            waits = {"entered": SessionState.AWAITING_CONFIRMATION, "text": f"{reason} {CELL_CLEAR}"}
+            return [
+                {"kind": EntryKind.REOPENED, "step_id": OPEN},
+                {"kind": EntryKind.CONTROL, "step_id": step.id, **waits},
+            ]
+        pauses = {"kind": EntryKind.CONTROL, "step_id": step.id, "entered": SessionState.PAUSED}
+        if isinstance(step, Open) or isinstance(error, AttentionNeededError):
+            return [{**pauses, "text": f"{reason} {CELL_CLEAR}"}]
+        skipped = {"kind": EntryKind.SKIPPED, "step_id": step.id, "text": reason}
+        if self.situation.failures + 1 < self._plan.failures_in_a_row:
+            return [skipped]
+        why = f"{self.situation.failures + 1} stops in a row could not be read, the last because: {reason}"
+        return [skipped, {**pauses, "text": f"{why} {CELL_CLEAR}"}]
+
+    async def _open(self) -> None:
+        robot = self._cell.robot_controller
+        if not robot.connected:
+            await robot.connect()
+        await self._require_same_robot()
+        for sentence in await self._gauges.open():
+            await self._logbook.write(EntryKind.NOTED, text=sentence)
+        await robot.set_limits(self._speed)
+        await self._logbook.write(EntryKind.NOTED, text=speed_sentence(self._speed, motion_guard(robot)))
+
+    async def _require_same_robot(self) -> None:
+        serial, wanted = told((await self._cell.robot_controller.identify()).serial), self._cell.robot_serial
+        if serial and wanted and not same_number(serial, wanted):
+            raise ForeignRobotError(
+                f"Another robot answers: serial number {serial} instead of {wanted}. Nothing moves; connect "
+                f"that one again, or put {serial} into the cell file and plan a session for it."
+            )
+
+    async def _wait_after_refusal(self) -> None:
+        why = f"The database could not be written for a while; nothing is missing. {CELL_CLEAR}"
+        if self.state is SessionState.RUNNING:
+            await self._logbook.enter(SessionState.AWAITING_CONFIRMATION, why)
+
+    async def _conclude(self, lines: deque[dict[str, Any]]) -> None:
+        """Put on record how a step ended, once; a halt that was asked for meanwhile takes effect."""
+        ends = self._halts.wish is SessionState.ABORTED
+        while lines:
+            waits = "entered" in lines[0]
+            if not (waits and ends):
+                await self._logbook.append(progress=self.progress, **lines[0])
+            if waits and not ends:
+                self._halts.wish = None  # it waits for a person, as was wished
+            lines.popleft()
+        if self.state in {SessionState.PAUSING, SessionState.ABORTING}:
+            await self._halts.take_effect()
+        await self.settle()
+
+    async def settle(self) -> None:
+        """End the session where nothing is left to do."""
+        if self.situation.busy and self._halts.wish is None and self.situation.step is None:
+            progress = replace(self.progress, doing="finished")
+            reason = "Every configuration was measured or skipped."
+            await self._logbook.enter(SessionState.FINISHED, reason, progress=progress)
+
+    async def hold(self, reason: str) -> None:
+        """Have the session wait for a person: something is not as it was left."""
+        if self.state in {SessionState.RUNNING, SessionState.PAUSING}:
+            await self._logbook.enter(SessionState.AWAITING_CONFIRMATION, f"{reason} {CELL_CLEAR}")
+
+    async def note_failure(self, error: Exception) -> None:
+        """End the session as failed."""
+        reason = f"The program failed ({type(error).__name__}): {error}"
+
+        async def fail() -> None:
+            if not self._ended:
+                await self._logbook.enter(SessionState.FAILED, reason)
+
+        try:
+            await self._logbook.keep(fail)
+        except Exception as second:  # the run ends with the first one: the log must not name another instead
+            error.add_note(f"Nor could that be kept ({type(second).__name__}): {second}")
+            self._logbook.record.enter(SessionState.FAILED, reason)
+
+    async def close(self) -> None:
+        """Let go of the gauges."""
+        await self._gauges.close()

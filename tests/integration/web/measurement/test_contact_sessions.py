@@ -1,0 +1,139 @@
+"""Sessions of closed loops over REST: planned, asked for, run, read, made a campaign of."""
+
+import pytest
+
+from tests.integration.web.bench import CELL, FakeLink
+from truepose.settings import Settings
+from truepose_drivers.api import BallbarReading, DriverPlugin
+from truepose_drivers.registry import DriverRegistry
+
+GAUGE = '[[device]]\nname = "wire"\ndriver = "fake_gauge"\nserial_number = "W-1"\n'
+WIRE = {
+    "name": "one wire",
+    "targets": [{"kind": "wire", "place_mm": [600, -400, 0], "zero_mm": 600, "zero_is_certified": False}],
+    "nest": 2,
+    "stops": 6,
+    "stroke_mm": 400,
+    "margin_mm": 20,
+    "reading_u_mm": 0.02,
+}
+
+
+class FakeWire(FakeLink):
+    """Shows one length, whatever hangs on it."""
+
+    def __init__(self, clock):
+        super().__init__("W1", "W-1")
+        self._clock = clock
+
+    async def read(self):
+        return BallbarReading(12.5, "good", 1e-3, self._clock.time_s)
+
+
+@pytest.fixture
+def wire(bench, monkeypatch):
+    """A wire in the cell."""
+    made, plain = FakeWire(bench.clock), bench.registry().plugins
+    plugin = DriverPlugin("fake_gauge", "linear_gauge", "fake", {}, lambda options, clock: made)
+    monkeypatch.setattr(bench, "registry", lambda: DriverRegistry({**plain, "fake_gauge": plugin}, {}))
+    return made
+
+
+@pytest.fixture
+def settings(request, tmp_path, database_url):
+    cell_file = tmp_path / "cell.toml"
+    cell_file.write_text(CELL + (GAUGE if "wire" in request.fixturenames else ""))
+    return Settings(database_url=database_url, cell_file=cell_file)
+
+
+async def test_a_session_is_planned_asked_for_run_and_made_a_campaign_of(wire, bench, client, until):
+    made = await client.post("/api/v1/contact-sessions", json=WIRE)
+    path = made.headers["Location"]
+    number = made.json()["id"]
+    plan = (await client.get(f"/api/v1/contact-sessions/{number}/plan")).json()
+
+    started = await client.post(f"{path}/start")
+    asked = []
+    for _ in plan["questions"]:
+        shown = (await client.get(path)).json()
+        assert shown["state"] == "awaiting_confirmation"
+        assert bench.robot.moves == 0
+        asked.append(shown["question"])
+        reply = await client.post(
+            f"{path}/confirm", json={"person": "Ada Byron", "prompt_id": shown["prompt_id"]}
+        )
+        assert reply.status_code == 202
+        if len(asked) < len(plan["questions"]):
+            while (await client.get(path)).json()["prompt_id"] in {None, shown["prompt_id"]}:
+                pass
+    finished = await until(path, "state", "finished")
+
+    assert (made.status_code, made.json()["role"], started.status_code) == (201, "contacts", 202)
+    assert asked == plan["questions"]
+    assert (finished["planned"], finished["measured"], finished["skipped"]) == (6, 6, 0)
+    readings = (await client.get(f"/api/v1/contact-sessions/{number}/readings")).json()
+    assert [reading["reading_mm"] for reading in readings] == [[12.5]] * 6
+    campaign = await client.post("/api/v1/campaigns", json={"name": "wire", "session_ids": [number]})
+    assert campaign.json()["calibration_contacts"] == 6
+    assert (await client.get(f"/api/v1/campaigns/{campaign.json()['id']}/archive")).status_code == 200
+
+
+async def test_the_same_request_plans_once(wire, client):
+    key = {"Idempotency-Key": "plan-1"}
+
+    first = await client.post("/api/v1/contact-sessions", json=WIRE, headers=key)
+    second = await client.post("/api/v1/contact-sessions", json=WIRE, headers=key)
+
+    assert first.json()["id"] == second.json()["id"]
+
+
+async def test_a_cell_without_a_gauge_is_told_when_the_session_starts(client):
+    made = await client.post("/api/v1/contact-sessions", json=WIRE)
+
+    reply = await client.post(f"{made.headers['Location']}/start")
+
+    assert reply.status_code == 409
+    assert "no linear gauge" in reply.json()["detail"]
+
+
+async def test_what_the_cell_cannot_do_is_refused_with_a_sentence(client):
+    far = {**WIRE, "targets": [{"kind": "plane", "place_mm": [5000, 0, 0]}]}
+
+    reply = await client.post("/api/v1/contact-sessions", json=far)
+
+    assert reply.status_code == 409
+    assert "put the targets nearer" in reply.json()["detail"]
+
+
+async def test_routes_of_other_kinds_of_session_say_so(client):
+    number = (await client.post("/api/v1/contact-sessions", json=WIRE)).json()["id"]
+
+    plan = await client.get(f"/api/v1/sessions/{number}/plan")
+    ballbar = await client.get(f"/api/v1/ballbar-sessions/{number}")
+    added = await client.post(
+        f"/api/v1/sessions/{number}/configurations",
+        json={"person": "Ada Byron", "configurations": [{"joints_deg": [0, 45, -30, 0, 30, 0]}]},
+    )
+
+    assert (plan.status_code, ballbar.status_code, added.status_code) == (409, 404, 409)
+    assert f"contact-sessions/{number}/plan" in plan.json()["detail"]
+    assert "closed loops" in added.json()["detail"]
+
+
+async def test_nothing_read_is_no_campaign(client):
+    number = (await client.post("/api/v1/contact-sessions", json=WIRE)).json()["id"]
+
+    reply = await client.post("/api/v1/campaigns", json={"name": "nothing", "session_ids": [number]})
+
+    assert reply.status_code == 409
+    assert "no reading" in reply.json()["detail"]
+
+
+async def test_its_page_stands_where_those_of_all_sessions_do(client):
+    number = (await client.post("/api/v1/contact-sessions", json=WIRE)).json()["id"]
+
+    page = await client.get(f"/sessions/{number}")
+    listed = await client.get("/sessions")
+
+    assert page.status_code == 200
+    assert "closed loops" in listed.text

@@ -1,0 +1,121 @@
+"""Plans of closed loops: within the limits, by short last steps, past everything that stands there."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from truepose.domain.contacts import TargetDistance
+from truepose.domain.targets import Target, TargetKind
+from truepose.exchange.cells.given import cell_given
+from truepose.kinematics.chain import Chain
+from truepose.planning.contacts.plan import plan_of
+from truepose.planning.contacts.wish import ContactWish
+from truepose.planning.errors import TooFewCandidatesError, WorkSpaceError
+from truepose.planning.work_volume.cell_space import space_to_measure
+from truepose.planning.work_volume.work_space import nominal_chain, within
+
+CELL = cell_given("lrmate-tilted")
+SPACE = space_to_measure(CELL, None)
+SPHERES = tuple(
+    Target(number, TargetKind.SPHERE, 16.0, place_mm=(420.0, y_mm, 80.0))
+    for number, y_mm in ((1, -120.0), (2, 120.0))
+)
+PLANE = Target(1, TargetKind.PLANE, place_mm=(430.0, 0.0, 60.0))
+DRUM = Target(1, TargetKind.WIRE, 700.0, place_mm=(700.0, -500.0, 0.0))
+BALL = Target(1, TargetKind.BALL, place_mm=(430.0, 0.0, 120.0))
+PROBE = ContactWish("probe", SPHERES, 12, nest=2)
+PLAN = plan_of(CELL, PROBE)
+
+
+def chain_of(joints) -> Chain:
+    return nominal_chain(SPACE, np.array(joints))
+
+
+def tips_mm(joints):
+    return chain_of(joints).points(np.array(CELL.nests[1].centre_mm))
+
+
+def test_a_probe_ends_where_its_tip_touches_at_its_zero():
+    for stop in PLAN.stops:
+        centre_mm = SPHERES[stop.targets[0] - 1].place_mm
+        (tip_mm,) = tips_mm([stop.joints_rad])
+        assert np.linalg.norm(tip_mm - centre_mm) == pytest.approx(16.0, abs=1e-6)
+
+
+def test_both_spheres_are_touched_from_many_sides():
+    for number in (1, 2):
+        own = [stop for stop in PLAN.stops if stop.targets == (number,)]
+        sides = tips_mm([stop.joints_rad for stop in own]) - SPHERES[number - 1].place_mm
+        assert len(own) >= 3
+        assert np.ptp(sides[:, :2], axis=0).min() > 10.0
+
+
+def test_every_place_of_every_way_is_within_the_limits():
+    for plan in (PLAN, plan_of(CELL, ContactWish("sensor", (BALL,), 6, nest=2))):
+        places = np.array([place for stop in plan.stops for place in stop.way_rad])
+
+        assert within(SPACE.motion_limits, places).all()
+
+
+def test_the_last_steps_go_straight_in_along_the_push_and_none_is_longer_than_half_a_stroke():
+    for stop in PLAN.stops:
+        steps = np.diff(tips_mm(stop.way_rad[2:]), axis=0)
+        lengths = np.linalg.norm(steps, axis=1)
+
+        assert lengths == pytest.approx([1.25] * 4, abs=1e-6)
+        assert steps / lengths[:, None] == pytest.approx(np.tile(stop.push, (4, 1)), abs=1e-6)
+
+
+def test_all_ways_begin_at_one_place_and_nothing_of_the_tool_comes_near_a_target_on_the_way_off_it():
+    share = np.linspace(0.0, 1.0, 101)[:, None]  # finer than the plan looked
+
+    assert len({stop.way_rad[0] for stop in PLAN.stops}) == 1
+    for stop in PLAN.stops:
+        start, end = np.array(stop.way_rad[:2])
+        chain = chain_of(start + share * (end - start))
+        nests = np.stack([chain.points(np.array(nest.centre_mm)) for nest in CELL.nests])
+        for sphere in SPHERES:
+            assert np.linalg.norm(nests - sphere.place_mm, axis=-1).min() > 30.0
+
+
+def test_a_plane_is_touched_about_its_place_and_from_above():
+    plan = plan_of(CELL, replace(PROBE, targets=(PLANE,), plane_mm=50.0, stops=6))
+    tips = tips_mm([stop.joints_rad for stop in plan.stops])
+
+    assert tips[:, 2] == pytest.approx(60.0, abs=1e-6)
+    assert np.abs(tips[:, :2] - PLANE.place_mm[:2]).max() <= 50.0 * np.sqrt(2.0)
+    assert all(stop.push[2] < -0.95 for stop in plan.stops)
+
+
+def test_wires_hang_within_their_stroke_and_have_no_way():
+    plan = plan_of(CELL, ContactWish("wires", (DRUM,), 6, nest=2, stroke_mm=300.0, margin_mm=20.0))
+    drawn_mm = np.linalg.norm(tips_mm([stop.joints_rad for stop in plan.stops]) - DRUM.place_mm, axis=1)
+
+    assert np.abs(drawn_mm - 700.0).max() <= 280.0
+    assert all(len(stop.way_rad) == 1 for stop in plan.stops)
+
+
+def test_the_same_seed_plans_the_same_stops_and_another_one_others():
+    assert plan_of(CELL, PROBE) == PLAN
+    assert plan_of(CELL, replace(PROBE, seed=1)).stops != PLAN.stops
+
+
+@pytest.mark.parametrize(
+    ("changes", "error", "sentence"),
+    [
+        ({"targets": (replace(PLANE, place_mm=None),)}, WorkSpaceError, "Target 1 has no place"),
+        ({"targets": (replace(SPHERES[0], zero_mm=None),)}, WorkSpaceError, "no zero_mm"),
+        ({"nest": 4}, WorkSpaceError, "no tool nest 4"),
+        ({"targets": (SPHERES[0], replace(DRUM, number=2))}, WorkSpaceError, "Target 2 is a wire"),
+        ({"loop": "sensor", "targets": (BALL, replace(BALL, number=2))}, WorkSpaceError, "one ball"),
+        ({"axis": (0.0, 0.0, 0.0)}, WorkSpaceError, "axis of the tool has no length"),
+        ({"targets": (replace(PLANE, normal=(0.0, 0.0, 0.0)),)}, WorkSpaceError, "normal of target 1"),
+        ({"margin_mm": 2.5}, WorkSpaceError, "half the stroke"),
+        ({"distances": (TargetDistance((1, 3), 240.0, 0.002),)}, WorkSpaceError, "two different targets"),
+        ({"targets": (replace(PLANE, place_mm=(2000.0, 0.0, 60.0)),)}, TooFewCandidatesError, "nearer"),
+    ],
+)
+def test_what_cannot_be_planned_is_told(changes, error, sentence):
+    with pytest.raises(error, match=sentence):
+        plan_of(CELL, replace(PROBE, **changes))
