@@ -4,8 +4,8 @@ With the nest at P, the centre at C and the distance z at which the instrument r
 
     reading = |P - C| - z
 
-Source: the sphere as constraint, thesis of A. Nubiola, 2014, section 1.2 (closed loops) and future work;
-three wires, US patent 6,012,216 (string encoders that meet at the tool).
+Source: thesis of A. Nubiola, 2014, sections 1.2 (a sphere as constraint) and 1.8 (CompuGauge, wires to the
+tool; MasterCal, a probe and two spheres).
 """
 
 import numpy as np

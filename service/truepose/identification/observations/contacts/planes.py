@@ -7,8 +7,9 @@ With the nest at P, a point Q of the plane and its normal n, tilted by slopes a 
 with t1 and t2 across n0, and s the shift of the plane, in which the gauge's zero is. A gauge of a flat face
 reads the same: its face is the plane, its axis the normal.
 
-Source: M. Ikits, J. M. Hollerbach, ICRA 1997, 3329-3334 (a plane as constraint); A. Gaudreault, A. Joubair,
-I. A. Bonev, Sensors 18(10), 2018, 3380 (three gauges at right angles and a ball).
+Source: H. Zhuang, S. H. Motaghedi, Z. S. Roth, Robot calibration with planar constraints, ICRA 1999 (one
+plane is seldom enough, three are as good as points); three perpendicular gauges: future work of the thesis of
+A. Nubiola, 2014.
 """
 
 from dataclasses import replace

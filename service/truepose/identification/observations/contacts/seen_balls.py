@@ -6,7 +6,8 @@ With the sensor at P, its axis a (a unit vector that the tool carries) and the b
 
 Where the sensor sits in the tool is its nest, how it is turned the rotation of the tool.
 
-Source: ROSY and LaserLAB as the thesis of A. Nubiola, 2014, describes them in section 1.8.
+Source: ROSY and LaserLAB as the thesis of A. Nubiola, 2014, describes them in section 1.8; three gauges that
+the tool carries to fixed balls: C. Icli, O. Stepanenko, I. Bonev, Sensors 20, 2020, 5919.
 """
 
 import numpy as np
