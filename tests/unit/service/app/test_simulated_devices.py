@@ -48,3 +48,16 @@ def test_a_camera_is_brought_the_definition_of_the_simulated_artefact():
     found = devices_of(("camera", "ndi", 4))
 
     assert found == {"camera": ("ndi_polaris", {"host": "127.0.0.1", "port": 4, "tool_file": "artefact.rom"})}
+
+
+def test_an_abb_is_watched_and_read_at_the_further_ports_of_its_controller():
+    found = devices_of(("robot", "open_abb", 2), ("robot-rws", "rws", 3), ("robot-egm", "egm", 6510))
+
+    ports = {"host": "127.0.0.1", "port": 2, "rws_port": 3, "egm_port": 6510}
+    assert found == {"robot": ("abb_open_abb", ports)}
+
+
+def test_an_abb_without_sockets_is_driven_over_its_web_services():
+    found = devices_of(("robot", "rws", 2))
+
+    assert found == {"robot": ("abb_rws", {"host": "127.0.0.1", "port": 2})}
