@@ -170,7 +170,7 @@ def _with_simulated_devices(cell: Cell, simulation: Simulation | None, drivers: 
         return cell
     entries: dict[str, DeviceEntry] = {}
     for endpoint in simulation.endpoints:
-        if endpoint.device not in _NOT_DEVICES:
+        if endpoint.device not in _NOT_DEVICES and not _is_further_port(endpoint, simulation):
             for name in _drivers_of(endpoint, drivers):
                 options: dict[str, str | int | float | bool] = {"host": endpoint.host, "port": endpoint.port}
                 # One ballbar listens at several ports, in a language each: the first one is spoken.
@@ -179,6 +179,11 @@ def _with_simulated_devices(cell: Cell, simulation: Simulation | None, drivers: 
                     options[_TOOL_FILE] = str(simulation.tool_file)
                 entries.setdefault(endpoint.device, DeviceEntry(endpoint.device, name, options))
     return dataclasses.replace(cell, devices=tuple(entries.values()))
+
+
+def _is_further_port(endpoint: Endpoint, simulation: Simulation) -> bool:
+    """Whether an endpoint is one more port of another device, even where a driver could speak to it alone."""
+    return any(endpoint.device.startswith(f"{other.device}-") for other in simulation.endpoints)
 
 
 def _further_ports(endpoint: Endpoint, simulation: Simulation, plugin: DriverPlugin) -> dict[str, int]:
