@@ -49,7 +49,10 @@ _REFUSED: Mapping[int, str] = {
     ResultStatus.NO_SENSOR_BATTERY: "the sensor has no battery: put one in",
     ResultStatus.SENSOR_NOT_LEVELED: "it is not levelled: level the stand, then initialise",
     ResultStatus.NOT_LEVELED_FOR_INITIALIZATION: "it is not levelled: level the stand, then initialise",
-    ResultStatus.MULTI_CONNECTIONS_NOT_ALLOWED: "another program is connected to it: close that one first",
+    ResultStatus.MULTI_CONNECTIONS_NOT_ALLOWED: (
+        "another program is connected to it, or it has not noticed yet that a connection broke: close that"
+        " program, or wait a minute"
+    ),
     ResultStatus.TP_EXTERNAL_CONTROL: "another program controls it: close that one first",
     ResultStatus.NO_VALID_ADM_COMPENSATION: "its distance meter has no valid compensation: have it serviced",
     ResultStatus.ADM_HARDWARE_PROBLEM: "its distance meter is defective: have it serviced",
