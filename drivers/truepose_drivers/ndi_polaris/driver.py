@@ -46,8 +46,10 @@ from truepose_drivers.ndi_polaris.protocol import (
     page_writes,
 )
 from truepose_drivers.ndi_polaris.refusals import CommandUnknownError, refusal, started_again
+from truepose_drivers.ndi_polaris.serial_line import FIRST_BAUD, CameraLine
 from truepose_drivers.transports.conversation import Conversation
 from truepose_drivers.transports.link import Link, introduction
+from truepose_drivers.transports.serial import Framing, SerialLink
 from truepose_drivers.transports.tcp import tcp_link
 
 _MANUFACTURER = "Northern Digital"
@@ -313,7 +315,14 @@ def _require_seen(seen: int, lost: Counter[_Lost]) -> None:
 
 
 def _open(options: Options, clock: Clock | None) -> PolarisTracker:
-    return PolarisTracker(tcp_link(options, DEFAULT_PORT), clock or MonotonicClock(), _definition(options))
+    return PolarisTracker(_link(options), clock or MonotonicClock(), _definition(options))
+
+
+def _link(options: Options) -> Link:
+    port = option.text(options, "serial")
+    if port is None:
+        return tcp_link(options, DEFAULT_PORT)
+    return CameraLine(SerialLink(port, Framing(FIRST_BAUD)))
 
 
 def _definition(options: Options) -> bytes:
@@ -336,6 +345,7 @@ def _definition(options: Options) -> bytes:
 
 _OPTIONS = {
     "host": "address of the camera, by its label or its maker's tool",
+    "serial": "serial port instead, of a camera without Ethernet",
     "port": f"TCP port, {DEFAULT_PORT} unless changed",
     "tool_file": "file with the artefact's tool definition (.rom)",
 }

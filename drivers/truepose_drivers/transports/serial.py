@@ -51,6 +51,22 @@ class SerialLink(BlockingPort[serial.Serial]):
         except OSError as error:
             raise await self._gone() from error
 
+    async def send_break(self) -> None:
+        """Hold the line low for a quarter of a second; raises ConnectionLostError."""
+        port = self._opened()
+        try:
+            await self._in_thread(port.send_break)
+        except OSError as error:
+            raise await self._gone() from error
+
+    async def set_baud(self, baud: int) -> None:
+        """Go on at another speed until the port is opened again; raises ConnectionLostError."""
+        port = self._opened()
+        try:
+            await self._in_thread(lambda: setattr(port, "baudrate", baud))
+        except (OSError, ValueError) as error:
+            raise await self._gone() from error
+
     async def receive(self, timeout_s: float) -> bytes | None:
         """Return what has arrived, None after `timeout_s` of silence; raises ConnectionLostError."""
         return await self._in_slices(timeout_s, self._read_slice)

@@ -172,3 +172,26 @@ async def test_a_socket_url_is_a_port_like_any_other():
 
     assert heard == b"hello"
     server.close()
+
+
+async def test_a_break_and_another_speed_leave_the_port_open(terminal):
+    link = SerialLink(terminal.name, Framing())
+    await link.open()
+
+    await link.send_break()
+    await link.set_baud(115_200)
+    await link.send(b"INIT \r")
+
+    assert os.read(terminal.master, 100) == b"INIT \r"
+    await link.close()
+
+
+async def test_a_port_that_was_pulled_takes_neither(terminal):
+    link = SerialLink(terminal.name, Framing())
+    await link.open()
+    await link.close()
+
+    with pytest.raises(ConnectionLostError):
+        await link.send_break()
+    with pytest.raises(ConnectionLostError):
+        await link.set_baud(115_200)
