@@ -11,7 +11,7 @@ from truepose_drivers.errors import DriverError
 
 _READINGS: Final = 5
 _DEEPEST: Final = 4  # questions into a conversation at which a fault strikes
-_SEEDS: Final = 8
+_SEEDS: Final = 5
 
 
 @case(remedy="let `move` change what the device shows, and `is_right` compare with it")
