@@ -25,7 +25,10 @@ NDICAPI = Lack("ndicapi 3.7.6 is not installed: no independent client", "a camer
 ABB_ROBOT_CLIENT = Lack(
     "abb-robot-client 0.4.0 is not installed: no independent client", "a robot controller's client by others"
 )
-_ALL = (MEASURED_DATA, UMOCKDEV, CHROMIUM, CESAPI, NDICAPI, ABB_ROBOT_CLIENT)
+OWN_NETWORK = Lack(
+    "no process gets a network of its own here (unshare, ip)", "connections whose line goes dead"
+)
+_ALL = (MEASURED_DATA, UMOCKDEV, CHROMIUM, CESAPI, NDICAPI, ABB_ROBOT_CLIENT, OWN_NETWORK)
 
 
 def what_was_untested(reasons: Iterable[str]) -> str:

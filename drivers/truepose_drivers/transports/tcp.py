@@ -12,6 +12,7 @@ from typing import cast
 from truepose_drivers import options as option
 from truepose_drivers.api import Options
 from truepose_drivers.errors import ConnectFailedError, ConnectionLostError
+from truepose_drivers.transports.watched_peer import watch_peer
 
 _MOST_UNREAD_BYTES = 65_536  # more is left to the system until that was taken
 _CLOSE_TIMEOUT_S = 1.0  # a peer that does not say goodbye must not hold up a shutdown
@@ -30,6 +31,7 @@ class _Connection(asyncio.Protocol):
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         self._transport = cast(asyncio.Transport, transport)
+        watch_peer(transport.get_extra_info("socket"))
 
     def data_received(self, data: bytes) -> None:
         self._arrived += data

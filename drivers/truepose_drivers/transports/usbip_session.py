@@ -15,6 +15,7 @@ from dataclasses import dataclass
 import usb.core
 
 from truepose_drivers.errors import RemoteProtocolError
+from truepose_drivers.transports.watched_peer import watch_peer
 from truepose_drivers.usb.protocol import descriptors, usbip
 from truepose_drivers.usb.protocol.control import FROM_DEVICE, Setup, StandardRequest, encode_setup
 
@@ -241,6 +242,7 @@ def _connection(host: str, port: int) -> _Stream:
         reason = error.strerror or str(error)
         raise usb.core.USBError(f"no connection to {host}:{port} ({reason})", None, errno.ENODEV) from error
     connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+    watch_peer(connection)
     return _Stream(connection)
 
 

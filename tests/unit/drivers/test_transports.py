@@ -2,10 +2,14 @@
 
 import asyncio
 import contextlib
+import shutil
 import socket
+import sys
+from pathlib import Path
 
 import pytest
 
+from tests.helpers.machine import OWN_NETWORK
 from truepose_drivers.errors import ConnectFailedError, ConnectionLostError
 from truepose_drivers.transports.memory import MemoryEnd, MemoryLink
 from truepose_drivers.transports.tcp import TcpLink
@@ -247,3 +251,27 @@ async def test_memory_splits_what_is_sent():
 async def test_without_a_server_nobody_answers():
     with pytest.raises(ConnectFailedError):
         await MemoryLink(None).open()
+
+
+OWN = ("unshare", "--map-root-user", "--net")  # a network for one process
+
+
+async def output_of(*command):
+    process = await asyncio.create_subprocess_exec(
+        *command, stdout=asyncio.subprocess.PIPE, stderr=asyncio.subprocess.PIPE
+    )
+    said, complaint = await process.communicate()
+    return process.returncode, said.decode(), complaint.decode()
+
+
+async def test_a_line_that_goes_dead_is_told_whether_anything_is_sent_or_not():
+    if not (shutil.which("unshare") and shutil.which("ip")) or (await output_of(*OWN, "true"))[0] != 0:
+        pytest.skip(OWN_NETWORK.reason)
+
+    code, said, complaint = await output_of(
+        *OWN, sys.executable, str(Path(__file__).with_name("dead_line.py"))
+    )
+
+    assert code == 0, complaint
+    # two seconds, and what a busy machine adds; without the system's question nothing is told in twenty
+    assert [float(word) < 10.0 for word in said.split()] == [True, True]
