@@ -18,17 +18,19 @@ from truepose.domain.session import SessionState
 from truepose.operation.devices import Rack
 from truepose.operation.errors import DeviceInUseError
 from truepose.operation.followers import Watching
-from truepose.operation.present_cell import PresentCell
+from truepose.operation.present_cell import PresentCell, speed_limits
 from truepose.operation.requests_under_way import RequestsUnderWay
 from truepose.operation.session_kind import SessionKind
 from truepose.operation.session_ledger import SessionLedger
 from truepose.sequencing.engine.acts import HALTS, LETS_MOVE, Act, ActName
 from truepose.sequencing.engine.halts import ENDED_AT_REST
+from truepose.sequencing.engine.motion.limits import reduced
 from truepose.sequencing.engine.runner import SessionRunner
 from truepose.sequencing.engine.states import has_ended, words
 from truepose.storage.measurement.ledger import LedgerRepository
 from truepose.storage.measurement.sessions import SessionRepository
-from truepose.storage.records import ActAnswer, RequestKey, SessionRecord
+from truepose.storage.records import ActAnswer, RequestKey, SessionRecord, SessionSetup
+from truepose_drivers.api import MotionLimits
 
 _LOG: Final = logging.getLogger(__name__)
 _END_ASKED_FOR: Final = "The end was asked for; nothing was in motion."
@@ -69,6 +71,18 @@ class SessionDesk:
         self._kinds: list[SessionKind[Any]] = []
         self._acts = RequestsUnderWay[ActAnswer]()
         self._tasks: set[asyncio.Task[None]] = set()  # of sessions, with what follows their end
+
+    async def is_first_pass(self, setup: SessionSetup) -> bool:
+        """Whether no session of a real robot has finished yet."""
+        cell = setup.cell
+        return not setup.simulated and not await self.sessions.has_finished(
+            cell.robot.name, cell.robot_serial_number
+        )
+
+    async def speed_limits(self, setup: SessionSetup) -> MotionLimits:
+        """Return the speeds above which nothing moves; reduced ones before the first session has finished."""
+        speed = speed_limits(self.present.bound(setup.cell).limits)
+        return reduced(speed) if await self.is_first_pass(setup) else speed
 
     def serve(self, kind: SessionKind[Any]) -> None:
         """Run sessions of this kind too."""

@@ -15,7 +15,6 @@ from truepose.domain.session import SessionState
 from truepose.operation.ballbar.counting import counting
 from truepose.operation.ballbar.plans import BallbarWish, judged, kit_of
 from truepose.operation.ballbar.view import BallbarView, Fixed, sight_of
-from truepose.operation.present_cell import speed_limits
 from truepose.operation.requests_under_way import RequestsUnderWay
 from truepose.operation.session_kind import SessionKind
 from truepose.operation.session_ledger import SessionLedger
@@ -31,6 +30,7 @@ from truepose.sequencing.engine.states import has_ended, words
 from truepose.sequencing.errors import NotNowError
 from truepose.storage.errors import NotFoundError
 from truepose.storage.records import LedgerRecord, Page, RequestKey, SessionRecord, SessionSetup
+from truepose_drivers.api import MotionLimits
 
 _LOG: Final = logging.getLogger(__name__)
 NOBODY_RUNS: Final = "The program failed and does not run this session now; nothing moves."
@@ -181,7 +181,7 @@ class BallbarSessions(SessionKind[BallbarRunner]):
         return self._make_runner(
             fixed.plan,
             kit_of(setup),
-            self._cell(setup),
+            self._cell(setup, await self.desk.speed_limits(setup)),
             ledger,
             self._make_precalibrator(setup),
             entries=ledger.earlier,
@@ -198,7 +198,7 @@ class BallbarSessions(SessionKind[BallbarRunner]):
             _LOG.exception("session %d was not taken up", record.id)
             await self.desk.sessions.note(record.id, f"The session was not taken up: {error}")
 
-    def _cell(self, setup: SessionSetup) -> BallbarCell:
+    def _cell(self, setup: SessionSetup, speed: MotionLimits) -> BallbarCell:
         cell = self.desk.present.bound(setup.cell)
         return BallbarCell(
             ballbar=self.desk.rack.ballbar,
@@ -206,7 +206,7 @@ class BallbarSessions(SessionKind[BallbarRunner]):
             clock=self.desk.rack.clock,
             robot=cell.robot,
             joint_limits=cell.limits.joints,
-            speed_limits=speed_limits(cell.limits),
+            speed_limits=speed,
             expected=self.desk.rack.expected(),
             ballbar_device_serial=self._planned_serial(setup),
         )

@@ -13,7 +13,6 @@ from truepose.domain.contacts import ContactPlan, ContactTaken
 from truepose.domain.errors import ConfigurationError
 from truepose.operation.ballbar.bar_put_away import require_ballbar_aside
 from truepose.operation.errors import MissingDeviceError
-from truepose.operation.present_cell import speed_limits
 from truepose.operation.session_kind import AskedSessionKind
 from truepose.operation.session_ledger import SessionLedger
 from truepose.planning.contacts.plan import plan_of
@@ -29,6 +28,7 @@ from truepose.sequencing.engine.motion.plausible_robot import WatchfulRobot
 from truepose.sequencing.errors import PlanRefusedError
 from truepose.storage.errors import NotFoundError
 from truepose.storage.records import RequestKey, SessionRecord, SessionSetup
+from truepose_drivers.api import MotionLimits
 
 
 class ContactSessions(AskedSessionKind[ContactRunner]):
@@ -87,7 +87,8 @@ class ContactSessions(AskedSessionKind[ContactRunner]):
     ) -> ContactRunner:
         """Return what runs a session, from the lines of its ledger; nothing moves yet."""
         plan = await self.desk.sessions.contact_plan(record.id)
-        return await asyncio.to_thread(ContactRunner, plan, self._cell(setup), ledger, ledger.earlier)
+        cell = self._cell(setup, await self.desk.speed_limits(setup))
+        return await asyncio.to_thread(ContactRunner, plan, cell, ledger, ledger.earlier)
 
     async def prepare(self, session_id: int, act: Act) -> None:
         """Raise NotNowError where the ballbar hangs in a cell whose arm is let move."""
@@ -95,7 +96,7 @@ class ContactSessions(AskedSessionKind[ContactRunner]):
             setup = await self.desk.sessions.setup(session_id)
             await require_ballbar_aside(self.desk.rack, setup.cell.ballbar)
 
-    def _cell(self, setup: SessionSetup) -> ContactCell:
+    def _cell(self, setup: SessionSetup, speed: MotionLimits) -> ContactCell:
         rack, cell = self.desk.rack, self.desk.present.bound(setup.cell)
         boxes = tuple(
             GaugeBox(mounted.entry.name, gauge, mounted.expected_serial) for mounted, gauge in rack.gauges
@@ -109,7 +110,7 @@ class ContactSessions(AskedSessionKind[ContactRunner]):
             robot=cell.robot,
             base=cell.base_nominal,
             joint_limits=cell.limits.joints,
-            speed_limits=speed_limits(cell.limits),
+            speed_limits=speed,
             attachment=setup.attachment,
             robot_serial=rack.expected().serials.get("robot", ""),
         )

@@ -9,7 +9,6 @@ from truepose.domain.cell import Cell
 from truepose.domain.ledger import LedgerEntry
 from truepose.domain.session import SessionPlan
 from truepose.operation.ballbar.bar_put_away import require_ballbar_aside
-from truepose.operation.present_cell import speed_limits
 from truepose.operation.session_kind import AskedSessionKind
 from truepose.operation.session_ledger import SessionLedger
 from truepose.operation.sessions import SessionDesk
@@ -27,6 +26,7 @@ from truepose.sequencing.tracker.runner import TrackerRunner
 from truepose.sequencing.tracker.situation import situation
 from truepose.storage.measurement.added_stops import AddedStopsRepository
 from truepose.storage.records import AddedStops, RequestKey, SessionRecord, SessionSetup
+from truepose_drivers.api import MotionLimits
 
 _LOOKED_AT_THE_CELL: Final = frozenset({ActName.CONFIRM, ActName.RESUME})
 WhenFinished = Callable[[int], Awaitable[None]]
@@ -124,7 +124,9 @@ class TrackerSessions(AskedSessionKind[TrackerRunner]):
         self, record: SessionRecord, setup: SessionSetup, ledger: SessionLedger
     ) -> TrackerRunner:
         """Return what runs a session, from the lines of its ledger; nothing moves yet."""
-        plan, cell = await self.desk.sessions.plan(record.id), self._cell(setup)
+        plan = await self.desk.sessions.plan(record.id)
+        first_pass = await self.desk.is_first_pass(setup)
+        cell = self._cell(setup, await self.desk.speed_limits(setup), first_pass=first_pass)
         left = situation(plan, len(cell.fixed_nests), ledger.earlier).left
         if cell.bodies is not None:
             await asyncio.to_thread(refuse_below_floor, cell.bodies, left, plan.approach_offset_rad)
@@ -141,7 +143,7 @@ class TrackerSessions(AskedSessionKind[TrackerRunner]):
         """Do what was wanted after the session."""
         await self._when_finished(session_id)
 
-    def _cell(self, setup: SessionSetup) -> SessionCell:
+    def _cell(self, setup: SessionSetup, speed: MotionLimits, *, first_pass: bool) -> SessionCell:
         rack, cell = self.desk.rack, self.desk.present.bound(setup.cell)
         return SessionCell(
             tracker=rack.tracker if cell.camera is None else rack.camera,
@@ -154,7 +156,8 @@ class TrackerSessions(AskedSessionKind[TrackerRunner]):
             tracker_position_mm=cell.tracker_position_mm,
             fixed_nests_seen_mm=cell.fixed_nests_seen_mm,
             joint_limits=cell.limits.joints or cell.robot.joint_limits,
-            speed_limits=speed_limits(cell.limits),
+            speed_limits=speed,
+            first_pass=first_pass,
             certified_lengths=cell.certified_lengths,
             attachment=setup.attachment,
             expected=rack.expected("tracker" if cell.camera is None else "pose_tracker"),

@@ -34,4 +34,5 @@ class SessionCell:
     attachment: int = 1  # how often the tool has been mounted
     expected: Expected = field(default_factory=Expected)  # which devices must answer
     camera: Camera | None = None  # None: the tracker measures points
+    first_pass: bool = False  # no session of this robot has finished yet
     bodies: CellBodies | None = None  # by which ways are looked at beforehand; None: they are not

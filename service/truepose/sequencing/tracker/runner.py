@@ -33,6 +33,7 @@ from truepose.sequencing.tracker.cell import SessionCell
 from truepose.sequencing.tracker.dry_run import check_plan, motion_limits
 from truepose.sequencing.tracker.execution import Execution
 from truepose.sequencing.tracker.faults import Line, lines_after
+from truepose.sequencing.tracker.first_pass import first_pass
 from truepose.sequencing.tracker.identity_check import TrackerIdentityCheck
 from truepose.sequencing.tracker.plans import extended_plan
 from truepose.sequencing.tracker.situation import TrackerSituation, situation_of
@@ -169,7 +170,9 @@ class TrackerRunner(SessionRunner[TrackerSituation]):
             await super().begin()
         else:
             cold = _COLD if self._plan.ends_when_settled and not self.progress.done else ""
-            await self._ask(self._identities.question or cold, self._first)
+            first = "" if self.progress.done else first_pass(self._plan, self._cell)
+            what = " ".join(filter(None, (self._identities.question or cold, first)))
+            await self._ask(what, self._first)
 
     async def _ask(self, what: str, stops: Sequence[PlannedStop]) -> None:
         """Have a person confirm that the arm may go to `stops`, and say what the ways there look like."""

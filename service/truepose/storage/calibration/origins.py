@@ -12,7 +12,7 @@ _BY_A_NOTE: Final = "SIMULATED:*"  # how older archives of this program say it
 
 def simulated_session() -> Label[bool]:
     """Whether no robot and no instrument took part in a session of the query around it."""
-    return _is_simulated(sessions.c.setup).label("simulated")
+    return is_simulated(sessions.c.setup).label("simulated")
 
 
 def simulated_campaign() -> Label[bool]:
@@ -27,7 +27,7 @@ def simulated_campaign() -> Label[bool]:
 def _any_session_is() -> ColumnElement[bool]:
     listed = func.json_each(campaigns.c.session_ids).table_valued("value", name="listed")
     measured_in = sessions.alias("measured_in")
-    return exists().where(measured_in.c.id == listed.c.value, _is_simulated(measured_in.c.setup))
+    return exists().where(measured_in.c.id == listed.c.value, is_simulated(measured_in.c.setup))
 
 
 def _its_description_says() -> ColumnElement[bool]:
@@ -38,7 +38,8 @@ def _its_description_says() -> ColumnElement[bool]:
     return case((silent, noted), else_=said == "true")
 
 
-def _is_simulated(setup: Any) -> ColumnElement[bool]:
+def is_simulated(setup: Any) -> ColumnElement[bool]:
+    """Whether a set-up is of a simulated cell."""
     return func.coalesce(func.json_type(setup, _SIMULATED), "null") == "object"
 
 

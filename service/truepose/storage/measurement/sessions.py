@@ -18,7 +18,7 @@ from truepose.domain.session import (
     SessionState,
     StopSkipped,
 )
-from truepose.storage.calibration.origins import simulated_session
+from truepose.storage.calibration.origins import is_simulated, simulated_session
 from truepose.storage.database import Database
 from truepose.storage.documents import from_document, to_document
 from truepose.storage.errors import ConflictError, NotFoundError
@@ -127,6 +127,18 @@ class SessionRepository(NumberedRecords[SessionRecord]):
         return await self._listed(
             _records().where(session_states.c.state.in_(states)).order_by(sessions.c.id)
         )
+
+    async def has_finished(self, robot: str, serial_number: str) -> bool:
+        """Whether a real session of this robot has finished."""
+        cell = sessions.c.setup
+        one = (
+            select(sessions.c.id)
+            .join(session_states, session_states.c.session_id == sessions.c.id)
+            .where(session_states.c.state == SessionState.FINISHED.value, ~is_simulated(cell))
+            .where(func.json_extract(cell, "$.cell.robot.name") == robot)
+            .where(func.coalesce(func.json_extract(cell, "$.cell.robot_serial_number"), "") == serial_number)
+        )
+        return bool(await self._database.read(lambda c: c.execute(select(one.exists())).scalar_one()))
 
     async def plan(self, session_id: int) -> SessionPlan:
         """Return what the session does, with what was added to it; raises NotFoundError, ConflictError."""

@@ -44,6 +44,32 @@ async def test_a_session_runs_from_plan_to_readings(client, until):
     assert session["registration"]["tracker_position_mm"] == pytest.approx([0, 0, 0], abs=1e-6)
 
 
+async def test_the_first_session_of_a_robot_begins_with_its_dry_run_and_goes_at_reduced_speed(
+    client, bench, until
+):
+    speeds, set_limits, questions = [], bench.robot.set_limits, []
+
+    async def noted(limits):
+        speeds.append(limits.tool_speed_mm_s)
+        await set_limits(limits)
+
+    bench.robot.set_limits = noted
+    for _ in range(2):
+        path = await planned(client, n=3)
+        started = await client.post(f"{path}/start")
+        questions.append(started.json()["session"]["question"])
+        await client.post(f"{path}/confirm", json={"person": "Ada"})
+        await until(path, "state", "finished", "failed", "paused")
+
+    first, second = questions
+    assert first.startswith(
+        "No session of this robot has finished here. By its dry run this one has 3 config"
+    )
+    assert "at 250 mm/s at most until one has finished" in first
+    assert second.startswith("The robot is about to move.")
+    assert (speeds[0], speeds[-1]) == (250.0, 500.0)
+
+
 @pytest.mark.parametrize("device", ["tracker", "robot"])
 async def test_a_driver_that_fails_has_the_session_await_a_person_who_can_go_on(client, bench, until, device):
     asked = "measure_point" if device == "tracker" else "read_joints"

@@ -101,7 +101,7 @@ async def test_of_clear_ways_nothing_is_said(client):
     started = await client.post(f"{planned.headers['Location']}/start")
 
     assert planned.json()["notes"] == []
-    assert started.json()["session"]["question"].startswith("The robot is about to move.")
+    assert "until one has finished. The robot is about to move." in started.json()["session"]["question"]
 
 
 async def test_the_way_from_where_a_connected_arm_stands_is_looked_at(client, bench):
@@ -126,7 +126,7 @@ async def test_a_robot_that_does_not_say_where_it_stands_keeps_no_question_waiti
     planned = await client.post(SESSIONS, json=session_request(plan=given(BEYOND)))
     started = await client.post(f"{planned.headers['Location']}/start")
 
-    assert started.json()["session"]["question"].startswith("The robot is about to move.")
+    assert "until one has finished. The robot is about to move." in started.json()["session"]["question"]
 
 
 SEEN = [12.0, 55.0, 11.0, -127.0, 80.0, 145.0]  # by the tracker; the way to it leads through the table

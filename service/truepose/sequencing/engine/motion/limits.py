@@ -1,6 +1,7 @@
 """Limits that bind together: a motion keeps to each of several sets, hence to the tightest."""
 
 import math
+from typing import Final
 
 from truepose.domain.ballbar import BallbarPlan
 from truepose.domain.contacts import ContactPlan
@@ -8,6 +9,8 @@ from truepose.domain.robot import JointRange
 from truepose.domain.session import SessionPlan
 from truepose.sequencing.errors import PlanRefusedError
 from truepose_drivers.api import MotionGuard, MotionLimits
+
+_REDUCED_MM_S: Final = 250.0  # ISO 10218-1: reduced speed control
 
 
 def common_ranges(
@@ -32,6 +35,11 @@ def binding_speed(
     """Return the speed of a session's motions: as planned, and never above the limits of its cell."""
     speed = MotionLimits(planned.tool_speed_mm_s, planned.orientation_speed_rad_s)
     return slowest(speed, limits or speed)
+
+
+def reduced(limits: MotionLimits) -> MotionLimits:
+    """Return the limits of a robot whose plans nobody has seen run: the standard's reduced speed."""
+    return slowest(limits, MotionLimits(_REDUCED_MM_S, limits.orientation_speed_rad_s))
 
 
 def slowest(*limits: MotionLimits) -> MotionLimits:
