@@ -124,6 +124,8 @@ def check_plan(
     _check_stops(plan, robot, nests)
     if plan.measures == "points":
         _check_fixed_nests(fixed_nests)
+    else:
+        _check_read_at_the_centre(plan, len(nests))
     for stop in plan.stops:
         if stop.config not in done:
             _check_motions(plan, stop, limits)
@@ -163,6 +165,16 @@ def _check_stop(
             f"Configuration {stop.config} repeats {stop.repeat_of}, "
             "which is not an earlier one with the same joints and nest."
         )
+
+
+def _check_read_at_the_centre(plan: SessionPlan, centre: int) -> None:
+    """Refuse other nests than the last one, which is the centre of the artefact that a camera follows."""
+    for stop in plan.stops:
+        if stop.nest != centre:
+            raise PlanRefusedError(
+                f"Configuration {stop.config} asks for tool nest {stop.nest}; a camera tells poses at nest "
+                f"{centre}, the centre of the artefact."
+            )
 
 
 def _check_fixed_nests(fixed_nests: tuple[FixedNest, ...]) -> None:

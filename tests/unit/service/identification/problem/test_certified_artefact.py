@@ -109,3 +109,16 @@ def test_what_orientations_tell_makes_predictions_surer():
     both, less = (identify(each).model for each in (campaign, replace(campaign, calibration=alone)))
 
     assert predict(both, stops, nest)[1].mean() < 0.95 * predict(less, stops, nest)[1].mean()
+
+
+def test_orientations_that_tell_nothing_change_nothing():
+    campaign = poses()
+    blind = replace(campaign.calibration, rotation_uncertainty_rad=np.full(36, 3.0))
+    alone = replace(campaign.calibration, quaternion=None, rotation_uncertainty_rad=None)
+
+    with_them, without = (
+        {p.name: p.value for p in identify(replace(campaign, calibration=each)).parameters}
+        for each in (blind, alone)
+    )
+
+    assert [with_them[name] for name in without] == pytest.approx(list(without.values()), rel=1e-3, abs=1e-7)

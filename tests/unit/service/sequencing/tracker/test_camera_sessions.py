@@ -248,6 +248,14 @@ def test_no_fixed_nests_are_asked_for():
         check_plan(replace(plan, measures="points"), IRB120, SHOWN, (), limits)
 
 
+def test_a_pose_is_told_at_the_centre_of_the_artefact_and_nowhere_else():
+    limits = (JointRange(-math.pi, math.pi),) * 6
+    elsewhere = replace(plan_of(2), stops=(make_stop(1), *plan_of(2).stops[1:]))
+
+    with pytest.raises(PlanRefusedError, match=r"Configuration 1 asks for tool nest 1; .* nest 4"):
+        check_plan(elsewhere, IRB120, SHOWN, (), limits)
+
+
 def test_a_plan_of_poses_needs_a_camera():
     fake = FakeCell()
 
