@@ -15,6 +15,7 @@ from truepose_simulators.instruments.ballbars.bad_lines import write_with_stall
 from truepose_simulators.instruments.endpoint import Endpoint
 from truepose_simulators.instruments.robot.abb_rws.answers import Answers, NotFoundError
 from truepose_simulators.instruments.robot.abb_rws.controller import AbbController, RefusedError
+from truepose_simulators.instruments.robot.abb_rws.subscriptions import POLL, Subscriptions, switching
 
 _CHUNK_BYTES = 16_384
 _REALM = "validusers@robapi.abb"
@@ -23,6 +24,7 @@ _MOST_SESSIONS = 70
 _REQUESTS_PER_CONNECTION = 400
 _JSON = ("content-type", "application/json")
 _FILES = "/fileservice/"
+_SWITCHING = 101
 _NOT_FOUND, _NOT_ALLOWED = -1073442807, -1073445865  # codes of the controller's interface
 
 
@@ -32,6 +34,7 @@ class WebServices:
     def __init__(self, controller: AbbController) -> None:
         self._controller = controller
         self._answers = Answers(controller)
+        self.subscriptions = Subscriptions(self._answers)
         self._challenge = Challenge(_REALM, secrets.token_hex(16))
         self._numbers = itertools.count(1)
         self._sessions: set[str] = set()
@@ -65,6 +68,10 @@ class WebServices:
         try:
             if request.path.startswith(_FILES):
                 return self._file(request)
+            if request.path.startswith(POLL):
+                return self.subscriptions.handshake(request)
+            if (request.method, request.path) == ("POST", "/subscription"):
+                return self.subscriptions.add(request)
             if request.method == "GET":
                 told = resources.encode_states(request.path, self._answers.told(request.path))
                 return HttpResponse(200, (_JSON,), told)
@@ -108,8 +115,13 @@ async def _converse(
     while answered < _REQUESTS_PER_CONNECTION and (data := await reader.read(_CHUNK_BYTES)):
         requests.receive_data(data)
         while (request := requests.next_message()) is not None:
-            said = encode_response(services.answer(request))
+            answer = services.answer(request)
             answered += 1
+            if answer.status == _SWITCHING:
+                writer.write(switching(answer))
+                await services.subscriptions.tell(request.path, reader, writer)
+                return
+            said = encode_response(answer)
             if cell.faults.holds(LineStalls, cell.clock.now_s):
                 await write_with_stall(writer, said)
             else:
