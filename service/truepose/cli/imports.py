@@ -56,25 +56,15 @@ def import_command(
 
     Example: truepose import points.txt joints.csv --robot abb-irb-120 --unit mm --u-mm 0.03 --out mine
     """
-    from truepose.exchange.campaigns.arrays import campaign_from_arrays
     from truepose.exchange.campaigns.folder import write_campaign
-    from truepose.exchange.input_file import read_bytes
-    from truepose.exchange.point_lists.joined import joined
-    from truepose.exchange.point_lists.reading import read_point_list
-    from truepose.exchange.robots.campaign_keys import campaign_keys, named_robot
+    from truepose.exchange.point_lists.importing import Stated, import_points
 
     if out.exists() and any(out.iterdir()):
         raise ConfigurationError(f"{out} is not empty: name another folder.")
-    listed = read_point_list(points.name, read_bytes(points), unit and unit.value)
-    found = joined(listed, joints.name, read_bytes(joints), names=names, u_mm=u_mm)
-    described = {
-        **campaign_keys(named_robot(robot)),
-        "tool_nests_mm": [_centre(text) for text in nest or ()] or _unknown(found),
-        "tool_nest_u_mm": nest_u_mm,
-        "base_in_world_nominal": None,
-    }
-    readings = {"calibration": {"nest": found.ones(), **found.columns}}
-    write_campaign(campaign_from_arrays(described, readings), out)
+    centres = [_centre(text) for text in nest or ()]
+    stated = Stated(robot, unit and unit.value, u_mm, names, centres, nest_u_mm)
+    campaign, found = import_points(points, joints, stated)
+    write_campaign(campaign, out)
     if json:
         left = {"points": list(found.points_alone), "lines": list(found.rows_alone)}
         print_json({"campaign": str(out), "readings": len(found), "left_over": left})
@@ -83,17 +73,12 @@ def import_command(
     return 0
 
 
-def _centre(text: str) -> list[float]:
+def _centre(text: str) -> tuple[float, float, float]:
     try:
         x, y, z = (float(part) for part in text.split(","))
     except ValueError as error:
         raise ConfigurationError(f"--nest {text}: give three numbers in mm, e.g. 75,93.675,215.") from error
-    return [x, y, z]
-
-
-def _unknown(found: "Joined") -> list[None]:
-    """Return as many nests of unknown place as the readings name."""
-    return [None] * int(max(found.columns.get("nest", found.ones())))
+    return x, y, z
 
 
 def _left_over(found: "Joined", joints: str) -> list[str]:

@@ -35,6 +35,7 @@ _COMMANDS = {
     "correct": "corrections",
     "export": "exports",
     "import": "imports",
+    "watch": "watching",
     "nightly": "cells",
     "inspect": "inspection",
     "verify": "records",
