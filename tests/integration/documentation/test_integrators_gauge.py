@@ -70,24 +70,31 @@ def test_its_project_names_driver_and_bench(gauge_bench):
     assert bench.load() is gauge_bench
 
 
-async def test_it_keeps_the_contract_by_the_command_of_the_page(tmp_path):
-    """In a process of its own, as whoever wrote it would ask; its package is not installed here."""
-    plugin = "truepose_drivers.contract"
-    command = ["-p", f"{plugin}.plugin", "--pyargs", plugin, "--driver", "acme_gauge"]  # `-p` as installed
-    shorter = [
-        "--hostile-answers",
-        "200",
-        "--link-faults",
-        "50",
-        "--bench",
-        "acme_gauge_bench:AcmeGaugeBench",
+def install(folder, project):
+    """Register the entry points of a project in a folder of packages, as an installation does."""
+    table = tomllib.loads(project.read_text(encoding="utf-8"))["project"]
+    registered = folder / f"{table['name'].replace('-', '_')}_here-1.dist-info"
+    registered.mkdir(parents=True)
+    (registered / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {table['name']}-here\nVersion: 1\n")
+    groups = [
+        "\n".join([f"[{group}]", *(f"{name} = {value}" for name, value in entries.items())])
+        for group, entries in table["entry-points"].items()
     ]
+    (registered / "entry_points.txt").write_text("\n".join(groups) + "\n")
+
+
+async def test_it_keeps_the_contract_by_the_command_of_the_page(tmp_path):
+    """In a process of its own, away from this repository."""
+    for project in (_FOLDER, _FOLDER.parents[2]):
+        install(tmp_path / "packages", project / "pyproject.toml")
+    command = ["--pyargs", "truepose_drivers.contract", "--driver", "acme_gauge"]
+    shorter = ["--hostile-answers", "200", "--link-faults", "50", "-p", "no:cacheprovider"]
 
     asked = await asyncio.create_subprocess_exec(
-        *(sys.executable, "-m", "pytest", "-p", "no:cacheprovider", *command, *shorter),
+        *(sys.executable, "-m", "pytest", *command, *shorter),
         stdout=asyncio.subprocess.PIPE,
         cwd=tmp_path,
-        env={"PYTHONPATH": os.pathsep.join([str(_FOLDER), *sys.path]), "PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1"},
+        env={"PYTHONPATH": os.pathsep.join([str(tmp_path / "packages"), str(_FOLDER), *sys.path])},
     )
     said = (await asked.communicate())[0].decode()
 
