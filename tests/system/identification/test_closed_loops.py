@@ -1,12 +1,16 @@
 """Closed loops of a simulated LR Mate: recorded by physics of another route, calibrated without a tracker."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from tests.studies.loops.recorded import calibrated
 from truepose.diagnosis.diagnose import diagnose
 from truepose.domain.diagnosis import Verdict
+from truepose.domain.results import Status
 from truepose.exchange.campaigns.folder import read_campaign
+from truepose.identification import identify
 from truepose_simulators.recording.__main__ import main
 
 WAVE = """
@@ -64,3 +68,17 @@ def test_where_nothing_is_planted_a_closed_loop_names_nothing(tmp_path):
     assert answer.findings == ()
     assert answer.verdict is Verdict.CONSISTENT
     assert np.isclose(answer.before.mean_mm, answer.after.mean_mm)
+
+
+def test_readings_that_slipped_are_found_and_no_others(tmp_path):
+    options = ["--seed", "5", "--configurations", "80", "--out", str(tmp_path)]
+    assert main(["lrmate-tilted", "--loop", "gauges", *options]) == 0
+    campaign = read_campaign(tmp_path)
+    slipped = [7, 60, 61, 130, 200]
+    reading = campaign.contacts.reading_mm.copy()
+    reading[slipped] += [0.3, -0.5, 1.0, 2.0, -0.4]
+
+    answer = identify(replace(campaign, contacts=replace(campaign.contacts, reading_mm=reading)))
+
+    assert [outlier.row for outlier in answer.outliers] == slipped
+    assert answer.status is Status.CONVERGED
