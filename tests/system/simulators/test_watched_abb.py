@@ -52,7 +52,7 @@ class Bench:
         return AccompaniedRobot(OpenAbbRobot(self._link(self.motion), clock), RwsCompanion(session, clock))
 
     def _link(self, endpoint):
-        return MemoryLink(in_memory(endpoint, self.ends), chunk_bytes=11)
+        return MemoryLink(in_memory(endpoint, self.ends), chunk_bytes=97)
 
 
 @contextlib.asynccontextmanager

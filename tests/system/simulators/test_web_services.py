@@ -54,11 +54,11 @@ class Bench:
         self.endpoint = web_endpoint(self.cell, self.controller)
         self.ends: list = []
 
-    def driver(self, login=None, *, chunk_bytes=11) -> RwsRobot:
+    def driver(self, login=None, *, chunk_bytes=97) -> RwsRobot:
         link = MemoryLink(in_memory(self.endpoint, self.ends), chunk_bytes=chunk_bytes)
         return RwsRobot(link, MonotonicClock(), login, patience=Patience(stands_s=3.0))
 
-    async def connected(self, chunk_bytes=11) -> RwsRobot:
+    async def connected(self, chunk_bytes=97) -> RwsRobot:
         robot = self.driver(chunk_bytes=chunk_bytes)
         await robot.connect()
         await robot.set_limits(LIMITS)
