@@ -5,9 +5,8 @@ and each when the one before has ended: whatever dies, the arm rests within a se
 """
 
 import asyncio
-import contextlib
 import math
-from collections.abc import AsyncIterator, Callable
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final, TypeVar
 
@@ -156,12 +155,8 @@ class RmiRobot:
         target_deg = self._shown_deg(target_rad)
         async with self._one_motion:
             status = await self._ready()
-            axes_deg = (await self._newest_axes()).axes_deg
-            maker = PieceMaker(self._counting, self._pace, self._limits)
-            pieces = maker.pieces(axes_deg, target_deg, status.override_percent)
-            async with self._overridden(pieces.override_percent, status.override_percent):
-                for end_deg in pieces.ends_deg:
-                    await self._move(JointMotion(self._sequence, end_deg, pieces.speed_percent), target_deg)
+            while not await self._move_on(target_deg, status.override_percent):
+                status = await self._asked(Command.STATUS, decode_status)
             await self._require_arrival(target_deg)
 
     async def read_joints(self) -> JointReading:
@@ -242,18 +237,38 @@ class RmiRobot:
         texts = await self._asked(Command.ERROR_TEXTS, error_texts)
         return f' (it shows "{"; ".join(texts)[:200]}")' if texts else ""
 
-    @contextlib.asynccontextmanager
-    async def _overridden(self, percent: int, before_percent: int) -> AsyncIterator[None]:
-        """Have a lower speed override for as long as this lasts."""
-        if percent == before_percent:
-            yield
-            return
-        await self._set_override(percent)
+    async def _move_on(self, target_deg: Angles, override_percent: int) -> bool:
+        """Move to a target in pieces; return whether it was reached, before somebody set the override."""
+        axes_deg = (await self._newest_axes()).axes_deg
+        maker = PieceMaker(self._counting, self._pace, self._limits)
+        pieces = maker.pieces(axes_deg, target_deg, override_percent)
+        if pieces.override_percent != override_percent:
+            await self._lower_override(pieces.override_percent)
+        holds = True
         try:
-            yield
+            for end_deg in pieces.ends_deg:
+                holds = await self._override_is(pieces.override_percent)
+                if not holds:
+                    return False
+                await self._move(JointMotion(self._sequence, end_deg, pieces.speed_percent), target_deg)
         finally:
-            if self.connected:
-                await self._set_override(before_percent)
+            if holds and self.connected and pieces.override_percent != override_percent:
+                await self._set_override(override_percent)
+        return True
+
+    async def _override_is(self, percent: int) -> bool:
+        """Whether a speed override holds; raises NotInitialisedError where a fault holds the robot."""
+        status = await self._asked(Command.STATUS, decode_status)
+        if self._exchanges.holds or not status.running:
+            raise NotInitialisedError("the robot was stopped on its way: look at the pendant, then confirm")
+        return status.override_percent == percent
+
+    async def _lower_override(self, percent: int) -> None:
+        await self._set_override(percent)
+        if not await self._override_is(percent):
+            raise DeviceRefusedError(
+                f"the robot does not keep a speed override of {percent} %: see that nobody else sets it"
+            )
 
     async def _set_override(self, percent: int) -> None:
         async with self._exchanges.turn():

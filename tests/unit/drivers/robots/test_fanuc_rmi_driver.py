@@ -49,6 +49,7 @@ class FakeController:
         self.time_ms = 1000
         self.welcome = WELCOME
         self.told = []
+        self.overrides = []
         self.motions = []
         self.ends = []
 
@@ -76,6 +77,9 @@ class FakeController:
             self.axes_deg = tuple(packet.fields["JointAngle"].values())
             self.status = replace_status(self.status, next_sequence=self.status.next_sequence + 1)
             return encode(reply(packet))
+        if packet.name == "FRC_SetOverRide":
+            self.overrides.append(packet.fields["Value"])
+            self.status = replace_status(self.status, override_percent=packet.fields["Value"])
         return encode(reply(packet, fields=self._fields(packet.name)))
 
     def _fields(self, name):
@@ -159,7 +163,7 @@ async def test_the_controller_is_initialised_for_the_first_motion_and_not_before
     await robot.move_joints(TARGET)
     await robot.move_joints(TARGET)
 
-    motion = ["FRC_ReadJointAngles", "FRC_JointMotionJRep", "FRC_ReadJointAngles"]
+    motion = ["FRC_ReadJointAngles", "FRC_GetStatus", "FRC_JointMotionJRep", "FRC_ReadJointAngles"]
     first = ["FRC_GetStatus", "FRC_Initialize", "FRC_GetStatus"]
     assert fake.told == [*first, *motion, "FRC_GetStatus", *motion]
     assert [packet.fields["SequenceID"] for packet in fake.motions] == [1, 2]
@@ -187,11 +191,13 @@ async def test_a_program_that_another_session_left_is_ended_first():
 
 
 async def test_faults_are_reset_only_where_the_controller_cannot_be_initialised_otherwise():
-    refused = iter([True, False])
-    fake = FakeController()
-    fake.replies["FRC_Initialize"] = lambda packet: encode(
-        reply(packet, refusals.INVALID_STATE if next(refused) else 0)
-    )
+    fake = FakeController(FRC_Initialize=refusal(refusals.INVALID_STATE))
+
+    def reset(packet):
+        del fake.replies["FRC_Initialize"]
+        return encode(reply(packet))
+
+    fake.replies["FRC_Reset"] = reset
     robot = await connected(fake)
 
     await robot.move_joints(TARGET)
@@ -249,6 +255,56 @@ async def test_a_low_override_makes_pieces_shorter():
     assert len(fake.motions) == math.ceil(90.0 / 1.75 / 0.8)
 
 
+async def test_an_override_that_somebody_lowers_on_the_way_makes_the_pieces_shorter_from_there():
+    fake = FakeController()
+    robot = await connected(fake)
+    await robot.set_limits(MotionLimits(1e5, math.radians(20.0)))
+
+    moving = asyncio.create_task(robot.move_joints((math.pi / 2, 0.0, 0.0, 0.0, 0.0, 0.0)))
+    while len(fake.motions) < 2:
+        await asyncio.sleep(0)
+    before = len(fake.motions)
+    fake.status = replace_status(fake.status, override_percent=50)
+    await moving
+
+    ends = [packet.fields["JointAngle"]["J1"] for packet in fake.motions]
+    steps = [b - a for a, b in zip([0.0, *ends], ends, strict=False)]
+    assert min(steps[:before]) > 17.5 * 0.4
+    assert max(steps[before + 1 :]) <= 17.5 * 0.5 * 0.8 + 1e-9
+    assert ends[-1] == pytest.approx(90.0)
+
+
+async def test_an_override_that_somebody_raises_keeps_no_motion_above_its_limits_and_is_left_to_them():
+    fake = FakeController()
+    fake.status = replace_status(fake.status, override_percent=80)
+    robot = await connected(fake)
+    await robot.set_limits(MotionLimits(1e5, math.radians(2.0)))
+
+    moving = asyncio.create_task(robot.move_joints((math.pi / 2, 0.0, 0.0, 0.0, 0.0, 0.0)))
+    while len(fake.motions) < 2:
+        await asyncio.sleep(0)
+    fake.status = replace_status(fake.status, override_percent=100)
+    await moving
+
+    assert fake.overrides == [57, 57, 100]  # 2.0 of 3.5 deg/s, once more, and what somebody had set
+
+
+async def test_a_fault_between_two_pieces_ends_the_motion():
+    fake = FakeController()
+    robot = await connected(fake)
+    await robot.set_limits(MotionLimits(1e5, math.radians(20.0)))
+
+    moving = asyncio.create_task(robot.move_joints((math.pi / 2, 0.0, 0.0, 0.0, 0.0, 0.0)))
+    while len(fake.motions) < 2:
+        await asyncio.sleep(0)
+    await fake.ends[-1].send(encode(session(Session.SYSTEM_FAULT, SequenceID=2)))
+
+    with pytest.raises(NotInitialisedError, match="stopped on its way"):
+        await moving
+    assert len(fake.motions) < 5
+    assert fake.told.count("FRC_Initialize") == 1
+
+
 async def test_an_override_that_makes_a_motion_endless_is_refused():
     fake = FakeController()
     fake.status = replace_status(fake.status, override_percent=1)
@@ -262,30 +318,36 @@ async def test_an_override_that_makes_a_motion_endless_is_refused():
 
 async def test_a_limit_below_the_slowest_share_is_kept_by_a_lower_override_for_so_long():
     fake = FakeController()
-    overrides = []
-    fake.replies["FRC_SetOverRide"] = lambda packet: [
-        overrides.append((packet.fields["Value"], len(fake.motions))),
-        encode(reply(packet)),
-    ][-1]
     robot = await connected(fake)
     await robot.set_limits(MotionLimits(1e5, math.radians(2.0)))
 
     await robot.move_joints((math.pi / 2, 0.0, 0.0, 0.0, 0.0, 0.0))
 
     assert {packet.fields["Speed"] for packet in fake.motions} == {1}
-    assert overrides == [(57, 0), (100, len(fake.motions))]  # 2.0 of 3.5 deg/s
+    assert fake.overrides == [57, 100]  # 2.0 of 3.5 deg/s
     assert len(fake.motions) == math.ceil(90.0 / (3.5 * 0.57) / 0.8)
+    assert fake.told.index("FRC_SetOverRide") < fake.told.index("FRC_JointMotionJRep")
 
 
 async def test_an_override_that_the_driver_lowered_comes_back_after_a_refusal():
-    fake = FakeController(FRC_JointMotionJRep=refusal(refusals.BAD_DESTINATION))
+    fake = FakeController(FRC_JointMotionJRep=refusal(refusals.BAD_POSITION_DATA))
     robot = await connected(fake)
     await robot.set_limits(MotionLimits(1e5, math.radians(2.0)))
 
     with pytest.raises(TargetRefusedError):
         await robot.move_joints((math.pi / 2, 0.0, 0.0, 0.0, 0.0, 0.0))
 
-    assert fake.told.count("FRC_SetOverRide") == 2
+    assert fake.overrides == [57, 100]
+
+
+async def test_an_override_that_is_not_kept_moves_nothing():
+    fake = FakeController(FRC_SetOverRide=lambda packet: encode(reply(packet)))
+    robot = await connected(fake)
+    await robot.set_limits(MotionLimits(1e5, math.radians(2.0)))
+
+    with pytest.raises(DeviceRefusedError, match="override of 57 %"):
+        await robot.move_joints((math.pi / 2, 0.0, 0.0, 0.0, 0.0, 0.0))
+    assert fake.motions == []
 
 
 async def test_a_limit_that_no_speed_keeps_is_refused():
