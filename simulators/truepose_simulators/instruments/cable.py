@@ -10,7 +10,7 @@ from truepose_simulators.faults.scripted import Faults
 
 Ends: TypeAlias = tuple[asyncio.StreamReader, asyncio.StreamWriter]
 
-_REFUSED_S = 1.0  # that an attempt to connect takes; else nobody's waiting would end a cut at pace 0
+_IN_VAIN_S = 1.0  # that a word or an attempt to connect takes at pace 0; else no waiting would end a fault
 
 
 class Cable(Protocol):
@@ -50,8 +50,7 @@ class FaultyCable:
     async def connect(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> Ends | None:
         """Return the ends with their faults, None while it is cut: at pace 0 a second of the cell later."""
         if self._holds(LinkCut):
-            if not self._clock.waits:
-                await self._clock.sleep(_REFUSED_S)
+            await self.in_vain()
             return None
         connection = Connection(self, writer.transport.abort)
         return Hearing(reader, connection), Speaking(writer, reader, connection)
@@ -60,6 +59,11 @@ class FaultyCable:
     def passes(self) -> bool:
         """Whether a datagram gets through now."""
         return not (self.mute or self._holds(LinkCut))
+
+    async def in_vain(self) -> None:
+        """Let the time go by that somebody loses; where it is real they wait by themselves."""
+        if not self._clock.waits:
+            await self._clock.sleep(_IN_VAIN_S)
 
     @property
     def mute(self) -> bool:
@@ -82,23 +86,30 @@ class FaultyCable:
 
 
 class Connection:
-    """One connection over a cable; it breaks at the first word after a cut."""
+    """One connection over a cable; it breaks at the first word after a cut, or after words were lost."""
 
     def __init__(self, cable: FaultyCable, hang_up: Callable[[], None]) -> None:
         self._cable = cable
         self._hang_up = hang_up
         self._cuts = cable.cuts
+        self._lost = False  # some word, so that the far end does not know it any more
 
     def carries(self) -> bool:
         """Whether a word arrives now."""
         if self.broken:
             self._hang_up()
-        return not self.broken and not self._cable.mute
+            return False
+        self._lost = self._lost or self._cable.mute
+        return not self._cable.mute
+
+    async def lose(self) -> None:
+        """Lose a word."""
+        await self._cable.in_vain()
 
     @property
     def broken(self) -> bool:
-        """Whether the cable was cut since it was made."""
-        return self._cable.cuts > self._cuts
+        """Whether it will not carry a word any more."""
+        return self._cable.cuts > self._cuts or (self._lost and not self._cable.mute)
 
 
 class Hearing(asyncio.StreamReader):
@@ -135,6 +146,7 @@ class Hearing(asyncio.StreamReader):
                 return data
             if self._connection.broken:
                 raise ConnectionResetError("the cable was cut")
+            await self._connection.lose()
         return data
 
 

@@ -98,12 +98,18 @@ async def test_stops_and_lost_links_wait_for_a_person_and_cost_no_configuration(
         [[fault]]
         kind = "tracker_cut"
         configuration = 9
+
+        [[fault]]
+        kind = "link_half_open"
+        device = "tracker"
+        configuration = 10
+        for_s = 6
         """,
-        9,
+        10,
     )
 
     assert came.skipped == {}
-    assert came.configurations == list(range(1, 10))
+    assert came.configurations == list(range(1, 11))
     assert came.asked(
         "an emergency stop or motors off",
         "is gone: check power and cable",
@@ -111,6 +117,7 @@ async def test_stops_and_lost_links_wait_for_a_person_and_cost_no_configuration(
         "look at the pendant",
         "earlier measurement",
         "changed the units",
+        "is gone: check power and cable",
         "is gone: check power and cable",
     )
     assert all(CELL_CLEAR in question for question in came.questions)
