@@ -23,7 +23,7 @@ order = 2
 """
 
 
-@pytest.mark.parametrize("kind", ["tilted-plane", "wires", "two-balls"])
+@pytest.mark.parametrize("kind", ["wires", "two-balls"])
 def test_a_loop_calibrates_all_over_the_work_volume_as_well_as_it_promises(kind):
     arm = calibrated("lrmate-tilted", 2, kind, 100)
 
@@ -46,7 +46,7 @@ def test_one_ball_and_an_unknown_sensor_leave_the_size_of_the_arm_open():
 
 
 def diagnosed(tmp_path, scenario, kind):
-    options = ["--seed", "2", "--configurations", "100", "--approach", "mixed", "--out", str(tmp_path / kind)]
+    options = ["--seed", "2", "--configurations", "70", "--approach", "mixed", "--out", str(tmp_path / kind)]
     assert main([scenario, "--loop", kind, *options]) == 0
     return diagnose(read_campaign(tmp_path / kind))
 

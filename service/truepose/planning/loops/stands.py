@@ -17,6 +17,7 @@ from truepose.planning.work_volume.work_space import WorkSpace, nominal_chain
 
 _BATCH: Final = 4096
 _MOST_BATCHES: Final = 80
+_HOPELESS: Final = 10  # batches of which none arrives
 _NEAR_MM: Final = 250.0  # from which an arm is led to its place
 _STEPS: Final = 12
 _ARRIVED_MM: Final = 1e-6
@@ -89,13 +90,15 @@ def _stops(
     space: WorkSpace, group: tuple[Target, ...], nest: int, n: int, rng: np.random.Generator
 ) -> FloatArray:
     found, parts = 0, list[FloatArray]()
-    for _ in range(_MOST_BATCHES):
+    for batch in range(1, _MOST_BATCHES + 1):
         parts.append(_batch(space, group, nest, rng))
         found += len(parts[-1])
         if found >= n:
             return np.concatenate(parts)[:n]
+        if batch == _HOPELESS and not found:
+            break
     raise TooFewCandidatesError(
-        f"Nest {nest} comes to target {group[0].number} in {found} of {_BATCH * _MOST_BATCHES} tries, "
+        f"Nest {nest} comes to target {group[0].number} in {found} of {_BATCH * batch} tries, "
         f"{n} are needed: check its place, the joint ranges and the table's height.{look_at(space.keep_outs)}"
     )
 

@@ -1,6 +1,7 @@
 """Contacts with targets of unknown place: predicted as geometry says, differentiated exactly."""
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -31,15 +32,21 @@ FLAT = (TargetKind.PLANE, TargetKind.GAUGE, TargetKind.FACE)
 OWN = {kind: 4 if kind in (TargetKind.SPHERE, TargetKind.WIRE) else 3 for kind in KINDS}
 
 
-@pytest.mark.parametrize("campaign", CAMPAIGNS.values(), ids=CAMPAIGNS)
-def test_contacts_are_differentiated_exactly(campaign):
+@cache
+def problem_of(name):
+    campaign = CAMPAIGNS[name]
     tool = campaign.nests[0].centre_mm is None or campaign.targets[0].kind in SEEN_ALONG_AXES
-    problem = build(campaign, ("tool", "geometry", "instrument_scale") if tool else ("geometry",))
+    return build(campaign, ("tool", "geometry", "instrument_scale") if tool else ("geometry",))
+
+
+@pytest.mark.parametrize("name", CAMPAIGNS)
+def test_contacts_are_differentiated_exactly(name):
+    problem = problem_of(name)
     structure = problem.structure
     steps = np.minimum(structure.prior_widths, 1.0)
     values = problem.start + 0.3 * steps * np.random.default_rng(3).standard_normal(len(steps))
 
-    for block in problem.blocks:
+    for block in (whole.taken(np.arange(0, len(whole.weights), 7)) for whole in problem.blocks):
         analytic = block.result(structure, values, None).jacobian
         for k, spec in enumerate(structure.specs):
             step = 1e-4 * min(spec.prior_width, 1.0)
@@ -109,10 +116,7 @@ def found(problem, target, names="xyz"):
 
 @pytest.mark.parametrize("name", ["sphere of unknown radius", "two spheres", "wire", "ball"])
 def test_centres_are_found_without_a_guess(name):
-    campaign = CAMPAIGNS[name]
-    tool = campaign.nests[0].centre_mm is None or campaign.targets[0].kind in SEEN_ALONG_AXES
-
-    problem = build(campaign, ("tool", "geometry") if tool else ("geometry",))
+    problem = problem_of(name)
 
     for target in (1, 2, 3):
         # a robot without errors: what is left is the noise of 60 readings

@@ -1,5 +1,7 @@
 """Where targets, nests and sensors are, found from the readings of a nominal arm without a guess."""
 
+from functools import cache
+
 import numpy as np
 import pytest
 
@@ -40,8 +42,13 @@ def three_gauges():
     )
 
 
+@cache
+def found_gauges():
+    return place_contacts(three_gauges())
+
+
 def test_gauges_of_a_few_millimetres_find_the_nest_and_their_directions():
-    found = place_contacts(three_gauges())
+    found = found_gauges()
 
     # the arm's own errors over the square root of the readings, and over the travel
     assert found.nests_mm[0] == pytest.approx(NEST, abs=0.5)
@@ -50,7 +57,7 @@ def test_gauges_of_a_few_millimetres_find_the_nest_and_their_directions():
 
 
 def test_what_was_found_is_what_the_fit_begins_about():
-    found = place_contacts(three_gauges())
+    found = found_gauges()
 
     assert all(values[1:].tolist() == [0.0, 0.0] for values in found.values)  # no slopes are left
 
@@ -59,8 +66,7 @@ def test_what_was_found_is_what_the_fit_begins_about():
 def test_a_plane_that_is_centred_reads_the_same(kind):
     target = Target(1, kind, place_mm=(10.0, 20.0, 30.0), normal=(0.0, 0.6, 0.8))
     values = np.array([1.5, 2.0, -0.7])
-    contacts = three_gauges()
-    probe = contacts.probe(place_contacts(contacts))
+    probe = three_gauges().probe(found_gauges())
 
     again, others = KINDS[kind].centred(target, values)
 
