@@ -102,14 +102,14 @@ async def test_stops_and_lost_links_wait_for_a_person_and_cost_no_configuration(
         [[fault]]
         kind = "link_half_open"
         device = "tracker"
-        configuration = 10
+        configuration = 11
         for_s = 6
         """,
-        10,
+        11,
     )
 
     assert came.skipped == {}
-    assert came.configurations == list(range(1, 11))
+    assert came.configurations == list(range(1, 12))
     assert came.asked(
         "an emergency stop or motors off",
         "is gone: check power and cable",
