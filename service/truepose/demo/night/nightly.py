@@ -54,6 +54,7 @@ def run_nightly(request: NightRequest, cases: Sequence[NightCase] | None = None)
         try:
             for case in chosen:
                 outcomes.append(_outcome(case, request.out / case.name, progress))
+                progress.say(_in_short(outcomes[-1]))
         except KeyboardInterrupt:
             progress.say(f"Interrupted while {progress.doing}; nothing is judged. {_kept(request.out)}")
             return _INTERRUPTED
@@ -85,6 +86,13 @@ def _outcome(case: NightCase, folder: Path, progress: RunProgress) -> CaseOutcom
         progress.say(str(error))
         return CaseOutcome(case, (), str(error), time.perf_counter() - began_s)
     return CaseOutcome(case, checks, None, time.perf_counter() - began_s)
+
+
+def _in_short(outcome: CaseOutcome) -> str:
+    """Return what a log shows of a case at once; the figures follow when the night is over."""
+    missed = ", ".join(check.figure for check in outcome.checks if not check.passed)
+    said = outcome.error or (f"missed {missed}" if missed else "passed")
+    return f"{outcome.case.name}: {said} ({outcome.wall_s:.0f} s)"
 
 
 def _kept(out: Path) -> str:

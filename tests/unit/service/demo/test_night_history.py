@@ -136,6 +136,16 @@ def test_a_night_names_the_first_bad_one_in_every_place_where_people_look(tmp_pa
     assert "--seed 3 --case cell" in (tmp_path / "junit.xml").read_text()
 
 
+def test_what_became_of_a_case_is_said_as_soon_as_it_is_known(tmp_path, capsys):
+    cases = [Told([GOOD]), Told([GOOD, BAD], name="second"), Told(TrueposeError("no link"), name="third")]
+
+    run_nightly(NightRequest(tmp_path, 1), cases)
+
+    said = capsys.readouterr().err
+    for line in ("cell: passed (0 s)", "second: missed error (0 s)", "third: no link (0 s)"):
+        assert line in said
+
+
 def test_a_good_night_names_none(tmp_path, capsys):
     for seed in range(3):
         assert run_nightly(NightRequest(tmp_path, seed), [Told([GOOD])]) == 0
