@@ -79,7 +79,7 @@ live-latency: setup
 
 # A night is found again by its commit.
 nightly: setup
-	PYTHONPATH=. $(BIN)/truepose nightly --bench tests.contract.devices.every:BENCHES --out out/nightly --label "$$(git rev-parse --short HEAD 2>/dev/null)"
+	PYTHONPATH=. $(BIN)/truepose nightly --out out/nightly --bench tests.contract.devices.every:BENCHES --label "$$(git rev-parse --short HEAD 2>/dev/null)"
 
 clean:
 	rm -rf $(VENV) out build dist

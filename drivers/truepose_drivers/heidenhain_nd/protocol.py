@@ -231,7 +231,7 @@ class ReplyReader(StreamReader):
 
     def receive_data(self, data: bytes) -> None:
         """Append what the line delivered; flow control is no reply."""
-        super().receive_data(bytes(character for character in data if character not in (DC1, DC3)))
+        super().receive_data(data.translate(None, bytes([DC1, DC3])))
 
     def next_message(self) -> Reply | None:
         """Take the oldest whole reply, None until more characters arrive; raises NdProtocolError."""

@@ -1,4 +1,4 @@
-"""Every driver on bad lines: hostile answers and faults of its link, other ones every night."""
+"""Every driver on bad lines: hostile bytes, hostile answers, faults of its link; other ones every night."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -7,12 +7,13 @@ from typing import Final
 from truepose.demo.errors import UnknownCaseError
 from truepose.demo.night.check import Check, at_most, none_of
 from truepose.demo.progress import RunProgress
-from truepose_drivers.contract import hostile, link_faults
+from truepose_drivers.contract import codec_fuzz, hostile, link_faults
 from truepose_drivers.contract.benches import find_benches
 from truepose_drivers.contract.case import NewBench
 from truepose_drivers.errors import ConfigurationError
 
-_INPUTS: Final = 20_000  # ten to forty seconds of a driver; a hundred nights make two million
+_BYTES: Final = 2_000_000  # damaged answers to a codec alone, half a minute
+_INPUTS: Final = 20_000  # ten to forty seconds of a driver
 _LINK_FAULTS: Final = 500
 
 
@@ -24,6 +25,7 @@ class BadLine:
     bench: NewBench
     seed: int
     inputs: int = _INPUTS
+    to_codec: int = _BYTES
 
     @property
     def name(self) -> str:
@@ -33,17 +35,24 @@ class BadLine:
     @property
     def note(self) -> str:
         """What is tried."""
-        return f"{self.inputs} hostile answers and {_LINK_FAULTS} faults of the link"
+        return (
+            f"{self.to_codec} damaged answers to its codec, {self.inputs} in its conversation, and"
+            f" {_LINK_FAULTS} faults of the link"
+        )
 
     def run(self, folder: Path, progress: RunProgress) -> list[Check]:
         """Spoil and look; leaves what was wrong in `folder`."""
+        read = codec_fuzz.CodecTally(self.driver)
+        if codec_fuzz.has_codec(self.bench()):
+            with progress.phase("hostile bytes"):
+                read = codec_fuzz.tally(self.bench, self.to_codec, self.seed)
         with progress.phase("hostile answers"):
             harm = hostile.tally(self.bench, self.inputs, self.seed)
         with progress.phase("faults of the link"):
             link = link_faults.tally(self.bench, _LINK_FAULTS, self.seed)
-        examples = [*harm.examples, *link.examples]
+        examples = [*read.examples, *harm.examples, *link.examples]
         (folder / "examples.txt").write_text("\n".join([*examples, ""]), encoding="utf-8")
-        return [*_of_answers(harm), *_of_link(link, self.bench().lost_within_s)]
+        return [*_of_codec(read), *_of_answers(harm), *_of_link(link, self.bench().lost_within_s)]
 
 
 def bad_lines(seed: int, benches: tuple[str, ...]) -> list[BadLine]:
@@ -53,6 +62,10 @@ def bad_lines(seed: int, benches: tuple[str, ...]) -> list[BadLine]:
     except ConfigurationError as error:
         raise UnknownCaseError(str(error)) from error
     return [BadLine(driver, bench, seed) for driver, bench in found.items()]
+
+
+def _of_codec(found: codec_fuzz.CodecTally) -> list[Check]:
+    return [_none("bytes over which the codec stumbled", found.foreign, found.examples)]
 
 
 def _of_answers(found: hostile.Tally) -> list[Check]:

@@ -4,8 +4,9 @@ import pytest
 
 from tests.contract.devices.every import BENCHES
 from truepose.demo.errors import UnknownCaseError
-from truepose.demo.night.bad_lines import BadLine, _of_answers, _of_link, bad_lines
+from truepose.demo.night.bad_lines import BadLine, _of_answers, _of_codec, _of_link, bad_lines
 from truepose.demo.progress import shown_progress
+from truepose_drivers.contract.codec_fuzz import CodecTally
 from truepose_drivers.contract.hostile import Tally
 from truepose_drivers.contract.link_faults import LinkTally
 
@@ -16,10 +17,21 @@ def test_a_driver_that_keeps_the_contract_passes_and_leaves_no_example(tmp_path)
     (counter,) = [bench for bench in BENCHES if bench.plugin.name == "heidenhain_nd"]
 
     with shown_progress() as progress:
-        checks = BadLine("heidenhain_nd", counter, seed=3, inputs=300).run(tmp_path, progress)
+        checks = BadLine("heidenhain_nd", counter, seed=3, inputs=300, to_codec=300).run(tmp_path, progress)
 
     assert [check.figure for check in checks if not check.passed] == []
     assert (tmp_path / "examples.txt").read_text().strip() == ""
+
+
+def test_a_codec_that_stumbles_is_a_figure_with_its_count_and_the_bytes():
+    tally = CodecTally("acme")
+    for _ in range(2):
+        tally.note(b"4.4.4", ValueError("no number"))
+
+    (wrong,) = _of_codec(tally)
+
+    assert (wrong.passed, wrong.value) == (False, 2.0)
+    assert "4.4.4" in wrong.measured
 
 
 @pytest.mark.parametrize("harm", ["wrong_betrayable", "foreign", "hung", "out_of_step"])
