@@ -17,7 +17,7 @@ from truepose.planning.work_volume.work_space import WorkSpace
 
 _ROOM_MM: Final = 10.0  # of arm and tool, where the service chooses
 _LAST_STEPS: Final = (1.0, 0.75, 0.5, 0.25, 0.0)  # of the stroke, before the stop
-_TURNED_RAD: Final = 0.5  # on a step of some millimetres: further is near a singularity
+_TURNED_RAD: Final = 0.05  # on a step of a millimetre or so: further is near a singularity
 
 
 @dataclass(frozen=True, slots=True)

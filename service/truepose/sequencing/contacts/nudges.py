@@ -10,7 +10,7 @@ from truepose.kinematics.inverse import all_branches
 from truepose.sequencing.engine.motion.nominal_arm import nominal_chain
 from truepose.sequencing.errors import ReadingRejectedError
 
-_FURTHEST_RAD = 0.05  # a step of some millimetres that turns a joint further is near a singularity
+_FURTHEST_RAD = 0.2  # a step of some millimetres that turns a joint further is near a singularity
 
 
 def nudged(robot: Robot, base: FramePlacement, joints_rad: Joints, by_mm: Vector) -> Joints:
