@@ -34,11 +34,17 @@ def test_the_shipped_scenarios_are_there():
         "irb120-thesis",
         "irb120-tilted",
         "kr6-clean",
+        "lrmate-ball-sensor",
         "lrmate-clean",
         "lrmate-everyday",
         "lrmate-fanuc",
+        "lrmate-plane",
         "lrmate-rmi",
+        "lrmate-sphere",
+        "lrmate-three-gauges",
         "lrmate-tilted",
+        "lrmate-two-spheres",
+        "lrmate-wires",
         "ur10-clean",
     ]
 
