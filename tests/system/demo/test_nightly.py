@@ -18,6 +18,7 @@ from truepose.demo.night.calibrated_cells import (
     wrong_axis_case,
 )
 from truepose.demo.night.check import Check
+from truepose.demo.night.loop_cells import loop_cells
 from truepose.demo.night.nightly import run_nightly
 from truepose.demo.night.request import NightRequest
 from truepose_simulators.scenarios.file import load_scenario, shipped_scenarios
@@ -134,6 +135,15 @@ def test_every_shipped_scenario_has_its_night():
         "irb120-wrong-axis",
         "irb120-wavy-gear",
     ])
+
+
+def test_the_loops_that_determine_a_robot_have_their_night():
+    loops = {name for name in shipped_scenarios() if has_loop(name)}
+
+    # A level plane and one ball leave more open than a night can judge: docs/closed-loops.md.
+    assert {case.name for case in loop_cells(0)} == loops - {
+        *("lrmate-plane", "lrmate-sphere", "lrmate-ball-sensor"),
+    }
 
 
 def test_the_promised_figures_are_checked_at_the_promised_size():

@@ -85,6 +85,10 @@ class ServiceClient:
         wanted = {"name": name, "poses": poses, "seed": seed}
         return int((await self._post("/ballbar-sessions", wanted))["id"])
 
+    async def plan_contacts(self, wanted: dict[str, Any]) -> int:
+        """Plan a session of a closed loop; returns its number."""
+        return int((await self._post("/contact-sessions", wanted))["id"])
+
     def person_at(self, session_id: int) -> PersonAtTablet:
         """Return somebody who goes through a ballbar session with the simulated hands."""
         return PersonAtTablet(self._http, session_id)

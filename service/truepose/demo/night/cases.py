@@ -6,6 +6,7 @@ from truepose.demo.night.calibrated_cells import calibrated_cells
 from truepose.demo.night.check import NightCase
 from truepose.demo.night.crashes import KilledService
 from truepose.demo.night.faulty_sessions import FaultySession
+from truepose.demo.night.loop_cells import loop_cells
 from truepose.demo.night.planted_causes import planted_causes
 from truepose.demo.night.upgrades import upgraded_databases
 
@@ -21,6 +22,7 @@ def night_cases(seed: int, benches: tuple[str, ...] = ()) -> list[NightCase]:
     return [
         *calibrated_cells(_SAME_CELLS),
         *(BallbarCell(scenario, _SAME_CELLS) for scenario in ("irb120-tilted", "lrmate-tilted")),
+        *loop_cells(_SAME_CELLS),
         *planted_causes(seed),
         *(FaultySession(scenario, seed) for scenario in ("irb120-clean", "lrmate-fanuc", "ur10-clean")),
         KilledService(seed),
