@@ -17,6 +17,7 @@ from truepose.planning.work_volume.work_space import WorkSpace
 
 _ROOM_MM: Final = 10.0  # of arm and tool, where the service chooses
 _LAST_STEPS: Final = (1.0, 0.75, 0.5, 0.25, 0.0)  # of the stroke, before the stop
+_FROM_LIMITS_RAD: Final = 0.1  # targets stand off their place, and the arm follows them
 _TURNED_RAD: Final = 0.05  # on a step of a millimetre or so: further is near a singularity
 
 
@@ -100,8 +101,8 @@ def _within(ways: FloatArray, limits: tuple[JointRange, ...]) -> tuple[FloatArra
     stops, inside = brought_within(ways[:, -1], limits)
     turned = ways - 2 * np.pi * np.round((ways - stops[:, None]) / (2 * np.pi))
     _, each_inside = brought_within(turned.reshape(-1, joints), limits)
-    low = np.array([limit.lower_rad for limit in limits])
-    high = np.array([limit.upper_rad for limit in limits])
+    low = np.array([limit.lower_rad for limit in limits]) + _FROM_LIMITS_RAD
+    high = np.array([limit.upper_rad for limit in limits]) - _FROM_LIMITS_RAD
     kept = np.all((turned >= low) & (turned <= high), axis=(1, 2))
     return turned, inside & kept & each_inside.reshape(n, k).all(axis=1)
 

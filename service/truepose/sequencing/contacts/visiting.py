@@ -12,9 +12,11 @@ import numpy as np
 from truepose.domain.contacts import FREE_PLACES, ContactPlan, ContactStop, ContactTaken, Joints
 from truepose.domain.session import Vector
 from truepose.sequencing.contacts.cell import ContactCell
+from truepose.sequencing.contacts.dry_run import motion_limits
 from truepose.sequencing.contacts.gauges import Gauges
 from truepose.sequencing.contacts.nudges import nudged, straight_mm
 from truepose.sequencing.engine.motion.arm import Arm
+from truepose.sequencing.engine.motion.interlocks import joint_outside
 from truepose.sequencing.engine.motion.limits import binding_speed, slowest
 from truepose.sequencing.engine.motion.rest_of_way import rest_of_way
 from truepose.sequencing.errors import ReadingRejectedError
@@ -117,6 +119,9 @@ class Visiting:
     async def _nudge(self, joints_rad: Joints, push: Vector, shown_mm: float) -> Joints:
         x, y, z = (-shown_mm * np.array(push)).tolist()
         there_rad = nudged(self._cell.robot, self._cell.base, joints_rad, (x, y, z))
+        outside = joint_outside(there_rad, motion_limits(self._cell.robot, self._cell.joint_limits))
+        if outside is not None:
+            raise ReadingRejectedError(f"The motion to the probe's zero would leave the limits: {outside}.")
         await self._arm.move(there_rad)
         return there_rad
 

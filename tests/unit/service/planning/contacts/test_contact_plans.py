@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from truepose.domain.contacts import TargetDistance
+from truepose.domain.robot import JointRange
 from truepose.domain.targets import Target, TargetKind
 from truepose.exchange.cells.given import cell_given
 from truepose.kinematics.chain import Chain
@@ -55,7 +56,8 @@ def test_every_place_of_every_way_is_within_the_limits():
     for plan in (PLAN, plan_of(CELL, ContactWish("sensor", (BALL,), 6, nest=2))):
         places = np.array([place for stop in plan.stops for place in stop.way_rad])
 
-        assert within(SPACE.motion_limits, places).all()
+        near = [JointRange(one.lower_rad + 0.09, one.upper_rad - 0.09) for one in SPACE.motion_limits]
+        assert within(near, places).all()  # targets stand off their place
 
 
 def test_the_last_steps_go_straight_in_along_the_push_and_none_is_longer_than_half_a_stroke():

@@ -8,6 +8,7 @@ import pytest
 from tests.helpers.domain import asking
 from tests.unit.service.sequencing.contacts.fakes import RADII_MM, Bench, planned
 from tests.unit.service.sequencing.tracker.operators import PatientOperator
+from truepose.domain.robot import JointRange
 from truepose.domain.session import SessionState
 from truepose.sequencing.contacts.questions import Question
 from truepose.sequencing.contacts.runner import ContactRunner
@@ -105,6 +106,20 @@ async def test_a_sphere_that_is_not_there_is_no_reading(bench):
 
     assert bench.read == []
     assert all("is not touched" in skipped.reason for skipped in bench.journal.skipped)
+
+
+async def test_a_stop_whose_zero_is_beyond_the_limits_is_left_out_and_nobody_is_asked_for_ever(bench):
+    places = np.array([place for stop in PLAN.stops for place in stop.way_rad])
+    limits = tuple(map(JointRange, places.min(axis=0).tolist(), places.max(axis=0).tolist()))
+
+    state, _ = await run(bench, patience=20, joint_limits=limits)
+
+    assert state is SessionState.FINISHED
+    assert any("would leave the limits: joint" in skipped.reason for skipped in bench.journal.skipped)
+    assert all(
+        np.all(np.abs(np.clip(move, places.min(axis=0), places.max(axis=0)) - move) < 1e-6)
+        for move in bench.robot.moves
+    )
 
 
 async def test_a_gauge_that_counts_the_other_way_round_is_noticed(bench):
