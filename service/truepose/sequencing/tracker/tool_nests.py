@@ -1,6 +1,7 @@
 """The tool nests: finding the reflector where the nominal model expects it, measuring it, storing it."""
 
 import math
+from typing import Final
 
 import numpy as np
 
@@ -21,6 +22,8 @@ from truepose.sequencing.tracker.world_frame.fixed_nests import FixedNests
 from truepose.sequencing.tracker.world_frame.registration import to_tracker, to_world
 from truepose_drivers.api import JointReading, TrackerReading
 from truepose_drivers.errors import BeamBrokenError
+
+_USUAL: Final = 2.0  # times what an instrument states of itself, that is no sign of motion
 
 
 class ToolNests:
@@ -73,9 +76,10 @@ class ToolNests:
                 f"The reflector measured is {off_mm:.1f} mm from where nest {stop.nest} is expected, limit "
                 f"{self._plan.search_radius_mm:.1f} mm: it is another one, or the nominal model is wrong."
             )
-        if not math.isfinite(reading.rms_mm) or reading.rms_mm > self._plan.rms_limit_mm:
+        limit_mm = max(self._plan.rms_limit_mm, _USUAL * _stated_mm(reading))
+        if not math.isfinite(reading.rms_mm) or reading.rms_mm > limit_mm:
             raise ReadingRejectedError(
-                f"The reading scatters by {reading.rms_mm:.3f} mm, limit {self._plan.rms_limit_mm:.3f} mm: "
+                f"The reading scatters by {reading.rms_mm:.3f} mm, limit {limit_mm:.3f} mm: "
                 "the arm or the tracker is not at rest."
             )
 
@@ -108,3 +112,9 @@ class ToolNests:
             instrument_serial=self._tracker.serial,
             group=stop.group,
         )
+
+
+def _stated_mm(reading: TrackerReading) -> float:
+    """Return by how much the instrument says that a point there scatters; 0 where it states nothing."""
+    covariance = reading.covariance_mm2
+    return 0.0 if covariance is None else math.sqrt(float(np.trace(covariance)))

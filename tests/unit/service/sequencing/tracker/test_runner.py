@@ -598,6 +598,22 @@ async def test_a_reading_that_scatters_is_refused_because_the_arm_is_not_at_rest
     assert "scatters by 0.300 mm" in operator.questions[1]
 
 
+@pytest.mark.parametrize(("stated_mm", "taken"), [(0.1, True), (0.05, False)])
+async def test_a_tracker_that_states_more_noise_may_scatter_by_it(stated_mm, taken):
+    cell = FakeCell()
+    cell.tracker.rms_mm = 0.3  # 0.35 is twice what 0.1 per coordinate comes to
+    measure = cell.tracker.measure_point
+
+    async def stating(*asked, **more):
+        return replace(await measure(*asked, **more), covariance_mm2=np.diag([stated_mm**2] * 3).tolist())
+
+    cell.tracker.measure_point = stating
+
+    await run_session(cell, make_plan(), PatientOperator(patience=1))
+
+    assert bool(cell.journal.points) is taken
+
+
 @pytest.mark.parametrize("bad", [math.nan, math.inf])
 async def test_a_reading_that_is_no_number_is_refused(bad):
     cell = FakeCell()
