@@ -31,8 +31,8 @@ _SHIPPED: Final = (
 )
 # Robots with many small effects that the model does not know: what remains is theirs, 0.11-0.21 mm in the
 # mean over 24 recorded campaigns of 100 configurations, at most 0.87; fewer configurations leave some more.
-_EVERYDAY: Final = ("irb120-everyday", "lrmate-everyday", "irb120-curves")
-_EVERYDAY_MEAN_MM: Final = 0.26
+# Curves of 0.07 deg read with 0.05 mm per coordinate leave 0.27 with 50.
+_EVERYDAY: Final = {"irb120-everyday": 0.26, "lrmate-everyday": 0.26, "irb120-curves": 0.32}  # mean [mm]
 _EVERYDAY_LARGEST_MM: Final = 1.2
 
 # Cells whose camera tells poses. Over 40 seeds the model errs by 0.04 mm in the mean, at most by 0.09: what
@@ -209,7 +209,7 @@ def _everyday_checks(judged: JudgedRun) -> list[Check]:
     checks = [converged(judged), _validated(judged), _something_found(judged)]
     if judged.run.validation is not None:
         mean_mm = judged.run.validation["position"]["identified"]["mean_mm"]
-        checks.append(at_most("measured error, mean", mean_mm, _EVERYDAY_MEAN_MM, "mm"))
+        checks.append(at_most("measured error, mean", mean_mm, _EVERYDAY[judged.run.request.scenario], "mm"))
     return checks
 
 
