@@ -11,7 +11,7 @@ from tests.helpers.instruments.sockets import connections_to
 from truepose_simulators.cell.clock import CellClock
 from truepose_simulators.cell.true_cell import Cell
 from truepose_simulators.faults.kinds import TrackerCut
-from truepose_simulators.instruments.tracker.device import TrackerSetup
+from truepose_simulators.instruments.tracker.accuracy import ProbeSetup, TrackerSetup
 from truepose_simulators.instruments.tracker.leica_emscon import tracker_endpoint
 from truepose_simulators.scenarios.file import load_scenario
 
@@ -235,3 +235,24 @@ async def test_reflector_positions_stream_while_they_are_asked_for():
         assert struct.unpack_from("<d", streamed[0][3], 12)[0] == pytest.approx(0.15, abs=1e-4)
         with pytest.raises(TimeoutError):
             await asyncio.wait_for(client.reader.readexactly(4), 0.5)  # more than one period of 1/3 s
+
+
+@pytest.mark.parametrize("pace", [0, 1])
+async def test_a_stream_of_values_goes_on_until_it_is_stopped(pace):
+    async with tracker(CellClock(pace), probe=ProbeSetup()) as connect:
+        client = await connect()
+        await client.ask(7)
+        await client.ask(24, struct.pack("<i", 1))
+        await client.ask(30, struct.pack("<4i", 20, 0, 0, 0))
+        await client.ask(120, struct.pack("<2i", 400, 10))
+        assert await client.ask(49) == 0
+
+        blocks = [await client.receive() for _ in range(2)]
+        client.send(52)
+        rest = [await client.receive()]
+        while rest[-1][0] == 3:  # sent before the request was read
+            rest.append(await client.receive())
+
+        assert [block[0] for block in blocks] == [3, 3]
+        assert rest[-1][:3] == (0, 52, 0)
+        assert await client.ask(2) == 0  # the next packet is this answer, not a value

@@ -1,8 +1,8 @@
 """What the emScon server does for every command: a request in, steps out.
 
 The state (settings, tracker) outlives connections. It is an AT401, or with a probe in the scenario an AT901.
-Commands that they lack here (continuous modes, point lists, of an AT401 also probes) are answered
-NotImplemented.
+Commands that they lack here (point lists, continuous modes other than that by time, of an AT401 that one and
+probes too) are answered NotImplemented.
 """
 
 from collections.abc import Callable, Mapping
@@ -30,6 +30,7 @@ from truepose_simulators.instruments.tracker.leica_emscon.identity import (
 )
 from truepose_simulators.instruments.tracker.leica_emscon.parameters import (
     COMPENSATION,
+    CONTINUOUS_TIME,
     ENVIRONMENT,
     MODE,
     PARAMETERS,
@@ -91,7 +92,7 @@ class Dialogue:
             **self.shooting.handlers(),
             **({} if self._poses is None else self._poses.handlers()),
         }
-        for parameter in PARAMETERS:
+        for parameter in self._parameters():
             self._handlers[parameter.setter] = self._setter(parameter)
             self._handlers[parameter.getter] = self._getter(parameter)
         self._handlers[Command.GET_ENVIRONMENT_PARAMS] = self._get_environment
@@ -148,7 +149,11 @@ class Dialogue:
     def _modes(self) -> tuple[MeasMode, ...]:
         if self._poses is None:
             return (MeasMode.STATIONARY,)
-        return MeasMode.STATIONARY, MeasMode.STATIONARY_6D
+        return MeasMode.STATIONARY, MeasMode.STATIONARY_6D, MeasMode.CONTINUOUS_TIME
+
+    def _parameters(self) -> list[Parameter]:
+        """Return what can be set here: an AT40x measures nothing continuously."""
+        return [one for one in PARAMETERS if one is not CONTINUOUS_TIME or self._poses is not None]
 
     def _getter(self, parameter: Parameter) -> Handler:
         def handle(request: Request) -> Steps:

@@ -16,6 +16,7 @@ from truepose_drivers.leica_emscon.protocol.settings import (
     LengthUnit,
     MeasMode,
     PressureUnit,
+    RegionType,
     StatisticMode,
     TemperatureUnit,
     WeatherMonitorStatus,
@@ -148,6 +149,18 @@ STATIONARY = _parameter(
     # The header allows 500 ms to 100 s on older trackers; an AT40x starts lower.
     checks={"meas_time": _between(100, 100_000)},
 )
+# Of an AT901 alone. Regions are not modelled.
+CONTINUOUS_TIME = _parameter(
+    "CONTINUOUS_TIME_MODE_PARAMS",
+    SystemStatusChange.CONTINUOUS_TIME_MODE_PARAMS_CHANGED,
+    {"time_separation": 500, "number_of_points": 0, "use_region": False, "region_type": RegionType.SPHERE},
+    checks={
+        "time_separation": _between(1, 100_000),
+        "number_of_points": _between(0, 2**31 - 1),
+        "use_region": lambda value: not value,
+        "region_type": _is(RegionType),
+    },
+)
 REFLECTOR = _parameter("REFLECTOR", SystemStatusChange.REFLECTOR_CHANGED, {"internal_reflector_id": 1})
 SEARCH = _parameter(
     "SEARCH_PARAMS",
@@ -194,6 +207,6 @@ COMPENSATION = _parameter(
 )
 
 PARAMETERS = (
-    UNITS, STATION, TRANSFORMATION, ENVIRONMENT, REFRACTION, MODE, COORDINATES, STATIONARY, REFLECTOR, SEARCH,
-    ADM, SETTINGS, STATISTIC, COMPENSATION,
+    UNITS, STATION, TRANSFORMATION, ENVIRONMENT, REFRACTION, MODE, COORDINATES, STATIONARY, CONTINUOUS_TIME,
+    REFLECTOR, SEARCH, ADM, SETTINGS, STATISTIC, COMPENSATION,
 )  # fmt: skip

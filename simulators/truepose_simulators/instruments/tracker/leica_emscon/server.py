@@ -105,12 +105,15 @@ class Connection:
         """Take the steps of a request; as soon as one takes wall time, a task goes on with them."""
         steps = self._dialogue.handle(request)
         for step in steps:
-            if isinstance(step, Wait) and self._clock.waits and step.duration_s > 0.0:
+            if isinstance(step, Wait) and self._takes_time(step):
                 task = asyncio.get_running_loop().create_task(self._go_on(step, steps))
                 self._running = (request.command, task)
                 return
             await self._take(step)
         self._watch_stream()
+
+    def _takes_time(self, wait: Wait) -> bool:
+        return (self._clock.waits or wait.stoppable) and wait.duration_s > 0.0
 
     async def _go_on(self, wait: Wait, steps: Steps) -> None:
         await self._take(wait)
@@ -123,8 +126,10 @@ class Connection:
 
     async def _take(self, step: Step) -> None:
         match step:
-            case Wait(duration_s):
+            case Wait(duration_s, stoppable):
                 await self._clock.sleep(duration_s)
+                if stoppable and not self._clock.waits:
+                    await asyncio.sleep(duration_s)
             case HangUp():
                 self._writer.close()
             case CutShort(packet):

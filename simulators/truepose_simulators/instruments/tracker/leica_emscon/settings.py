@@ -100,6 +100,8 @@ class ServerSettings:
             return wrong_parameter(1)
         if number == SystemParameter.TCP_COMMAND_QUEUE_SIZE and not 0 <= value <= 10:
             return wrong_parameter(2)
+        if number == SystemParameter.TCP_DATA_PACKET_RATE and not 3 <= value <= 10:
+            return wrong_parameter(2)
         self.long_parameters[number] = value
         return ResultStatus.ALL_OK
 
@@ -129,6 +131,11 @@ class ServerSettings:
     def extended_statistics(self) -> bool:
         """Whether stationary measurements are answered with the longer packet."""
         return self._kept[STATISTIC.setter]["stationary_measurements"] == StatisticMode.EXTENDED
+
+    @property
+    def extended_statistics_of_streams(self) -> bool:
+        """Whether continuous measurements come as the longer packet."""
+        return self._kept[STATISTIC.setter]["continuous_measurements"] == StatisticMode.EXTENDED
 
     @property
     def view(self) -> CoordinateView:

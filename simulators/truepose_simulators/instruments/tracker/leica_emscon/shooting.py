@@ -1,4 +1,4 @@
-"""Commands that measure: stationary points, the tilt sensor, the prism where it is."""
+"""Commands that measure: points, the tilt sensor, the prism where it is."""
 
 from collections.abc import Callable
 
@@ -20,6 +20,7 @@ from truepose_simulators.errors import BeamError
 from truepose_simulators.faults.kinds import BeamBroken, TrackerCut, TrackerSilent
 from truepose_simulators.faults.wire import TrackerRepeatsResult, TrackerStaleResult, TrackerUnitsChanged
 from truepose_simulators.instruments.tracker.leica_emscon.aiming import NO_REFLECTOR, initialised_only
+from truepose_simulators.instruments.tracker.leica_emscon.continuous import Continuous
 from truepose_simulators.instruments.tracker.leica_emscon.measuring import (
     Points,
     air_members,
@@ -46,6 +47,7 @@ class Shooting:
         self._settings = settings
         self._points = Points(cell.tracker, settings)
         self._poses = poses
+        self._continuous = Continuous(cell, settings)
         self._last_result: Result | None = None
 
     def handlers(self) -> dict[int, Handler]:
@@ -113,6 +115,8 @@ class Shooting:
         return self._poses if measures_poses and self._poses is not None else self._points
 
     def _start(self, request: Request) -> Steps:
+        if self._settings.kept(MODE)["meas_mode"] == MeasMode.CONTINUOUS_TIME:
+            return self._continuous.measure(request.command)
         return self.stationary(request.command)
 
     def _start_nivel(self, request: Request) -> Steps:

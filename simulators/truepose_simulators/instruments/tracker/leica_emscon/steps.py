@@ -12,6 +12,7 @@ class Wait:
     """The head is at work for that long."""
 
     duration_s: float
+    stoppable: bool = False  # takes wall time at any pace: only a client's request ends what waits so
 
 
 @dataclass(frozen=True, slots=True)
