@@ -241,11 +241,12 @@ class Polaris:
         return OKAY
 
     def _tool(self, arguments: str) -> Reply:
-        """Tell a tool's type, manufacturer, revision, serial number and status, 33 characters."""
-        port = self._port(arguments)
-        if _number(arguments[2:] or "0001") != 1:
+        """Tell what the bits of the reply option ask for, lowest first."""
+        port, wanted = self._port(arguments), _number(arguments[2:] or "0001")
+        if not wanted or wanted & ~sum(_TOLD):
             raise _RefusedError(_WRONG_PARAMETERS)
-        return Text(f"02000000{'truepose':12}001{'00000001'}{port.status & 0xFF:02X}")
+        about = f"{_number(arguments[:2]):02X}"
+        return Text("".join(tell(about, port) for bit, tell in _TOLD.items() if wanted & bit))
 
     def _start(self, arguments: str) -> Reply:
         self._require_initialised()
@@ -278,6 +279,16 @@ _CHOSEN: Mapping[str, Callable[[_Port], bool]] = {
     "02": lambda port: PortStatus.INITIALISED not in port.status,
     "03": lambda port: PortStatus.INITIALISED in port.status and PortStatus.ENABLED not in port.status,
     "04": lambda port: PortStatus.ENABLED in port.status,
+}
+
+# What PHINF tells by the bits of its reply option, of fixed lengths; the arguments are handle and port.
+_TOLD: Mapping[int, Callable[[str, _Port], str]] = {
+    # type 8, manufacturer 12, revision 3, serial number 8, status 2
+    0x0001: lambda _, port: f"02000000{'truepose':12}00100000001{port.status & 0xFF:02X}",
+    0x0004: lambda *_: f"{'artefact':20}",  # part number
+    0x0008: lambda *_: "00",  # accessories: none
+    0x0010: lambda *_: "00",  # marker type: not stated
+    0x0020: lambda handle, _: f"{'':0<8}01{handle}00",  # hardware 8, system, wireless tool, port 2, channel 2
 }
 
 

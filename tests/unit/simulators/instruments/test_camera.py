@@ -266,6 +266,31 @@ async def test_handles_pass_through_their_states_and_come_to_an_end():
     assert len(decode_handles(await dialogue.ask("PHSR", "00"))) == 14
 
 
+@pytest.mark.parametrize(
+    ("option", "lengths"),
+    [("0001", [33]), ("0004", [20]), ("0008", [2]), ("0010", [2]), ("0020", [14]), ("0025", [33, 20, 14])],
+)
+async def test_a_tool_is_told_in_columns_of_fixed_lengths(option, lengths):
+    dialogue = Dialogue(cell_of())
+    await dialogue.ask("INIT")
+    await dialogue.ask("PHRQ", "*********1****")
+
+    told = (await dialogue.ask("PHINF", f"01{option}")).text
+
+    assert len(told) == sum(lengths)
+    if option.endswith(("1", "5")):
+        assert (told[8:20], told[20:23], told[31:33]) == ("truepose    ", "001", "01")
+
+
+@pytest.mark.parametrize("option", ["0000", "0040", "8001"])
+async def test_what_no_source_lays_out_is_not_told_of_a_tool(option):
+    dialogue = Dialogue(cell_of())
+    await dialogue.ask("INIT")
+    await dialogue.ask("PHRQ", "*********1****")
+
+    assert error_code(await dialogue.ask("PHINF", f"01{option}")) == 0x07
+
+
 NAMES = ["INIT", "VER", "PHSR", "PHRQ", "PVWR", "PINIT", "PENA", "PDIS", "PHF", "PHINF", "TSTART", "TX", "BX"]
 
 
