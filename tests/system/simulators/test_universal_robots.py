@@ -235,4 +235,5 @@ async def test_the_dashboard_answers_line_by_line():
     assert dashboard.answer("safetymode") == "Safetymode: PROTECTIVE_STOP"
     dashboard.answer("unlock protective stop")
     assert dashboard.answer("safetymode") == "Safetymode: NORMAL"
+    assert dashboard.answer("play") == "Failed to execute: play"
     assert dashboard.answer("make coffee").startswith("could not understand")

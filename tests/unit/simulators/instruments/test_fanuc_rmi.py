@@ -158,6 +158,95 @@ async def test_frames_and_tools_are_what_was_taught(controller):
 
 
 @pytest.mark.parametrize(
+    "written",
+    [
+        {"Representation": "Joint", "JointAngle": BENT},
+        {"Representation": "Cartesian", "Configuration": {"UToolNumber": 1}, "Position": HOME},
+    ],
+)
+async def test_a_position_register_holds_what_was_written(controller, written):
+    assert commanded(controller, "FRC_WritePositionRegister", RegisterNumber=5, **written) == {"ErrorID": 0}
+
+    read = commanded(controller, "FRC_ReadPositionRegister", RegisterNumber=5)
+
+    assert read == {"ErrorID": 0, "RegisterNumber": 5, **written}
+
+
+async def test_the_speed_of_the_tool_is_that_of_the_motion(controller, program, cell, monkeypatch):
+    def speed():
+        return commanded(controller, "FRC_ReadTCPSpeed")["Speed"]
+
+    commanded(controller, "FRC_Initialize")
+    await ended(program, joints(BENT))
+    assert speed() == 0.0
+    here = commanded(controller, "FRC_ReadCartesianPosition")["Position"]
+    asked_at = []
+    monkeypatch.setattr(cell, "glide", lambda _: asked_at.append(speed()) or asyncio.sleep(0))
+
+    program.take(Packet(Kind.INSTRUCTION, *_fields(straight(here | {"X": here["X"] - 40.0}), SequenceID=2)))
+    while not asked_at:
+        await asyncio.sleep(0)
+
+    assert asked_at == [pytest.approx(100.0, rel=0.02)]
+
+
+async def test_an_arc_leads_to_its_end(controller, program):
+    commanded(controller, "FRC_Initialize")
+    await ended(program, joints(BENT))
+    here = commanded(controller, "FRC_ReadCartesianPosition")["Position"]
+    wanted = here | {"X": here["X"] - 40.0}
+    name, fields = "FRC_CircularMotion", straight(wanted)[1]
+    via = {"ViaConfiguration": {}, "ViaPosition": here | {"X": here["X"] - 20.0, "Y": 20.0}}
+    commanded(controller, "FRC_Abort")
+    commanded(controller, "FRC_Initialize")
+
+    assert await ended(program, (name, fields | via)) == [(1, 0)]
+
+    after = commanded(controller, "FRC_ReadCartesianPosition")["Position"]
+    assert after == pytest.approx(wanted, abs=0.01)
+
+
+async def test_a_paused_motion_stands_until_it_is_continued(controller, program, cell, monkeypatch):
+    glide, paused = cell.glide, []
+
+    async def paused_half_way(duration_s):
+        if not paused:
+            paused.append(duration_s)
+            await glide(duration_s / 2.0)
+            commanded(controller, "FRC_Pause")
+            await asyncio.sleep(0)
+        await glide(duration_s)
+
+    monkeypatch.setattr(cell, "glide", paused_half_way)
+    commanded(controller, "FRC_Initialize")
+    motion = asyncio.create_task(ended(program, joints(ZEROS | {"J1": 70.0})))
+    while not paused or cell.robot_moves:
+        await asyncio.sleep(0)
+
+    assert commanded(controller, "FRC_GetStatus")["ProgramStatus"] == 2
+    assert commanded(controller, "FRC_ReadJointAngles")["JointAngle"]["J1"] == 35.0
+    assert not motion.done()
+
+    commanded(controller, "FRC_Continue")
+
+    assert await motion == [(1, 0)]
+    assert commanded(controller, "FRC_GetStatus")["ProgramStatus"] == 0
+    assert commanded(controller, "FRC_ReadJointAngles")["JointAngle"]["J1"] == 70.0
+
+
+async def test_a_paused_program_can_be_aborted_and_begun_anew(controller, program):
+    commanded(controller, "FRC_Initialize")
+    commanded(controller, "FRC_Pause")
+    program.take(Packet(Kind.INSTRUCTION, *_fields(joints(BENT), SequenceID=1)))
+    await asyncio.sleep(0)
+
+    commanded(controller, "FRC_Abort")
+    commanded(controller, "FRC_Initialize")
+
+    assert await ended(program, joints(BENT)) == [(1, 0)]
+
+
+@pytest.mark.parametrize(
     ("name", "fields", "error"),
     [
         ("FRC_SetUFrameUTool", {"UFrameNumber": 11, "UToolNumber": 1}, refusals.BAD_FRAME),
@@ -166,6 +255,19 @@ async def test_frames_and_tools_are_what_was_taught(controller):
         ("FRC_ReadUToolData", {"ToolNumber": 12}, refusals.BAD_TOOL),
         ("FRC_SetOverRide", {"Value": 0}, refusals.BAD_OVERRIDE),
         ("FRC_SetOverRide", {}, refusals.BAD_VALUE),
+        ("FRC_ReadPositionRegister", {"RegisterNumber": 101}, refusals.BAD_POSITION_REGISTER),
+        ("FRC_ReadPositionRegister", {"RegisterNumber": 5}, refusals.BAD_POSITION_REGISTER),
+        (
+            "FRC_WritePositionRegister",
+            {"RegisterNumber": 5, "Representation": "Matrix"},
+            refusals.BAD_REPRESENTATION,
+        ),
+        (
+            "FRC_WritePositionRegister",
+            {"RegisterNumber": 5, "Representation": "Joint", "JointAngle": {"J1": 1.0}},
+            refusals.BAD_VALUE,
+        ),
+        ("FRC_Pause", {}, refusals.NOT_RUNNING),
         ("FRC_MakeCoffee", {}, refusals.UNKNOWN_COMMAND),
     ],
 )
@@ -183,7 +285,8 @@ def test_what_cannot_be_done_is_refused_by_number(controller, name, fields, erro
         (joints(ZEROS, SpeedType="mmSec"), refusals.BAD_SPEED_TYPE),
         (joints(ZEROS, TermType="SOFT"), refusals.BAD_TERM_TYPE),
         (straight(HOME | {"X": 3000.0}), refusals.BAD_DESTINATION),
-        (("FRC_CircularMotion", {}), refusals.UNKNOWN_INSTRUCTION),
+        (joints(ZEROS, TermType="CNT", TermValue=101), refusals.BAD_TERM_VALUE),
+        (("FRC_SplineMotion", {}), refusals.UNKNOWN_INSTRUCTION),
     ],
 )
 async def test_a_motion_that_cannot_be_is_refused_and_moves_nothing(

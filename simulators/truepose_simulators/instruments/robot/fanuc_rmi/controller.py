@@ -4,28 +4,24 @@ import asyncio
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 
+import numpy as np
+
 from truepose_drivers.errors import RemoteProtocolError
 from truepose_drivers.fanuc_rmi.protocol import refusals
 from truepose_drivers.fanuc_rmi.protocol.messages import Status, encode_axes, encode_status, reply
 from truepose_drivers.fanuc_rmi.protocol.packets import Kind, Packet
 from truepose_simulators.cell.true_cell import Cell
-from truepose_simulators.errors import SimulatorError
 from truepose_simulators.faults.kinds import ArmStopped
 from truepose_simulators.instruments.robot.fanuc_joints import shown_deg
+from truepose_simulators.instruments.robot.fanuc_rmi.errors import RefusedError
 from truepose_simulators.instruments.robot.fanuc_rmi.frames import Frames, fields_of, six_in
+from truepose_simulators.instruments.robot.fanuc_rmi.registers import Registers
 from truepose_simulators.physics.rigid import FloatArray
 
 Fields = Mapping[str, object]
 _AXES = 9  # that are stated of every arm
-
-
-class RefusedError(SimulatorError):
-    """The controller refuses with a number."""
-
-    def __init__(self, error: int, shown: str = "") -> None:
-        super().__init__(shown or f"error {error}")
-        self.error = error
-        self.shown = shown  # on its pendant
+_PAUSED = 2  # of a program
+_MOMENT_S = 1e-3  # over which a speed is taken
 
 
 class Controller:
@@ -45,24 +41,27 @@ class Controller:
         self.shown_errors: list[str] = []
         self.clock_stands = False  # joints are stated, and none is newer
         self.on_abort: Callable[[], None] = lambda: None  # what its program does then
+        self.paused = False
+        self.on_pause: Callable[[], None] = lambda: None
         self.on_continue: Callable[[], None] = lambda: None
         self._keeps_sequence = keeps_sequence  # of instructions, as some controllers do until switched off
         self._strands = strands  # a session that dies leaves a program that only a person can delete
         self._stranded = False
         self._inputs: dict[int, int] = {}
-        self._registers: dict[int, float] = {}
+        registers = Registers()
         self._time_ms = 0
         self._commands: dict[str, Callable[[Packet], Fields]] = {
             "FRC_Initialize": self._initialize,
             "FRC_Abort": self._abort,
             "FRC_Reset": self._reset,
-            "FRC_Pause": lambda _: {},
+            "FRC_Pause": self._pause,
             "FRC_Continue": self._continue,
-            "FRC_GetStatus": lambda _: encode_status(self._status()),
+            "FRC_GetStatus": self._stated_status,
             "FRC_GetExtStatus": self._extended_status,
             "FRC_ReadError": self._errors,
             "FRC_ReadJointAngles": self._joint_angles,
             "FRC_ReadCartesianPosition": self._position,
+            "FRC_ReadTCPSpeed": self._tool_speed,
             "FRC_SetOverRide": self._set_override,
             "FRC_GetUFrameUTool": self._numbers,
             "FRC_SetUFrameUTool": self._set_numbers,
@@ -72,8 +71,10 @@ class Controller:
             "FRC_WriteUToolData": lambda asked: self._write_frame(asked, "ToolNumber"),
             "FRC_ReadDIN": self._input,
             "FRC_WriteDOUT": self._output,
-            "FRC_ReadRegister": self._register,
-            "FRC_WriteRegister": self._write_register,
+            "FRC_ReadRegister": registers.number,
+            "FRC_WriteRegister": registers.write_number,
+            "FRC_ReadPositionRegister": registers.position,
+            "FRC_WritePositionRegister": registers.write_position,
             "FRC_SetPayloadID": lambda _: {},
         }
 
@@ -127,6 +128,9 @@ class Controller:
         stopped = self.cell.faults.holds(ArmStopped, self.cell.clock.now_s)
         return replace(self.status, servo_ready=self.status.servo_ready and not stopped)
 
+    def _stated_status(self, _: Packet) -> Fields:
+        return encode_status(self._status()) | ({"ProgramStatus": _PAUSED} if self.paused else {})
+
     def _abort(self, _: Packet) -> Fields:
         if not self.status.running:
             raise RefusedError(refusals.NOT_RUNNING)
@@ -136,6 +140,12 @@ class Controller:
     def _reset(self, _: Packet) -> Fields:
         if self._status().servo_ready:
             self.shown_errors.clear()
+        return {}
+
+    def _pause(self, _: Packet) -> Fields:
+        if not self.status.running:
+            raise RefusedError(refusals.NOT_RUNNING)
+        self.on_pause()
         return {}
 
     def _continue(self, _: Packet) -> Fields:
@@ -169,6 +179,16 @@ class Controller:
 
     def _position(self, _: Packet) -> Fields:
         return {**self._tagged(), **self.frames.stated(self.frames.position(self.joints()))}
+
+    def _tool_speed(self, _: Packet) -> Fields:
+        return {**self._tagged(), "Speed": round(self._travelled_mm() / _MOMENT_S, 3)}
+
+    def _travelled_mm(self) -> float:
+        if not self.cell.robot_moves:
+            return 0.0
+        now_s, motion = self.cell.clock.now_s, self.cell.robot.motion
+        here, soon = (np.array(self.frames.position(motion.joints_at(s))) for s in (now_s, now_s + _MOMENT_S))
+        return float(np.linalg.norm((soon - here)[:3]))
 
     def _set_override(self, asked: Packet) -> Fields:
         value = asked.whole("Value")
@@ -207,12 +227,4 @@ class Controller:
 
     def _output(self, asked: Packet) -> Fields:
         self._inputs[asked.whole("PortNumber")] = int(asked.fields.get("PortValue") == "ON")
-        return {}
-
-    def _register(self, asked: Packet) -> Fields:
-        number = asked.whole("RegisterNumber")
-        return {"RegisterNumber": number, "RegisterValue": self._registers.get(number, 0)}
-
-    def _write_register(self, asked: Packet) -> Fields:
-        self._registers[asked.whole("RegisterNumber")] = asked.number("RegisterValue")
         return {}

@@ -5,8 +5,9 @@ until the program is begun anew, or the fault reset and the program continued.
 """
 
 import asyncio
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 
@@ -18,13 +19,15 @@ from truepose_simulators.cell.robot import SpeedLimits, TargetOutOfRangeError, c
 from truepose_simulators.errors import ArmStoppedError
 from truepose_simulators.faults.kinds import RobotHangs, RobotRefuses
 from truepose_simulators.instruments.robot.fanuc_joints import joints_rad, shown_deg
-from truepose_simulators.instruments.robot.fanuc_rmi.controller import Controller, RefusedError
+from truepose_simulators.instruments.robot.fanuc_rmi.controller import Controller
+from truepose_simulators.instruments.robot.fanuc_rmi.errors import RefusedError
 from truepose_simulators.instruments.robot.fanuc_rmi.frames import six_in
 from truepose_simulators.instruments.robot.straight_line import straight_line
 from truepose_simulators.physics.inverse import UnreachableError, reach
 from truepose_simulators.physics.rigid import FloatArray
 
 _NO_LIMIT = 1e12  # of a speed, in any unit
+_NO_TIME_S = 1e-9  # of a motion to where the arm stands already
 _PERCENT = 100.0
 _OUT_OF_REACH = "MOTN-017 Limit error"
 _STOPPED = "SRVO-001 Operator panel E-stop"
@@ -42,8 +45,12 @@ class RmiMove:
         self._waiting: asyncio.Queue[Packet] = asyncio.Queue()
         self._running: asyncio.Task[None] | None = None
         self._held = False
+        self._gliding: asyncio.Future[None] | None = None
+        self._resumed = asyncio.Event()
+        self._resumed.set()
         self.tell: Callable[[Packet], None] = lambda _: None  # to the client, if there is one
         controller.on_abort = self._abort
+        controller.on_pause = self._pause
         controller.on_continue = self._continue
 
     def take(self, instruction: Packet) -> None:
@@ -96,15 +103,29 @@ class RmiMove:
     def _stop(self) -> None:
         if self._running is not None:
             self._running.cancel()
+            self._running = None  # what is queued next does not wait until that one is gone
         self._waiting = asyncio.Queue()
         self._cell.halt_robot()
 
     def _abort(self) -> None:
         self._stop()
         self._held = False
+        self._resume()
+
+    def _pause(self) -> None:
+        self._controller.paused = True
+        self._resumed.clear()
+        if self._gliding is not None:
+            self._gliding.cancel()
 
     def _continue(self) -> None:
         self._held = bool(self._controller.shown_errors)
+        if not self._held:
+            self._resume()
+
+    def _resume(self) -> None:
+        self._controller.paused = False
+        self._resumed.set()
 
     async def _carry_out(self, instruction: Packet) -> None:
         match instruction.name:
@@ -113,10 +134,14 @@ class RmiMove:
             case "FRC_JointMotion" | "FRC_JointRelative":
                 await self._turn_joints([self._reached(self._flange_target(instruction))], instruction)
             case "FRC_LinearMotion" | "FRC_LinearRelative":
-                await self._go_straight(self._flange_target(instruction), instruction)
+                await self._go_straight([self._flange_target(instruction)], instruction)
+            case "FRC_CircularMotion" | "FRC_CircularRelative":
+                # The measured stops are what counts: the arc is replaced by its two chords.
+                via = self._flange_target(instruction, "Via")
+                await self._go_straight([via, self._flange_target(instruction)], instruction)
             case "FRC_LinearMotionJRep" | "FRC_LinearRelativeJRep":
                 target = self._joints_target(instruction)
-                await self._go_straight(nominal_flange(self._cell.plant.arm, target[None])[0], instruction)
+                await self._go_straight([*nominal_flange(self._cell.plant.arm, target[None])], instruction)
             case "FRC_WaitTime":
                 await self._cell.clock.sleep(instruction.number("Time"))
             case "FRC_SetUFrame":
@@ -139,9 +164,9 @@ class RmiMove:
             shown += shown_deg(self._controller.joints())
         return joints_rad(shown)
 
-    def _flange_target(self, instruction: Packet) -> FloatArray:
-        self._controller.select(instruction.part("Configuration"))
-        frames, position = self._controller.frames, six_in(instruction.part("Position"))
+    def _flange_target(self, instruction: Packet, which: str = "") -> FloatArray:
+        self._controller.select(instruction.part(f"{which}Configuration"))
+        frames, position = self._controller.frames, six_in(instruction.part(f"{which}Position"))
         if "Relative" in instruction.name:
             here = frames.position(self._controller.joints())
             position = tuple(a + b for a, b in zip(here, position, strict=True))
@@ -150,14 +175,17 @@ class RmiMove:
     def _reached(self, flange: FloatArray) -> FloatArray:
         return reach(self._cell.plant.arm, flange, self._controller.joints())
 
-    async def _go_straight(self, flange: FloatArray, instruction: Packet) -> None:
+    async def _go_straight(self, flanges: Sequence[FloatArray], instruction: Packet) -> None:
         speed_mm_s = _speed(instruction, "mmSec", 1e5) * self._override()
-        joints, waypoints = self._controller.joints(), []
-        start = nominal_flange(self._cell.plant.arm, joints[None])[0]
-        for frame in straight_line(start, flange):
-            joints = reach(self._cell.plant.arm, frame, joints)
-            waypoints.append(joints)
-        await self._move(waypoints, SpeedLimits(speed_mm_s, _NO_LIMIT))
+        await self._move(list(self._lines(flanges)), SpeedLimits(speed_mm_s, _NO_LIMIT))
+
+    def _lines(self, flanges: Sequence[FloatArray]) -> Iterator[FloatArray]:
+        arm, joints = self._cell.plant.arm, self._controller.joints()
+        start = nominal_flange(arm, joints[None])[0]
+        for begun, ended in pairwise([start, *flanges]):
+            for frame in straight_line(begun, ended):
+                joints = reach(arm, frame, joints)
+                yield joints
 
     async def _turn_joints(self, waypoints: list[FloatArray], instruction: Packet) -> None:
         share = _speed(instruction, "Percent", _PERCENT) / _PERCENT * self._override()
@@ -168,10 +196,30 @@ class RmiMove:
         fault = self._cell.faults.next_move()
         if isinstance(fault, RobotRefuses):
             raise RefusedError(refusals.BAD_DESTINATION, "MOTN-023 In singularity")
-        under_way = self._cell.set_off(waypoints, limits, _ORIGIN)
-        await self._cell.glide(under_way.duration_s)
+        await self._travel(waypoints, limits)
         if isinstance(fault, RobotHangs):
             await asyncio.Event().wait()
+
+    async def _travel(self, waypoints: list[FloatArray], limits: SpeedLimits) -> None:
+        """Move until at rest at the last waypoint, however often the program is paused meanwhile."""
+        while waypoints:
+            await self._resumed.wait()
+            under_way = self._cell.set_off(waypoints, limits, _ORIGIN)
+            share = await self._share_of_way(under_way.duration_s)
+            waypoints = waypoints[int(share * len(waypoints)) :]
+
+    async def _share_of_way(self, duration_s: float) -> float:
+        """Let a motion go by, and return how much of it was done when it ended or was paused."""
+        begun_s = self._cell.clock.now_s
+        self._gliding = asyncio.ensure_future(self._cell.glide(duration_s))
+        try:
+            await self._gliding
+        except asyncio.CancelledError:
+            if self._resumed.is_set():
+                raise
+            self._cell.halt_robot()
+            return min(1.0, (self._cell.clock.now_s - begun_s) / max(duration_s, _NO_TIME_S))
+        return 1.0
 
     def _override(self) -> float:
         return self._controller.status.override_percent / _PERCENT
@@ -183,6 +231,8 @@ def _speed(instruction: Packet, unit: str, fastest: float) -> float:
         raise RefusedError(refusals.BAD_SPEED_TYPE)
     if instruction.fields.get("TermType") not in _TERM_TYPES:
         raise RefusedError(refusals.BAD_TERM_TYPE)
+    if "TermValue" in instruction.fields and not 0.0 <= instruction.number("TermValue") <= _PERCENT:
+        raise RefusedError(refusals.BAD_TERM_VALUE)
     speed = instruction.number("Speed")
     if not 0.0 < speed <= fastest:
         raise RefusedError(refusals.BAD_SPEED)

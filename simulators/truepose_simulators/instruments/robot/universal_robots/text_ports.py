@@ -82,6 +82,7 @@ class Dashboard:
             "brake release": lambda: self._go(RobotMode.RUNNING, "Brake releasing"),
             "power off": lambda: self._go(RobotMode.POWER_OFF, "Powering off"),
             "unlock protective stop": self._unlock,
+            "play": lambda: "Failed to execute: play",  # no program is loaded: scripts come by their own port
             "stop": self._stop,
             "quit": lambda: "Disconnected",
         }
