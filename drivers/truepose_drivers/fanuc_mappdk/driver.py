@@ -4,6 +4,7 @@ A fault aborts the server's task on the controller and its socket just dies; the
 it is after silence and nonsense, because replies carry no number. Where the motion ended is read after it.
 """
 
+import asyncio
 import math
 from dataclasses import dataclass
 from functools import partial
@@ -21,10 +22,12 @@ from truepose_drivers.api import (
 from truepose_drivers.arms import arm_options
 from truepose_drivers.arms.joint_counting import Angles, JointCounting
 from truepose_drivers.arms.pace import Pace
+from truepose_drivers.arms.standstill import Course, answered_unless_it_stands
 from truepose_drivers.errors import (
     ConfigurationError,
     ConnectionLostError,
     DeviceRefusedError,
+    DriverError,
     LinkError,
     NoReplyError,
     TargetRefusedError,
@@ -58,6 +61,7 @@ _UNKNOWN = "unknown"
 _LONGEST_PIECE_S = 1.0  # of a motion to a stock server, which cannot be stopped once it was sent
 _SHORTEST_MOTION_S = 0.1
 _ARRIVED_DEG = 0.02  # a joint at rest is nearer to its target: encoders resolve far better
+_STILL_DEG = 0.002  # stock servers tell thousandths
 _LONGER_BY_OVERRIDE = 20.0  # of a motion while the speed override on the pendant stands at 5 %
 _LOOK_AT_PENDANT = (
     "look at the pendant for a fault, clear it, start the server program again, then connect again"
@@ -93,6 +97,7 @@ class MappdkRobot:
         rest_s = self._time_outs.rest_of_reply_s
         self._motion = Dialogue(link, rest_of_reply_s=rest_s)
         self._logger = None if logger is None else Dialogue(logger, rest_of_reply_s=rest_s)
+        self._logger_opens = asyncio.Lock()
         self._clock = clock
         self._counting = counting or JointCounting()
         self._pace = pace or Pace()
@@ -170,7 +175,11 @@ class MappdkRobot:
         await self._have_watched()
         start_deg = joint_angles_deg(await self._ask_joints(self._motion))
         request, expected_s = self._request(start_deg, target_deg)
-        reply = await self._moved(request, self._time_outs.motion_s + _LONGER_BY_OVERRIDE * expected_s)
+        timeout_s = self._time_outs.motion_s + _LONGER_BY_OVERRIDE * expected_s
+        course = Course(start_deg, target_deg, _ARRIVED_DEG, _STILL_DEG)
+        reply = await answered_unless_it_stands(
+            self._moved(request, timeout_s), self._joints_under_way, course, _LOOK_AT_PENDANT
+        )
         if reply.code != ReplyCode.OK:
             shown = ", ".join(f"{angle:.3f}" for angle in target_deg)
             raise TargetRefusedError(
@@ -191,14 +200,28 @@ class MappdkRobot:
 
     async def _free_port(self) -> Dialogue:
         """Return the port that replies now, the motion port where there is no logger."""
-        if self._logger is None or not (self._motion.connected and self._motion.busy):
+        if not (self._motion.connected and self._motion.busy):
             return self._motion
-        if not self._logger.connected:
-            try:
-                await self._logger.open(self._time_outs.greeting_s)
-            except LinkError:  # its program does not run there: the joints are told at the motion's end
-                return self._motion
+        # Without a logger the joints are told at the motion's end.
+        return await self._opened_logger() or self._motion
+
+    async def _opened_logger(self) -> Dialogue | None:
+        if self._logger is None:
+            return None
+        async with self._logger_opens:
+            if not self._logger.connected:
+                try:
+                    await self._logger.open(self._time_outs.greeting_s)
+                except LinkError:  # its program does not run there
+                    return None
         return self._logger
+
+    async def _joints_under_way(self) -> Angles | None:
+        try:
+            logger = await self._opened_logger()
+            return None if logger is None else joint_angles_deg(await self._ask_joints(logger))
+        except DriverError:
+            return None
 
     async def _ask_joints(self, port: Dialogue) -> Reply:
         reply = await port.ask(encode_request(Command.JOINTS), "joints", self._time_outs.reply_s)

@@ -9,13 +9,13 @@ import pytest
 
 from tests.helpers.instruments.sockets import connections_to
 from truepose_drivers.api import MotionLimits
-from truepose_drivers.errors import ConnectionLostError, TargetRefusedError
+from truepose_drivers.errors import ConnectionLostError, NoReplyError, TargetRefusedError
 from truepose_drivers.fanuc_mappdk.driver import MappdkRobot
 from truepose_drivers.monotonic_clock import MonotonicClock
 from truepose_drivers.transports.memory import MemoryLink
 from truepose_simulators.cell.clock import CellClock
 from truepose_simulators.cell.true_cell import Cell
-from truepose_simulators.faults.kinds import RobotRefuses
+from truepose_simulators.faults.kinds import ProtectiveStop, RobotRefuses
 from truepose_simulators.instruments.robot.mappdk import MappdkProgram
 from truepose_simulators.instruments.robot.mappdk_server import mappdk_endpoint, mappdk_logger_endpoint
 from truepose_simulators.scenarios.file import load_scenario
@@ -28,16 +28,16 @@ TURN = b"movet:00045:6:+000090.000000" + b":+000000.000000" * 5 + b"\n"
 TARGET = tuple(np.radians([30.0, 20.0, -50.0, 10.0, 20.0, 30.0]).tolist())
 
 
-def real_time_cell():
+def real_time_cell(refusal):
     scenario = load_scenario("lrmate-fanuc")
-    arm = replace(scenario.arm, refusal="drop")
+    arm = replace(scenario.arm, refusal=refusal)
     return Cell(replace(scenario, arm=arm), 1, CellClock(1, wall_s=asyncio.get_running_loop().time))
 
 
 @contextlib.asynccontextmanager
-async def controller():
+async def controller(refusal="drop"):
     """Serve a robot in real time; yields the cell and ways to connect to either port."""
-    cell = real_time_cell()
+    cell = real_time_cell(refusal)
     motion, logger = MappdkProgram(cell), MappdkProgram(cell)
     async with (
         connections_to(mappdk_endpoint(cell, motion)) as to_motion,
@@ -140,6 +140,22 @@ async def test_a_fault_ends_the_connection_and_the_next_one_moves():
         await robot.move_joints(TARGET)
 
         assert cell.robot.target_rad == pytest.approx(TARGET, abs=1e-6)
+        await robot.close()
+
+
+async def test_a_stop_that_leaves_the_controller_silent_is_told_within_seconds():
+    async with controller(refusal="hang") as (cell, to_motion, to_logger):
+        cell.add_fault(ProtectiveStop(move=1, after_s=1.0, for_s=60.0))
+        robot = MappdkRobot(link_to(to_motion), MonotonicClock(), logger=link_to(to_logger))
+        await robot.connect()
+        await robot.set_limits(AT_20_DEG_S)
+        begun_s = cell.clock.now_s
+
+        with pytest.raises(NoReplyError, match=r"stands still \d+\.\d\d deg before its target"):
+            await robot.move_joints(TARGET)
+
+        assert 3.5 < cell.clock.now_s - begun_s < 5.5
+        assert not robot.connected
         await robot.close()
 
 

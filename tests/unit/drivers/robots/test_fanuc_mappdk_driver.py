@@ -445,3 +445,50 @@ def test_the_options_say_how_joints_are_counted():
     options = {"host": "127.0.0.1", "joint_3_from": "upper arm", "signs": "1 1 1 1 1 1", "reach_mm": 1500}
 
     assert PLUGIN.open(options, None).connected is False
+
+
+async def told_after_s(robot, sentence):
+    loop = asyncio.get_running_loop()
+    begun_s = loop.time()
+    with pytest.raises(NoReplyError, match=sentence):
+        await robot.move_joints(TARGET)
+    return loop.time() - begun_s
+
+
+@pytest.mark.parametrize("server", [ours(movet=b""), FakeController(movej=b"")])
+async def test_an_arm_that_the_logger_shows_standing_is_told_within_seconds(server):
+    logging = FakeController()
+    logging.shown_deg = tuple(0.5 * angle for angle in SHOWN_DEG)
+    robot = MappdkRobot(MemoryLink(server.serve), FixedClock(), logger=MemoryLink(logging.serve))
+    await robot.connect()
+
+    assert await told_after_s(robot, r"stands still 15\.00 deg before its target.*pendant") < 5.0
+    assert not robot.connected
+
+
+@pytest.mark.parametrize(
+    ("shown_deg", "replies"),
+    [
+        (SHOWN_DEG, {}),  # arrived
+        ((5.0, 0.0, 0.0, 80.0, 0.0, 0.0), {}),  # of another time
+        ((0.0,) * 6, {"curjpos": b""}),
+        ((0.0,) * 6, {"curjpos": "1:cannot-convert-joint-vals"}),
+        ((0.0,) * 6, {"curjpos": "SSH-2.0-x\r\n"}),
+    ],
+)
+async def test_a_logger_that_shows_no_standstill_leaves_the_motion_its_time(shown_deg, replies):
+    logging = FakeController(**replies)
+    logging.shown_deg = shown_deg
+    fake = FakeController(movej=b"")
+    robot = MappdkRobot(MemoryLink(fake.serve), FixedClock(), logger=MemoryLink(logging.serve))
+    await robot.connect()
+
+    assert await told_after_s(robot, "did not report the end") > 20.0
+
+
+async def test_without_a_logger_a_silent_motion_keeps_its_time():
+    fake = FakeController(movej=b"")
+    robot = MappdkRobot(MemoryLink(fake.serve), FixedClock(), logger=MemoryLink(None))
+    await robot.connect()
+
+    assert await told_after_s(robot, "did not report the end") > 20.0
