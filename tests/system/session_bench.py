@@ -48,6 +48,8 @@ class Bench:
         robot = {**address["robot"]}
         if endpoints["robot"]["protocol"] == MAPPDK.protocol:
             robot["logger_port"] = address["robot-logger"]["port"]
+        elif "robot-log" in endpoints and endpoints["robot"]["protocol"] == OPEN_ABB.protocol:
+            robot["log_port"] = address["robot-log"]["port"]
         elif endpoints["robot"]["protocol"] == UNIVERSAL.protocol:
             robot["script_port"] = address["robot-script"]["port"]
             robot["dashboard_port"] = address["robot-dashboard"]["port"]

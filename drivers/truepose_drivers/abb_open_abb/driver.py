@@ -13,7 +13,9 @@ from dataclasses import dataclass
 from truepose_drivers import options as option
 from truepose_drivers.abb_egm.reader import EGM_OPTION, read_by_egm
 from truepose_drivers.abb_open_abb.heartbeat import BEAT, BEAT_S, SILENCE_S, STOPS_WITHIN_S, is_our_server
+from truepose_drivers.abb_open_abb.joint_log import JointLog
 from truepose_drivers.abb_open_abb.protocol import (
+    LOGGER_PORT,
     LONGEST_MESSAGE_CHARS,
     MOTION_PORT,
     Code,
@@ -44,6 +46,7 @@ from truepose_drivers.api import (
     Vector,
 )
 from truepose_drivers.arms.companion import GuardingRobot
+from truepose_drivers.arms.standstill import Course, answered_unless_it_stands
 from truepose_drivers.errors import (
     ConfigurationError,
     ConnectionLostError,
@@ -64,6 +67,8 @@ _UNKNOWN = "unknown"
 _LONGEST_TURN_RAD = 4.0 * math.pi
 _LONGEST_PATH_MM = 20_000.0
 _LONGEST_PIECE_S = 1.0  # of a motion to a stock server, which cannot be stopped once it was sent
+_ARRIVED_DEG = 0.05  # a joint at rest is nearer to its target, as stock servers round
+_STILL_DEG = 0.015  # the logger tells hundredths
 _ORIGIN = ("0", "0", "0")
 _UPRIGHT = ("1", "0", "0", "0")  # quaternion of no turn
 _SPEED_ROUNDING = 0.06  # mm/s and deg/s: sent with one decimal and two
@@ -95,9 +100,11 @@ class OpenAbbRobot:
         *,
         time_outs: TimeOuts | None = None,
         tool_mm: Vector = (0.0, 0.0, 0.0),
+        log: JointLog | None = None,
     ) -> None:
         """Take the link to a controller; speeds hold at `tool_mm`, in the flange's frame."""
         self._link = link
+        self._log = log
         self._clock = clock
         self._time_outs = time_outs or TimeOuts()
         self._turns = Turns(link)
@@ -202,6 +209,21 @@ class OpenAbbRobot:
         if self._watches and not self._watching:
             await self._ask(encode_request(Code.WATCH, [decimal(SILENCE_S, 2)]), Code.WATCH)
             self._watching = True
+        if self._log is None:
+            await self._moved(request, target_rad)
+        else:
+            await self._moved_under_watch(request, target_rad, self._log)
+
+    async def _moved_under_watch(self, request: bytes, target_rad: tuple[float, ...], log: JointLog) -> None:
+        start_rad = (await self.read_joints()).joints_rad
+        course = Course(_in_degrees(start_rad), _in_degrees(target_rad), _ARRIVED_DEG, _STILL_DEG)
+        moved = self._moved(request, target_rad)
+        try:
+            await answered_unless_it_stands(moved, log.joints_deg, course, _LOOK_AT_PENDANT)
+        finally:
+            await log.close()
+
+    async def _moved(self, request: bytes, target_rad: tuple[float, ...]) -> None:
         try:
             await self._ask(request, Code.MOVE_JOINTS, timeout_s=self._motion_timeout_s())
         except NoReplyError as error:
@@ -337,6 +359,10 @@ def _encode_target(target_rad: tuple[float, ...]) -> bytes:
         raise TargetRefusedError(str(error)) from error
 
 
+def _in_degrees(angles_rad: tuple[float, ...]) -> tuple[float, ...]:
+    return tuple(map(math.degrees, angles_rad))
+
+
 def _check_limits(limits: MotionLimits) -> None:
     for name, value in (
         ("tool_speed_mm_s", limits.tool_speed_mm_s),
@@ -349,7 +375,8 @@ def _check_limits(limits: MotionLimits) -> None:
 def _open(options: Options, clock: Clock | None) -> GuardingRobot:
     keeps_time = clock or MonotonicClock()
     tool_mm = option.vector(options, "tool_mm")
-    robot = OpenAbbRobot(tcp_link(options, MOTION_PORT), keeps_time, tool_mm=tool_mm)
+    log = JointLog(tcp_link(options, port="log_port")) if "log_port" in options else None
+    robot = OpenAbbRobot(tcp_link(options, MOTION_PORT), keeps_time, tool_mm=tool_mm, log=log)
     return read_by_egm(watched_by_rws(robot, options, keeps_time), options, keeps_time)
 
 
@@ -357,6 +384,7 @@ _OPTIONS = {
     "host": "address of the controller, often 192.168.125.1",
     "port": f"TCP port of the motion server, {MOTION_PORT} unless changed",
     "tool_mm": 'point at which speeds hold, on the axes of the flange: "0 0 125"; the flange unless given',
+    "log_port": f"TCP port of the logger, often {LOGGER_PORT}, to see whether the arm moves; else none",
     "rws_port": "TCP port of Robot Web Services, often 80, to watch state and joints by; else none",
     **LOGIN_OPTIONS,
     "egm_port": EGM_OPTION,

@@ -23,6 +23,7 @@ OF_A_NETWORK = {
     "host": "127.0.0.1",
     "port": 5000,
     "logger_port": 5001,
+    "log_port": 5001,
     "script_port": 5002,
     "dashboard_port": 5003,
     "tool_file": str(ARTEFACT),

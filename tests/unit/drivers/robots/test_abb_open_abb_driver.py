@@ -7,7 +7,13 @@ from dataclasses import replace
 import pytest
 
 from truepose_drivers.abb_open_abb.driver import PLUGIN, OpenAbbRobot, TimeOuts
-from truepose_drivers.abb_open_abb.protocol import REPLY_RESOLUTION_DEG, decode_request
+from truepose_drivers.abb_open_abb.joint_log import JointLog
+from truepose_drivers.abb_open_abb.protocol import (
+    REPLY_RESOLUTION_DEG,
+    LogLine,
+    decode_request,
+    encode_log_line,
+)
 from truepose_drivers.api import MotionGuard, MotionLimits, RobotController
 from truepose_drivers.errors import (
     ConfigurationError,
@@ -525,3 +531,75 @@ async def test_a_tool_that_is_no_point_is_refused_with_an_example(tool):
         PLUGIN.open({"host": "10.0.0.1", "tool_mm": tool}, None)
 
     assert PLUGIN.open({"host": "10.0.0.1", "tool_mm": "150 0 125.5"}, None)
+
+
+STANDS_DEG = (10.0, -20.55, 30.0, 0.0, 45.0, -0.01)  # FakeController
+
+
+def logger_at(joints_deg, most=10**6):
+    """A logger that tells poses and these joints in turn, and hangs after `most` records."""
+
+    async def serve(end: MemoryEnd) -> None:
+        for count in range(most):
+            values = joints_deg if count % 2 else (300.0, 0.0, 500.0, 1.0, 0.0, 0.0, 0.0)
+            record = LogLine(count % 2, "2020-01-01", "12:00:00", 0.1 * count, tuple(values))
+            await end.send(encode_log_line(record))
+            await asyncio.sleep(0.1)
+        await end.receive()
+
+    return serve
+
+
+async def silent_motion(serve, target_deg, sentence, **replies):
+    """Have a motion go unanswered; returns after how long it was told, with `sentence`."""
+    fake = FakeController(code_2="", **replies)
+    patient = replace(QUICK, motion_s=10.0)
+    log = JointLog(MemoryLink(serve, chunk_bytes=70))
+    robot = OpenAbbRobot(MemoryLink(fake.serve), FixedClock(), log=log, time_outs=patient)
+    await robot.connect()
+    await robot.set_limits(FAST)
+    begun_s = asyncio.get_running_loop().time()
+    with pytest.raises(NoReplyError, match=sentence):
+        await robot.move_joints(tuple(map(math.radians, target_deg)))
+    assert not robot.connected
+    return asyncio.get_running_loop().time() - begun_s
+
+
+@pytest.mark.parametrize("ours", [{}, OURS | {"code_94": "94 1 1000000 57295.78"}])
+async def test_an_arm_that_the_logger_shows_standing_is_told_within_seconds(ours):
+    half_way = (10.0, -20.55, 30.0, 0.0, 45.0, 20.0)
+    target = (*STANDS_DEG[:5], 40.0)
+
+    told_s = await silent_motion(logger_at(half_way), target, r"stands still 20\.00 deg.*emergency", **ours)
+
+    assert told_s < 5.5
+
+
+async def test_an_arm_that_never_sets_off_is_told_within_seconds():
+    assert await silent_motion(logger_at(STANDS_DEG), (0.0,) * 6, r"stands still 45\.00 deg") < 7.0
+
+
+@pytest.mark.parametrize(
+    "serve",
+    [
+        None,
+        logger_at((0.0,) * 6),  # arrived
+        logger_at((100.0,) * 6),  # of another time
+        logger_at(STANDS_DEG, most=1),
+        logger_at((float("nan"),) * 6),
+    ],
+)
+async def test_a_logger_that_shows_no_standstill_leaves_the_motion_its_time(serve):
+    assert await silent_motion(serve, (0.0,) * 6, "did not report the end") > 10.0
+
+
+async def test_a_motion_that_is_answered_at_once_asks_no_logger():
+    fake = FakeController()
+    robot = OpenAbbRobot(
+        MemoryLink(fake.serve), FixedClock(), time_outs=QUICK, log=JointLog(MemoryLink(None))
+    )
+    await robot.connect()
+
+    await robot.move_joints(TARGET)
+
+    assert robot.connected

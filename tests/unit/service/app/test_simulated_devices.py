@@ -39,9 +39,15 @@ def test_a_fanuc_is_asked_at_the_simulated_logger_while_it_moves():
 
 
 def test_a_port_that_the_driver_does_not_know_is_left_out():
-    found = devices_of(("robot", "open_abb", 2), ("robot-log", "open_abb_log", 3))
+    found = devices_of(("robot", "open_abb", 2), ("robot-camera", "rtsp", 3))
 
     assert found == {"robot": ("abb_open_abb", {"host": "127.0.0.1", "port": 2})}
+
+
+def test_an_abb_is_seen_moving_at_the_simulated_logger():
+    found = devices_of(("robot", "open_abb", 2), ("robot-log", "open_abb_log", 3))
+
+    assert found == {"robot": ("abb_open_abb", {"host": "127.0.0.1", "port": 2, "log_port": 3})}
 
 
 def test_a_camera_is_brought_the_definition_of_the_simulated_artefact():
