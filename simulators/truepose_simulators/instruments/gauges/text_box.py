@@ -1,11 +1,10 @@
 """An endpoint of a box that answers lines of text, with what bad lines make of its answers."""
 
 import asyncio
+import re
 from collections.abc import Callable, Sequence
 from typing import Final
 
-from truepose_drivers.errors import RemoteProtocolError
-from truepose_drivers.line_gauges.text_lines import TextLines
 from truepose_simulators.faults.wire import BallbarInches, BallbarKeyPressed, LineDoublesDigits, LineStalls
 from truepose_simulators.instruments.ballbars.bad_lines import with_doubled_digit, write_with_stall
 from truepose_simulators.instruments.ballbars.length_source import Electronics, Shown
@@ -13,6 +12,23 @@ from truepose_simulators.instruments.endpoint import Endpoint
 
 _CHUNK_BYTES: Final = 4096
 _MM_PER_INCH: Final = 25.4
+_LONGEST_QUESTION: Final = 100
+_END: Final = re.compile(rb"[\r\n]")
+
+
+class Questions:
+    """Puts lines together; noise, and what no box could hold, is forgotten up to the next end of a line."""
+
+    def __init__(self) -> None:
+        self._begun = b""
+
+    def receive(self, data: bytes) -> list[str]:
+        """Return the lines that are whole now."""
+        *whole, begun = _END.split(self._begun + data)
+        self._begun = begun[: _LONGEST_QUESTION + 1]  # one too many: still too long when its end comes
+        return [
+            line.decode("ascii") for line in whole if line.isascii() and 0 < len(line) <= _LONGEST_QUESTION
+        ]
 
 
 class TextBox:
@@ -25,13 +41,12 @@ class TextBox:
 
     async def serve(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         """Answer one client until it goes."""
-        lines: TextLines[str] = TextLines(str)
+        questions = Questions()
         while data := await reader.read(_CHUNK_BYTES):
             if not self._gauges[0].plugged:
-                lines = TextLines(str)
+                questions = Questions()
                 continue
-            lines.receive_data(data)
-            for said in _answers(lines, self._say):
+            for said in map(self._say, questions.receive(data)):
                 await self._write(writer, said)
             await writer.drain()
 
@@ -47,16 +62,6 @@ class TextBox:
             await write_with_stall(writer, said)
         else:
             writer.write(said)
-
-
-def _answers(lines: TextLines[str], say: Callable[[str], bytes]) -> Sequence[bytes]:
-    said = []
-    try:
-        while (line := lines.next_message()) is not None:
-            said.append(say(line))
-    except RemoteProtocolError:  # nothing that a box could understand
-        pass
-    return said
 
 
 def in_inches(gauge: Electronics, shown: Shown) -> tuple[float, bool]:
