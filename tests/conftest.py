@@ -20,6 +20,11 @@ settings.register_profile("any machine", deadline=None, suppress_health_check=[H
 settings.load_profile("any machine")
 
 
+def pytest_configure():
+    """Search for garbage seldom already while modules are imported: they and their tests all stay."""
+    gc.set_threshold(_OBJECTS_BETWEEN_SEARCHES)
+
+
 @pytest.hookimpl(wrapper=True)
 def pytest_make_collect_report(collector):
     """Let each process begin with other files, so that none compiles what another has compiled."""
@@ -53,9 +58,8 @@ def pytest_asyncio_loop_factories(config, item):
 
 
 def pytest_collection_finish():
-    """Search for garbage seldom, and never in what collection made, which stays to the end."""
+    """Search never for garbage in what collection made, which stays to the end."""
     gc.freeze()
-    gc.set_threshold(_OBJECTS_BETWEEN_SEARCHES)
 
 
 @pytest.hookimpl(wrapper=True, tryfirst=True)
