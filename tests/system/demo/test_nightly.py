@@ -95,7 +95,7 @@ def test_a_cell_that_fails_does_not_stop_the_night(wave_after_nonsense):
 
 
 def test_figures_that_are_missed_fail_the_night_with_what_was_found(tmp_path):
-    unplanted = replace(wavy_gear_case(3, 25, 10), scenario_text='extends = "irb120-clean"\n')
+    unplanted = replace(wavy_gear_case(3, 14, 5), scenario_text='extends = "irb120-clean"\n')
     missed = replace(unplanted, checks=lambda judged: [*unplanted.checks(judged), *unreachable(judged)])
 
     status = run_nightly(NightRequest(tmp_path, 3), [missed])
