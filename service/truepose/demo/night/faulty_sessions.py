@@ -57,14 +57,10 @@ _KINDS: Final[Sequence[_Draw]] = (
     _lasts("link_half_open", device="robot"),
     _lasts("tracker_blinded"),
     _lasts("temperature_step", by_k=-3.0),
-)
-# Where a controller reports no stop, its motion is waited for as long as it may last: minutes of wall time.
-_REPORTED: Final[Sequence[_Draw]] = (
     _strikes("robot_refuses"),
     _stops("emergency_stop"),
     _stops("protective_stop"),
 )
-_REPORTING: Final = frozenset({"ur10-clean"})
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,10 +86,10 @@ class FaultySession:
         """Return what goes wrong, the first first."""
         rng = np.random.default_rng((self.seed, *self.scenario.encode()))
         at = np.sort(rng.choice(np.arange(2, _CONFIGURATIONS), _FAULTS, replace=False))
-        kinds = (*_KINDS, *(_REPORTED if self.scenario in _REPORTING else ()))
-        drawn = rng.choice(len(kinds), _FAULTS, replace=False)
+        drawn = rng.choice(len(_KINDS), _FAULTS, replace=False)
         return [
-            {**kinds[kind](rng), "configuration": int(number)} for kind, number in zip(drawn, at, strict=True)
+            {**_KINDS[kind](rng), "configuration": int(number)}
+            for kind, number in zip(drawn, at, strict=True)
         ]
 
     def run(self, folder: Path, progress: RunProgress) -> list[Check]:
