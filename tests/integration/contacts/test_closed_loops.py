@@ -35,8 +35,6 @@ from truepose_simulators.instruments.robot.open_abb import MotionProgram
 from truepose_simulators.instruments.robot.open_abb_server import robot_endpoint
 from truepose_simulators.scenarios.file import load_scenario
 
-pytestmark = pytest.mark.simulated_time
-
 LR_MATE = cell_given("lrmate-tilted")
 SPHERES = tuple(
     Target(number, TargetKind.SPHERE, 16.0, 0.002, place_mm=(420.0, y_mm, 80.0))
