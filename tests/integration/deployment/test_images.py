@@ -140,4 +140,4 @@ def test_the_installed_service_alone_creates_its_schema_pages_and_simulated_cell
     assert health["simulated"] is True
     assert health["schema"]
     assert pages == [200] * len(_PAGES)
-    assert len(robots) == 3
+    assert len(robots) == 4
