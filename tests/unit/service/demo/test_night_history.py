@@ -1,5 +1,6 @@
 """What nights are compared with: which night was the first bad one, and what is unusual."""
 
+import json
 from datetime import UTC, datetime, timedelta
 
 import pytest
@@ -134,6 +135,8 @@ def test_a_night_names_the_first_bad_one_in_every_place_where_people_look(tmp_pa
         assert "commit-2)" in said
         assert "truepose nightly --seed 3 --case cell --out night-again" in said
     assert "--seed 3 --case cell" in (tmp_path / "junit.xml").read_text()
+    assert "0.30 mm; to be reached: &lt;= 0.1 mm" in (tmp_path / "junit.xml").read_text()
+    assert json.loads((tmp_path / "result.json").read_text())["pass"] is False
 
 
 def test_what_became_of_a_case_is_said_as_soon_as_it_is_known(tmp_path, capsys):

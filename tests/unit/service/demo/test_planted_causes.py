@@ -4,6 +4,7 @@ from types import SimpleNamespace
 
 import pytest
 
+from truepose.demo.night.calibrated_cells import wavy_gear_case
 from truepose.demo.night.planted_causes import _checks, _Planted, planted_causes
 from truepose_simulators.scenarios.file import load_scenario
 
@@ -28,6 +29,22 @@ def checks(*findings, small=()):
         identification={"status": "converged"}, converged=True, diagnosis={"document": document}
     )
     return {check.figure: check for check in _checks(SimpleNamespace(run=run), WAVE)}
+
+
+def test_a_wave_that_is_not_found_is_missed_with_what_was_found_instead():
+    document = {"verdict": "consistent", "findings": [], "small_findings": []}
+    run = SimpleNamespace(
+        identification={"status": "converged"}, converged=True, diagnosis={"document": document}
+    )
+
+    status, diagnosis = wavy_gear_case(3).checks(SimpleNamespace(run=run))
+
+    assert status.passed
+    assert (diagnosis.passed, diagnosis.measured, diagnosis.target) == (
+        False,
+        "consistent",
+        "wave of joint 6",
+    )
 
 
 def test_a_cause_that_is_named_with_its_size_passes():
