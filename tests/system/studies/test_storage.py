@@ -53,11 +53,11 @@ async def test_writes_are_counted(tmp_path):
     assert found.ratio > 0
 
 
-async def test_what_a_session_costs_beside_its_devices_is_measured_and_its_lines_are_few(tmp_path):
+async def test_a_session_writes_few_lines_a_configuration(tmp_path):
     found = await overhead(tmp_path, configurations=10, runs=1)
 
-    assert found.lines < 4.0  # each waits for the disk
-    assert found.devices_ms > 0.0
+    # Each waits for the disk; how long, no busy machine tells.
+    assert 1.0 <= found.lines < 4.0
 
 
 def test_a_killed_service_is_ready_again_and_everything_is_whole(tmp_path):
