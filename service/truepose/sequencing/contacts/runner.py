@@ -19,24 +19,23 @@ from truepose.sequencing.contacts.questions import Question, asked
 from truepose.sequencing.contacts.record import OPEN, ContactRecord
 from truepose.sequencing.contacts.situation import ContactSituation, Open, Visit, situation_of
 from truepose.sequencing.contacts.visiting import Visiting
-from truepose.sequencing.engine.acts import HALTS, Act, ActName, ActOutcome
+from truepose.sequencing.engine.acts import HALTS, Act, ActOutcome
 from truepose.sequencing.engine.faults import is_interruption
 from truepose.sequencing.engine.halts import Halts
 from truepose.sequencing.engine.identities import same_number, told
 from truepose.sequencing.engine.ledger_port import Ledger
 from truepose.sequencing.engine.logbook import Logbook
-from truepose.sequencing.engine.motion.arm import Arm, Permission
+from truepose.sequencing.engine.motion.arm import Arm
 from truepose.sequencing.engine.motion.limits import binding_speed, speed_sentence
 from truepose.sequencing.engine.motion.segments import MotionSegments
+from truepose.sequencing.engine.motion.unattended import UnattendedRunner
 from truepose.sequencing.engine.notices import end_of_motion
-from truepose.sequencing.engine.prompts import CELL_CLEAR, require_person
-from truepose.sequencing.engine.runner import SessionRunner
-from truepose.sequencing.engine.states import has_ended, require_transition, words
+from truepose.sequencing.engine.prompts import CELL_CLEAR
+from truepose.sequencing.engine.states import has_ended
 from truepose.sequencing.errors import (
     AttentionNeededError,
     ForeignRobotError,
     MotionForbiddenError,
-    NotNowError,
     SequencingError,
 )
 from truepose_drivers.api import motion_guard
@@ -46,14 +45,10 @@ _EFFECTS: Final = {
     SessionState.PAUSED: f"Paused on request. {CELL_CLEAR}",
     SessionState.ABORTED: "The session ended on request, between two motions.",
 }
-_WAITS_IN: Final = {
-    ActName.CONFIRM: SessionState.AWAITING_CONFIRMATION,
-    ActName.RESUME: SessionState.PAUSED,
-}
 _RESTARTED: Final = "The service was started anew."
 
 
-class ContactRunner(SessionRunner[ContactSituation]):
+class ContactRunner(UnattendedRunner[ContactSituation]):
     """One session of closed loops on one cell.
 
     `entries` are what earlier runs kept: the session goes on where they end, once a person has confirmed.
@@ -83,9 +78,9 @@ class ContactRunner(SessionRunner[ContactSituation]):
         self._visiting = Visiting(plan, cell, self._arm, self._gauges)
 
     @property
-    def question(self) -> str | None:
-        """What a person is asked to confirm, or why the session waits; None before this run has asked."""
-        return self.trouble or (None if self._logbook.restarted else self.situation.question)
+    def has_asked(self) -> bool:
+        """Whether this run has asked a person."""
+        return not self._logbook.restarted
 
     @property
     def progress(self) -> Progress:
@@ -93,18 +88,6 @@ class ContactRunner(SessionRunner[ContactSituation]):
         return self.situation.progress
 
     # what a person asks for
-
-    def require(self, act: Act) -> None:
-        """Raise NotNowError, PersonMissingError where an act is not allowed now."""
-        if act.name is ActName.PAUSE:
-            require_transition(self.state, SessionState.PAUSING)
-        elif act.name is ActName.ABORT:
-            if self._ended or self.state is SessionState.ABORTING:
-                raise NotNowError(f"The session is {words(self.state)} already.")
-        else:
-            require_person(act.person)
-            if self.state is not _WAITS_IN.get(act.name) or self._logbook.restarted:
-                raise NotNowError(f"The session is {words(self.state)}; there is nothing to {act.name}.")
 
     async def do(self, act: Act) -> ActOutcome:
         """Do what an act asks for; raises NotNowError."""
@@ -117,9 +100,6 @@ class ContactRunner(SessionRunner[ContactSituation]):
         self._arm.forget()
         self._visiting.forget()
         return ActOutcome("Confirmed; the session goes on.", number)
-
-    def _permission(self, _: float) -> Permission:
-        return Permission(self.state, self._halts.wish is not None, self.situation.question, self.trouble)
 
     # what the run does
 
@@ -249,25 +229,6 @@ class ContactRunner(SessionRunner[ContactSituation]):
             progress = replace(self.progress, doing="finished")
             reason = "Every configuration was measured or skipped."
             await self._logbook.enter(SessionState.FINISHED, reason, progress=progress)
-
-    async def hold(self, reason: str) -> None:
-        """Have the session wait for a person: something is not as it was left."""
-        if self.state in {SessionState.RUNNING, SessionState.PAUSING}:
-            await self._logbook.enter(SessionState.AWAITING_CONFIRMATION, f"{reason} {CELL_CLEAR}")
-
-    async def note_failure(self, error: Exception) -> None:
-        """End the session as failed."""
-        reason = f"The program failed ({type(error).__name__}): {error}"
-
-        async def fail() -> None:
-            if not self._ended:
-                await self._logbook.enter(SessionState.FAILED, reason)
-
-        try:
-            await self._logbook.keep(fail)
-        except Exception as second:  # the run ends with the first one: the log must not name another instead
-            error.add_note(f"Nor could that be kept ({type(second).__name__}): {second}")
-            self._logbook.record.enter(SessionState.FAILED, reason)
 
     async def close(self) -> None:
         """Let go of the gauges."""

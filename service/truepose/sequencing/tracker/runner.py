@@ -21,13 +21,13 @@ from truepose.sequencing.engine.faults import is_interruption
 from truepose.sequencing.engine.halts import Halts
 from truepose.sequencing.engine.ledger_port import Ledger
 from truepose.sequencing.engine.logbook import Logbook
-from truepose.sequencing.engine.motion.arm import Arm, Permission
+from truepose.sequencing.engine.motion.arm import Arm
 from truepose.sequencing.engine.motion.limits import binding_speed
 from truepose.sequencing.engine.motion.segments import MotionSegments
+from truepose.sequencing.engine.motion.unattended import UnattendedRunner
 from truepose.sequencing.engine.notices import end_of_motion
-from truepose.sequencing.engine.prompts import CELL_CLEAR, require_person
-from truepose.sequencing.engine.runner import SessionRunner
-from truepose.sequencing.engine.states import has_ended, require_transition, words
+from truepose.sequencing.engine.prompts import CELL_CLEAR
+from truepose.sequencing.engine.states import has_ended, words
 from truepose.sequencing.errors import MotionForbiddenError, NotNowError, SequencingError
 from truepose.sequencing.tracker.cell import SessionCell
 from truepose.sequencing.tracker.dry_run import check_plan, motion_limits
@@ -50,13 +50,9 @@ _COLD: Final = "Drift is measured from cold: the robot stood still before, and i
 _SETTLED: Final = (
     "The drift over the last hour is less than a tenth of that over the first: the test ends here."
 )
-_WAITS_IN: Final = {
-    ActName.CONFIRM: SessionState.AWAITING_CONFIRMATION,
-    ActName.RESUME: SessionState.PAUSED,
-}
 
 
-class TrackerRunner(SessionRunner[TrackerSituation]):
+class TrackerRunner(UnattendedRunner[TrackerSituation]):
     """One tracker session on one cell; `run` is its task, all other methods may be called from other tasks.
 
     `entries` are what earlier runs kept: the session goes on where they end, once a person has confirmed.
@@ -97,9 +93,9 @@ class TrackerRunner(SessionRunner[TrackerSituation]):
         self._asked = False  # in this run
 
     @property
-    def question(self) -> str | None:
-        """What a person is asked to confirm, or why the session waits; None while it runs or has ended."""
-        return self.trouble or (self.situation.question if self._asked else None)
+    def has_asked(self) -> bool:
+        """Whether this run has asked a person."""
+        return self._asked
 
     @property
     def tracker_in_question(self) -> IdentityTaken | None:
@@ -133,18 +129,6 @@ class TrackerRunner(SessionRunner[TrackerSituation]):
 
     # what a person asks for
 
-    def require(self, act: Act) -> None:
-        """Raise NotNowError, PersonMissingError where an act is not allowed now."""
-        if act.name is ActName.PAUSE:
-            require_transition(self.state, SessionState.PAUSING)
-        elif act.name is ActName.ABORT:
-            if self._ended or self.state is SessionState.ABORTING:
-                raise NotNowError(f"The session is {words(self.state)} already.")
-        else:
-            require_person(act.person)
-            if self.state is not _WAITS_IN.get(act.name) or not self._asked:
-                raise NotNowError(f"The session is {words(self.state)}; there is nothing to {act.name}.")
-
     async def do(self, act: Act) -> ActOutcome:
         """Do what an act asks for; raises NotNowError."""
         if act.name in HALTS:
@@ -158,9 +142,6 @@ class TrackerRunner(SessionRunner[TrackerSituation]):
         if act.name is ActName.CONFIRM:
             return ActOutcome("Confirmed; the session goes on.", number)
         return ActOutcome("The session goes on; what was under way begins again.", number)
-
-    def _permission(self, _: float) -> Permission:
-        return Permission(self.state, self._halts.wish is not None, self.situation.question, self.trouble)
 
     # what the run does
 
@@ -266,25 +247,6 @@ class TrackerRunner(SessionRunner[TrackerSituation]):
             reason = _SETTLED if self.situation.settled else "Every configuration was measured or skipped."
             progress = self._progress("finished")
             await self._logbook.enter(SessionState.FINISHED, reason, progress=progress)
-
-    async def hold(self, reason: str) -> None:
-        """Have the session wait for a person: something is not as it was left."""
-        if self.state in {SessionState.RUNNING, SessionState.PAUSING}:
-            await self._logbook.enter(SessionState.AWAITING_CONFIRMATION, f"{reason} {CELL_CLEAR}")
-
-    async def note_failure(self, error: Exception) -> None:
-        """End the session as failed."""
-        reason = f"The program failed ({type(error).__name__}): {error}"
-
-        async def fail() -> None:
-            if not self._ended:
-                await self._logbook.enter(SessionState.FAILED, reason)
-
-        try:
-            await self._logbook.keep(fail)
-        except Exception as second:  # the run ends with the first one: the log must not name another instead
-            error.add_note(f"Nor could that be kept ({type(second).__name__}): {second}")
-            self._logbook.record.enter(SessionState.FAILED, reason)
 
 
 def _confirm_again(refused: str) -> Line:
