@@ -47,8 +47,8 @@ from truepose_drivers.api import (
 )
 from truepose_drivers.arms.companion import GuardingRobot
 from truepose_drivers.arms.standstill import Course, answered_unless_it_stands
+from truepose_drivers.arms.targets import degrees_text, require_speeds
 from truepose_drivers.errors import (
-    ConfigurationError,
     ConnectionLostError,
     DeviceRefusedError,
     DriverError,
@@ -169,7 +169,7 @@ class OpenAbbRobot:
 
     async def set_limits(self, limits: MotionLimits) -> None:
         """Set the speed limits of the following motions, and stop exactly at every target."""
-        _check_limits(limits)
+        require_speeds(limits)
         speed = [
             decimal(limits.tool_speed_mm_s, 1),
             decimal(math.degrees(limits.orientation_speed_rad_s), 2),
@@ -236,8 +236,8 @@ class OpenAbbRobot:
                 f"the robot hung up during a motion{why}: {_LOOK_AT_PENDANT}"
             ) from error
         except DeviceRefusedError as error:
-            shown = ", ".join(f"{math.degrees(angle):.3f}" for angle in target_rad)
-            raise TargetRefusedError(f"the robot refused the joint target ({shown}) deg") from error
+            refused = degrees_text([math.degrees(angle) for angle in target_rad])
+            raise TargetRefusedError(f"the robot refused the joint target ({refused}) deg") from error
 
     async def read_joints(self) -> JointReading:
         """Ask where the joints are; stock servers round to 0.01 deg."""
@@ -361,15 +361,6 @@ def _encode_target(target_rad: tuple[float, ...]) -> bytes:
 
 def _in_degrees(angles_rad: tuple[float, ...]) -> tuple[float, ...]:
     return tuple(map(math.degrees, angles_rad))
-
-
-def _check_limits(limits: MotionLimits) -> None:
-    for name, value in (
-        ("tool_speed_mm_s", limits.tool_speed_mm_s),
-        ("orientation_speed_rad_s", limits.orientation_speed_rad_s),
-    ):
-        if not (math.isfinite(value) and value > 0.0):
-            raise ConfigurationError(f"{name} is {value}: a speed limit must be positive")
 
 
 def _open(options: Options, clock: Clock | None) -> GuardingRobot:

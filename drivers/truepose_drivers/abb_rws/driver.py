@@ -27,9 +27,9 @@ from truepose_drivers.api import (
     Options,
 )
 from truepose_drivers.arms.companion import GuardingRobot
+from truepose_drivers.arms.targets import require_speeds
 from truepose_drivers.errors import (
     BusyError,
-    ConfigurationError,
     DeviceRefusedError,
     DriverError,
     NotInitialisedError,
@@ -96,7 +96,7 @@ class RwsRobot:
 
     async def set_limits(self, limits: MotionLimits) -> None:
         """Keep the speed limits of the following motions; they go out with each order and are read back."""
-        _check_limits(limits)
+        require_speeds(limits, _FASTEST)
         self._limits = limits
 
     async def read_panel(self) -> Panel:
@@ -144,15 +144,6 @@ class RwsRobot:
             return await self._session.get(target, lambda told: resources.stated(told, name)) or _UNKNOWN
         except DeviceRefusedError:
             return _UNKNOWN
-
-
-def _check_limits(limits: MotionLimits) -> None:
-    for name, value in (
-        ("tool_speed_mm_s", limits.tool_speed_mm_s),
-        ("orientation_speed_rad_s", limits.orientation_speed_rad_s),
-    ):
-        if not 0.0 < value <= _FASTEST:
-            raise ConfigurationError(f"{name} is {value}: a speed limit must be positive")
 
 
 def _open(options: Options, clock: Clock | None) -> GuardingRobot:

@@ -24,6 +24,7 @@ from truepose_drivers.abb_rws.protocol.program import (
 from truepose_drivers.abb_rws.protocol.rapid import number_text
 from truepose_drivers.abb_rws.protocol.resources import SYMBOL_DATA, value_of
 from truepose_drivers.abb_rws.session import RwsSession
+from truepose_drivers.arms.targets import degrees_text
 from truepose_drivers.errors import (
     BusyError,
     ConnectionLostError,
@@ -217,9 +218,9 @@ def _has_arrived(report: Report, order: Order) -> bool:
 
 
 def _refused(order: Order, said: str) -> TargetRefusedError:
-    shown = ", ".join(f"{angle:.3f}" for angle in order.target_deg)
     return TargetRefusedError(
-        f"the robot refused the joint target ({shown}) deg{_quoted(said)}: look at the pendant"
+        f"the robot refused the joint target ({degrees_text(order.target_deg)}) deg{_quoted(said)}:"
+        " look at the pendant"
     )
 
 

@@ -23,8 +23,8 @@ from truepose_drivers.arms import arm_options
 from truepose_drivers.arms.joint_counting import Angles, JointCounting
 from truepose_drivers.arms.pace import Pace
 from truepose_drivers.arms.standstill import Course, answered_unless_it_stands
+from truepose_drivers.arms.targets import ARRIVED_DEG, degrees_text, farthest_off, require_speeds
 from truepose_drivers.errors import (
-    ConfigurationError,
     ConnectionLostError,
     DeviceRefusedError,
     DriverError,
@@ -60,7 +60,6 @@ from truepose_drivers.transports.tcp import TcpLink, tcp_link
 _UNKNOWN = "unknown"
 _LONGEST_PIECE_S = 1.0  # of a motion to a stock server, which cannot be stopped once it was sent
 _SHORTEST_MOTION_S = 0.1
-_ARRIVED_DEG = 0.02  # a joint at rest is nearer to its target: encoders resolve far better
 _STILL_DEG = 0.002  # stock servers tell thousandths
 _LONGER_BY_OVERRIDE = 20.0  # of a motion while the speed override on the pendant stands at 5 %
 _LOOK_AT_PENDANT = (
@@ -155,12 +154,7 @@ class MappdkRobot:
 
     async def set_limits(self, limits: MotionLimits) -> None:
         """Set the limits of the following motions, whose speed goes out with each of them."""
-        for name, value in (
-            ("tool_speed_mm_s", limits.tool_speed_mm_s),
-            ("orientation_speed_rad_s", limits.orientation_speed_rad_s),
-        ):
-            if not (math.isfinite(value) and value > 0.0):
-                raise ConfigurationError(f"{name} is {value}: a speed limit must be positive")
+        require_speeds(limits)
         self._limits = limits
 
     async def move_joints(self, target_rad: tuple[float, ...]) -> None:
@@ -176,15 +170,14 @@ class MappdkRobot:
         start_deg = joint_angles_deg(await self._ask_joints(self._motion))
         request, expected_s = self._request(start_deg, target_deg)
         timeout_s = self._time_outs.motion_s + _LONGER_BY_OVERRIDE * expected_s
-        course = Course(start_deg, target_deg, _ARRIVED_DEG, _STILL_DEG)
+        course = Course(start_deg, target_deg, ARRIVED_DEG, _STILL_DEG)
         reply = await answered_unless_it_stands(
             self._moved(request, timeout_s), self._joints_under_way, course, _LOOK_AT_PENDANT
         )
         if reply.code != ReplyCode.OK:
-            shown = ", ".join(f"{angle:.3f}" for angle in target_deg)
             raise TargetRefusedError(
-                f"the robot refused the joint target ({shown}) deg, as its pendant counts them:"
-                f" {reply.message}"
+                f"the robot refused the joint target ({degrees_text(target_deg)}) deg,"
+                f" as its pendant counts them: {reply.message}"
             )
         await self._require_arrival(target_deg)
 
@@ -253,8 +246,8 @@ class MappdkRobot:
     async def _require_arrival(self, target_deg: Angles) -> None:
         """See that the arm is where it was sent; a late reply to something else may have said so."""
         stands_deg = joint_angles_deg(await self._ask_joints(self._motion))
-        off_deg = max(abs(stands - target) for stands, target in zip(stands_deg, target_deg, strict=True))
-        if off_deg > _ARRIVED_DEG:
+        off_deg = farthest_off(stands_deg, target_deg)
+        if off_deg > ARRIVED_DEG:
             await self._motion.close()
             raise MappdkProtocolError(
                 f"the robot reported the end of its motion and stands {off_deg:.3f} deg off its target:"

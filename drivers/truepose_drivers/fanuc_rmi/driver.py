@@ -23,8 +23,8 @@ from truepose_drivers.api import (
 from truepose_drivers.arms import arm_options
 from truepose_drivers.arms.joint_counting import Angles, JointCounting
 from truepose_drivers.arms.pace import Pace
+from truepose_drivers.arms.targets import ARRIVED_DEG, degrees_text, farthest_off, require_speeds
 from truepose_drivers.errors import (
-    ConfigurationError,
     ConnectFailedError,
     DeviceRefusedError,
     LinkError,
@@ -57,7 +57,6 @@ from truepose_drivers.transports.link import Link
 from truepose_drivers.transports.tcp import TcpLink
 
 _UNKNOWN: Final = "unknown"
-_ARRIVED_DEG: Final = 0.02  # a joint at rest is nearer to its target: encoders resolve far better
 _SECOND_PORT_OPENS_WITHIN_S: Final = 2.0  # it is not opened to a second client
 
 Answer = TypeVar("Answer")
@@ -138,12 +137,7 @@ class RmiRobot:
 
     async def set_limits(self, limits: MotionLimits) -> None:
         """Set the limits of the following motions, whose speed goes out with each of them."""
-        for name, value in (
-            ("tool_speed_mm_s", limits.tool_speed_mm_s),
-            ("orientation_speed_rad_s", limits.orientation_speed_rad_s),
-        ):
-            if not (math.isfinite(value) and value > 0.0):
-                raise ConfigurationError(f"{name} is {value}: a speed limit must be positive")
+        require_speeds(limits)
         self._limits = limits
 
     async def move_joints(self, target_rad: tuple[float, ...]) -> None:
@@ -288,9 +282,9 @@ class RmiRobot:
     async def _refusal(self, error: int, target_deg: Angles) -> DeviceRefusedError:
         why = f"{in_words(error)}{await self._shown_errors()}"
         if is_of_target(error):
-            shown = ", ".join(f"{angle:.3f}" for angle in target_deg)
             return TargetRefusedError(
-                f"the robot refused the joint target ({shown}) deg, as its pendant counts them: {why}"
+                f"the robot refused the joint target ({degrees_text(target_deg)}) deg,"
+                f" as its pendant counts them: {why}"
             )
         return NotInitialisedError(
             f"the robot broke off its motion: {why}; look at the pendant, then confirm"
@@ -299,8 +293,8 @@ class RmiRobot:
     async def _require_arrival(self, target_deg: Angles) -> None:
         """See that the arm is where it was sent."""
         stands_deg = (await self._newest_axes()).axes_deg[:JOINTS]
-        off_deg = max(abs(stands - target) for stands, target in zip(stands_deg, target_deg, strict=True))
-        if off_deg > _ARRIVED_DEG:
+        off_deg = farthest_off(stands_deg, target_deg)
+        if off_deg > ARRIVED_DEG:
             await self._link.close()
             raise RmiProtocolError(
                 f"the robot reported the end of its motion and stands {off_deg:.3f} deg off its target:"

@@ -22,8 +22,8 @@ from truepose_drivers.api import (
 from truepose_drivers.arms import arm_options
 from truepose_drivers.arms.joint_counting import Angles, JointCounting
 from truepose_drivers.arms.pace import Pace
+from truepose_drivers.arms.targets import ARRIVED_DEG, degrees_text, require_speeds
 from truepose_drivers.errors import (
-    ConfigurationError,
     ConnectFailedError,
     DeviceRefusedError,
     LinkError,
@@ -47,7 +47,6 @@ from truepose_drivers.transports.link import Link
 from truepose_drivers.transports.tcp import tcp_link
 
 _UNKNOWN: Final = "unknown"
-_ARRIVED_DEG: Final = 0.02  # a joint at rest is nearer to its target: encoders resolve far better
 # KUKA, "KR AGILUS sixx" specification: axis speeds of the KR 6 R900 sixx.
 _AGILUS_PACE: Final = Pace(joint_speeds_deg_s=(360.0, 300.0, 360.0, 381.0, 388.0, 615.0))
 _SIGNS: Final = (1, 1, 1, 1, 1, 1)
@@ -119,12 +118,7 @@ class KukaRobot:
 
     async def set_limits(self, limits: MotionLimits) -> None:
         """Set the limits of the following motions, whose speed goes out with each of them."""
-        for name, value in (
-            ("tool_speed_mm_s", limits.tool_speed_mm_s),
-            ("orientation_speed_rad_s", limits.orientation_speed_rad_s),
-        ):
-            if not (math.isfinite(value) and value > 0.0):
-                raise ConfigurationError(f"{name} is {value}: a speed limit must be positive")
+        require_speeds(limits)
         self._limits = limits
 
     async def move_joints(self, target_rad: tuple[float, ...]) -> None:
@@ -142,9 +136,8 @@ class KukaRobot:
             try:
                 await self._program.carry_out(state.unused_number, self._time_outs.motion_s + duration_s)
             except TargetRefusedError as error:
-                shown = ", ".join(f"{angle:.3f}" for angle in target_deg)
                 raise TargetRefusedError(
-                    f"joint target ({shown}) deg, as the pendant counts: {error}"
+                    f"joint target ({degrees_text(target_deg)}) deg, as the pendant counts: {error}"
                 ) from error
             await self._require_arrival(target_deg)
 
@@ -177,7 +170,7 @@ class KukaRobot:
     async def _require_arrival(self, target_deg: Angles) -> None:
         """See that the arm is where it was sent."""
         astray_deg = off_deg(await self._axes_deg(), target_deg)
-        if astray_deg > _ARRIVED_DEG:
+        if astray_deg > ARRIVED_DEG:
             await self._proxy.close()
             raise ProxyProtocolError(
                 f"the robot reported the end of its motion and stands {astray_deg:.3f} deg off its target:"

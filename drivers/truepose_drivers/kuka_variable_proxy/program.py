@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from truepose_drivers.arms.joint_counting import Angles
+from truepose_drivers.arms.targets import farthest_off
 from truepose_drivers.errors import (
     ConnectionLostError,
     DeviceRefusedError,
@@ -124,8 +125,7 @@ class Program:
 
 def off_deg(stands_deg: Sequence[float], target_deg: Sequence[float]) -> float:
     """Return by how much the joints are off that is off most."""
-    pairs = zip(stands_deg[:JOINTS], target_deg[:JOINTS], strict=True)
-    return max(abs(stands - target) for stands, target in pairs)
+    return farthest_off(stands_deg[:JOINTS], target_deg[:JOINTS])
 
 
 def _now_s() -> float:

@@ -20,9 +20,9 @@ from truepose_drivers.api import (
     MotionLimits,
     Options,
 )
+from truepose_drivers.arms.targets import require_speeds
 from truepose_drivers.errors import (
     BusyError,
-    ConfigurationError,
     ConnectFailedError,
     DeviceRefusedError,
     TargetRefusedError,
@@ -165,7 +165,7 @@ class UniversalRobot:
 
     async def set_limits(self, limits: MotionLimits) -> None:
         """Write the speed limits of the following motions, and read them back."""
-        _check_limits(limits)
+        require_speeds(limits)
         order = replace(
             self._order,
             tool_speed_mm_s=limits.tool_speed_mm_s,
@@ -329,15 +329,6 @@ def _check_target(target_rad: tuple[float, ...]) -> None:
             raise TargetRefusedError(
                 f"{math.degrees(angle)} deg of joint {joint} is out of any robot's range"
             )
-
-
-def _check_limits(limits: MotionLimits) -> None:
-    for name, value in (
-        ("tool_speed_mm_s", limits.tool_speed_mm_s),
-        ("orientation_speed_rad_s", limits.orientation_speed_rad_s),
-    ):
-        if not (math.isfinite(value) and value > 0.0):
-            raise ConfigurationError(f"{name} is {value}: a speed limit must be positive")
 
 
 def _open(options: Options, clock: Clock | None) -> UniversalRobot:
