@@ -13,7 +13,8 @@ import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 
-from truepose.demo.cell.run import DATABASE, CellRequest, run_cell
+from truepose.demo.cell.opened import DATABASE
+from truepose.demo.cell.run import CellRequest, run_cell
 from truepose.demo.progress import shown_progress
 
 

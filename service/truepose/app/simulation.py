@@ -15,7 +15,8 @@ from pathlib import Path
 from typing import Any, Final
 
 from truepose.app.errors import ScenarioRefusedError, SimulationFailedError
-from truepose.domain.cell import Detail, SimulatedCell
+from truepose.domain.cell import SimulatedCell
+from truepose.exchange.cells.scenario_text import scenario_text
 from truepose.web.context import Endpoint
 from truepose_drivers.errors import ConnectionLostError
 
@@ -137,21 +138,16 @@ def _with_effects(simulated: SimulatedCell, folder: Path) -> str:
     scenario = str(named.resolve()) if named.suffix == ".toml" else simulated.scenario
     if not simulated.effects:
         return scenario
-    lines = [f"extends = {json.dumps(scenario)}"]
-    for effect in simulated.effects:
-        lines += [
-            "[[effect]]",
-            f"name = {json.dumps(effect.name)}",
-            f"subject = {json.dumps(effect.subject)}",
-            f"amplitude = {effect.amplitude!r}",
-            f"from_s = {effect.from_s!r}",
-            *(f"{json.dumps(key)} = {_toml(value)}" for key, value in effect.details.items()),
-        ]
+    effects = (
+        {
+            "name": effect.name,
+            "subject": effect.subject,
+            "amplitude": effect.amplitude,
+            "from_s": effect.from_s,
+            **effect.details,
+        }
+        for effect in simulated.effects
+    )
     file = folder / f"{named.stem}.toml"
-    file.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    file.write_text(scenario_text(scenario, "effect", effects), encoding="utf-8")
     return str(file)
-
-
-def _toml(value: Detail) -> str:
-    """Write a value as TOML does: texts and numbers look like JSON's."""
-    return json.dumps(list(value) if isinstance(value, tuple) else value)

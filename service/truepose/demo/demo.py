@@ -6,7 +6,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
-from truepose.demo.cell.run import DATABASE, CellRequest, run_cell
+from truepose.demo.cell.opened import DATABASE
+from truepose.demo.cell.run import CellRequest, run_cell
 from truepose.demo.diagnosis import write_diagnosis
 from truepose.demo.errors import DemoError, UnusableScenarioError
 from truepose.demo.progress import RunProgress, shown_progress

@@ -11,7 +11,8 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from truepose.demo.cell.run import DATABASE, CellRun
+from truepose.demo.cell.opened import DATABASE
+from truepose.demo.cell.run import CellRun
 from truepose.demo.report import DIAGNOSIS_REPORT, report_conditions
 from truepose.domain.diagnosis import Diagnosis
 from truepose.exchange.cells.file import simulated_cell

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from truepose.demo.cell.client import ServiceClient, connected
+from truepose.demo.cell.opened import DATABASE, SERVICE_LOG
 from truepose.demo.cell.processes import SimulatedService, running_service
 from truepose.demo.cell.truth import TrueReadings, cell_endpoint
 from truepose.demo.cell.truth_of_poses import shown_artefact, true_poses
@@ -23,8 +24,6 @@ from truepose.exchange.campaigns.zip_file import read_campaign_zip
 from truepose.exchange.cells.file import simulated_cell
 from truepose.exchange.models.file import model_from_text
 
-DATABASE: Final = "sessions.sqlite3"
-SERVICE_LOG: Final = "service.log"
 CAMPAIGN_FOLDER: Final = "campaign"
 MODEL_FILE: Final = "model.json"
 

@@ -5,9 +5,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
-from truepose.demo.cell.client import ServiceClient, connected
-from truepose.demo.cell.processes import SimulatedService, running_service
-from truepose.demo.cell.run import DATABASE, SERVICE_LOG
+from truepose.demo.cell.client import ServiceClient
+from truepose.demo.cell.opened import opened_cell
 from truepose.demo.errors import SessionHaltedError
 from truepose.demo.night.check import Check
 from truepose.demo.night.judged_session import VALIDATION, judged_by_tracker
@@ -40,9 +39,7 @@ class BallbarCell:
         return asyncio.run(self._run(folder, progress))
 
     async def _run(self, folder: Path, progress: RunProgress) -> list[Check]:
-        service = SimulatedService(self.scenario, self.seed, folder / DATABASE, folder / SERVICE_LOG)
-        async with running_service(service) as url, connected(url) as client:
-            await client.connect_devices()
+        async with opened_cell(self.scenario, self.seed, folder) as client:
             with progress.phase("measuring poses with the ballbar"):
                 session_id = await self._ballbar(client)
             return await judged_by_tracker(client, session_id, self.seed, _ALIGNED_MM, progress)

@@ -15,7 +15,7 @@ from typing import Any, Final
 
 from truepose.demo.cell.run import CellRequest, run_cell
 from truepose.demo.diagnosis import write_diagnosis
-from truepose.demo.night.check import Check, at_most
+from truepose.demo.night.check import Check, at_most, converged
 from truepose.demo.progress import RunProgress
 from truepose.demo.report import REPORT, write_report
 from truepose.demo.result import RESULT, write_result
@@ -156,12 +156,6 @@ def wavy_gear_case(
     return CalibratedCell("irb120-wavy-gear", request, _wavy_gear_checks, _WAVY_GEAR)
 
 
-def converged(judged: JudgedRun) -> Check:
-    """Return whether there is a model at all."""
-    status = str(judged.run.identification["status"])
-    return Check("identification", "converged", status, judged.run.converged)
-
-
 def _validated(judged: JudgedRun) -> Check:
     return Check("validation", "passed", _outcome(judged), judged.run.passed)
 
@@ -173,7 +167,7 @@ def _outcome(judged: JudgedRun) -> str:
 
 
 def _sound_checks(judged: JudgedRun) -> list[Check]:
-    checks = [converged(judged), _validated(judged), _nothing_found(judged)]
+    checks = [converged(judged.run.identification), _validated(judged), _nothing_found(judged)]
     if judged.errors is not None:
         checks += _true_error_checks(judged.errors)
     return checks
@@ -198,7 +192,7 @@ def _tilted_checks(judged: JudgedRun) -> list[Check]:
 
 
 def _camera_checks(judged: JudgedRun) -> list[Check]:
-    checks = [converged(judged), _validated(judged), _nothing_found(judged)]
+    checks = [converged(judged.run.identification), _validated(judged), _nothing_found(judged)]
     if judged.errors is not None:
         mean_mm = judged.errors.absolute.mean_mm
         checks.append(at_most("true error before the camera, mean", mean_mm, _CAMERA_MEAN_MM, "mm"))
@@ -206,7 +200,7 @@ def _camera_checks(judged: JudgedRun) -> list[Check]:
 
 
 def _everyday_checks(judged: JudgedRun) -> list[Check]:
-    checks = [converged(judged), _validated(judged), _something_found(judged)]
+    checks = [converged(judged.run.identification), _validated(judged), _something_found(judged)]
     if judged.run.validation is not None:
         mean_mm = judged.run.validation["position"]["identified"]["mean_mm"]
         checks.append(at_most("measured error, mean", mean_mm, _EVERYDAY[judged.run.request.scenario], "mm"))
@@ -221,7 +215,7 @@ def _wrong_axis_checks(judged: JudgedRun) -> list[Check]:
     if validation is not None:
         said += f", {validation['position']['identified']['max_mm']:.3f} mm off"
     return [
-        converged(judged),
+        converged(judged.run.identification),
         Check("validation of a wrong joint 3", "failed", said, found),
     ]
 
@@ -229,7 +223,10 @@ def _wrong_axis_checks(judged: JudgedRun) -> list[Check]:
 def _wavy_gear_checks(judged: JudgedRun) -> list[Check]:
     # The validation has the wave too, so it judges nothing here: that the model errs is what is to be found.
     finding = _wave(listed(judged))
-    checks = [converged(judged), Check("diagnosis", "wave of joint 6", found(judged), finding is not None)]
+    checks = [
+        converged(judged.run.identification),
+        Check("diagnosis", "wave of joint 6", found(judged), finding is not None),
+    ]
     return checks if finding is None else [*checks, *_wave_checks(finding)]
 
 

@@ -1,9 +1,9 @@
 """What every case of a night gives: figures against their targets."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Protocol
+from typing import Any, Protocol
 
 from truepose.demo.progress import RunProgress
 from truepose.reports import Verdict
@@ -52,3 +52,9 @@ def none_of(figure: str, wrong: Sequence[str]) -> Check:
     """Return the check that nothing was wrong; it says what was first."""
     said = f"{len(wrong)}: {wrong[0]}" if wrong else "none"
     return Check(figure, "none", said, not wrong, float(len(wrong)))
+
+
+def converged(document: Mapping[str, Any]) -> Check:
+    """Return the check that there is a model at all, of the document of an identification."""
+    status = str(document["status"])
+    return Check("identification", "converged", status, status == "converged")

@@ -1,18 +1,17 @@
 """The service is killed in the middle of a session, again and again, and goes on where it was."""
 
 import asyncio
-import contextlib
 import signal
-from collections.abc import AsyncIterator, Sequence
+from collections.abc import Sequence
+from contextlib import AbstractAsyncContextManager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final, TypeAlias
 
 import numpy as np
 
-from truepose.demo.cell.client import ServiceClient, connected
-from truepose.demo.cell.processes import SimulatedService, running_service
-from truepose.demo.cell.run import DATABASE, SERVICE_LOG
+from truepose.demo.cell.client import ServiceClient
+from truepose.demo.cell.opened import DATABASE, opened_cell
 from truepose.demo.night.attended import attend
 from truepose.demo.night.check import Check, none_of
 from truepose.demo.progress import RunProgress
@@ -44,10 +43,10 @@ class KilledService:
 
     async def _run(self, folder: Path, progress: RunProgress) -> list[Check]:
         rng = np.random.default_rng(self.seed)
-        lives = _Lives(SimulatedService("irb120-clean", self.seed, folder / DATABASE, folder / SERVICE_LOG))
+        lives = _Lives(self.seed, folder)
         async with lives.life(signal.SIGINT) as client:
             job = await client.plan("killed", "calibration", _CONFIGURATIONS, self.seed)
-            session_id = await client.finish_job(job, lambda done, planned, doing: None)
+            session_id = await client.finish_job(job)
         for measured in np.sort(rng.choice(_CONFIGURATIONS - 1, self.kills, replace=False)):
             progress.doing = f"killing the service after {measured} configurations"
             async with lives.life(signal.SIGKILL) as client:
@@ -60,19 +59,16 @@ class KilledService:
 class _Lives:
     """A service through its lives, and what was wrong between them."""
 
-    def __init__(self, service: SimulatedService) -> None:
-        self._service = service
+    def __init__(self, seed: int, folder: Path) -> None:
+        self._seed, self._folder = seed, folder
         self._known: list[Reading] = []
         self._lost: list[str] = []
         self._moved: list[str] = []
         self._ended: dict[str, Any] = {}
 
-    @contextlib.asynccontextmanager
-    async def life(self, ended_by: signal.Signals) -> AsyncIterator[ServiceClient]:
-        """Start the service on its database; yields a client whose devices are connected."""
-        async with running_service(self._service, ended_by) as url, connected(url) as client:
-            await client.connect_devices()
-            yield client
+    def life(self, ended_by: signal.Signals) -> AbstractAsyncContextManager[ServiceClient]:
+        """Return the service on its database, until it is ended."""
+        return opened_cell("irb120-clean", self._seed, self._folder, ended_by)
 
     async def work(self, client: ServiceClient, session_id: int, measured: int, more_s: float) -> None:
         """Take the session up, let it measure, and remember what it acknowledged."""

@@ -5,7 +5,6 @@ session as a person would: looks at the cell, confirms, goes on.
 """
 
 import asyncio
-import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,14 +12,14 @@ from typing import Any, Final
 
 import numpy as np
 
-from truepose.demo.cell.client import ServiceClient, connected
-from truepose.demo.cell.processes import SimulatedService, running_service
-from truepose.demo.cell.run import DATABASE, SERVICE_LOG
+from truepose.demo.cell.client import ServiceClient
+from truepose.demo.cell.opened import opened_cell
 from truepose.demo.cell.truth import cell_endpoint
 from truepose.demo.night.attended import Attended, attend
 from truepose.demo.night.check import Check, at_most, none_of
 from truepose.demo.progress import RunProgress
 from truepose.domain.arrays import FloatArray
+from truepose.exchange.cells.scenario_text import scenario_text
 
 _CONFIGURATIONS: Final = 30
 _FAULTS: Final = 8
@@ -95,13 +94,11 @@ class FaultySession:
     def run(self, folder: Path, progress: RunProgress) -> list[Check]:
         """Measure, with somebody beside it; raises DemoError."""
         scenario = folder / f"{self.name}.toml"
-        scenario.write_text(_scenario_text(self.scenario, self.faults()), encoding="utf-8")
+        scenario.write_text(scenario_text(self.scenario, "fault", self.faults()), encoding="utf-8")
         return asyncio.run(self._run(scenario, folder, progress))
 
     async def _run(self, scenario: Path, folder: Path, progress: RunProgress) -> list[Check]:
-        service = SimulatedService(str(scenario), self.seed, folder / DATABASE, folder / SERVICE_LOG)
-        async with running_service(service) as url, connected(url) as client:
-            await client.connect_devices()
+        async with opened_cell(str(scenario), self.seed, folder) as client:
             with progress.phase("choosing configurations") as told:
                 job = await client.plan("faulty", "validation", _CONFIGURATIONS, self.seed)
                 session_id = await client.finish_job(job, told)
@@ -159,10 +156,3 @@ def _checks(
         at_most("configurations left out", len(left_out), _FAULTS, "of 30", 0),
         Check("session", "finished", state, seen.finished),
     ]
-
-
-def _scenario_text(scenario: str, faults: Sequence[Keys]) -> str:
-    lines = [f"extends = {json.dumps(scenario)}"]
-    for fault in faults:
-        lines += ["[[fault]]", *(f"{key} = {json.dumps(value)}" for key, value in fault.items())]
-    return "\n".join([*lines, ""])

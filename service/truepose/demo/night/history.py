@@ -3,6 +3,7 @@
 import os
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Final
 
@@ -47,7 +48,11 @@ class Night(BaseModel, frozen=True):
 
     def measured(self, case: str, figure: str) -> Measured | None:
         """Return one figure; None where the night did not have it."""
-        return next((one for one in self.figures if (one.case, one.figure) == (case, figure)), None)
+        return self._by_name.get((case, figure))
+
+    @cached_property
+    def _by_name(self) -> dict[tuple[str, str], Measured]:
+        return {(one.case, one.figure): one for one in self.figures}
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,9 +1,9 @@
 """A calibration without a tracker, judged by the tracker of its cell: the model knows no world frame."""
 
-from typing import Any, Final
+from typing import Final
 
 from truepose.demo.cell.client import ServiceClient
-from truepose.demo.night.check import Check, at_most
+from truepose.demo.night.check import Check, at_most, converged
 from truepose.demo.progress import RunProgress
 
 VALIDATION: Final = 60  # configurations of the tracker
@@ -22,7 +22,7 @@ async def judged_by_tracker(
     with progress.phase("identifying") as told:
         number = await client.finish_job(await client.identify(campaign), told)
         identified = await client.get(f"/identifications/{number}")
-    checks = [_converged(identified)]
+    checks = [converged(identified["document"])]
     if identified["model_id"] is None:
         return checks
     with progress.phase("validating") as told:
@@ -35,8 +35,3 @@ async def judged_by_tracker(
         at_most("measured error, aligned, mean", aligned, limit_mm, "mm"),
         at_most("error of distances, mean", distance, limit_mm, "mm"),
     ]
-
-
-def _converged(identified: dict[str, Any]) -> Check:
-    status = str(identified["document"]["status"])
-    return Check("identification", "converged", status, status == "converged")

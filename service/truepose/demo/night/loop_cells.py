@@ -7,9 +7,8 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any, Final
 
-from truepose.demo.cell.client import ServiceClient, connected
-from truepose.demo.cell.processes import SimulatedService, running_service
-from truepose.demo.cell.run import DATABASE, SERVICE_LOG
+from truepose.demo.cell.client import ServiceClient
+from truepose.demo.cell.opened import opened_cell
 from truepose.demo.errors import SessionHaltedError
 from truepose.demo.night.attended import attend
 from truepose.demo.night.check import Check
@@ -69,9 +68,7 @@ class LoopCell:
 
     async def _run(self, folder: Path, progress: RunProgress) -> list[Check]:
         wanted, limit_mm = _LOOPS[self.name]
-        service = SimulatedService(self.name, self.seed, folder / DATABASE, folder / SERVICE_LOG)
-        async with running_service(service) as url, connected(url) as client:
-            await client.connect_devices()
+        async with opened_cell(self.name, self.seed, folder) as client:
             with progress.phase("measuring the loop"):
                 session_id = await self._loop(client, wanted)
             return await judged_by_tracker(client, session_id, self.seed, limit_mm, progress)

@@ -6,7 +6,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Final
 
-from truepose.demo.cell.run import DATABASE
+from truepose.demo.cell.opened import DATABASE
 from truepose.demo.errors import UnknownCaseError
 from truepose.demo.night.cases import night_cases
 from truepose.demo.night.check import NightCase
@@ -47,7 +47,7 @@ def run_nightly(request: NightRequest, cases: Sequence[NightCase] | None = None)
     """
     chosen = _chosen(night_cases(request.seed, request.benches) if cases is None else cases, request.only)
     request.out.mkdir(parents=True, exist_ok=True)
-    earlier = read_history(request.out / HISTORY)
+    earlier = tuple(read_history(request.out / HISTORY))
     began, began_s = datetime.now(UTC), time.perf_counter()
     outcomes: list[CaseOutcome] = []
     with shown_progress() as progress:
@@ -58,11 +58,11 @@ def run_nightly(request: NightRequest, cases: Sequence[NightCase] | None = None)
         except KeyboardInterrupt:
             progress.say(f"Interrupted while {progress.doing}; nothing is judged. {_kept(request.out)}")
             return _INTERRUPTED
-    night = NightRun(request, began, time.perf_counter() - began_s, tuple(outcomes))
+    night = NightRun(request, began, time.perf_counter() - began_s, tuple(outcomes), earlier)
     if not request.only:
         append_night(request.out / HISTORY, night.remembered)
-    write_night(night, earlier, request.out)
-    print_night(night, earlier, request.out)
+    write_night(night, request.out)
+    print_night(night, request.out)
     return _status(outcomes)
 
 

@@ -4,7 +4,6 @@ Sizes are twice those at which a real robot shows them (A. Nubiola, thesis, ETS 
 moves with time: what a session in a workshop meets), for the 50 configurations of a night.
 """
 
-import json
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, Final
@@ -12,9 +11,10 @@ from typing import Any, Final
 import numpy as np
 
 from truepose.demo.cell.run import CellRequest
-from truepose.demo.night.calibrated_cells import CalibratedCell, converged, found, listed
-from truepose.demo.night.check import Check
+from truepose.demo.night.calibrated_cells import CalibratedCell, found, listed
+from truepose.demo.night.check import Check, converged
 from truepose.demo.truth_comparison import JudgedRun
+from truepose.exchange.cells.scenario_text import scenario_text
 
 _CALIBRATION: Final = 50
 _VALIDATION: Final = 100
@@ -34,8 +34,7 @@ class _Planted:
     def scenario(self) -> str:
         """The scenario's text."""
         said = {"name": self.effect, "subject": self.subject, "amplitude": self.amplitude, **self.details}
-        lines = (f"{key} = {json.dumps(value)}" for key, value in said.items())
-        return "\n".join(('extends = "irb120-clean"', "[[effect]]", *lines, ""))
+        return scenario_text("irb120-clean", "effect", [said])
 
     @property
     def words(self) -> str:
@@ -98,7 +97,7 @@ def _checks(judged: JudgedRun, planted: _Planted) -> list[Check]:
     named = [one for one in findings if _is(one, planted)]
     beside = [one for one in findings if any(_is(rival, planted) for rival in one["confusable_with"])]
     checks = [
-        converged(judged),
+        converged(judged.run.identification),
         Check("cause", planted.words, found(judged), bool(named or beside)),
     ]
     return checks if not named else [*checks, _amplitude(named[0], planted)]

@@ -46,6 +46,12 @@ class NightRun:
     began: datetime  # with its zone
     wall_s: float
     outcomes: tuple[CaseOutcome, ...]
+    earlier: tuple[Night, ...] = ()  # the oldest first
+
+    @property
+    def nights(self) -> tuple[Night, ...]:
+        """The nights before, and this one last."""
+        return (*self.earlier, self.remembered)
 
     @property
     def remembered(self) -> Night:
@@ -71,15 +77,15 @@ def _remembered(outcome: CaseOutcome) -> Iterator[Measured]:
         yield Measured(case=name, figure=one.figure, passed=one.passed, value=one.value)
 
 
-def write_night(night: NightRun, earlier: Sequence[Night], out: Path) -> None:
+def write_night(night: NightRun, out: Path) -> None:
     """Write junit.xml, report.html and result.json; raises UnwritableReportError or OSError."""
     root = junit(night)
     ElementTree.indent(root)
     ElementTree.ElementTree(root).write(out / JUNIT, encoding="utf-8", xml_declaration=True)
     title = f"Night run of truepose {__version__}, seed {night.request.seed}"
     now = night.began.isoformat(timespec="seconds")
-    write_table_report(out / REPORT, title, _sections(night, earlier), simulated=True, written_at=now)
-    (out / RESULT).write_text(render_json(_document(night, earlier)) + "\n", encoding="utf-8")
+    write_table_report(out / REPORT, title, _sections(night), simulated=True, written_at=now)
+    (out / RESULT).write_text(render_json(_document(night)) + "\n", encoding="utf-8")
 
 
 def junit(night: NightRun) -> ElementTree.Element:
@@ -127,8 +133,8 @@ def _suite(outcome: CaseOutcome, night: NightRun) -> ElementTree.Element:
     return suite
 
 
-def _sections(night: NightRun, earlier: Sequence[Night]) -> list[Section]:
-    nights = (*earlier, night.remembered)
+def _sections(night: NightRun) -> list[Section]:
+    nights = night.nights
     return [_section(outcome, night, nights) for outcome in night.outcomes]
 
 
@@ -161,8 +167,8 @@ def _said(seen: Course) -> str:
     return ""
 
 
-def _document(night: NightRun, earlier: Sequence[Night]) -> dict[str, Json]:
-    nights = (*earlier, night.remembered)
+def _document(night: NightRun) -> dict[str, Json]:
+    nights = night.nights
     return {
         "version": __version__,
         "label": night.request.label,
@@ -198,12 +204,12 @@ def _check(check: Check, seen: Course) -> dict[str, Json]:
     }
 
 
-def print_night(night: NightRun, earlier: Sequence[Night], out: Path) -> None:
+def print_night(night: NightRun, out: Path) -> None:
     """Print the figures on standard output, and what to look at."""
     table = Table(title="Night run on simulated cells")
     for name in ("case", "figure", "to be reached", "measured", ""):
         table.add_column(name)
-    sections = _sections(night, earlier)
+    sections = _sections(night)
     for section in sections:
         for number, row in enumerate(section.rows):
             name = section.title if number == 0 else ""

@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import Any, Final
 
 from truepose.demo.cell.client import ServiceClient, connected
+from truepose.demo.cell.opened import DATABASE, SERVICE_LOG
 from truepose.demo.cell.processes import SimulatedService, running_service
-from truepose.demo.cell.run import DATABASE, SERVICE_LOG
 from truepose.demo.night.check import Check, at_most, none_of
 from truepose.demo.night.earlier import earlier_schemas, write_earlier
 from truepose.demo.progress import RunProgress
@@ -79,7 +79,7 @@ async def _looked_at(folder: Path, kept: dict[int, list[float]]) -> list[Check]:
 async def _identified_again(client: ServiceClient) -> Check:
     then = (await client.get(f"/identifications/{_IDENTIFICATION}"))["document"]
     job = await client.identify(_CAMPAIGN)
-    number = await client.finish_job(job, lambda done, planned, doing: None)
+    number = await client.finish_job(job)
     now = (await client.get(f"/identifications/{number}"))["document"]
     moved = max(_moved(then, now), default=float("inf"))
     return at_most("largest change of a parameter", moved, _MOST_MOVED, "standard uncertainties")

@@ -3,15 +3,15 @@
 import numpy as np
 import pytest
 
-from truepose.demo.cell.processes import SimulatedService
 from truepose.demo.errors import SessionHaltedError
 from truepose.demo.night import attended
 from truepose.demo.night.attended import attend
 from truepose.demo.night.cases import night_cases
 from truepose.demo.night.crashes import _Lives
 from truepose.demo.night.earlier import earlier_schemas
-from truepose.demo.night.faulty_sessions import FaultySession, _checks, _scenario_text
+from truepose.demo.night.faulty_sessions import FaultySession, _checks
 from truepose.demo.night.upgrades import UpgradedDatabase, _moved
+from truepose.exchange.cells.scenario_text import scenario_text
 from truepose_simulators.scenarios.file import load_scenario
 
 
@@ -87,7 +87,7 @@ async def test_a_session_that_fails_or_stands_for_ever_is_an_error_with_its_reas
 
 
 def lives(tmp_path):
-    return _Lives(SimulatedService("irb120-clean", 1, tmp_path / "db", tmp_path / "log"))
+    return _Lives(1, tmp_path)
 
 
 async def judged(tmp_path, known, later, state="awaiting_confirmation"):
@@ -198,7 +198,7 @@ def test_what_is_wrong_of_a_faulty_session_is_said_and_nothing_else(figure, sess
 def test_the_faults_of_a_night_are_a_scenario(seed, tmp_path):
     case = FaultySession("lrmate-fanuc", seed)
     file = tmp_path / "lrmate-fanuc-faulty.toml"
-    file.write_text(_scenario_text(case.scenario, case.faults()), encoding="utf-8")
+    file.write_text(scenario_text(case.scenario, "fault", case.faults()), encoding="utf-8")
 
     at = [fault.configuration for fault in load_scenario(str(file)).faults]
 
