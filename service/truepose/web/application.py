@@ -8,6 +8,7 @@ from typing import Any, Final, TypeAlias
 
 from fastapi import APIRouter, FastAPI
 from fastapi.openapi.utils import get_openapi
+from fastapi.routing import APIRoute
 from starlette.types import ASGIApp
 
 from truepose.web import events, health, jobs, pages, problems
@@ -124,10 +125,15 @@ def _resources() -> APIRouter:
     api = APIRouter(prefix="/api/v1")
     for resource in _RESOURCES:
         api.include_router(resource.router)
-    every = APIRouter()
+    every = APIRouter(generate_unique_id_function=_operation_id)
     for router in (health.router, api, pages.router, tablet.router):
         every.include_router(router)
     return every
+
+
+def _operation_id(route: APIRoute) -> str:
+    """Return what programs call an operation: the name of its function, as `start_session`."""
+    return route.name
 
 
 def _complete_openapi(app: FastAPI) -> None:

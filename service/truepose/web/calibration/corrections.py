@@ -101,7 +101,7 @@ class _Sent:
     responses=problems(400, 404, 408, 409, 413, 415, 422, 503),
     openapi_extra=_BODY,
 )
-async def correct(
+async def correct_file(
     here: Here,
     id: Id,
     request: Request,

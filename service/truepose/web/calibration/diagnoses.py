@@ -40,7 +40,9 @@ SerialNumber = Annotated[
 
 
 @router.post("/diagnoses", status_code=status.HTTP_202_ACCEPTED, responses=_ASKED)
-async def diagnose(here: Here, wanted: DiagnosisRequest, response: Response, key: OptionalKey) -> JobReply:
+async def diagnose_campaign(
+    here: Here, wanted: DiagnosisRequest, response: Response, key: OptionalKey
+) -> JobReply:
     """Diagnose a campaign in a worker process; the job's result is the diagnosis."""
     effects = _named(wanted.effects)
     number = await here.job_desk.diagnose(wanted.campaign_id, effects, wanted.measured_on, key)

@@ -14,7 +14,7 @@ router = APIRouter(prefix="/identifications", tags=["identifications"])
 
 
 @router.post("", status_code=status.HTTP_202_ACCEPTED, responses=problems(400, 404, 409, 413, 415, 422, 503))
-async def identify(
+async def identify_campaign(
     here: Here, wanted: IdentificationRequest, response: Response, key: OptionalKey
 ) -> JobReply:
     """Identify a campaign in a worker process; the job's result is the identification."""

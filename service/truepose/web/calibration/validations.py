@@ -13,7 +13,9 @@ router = APIRouter(prefix="/validations", tags=["validations"])
 
 
 @router.post("", status_code=status.HTTP_202_ACCEPTED, responses=problems(400, 404, 409, 413, 415, 422, 503))
-async def validate(here: Here, wanted: ValidationRequest, response: Response, key: OptionalKey) -> JobReply:
+async def validate_model(
+    here: Here, wanted: ValidationRequest, response: Response, key: OptionalKey
+) -> JobReply:
     """Judge a model in a worker process; the job's result is the validation."""
     number = await here.job_desk.validate(wanted.model_id, wanted.campaign_id, wanted.limit_mm, key)
     return await queued(here, number, response)

@@ -82,7 +82,7 @@ async def read_ledger(here: Here, id: Id, page: PageQuery) -> LedgerReply:
 
 
 @router.post("/{id}/acts", responses=_ACT)
-async def act(here: Here, id: Id, wanted: ActRequest, key: RequiredKey) -> ActReply:
+async def press_button(here: Here, id: Id, wanted: ActRequest, key: RequiredKey) -> ActReply:
     """Press a button. The answer comes when what it did is on disk; a repeated key gets the same answer."""
     answer = await here.ballbar_sessions.act(id, act_of(wanted, key.key), key)
     session = ballbar_session_reply(await here.ballbar_sessions.view(id))

@@ -134,3 +134,20 @@ def test_every_operation_lists_its_problems_and_says_what_it_does(method, path):
             assert list(reply["content"]) == ["application/problem+json"]
     if "requestBody" in operation:
         assert {"413", "415", "422"} <= operation["responses"].keys()
+
+
+BEGINS_WITH_A_VERB = re.compile(
+    r"("
+    r"abort|add|cancel|compare|confirm|connect|correct|diagnose|disconnect|download|end|"
+    r"find|follow|get|give|identify|list|make|pause|plan|press|read|resume|start|upload|"
+    r"use|validate"
+    r")(_[a-z]+)+"
+)
+
+
+def test_every_operation_has_a_name_of_its_own_that_begins_with_what_it_does():
+    every = [operation for methods in DOCUMENT["paths"].values() for operation in methods.values()]
+    names = [operation["operationId"] for operation in every]
+
+    assert sorted(set(names)) == sorted(names)
+    assert [name for name in names if not BEGINS_WITH_A_VERB.fullmatch(name)] == []
