@@ -186,6 +186,46 @@ request_keys = sa.Table(
     sa.Column("resource_id", sa.Integer, nullable=False),
 )
 
+people = _records("people", sa.Column("name", sa.Text, nullable=False, unique=True))
+
+person_states = _records(
+    "person_states",  # the newest counts
+    _reference("person_id", "people"),
+    sa.Column("role", sa.Text, nullable=False),
+    sa.Column("active", sa.Integer, nullable=False),
+    sa.Column("by", sa.Text, nullable=False),
+)
+
+credentials = _records(
+    "credentials",
+    sa.Column("kind", sa.Text, nullable=False),
+    _reference("person_id", "people", nullable=True),
+    sa.Column("hash", sa.Text, nullable=False),  # argon2id of what people choose, SHA-256 of what is random
+    sa.Column("expires_at", sa.Text, nullable=True),
+    sa.Column("document", sa.JSON, nullable=False),
+)
+
+revocations = _records(
+    "revocations",
+    _reference("credential_id", "credentials"),
+    sa.Column("by", sa.Text, nullable=False),
+    sa.Index("ix_revocations_credential_id", "credential_id"),
+)
+
+acts = _records(
+    "acts",
+    sa.Column("happened_at", sa.Text, nullable=False),
+    sa.Column("operation", sa.Text, nullable=False),
+    sa.Column("resource", sa.Text, nullable=False),
+    sa.Column("status", sa.Integer, nullable=False),
+    sa.Column("person", sa.Text, nullable=True),
+    sa.Column("role", sa.Text, nullable=True),
+    sa.Column("how", sa.Text, nullable=True),
+    sa.Column("tablet", sa.Text, nullable=True),
+    sa.Column("address", sa.Text, nullable=True),
+    sa.Column("reason", sa.Text, nullable=True),
+)
+
 links = sa.Table(
     "links",
     metadata,

@@ -1,0 +1,1 @@
+"""People, what opens the service to them, and what they did."""
