@@ -8,6 +8,7 @@ import copy
 import json
 import math
 import time
+from types import SimpleNamespace
 
 from fastapi import FastAPI, Header, Request
 from fastapi.responses import JSONResponse, Response, StreamingResponse
@@ -153,6 +154,7 @@ class FakeDesk:
 
     def application(self):
         app = FastAPI()
+        app.state.context = SimpleNamespace(sessions=SimpleNamespace(get=self._kept))
         app.include_router(routes.router)
         api = "/api/v1/ballbar-sessions"
         app.add_api_route(api, self._plan, methods=["POST"])
@@ -165,6 +167,9 @@ class FakeDesk:
         app.add_api_route("/api/v1/simulated-hands", self._has_hands)
         app.add_api_route("/api/v1/simulated-hands", self._do, methods=["POST"])
         return app
+
+    async def _kept(self, id):
+        return SimpleNamespace(role="ballbar")
 
     async def _plan(self, request: Request):
         self.planned.append(await request.json())

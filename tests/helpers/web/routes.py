@@ -31,7 +31,8 @@ def paths_answering(app, kind):
 def addresses_of(app):
     """Return an address for each path, and some for which there is no route."""
     filled = [re.sub(r"{[^}]+}", "1", path) for path in paths_of(app)]
-    return [*filled, "/nothing", "/api/v1/nothing", "/static/tablet/tablet.css", "//", "/%2e%2e/health"]
+    style = "/static/tablet/common/tablet.css"
+    return [*filled, "/nothing", "/api/v1/nothing", style, "//", "/%2e%2e/health"]
 
 
 @dataclass

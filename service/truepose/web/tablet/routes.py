@@ -1,4 +1,4 @@
-"""Sends the operator's two pages, their modules, their style and their texts.
+"""Sends the operator's pages, their modules, their style and their texts.
 
 The pages hold nothing of a session: they ask the API. So one tablet may keep a page open through a restart
 of the service, and what it shows afterwards is what the service says then.
@@ -17,10 +17,10 @@ from truepose.words.catalogue import LANGUAGES, TABLET, texts_file
 
 router = APIRouter(include_in_schema=False)
 _HERE: Final = Path(__file__).parent
-_SENT: Final = {
-    ".js": (_HERE / "static", "text/javascript"),
-    ".css": (_HERE / "static", "text/css"),
-}
+_STATIC: Final = _HERE / "static"
+_TYPES: Final = {".js": "text/javascript", ".css": "text/css", ".json": "application/json"}
+_FILES: Final = {path.relative_to(_STATIC).as_posix(): path for path in _STATIC.glob("*/*.*")}
+_TEXTS: Final = {f"common/{language}.json": texts_file(language, TABLET) for language in LANGUAGES}
 # A tablet asks again each time, and is told that nothing has changed: pages and texts never mix versions.
 _HEADERS: Final = {"Cache-Control": "no-cache"}
 
@@ -34,22 +34,13 @@ async def operator_page() -> HTMLResponse:
 @router.get("/operator/{id}", response_class=HTMLResponse)
 async def session_page(id: int) -> HTMLResponse:
     """Show one session, a step a screen."""
-    return page("session.html", id=id)
+    return page("ballbar_session.html", id=id)
 
 
-@router.get("/static/tablet/{name}", response_class=Response)
+@router.get("/static/tablet/{name:path}", response_class=Response)
 async def tablet_file(name: str) -> Response:
     """Send a module, the style or the texts of one language."""
-    if Path(name).suffix == ".json":
-        return _texts(Path(name).stem)
-    folder, media_type = _SENT.get(Path(name).suffix, (_HERE, ""))
-    # `name` is one path segment, and only what lies in that folder is sent.
-    if name not in {path.name for path in folder.iterdir() if path.is_file()} or not media_type:
+    file = (_FILES | _TEXTS).get(name)
+    if file is None:
         raise HTTPException(HTTPStatus.NOT_FOUND)
-    return FileResponse(folder / name, media_type=media_type, headers=_HEADERS)
-
-
-def _texts(language: str) -> FileResponse:
-    if language not in LANGUAGES:
-        raise HTTPException(HTTPStatus.NOT_FOUND)
-    return FileResponse(texts_file(language, TABLET), media_type="application/json", headers=_HEADERS)
+    return FileResponse(file, media_type=_TYPES[file.suffix], headers=_HEADERS)

@@ -65,7 +65,7 @@ def test_it_stops_and_reads_nothing_either(waiting):
         for path in ("/api/v1/sessions/1/pause", "/api/v1/sessions/1/abort"):
             assert waiting.post(path, headers=headers).status_code in (403, 421), headers
     for headers in [entry for entry in foreign(waiting) if "Referer" not in entry]:
-        for path in ("/api/v1/sessions/1", "/api/v1/events", "/operator", "/static/tablet/tablet.css"):
+        for path in ("/api/v1/sessions/1", "/api/v1/events", "/operator", "/static/tablet/common/tablet.css"):
             assert waiting.get(path, headers=headers).status_code in (403, 421), headers
 
     assert waiting.get("/api/v1/sessions/1").json()["state"] == "awaiting_confirmation"

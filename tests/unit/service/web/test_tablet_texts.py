@@ -13,7 +13,7 @@ from truepose.words.catalogue import TABLET, texts_file
 
 HERE = Path(truepose.web.tablet.__file__).parent
 LANGUAGES = {name: json.loads(texts_file(name, TABLET).read_text("utf-8")) for name in SPOKEN}
-CODE = "".join(path.read_text("utf-8") for path in (HERE / "static").glob("*.js"))
+CODE = "".join(path.read_text("utf-8") for path in (HERE / "static").rglob("*.js"))
 PAGES = "".join(path.read_text("utf-8") for path in (HERE / "templates").glob("*.html"))
 # Keys stand in the code as they are, never put together from parts: so each can be found.
 USED = set(re.findall(r'"([a-z_]+\.[a-z_]+)"', CODE)) | set(
@@ -22,7 +22,8 @@ USED = set(re.findall(r'"([a-z_]+\.[a-z_]+)"', CODE)) | set(
 KEPT_BY_THE_TABLET = {"truepose.language", "truepose.tablet", "truepose.person", "truepose.muted"}
 
 
-SAID_BY_THE_SERVICE = re.findall(r'^  "(.+?)":', (HERE / "static" / "reasons.js").read_text("utf-8"), re.M)
+REASONS = (HERE / "static" / "common" / "reasons.js").read_text("utf-8")
+SAID_BY_THE_SERVICE = re.findall(r'^  "(.+?)":', REASONS, re.M)
 SEQUENCING = "".join(
     path.read_text("utf-8") for path in Path(truepose.sequencing.__file__).parent.rglob("*.py")
 )

@@ -1,6 +1,6 @@
 // The steps listed beforehand: what will be done, how many readings, how long.
 
-import { element } from "./elements.js";
+import { element } from "../common/elements.js";
 import { READ } from "./situation.js";
 import { pairInWords, stepInWords } from "./words.js";
 

@@ -17,9 +17,9 @@ export class Sender {
   #on;
   #sending = false;
 
-  // `on`: { changed(), answered(session), dropped(tap, error), unreached(tap) }
-  constructor(session, queue, on) {
-    this.#path = `/api/v1/ballbar-sessions/${session}/acts`;
+  // `path`: of the session; `on`: { changed(), answered(session), dropped(tap, error), unreached(tap) }
+  constructor(path, queue, on) {
+    this.#path = `${path}/acts`;
     this.#queue = queue;
     this.#on = on;
   }

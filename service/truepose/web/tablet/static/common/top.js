@@ -4,18 +4,6 @@ import { showIf, write } from "./elements.js";
 import { actsHere, hasEnded } from "./situation.js";
 import { buttonShape } from "./shapes.js";
 
-const SOON_S = 45;
-
-function where({ step, state }, texts) {
-  if (!step || state === "planned") return "";
-  const said = [texts.say("top.step", { index: step.index, count: step.count })];
-  if (step.placement !== null) said.push(texts.say("top.placement", { placement: step.placement }));
-  if (step.leg_number) said.push(texts.say("top.leg", { config: step.config, leg: step.leg_number, legs: step.leg_count }));
-  else if (step.config !== null) said.push(texts.say("top.pose", { config: step.config }));
-  if (step.attempt > 1) said.push(texts.say("top.again", { attempt: step.attempt }));
-  return said.join(", ");
-}
-
 function who({ acting, watching }, tablet, texts) {
   const acts = !acting ? texts.say("who.nobody")
     : acting.tablet === tablet ? texts.say("who.acts_here")
@@ -23,25 +11,14 @@ function who({ acting, watching }, tablet, texts) {
   return `${acts} · ${texts.say("who.watching", { count: watching })}`;
 }
 
-function remaining(seconds, texts) {
-  return seconds < SOON_S ? texts.say("progress.soon") : texts.say("progress.left", { time: texts.duration(seconds) });
-}
-
-function progress(session, texts) {
-  const done = session.progress;
-  const said = [texts.say("progress.readings", { readings: done.readings, planned: done.planned })];
-  if (done.remaining_s !== null && !hasEnded(session)) said.push(remaining(done.remaining_s, texts));
-  const skipped = done.skipped_poses;
-  if (skipped) said.push(texts.say(skipped === 1 ? "progress.skipped_one" : "progress.skipped_many", { count: skipped }));
-  return said.join(" · ");
-}
-
 export class Top {
   #at;
+  #says;
 
-  // `at`: the elements by id
-  constructor(at) {
+  // `at`: the elements by id; `says`: { where(session, texts), progress(session, texts), share(session) from 0 to 1 }
+  constructor(at, says) {
     this.#at = at;
+    this.#says = says;
   }
 
   show(model, texts) {
@@ -82,11 +59,10 @@ export class Top {
   #showSession({ session, tablet, up }, texts) {
     const at = this.#at;
     write(at["session-name"], session.name);
-    write(at.where, where(session, texts));
+    write(at.where, this.#says.where(session, texts));
     write(at.who, who(session, tablet.id, texts));
-    write(at.progress, progress(session, texts));
-    const { readings, planned } = session.progress;
-    at.done.style.width = `${planned ? Math.min(100, (100 * readings) / planned) : 0}%`;
+    write(at.progress, this.#says.progress(session, texts));
+    at.done.style.width = `${100 * Math.min(1, this.#says.share(session))}%`;
     const here = actsHere(session, tablet.id);
     showIf(at["take-over"], !here && !hasEnded(session));
     at["take-over"].disabled = !up;

@@ -1,9 +1,9 @@
 // The list of sessions, and the start of a new one.
 
-import { Refused, ask, post } from "./api.js";
-import { element, showIf, write } from "./elements.js";
-import { Storage, newKey } from "./tablet.js";
-import { Texts } from "./texts.js";
+import { Refused, ask, post } from "../common/api.js";
+import { element, showIf, write } from "../common/elements.js";
+import { Storage, newKey } from "../common/tablet.js";
+import { Texts } from "../common/texts.js";
 
 const AGAIN_MS = 2000;
 const PAGE = 100;

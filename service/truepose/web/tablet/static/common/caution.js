@@ -4,7 +4,6 @@
 import { element, showIf } from "./elements.js";
 import { cautionShape } from "./shapes.js";
 
-const ASKS = ["planned", "move", "interrupted", "foreign"];
 const SAID = /^If this program or its connection fails while the arm moves, (.+)\. Only the emergency stop stops the arm at once\.$/;
 const ALONE = [
   [/^the controller stops the arm by itself within ([\d.]+) s$/, "caution.stops"],
@@ -25,11 +24,6 @@ function aloneInWords(notice, texts) {
   return texts.say(key, { seconds: seconds && inNumbers(seconds, texts) });
 }
 
-// After a pause the same step comes back: where that is a motion, it follows.
-function mayMove(screen, session) {
-  return ASKS.includes(screen) || (screen === "paused" && session.step?.kind === "move");
-}
-
 function words(notice, texts) {
   const alone = aloneInWords(notice, texts);
   if (alone === null) return element("p", { lang: "en" }, notice);
@@ -44,9 +38,10 @@ export class Caution {
     this.#place = place;
   }
 
-  show(screen, session, texts) {
+  // `moves`: the screen has a button that lets the arm move.
+  show(moves, session, texts) {
     const notice = session?.motion_notice;
-    const shown = notice && mayMove(screen, session) ? `${texts.language} ${notice}` : null;
+    const shown = notice && moves ? `${texts.language} ${notice}` : null;
     showIf(this.#place, shown !== null);
     if (shown === null || shown === this.#shown) return;
     this.#shown = shown;

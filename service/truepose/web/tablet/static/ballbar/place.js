@@ -1,6 +1,6 @@
 // Where the base fixture goes, in numbers that a tape measure finds.
 
-import { element } from "./elements.js";
+import { element } from "../common/elements.js";
 
 const HEADS = ["place.cup", "place.x", "place.y", "place.z", "place.distance"];
 const FULL_DEG = 360;

@@ -1,7 +1,7 @@
 // The live length: number, colour, word, shape, a scale, and how long it has stood still.
 
-import { drawn, write } from "./elements.js";
-import { stateShape } from "./shapes.js";
+import { drawn, write } from "../common/elements.js";
+import { stateShape } from "../common/shapes.js";
 import { barsInWords } from "./words.js";
 
 const WORDS = {

@@ -3,9 +3,10 @@
 const LANGUAGES = ["en", "fr"];
 const KEPT = "truepose.language";
 
-async function catalogue(language) {
-  const reply = await fetch(`/static/tablet/${language}.json`);
-  return reply.json();
+// `rooms`: whose texts a page uses.
+async function catalogue(language, rooms) {
+  const replies = await Promise.all(rooms.map((room) => fetch(`/static/tablet/${room}/${language}.json`)));
+  return Object.assign({}, ...(await Promise.all(replies.map((reply) => reply.json()))));
 }
 
 export class Texts {
@@ -19,9 +20,9 @@ export class Texts {
     this.language = LANGUAGES.includes(wanted) ? wanted : "en";
   }
 
-  // Both languages are fetched at once: switching must not need a connection.
-  static async load(storage) {
-    const loaded = await Promise.all(LANGUAGES.map(catalogue));
+  // All languages are fetched at once: switching must not need a connection.
+  static async load(storage, rooms = ["common"]) {
+    const loaded = await Promise.all(LANGUAGES.map((language) => catalogue(language, rooms)));
     const catalogues = Object.fromEntries(LANGUAGES.map((language, i) => [language, loaded[i]]));
     return new Texts(catalogues, storage, navigator.language ?? "en");
   }

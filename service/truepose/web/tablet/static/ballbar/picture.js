@@ -1,8 +1,8 @@
 // The picture of a step, drawn from the session's own geometry.
 
-import { camera } from "./camera.js";
-import { drawn } from "./elements.js";
-import { placed } from "./labels.js";
+import { camera } from "../common/camera.js";
+import { drawn } from "../common/elements.js";
+import { placed } from "../common/labels.js";
 
 const BALL_MM = 6.35; // radius of a half-inch ball
 const SMALLEST_BALL_PX = { asked: 15, other: 8 };

@@ -3,14 +3,6 @@
 import { element } from "./elements.js";
 import { isTaken, same } from "./people.js";
 
-const OTHER = "skip.other";
-const LENGTH = ["skip.short", "skip.long", "skip.unstable"];
-const HANDS = ["skip.blocked", "skip.reach"];
-const REASONS = { measure_side: [...LENGTH, ...HANDS, OTHER], precalibrate: ["skip.cannot", OTHER] };
-const OF_POSE = [...LENGTH, ...HANDS, OTHER];
-const OF_OTHERS = [...HANDS, "skip.cannot", OTHER];
-const OUT = { out_low: "skip.short", out_high: "skip.long", unstable: "skip.unstable" };
-
 // The service's own sentence, beside what it is about.
 const refusal = (sentence) => (sentence ? element("p", { class: "refused", id: "refused", role: "alert", lang: "en" }, sentence) : null);
 
@@ -32,7 +24,7 @@ export class Dialogues {
 
   close() {
     if (!this.open || this.#ask?.must) return;
-    this.#leave();
+    this.leave();
   }
 
   // Shows the question again, in the language of now.
@@ -43,14 +35,14 @@ export class Dialogues {
   // `people`: whom the cell announces; one tap chooses. Else a name is written. Whoever has none may watch.
   name({ present, people, refused }, kept) {
     const known = isTaken(present, people) && !refused;
-    const keep = (name) => (this.#leave(), kept(name));
+    const keep = (name) => (this.leave(), kept(name));
     const shared = { must: !known, cancel: known ? "dialogue.cancel" : people.length ? "name.watch" : null };
-    if (people.length) return this.#put({ ...shared, title: "name.choose", text: refused ? null : "name.choose_text", parts: () => this.#people(people, present, refused, keep) });
+    if (people.length) return this.put({ ...shared, title: "name.choose", text: refused ? null : "name.choose_text", parts: () => this.#people(people, present, refused, keep) });
     const submitted = (form) => {
       const name = form.elements.person.value.trim();
       if (name) keep(name);
     };
-    return this.#put({ ...shared, title: "name.title", text: "name.text", parts: () => this.#written(present, refused), does: "name.keep", submitted });
+    return this.put({ ...shared, title: "name.title", text: "name.text", parts: () => this.#written(present, refused), does: "name.keep", submitted });
   }
 
   #people(people, present, refused, keep) {
@@ -65,64 +57,45 @@ export class Dialogues {
     return [element("label", { class: "field" }, this.#texts.say("name.label"), input), refusal(refused)];
   }
 
-  // `step`: of a pose the whole rest is skipped.
-  skip(step, sampleState, chosen) {
-    const inPose = step.config !== null;
-    const offered = REASONS[step.kind] ?? (inPose ? OF_POSE : OF_OTHERS);
-    const given = offered.includes(OUT[sampleState]) ? OUT[sampleState] : null;
+  // `ask`: { title, text, values, reasons: keys, given: the one that is chosen already }; `other` takes what is written.
+  reasoned({ reasons, given, other, ...ask }, chosen) {
     const submitted = (form) => {
       const key = form.elements.reason.value;
       const written = form.elements.written.value.trim();
-      if (!key || (key === OTHER && !written)) return form.elements.written.focus();
-      this.#leave();
-      return chosen([key === OTHER ? "" : this.#texts.record(key), written].filter(Boolean).join(": "));
+      if (!key || (key === other && !written)) return form.elements.written.focus();
+      this.leave();
+      return chosen([key === other ? "" : this.#texts.record(key), written].filter(Boolean).join(": "));
     };
-    const title = inPose ? "skip.title" : "skip.title_step";
-    this.#put({ title, text: inPose ? "skip.text" : null, parts: () => this.#reasons(offered, given), does: "skip.do", submitted });
-  }
-
-  // Nothing shows that the ballbar is off: a person says how they know.
-  off(written) {
-    const field = () =>
-      element("label", { class: "field" }, this.#texts.say("off.write"), element("input", { name: "written", maxlength: 300, required: true }));
-    const submitted = (form) => {
-      const said = form.elements.written.value.trim();
-      if (!said) return form.elements.written.focus();
-      this.#leave();
-      return written(said);
-    };
-    this.#put({ title: "off.title", text: "off.text", parts: () => [field()], does: "off.do", submitted });
+    this.put({ ...ask, parts: () => this.#reasons(reasons, given, other), submitted });
   }
 
   abort(meant) {
-    this.#put({ title: "abort.title", text: "abort.text", parts: () => [], does: "abort.do", danger: true,
-      submitted: () => (this.#leave(), meant()) });
+    this.put({ title: "abort.title", text: "abort.text", parts: () => [], does: "abort.do", danger: true,
+      submitted: () => (this.leave(), meant()) });
   }
 
   takeOver(person, meant) {
     const text = person ? "who.take_text" : "who.take_nobody";
-    this.#put({ title: "who.take_title", text, values: { person }, parts: () => [], does: "who.take_over",
-      submitted: () => (this.#leave(), meant()) });
+    this.put({ title: "who.take_title", text, values: { person }, parts: () => [], does: "who.take_over",
+      submitted: () => (this.leave(), meant()) });
   }
 
-  // `pairs`: [base, tool] each; the simulated hands connect the one that is tapped.
-  pairs(pairs, chosen) {
-    const button = ([base, tool]) =>
-      element("button", { type: "button", class: "pair", onclick: () => (this.#leave(), chosen(base, tool)) }, `B${base}–T${tool}`);
-    this.#put({ title: "hands.pick", parts: () => [element("div", { class: "pairs" }, ...pairs.map(button))] });
-  }
-
-  #reasons(offered, given) {
+  #reasons(offered, given, other) {
     const choice = (key) =>
       element("label", { class: "choice" },
         element("input", { type: "radio", name: "reason", value: key, required: true, checked: key === given }),
         element("span", {}, this.#texts.say(key)));
     const written = element("input", { name: "written", maxlength: 300, "aria-label": this.#texts.say("skip.write"), placeholder: this.#texts.say("skip.write") });
-    written.addEventListener("input", () => this.#place.querySelector("input:checked") ?? (this.#place.querySelector(`[value="${OTHER}"]`).checked = true));
+    written.addEventListener("input", () => this.#place.querySelector("input:checked") ?? (this.#place.querySelector(`[value="${other}"]`).checked = true));
     return [element("div", { class: "reasons" }, ...offered.map(choice)), element("label", { class: "field" }, written)];
   }
 
-  #put(ask) {
+  field(label, attributes) {
+    return element("label", { class: "field" }, this.#texts.say(label), element("input", attributes));
+  }
+
+  // Asks something: `parts()` are its fields, `submitted(form)` takes them.
+  put(ask) {
     this.#ask = ask;
     this.#before = document.activeElement;
     this.#show();
@@ -132,7 +105,7 @@ export class Dialogues {
     const { title, text, values, parts, does, danger, cancel = "dialogue.cancel", submitted } = this.#ask;
     const say = (key) => this.#texts.say(key, values);
     const buttons = [
-      cancel && element("button", { type: "button", class: "main plain", onclick: () => this.#leave() }, say(cancel)),
+      cancel && element("button", { type: "button", class: "main plain", onclick: () => this.leave() }, say(cancel)),
       does ? element("button", { class: danger ? "main danger" : "main" }, say(does)) : null,
     ];
     const form = element("form", { novalidate: true },
@@ -144,7 +117,7 @@ export class Dialogues {
     (form.querySelector("input[name=person]") ?? this.#place).focus();
   }
 
-  #leave() {
+  leave() {
     this.#place.hidden = true;
     this.#place.replaceChildren();
     this.#before?.focus?.();

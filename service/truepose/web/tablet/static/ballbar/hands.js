@@ -1,7 +1,7 @@
 // The simulated hands: the person's part of a session on a cell where everything is simulated.
 
-import { ask, post } from "./api.js";
-import { element } from "./elements.js";
+import { ask, post } from "../common/api.js";
+import { element } from "../common/elements.js";
 
 const PATH = "/api/v1/simulated-hands";
 const BUTTONS = [

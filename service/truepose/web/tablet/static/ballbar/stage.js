@@ -1,10 +1,10 @@
 // The middle of the screen: what is asked, the picture, what was stored last, the length.
 
-import { element, drawn, showIf, write } from "./elements.js";
+import { element, drawn, showIf, write } from "../common/elements.js";
 import { showEnd, showOverview } from "./overview.js";
 import { drawPicture } from "./picture.js";
 import { placeInNumbers } from "./place.js";
-import { reasonInWords } from "./reasons.js";
+import { reasonInWords } from "../common/reasons.js";
 import { READ } from "./situation.js";
 import { pairInWords, pointsOf, wordsOf } from "./words.js";
 
