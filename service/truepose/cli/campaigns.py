@@ -9,6 +9,7 @@ from truepose.cli.files import (
     CampaignPath,
     Json,
     Language,
+    ReportFile,
     effect_names,
     read_measured,
     require_folders,
@@ -31,7 +32,7 @@ def identify_command(
         str, typer.Option(help="`auto`, or names separated by commas, e.g. base,tool,geometry.")
     ] = "auto",
     model_out: Annotated[Path | None, typer.Option(help="Write the identified model here (JSON).")] = None,
-    report: Annotated[Path | None, typer.Option(help="Write a self-contained HTML report here.")] = None,
+    report: ReportFile = None,
     compare_thesis: Annotated[
         bool,
         typer.Option(

@@ -7,6 +7,8 @@ from typing import Annotated
 
 import typer
 
+from truepose.cli.output import remark
+
 Seed = Annotated[int, typer.Option(min=0, help="Which cell of that kind.")]
 Faults = Annotated[
     Path | None, typer.Option(help="What goes wrong in the simulated cell, and when (TOML, docs/faults.md).")
@@ -26,7 +28,20 @@ def demo_command(
     """
     from truepose.demo.demo import run_demo
 
-    return run_demo(out, seed, scenario)
+    status = run_demo(out, seed, scenario)
+    if status in {0, 1}:
+        _print_reports(out)
+    return status
+
+
+def _print_reports(out: Path) -> None:
+    from truepose.demo.report import print_reports
+    from truepose.reports.errors import NoPdfError
+
+    try:
+        print_reports(out)
+    except NoPdfError as error:
+        remark([str(error)])  # the pages are there
 
 
 def nightly_command(

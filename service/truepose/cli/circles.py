@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Final
 
 import typer
 
-from truepose.cli.files import Json, Language, require_folders
+from truepose.cli.files import Json, Language, ReportFile, require_folders
 from truepose.cli.output import print_json, print_lines, print_tables, remark
 from truepose.domain.errors import ConfigurationError
 from truepose.words.catalogue import ENGLISH, catalogue, english
@@ -23,7 +23,7 @@ _NESTS: Final = range(1, 10)  # where no model says which there are
 def circles_command(
     points: Annotated[Path, typer.Argument(help="Measured points: one joint turned at a time (CSV).")],
     robot: Annotated[str, typer.Option(help="Shipped robot, robot or cell file, scenario, or model file.")],
-    report: Annotated[Path | None, typer.Option(help="Write a self-contained HTML report here.")] = None,
+    report: ReportFile = None,
     language: Language = ENGLISH,
     json: Json = False,
 ) -> int:

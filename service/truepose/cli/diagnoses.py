@@ -9,6 +9,7 @@ from truepose.cli.files import (
     CampaignPath,
     Json,
     Language,
+    ReportFile,
     effect_names,
     read_measured,
     require_folders,
@@ -32,7 +33,7 @@ def diagnose_command(
         ),
     ] = "auto",
     model_out: Annotated[Path | None, typer.Option(help="Write the extended model here (JSON).")] = None,
-    report: Annotated[Path | None, typer.Option(help="Write a self-contained HTML report here.")] = None,
+    report: ReportFile = None,
     language: Language = ENGLISH,
     json: Json = False,
 ) -> int:

@@ -30,6 +30,9 @@ Language = Annotated[
         help="Of sentences, tables and reports; JSON is in English.",
     ),
 ]
+ReportFile = Annotated[
+    Path | None, typer.Option(help="Write a self-contained report here: .html, or .pdf to print and sign.")
+]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON document and nothing else.")]
 
 
@@ -52,6 +55,14 @@ def require_folders(*files: Path | None) -> None:
             raise ConfigurationError(f"{file}: there is no folder {file.parent}; make it first.")
         if file is not None and file.is_dir():
             raise ConfigurationError(f"{file} is a folder: name a file in it.")
+        if file is not None and file.suffix.lower() == ".pdf":
+            _require_pdf()
+
+
+def _require_pdf() -> None:
+    from truepose.reports.paper import require_pdf
+
+    require_pdf()
 
 
 @contextlib.contextmanager

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from truepose.cli.files import CampaignPath, Json, Language, require_folders
+from truepose.cli.files import CampaignPath, Json, Language, ReportFile, require_folders
 from truepose.cli.output import print_json, print_lines, print_tables, remark
 from truepose.domain.errors import ConfigurationError
 from truepose.words.catalogue import ENGLISH, catalogue
@@ -20,7 +20,7 @@ def sphere_command(
     model: Annotated[
         list[Path] | None, typer.Option(help="Model file; may be given again, its name is the file's.")
     ] = None,
-    report: Annotated[Path | None, typer.Option(help="Write a self-contained HTML report here.")] = None,
+    report: ReportFile = None,
     language: Language = ENGLISH,
     json: Json = False,
 ) -> int:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from truepose.cli.files import Json, Language, require_folders
+from truepose.cli.files import Json, Language, ReportFile, require_folders
 from truepose.cli.output import print_json, print_tables, remark
 from truepose.domain.errors import ConfigurationError
 from truepose.words.catalogue import ENGLISH, Catalogue, catalogue
@@ -36,7 +36,7 @@ def validate_command(
     iso9283: Annotated[
         bool, typer.Option("--iso9283", help="The rows hold cycles of poses: add the figures of ISO 9283.")
     ] = False,
-    report: Annotated[Path | None, typer.Option(help="Write a self-contained HTML report here.")] = None,
+    report: ReportFile = None,
     load: Annotated[str, typer.Option(help="Load during the test, for the report.")] = "",
     speed_mm_s: Annotated[float | None, typer.Option(help="Speed of the tool, for the report.")] = None,
     speed_percent: Annotated[

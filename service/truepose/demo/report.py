@@ -20,6 +20,7 @@ from truepose.reports import (
     Truth,
     write_identification_report,
 )
+from truepose.reports.paper import write_report_text
 
 REPORT: Final = "report.html"
 DIAGNOSIS_REPORT: Final = "diagnosis.html"
@@ -38,6 +39,14 @@ def write_report(judged: JudgedRun, file: Path) -> None:
         diagnosis=DiagnosisLink(DIAGNOSIS_REPORT, run.diagnosis["document"]["message"]),
     )
     write_identification_report(file, report)
+
+
+def print_reports(folder: Path) -> None:
+    """Write the pages of a run as PDFs beside them; raises NoPdfError, UnwritableReportError."""
+    for name in (REPORT, DIAGNOSIS_REPORT):
+        page = folder / name
+        if page.is_file():
+            write_report_text(page.with_suffix(".pdf"), page.read_text(encoding="utf-8"))
 
 
 def _truth(judged: JudgedRun) -> Truth | None:

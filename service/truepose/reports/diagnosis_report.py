@@ -22,6 +22,7 @@ from truepose.reports.figures.comparison import comparison
 from truepose.reports.figures.error_maps import error_maps
 from truepose.reports.figures.gains import gains
 from truepose.reports.figures.residual_curve import CurveFigure, residual_curve
+from truepose.reports.imprint import imprint_of
 from truepose.reports.pages import rendered, write_page
 from truepose.reports.parameters.meanings import meaning
 from truepose.reports.rounding import MISSING, rounded, uncertainty
@@ -107,6 +108,7 @@ def _context(report: DiagnosisInput) -> dict[str, object]:
         "campaign": report.campaign or _named_campaign(diagnosis.model),
         "conditions": report.conditions,
         "stated_conditions": tuple(_stated(report.conditions, words)),
+        "imprint": imprint_of(diagnosis.robot, report.conditions, words),
         "simulated": report.conditions.simulated,
         "verdict": verdict_words(diagnosis.verdict, answered=diagnosis.model is not None, words=words),
         "origin": () if diagnosis.model is None else tuple(_origin(diagnosis.model, words)),

@@ -1,7 +1,8 @@
 """Errors of the reports.
 
 ReportsError
-└── UnwritableReportError   the file cannot be written
+├── UnwritableReportError   the file cannot be written
+└── NoPdfError              the machine lacks what a PDF is made with
 """
 
 from truepose.domain.errors import TrueposeError
@@ -13,3 +14,7 @@ class ReportsError(TrueposeError):
 
 class UnwritableReportError(ReportsError):
     """The report cannot be written where it should go."""
+
+
+class NoPdfError(ReportsError):
+    """The machine lacks what a PDF is made with."""

@@ -15,6 +15,7 @@ from truepose.reports.figures.joint_residuals import joint_residuals
 from truepose.reports.figures.work_space import work_space
 from truepose.reports.figures_rows import figures_rows
 from truepose.reports.headline import headline
+from truepose.reports.imprint import imprint_of
 from truepose.reports.pages import write_page
 from truepose.reports.parameters.rows import parameter_rows
 from truepose.reports.truth import Truth, truth_row
@@ -76,6 +77,7 @@ def write_identification_report(path: Path, report: ReportInput) -> None:
         campaign=campaign,
         conditions=conditions,
         condition_rows=tuple(condition_rows(conditions, words)),
+        imprint=imprint_of(campaign.robot.name, conditions, words),
         simulated=conditions.simulated or bool(campaign.simulated),
         headline=headline(identification, shown, uncertainties, words),
         figures_rows=tuple(figures_rows(identification, shown)),

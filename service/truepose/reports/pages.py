@@ -7,33 +7,22 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
 from truepose.reports.causes_found.ruled_out import ruled_out_rows
-from truepose.reports.errors import UnwritableReportError
+from truepose.reports.imprint import css_string
+from truepose.reports.paper import PAPER, write_report_text
 from truepose.reports.rounding import millimetres, p_value, uncertainty
 from truepose.version import __version__
 from truepose.words.catalogue import IN_ENGLISH, Catalogue
 
 
 def write_page(path: Path, template: str, **context: object) -> None:
-    """Render a template of this package into a file, making its folder where needed.
-
-    Raises
-    ------
-    UnwritableReportError
-        The file cannot be written.
-    """
-    text = rendered(template, **context)
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(text, encoding="utf-8", newline="\n")
-    except OSError as error:
-        raise UnwritableReportError(
-            f"The report cannot be written to {path} ({error.strerror}); choose another file."
-        ) from error
+    """Render a template into a file, HTML or PDF by its name; raises as `write_report_text` does."""
+    write_report_text(path, rendered(template, **context))
 
 
 def rendered(template: str, **context: object) -> Markup:
     """Return a template of this package, filled in; in English where no `words` are given."""
-    spoken = {"words": IN_ENGLISH, "say": IN_ENGLISH.say, "version": __version__} | context
+    given = {"words": IN_ENGLISH, "say": IN_ENGLISH.say, "version": __version__, "paper": PAPER}
+    spoken = given | {"imprint": None} | context
     return Markup(_environment().get_template(template).render(spoken))
 
 
@@ -57,7 +46,7 @@ def _environment() -> Environment:
         lstrip_blocks=True,
     )
     environment.filters.update(mm=millimetres, u=uncertainty, p=p_value, capitalize_first=_capitalized)
-    environment.filters.update(joined=ruled_out_rows, called=_called)
+    environment.filters.update(joined=ruled_out_rows, called=_called, css_string=css_string)
     return environment
 
 

@@ -12,6 +12,7 @@ from truepose.reports.circles.sentences import (
     withheld_sentences,
 )
 from truepose.reports.figures.tangential import tangential_figure
+from truepose.reports.imprint import Imprint
 from truepose.reports.pages import rendered, write_page
 from truepose.reports.traced import Traced, traced_context
 from truepose.words.catalogue import IN_ENGLISH, Catalogue
@@ -25,7 +26,8 @@ def write_circle_report(path: Path, test: CircleTest, robot: str, words: Catalog
     UnwritableReportError
         The file cannot be written.
     """
-    write_page(path, "circles.html", robot=robot, simulated=False, traced=None, **_context(test, words))
+    given = _context(test, words) | {"robot": robot, "imprint": Imprint(robot)}
+    write_page(path, "circles.html", simulated=False, traced=None, **given)
 
 
 def circle_content(test: CircleTest, traced: Traced, words: Catalogue) -> Markup:

@@ -20,6 +20,8 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 
+from truepose.reports.figures.joined_shapes import joined_shapes
+
 INK, MUTED, GRID = "#010203", "#020304", "#030405"
 BEFORE, AFTER, NOISE = "#040506", "#050607", "#060708"
 X, Y, Z = "#070809", "#08090a", "#090a0b"
@@ -127,6 +129,7 @@ def to_svg(figure: Figure, prefix: str, description: str) -> Markup:
     text = re.sub(r'style="([^"]*)"', _as_attributes, text)
     text = re.sub(r'(\bid="|href="#|url\(#)', rf"\g<1>{prefix}-", text)
     text = re.sub(r"<metadata>.*?</metadata>", "", text, flags=re.DOTALL)
+    text = joined_shapes(text)
     # Fixed sizes would overflow a phone: the page decides the width, the view box the proportions.
     text = re.sub(r'<svg ([^>]*?)height="[^"]*"', r"<svg \1", text, count=1)
     text = re.sub(r'<svg ([^>]*?)width="[^"]*"', r'<svg \1role="img" stroke-linejoin="round"', text, count=1)

@@ -6,6 +6,7 @@ from markupsafe import Markup
 
 from truepose.judgement.sphere.judged import SphereTest
 from truepose.reports.figures.radial import radial_figure
+from truepose.reports.imprint import Imprint
 from truepose.reports.pages import rendered, write_page
 from truepose.reports.spheres.sentences import (
     WORDS_OF_ROW,
@@ -28,7 +29,8 @@ def write_sphere_report(
     UnwritableReportError
         The file cannot be written.
     """
-    write_page(path, "spheres.html", robot=robot, simulated=simulated, traced=None, **_context(test, words))
+    given = _context(test, words) | {"robot": robot, "imprint": Imprint(robot)}
+    write_page(path, "spheres.html", simulated=simulated, traced=None, **given)
 
 
 def sphere_content(test: SphereTest, traced: Traced, words: Catalogue) -> Markup:

@@ -17,6 +17,7 @@ from truepose.reports.figures.distance_histogram import distance_histogram
 from truepose.reports.figures.drift import drift_figure
 from truepose.reports.figures.histogram import histogram
 from truepose.reports.figures.place_errors import place_errors
+from truepose.reports.imprint import imprint_of
 from truepose.reports.pages import rendered, write_page
 from truepose.reports.summary import decision_sentence, verdict_sentence
 from truepose.reports.traced import Traced, traced_context, with_temperature
@@ -82,6 +83,7 @@ def _context(report: ValidationInput) -> dict[str, object]:
         "decision": decision_sentence(found),
         "remarks": report.remarks,
         "turns_rows": turns_rows(found, words),
+        "imprint": imprint_of(report.model.robot.name, conditions, words),
         "simulated": conditions.simulated,
         "histogram": histogram(shown, found.position.identified.noise_mm, words),
         "distances": None

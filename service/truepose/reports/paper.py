@@ -1,0 +1,83 @@
+"""A page of a report as a PDF: in the colours of paper, tagged, and with nothing fetched from anywhere."""
+
+import re
+from pathlib import Path
+from typing import Final
+
+from truepose.reports.errors import NoPdfError, UnwritableReportError
+
+# What the screen's variables are on paper, for the printer of a browser and for ours.
+PAPER: Final = {
+    "page": "#ffffff",
+    "card": "#ffffff",
+    "ink": "#000000",
+    "muted": "#444444",
+    "grid": "#dddddd",
+    "line": "#bbbbbb",
+    "before": "#c56f14",
+    "after": "#14606f",
+    "noise": "#55398a",
+    "axis-x": "#b0301f",
+    "axis-y": "#1f6b30",
+    "axis-z": "#1f4f9f",
+    "good": "#14602f",
+    "bad": "#9b1c15",
+    "warn": "#6b4500",
+    "warn-back": "#ffffff",
+    "warn-shape": "#8a5a00",
+}
+_VARIABLE: Final = re.compile(r'="var\(--([a-z-]+)\)"')
+
+
+def pdf_of(html: str) -> bytes:
+    """Return a self-contained page as a PDF.
+
+    Raises
+    ------
+    NoPdfError
+        The machine lacks the library that sets text.
+    """
+    require_pdf()
+    from weasyprint import HTML
+    from weasyprint.urls import URLFetcher
+
+    # Figures are attributes, to which the printer's style sheets do not reach.
+    coloured = _VARIABLE.sub(lambda variable: f'="{PAPER[variable[1]]}"', html)
+    page = HTML(string=coloured, url_fetcher=URLFetcher(allowed_protocols=["data"]))
+    return bytes(page.write_pdf(pdf_tags=True))
+
+
+def require_pdf() -> None:
+    """Refuse before a report is made what could not be printed after it; raises NoPdfError."""
+    try:
+        import weasyprint  # noqa: F401  # it looks for the libraries of the system when it is imported
+    except OSError as error:
+        raise NoPdfError(
+            "A PDF needs the text library Pango, which is not on this machine: install libpango-1.0-0, "
+            "libpangoft2-1.0-0 and libharfbuzz-subset0 (names of Debian), or write the report as .html."
+        ) from error
+
+
+def write_report_text(path: Path, html: str) -> None:
+    """Write a page into a file, making its folder where needed: as a PDF where its name ends in `.pdf`.
+
+    Raises
+    ------
+    UnwritableReportError
+        The file cannot be written.
+    NoPdfError
+        It should be a PDF, and the machine lacks the library that sets text.
+    """
+    body = pdf_of(html) if is_pdf(path) else html.encode()
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_bytes(body)
+    except OSError as error:
+        raise UnwritableReportError(
+            f"The report cannot be written to {path} ({error.strerror}); choose another file."
+        ) from error
+
+
+def is_pdf(path: Path) -> bool:
+    """Return whether a file of that name is to be a PDF."""
+    return path.suffix.lower() == ".pdf"
