@@ -39,6 +39,8 @@ _COMMANDS = {
     "nightly": "cells",
     "inspect": "inspection",
     "verify": "records",
+    "backup": "records",
+    "restore": "records",
 }
 
 

@@ -1,4 +1,4 @@
-"""The command that says whether a database holds what was written."""
+"""The commands around the database: is it as it was written, a copy of it, a copy put back."""
 
 from pathlib import Path
 from typing import Annotated
@@ -8,33 +8,122 @@ import typer
 from truepose.cli.files import Json
 from truepose.cli.output import print_json, print_lines, shown_progress
 
+Url = Annotated[
+    str | None,
+    typer.Option(
+        "--database",
+        help="URL of the database, as 'truepose serve' has it; by default the one in the user's data folder.",
+    ),
+]
+_SERVICE_FAILED = 3
+
 
 def verify_command(
     file: Annotated[
         Path | None, typer.Argument(help="Database; by default the one in the user's data folder.")
     ] = None,
+    head: Annotated[
+        str | None, typer.Option(help="Chain head as a report prints it: is all that it stands for there?")
+    ] = None,
     json: Json = False,
 ) -> int:
     """Check every page and every record of a database, which may be in use. Status 1: something is wrong.
 
-    Example: truepose verify truepose.sqlite3 --json
+    Example: truepose verify truepose.sqlite3 --head 4711-K3QF-7ZWD-M2PA-XY5R --json
     """
-    from truepose.settings import default_database_url
-    from truepose.storage.connection.address import database_file
     from truepose.storage.integrity.arrival import verify_left
+    from truepose.storage.integrity.head import read_head
 
-    database = database_file(default_database_url()) if file is None else file
+    database = _database(None) if file is None else file
+    printed = None if head is None else read_head(head)
     with shown_progress() as told:
-        verdict = verify_left(database, lambda share: told(share, "records"))
+        verdict = verify_left(database, lambda share: told(share, "records"), printed)
+    newest = "" if verdict.head is None else verdict.head.text
     if json:
         print_json({
             "file": str(database),
             "whole": not verdict.findings,
             "records": verdict.records,
             "findings": list(verdict.findings),
-            "newest_link": {"number": verdict.head[0], "hash": verdict.head[1]},
+            "newest_link": {"number": verdict.newest[0], "hash": verdict.newest[1]},
+            "head": newest or None,
         })
     else:
-        whole = f"{database}: {verdict.records} records, all as they were written."
+        whole = f"{database}: {verdict.records} records, all as they were written. Chain head {newest}."
         print_lines(verdict.findings or [whole])
     return 1 if verdict.findings else 0
+
+
+def backup_command(
+    file: Annotated[Path, typer.Argument(help="Where the copy goes.")],
+    database: Url = None,
+    replace: Annotated[
+        bool, typer.Option("--replace", help="Put the copy in place of an earlier one.")
+    ] = False,
+    json: Json = False,
+) -> int:
+    """Copy the database into one file while the service runs, and verify the copy.
+
+    Example: truepose backup backups/monday.sqlite3 --database sqlite:///cell.db
+    """
+    from truepose.storage.backup.copying import back_up
+
+    source = _database(database)
+    with shown_progress() as told:
+        made = back_up(source, file, told, replace=replace)
+    if json:
+        print_json({
+            "file": str(made.file),
+            "database": str(source),
+            "bytes": made.size_bytes,
+            "records": made.head.links,
+            "head": made.head.text,
+        })
+    else:
+        print_lines([
+            f"{made.file}: {made.head.links} records, {made.size_bytes / 1e6:.1f} MB, verified. "
+            f"Chain head {made.head.text}."
+        ])
+    return 0
+
+
+def restore_command(
+    file: Annotated[Path, typer.Argument(help="Copy that 'truepose backup' made.")],
+    database: Url = None,
+    replace: Annotated[
+        bool, typer.Option("--replace", help="Put aside the database that is there, and keep it.")
+    ] = False,
+    json: Json = False,
+) -> int:
+    """Put a copy in the place of the database, whose service has to be stopped first.
+
+    Every record of the copy is verified before anything is touched. Status 3: a service has the database.
+
+    Example: truepose restore backups/monday.sqlite3 --database sqlite:///cell.db --replace
+    """
+    from truepose.cli.output import remark
+    from truepose.storage.backup.restoring import restore
+    from truepose.storage.errors import DatabaseInUseError
+
+    target = _database(database)
+    try:
+        with shown_progress() as told:
+            head, aside = restore(file, target, told, replace=replace)
+    except DatabaseInUseError as error:
+        remark([str(error)])
+        return _SERVICE_FAILED
+    kept = None if aside is None else str(aside)
+    if json:
+        print_json({"database": str(target), "records": head.links, "head": head.text, "kept": kept})
+    else:
+        before = "" if kept is None else f" What was there is kept as {kept}."
+        print_lines([f"{target}: {head.links} records restored. Chain head {head.text}.{before}"])
+    return 0
+
+
+def _database(url: str | None) -> Path:
+    """Return the file that a URL names, or the user's own; raises TrueposeError."""
+    from truepose.settings import default_database_url
+    from truepose.storage.connection.address import database_file
+
+    return database_file(url or default_database_url())

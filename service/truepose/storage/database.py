@@ -29,6 +29,7 @@ from truepose.storage.connection.schema import bring_up_to_date
 from truepose.storage.errors import DamagedDatabaseError, StorageError, StorageUnavailableError
 from truepose.storage.integrity.arrival import note_how_it_was_left
 from truepose.storage.integrity.condition import Condition
+from truepose.storage.integrity.head import Head, newest_head
 from truepose.storage.integrity.seal import Seal
 from truepose.storage.integrity.verification import stream_findings
 
@@ -149,6 +150,10 @@ class Database:
             self.condition.note_damage(finding, finding)
         if found:
             raise damaged(self.file, found[0])
+
+    async def head(self) -> Head:
+        """Return the head of the chain, which reports print; 'truepose verify --head' takes it."""
+        return await self.read(lambda connection: newest_head(connection.connection.dbapi_connection))
 
     @property
     def next_commit(self) -> asyncio.Event:

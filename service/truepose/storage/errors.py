@@ -5,6 +5,9 @@ StorageError
 ├── DatabaseInUseError       another service holds the same database
 ├── NewerSchemaError         the database was written by a newer version
 ├── ForeignDatabaseError     the file is no database, or another program's
+├── ChainHeadError           what was typed is no head of a chain
+├── BackupError              a copy cannot be written, or is not one
+│   └── DatabaseUsedError      a database with records lies where a copy is to be restored
 ├── StorageUnavailableError  the disk refused (full, locked, read-only, gone); also a RecordRefusedError
 │   └── DamagedDatabaseError   what is on disk is not what was written
 ├── NotFoundError            no record of that number
@@ -33,6 +36,18 @@ class NewerSchemaError(StorageError):
 
 class ForeignDatabaseError(StorageError):
     """The file is no SQLite database, or it belongs to another program."""
+
+
+class ChainHeadError(StorageError):
+    """What somebody typed off a report is no head of a chain."""
+
+
+class BackupError(StorageError):
+    """A copy of a database cannot be written, or what was named is no whole one."""
+
+
+class DatabaseUsedError(BackupError):
+    """A database with records lies where a copy is to be restored."""
 
 
 class StorageUnavailableError(StorageError, RecordRefusedError):

@@ -9,6 +9,8 @@ from tests.integration.web.ballbar_bench import PLACEMENT
 from tests.studies.durable_writes import durable
 from tests.studies.ready_again import ready_again
 from tests.studies.session_overhead import overhead
+from tests.studies.single_changes import KINDS as SINGLE_CHANGES
+from tests.studies.single_changes import single_changes
 from tests.studies.storage_refusals.ballbar_session import ballbar_session
 from tests.studies.storage_refusals.tracker_session import tracker_session
 from tests.studies.taken_up.begun import begin
@@ -44,6 +46,13 @@ async def test_whatever_is_tampered_with_is_noticed(tmp_path):
 
     assert tally.missed == []
     assert sum(tally.noticed.values()) + sum(tally.harmless.values()) == len(KINDS)
+
+
+async def test_a_single_change_in_any_table_is_found_and_its_place_is_named(tmp_path):
+    tally = await single_changes(tmp_path, 6 * len(SINGLE_CHANGES), seed=2)
+
+    assert tally.missed == []
+    assert sum(tally.found.values()) == 6 * len(SINGLE_CHANGES)
 
 
 async def test_writes_are_counted(tmp_path):

@@ -65,7 +65,7 @@ class Place:
             for leftover in (self._log, self._file.with_name(f"{self._file.name}-shm")):
                 leftover.unlink(missing_ok=True)  # of the file that was removed: not of this one
             copy.rename(self._file)
-            _sync(self._file.parent)
+            sync_folder(self._file.parent)
         except (OSError, LIBRARY.DatabaseError) as error:
             raise StorageUnavailableError(
                 f"The database {self._file} was removed and cannot be written anew ({error}); "
@@ -91,7 +91,8 @@ def _copy(connection: Any, target: Path) -> None:
         os.fsync(written.fileno())
 
 
-def _sync(folder: Path) -> None:
+def sync_folder(folder: Path) -> None:
+    """See that a name that was just given or taken in a folder is on the disk."""
     if os.name == "posix":
         opened = os.open(folder, os.O_RDONLY)
         try:

@@ -9,6 +9,7 @@ from typing import Any
 from truepose.storage.connection.library import LIBRARY
 from truepose.storage.errors import DatabaseAddressError
 from truepose.storage.integrity.condition import Condition
+from truepose.storage.integrity.head import Head
 from truepose.storage.integrity.seal import Left, Seal, digest
 from truepose.storage.integrity.verification import Told, Verdict, missing_protection, opened, verify
 
@@ -39,7 +40,7 @@ def note_how_it_was_left(
         condition.note_damage("newest", newest_missing(file))
 
 
-def verify_left(file: Path, told: Told = lambda share: None) -> Verdict:
+def verify_left(file: Path, told: Told = lambda share: None, printed: Head | None = None) -> Verdict:
     """Return what `verify` finds, and whether the file is as the service before said that it left it.
 
     Raises DatabaseAddressError where there is no such file.
@@ -47,7 +48,7 @@ def verify_left(file: Path, told: Told = lambda share: None) -> Verdict:
     if not file.is_file():
         raise DatabaseAddressError(f"There is no database {file}.")
     left = Seal(file).left()
-    verdict = verify(file, told)
+    verdict = verify(file, told, printed)
     return verdict if left is None else replace(verdict, findings=(*verdict.findings, *_against(file, left)))
 
 

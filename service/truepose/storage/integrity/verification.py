@@ -14,6 +14,7 @@ from urllib.parse import quote
 
 from truepose.storage.connection.library import LIBRARY
 from truepose.storage.integrity.chain import GENESIS, OF_NO_SESSION, TABLE_NOW, linked_hash, stream_of
+from truepose.storage.integrity.head import Head, contradicted, newest_head
 from truepose.storage.migrations.triggers import trigger, trigger_name
 from truepose.storage.tables import metadata
 
@@ -29,24 +30,31 @@ class Verdict:
     """What came of a verification."""
 
     records: int
-    findings: tuple[str, ...]  # one sentence each, the first ones
-    head: tuple[int, str]  # number and hash of the newest link
+    findings: tuple[str, ...]  # one sentence each, the first ones; of records in the order of the chain
+    newest: tuple[int, str] = (0, "")  # number and hash of the newest link
+    head: Head | None = None  # None where the pages cannot be trusted
 
 
-def verify(file: Path, told: Told = lambda share: None) -> Verdict:
-    """Return whether every page and every record of a database is as it was written."""
+def verify(file: Path, told: Told = lambda share: None, printed: Head | None = None) -> Verdict:
+    """Return whether every page and every record of a database is as it was written.
+
+    Where a `printed` head is given, also whether the database holds what that stands for.
+    """
     try:
         with closing(opened(file)) as connection:
             damaged_pages = tuple(_pages(connection))
             if damaged_pages:  # what such pages say need have no order and no end
-                return Verdict(0, damaged_pages, (0, ""))
-            findings = missing_protection(connection)
+                return Verdict(0, damaged_pages)
+            further = missing_protection(connection)
             told(0.1)
             chain = _ChainReader(connection)
             chain.read(lambda share: told(0.1 + 0.9 * share))
-            return Verdict(chain.records, tuple([*findings, *chain.findings][:_MOST_FINDINGS]), chain.head)
+            if printed is not None and (said := contradicted(connection, printed)) is not None:
+                further.append(said)
+            findings = (*chain.findings[:_MOST_FINDINGS], *further)
+            return Verdict(chain.records, findings, chain.newest, newest_head(connection))
     except LIBRARY.DatabaseError as error:
-        return Verdict(0, (f"The database cannot be read ({error}).",), (0, ""))
+        return Verdict(0, (f"The database cannot be read ({error}).",))
 
 
 def stream_findings(connection: Any, stream: int) -> Iterator[str]:
@@ -107,7 +115,7 @@ class _ChainReader:
         self._tables = {name: _Rows(connection, name) for name in metadata.tables if name != "links"}
         self._heads: dict[int, bytes] = {}
         self._last = 0
-        self.head = (0, "")
+        self.newest = (0, "")
         self.records = 0
         self.findings: list[str] = []
 
@@ -135,11 +143,11 @@ class _ChainReader:
 
     def _follow(self, stream: int, record: str, record_id: int, found: bytes) -> None:
         before, self._heads[stream] = self._heads.get(stream, GENESIS), found
-        self.head = (self._last, found.hex())
+        self.newest = (self._last, found.hex())
         self.records += 1
         table = self._tables.get(TABLE_NOW.get(record, record))
         if table is None:
-            self.findings.append(f"A link names the unknown table {record}.")
+            self.findings.append(f"Link {self._last} of the chain names the unknown table {record}.")
             return
         row, slipped_in = table.row(record_id)
         self.findings += [f"{_record(record, n, None)} was slipped in." for n in slipped_in]

@@ -40,5 +40,17 @@ def test_help_lists_every_command():
         [sys.executable, "-m", "truepose", "--help"], capture_output=True, text=True, check=True
     )
 
-    names = ("identify", "diagnose", "predict", "validate", "demo", "serve", "inspect", "verify", "nightly")
+    names = (
+        "identify",
+        "diagnose",
+        "predict",
+        "validate",
+        "demo",
+        "serve",
+        "inspect",
+        "verify",
+        "nightly",
+        "backup",
+        "restore",
+    )
     assert all(name in ended.stdout for name in names)

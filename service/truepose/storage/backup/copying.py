@@ -1,0 +1,108 @@
+"""A consistent copy of a database, also while a service writes to it.
+
+SQLite's own means make it from one reading transaction: it holds every record that was acknowledged before
+it began, in the order of the chain up to its head, and nothing in halves. Readers hold up no writer of a
+database with a write-ahead log, so that a session under way does not notice. Pages and end of the
+copy's chain are looked through before it gets its name; 'truepose verify' looks at every record.
+"""
+
+import contextlib
+import os
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final
+
+from truepose.storage.connection.library import LIBRARY
+from truepose.storage.connection.place import sync_folder
+from truepose.storage.errors import BackupError, DatabaseAddressError
+from truepose.storage.integrity.head import Head, newest_head
+from truepose.storage.integrity.verification import missing_protection, opened
+
+Told = Callable[[float, str], None]  # which share is done, and of what
+_PAGES: Final = 4096  # at a time, 16 MB: between two of them is told how far it is
+_COPYING: Final = 0.6  # of the time that everything takes
+
+
+@dataclass(frozen=True, slots=True)
+class Backup:
+    """A copy that was verified."""
+
+    file: Path
+    size_bytes: int
+    head: Head  # of the chain in it
+
+
+def back_up(
+    database: Path, target: Path, told: Told = lambda share, doing: None, *, replace: bool = False
+) -> Backup:
+    """Copy a database to `target` and verify the copy.
+
+    Raises
+    ------
+    DatabaseAddressError
+        There is no such database.
+    BackupError
+        Something lies at `target` already and `replace` does not allow it to go, the disk refuses, or the
+        copy is not what was read.
+    """
+    if not database.is_file():
+        raise DatabaseAddressError(f"There is no database {database}.")
+    if target.exists() and (not replace or target.samefile(database)):
+        raise BackupError(f"{target} is there already; choose another file.")
+    part = target.with_name(f"{target.name}.part")
+    try:
+        target.parent.mkdir(parents=True, exist_ok=True)
+        with _removed_at_the_end(part):
+            head = copy_database(database, part, lambda share: told(_COPYING * share, "copying"))
+            told(_COPYING, "verifying")
+            require_copy(part, head)
+            part.replace(target)
+            sync_folder(target.parent)
+    except (OSError, LIBRARY.DatabaseError) as error:
+        raise BackupError(f"{database} cannot be copied to {target} ({error}); nothing was kept.") from error
+    told(1.0, "verified")
+    return Backup(target, target.stat().st_size, head)
+
+
+def copy_database(database: Path, target: Path, told: Callable[[float], None]) -> Head:
+    """Write everything that a database holds into one file, on the disk, and return the head of its chain."""
+
+    def copied(_status: int, left: int, of: int) -> None:
+        told(1.0 - left / max(of, 1))
+
+    with contextlib.closing(opened(database)) as source, contextlib.closing(LIBRARY.connect(target)) as copy:
+        source.execute("BEGIN")
+        head = newest_head(source)
+        source.backup(copy, pages=_PAGES, progress=copied)
+        # One file that can be read from wherever it lies; a service opens its log anew.
+        copy.execute("PRAGMA journal_mode=DELETE")
+    with target.open("rb+") as written:
+        os.fsync(written.fileno())
+    return head
+
+
+def require_copy(file: Path, head: Head) -> None:
+    """Raise BackupError where the pages of a copy are not whole, or its chain ends otherwise."""
+    with contextlib.closing(opened(file)) as copy:
+        found = [*_amiss(copy, head)]
+    if found:
+        raise BackupError(f"The copy {file} is not what was read: {found[0]} Nothing was kept.")
+
+
+def _amiss(copy: Any, head: Head) -> Iterator[str]:
+    for (said,) in copy.execute("PRAGMA integrity_check(1)"):
+        if bytes(said) != b"ok":
+            yield f"{bytes(said).decode(errors='replace')}."
+    yield from missing_protection(copy)
+    if newest_head(copy) != head:
+        yield "The newest records are not those of the database."
+
+
+@contextlib.contextmanager
+def _removed_at_the_end(part: Path) -> Iterator[None]:
+    part.unlink(missing_ok=True)
+    try:
+        yield
+    finally:
+        part.unlink(missing_ok=True)

@@ -1,0 +1,96 @@
+"""A copy is put back: verified first, never over a database that is in use, the one before kept aside."""
+
+import contextlib
+import shutil
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Final
+
+from truepose.storage.backup.copying import Told, copy_database, require_copy
+from truepose.storage.connection.library import LIBRARY
+from truepose.storage.connection.lock import ServiceLock
+from truepose.storage.connection.place import sync_folder
+from truepose.storage.errors import BackupError, DatabaseUsedError
+from truepose.storage.integrity.arrival import verify_left
+from truepose.storage.integrity.head import Head
+from truepose.storage.integrity.verification import Verdict, opened
+
+ASIDE: Final = "before-restore"
+_PARTS: Final = ("", "-wal", "-shm", ".seal")
+_VERIFYING: Final = 0.7  # of the time that everything takes
+
+
+def restore(
+    copy: Path, database: Path, told: Told = lambda share, doing: None, *, replace: bool = False
+) -> tuple[Head, Path | None]:
+    """Put a copy in the place of a database; returns the head of its chain, and where the one before is kept.
+
+    Raises
+    ------
+    DatabaseAddressError
+        There is no such copy.
+    BackupError
+        The copy is not whole, or the disk refuses.
+    DatabaseUsedError
+        Records are at that place, and `replace` does not allow them to be put aside.
+    DatabaseInUseError
+        A service has the database open.
+    """
+    head = _require_whole(verify_left(copy, lambda share: told(_VERIFYING * share, "verifying")), copy)
+    lock = ServiceLock(database)  # makes an empty file where there is none
+    try:
+        used = _has_records(database)
+        if used and not replace:
+            raise DatabaseUsedError(
+                f"{database} holds records already; '--replace' puts them aside and restores the copy."
+            )
+        told(_VERIFYING, "copying")
+        return head, _put_in_place(copy, database, head, used)
+    except (OSError, LIBRARY.DatabaseError) as error:
+        raise BackupError(f"{copy} cannot be restored to {database} ({error}).") from error
+    finally:
+        lock.release()
+
+
+def _require_whole(verdict: Verdict, copy: Path) -> Head:
+    if verdict.findings or verdict.head is None:
+        raise BackupError(f"{copy} is not whole, nothing was restored. {verdict.findings[0]}")
+    return verdict.head
+
+
+def _has_records(database: Path) -> bool:
+    """Whether anything was ever kept there; a file that is no database of ours is not ours to put aside."""
+    if database.stat().st_size == 0:
+        return False
+    with contextlib.suppress(LIBRARY.OperationalError), contextlib.closing(opened(database)) as connection:
+        return connection.execute("SELECT max(id) FROM links").fetchone()[0] is not None
+    return True
+
+
+def _put_in_place(copy: Path, database: Path, head: Head, used: bool) -> Path | None:
+    fresh = database.with_name(f"{database.name}.restored")
+    fresh.unlink(missing_ok=True)
+    try:
+        copy_database(copy, fresh, lambda share: None)
+        require_copy(fresh, head)
+        aside = _put_aside(database) if used else None
+        for part in _PARTS[1:]:
+            database.with_name(f"{database.name}{part}").unlink(missing_ok=True)
+        fresh.replace(database)
+        sync_folder(database.parent)
+    finally:
+        fresh.unlink(missing_ok=True)
+    return aside
+
+
+def _put_aside(database: Path) -> Path:
+    """Keep a database with its log and seal; raises BackupError where no name is free."""
+    stamp = datetime.now(UTC).strftime("%Y%m%dT%H%M%SZ")
+    aside = database.with_name(f"{database.name}.{ASIDE}-{stamp}")
+    if aside.exists():
+        raise BackupError(f"{aside} is there already; nothing was restored.")
+    for part in _PARTS:
+        beside = database.with_name(f"{database.name}{part}")
+        if beside.exists():
+            shutil.move(beside, aside.with_name(f"{aside.name}{part}"))
+    return aside

@@ -1,0 +1,189 @@
+"""Copies of a database: whole, of what was acknowledged, and put back without losing what was there."""
+
+import asyncio
+import json
+import os
+import subprocess
+import sys
+
+import pytest
+
+from tests.helpers.domain.tracker_sessions import make_plan, make_point, make_setup, point_taken
+from truepose.storage.backup import copying
+from truepose.storage.backup.copying import back_up
+from truepose.storage.backup.restoring import restore
+from truepose.storage.connection.library import LIBRARY
+from truepose.storage.database import Database
+from truepose.storage.errors import BackupError, DatabaseAddressError, DatabaseInUseError, DatabaseUsedError
+from truepose.storage.integrity.arrival import verify_left
+from truepose.storage.measurement.ledger import LedgerRepository
+from truepose.storage.measurement.sessions import SessionRepository
+
+
+async def add(database, name):
+    return await SessionRepository(database).add(name, make_setup(), make_plan())
+
+
+def names(file):
+    connection = LIBRARY.connect(file)
+    try:
+        return [name for (name,) in connection.execute("SELECT name FROM sessions ORDER BY id")]
+    finally:
+        connection.close()
+
+
+@pytest.fixture
+def copy(tmp_path):
+    return tmp_path / "copies" / "copy.sqlite3"
+
+
+async def test_a_copy_of_a_database_in_use_holds_all_that_was_acknowledged(database, copy):
+    await add(database, "first")
+    head = await database.head()
+
+    made = await asyncio.to_thread(back_up, database.file, copy)
+
+    assert made.head == head
+    assert made.size_bytes == copy.stat().st_size
+    assert [path.name for path in copy.parent.iterdir()] == ["copy.sqlite3"]
+    verdict = verify_left(copy)
+    assert (verdict.findings, verdict.head) == ((), head)
+
+
+async def test_a_copy_under_load_is_a_prefix_in_the_order_of_the_acknowledgements(database, copy):
+    session, ledger = await add(database, "busy"), LedgerRepository(database)
+    acknowledged = []
+
+    async def measure():
+        for config in range(1, 200):
+            await ledger.append(session, point_taken(make_point(config)))
+            acknowledged.append(config)
+
+    measuring = asyncio.create_task(measure())
+    while len(acknowledged) < 5:
+        await asyncio.sleep(0)
+    before = len(acknowledged)
+    await asyncio.to_thread(back_up, database.file, copy)
+    measuring.cancel()
+    await asyncio.gather(measuring, return_exceptions=True)
+
+    with LIBRARY.connect(copy) as copied:
+        held = [config for (config,) in copied.execute("SELECT config FROM readings ORDER BY id")]
+    copied.close()
+    assert held == [*range(1, len(held) + 1)]
+    assert len(held) >= before
+    assert verify_left(copy).findings == ()
+
+
+async def test_a_copy_that_the_disk_spoils_is_not_kept(database, copy, monkeypatch):
+    await add(database, "first")
+    written = copying.copy_database
+
+    def spoilt(source, target, told):
+        head = written(source, target, told)
+        with target.open("rb+") as file:
+            file.seek(4096)
+            file.write(os.urandom(4096))
+        return head
+
+    monkeypatch.setattr(copying, "copy_database", spoilt)
+
+    with pytest.raises(BackupError, match=r"cannot be copied|not what was read"):
+        await asyncio.to_thread(back_up, database.file, copy)
+    assert [*copy.parent.iterdir()] == []
+
+
+async def test_a_copy_takes_the_place_of_nothing_unasked(database, copy):
+    await add(database, "first")
+    await asyncio.to_thread(back_up, database.file, copy)
+    await add(database, "second")
+
+    with pytest.raises(BackupError, match="is there already"):
+        back_up(database.file, copy)
+    assert names(copy) == ["first"]
+    with pytest.raises(BackupError, match="is there already"):
+        back_up(database.file, database.file, replace=True)
+
+    back_up(database.file, copy, replace=True)
+    assert names(copy) == ["first", "second"]
+
+
+def test_nothing_is_copied_of_a_database_that_is_not_there(tmp_path, copy):
+    with pytest.raises(DatabaseAddressError, match="no database"):
+        back_up(tmp_path / "none", copy)
+    assert not copy.parent.exists()
+
+
+@pytest.fixture
+async def left(database_url, copy):
+    """A database with a session more than its copy, which a service closed in order."""
+    database = Database(database_url)
+    await add(database, "first")
+    back_up(database.file, copy)
+    await add(database, "second")
+    database.close()
+    return database.file
+
+
+def test_a_copy_is_restored_where_there_is_nothing(left, copy, tmp_path):
+    head, kept = restore(copy, tmp_path / "fresh" / "cell.sqlite3")
+
+    assert kept is None
+    assert names(tmp_path / "fresh" / "cell.sqlite3") == ["first"]
+    assert verify_left(tmp_path / "fresh" / "cell.sqlite3").head == head
+
+
+def test_a_used_database_is_not_overwritten_unasked(left, copy):
+    with pytest.raises(DatabaseUsedError, match="holds records already"):
+        restore(copy, left)
+
+    assert names(left) == ["first", "second"]
+
+
+def test_what_is_replaced_is_kept_with_all_that_was_in_it(left, copy, database_url):
+    _, kept = restore(copy, left, replace=True)
+
+    assert names(left) == ["first"]
+    assert names(kept) == ["first", "second"]
+    assert verify_left(kept).findings == ()
+    database = Database(database_url)  # nobody misses the newest records: they were put aside on purpose
+    assert database.condition.fault is None
+    database.close()
+
+
+async def test_a_database_in_use_is_not_replaced(database, copy):
+    await add(database, "first")
+    back_up(database.file, copy)
+
+    with pytest.raises(DatabaseInUseError):
+        restore(copy, database.file, replace=True)
+    assert names(database.file) == ["first"]
+
+
+def test_a_copy_that_was_changed_is_not_restored(left, copy, tmp_path):
+    with LIBRARY.connect(copy) as changed:
+        changed.executescript("DROP TRIGGER sessions_no_update; UPDATE sessions SET name = 'other';")
+    changed.close()
+
+    with pytest.raises(BackupError, match="Record 1 of the sessions"):
+        restore(copy, tmp_path / "fresh.sqlite3")
+    assert not (tmp_path / "fresh.sqlite3").exists()
+
+
+def truepose(*arguments):
+    command = [sys.executable, "-m", "truepose", *map(str, arguments)]
+    return subprocess.run(command, capture_output=True, text=True, check=False)
+
+
+async def test_the_commands_copy_restore_and_verify(database, database_url, copy, tmp_path):
+    await add(database, "first")
+    head = (await database.head()).text
+
+    made = truepose("backup", copy, "--database", database_url, "--json")
+    refused = truepose("restore", copy, "--database", database_url, "--replace")
+    verified = truepose("verify", copy, "--head", head)
+
+    assert (made.returncode, json.loads(made.stdout)["head"]) == (0, head), made.stderr
+    assert (refused.returncode, refused.stdout) == (3, "")
+    assert "in use" in refused.stderr
+    assert (verified.returncode, f"Chain head {head}" in verified.stdout) == (0, True), verified.stdout
