@@ -85,7 +85,7 @@ async def session_cost(plan: SessionPlan, folder: Path) -> Cost:
         begun_s, cpu_s = time.perf_counter(), time.process_time()
         ended = await operator.attend(runner, asyncio.create_task(runner.run()))
         spent = time.perf_counter() - begun_s, time.process_time() - cpu_s
-        lines = len(await LedgerRepository(database).page(session_id))
+        lines = len(await LedgerRepository(database).whole(session_id))
     finally:
         database.close()
     if ended is not SessionState.FINISHED:

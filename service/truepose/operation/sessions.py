@@ -192,7 +192,7 @@ class SessionDesk:
         control: Control | None = None,
     ) -> int:
         """Put on record that a session that nobody runs has entered a state; returns the line's number."""
-        kept = await self.ledger.page(session_id)
+        kept = await self.ledger.whole(session_id)
         time_s = kept[-1].entry.time_s if kept else 0.0
         entry = LedgerEntry("", EntryKind.CONTROL, time_s, text=reason, entered=state, control=control)
         if act is not None:
@@ -216,7 +216,7 @@ class SessionDesk:
     async def take_up(self, kind: SessionKind[Any], record: SessionRecord) -> UnderWay:
         """Have a session run from where its ledger ends; the caller holds `turn`, or nobody acts yet."""
         await self.sessions.require_intact(record.id)
-        ledger = SessionLedger(record.id, self.ledger, await self.ledger.page(record.id))
+        ledger = SessionLedger(record.id, self.ledger, await self.ledger.whole(record.id))
         runner = await kind.runner(record, await self.sessions.setup(record.id), ledger)
         self.rack.lend(record.id)
         task = asyncio.create_task(self._run(kind, record.id, runner), name=f"session {record.id}")

@@ -7,6 +7,7 @@ from sqlalchemy import ColumnElement, Row, Select, Table
 
 from truepose.storage.database import Database
 from truepose.storage.errors import NotFoundError
+from truepose.storage.parts import Part, part_of
 from truepose.storage.records import Page
 
 R = TypeVar("R")
@@ -40,10 +41,10 @@ class NumberedRecords(Generic[R]):
             raise NotFoundError(self._kind, number)
         return found[0]
 
-    async def page(self, page: Page) -> list[R]:
-        """Return records, oldest first."""
-        query = self._select_all().where(self._id > page.after).order_by(self._id).limit(page.limit)
-        return await self._listed(query)
+    async def page(self, page: Page, *conditions: ColumnElement[bool]) -> Part[R]:
+        """Return records of which all conditions hold, oldest first."""
+        query = self._select_all().where(*conditions)
+        return await self._database.read(lambda c: part_of(c, query, self._id, page, self._read))
 
     async def newest(self, count: int, *conditions: ColumnElement[bool]) -> list[R]:
         """Return the latest records of which all conditions hold, newest first."""

@@ -6,7 +6,7 @@ from contextlib import AbstractAsyncContextManager
 from functools import cache
 from typing import Any, Final, TypeAlias
 
-from fastapi import APIRouter, FastAPI
+from fastapi import APIRouter, Depends, FastAPI
 from fastapi.openapi.utils import get_openapi
 from fastapi.routing import APIRoute
 from starlette.types import ASGIApp
@@ -38,6 +38,7 @@ from truepose.web.measurement import (
     simulated_faults,
     simulated_hands,
 )
+from truepose.web.queries import only_known_parameters
 from truepose.web.tablet import routes as tablet
 
 Application: TypeAlias = FastAPI
@@ -122,7 +123,9 @@ def create_application(
 @cache
 def _resources() -> APIRouter:
     """Return all routes; they keep nothing of an application, so that every one of a process has the same."""
-    api = APIRouter(prefix="/api/v1")
+    api = APIRouter(
+        prefix="/api/v1", dependencies=[Depends(only_known_parameters)], responses=problems.problems(422)
+    )
     for resource in _RESOURCES:
         api.include_router(resource.router)
     every = APIRouter(generate_unique_id_function=_operation_id)

@@ -3,17 +3,18 @@
 from fastapi import APIRouter, Response
 
 from truepose.web.context import Context, Here
-from truepose.web.parameters import Id, PageQuery
+from truepose.web.paging import Paged, listing
+from truepose.web.parameters import Id
 from truepose.web.problems import problems
 from truepose.web.schemas.jobs import JobReply, job_reply
 
 router = APIRouter(prefix="/jobs", tags=["jobs"])
 
 
-@router.get("", responses=problems(422, 503))
-async def list_jobs(here: Here, page: PageQuery) -> list[JobReply]:
+@router.get("", responses=listing(422, 503))
+async def list_jobs(here: Here, paging: Paged) -> list[JobReply]:
     """List jobs, oldest first."""
-    return [job_reply(record) for record in await here.jobs.page(page)]
+    return paging.shown(await here.jobs.page(paging.page), job_reply)
 
 
 @router.get("/{id}", responses=problems(404, 422, 503))

@@ -6,7 +6,7 @@ from typing import Annotated
 from fastapi import Depends, Header, Path, Query, Request
 from pydantic import Field
 
-from truepose.storage.records import Page, RequestKey
+from truepose.storage.records import RequestKey
 from truepose.web.schemas.base import KEY, NUMBER_LIMIT
 
 Id = Annotated[int, Path(ge=1, le=NUMBER_LIMIT, description="Number of the record.", examples=[3])]
@@ -47,13 +47,6 @@ NeededKey = Annotated[
 ]
 
 
-def _page(
-    after: Annotated[int, Query(ge=0, le=NUMBER_LIMIT, description="List records above this number.")] = 0,
-    limit: Annotated[int, Query(ge=1, le=1000, description="At most so many records.")] = 100,
-) -> Page:
-    return Page(after, limit)
-
-
 async def _json_key(request: Request, key: IdempotencyKey = None) -> RequestKey | None:
     return None if key is None else request_key(request, key, await request.body())
 
@@ -76,6 +69,5 @@ def request_key(request: Request, key: str, body: bytes) -> RequestKey:
     return RequestKey(key, hashlib.sha256(said).hexdigest())
 
 
-PageQuery = Annotated[Page, Depends(_page)]
 OptionalKey = Annotated[RequestKey | None, Depends(_json_key)]
 RequiredKey = Annotated[RequestKey, Depends(_needed_key)]

@@ -127,7 +127,7 @@ async def test_what_was_under_way_awaits_a_person_and_what_was_planned_stays_so(
     assert (found.state, scene.runners) == (SessionState.AWAITING_CONFIRMATION, [])
     assert "restarted" in found.reason
     assert (await scene.sessions.get(planned)).state is SessionState.PLANNED
-    assert (await scene.ledger.page(running))[-1].entry.time_s == 7.0
+    assert (await scene.ledger.whole(running))[-1].entry.time_s == 7.0
 
 
 async def test_a_service_that_cannot_write_ends_all_the_same(scene, caplog, monkeypatch):

@@ -70,7 +70,7 @@ async def test_an_entry_comes_back_as_it_was_written(ledger, session_id):
 
     numbers = [await ledger.append(session_id, entry) for entry in entries]
 
-    kept = await ledger.page(session_id)
+    kept = await ledger.whole(session_id)
     assert [record.entry for record in kept] == entries
     assert [record.id for record in kept] == numbers == sorted(numbers)
 
@@ -81,7 +81,7 @@ async def test_a_repeated_key_returns_the_earlier_entry_and_changes_nothing(ledg
     again = await ledger.append(session_id, measured("placement-1/pose-1/leg-1-2", 299.0, key="k1"))
 
     assert again == first
-    assert [record.entry.step_id for record in await ledger.page(session_id)] == [
+    assert [record.entry.step_id for record in await ledger.whole(session_id)] == [
         "placement-1/pose-1/leg-1-1"
     ]
     assert (await ledger.entry_with(session_id, "k1")).id == first
@@ -197,7 +197,7 @@ async def test_a_state_is_entered_with_the_entry_that_says_so(ledger, sessions, 
 async def test_a_line_whose_text_said_what_it_means_is_read_as_one_of_today(ledger, session_id, before, now):
     await ledger.append(session_id, LedgerEntry("", EntryKind.CONTROL, 5.0, text=before))
 
-    (record,) = await ledger.page(session_id)
+    (record,) = await ledger.whole(session_id)
 
     assert record.entry == LedgerEntry("", EntryKind.CONTROL, 5.0, **now)
     assert record.entry.told == before
@@ -207,6 +207,6 @@ async def test_a_reason_that_begins_like_a_state_is_none(ledger, session_id):
     kept = LedgerEntry("tool/detach", EntryKind.SKIPPED, 5.0, text="paused: nobody was there")
     await ledger.append(session_id, kept)
 
-    (record,) = await ledger.page(session_id)
+    (record,) = await ledger.whole(session_id)
 
     assert record.entry == kept

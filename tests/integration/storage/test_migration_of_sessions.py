@@ -51,7 +51,7 @@ def write_old(file):
 
 
 async def entries(database, session_id):
-    return tuple(record.entry for record in await LedgerRepository(database).page(session_id))
+    return tuple(record.entry for record in await LedgerRepository(database).whole(session_id))
 
 
 async def stands(database, session_id):
@@ -114,7 +114,7 @@ async def test_a_killed_session_is_taken_up_and_measures_what_is_missing(databas
     sessions = SessionRepository(database)
     cell = FakeCell()
     lines = LedgerRepository(database)
-    ledger = SessionLedger(KILLED, lines, await lines.page(KILLED))
+    ledger = SessionLedger(KILLED, lines, await lines.whole(KILLED))
     runner = TrackerRunner(await sessions.plan(KILLED), cell.cell, ledger, ledger.earlier)
 
     ended = await PatientOperator().attend_from_the_start(runner)

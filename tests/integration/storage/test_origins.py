@@ -91,7 +91,7 @@ async def test_a_ballbar_session_is_dated_by_its_last_length(database, records):
     ledger = LedgerRepository(database)
     number = await records.sessions.add("first", REAL, make_ballbar_plan())
     await ledger.append(number, measured("placement-1/pose-1/leg-1-1"))
-    taken = (await ledger.page(number))[-1].recorded_at
+    taken = (await ledger.whole(number))[-1].recorded_at
     await ledger.append(number, LedgerEntry("placement-1/pose-1/detach", EntryKind.CONFIRMED, 90.0))
 
     found = await records.diagnoses.get(await records.diagnosis(await records.campaign([number])))

@@ -56,7 +56,7 @@ class ServiceClient:
 
     async def end_left_sessions(self) -> None:
         """End the sessions that an interrupted run left in the database; their readings stay."""
-        for session in await self.get("/sessions?limit=1000"):
+        for session in await self._whole("/sessions"):
             if session["state"] not in {*_ENDED_SESSION, "planned"}:
                 await self._post(f"/sessions/{session['id']}/abort", {"person": PERSON})
 
@@ -150,10 +150,14 @@ class ServiceClient:
 
     async def readings(self, session_id: int) -> list[dict[str, Any]]:
         """Return every reading of a session, those that no longer count included."""
+        return await self._whole(f"/sessions/{session_id}/readings")
+
+    async def _whole(self, path: str) -> list[dict[str, Any]]:
+        """Return all records of a list, page by page."""
         found: list[dict[str, Any]] = []
         while True:
             after = found[-1]["id"] if found else 0
-            page = await self.get(f"/sessions/{session_id}/readings?after={after}&limit={_PAGE}")
+            page = await self.get(f"{path}?after={after}&limit={_PAGE}")
             found += page
             if len(page) < _PAGE:
                 return found

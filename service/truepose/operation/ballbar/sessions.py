@@ -29,6 +29,7 @@ from truepose.sequencing.engine.motion.plausible_robot import WatchfulRobot
 from truepose.sequencing.engine.states import has_ended, words
 from truepose.sequencing.errors import NotNowError
 from truepose.storage.errors import NotFoundError
+from truepose.storage.parts import Part
 from truepose.storage.records import LedgerRecord, Page, RequestKey, SessionRecord, SessionSetup
 from truepose_drivers.api import MotionLimits
 
@@ -95,7 +96,7 @@ class BallbarSessions(SessionKind[BallbarRunner]):
         fixed = await self._what_is_fixed(session_id)
         runner, under_way = self.running(session_id), self.desk.under_way(session_id)
         if runner is None or under_way is None:
-            kept = await self.desk.ledger.page(session_id)
+            kept = await self.desk.ledger.whole(session_id)
             found = _run_by_nobody(fixed, [record.entry for record in kept])
             return self._view(session_id, fixed, found, kept[-1].id if kept else None)
         return replace(
@@ -143,11 +144,11 @@ class BallbarSessions(SessionKind[BallbarRunner]):
         """Return the campaign of what counts so far; raises NotFoundError, NothingMeasuredError."""
         fixed = await self._what_is_fixed(session_id)
         kit = kit_of(fixed.setup)
-        entries = [record.entry for record in await self.desk.ledger.page(session_id)]
+        entries = [record.entry for record in await self.desk.ledger.whole(session_id)]
         counts = await asyncio.to_thread(counting, fixed.plan, kit, entries)
         return assemble_ballbar_campaign(f"session {session_id}", fixed.setup, kit, counts)
 
-    async def entries(self, session_id: int, page: Page) -> list[LedgerRecord]:
+    async def entries(self, session_id: int, page: Page) -> Part[LedgerRecord]:
         """Return what happened, oldest first; raises NotFoundError."""
         await self.get(session_id)
         return await self.desk.ledger.page(session_id, page)

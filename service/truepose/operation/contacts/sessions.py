@@ -65,7 +65,7 @@ class ContactSessions(AskedSessionKind[ContactRunner]):
 
     async def _measured(self, session_id: int) -> tuple[str, ContactPlan, Sequence[ContactTaken]]:
         await self.get(session_id)
-        lines = await self.desk.ledger.page(session_id)
+        lines = await self.desk.ledger.whole(session_id)
         plan = await self.desk.sessions.contact_plan(session_id)
         return f"session {session_id}", plan, taken_of(line.entry for line in lines)
 

@@ -99,7 +99,7 @@ class TrackerSessions(AskedSessionKind[TrackerRunner]):
             raise NotNowError(
                 f"Session {record.id} is {words(record.state)}; plan a new one for what is missing."
             )
-        entries = [line.entry for line in await self.desk.ledger.page(record.id)]
+        entries = [line.entry for line in await self.desk.ledger.whole(record.id)]
         require_fit(cell, extended_plan(plan, added.stops), _done(plan, cell, entries))
         await keep()
 

@@ -14,6 +14,7 @@ from truepose.storage.database import Database
 from truepose.storage.documents import from_document, to_document
 from truepose.storage.errors import NotFoundError
 from truepose.storage.numbered import NumberedRecords
+from truepose.storage.parts import Part
 from truepose.storage.records import CorrectionRecord, JobState, Page
 from truepose.storage.rows import add_row
 from truepose.storage.tables import campaigns, corrections, diagnoses, identifications, models
@@ -65,10 +66,9 @@ class CorrectionRepository(NumberedRecords[CorrectionRecord]):
 
         return await self._database.write(work)
 
-    async def of_model(self, model_id: int, page: Page) -> list[CorrectionRecord]:
+    async def of_model(self, model_id: int, page: Page) -> Part[CorrectionRecord]:
         """Return the corrections by a model, oldest first."""
-        query = _records().where(corrections.c.model_id == model_id, corrections.c.id > page.after)
-        return await self._listed(query.order_by(corrections.c.id).limit(page.limit))
+        return await self.page(page, corrections.c.model_id == model_id)
 
     async def file(self, correction_id: int) -> bytes:
         """Return the corrected file; raises NotFoundError."""

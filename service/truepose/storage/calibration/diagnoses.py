@@ -13,6 +13,7 @@ from truepose.storage.calibration.origins import Origin, simulated_campaign
 from truepose.storage.database import Database
 from truepose.storage.documents import from_document, to_document
 from truepose.storage.numbered import NumberedRecords
+from truepose.storage.parts import Part
 from truepose.storage.records import DiagnosisRecord, JobState, Page
 from truepose.storage.rows import add_row
 from truepose.storage.tables import campaigns, diagnoses, models
@@ -63,7 +64,7 @@ class DiagnosisRepository:
         """Return a diagnosis; raises NotFoundError."""
         return await self._whole.get(diagnosis_id)
 
-    async def page(self, page: Page) -> list[DiagnosisRecord]:
+    async def page(self, page: Page) -> Part[DiagnosisRecord]:
         """Return diagnoses without their drawings, oldest first."""
         return await self._undrawn.page(page)
 

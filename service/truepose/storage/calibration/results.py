@@ -13,6 +13,7 @@ from truepose.storage.database import Database
 from truepose.storage.documents import from_document, to_document
 from truepose.storage.measurement.sessions import add_session
 from truepose.storage.numbered import NumberedRecords
+from truepose.storage.parts import Part
 from truepose.storage.records import (
     IdentificationRecord,
     JobState,
@@ -87,7 +88,7 @@ class ResultRepository:
         """Return an identification; raises NotFoundError."""
         return await self._identifications.get(identification_id)
 
-    async def identifications(self, page: Page) -> list[IdentificationRecord]:
+    async def identifications(self, page: Page) -> Part[IdentificationRecord]:
         """Return identifications, oldest first."""
         return await self._identifications.page(page)
 
@@ -95,7 +96,7 @@ class ResultRepository:
         """Return a model; raises NotFoundError."""
         return await self._models.get(model_id)
 
-    async def models(self, page: Page) -> list[ModelRecord]:
+    async def models(self, page: Page) -> Part[ModelRecord]:
         """Return models, oldest first."""
         return await self._models.page(page)
 
@@ -107,7 +108,7 @@ class ResultRepository:
         """Return a validation; raises NotFoundError."""
         return await self._validations.get(validation_id)
 
-    async def validations(self, page: Page) -> list[ValidationRecord]:
+    async def validations(self, page: Page) -> Part[ValidationRecord]:
         """Return validations, oldest first."""
         return await self._validations.page(page)
 

@@ -24,11 +24,11 @@ from truepose.storage.measurement.sessions import (
     add_state,
 )
 from truepose.storage.measurement.tracker_readings import add_fixed_nest, add_point
+from truepose.storage.parts import Part, part_of
 from truepose.storage.records import ActAnswer, LedgerRecord, Page, RequestKey
 from truepose.storage.rows import add_row
 from truepose.storage.tables import ballbar_answers, readings, session_entries, sessions
 
-_ALL = Page(limit=-1)  # SQLite: a negative limit is none
 _RESTARTED_BEFORE = "The service was started anew."
 
 
@@ -50,15 +50,14 @@ class LedgerRepository:
         """Return once entries are taken again, after one was refused."""
         await self._database.writable()
 
-    async def page(self, session_id: int, page: Page = _ALL) -> list[LedgerRecord]:
-        """Return the entries of a session, oldest first."""
-        table = session_entries
-        query = (
-            _records()
-            .where(table.c.session_id == session_id, table.c.id > page.after)
-            .order_by(table.c.id)
-            .limit(page.limit)
-        )
+    async def page(self, session_id: int, page: Page) -> Part[LedgerRecord]:
+        """Return some entries of a session, oldest first."""
+        query, number = _records_of(session_id), session_entries.c.id
+        return await self._database.read(lambda c: part_of(c, query, number, page, _record))
+
+    async def whole(self, session_id: int) -> list[LedgerRecord]:
+        """Return all entries of a session, oldest first."""
+        query = _records_of(session_id).order_by(session_entries.c.id)
         return await self._database.read(lambda c: [_record(row) for row in c.execute(query)])
 
     async def newest(self, session_id: int) -> int | None:
@@ -162,6 +161,10 @@ def _records() -> Select[Any]:
     joined = session_entries.outerjoin(readings, readings.c.id == session_entries.c.reading_id)
     read = readings.c.kind.label("reading_kind"), readings.c.document.label("reading")
     return select(session_entries, *read).select_from(joined)
+
+
+def _records_of(session_id: int) -> Select[Any]:
+    return _records().where(session_entries.c.session_id == session_id)
 
 
 def _record(row: Row[Any]) -> LedgerRecord:

@@ -5,13 +5,14 @@ Lengths of a ballbar are lines of the `ledger`.
 
 from typing import Any
 
-from sqlalchemy import Connection, Row, Select, select
+from sqlalchemy import ColumnElement, Connection, Row, Select, select
 
 from truepose.domain.session import FixedNestTaken, PointTaken
 from truepose.storage.database import Database
 from truepose.storage.documents import from_document, to_document
 from truepose.storage.events import add_event
 from truepose.storage.numbered import NumberedRecords
+from truepose.storage.parts import Part
 from truepose.storage.records import Page, ReadingKind, ReadingRecord
 from truepose.storage.rows import add_row
 from truepose.storage.tables import readings
@@ -49,29 +50,33 @@ class ReadingRepository:
         session_id: int | None = None,
         kind: ReadingKind | None = None,
         superseded: bool = True,
-    ) -> list[ReadingRecord]:
+    ) -> Part[ReadingRecord]:
         """Return readings, oldest first; with `superseded` false only those that count."""
-        query = _records().where(readings.c.id > page.after).order_by(readings.c.id).limit(page.limit)
-        if session_id is not None:
-            query = query.where(readings.c.session_id == session_id)
-        if kind is not None:
-            query = query.where(readings.c.kind == kind)
-        if not superseded:
-            query = query.where(_SUCCESSOR.c.id.is_(None))
-        return await self._database.read(lambda c: [_record(row) for row in c.execute(query)])
+        wanted = [
+            *([] if session_id is None else [readings.c.session_id == session_id]),
+            *([] if kind is None else [readings.c.kind == kind]),
+            *([] if superseded else [_SUCCESSOR.c.id.is_(None)]),
+        ]
+        return await self._every.page(page, *wanted)
 
     async def points(self, session_id: int) -> list[PointTaken]:
         """Return every reading of a tool nest that counts, in the order they were taken."""
-        found = await self.page(_ALL, session_id=session_id, kind="point", superseded=False)
+        found = await self._of_session(session_id, "point", _SUCCESSOR.c.id.is_(None))
         return [record.reading for record in found if isinstance(record.reading, PointTaken)]
 
     async def fixed_nests(self, session_id: int) -> list[FixedNestTaken]:
         """Return every reading of a fixed nest, in the order they were taken."""
-        found = await self.page(_ALL, session_id=session_id, kind="fixed_nest")
+        found = await self._of_session(session_id, "fixed_nest")
         return [record.reading for record in found if isinstance(record.reading, FixedNestTaken)]
 
+    async def _of_session(
+        self, session_id: int, kind: ReadingKind, *conditions: ColumnElement[bool]
+    ) -> list[ReadingRecord]:
+        wanted = (readings.c.session_id == session_id, readings.c.kind == kind, *conditions)
+        query = _records().where(*wanted).order_by(readings.c.id)
+        return await self._database.read(lambda c: [_record(row) for row in c.execute(query)])
 
-_ALL = Page(limit=-1)  # SQLite: a negative limit is none
+
 _SUCCESSOR = readings.alias("successor")
 
 

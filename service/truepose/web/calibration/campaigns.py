@@ -13,7 +13,8 @@ from pydantic import TypeAdapter, ValidationError
 from starlette.datastructures import UploadFile
 
 from truepose.web.context import Context, Here
-from truepose.web.parameters import Id, IdempotencyKey, OptionalKey, PageQuery, request_key
+from truepose.web.paging import Paged, listing
+from truepose.web.parameters import Id, IdempotencyKey, OptionalKey, request_key
 from truepose.web.presence import while_present
 from truepose.web.problems import problems
 from truepose.web.schemas.base import VISIBLE, Day
@@ -104,10 +105,10 @@ async def make_campaign(
     return campaign_reply(await here.campaigns.get(number))
 
 
-@router.get("/campaigns", responses=problems(422, 503))
-async def list_campaigns(here: Here, page: PageQuery) -> list[CampaignReply]:
+@router.get("/campaigns", responses=listing(422, 503))
+async def list_campaigns(here: Here, paging: Paged) -> list[CampaignReply]:
     """List campaigns, oldest first."""
-    return [campaign_reply(record) for record in await here.campaigns.page(page)]
+    return paging.shown(await here.campaigns.page(paging.page), campaign_reply)
 
 
 @router.get("/campaigns/{id}", responses=problems(404, 422, 503))

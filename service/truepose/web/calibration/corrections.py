@@ -19,10 +19,10 @@ from truepose.exchange.programs.understood import Meant
 from truepose.kinematics.inverse import BRANCH_NAMES
 from truepose.web.context import Here
 from truepose.web.jobs import queued
-from truepose.web.parameters import Id, IdempotencyKey, PageQuery, request_key
+from truepose.web.paging import Paged, listing
+from truepose.web.parameters import Id, IdempotencyKey, request_key
 from truepose.web.presence import while_present
 from truepose.web.problems import problems
-from truepose.web.schemas.base import NUMBER_LIMIT
 from truepose.web.schemas.corrections import CorrectionReply, TargetReply, correction_reply, target_replies
 from truepose.web.schemas.jobs import JobReply
 
@@ -76,8 +76,6 @@ Coupled = Annotated[
     bool,
     Query(description="Of FANUC: joint 3 counts from the horizontal; its joint targets are corrected."),
 ]
-After = Annotated[int, Query(ge=0, le=NUMBER_LIMIT, description="List targets behind this one.")]
-Limit = Annotated[int, Query(ge=1, le=1000, description="At most so many targets.")]
 
 
 @dataclass(frozen=True, slots=True)
@@ -142,17 +140,17 @@ async def correct_file(
     return await queued(here, number, response)
 
 
-@router.get("/models/{id}/corrections", responses=problems(404, 422, 503))
-async def list_corrections_of_model(here: Here, id: Id, page: PageQuery) -> list[CorrectionReply]:
+@router.get("/models/{id}/corrections", responses=listing(404, 422, 503))
+async def list_corrections_of_model(here: Here, id: Id, paging: Paged) -> list[CorrectionReply]:
     """List the corrections by a model, oldest first."""
     await here.results.model(id)
-    return [correction_reply(record) for record in await here.corrections.of_model(id, page)]
+    return paging.shown(await here.corrections.of_model(id, paging.page), correction_reply)
 
 
-@router.get("/corrections", responses=problems(422, 503))
-async def list_corrections(here: Here, page: PageQuery) -> list[CorrectionReply]:
+@router.get("/corrections", responses=listing(422, 503))
+async def list_corrections(here: Here, paging: Paged) -> list[CorrectionReply]:
     """List corrections, oldest first."""
-    return [correction_reply(record) for record in await here.corrections.page(page)]
+    return paging.shown(await here.corrections.page(paging.page), correction_reply)
 
 
 @router.get("/corrections/{id}", responses=problems(404, 422, 503))
@@ -161,10 +159,13 @@ async def get_correction(here: Here, id: Id) -> CorrectionReply:
     return correction_reply(await here.corrections.get(id))
 
 
-@router.get("/corrections/{id}/targets", responses=problems(404, 422, 503))
-async def list_targets(here: Here, id: Id, after: After = 0, limit: Limit = 100) -> list[TargetReply]:
+@router.get("/corrections/{id}/targets", responses=listing(404, 422, 503))
+async def list_targets(here: Here, id: Id, paging: Paged) -> list[TargetReply]:
     """List the targets of a file with what became of each, in the order of the file."""
-    return target_replies(await here.corrections.targets(id), after, limit)
+    targets, page = await here.corrections.targets(id), paging.page
+    total, last = len(targets.names), page.after + page.limit
+    paging.say(total, last if last < total else None)
+    return target_replies(targets, page.after, page.limit)
 
 
 @router.get(

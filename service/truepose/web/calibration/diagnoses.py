@@ -9,7 +9,8 @@ from truepose.effects.registry import chosen_effects
 from truepose.storage.records import RequestKey
 from truepose.web.context import Here
 from truepose.web.jobs import queued
-from truepose.web.parameters import Id, OptionalKey, PageQuery
+from truepose.web.paging import Paged, listing
+from truepose.web.parameters import Id, OptionalKey
 from truepose.web.problems import problems
 from truepose.web.schemas.comparisons import ComparisonReply, comparison_reply
 from truepose.web.schemas.diagnoses import (
@@ -65,10 +66,10 @@ async def diagnose_session(
     return await queued(here, await here.job_desk.diagnose(campaign_id, effects, key=key), response)
 
 
-@router.get("/diagnoses", responses=problems(422, 503))
-async def list_diagnoses(here: Here, page: PageQuery) -> list[DiagnosisSummaryReply]:
+@router.get("/diagnoses", responses=listing(422, 503))
+async def list_diagnoses(here: Here, paging: Paged) -> list[DiagnosisSummaryReply]:
     """List diagnoses, oldest first, each with its first line and its findings."""
-    return [diagnosis_summary_reply(record) for record in await here.diagnoses.page(page)]
+    return paging.shown(await here.diagnoses.page(paging.page), diagnosis_summary_reply)
 
 
 @router.get("/diagnoses/comparison", responses=problems(404, 409, 422, 503))

@@ -5,7 +5,8 @@ from fastapi import APIRouter, Response, status
 from truepose.effects.registry import chosen_effects
 from truepose.web.context import Here
 from truepose.web.jobs import queued
-from truepose.web.parameters import Id, OptionalKey, PageQuery
+from truepose.web.paging import Paged, listing
+from truepose.web.parameters import Id, OptionalKey
 from truepose.web.problems import problems
 from truepose.web.schemas.jobs import JobReply
 from truepose.web.schemas.results import IdentificationReply, IdentificationRequest, identification_reply
@@ -23,10 +24,10 @@ async def identify_campaign(
     return await queued(here, number, response)
 
 
-@router.get("", response_model_exclude_unset=True, responses=problems(422, 503))
-async def list_identifications(here: Here, page: PageQuery) -> list[IdentificationReply]:
+@router.get("", response_model_exclude_unset=True, responses=listing(422, 503))
+async def list_identifications(here: Here, paging: Paged) -> list[IdentificationReply]:
     """List identifications, oldest first."""
-    return [identification_reply(record) for record in await here.results.identifications(page)]
+    return paging.shown(await here.results.identifications(paging.page), identification_reply)
 
 
 @router.get("/{id}", response_model_exclude_unset=True, responses=problems(404, 422, 503))

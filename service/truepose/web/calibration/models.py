@@ -8,7 +8,8 @@ from fastapi import APIRouter, Query, Response
 from truepose.exchange.exports.formats import Format, export
 from truepose.exchange.models.file import model_text
 from truepose.web.context import Here
-from truepose.web.parameters import Id, PageQuery
+from truepose.web.paging import Paged, listing
+from truepose.web.parameters import Id
 from truepose.web.problems import problems
 from truepose.web.schemas.results import ModelReply, model_reply
 
@@ -22,10 +23,10 @@ _MEDIA: Final[dict[Format, tuple[str, str]]] = {  # media type, and how the file
 _FILE = {"schema": {"type": "object"}, "example": {"format": "truepose-model", "version": 1}}
 
 
-@router.get("", responses=problems(422, 503))
-async def list_models(here: Here, page: PageQuery) -> list[ModelReply]:
+@router.get("", responses=listing(422, 503))
+async def list_models(here: Here, paging: Paged) -> list[ModelReply]:
     """List models, oldest first."""
-    return [model_reply(record) for record in await here.results.models(page)]
+    return paging.shown(await here.results.models(paging.page), model_reply)
 
 
 @router.get("/{id}", responses=problems(404, 422, 503))

@@ -4,7 +4,8 @@ from fastapi import APIRouter, Response, status
 
 from truepose.web.context import Here
 from truepose.web.jobs import queued
-from truepose.web.parameters import Id, OptionalKey, PageQuery
+from truepose.web.paging import Paged, listing
+from truepose.web.parameters import Id, OptionalKey
 from truepose.web.problems import problems
 from truepose.web.schemas.jobs import JobReply
 from truepose.web.schemas.results import ValidationReply, ValidationRequest, validation_reply
@@ -21,10 +22,10 @@ async def validate_model(
     return await queued(here, number, response)
 
 
-@router.get("", responses=problems(422, 503))
-async def list_validations(here: Here, page: PageQuery) -> list[ValidationReply]:
+@router.get("", responses=listing(422, 503))
+async def list_validations(here: Here, paging: Paged) -> list[ValidationReply]:
     """List validations, oldest first."""
-    return [validation_reply(record) for record in await here.results.validations(page)]
+    return paging.shown(await here.results.validations(paging.page), validation_reply)
 
 
 @router.get("/{id}", responses=problems(404, 422, 503))

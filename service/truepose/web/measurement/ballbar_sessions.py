@@ -9,7 +9,8 @@ from truepose.operation.ballbar.scene import scene_of
 from truepose.storage.records import SessionSetup
 from truepose.web.context import Context, Here
 from truepose.web.measurement.ballbar_replies import ballbar_session_reply, entry_reply, steps_reply
-from truepose.web.parameters import Id, OptionalKey, PageQuery, RequiredKey
+from truepose.web.paging import Paged, listing
+from truepose.web.parameters import Id, OptionalKey, RequiredKey
 from truepose.web.presence import while_present
 from truepose.web.problems import problems
 from truepose.web.schemas.ballbar_requests import (
@@ -75,10 +76,11 @@ async def get_scene(here: Here, id: Id) -> SceneReply:
     return SceneReply.of(scene_of(await here.ballbar_sessions.view(id)))
 
 
-@router.get("/{id}/ledger", responses=_READ)
-async def read_ledger(here: Here, id: Id, page: PageQuery) -> LedgerReply:
+@router.get("/{id}/ledger", responses=listing(404, 422, 503))
+async def read_ledger(here: Here, id: Id, paging: Paged) -> LedgerReply:
     """Read what happened, oldest first; `after` is the number of the last entry that is known."""
-    return LedgerReply(entries=[entry_reply(kept) for kept in await here.ballbar_sessions.entries(id, page)])
+    found = await here.ballbar_sessions.entries(id, paging.page)
+    return LedgerReply(entries=paging.shown(found, entry_reply))
 
 
 @router.post("/{id}/acts", responses=_ACT)

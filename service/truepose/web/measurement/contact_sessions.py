@@ -52,5 +52,5 @@ async def get_contact_plan(here: Here, id: Id) -> ContactPlanReply:
 async def list_contact_readings(here: Here, id: Id) -> list[ContactReadingReply]:
     """List what the gauges read, stop by stop."""
     await here.contact_sessions.get(id)
-    lines = await here.session_desk.ledger.page(id)
+    lines = await here.session_desk.ledger.whole(id)
     return [ContactReadingReply.of(taken) for taken in taken_of(line.entry for line in lines)]

@@ -6,7 +6,8 @@ from fastapi import APIRouter, Query
 
 from truepose.storage.records import ReadingKind
 from truepose.web.context import Here
-from truepose.web.parameters import Id, PageQuery
+from truepose.web.paging import Paged, listing
+from truepose.web.parameters import Id
 from truepose.web.problems import problems
 from truepose.web.schemas.base import NUMBER_LIMIT
 from truepose.web.schemas.readings import ReadingReply, reading_reply
@@ -17,17 +18,17 @@ Superseded = Annotated[bool, Query(description="False: only readings that count.
 OfSession = Annotated[int | None, Query(ge=1, le=NUMBER_LIMIT, description="Only of this session.")]
 
 
-@router.get("/readings", responses=problems(422, 503))
+@router.get("/readings", responses=listing(422, 503))
 async def list_readings(
     here: Here,
-    page: PageQuery,
+    paging: Paged,
     session_id: OfSession = None,
     kind: OfKind = None,
     superseded: Superseded = True,
 ) -> list[ReadingReply]:
     """List readings in the order they were taken."""
-    found = await here.readings.page(page, session_id=session_id, kind=kind, superseded=superseded)
-    return [reading_reply(record) for record in found]
+    found = await here.readings.page(paging.page, session_id=session_id, kind=kind, superseded=superseded)
+    return paging.shown(found, reading_reply)
 
 
 @router.get("/readings/{id}", responses=problems(404, 422, 503))
@@ -36,11 +37,11 @@ async def get_reading(here: Here, id: Id) -> ReadingReply:
     return reading_reply(await here.readings.get(id))
 
 
-@router.get("/sessions/{id}/readings", responses=problems(404, 422, 503))
+@router.get("/sessions/{id}/readings", responses=listing(404, 422, 503))
 async def list_readings_of_session(
-    here: Here, id: Id, page: PageQuery, kind: OfKind = None, superseded: Superseded = True
+    here: Here, id: Id, paging: Paged, kind: OfKind = None, superseded: Superseded = True
 ) -> list[ReadingReply]:
     """List the readings of a session in the order they were taken."""
     await here.sessions.get(id)
-    found = await here.readings.page(page, session_id=id, kind=kind, superseded=superseded)
-    return [reading_reply(record) for record in found]
+    found = await here.readings.page(paging.page, session_id=id, kind=kind, superseded=superseded)
+    return paging.shown(found, reading_reply)

@@ -21,7 +21,8 @@ from truepose.storage.errors import ConflictError
 from truepose.storage.records import RequestKey, SessionRecord, SessionSetup
 from truepose.web.context import Context, Here
 from truepose.web.jobs import queued
-from truepose.web.parameters import Id, ModelId, ModelIds, OptionalKey, PageQuery
+from truepose.web.paging import Paged, listing
+from truepose.web.parameters import Id, ModelId, ModelIds, OptionalKey
 from truepose.web.problems import problems
 from truepose.web.results.accuracy import accuracy_of
 from truepose.web.results.choices import Chosen
@@ -147,10 +148,10 @@ async def get_accuracy(here: Here, id: Id, choice: Chosen) -> AccuracyDocument:
     return accuracy_document(found.validation, found.test)
 
 
-@router.get("", responses=problems(422, 503))
-async def list_sessions(here: Here, page: PageQuery) -> list[SessionReply]:
+@router.get("", responses=listing(422, 503))
+async def list_sessions(here: Here, paging: Paged) -> list[SessionReply]:
     """List sessions, oldest first."""
-    return [_reply(here, record) for record in await here.sessions.page(page)]
+    return paging.shown(await here.sessions.page(paging.page), lambda record: _reply(here, record))
 
 
 @router.get("/{id}", responses=_READ)

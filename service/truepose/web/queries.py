@@ -1,0 +1,44 @@
+"""Parameters behind the question mark: one that an operation does not know is refused, not passed over.
+
+A misspelt `limit` or `superseded` would otherwise be answered with another list than the one asked for.
+"""
+
+import difflib
+from typing import Final
+
+from fastapi import Request
+from fastapi.dependencies.utils import get_flat_params
+from fastapi.exceptions import RequestValidationError
+from fastapi.params import Query
+from fastapi.routing import APIRoute
+
+_ALIKE: Final = 0.7  # `limt` and `limit` 0.89; `state` and `after`, which nobody confuses, 0.6
+
+
+async def only_known_parameters(request: Request) -> None:
+    """Refuse a request with a parameter in its query that its operation does not take.
+
+    Raises
+    ------
+    RequestValidationError
+        Names the first one, and the known one that it resembles most, or all that there are.
+    """
+    given = request.query_params
+    known = _taken(request.scope["route"]) if given else ()
+    unknown = next((name for name in given if name not in known), None)
+    if unknown is not None:
+        fault = {"type": "unknown_parameter", "loc": ("query", unknown), "msg": _hint(unknown, known)}
+        raise RequestValidationError([fault])
+
+
+def _taken(route: APIRoute) -> tuple[str, ...]:
+    fields = get_flat_params(route.dependant)
+    return tuple(field.alias for field in fields if isinstance(field.field_info, Query))
+
+
+def _hint(unknown: str, known: tuple[str, ...]) -> str:
+    if not known:
+        return "no parameters are taken here"
+    like = difflib.get_close_matches(unknown.lower(), known, n=1, cutoff=_ALIKE)
+    told = f"did you mean {like[0]}" if like else f"known are {', '.join(known)}"
+    return f"unknown here; {told}"

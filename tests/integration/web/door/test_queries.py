@@ -1,0 +1,66 @@
+"""What stands behind the question mark: pages of lists, and names that no operation knows."""
+
+import pytest
+
+from tests.integration.web.bench import session_request
+from truepose.storage.records import Page
+
+SESSIONS = "/api/v1/sessions"
+
+
+async def refusal(client, path):
+    refused = await client.get(path)
+    assert refused.status_code == 422
+    return refused.json()["detail"]
+
+
+async def test_a_misspelt_parameter_is_refused_with_the_one_that_was_meant(client):
+    assert await refusal(client, f"{SESSIONS}?limt=3") == "query.limt: unknown here; did you mean limit."
+
+
+async def test_a_parameter_like_no_other_is_refused_with_all_that_there_are(client):
+    assert (await refusal(client, "/api/v1/jobs?state=failed")).endswith("known are after, limit.")
+
+
+async def test_where_no_parameter_is_taken_none_is_passed_over(client):
+    assert (await refusal(client, "/api/v1/devices?limit=3")).endswith("no parameters are taken here.")
+
+
+@pytest.mark.parametrize("given", ["", "?after=0&limit=2", "?limit=2"])
+async def test_parameters_that_are_known_are_taken(client, given):
+    assert (await client.get(f"{SESSIONS}{given}")).status_code == 200
+
+
+async def test_a_page_says_how_many_there_are_and_where_the_next_one_is(client):
+    for name in ("first", "second", "third"):
+        await client.post(SESSIONS, json=session_request(name=name))
+
+    page = await client.get(f"{SESSIONS}?limit=2")
+    rest = await client.get(page.links["next"]["url"])
+
+    assert [one["name"] for one in page.json() + rest.json()] == ["first", "second", "third"]
+    assert page.headers["Total-Count"] == rest.headers["Total-Count"] == "3"
+    assert "next" not in rest.links
+
+
+async def test_a_list_of_nothing_has_no_next_page(client):
+    made = (await client.post(SESSIONS, json=session_request())).json()
+
+    page = await client.get(f"/api/v1/readings?session_id={made['id']}&kind=point&superseded=false&limit=1")
+
+    assert (page.json(), page.headers["Total-Count"], page.links) == ([], "0", {})
+
+
+async def test_a_page_is_bounded_whatever_is_asked_for(client, app, monkeypatch):
+    asked = []
+    sessions = app.state.context.sessions
+    page_of = type(sessions).page
+
+    async def listening(self, page):
+        asked.append(page)
+        return await page_of(self, page)
+
+    monkeypatch.setattr(type(sessions), "page", listening)
+    await client.get(f"{SESSIONS}?limit=1000")
+
+    assert asked == [Page(0, 500)]
