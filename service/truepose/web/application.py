@@ -19,6 +19,7 @@ from truepose.web.calibration import (
     identifications,
     models,
     robots,
+    spaces,
     validations,
 )
 from truepose.web.context import Context
@@ -62,6 +63,7 @@ _RESOURCES: Final = (
     models,
     corrections,
     campaigns,
+    spaces,
     events,
 )
 _DESCRIPTION: Final = (

@@ -12,7 +12,7 @@ from fastapi import APIRouter, Request
 from fastapi.responses import FileResponse, HTMLResponse
 from starlette.exceptions import HTTPException
 
-from truepose.web import diagnosis_pages, fault_pages, plan_page
+from truepose.web import diagnosis_pages, fault_pages, packages, plan_page
 from truepose.web.calibration import correction_pages
 from truepose.web.context import Here
 from truepose.web.rendering import page
@@ -24,6 +24,7 @@ router.include_router(plan_page.router)
 router.include_router(session_pages.router)
 router.include_router(correction_pages.router)
 router.include_router(fault_pages.router)
+router.include_router(packages.router)
 _SHOWN: Final = 20
 _MEDIA: Final = {".css": "text/css", ".js": "text/javascript"}
 _STATIC: Final = Path(__file__).parent / "static"

@@ -73,7 +73,7 @@ def bodies_of(cell: Cell) -> CellBodies:
     stated = cell.limits.floor_z_mm
     floor_mm = min(0.0, cell.base_nominal.z_mm) if stated is None else stated
     return CellBodies(
-        _outline(cell.robot, cell.base_nominal),
+        arm_outline(cell.robot, cell.base_nominal),
         _centres_mm(cell.nests),
         floor_mm,
         stated is not None,
@@ -84,7 +84,7 @@ def bodies_of(cell: Cell) -> CellBodies:
 def bodies_in(space: WorkSpace) -> CellBodies:
     """Return the bodies of a work space, whose table counts as stated."""
     return CellBodies(
-        _outline(space.robot, space.base),
+        arm_outline(space.robot, space.base),
         _centres_mm(space.nests),
         space.table_z_mm,
         floor_is_stated=True,
@@ -107,7 +107,8 @@ def are_outside_keep_outs(space: WorkSpace, joints_rad: FloatArray) -> BoolArray
     return outside
 
 
-def _outline(robot: Robot, base: FramePlacement) -> BallbarCell:
+def arm_outline(robot: Robot, base: FramePlacement) -> BallbarCell:
+    """Return the arm alone, with nothing on its flange, free to turn anywhere."""
     return BallbarCell(robot, base, np.zeros((3, 3)), (JointRange(-np.pi, np.pi),) * robot.n_joints)
 
 

@@ -80,7 +80,7 @@ def test_every_number_that_is_a_quantity_names_its_unit():
         r"|supersedes|superseded_by|repeat_of|done|skipped|planned|measured|configurations?|observations"
         r"|parameters|outliers|\w+_points|\w+_legs|\w+_contacts|\w+_readings|reference_every|fraction"
         r"|number|\w+_number|entry|index|count|\w+_count|attempt|placement|poses|\w+_poses|base_point|base|tool"
-        r"|corrected|far_moved|outside|line|a|b|legs|readings|watching|initialisation|exchanged"
+        r"|corrected|total|far_moved|outside|line|a|b|legs|readings|watching|initialisation|exchanged"
         r"|axes|row|group|revisits|degrees_of_freedom|targets|advised|nests|cycles|visits|set_aside|struck)$"
     )
     # A ratio has no unit; the unit of a parameter, an amplitude or a curve stands beside its value.
@@ -93,6 +93,8 @@ def test_every_number_that_is_a_quantity_names_its_unit():
         "foretold_share",
         "positive_share",
         "discrepancy_known_to",
+        "times_before",
+        "times_after",
     }
     ratios |= {
         "value",
