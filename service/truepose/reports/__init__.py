@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from truepose.reports.conditions import Instrument, Period, ReportConditions
     from truepose.reports.diagnosis_report import DiagnosisInput, diagnosis_content, write_diagnosis_report
     from truepose.reports.identification_report import DiagnosisLink, ReportInput, write_identification_report
-    from truepose.reports.pages import page_styles, verdict_shape
+    from truepose.reports.pages import page_styles, page_tokens, verdict_shape
     from truepose.reports.table_report import Row, Section, Trend, Verdict, write_table_report
     from truepose.reports.truth import TrueParameter, Truth
     from truepose.reports.validation.report import ValidationInput, write_validation_report
@@ -35,6 +35,7 @@ __all__ = [
     "VerdictWords",
     "diagnosis_content",
     "page_styles",
+    "page_tokens",
     "verdict_shape",
     "verdict_words",
     "write_diagnosis_report",
@@ -60,6 +61,7 @@ _HOMES = {
     "VerdictWords": "cause_words",
     "diagnosis_content": "diagnosis_report",
     "page_styles": "pages",
+    "page_tokens": "pages",
     "verdict_shape": "pages",
     "verdict_words": "cause_words",
     "write_diagnosis_report": "diagnosis_report",

@@ -31,6 +31,11 @@ def page_styles() -> Markup:
     return rendered("style.css")
 
 
+def page_tokens() -> Markup:
+    """Return the colours that everything is shown in, as a style sheet."""
+    return rendered("tokens.css")
+
+
 def verdict_shape(look: str) -> Markup:
     """Return the shape that stands for a verdict; `look` as `VerdictWords` names it."""
     return rendered("shape.html", look=look)

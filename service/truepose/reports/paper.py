@@ -8,7 +8,7 @@ from truepose.reports.errors import NoPdfError, UnwritableReportError
 
 # What the screen's variables are on paper, for the printer of a browser and for ours.
 PAPER: Final = {
-    "page": "#ffffff",
+    "paper": "#ffffff",
     "card": "#ffffff",
     "ink": "#000000",
     "muted": "#444444",

@@ -10,17 +10,16 @@ from dataclasses import dataclass
 from http import HTTPStatus
 from typing import TYPE_CHECKING, Final
 
-from fastapi import APIRouter, Response
+from fastapi import APIRouter
 from fastapi.responses import HTMLResponse
 
 from truepose.sequencing.engine.states import has_ended
 from truepose.storage.errors import NotFoundError
 from truepose.storage.records import CampaignRecord, DiagnosisRecord, SessionRecord
-from truepose.web.context import Context, Here
-from truepose.web.languages import Kept, Words
+from truepose.web.context import Context
 from truepose.web.moments import moment
 from truepose.web.parameters import number_of
-from truepose.web.rendering import spoken_page
+from truepose.web.visits import Visited
 from truepose.words.catalogue import IN_ENGLISH, Catalogue
 
 if TYPE_CHECKING:
@@ -41,49 +40,38 @@ class Actions:
 
 
 @router.get("/diagnoses", response_class=HTMLResponse)
-async def diagnoses_page(here: Here, words: Words, kept: Kept) -> HTMLResponse:
+async def diagnoses_page(visit: Visited) -> HTMLResponse:
     """List the latest diagnoses with their first lines."""
     from truepose.reports import verdict_shape
 
-    records = await here.diagnoses.newest(_SHOWN)
+    records = await visit.here.diagnoses.newest(_SHOWN)
     rows = [
-        (record, _verdict(record, words), measured_words(record.measured_at, words)) for record in records
+        (record, _verdict(record, visit.words), measured_words(record.measured_at, visit.words))
+        for record in records
     ]
-    return spoken_page(
-        words, "diagnoses.html", here=here, kept=kept, rows=rows, shape=verdict_shape, shown=_SHOWN
-    )
+    return visit.page("diagnoses.html", rows=rows, shape=verdict_shape, shown=_SHOWN)
 
 
 @router.get("/diagnoses/{id}", response_class=HTMLResponse)
-async def diagnosis_page(here: Here, id: str, words: Words, kept: Kept) -> HTMLResponse:
+async def diagnosis_page(visit: Visited, id: str) -> HTMLResponse:
     """Show a diagnosis as its report."""
     from truepose.reports import diagnosis_content
 
+    here = visit.here
     record = await _record(here, id)
     if record is None:
-        return spoken_page(words, "no_diagnosis.html", HTTPStatus.NOT_FOUND, here=here, kept=kept)
+        return visit.page("no_diagnosis.html", HTTPStatus.NOT_FOUND)
     campaign = await here.campaigns.get(record.campaign_id)
-    report = await _report(here, record, campaign, words)
+    report = await _report(here, record, campaign, visit.words)
     actions = await _actions(here, record, campaign)
     # Drawing takes a second or two; a session under way must not wait for it.
     content = await asyncio.to_thread(diagnosis_content, report)
-    return spoken_page(
-        words,
+    return visit.page(
         "diagnosis.html",
-        here=here,
-        kept=kept,
         record=record,
         actions=actions,
         content=content,
     )
-
-
-@router.get("/static/report.css", response_class=Response)
-async def report_style() -> Response:
-    """Send the style of reports, which a report in a file carries within it."""
-    from truepose.reports import page_styles
-
-    return Response(page_styles(), media_type="text/css")
 
 
 def _verdict(record: DiagnosisRecord, words: Catalogue) -> "VerdictWords":

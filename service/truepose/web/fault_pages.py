@@ -5,9 +5,7 @@ from typing import Any, Final
 from fastapi import APIRouter
 from fastapi.responses import HTMLResponse
 
-from truepose.web.context import Here
-from truepose.web.languages import Kept, Words
-from truepose.web.rendering import spoken_page
+from truepose.web.visits import Visited
 from truepose_drivers.errors import DriverError
 
 router = APIRouter(prefix="/faults", include_in_schema=False)
@@ -15,21 +13,18 @@ _WHEN: Final = {"from_s", "configuration", "move", "reading", "after_s", "for_s"
 
 
 @router.get("", response_class=HTMLResponse)
-async def faults_page(here: Here, words: Words, kept: Kept) -> HTMLResponse:
+async def faults_page(visit: Visited) -> HTMLResponse:
     """Show what goes wrong in the cell, and what may."""
-    desk = here.faults_desk
+    desk = visit.here.faults_desk
     try:
         kinds = await desk.kinds() if desk.simulated else []
     except DriverError:  # the cell has ended: the page says so
         kinds = []
-    return spoken_page(
-        words,
+    return visit.page(
         "faults.html",
-        here=here,
-        kept=kept,
         simulated=desk.simulated,
         kinds=[_shown(kind) for kind in kinds],
-        names={kind["kind"]: words.name(kind["kind"]) for kind in kinds},
+        names={kind["kind"]: visit.words.name(kind["kind"]) for kind in kinds},
     )
 
 

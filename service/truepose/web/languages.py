@@ -1,22 +1,16 @@
-"""The language of a page: what its address asks for, else what the browser prefers, else English."""
+"""The language of a page: what its address asks for or asked for before, else what the browser prefers."""
 
-from typing import Annotated
-
-from fastapi import Depends, Request
+from fastapi import Request
 
 from truepose.words.catalogue import ENGLISH, LANGUAGES, Catalogue, catalogue
 
 
-def _asked(request: Request) -> Catalogue:
+def wanted_words(request: Request) -> Catalogue:
+    """Return the words of the language that a visitor wants."""
     asked = request.query_params.get("language", "")
-    wanted = [asked, *preferred(request.headers.get("accept-language", ""))]
+    kept = request.cookies.get("language", "")
+    wanted = [asked, kept, *preferred(request.headers.get("accept-language", ""))]
     return catalogue(next((language for language in wanted if language in LANGUAGES), ENGLISH))
-
-
-def _kept(request: Request) -> str:
-    """Return what links of a page carry on, so that the language that was asked for stays."""
-    asked = request.query_params.get("language", "")
-    return f"?language={asked}" if asked in LANGUAGES else ""
 
 
 def preferred(accepted: str) -> list[str]:
@@ -33,7 +27,3 @@ def _weighed(part: str) -> tuple[float, str]:
     except ValueError:
         weight = 0.0
     return weight, tag.strip().partition("-")[0].lower()
-
-
-Words = Annotated[Catalogue, Depends(_asked)]
-Kept = Annotated[str, Depends(_kept)]

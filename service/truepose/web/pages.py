@@ -8,15 +8,14 @@ from http import HTTPStatus
 from pathlib import Path
 from typing import Any, Final
 
-from fastapi import APIRouter, Request
-from fastapi.responses import FileResponse, HTMLResponse
+from fastapi import APIRouter
+from fastapi.responses import FileResponse, HTMLResponse, RedirectResponse, Response
 from starlette.exceptions import HTTPException
 
 from truepose.web import diagnosis_pages, fault_pages, packages, plan_page
 from truepose.web.calibration import correction_pages
-from truepose.web.context import Here
-from truepose.web.rendering import page
 from truepose.web.results import pages as session_pages
+from truepose.web.visits import Visited
 
 router = APIRouter(include_in_schema=False)
 router.include_router(diagnosis_pages.router)
@@ -31,23 +30,51 @@ _STATIC: Final = Path(__file__).parent / "static"
 
 
 @router.get("/", response_class=HTMLResponse)
-async def start_page(here: Here) -> HTMLResponse:
+async def start_page(visit: Visited) -> HTMLResponse:
     """Show the cell, its devices and the latest sessions."""
-    return page(
+    here = visit.here
+    return visit.page(
         "start.html",
-        here=here,
         devices=here.rack.statuses(),
         sessions=await here.sessions.newest(_SHOWN),
         jobs=await here.jobs.newest(_SHOWN),
     )
 
 
+@router.get("/work")
+async def work_place() -> RedirectResponse:
+    """Lead to the sessions."""
+    return RedirectResponse("/sessions")
+
+
+@router.get("/reports")
+async def reports_place() -> RedirectResponse:
+    """Lead to the diagnoses."""
+    return RedirectResponse("/diagnoses")
+
+
 @router.get("/docs", response_class=HTMLResponse)
-async def api_page(request: Request, here: Here) -> HTMLResponse:
+async def api_page(visit: Visited) -> HTMLResponse:
     """Show the reference of the API, from the document at /openapi.json."""
-    document = request.app.openapi()
+    document = visit.request.app.openapi()
     operations = list(_operations(document))
-    return page("api.html", here=here, document=document, operations=operations, base=str(request.base_url))
+    return visit.page("api.html", document=document, operations=operations, base=str(visit.request.base_url))
+
+
+@router.get("/static/report.css", response_class=Response)
+async def report_style() -> Response:
+    """Send the style of reports, which a report in a file carries within it."""
+    from truepose.reports import page_styles
+
+    return Response(page_styles(), media_type=_MEDIA[".css"])
+
+
+@router.get("/static/tokens.css", response_class=Response)
+async def colours() -> Response:
+    """Send the colours of everything that is shown."""
+    from truepose.reports import page_tokens
+
+    return Response(page_tokens(), media_type=_MEDIA[".css"])
 
 
 @router.get("/static/{name}", response_class=FileResponse)

@@ -8,10 +8,8 @@ from fastapi.responses import HTMLResponse
 from markupsafe import Markup
 
 from truepose.domain.cell import Cell
-from truepose.web.context import Here
-from truepose.web.languages import Kept, Words
 from truepose.web.measurement.promises import Number, minutes_for
-from truepose.web.rendering import spoken_page
+from truepose.web.visits import Visited
 from truepose.words.catalogue import Catalogue
 
 router = APIRouter(include_in_schema=False)
@@ -29,10 +27,10 @@ class Shown:
 
 
 @router.get("/plan", response_class=HTMLResponse)
-async def plan_page(here: Here, words: Words, kept: Kept, n: Number = None) -> HTMLResponse:
+async def plan_page(visit: Visited, n: Number = None) -> HTMLResponse:
     """Show what n configurations promise in this cell."""
-    shown = await asyncio.to_thread(_shown, here.cell, n, words)
-    return spoken_page(words, "plan.html", here=here, kept=kept, shown=shown)
+    shown = await asyncio.to_thread(_shown, visit.here.cell, n, visit.words)
+    return visit.page("plan.html", shown=shown)
 
 
 def _shown(cell: Cell, n: int | None, words: Catalogue) -> Shown:

@@ -52,8 +52,8 @@ class Colours:
 
 
 PAGE: Final = Colours(INK, MUTED, GRID, BEFORE, AFTER, NOISE, paper="none")
-# As `style.css` has them on white.
-PLAIN: Final = Colours("#16202b", "#5c6975", "#dde3e8", "#d9822b", "#1f7a8c", "#6b4fa0", paper="#ffffff")
+# As `tokens.css` has them on white.
+PLAIN: Final = Colours("#16202b", "#434e59", "#dde3e8", "#d9822b", "#1f7a8c", "#6b4fa0", paper="#ffffff")
 # Matplotlib's settings belong to the process: a second thread would draw in a style half put back.
 _SETTINGS: Final = threading.Lock()
 _LONGEST_UNIT = 16  # letters

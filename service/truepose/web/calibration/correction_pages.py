@@ -15,11 +15,10 @@ from truepose.kinematics.inverse import BRANCH_NAMES
 from truepose.storage.errors import NotFoundError
 from truepose.storage.records import CorrectionRecord
 from truepose.web.calibration.corrections import ANGLES, corrected_name
-from truepose.web.context import Context, Here
-from truepose.web.languages import Kept, Words
+from truepose.web.context import Context
 from truepose.web.parameters import WantedModel, number_of
-from truepose.web.rendering import spoken_page
 from truepose.web.schemas.base import NUMBER_LIMIT
+from truepose.web.visits import Visited
 from truepose.words.catalogue import Catalogue
 
 router = APIRouter(prefix="/corrections", include_in_schema=False)
@@ -43,36 +42,30 @@ class Shown:
 
 
 @router.get("", response_class=HTMLResponse)
-async def corrections_page(here: Here, words: Words, kept: Kept, wanted: WantedModel = None) -> HTMLResponse:
+async def corrections_page(visit: Visited, wanted: WantedModel = None) -> HTMLResponse:
     """Show the form that takes a program, and the latest corrections."""
-    return spoken_page(
-        words,
+    return visit.page(
         "corrections.html",
-        here=here,
-        kept=kept,
-        models=await here.results.newest_models(_SHOWN),
+        models=await visit.here.results.newest_models(_SHOWN),
         wanted=wanted,
         branches=BRANCH_NAMES,
         angles=ANGLES,
         most=MOST_TARGETS,
-        records=await here.corrections.newest(_SHOWN),
+        records=await visit.here.corrections.newest(_SHOWN),
         shown=_SHOWN,
     )
 
 
 @router.get("/{id}", response_class=HTMLResponse)
-async def correction_page(here: Here, id: str, words: Words, kept: Kept, after: After = 0) -> HTMLResponse:
+async def correction_page(visit: Visited, id: str, after: After = 0) -> HTMLResponse:
     """Show what a file came to, with its targets."""
-    record = await _record(here, id)
+    record = await _record(visit.here, id)
     if record is None:
-        return spoken_page(words, "no_correction.html", HTTPStatus.NOT_FOUND, here=here, kept=kept)
-    targets = await here.corrections.targets(record.id)
-    shown = await asyncio.to_thread(_shown, record, targets, words, after)
-    return spoken_page(
-        words,
+        return visit.page("no_correction.html", HTTPStatus.NOT_FOUND)
+    targets = await visit.here.corrections.targets(record.id)
+    shown = await asyncio.to_thread(_shown, record, targets, visit.words, after)
+    return visit.page(
         "correction.html",
-        here=here,
-        kept=kept,
         record=record,
         shown=shown,
         saved_as=corrected_name(record.name),

@@ -13,16 +13,15 @@ from truepose.domain.session import SessionState
 from truepose.sequencing.engine.states import has_ended
 from truepose.storage.errors import NotFoundError
 from truepose.storage.records import ModelRecord
-from truepose.web.context import Context, Here
-from truepose.web.languages import Kept, Words
+from truepose.web.context import Context
 from truepose.web.parameters import WantedModel, number_of
 from truepose.web.problems import status_of
-from truepose.web.rendering import spoken_page
 from truepose.web.results.choices import Chosen
 from truepose.web.results.kinds import Choice, Origin, ResultKind
 from truepose.web.results.models import models_of
 from truepose.web.results.origins import origin_of, origins_of
 from truepose.web.results.registry import KINDS, kind_of
+from truepose.web.visits import Visit, Visited
 from truepose.words.catalogue import Catalogue
 
 router = APIRouter(prefix="/sessions", include_in_schema=False)
@@ -58,49 +57,44 @@ class Row:
 
 
 @router.get("", response_class=HTMLResponse)
-async def sessions_page(here: Here, words: Words, kept: Kept) -> HTMLResponse:
+async def sessions_page(visit: Visited) -> HTMLResponse:
     """List the latest sessions, each with its result once there is one."""
-    origins = await origins_of(here, await here.sessions.newest(_SHOWN))
+    origins = await origins_of(visit.here, await visit.here.sessions.newest(_SHOWN))
     rows = [_row(origin) for origin in origins]
-    return spoken_page(words, "sessions.html", here=here, kept=kept, rows=rows, shown=_SHOWN)
+    return visit.page("sessions.html", rows=rows, shown=_SHOWN)
 
 
 @router.get("/new", response_class=HTMLResponse)
-async def new_session_page(here: Here, words: Words, kept: Kept, wanted: WantedModel = None) -> HTMLResponse:
+async def new_session_page(visit: Visited, wanted: WantedModel = None) -> HTMLResponse:
     """Show a form for each kind of session that is planned from a page; `wanted` is the model to prove."""
-    models = await models_of(here, here.cell.robot.name)
-    forms = [(kind, kind.form(here)) for kind in KINDS if kind.form is not None]
-    return spoken_page(
-        words, "new_session.html", here=here, kept=kept, forms=forms, models=models, wanted=wanted
-    )
+    models = await models_of(visit.here, visit.here.cell.robot.name)
+    forms = [(kind, kind.form(visit.here)) for kind in KINDS if kind.form is not None]
+    return visit.page("new_session.html", forms=forms, models=models, wanted=wanted)
 
 
 @router.get("/{id}", response_class=HTMLResponse)
-async def session_page(here: Here, id: str, words: Words, kept: Kept) -> Response:
+async def session_page(visit: Visited, id: str) -> Response:
     """Show where a session stands, what it asks, and what a person may do."""
-    origin = await _origin(here, id)
+    origin = await _origin(visit.here, id)
     if origin is None:
-        return _none(here, words, kept)
+        return _none(visit)
     if origin.record.role == "ballbar":
-        return RedirectResponse(f"/operator/{origin.record.id}{kept}")
-    states = {state.value: words.say(key) for state, key in _STATES.items()}
-    return spoken_page(words, "session_page.html", here=here, kept=kept, row=_row(origin), states=states)
+        return RedirectResponse(f"/operator/{origin.record.id}")
+    states = {state.value: visit.words.say(key) for state, key in _STATES.items()}
+    return visit.page("session_page.html", row=_row(origin), states=states)
 
 
 @router.get("/{id}/result", response_class=HTMLResponse)
-async def result_page(here: Here, id: str, words: Words, kept: Kept, choice: Chosen) -> HTMLResponse:
+async def result_page(visit: Visited, id: str, choice: Chosen) -> HTMLResponse:
     """Show what a session came to."""
-    origin = await _origin(here, id)
+    origin = await _origin(visit.here, id)
     if origin is None:
-        return _none(here, words, kept)
+        return _none(visit)
     row = _row(origin)
-    shown = await _shown(here, row, choice, words)
-    return spoken_page(
-        words,
+    shown = await _shown(visit.here, row, choice, visit.words)
+    return visit.page(
         "result.html",
         shown.status,
-        here=here,
-        kept=kept,
         row=row,
         shown=shown,
         choice=choice,
@@ -146,5 +140,5 @@ async def _origin(here: Context, id: str) -> Origin | None:
         return None
 
 
-def _none(here: Context, words: Catalogue, kept: str) -> HTMLResponse:
-    return spoken_page(words, "no_session.html", HTTPStatus.NOT_FOUND, here=here, kept=kept)
+def _none(visit: Visit) -> HTMLResponse:
+    return visit.page("no_session.html", HTTPStatus.NOT_FOUND)

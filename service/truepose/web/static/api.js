@@ -43,9 +43,3 @@ export function onSubmit(form, act) {
     }
   });
 }
-
-// The address of a page in the language of this one.
-export function inThisLanguage(path) {
-  const language = new URLSearchParams(location.search).get("language");
-  return language ? `${path}?language=${encodeURIComponent(language)}` : path;
-}

@@ -1,6 +1,6 @@
 // The form that takes a program: what it asks is the API's own, and the page of the correction comes next.
 
-import { answered, filled, inThisLanguage, onSubmit } from "./api.js";
+import { answered, filled, onSubmit } from "./api.js";
 
 const POLL_MS = 500;
 const form = document.querySelector("#correct");
@@ -34,7 +34,7 @@ async function correct(say) {
     job = await answered(`/api/v1/jobs/${job.id}`, {}, unreachable);
   }
   if (job.state !== "succeeded") throw new Error(job.message);
-  location.assign(inThisLanguage(`/corrections/${job.result_id}`));
+  location.assign(`/corrections/${job.result_id}`);
 }
 
 if (form) onSubmit(form, correct);

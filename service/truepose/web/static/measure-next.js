@@ -51,7 +51,7 @@ async function diagnose() {
     say(filled(bar.dataset.diagnosing, { percent: Math.round(100 * job.fraction), message: job.message }));
   }
   if (job.state !== "succeeded") throw new Error(job.message);
-  location.assign(`/diagnoses/${job.result_url.split("/").pop()}${location.search}`);
+  location.assign(`/diagnoses/${job.result_id}`);
 }
 
 form?.addEventListener("submit", (event) => {

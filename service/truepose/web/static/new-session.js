@@ -1,6 +1,6 @@
 // Forms that have something made: what they ask is the API's own, and the page of what was made comes next.
 
-import { answered, filled, inThisLanguage, onSubmit, post } from "./api.js";
+import { answered, filled, onSubmit, post } from "./api.js";
 
 const POLL_MS = 500;
 
@@ -29,7 +29,7 @@ async function make(form, say) {
     made = await answered(`/api/v1/jobs/${made.id}`, {}, unreachable);
   }
   if (made.state === "failed") throw new Error(made.message);
-  location.assign(inThisLanguage(`${leads}/${made.result_id ?? made.id}`)); // of a job, or of a session at once
+  location.assign(`${leads}/${made.result_id ?? made.id}`); // of a job, or of a session at once
 }
 
 for (const form of document.querySelectorAll("form[data-path]")) {

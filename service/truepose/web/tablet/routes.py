@@ -12,7 +12,7 @@ from fastapi import APIRouter
 from fastapi.responses import FileResponse, HTMLResponse, Response
 from starlette.exceptions import HTTPException
 
-from truepose.web.rendering import page
+from truepose.web.visits import Visited
 from truepose.words.catalogue import LANGUAGES, TABLET, texts_file
 
 router = APIRouter(include_in_schema=False)
@@ -26,15 +26,15 @@ _HEADERS: Final = {"Cache-Control": "no-cache"}
 
 
 @router.get("/operator", response_class=HTMLResponse)
-async def operator_page() -> HTMLResponse:
+async def operator_page(visit: Visited) -> HTMLResponse:
     """Show the sessions and the start of a new one."""
-    return page("operator.html")
+    return visit.page("operator.html")
 
 
 @router.get("/operator/{id}", response_class=HTMLResponse)
-async def session_page(id: int) -> HTMLResponse:
+async def session_page(visit: Visited, id: int) -> HTMLResponse:
     """Show one session, a step a screen."""
-    return page("ballbar_session.html", id=id)
+    return visit.page("ballbar_session.html", id=id)
 
 
 @router.get("/static/tablet/{name:path}", response_class=Response)

@@ -102,16 +102,34 @@ async def test_a_stored_diagnosis_is_shown_in_the_language_asked_for(
         assert "Accept-Language" in reply.headers["Vary"]
 
 
-async def test_links_keep_the_language_that_was_asked_for(client, diagnosed):
-    number = await diagnosed(spoken())
-
+async def test_the_language_that_was_asked_for_stays_until_another_is(client):
     french = {"Accept-Language": "fr"}
-    asked = (await client.get("/diagnoses?language=fr", headers=french)).text
-    preferred = (await client.get("/diagnoses", headers=french)).text
 
-    assert f'href="/diagnoses/{number}?language=fr"' in asked
-    assert f'href="/diagnoses/{number}"' in preferred
-    assert '<a href="?language=en" hreflang="en" lang="en">English</a>' in asked
+    preferred = (await client.get("/diagnoses", headers=french)).text
+    await client.get("/diagnoses?language=en", headers=french)
+    kept = (await client.get("/diagnoses", headers=french)).text
+    await client.get("/diagnoses?language=xx", headers=french)
+    unknown = (await client.get("/diagnoses", headers=french)).text
+
+    assert '<html lang="fr">' in preferred
+    assert '<html lang="en">' in kept
+    assert '<html lang="en">' in unknown
+    assert '<a href="?language=fr" hreflang="fr" lang="fr">Français</a>' in kept
+
+
+async def test_the_look_that_was_asked_for_stays_and_the_system_chooses_again(client):
+    plain = (await client.get("/diagnoses")).text
+    await client.get("/diagnoses?look=dark")
+    kept = (await client.get("/sessions")).text
+    await client.get("/diagnoses?look=unknown")
+    unknown = (await client.get("/sessions")).text
+    await client.get("/diagnoses?look=system")
+    system = (await client.get("/sessions")).text
+
+    assert "data-look" not in plain
+    assert '<html lang="en" data-look="dark">' in kept
+    assert '<html lang="en" data-look="dark">' in unknown
+    assert "data-look" not in system
 
 
 async def test_documents_and_records_are_in_english_whoever_asks(client, diagnosed):
@@ -224,7 +242,7 @@ async def test_an_uploaded_campaign_has_no_session_to_measure_more_in(client, di
     text = (await client.get(f"/diagnoses/{number}")).text
 
     assert "Measure these next" not in text
-    assert "<script" not in text
+    assert "measure-next.js" not in text
 
 
 async def test_the_page_leads_to_its_document_and_to_the_robot_over_time(client, diagnosed):

@@ -128,13 +128,13 @@ def test_no_window_and_no_global_state_is_needed():
 
 
 def test_its_colours_are_those_of_a_white_page():
-    style = (files("truepose.reports") / "templates" / "style.css").read_text(encoding="utf-8")
-    light = dict(re.findall(r"--([\w-]+): (#\w{6})", style[: style.index("@media")]))
+    style = (files("truepose.reports") / "templates" / "tokens.css").read_text(encoding="utf-8")
+    light = dict(re.findall(r"--([\w-]+): light-dark\((#\w{6}),", style))
 
     assert {name: light[name] for name in ("ink", "muted", "grid", "before", "after", "noise")} == {
         name: getattr(PLAIN, name) for name in ("ink", "muted", "grid", "before", "after", "noise")
     }
-    assert PLAIN.paper == light["page"]
+    assert PLAIN.paper == light["paper"]
 
 
 def test_it_shows_what_the_page_shows():

@@ -1,7 +1,7 @@
 // The large buttons above the dock: what the screen is for.
 
 import { element } from "./elements.js";
-import { holdButton } from "./hold.js";
+import { holdButton } from "/static/hold.js";
 import { can, stepOf } from "./situation.js";
 
 // A second tap of a gloved hand, meant for the screen before, must not answer the next one.

@@ -1,0 +1,62 @@
+"""A visit: one request for a page, in the language and the look that its visitor wants.
+
+What an address asks for (`?language=fr&look=dark`) is kept in a cookie, so that links need not carry it on.
+"""
+
+from dataclasses import dataclass
+from http import HTTPStatus
+from typing import Annotated, Final
+
+from fastapi import Depends, Request
+from fastapi.responses import HTMLResponse
+
+from truepose.web.context import Context, Here
+from truepose.web.languages import wanted_words
+from truepose.web.rendering import rendered
+from truepose.words.catalogue import LANGUAGES, Catalogue, catalogue
+
+LOOKS: Final = ("system", "light", "dark", "contrast")
+_CHOICES: Final = {"language": LANGUAGES, "look": LOOKS}
+_YEAR_S: Final = 365 * 24 * 3600
+
+
+@dataclass(frozen=True, slots=True)
+class Visit:
+    """Who asks for a page, and how it is shown to them."""
+
+    request: Request
+    here: Context
+    words: Catalogue
+    look: str
+
+    def page(self, template: str, status: HTTPStatus = HTTPStatus.OK, **context: object) -> HTMLResponse:
+        """Return a page, filled in; `say` gives its words, `visit` is this visit."""
+        shown = {"visit": self, "here": self.here, "words": self.words, "say": self.words.say}
+        answer = HTMLResponse(rendered(template, **shown, **context), status)
+        answer.headers["Content-Language"] = self.words.language
+        answer.headers["Vary"] = "Accept-Language, Cookie"
+        for name, value in self._asked().items():
+            answer.set_cookie(name, value, max_age=_YEAR_S, samesite="lax")
+        return answer
+
+    def address(self, **choices: str) -> str:
+        """Return the address of this page with other choices."""
+        return f"?{self.request.url.include_query_params(**choices).query}"
+
+    @property
+    def languages(self) -> list[tuple[str, str]]:
+        """Every language there is, with its own name."""
+        return [(language, catalogue(language).say("page.language")) for language in LANGUAGES]
+
+    def _asked(self) -> dict[str, str]:
+        asked = self.request.query_params
+        return {name: asked[name] for name, known in _CHOICES.items() if asked.get(name) in known}
+
+
+def _visit(request: Request, here: Here) -> Visit:
+    wanted = (request.query_params.get("look"), request.cookies.get("look"))
+    look = next((look for look in wanted if look in LOOKS), LOOKS[0])
+    return Visit(request, here, wanted_words(request), look or LOOKS[0])
+
+
+Visited = Annotated[Visit, Depends(_visit)]
