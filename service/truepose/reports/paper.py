@@ -14,6 +14,8 @@ PAPER: Final = {
     "muted": "#444444",
     "grid": "#dddddd",
     "line": "#bbbbbb",
+    "edge": "#444444",
+    "accent": "#0b4f60",
     "before": "#c56f14",
     "after": "#14606f",
     "noise": "#55398a",
