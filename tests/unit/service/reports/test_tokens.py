@@ -16,7 +16,8 @@ def _looks():
     light = {name: one for name, one, _ in pairs}
     dark = {name: other for name, _, other in pairs}
     (block,) = re.findall(r'data-look="contrast"\] \{(.*?)\}', sheet, re.DOTALL)
-    return {"light": light, "dark": dark, "contrast": light | dict(re.findall(r"--([\w-]+): (#\w{6})", block))}
+    contrast = light | dict(re.findall(r"--([\w-]+): (#\w{6})", block))
+    return {"light": light, "dark": dark, "contrast": contrast}
 
 
 def _luminance(colour):
