@@ -251,6 +251,23 @@ class StatesSettings(Protocol):
         ...
 
 
+@runtime_checkable
+class ShowsReflector(Protocol):
+    """A tracker that says where the reflector is while it measures nothing."""
+
+    @property
+    def connected(self) -> bool:
+        """Whether the link is up as far as known."""
+        ...
+
+    async def reflector_now(self) -> Vector | None:
+        """Return one sample of where the reflector is (tracker frame), None where none is locked on.
+
+        It is for people who look on: of the noise of a single sample, and checked by nothing.
+        """
+        ...
+
+
 def stated_settings(instrument: object) -> str:
     """Return what an instrument's driver says that it measures with; empty where it says nothing."""
     return instrument.settings if isinstance(instrument, StatesSettings) else ""

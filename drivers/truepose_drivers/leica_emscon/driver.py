@@ -82,6 +82,13 @@ class LaserTracker(EmsconInstrument):
             covariance_mm2=stated_covariance(values),
         )
 
+    async def reflector_now(self) -> Vector | None:
+        """Return one sample of where the reflector is (tracker frame), None where none is locked on.
+
+        Asked for, not streamed: a stream would hide that an answer is lost, and comes three times a second.
+        """
+        return await self._prism_mm() if self.connected and self._prepared else None
+
     async def change_face(self) -> None:
         """Turn to the other face, which stays locked on the same reflector; raises ReflectorNotFoundError."""
         await self._require_prepared()
