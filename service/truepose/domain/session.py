@@ -101,6 +101,7 @@ class SessionPlan:
     failures_in_a_row: int = 3  # so many configurations without a reading pause the session
     ends_when_settled: bool = False  # leaves out further groups once drift has become slow
     measures: Measured = "points"
+    warm_up: bool = False  # the fixed nests are read until the tracker drifts no more
 
 
 @dataclass(frozen=True, slots=True)
@@ -133,7 +134,7 @@ class PointTaken:
 class FixedNestTaken:
     """A reading of a fixed nest; `phase` says in which part of the session."""
 
-    phase: Literal["registration", "two_face", "reference"]
+    phase: Literal["warm_up", "registration", "two_face", "reference"]
     fixed_nest: int
     face: Literal[1, 2]
     time_s: float

@@ -18,6 +18,10 @@ if TYPE_CHECKING:
     from truepose.operation.sessions import SessionDesk
 
 R = TypeVar("R", bound=SessionRunner[Any])
+_TAKES_UP: Final = {
+    SessionState.PLANNED: ActName.START,
+    SessionState.AWAITING_CONFIRMATION: ActName.CONFIRM,
+}
 _RESTARTED: Final = "The service was restarted during the session; look at the cell, then confirm."
 _STOPPED: Final = "The service was stopped during the session; look at the cell, then confirm."
 
@@ -90,8 +94,8 @@ class AskedSessionKind(SessionKind[R]):
             return (await self.desk.start(self, record)).runner.question or ""
 
     def require_startable(self, record: SessionRecord, act: Act) -> None:
-        """Raise NotNowError unless a person confirms what an earlier service left."""
-        if record.state is not SessionState.AWAITING_CONFIRMATION or act.name is not ActName.CONFIRM:
+        """Raise NotNowError unless a planned one is started, or confirmed what an earlier service left."""
+        if _TAKES_UP.get(record.state) is not act.name:
             raise NotNowError(f"Session {record.id} is {words(record.state)}; nothing of it is under way.")
 
     async def begun(self, session_id: int, runner: R) -> None:

@@ -19,7 +19,7 @@ from truepose.sequencing.contacts.questions import Question, asked
 from truepose.sequencing.contacts.record import OPEN, ContactRecord
 from truepose.sequencing.contacts.situation import ContactSituation, Open, Visit, situation_of
 from truepose.sequencing.contacts.visiting import Visiting
-from truepose.sequencing.engine.acts import HALTS, Act, ActOutcome
+from truepose.sequencing.engine.acts import HALTS, Act, ActName, ActOutcome
 from truepose.sequencing.engine.faults import is_interruption
 from truepose.sequencing.engine.halts import Halts
 from truepose.sequencing.engine.identities import same_number, told
@@ -43,6 +43,7 @@ from truepose_drivers.errors import DriverError
 
 _EFFECTS: Final = {
     SessionState.PAUSED: f"Paused on request. {CELL_CLEAR}",
+    SessionState.AWAITING_CONFIRMATION: f"Stop was pressed. {CELL_CLEAR}",
     SessionState.ABORTED: "The session ended on request, between two motions.",
 }
 _RESTARTED: Final = "The service was started anew."
@@ -93,6 +94,8 @@ class ContactRunner(UnattendedRunner[ContactSituation]):
         """Do what an act asks for; raises NotNowError."""
         if act.name in HALTS:
             return await self._halts.halt(act)
+        if act.name is ActName.START:
+            return ActOutcome(self.question or "", self.prompt_id)
         number = await self._logbook.enter(
             SessionState.RUNNING, f"{tidy_name(act.person)} had the session go on.", act
         )

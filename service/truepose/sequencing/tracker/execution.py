@@ -6,7 +6,7 @@ import numpy as np
 
 from truepose.domain.identities import IdentityOf
 from truepose.domain.ledger import EntryKind
-from truepose.domain.session import SessionPlan, Work
+from truepose.domain.session import SessionPlan, Vector, Work
 from truepose.sequencing.engine.logbook import Logbook
 from truepose.sequencing.engine.motion.arm import Arm
 from truepose.sequencing.engine.motion.limits import binding_speed, speed_sentence
@@ -49,16 +49,33 @@ class Execution:
         measured: type[Points | Poses] = Points if plan.measures == "points" else Poses
         self._instrument = measured(plan, cell, logbook, identities)
         self._joints: JointReading | None = None
+        self._operation: steps.Operation | None = None  # of the present step, that was begun last
         self._work: Work | None = None
         self._place = 0  # of the work, that comes next
 
+    @property
+    def is_moving(self) -> bool:
+        """Whether the arm was sent somewhere, and nothing else was begun since."""
+        return isinstance(self._operation, steps.Move | steps.KeepWorking)
+
+    @property
+    def fixed_nest(self) -> int | None:
+        """Which fixed nest is read (1-based); None: none."""
+        return self._operation.fixed_nest if isinstance(self._operation, steps.ReadFixedNest) else None
+
+    def in_world(self, point_mm: Vector) -> Vector | None:
+        """Return a point of the instrument's frame in the world; None where that is not known."""
+        return self._instrument.in_world(point_mm)
+
     def begin_step(self) -> None:
         """Forget what belongs to an earlier step."""
+        self._operation = None
         self._instrument.begin_step()
         self._joints = None
 
     async def perform(self, operation: steps.Operation) -> None:
         """Do one operation; raises what the devices and the checks raise."""
+        self._operation = operation
         match operation:
             case steps.OpenDevices():
                 await self._open()

@@ -28,6 +28,7 @@ from truepose.sequencing.tracker.steps import (
     StepKind,
 )
 
+_BETWEEN_ROUNDS_S = 20.0  # of a warm-up that takes minutes
 _FACE_READINGS = 5  # the mean of five scatters by 0.007 mm at 2.5 m: small against a two-face limit of 0.1 mm
 
 
@@ -45,6 +46,13 @@ def numbers(stops: Sequence[PlannedStop]) -> str:
 def opening() -> Step:
     """Return the step that makes the instruments ready."""
     return Step(StepKind.OPEN, (OpenDevices(),))
+
+
+def warming(n_fixed_nests: int) -> Step:
+    """Return the step that reads every fixed nest once more, to see how fast the tracker drifts."""
+    nests = range(1, n_fixed_nests + 1)
+    reads = (ReadFixedNest(nest, "warm_up", face=1, readings=1) for nest in nests)
+    return Step(StepKind.WARM, (LocateFixedNests(anew=False), *reads, Settle(_BETWEEN_ROUNDS_S)))
 
 
 def registration(plan: SessionPlan, n_fixed_nests: int) -> Step:

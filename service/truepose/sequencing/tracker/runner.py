@@ -8,7 +8,7 @@
 """
 
 from collections import deque
-from collections.abc import Awaitable, Callable, Sequence
+from collections.abc import AsyncIterator, Awaitable, Callable, Coroutine, Sequence
 from dataclasses import replace
 from typing import Any, Final
 
@@ -26,7 +26,7 @@ from truepose.sequencing.engine.motion.limits import binding_speed
 from truepose.sequencing.engine.motion.segments import MotionSegments
 from truepose.sequencing.engine.motion.unattended import UnattendedRunner
 from truepose.sequencing.engine.notices import end_of_motion
-from truepose.sequencing.engine.prompts import CELL_CLEAR
+from truepose.sequencing.engine.prompts import CELL_CLEAR, require_person
 from truepose.sequencing.engine.states import has_ended, words
 from truepose.sequencing.errors import MotionForbiddenError, NotNowError, SequencingError
 from truepose.sequencing.tracker.cell import SessionCell
@@ -36,14 +36,17 @@ from truepose.sequencing.tracker.faults import Line, lines_after
 from truepose.sequencing.tracker.first_pass import first_pass
 from truepose.sequencing.tracker.identity_check import TrackerIdentityCheck
 from truepose.sequencing.tracker.plans import extended_plan
+from truepose.sequencing.tracker.revisions import REVISIONS, revision
 from truepose.sequencing.tracker.situation import TrackerSituation, situation_of
 from truepose.sequencing.tracker.state_so_far import TrackerRecord
 from truepose.sequencing.tracker.steps import KeepWorking, Move, Step, StepKind
+from truepose.sequencing.tracker.watching import Sighting, Watch
 from truepose.sequencing.tracker.way_preview import what_lies_ahead
 from truepose_drivers.errors import DriverError
 
 _EFFECTS: Final = {
     SessionState.PAUSED: "Paused on request. Is the cell clear, so that it can be resumed?",
+    SessionState.AWAITING_CONFIRMATION: f"Stop was pressed. {CELL_CLEAR}",
     SessionState.ABORTED: "The session ended on request, between two motions.",
 }
 _COLD: Final = "Drift is measured from cold: the robot stood still before, and is not warmed up."
@@ -70,7 +73,7 @@ class TrackerRunner(UnattendedRunner[TrackerSituation]):
         self._plan = plan
         self._limits = limits
         self._cell = cell
-        record = TrackerRecord()
+        self._record = record = TrackerRecord()
 
         def describe() -> TrackerSituation:
             return situation_of(self._plan, len(cell.fixed_nests), record)
@@ -89,6 +92,7 @@ class TrackerRunner(UnattendedRunner[TrackerSituation]):
         )
         self._identities = TrackerIdentityCheck(cell.expected, logbook)
         self._execution = Execution(plan, cell, self._arm, logbook, self._identities)
+        self._watch = Watch(plan, cell, logbook, self._execution)
         self._first = logbook.situation.left  # what the first question is about
         self._asked = False  # in this run
 
@@ -127,12 +131,47 @@ class TrackerRunner(UnattendedRunner[TrackerSituation]):
         done = [stop.config for stop in self._plan.stops if stop.config not in left]
         check_plan(plan, cell.robot, cell.nests, cell.fixed_nests, self._limits, done)
 
+    @property
+    def record(self) -> TrackerRecord:
+        """What its ledger amounts to."""
+        return self._record
+
+    @property
+    def is_moving(self) -> bool:
+        """Whether the arm is on its way now."""
+        return self._execution.is_moving
+
+    def live(self) -> AsyncIterator[Sighting]:
+        """Return where the reflector is, again and again until the session ends; for all who watch."""
+        return self._watch.follow()
+
+    def companions(self) -> tuple[Coroutine[Any, Any, None], ...]:
+        """Look where the reflector is, while somebody watches."""
+        return (self._watch.run(),)
+
+    async def close(self) -> None:
+        """Tell watchers that nothing more comes."""
+        self._watch.end()
+
     # what a person asks for
 
+    def require(self, act: Act) -> None:
+        """Raise NotNowError, PersonMissingError where an act is not allowed now."""
+        if act.name not in REVISIONS:
+            super().require(act)
+            return
+        require_person(act.person)
+        if self._ended or self.state in {SessionState.PLANNED, SessionState.ABORTING}:
+            raise NotNowError(f"The session is {words(self.state)}; there is nothing to {act.name}.")
+
     async def do(self, act: Act) -> ActOutcome:
-        """Do what an act asks for; raises NotNowError."""
+        """Do what an act asks for; raises NotNowError, ReasonMissingError."""
         if act.name in HALTS:
             return await self._halts.halt(act)
+        if act.name in REVISIONS:
+            return await self._revise(act)
+        if act.name is ActName.START:
+            return ActOutcome(self.question or "", self.prompt_id)
         self._identities.require_questioned(act.accepted_serial)
         name = tidy_name(act.person)
         number = await self._logbook.enter(SessionState.RUNNING, f"{name} had the session go on.", act)
@@ -142,6 +181,11 @@ class TrackerRunner(UnattendedRunner[TrackerSituation]):
         if act.name is ActName.CONFIRM:
             return ActOutcome("Confirmed; the session goes on.", number)
         return ActOutcome("The session goes on; what was under way begins again.", number)
+
+    async def _revise(self, act: Act) -> ActOutcome:
+        found = revision(act, self._plan, self._record, self.situation.step)
+        number = await self._logbook.append(found.kind, found.step_id, act, text=found.text)
+        return ActOutcome(found.sentence, number)
 
     # what the run does
 
@@ -184,7 +228,7 @@ class TrackerRunner(UnattendedRunner[TrackerSituation]):
         if now.step is None:
             await self._logbook.keep(self.settle)
         elif now.step.stop in now.unasked:
-            await self._ask("The configurations that were added to the plan come next.", now.unasked)
+            await self._ask(_what_comes(now, self._record), now.unasked)
         else:
             await self._do(now.step)
 
@@ -213,14 +257,18 @@ class TrackerRunner(UnattendedRunner[TrackerSituation]):
         await self._logbook.write(EntryKind.BEGUN, step.id, text=step.title, progress=progress)
         self._execution.begin_step()
         for operation in step.operations:
-            if self._halts.wish is not None:
+            if self._halts.wish is not None or self._is_left_out(step):
                 return ()
             refused = self._logbook.interrupted
             if isinstance(operation, Move | KeepWorking) and refused is not None:
                 return (_confirm_again(refused),)
             await self._execution.perform(operation)
-        ends_by_itself = step.kind in {StepKind.OPEN, StepKind.LOOK}
+        ends_by_itself = step.kind in {StepKind.OPEN, StepKind.WARM, StepKind.LOOK}
         return (Line(EntryKind.ENDED, step.id),) if ends_by_itself else ()
+
+    def _is_left_out(self, step: Step) -> bool:
+        """Whether a person wants no reading here any more."""
+        return step.stop is not None and step.stop.config in self._record.left_out
 
     def _progress(self, doing: str) -> Progress:
         return replace(self.progress, doing=doing)
@@ -247,6 +295,15 @@ class TrackerRunner(UnattendedRunner[TrackerSituation]):
             reason = _SETTLED if self.situation.settled else "Every configuration was measured or skipped."
             progress = self._progress("finished")
             await self._logbook.enter(SessionState.FINISHED, reason, progress=progress)
+
+
+def _what_comes(now: TrackerSituation, record: TrackerRecord) -> str:
+    """Say which configurations nobody has let the arm go to so far."""
+    wanted_again = [stop.config for stop in now.unasked if stop.config in record.reopened]
+    if not wanted_again:
+        return "The configurations that were added to the plan come next."
+    named = ", ".join(str(config) for config in wanted_again)
+    return f"What was wanted once more comes next: configuration{'s' * (len(wanted_again) > 1)} {named}."
 
 
 def _confirm_again(refused: str) -> Line:

@@ -15,6 +15,7 @@ from truepose.sequencing.engine.states import ASKS
 from truepose.sequencing.tracker import plans
 from truepose.sequencing.tracker.state_so_far import TrackerRecord
 from truepose.sequencing.tracker.steps import Step, StepKind
+from truepose.sequencing.tracker.world_frame.warming import warmth
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,7 +59,9 @@ def situation(plan: SessionPlan, n_fixed_nests: int, entries: Iterable[LedgerEnt
 def situation_of(plan: SessionPlan, n_fixed_nests: int, record: TrackerRecord) -> TrackerSituation:
     """Return where a session stands after what is on record."""
     ended = record.measured | record.skipped
-    left = tuple(stop for stop in plan.stops if stop.config not in ended)
+    # What nobody has let the arm go to comes last: one question for all of it.
+    open_stops = (stop for stop in plan.stops if stop.config not in ended)
+    left = tuple(sorted(open_stops, key=lambda stop: stop.config not in record.allowed))
     settled = plan.ends_when_settled and _is_settled(record, left)
     if settled:
         left = ()
@@ -109,6 +112,8 @@ def present_step(
     if not record.opened:
         return plans.opening()
     if not _is_registered(record):
+        if _must_warm(plan, n_fixed_nests, record):
+            return plans.warming(n_fixed_nests)
         return plans.registration(plan, n_fixed_nests)
     if plan.measures == "points" and _look_is_due(plan, record, following):
         return plans.references(n_fixed_nests)
@@ -124,6 +129,12 @@ def steps(plan: SessionPlan, n_fixed_nests: int) -> Iterator[Step]:
         if step.stop is not None:
             left.popleft()
         record.end(step.kind)
+        record.warm_enough |= step.kind is StepKind.WARM
+
+
+def _must_warm(plan: SessionPlan, n_fixed_nests: int, record: TrackerRecord) -> bool:
+    wanted = plan.warm_up and plan.measures == "points" and not record.warm_enough
+    return wanted and not warmth(record.warming, plan, n_fixed_nests).ready
 
 
 def _look_is_due(plan: SessionPlan, record: TrackerRecord, following: PlannedStop | None) -> bool:

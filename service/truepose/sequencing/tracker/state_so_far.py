@@ -8,7 +8,7 @@ from collections import Counter
 from dataclasses import dataclass, field
 
 from truepose.domain.ledger import Control, EntryKind, LedgerEntry
-from truepose.domain.session import Registration, SessionState, config_of
+from truepose.domain.session import FixedNestTaken, Registration, SessionState, config_of
 from truepose.sequencing.engine.state_so_far import Record
 from truepose.sequencing.tracker.groups import Groups
 from truepose.sequencing.tracker.steps import StepKind
@@ -33,6 +33,11 @@ class TrackerRecord(Record):
     interruptions: Counter[str] = field(default_factory=Counter)  # by step
     since_first_s: float = 0.0  # cell time since the first reading, off time included where the clock went on
     groups: Groups = field(default_factory=Groups)
+    warming: list[FixedNestTaken] = field(default_factory=list)  # readings that tell how fast it drifts
+    warm_enough: bool = False  # a person said so
+    left_out: set[int] = field(default_factory=set)  # configurations of which a person wants no reading
+    reopened: set[int] = field(default_factory=set)  # configurations that somebody wanted once more
+    ended: list[str] = field(default_factory=list)  # steps that were done, newest last, as long as they count
     _asked: frozenset[int] = frozenset()  # configurations that the open question is about
     _seen_s: float | None = None  # the last line since the first reading
 
@@ -42,15 +47,19 @@ class TrackerRecord(Record):
         match entry.kind:
             case EntryKind.BEGUN:
                 self.doing = entry.text
+            case EntryKind.READ if entry.step_id == StepKind.WARM and entry.fixed_nest is not None:
+                self.warming.append(entry.fixed_nest)
+            case EntryKind.SKIPPED if entry.key is not None:
+                self._leave_out(entry.step_id)
             case EntryKind.MEASURED | EntryKind.SKIPPED:
                 self._end_stop(entry)
             case EntryKind.COMPUTED:
                 self.registration = entry.registration
-                self.end(StepKind.REGISTER)
+                self._end(StepKind.REGISTER, StepKind.REGISTER)
             case EntryKind.ENDED:
-                self.end(StepKind(entry.step_id))
+                self._end(StepKind(entry.step_id), entry.step_id)
             case EntryKind.REOPENED:
-                self._reopen(StepKind(entry.step_id))
+                self._reopen(entry.step_id)
             case EntryKind.CONTROL:
                 self._control(entry)
             case _:
@@ -70,7 +79,7 @@ class TrackerRecord(Record):
 
     def _end_stop(self, entry: LedgerEntry) -> None:
         config = config_of(entry.step_id)
-        if config is None:
+        if config is None or config in self.left_out:
             return
         is_measured = entry.kind is EntryKind.MEASURED
         (self.measured if is_measured else self.skipped).add(config)
@@ -78,7 +87,21 @@ class TrackerRecord(Record):
         if entry.point is not None:
             self.groups.take(entry.point)
         self.failures = 0 if is_measured else self.failures + 1
-        self.end(StepKind.MEASURE)
+        self._end(StepKind.MEASURE, entry.step_id)
+
+    def _leave_out(self, step_id: str) -> None:
+        """Take that a person wants none of a configuration, or no further warm-up."""
+        config = config_of(step_id)
+        if config is None:
+            self.warm_enough = True
+            return
+        self.left_out.add(config)
+        self.skipped.add(config)
+        self.measured.discard(config)
+
+    def _end(self, kind: StepKind, step_id: str) -> None:
+        self.end(kind)
+        self.ended.append(step_id)
 
     def end(self, kind: StepKind) -> None:
         """Take that the present step of this kind was done."""
@@ -93,12 +116,27 @@ class TrackerRecord(Record):
             case StepKind.MEASURE:
                 self.since_look += 1
 
-    def _reopen(self, kind: StepKind) -> None:
+    def _reopen(self, step_id: str) -> None:
+        self.ended = [ended for ended in self.ended if ended != step_id]
+        config = config_of(step_id)
+        if config is not None:
+            self._want_again(config)
+            return
+        kind = StepKind(step_id)
         self.looked = False
+        if kind is StepKind.WARM:
+            self.warming.clear()
+            self.warm_enough = self.registered = False
         if kind is StepKind.OPEN:
             self.opened = False
         if kind is StepKind.REGISTER:
             self.registered = False
+
+    def _want_again(self, config: int) -> None:
+        """Take that a configuration is to be measured; to go there a person has to let the arm."""
+        self.reopened.add(config)
+        for known in (self.measured, self.skipped, self.left_out, self.allowed):
+            known.discard(config)
 
     def _control(self, entry: LedgerEntry) -> None:
         if entry.control is Control.RESTARTED:

@@ -6,7 +6,7 @@ from typing import Final, Literal, TypeAlias
 
 from truepose.domain.session import PlannedStop, Work, stop_id
 
-FixedNestPhase: TypeAlias = Literal["registration", "two_face", "reference"]
+FixedNestPhase: TypeAlias = Literal["warm_up", "registration", "two_face", "reference"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -17,6 +17,8 @@ class OpenDevices:
 @dataclass(frozen=True, slots=True)
 class LocateFixedNests:
     """Find out roughly where the fixed nests are in the tracker's frame."""
+
+    anew: bool = True  # also where they have been found before
 
 
 @dataclass(frozen=True, slots=True)
@@ -117,9 +119,10 @@ Operation: TypeAlias = (
 
 
 class StepKind(StrEnum):
-    """What a step is for; the first three are the names of their steps as well."""
+    """What a step is for; all but the last are the names of their steps as well."""
 
     OPEN = "instruments"
+    WARM = "warm-up"
     REGISTER = "world-frame"
     LOOK = "fixed-nests"
     MEASURE = "stop"
@@ -127,6 +130,7 @@ class StepKind(StrEnum):
 
 _TITLES: Final = {
     StepKind.OPEN: "making the instruments ready",
+    StepKind.WARM: "waiting until the tracker drifts no more",
     StepKind.REGISTER: "finding the tracker's place in the world",
     StepKind.LOOK: "looking at the fixed nests",
 }

@@ -1,12 +1,15 @@
 """Readings of a tracker: appended as they come, superseded when a stop is read again, never changed.
 
+One of a stop that a person left out, or wanted once more, counts no more from that line of the ledger on.
+
 Lengths of a ballbar are lines of the `ledger`.
 """
 
 from typing import Any
 
-from sqlalchemy import ColumnElement, Connection, Row, Select, select
+from sqlalchemy import ColumnElement, Connection, Row, Select, and_, exists, or_, select
 
+from truepose.domain.ledger import EntryKind
 from truepose.domain.session import FixedNestTaken, PointTaken
 from truepose.storage.database import Database
 from truepose.storage.documents import from_document, to_document
@@ -15,7 +18,7 @@ from truepose.storage.numbered import NumberedRecords
 from truepose.storage.parts import Part
 from truepose.storage.records import Page, ReadingKind, ReadingRecord
 from truepose.storage.rows import add_row
-from truepose.storage.tables import readings
+from truepose.storage.tables import readings, session_entries
 
 
 def add_point(connection: Connection, session_id: int, point: PointTaken) -> int:
@@ -55,7 +58,7 @@ class ReadingRepository:
         wanted = [
             *([] if session_id is None else [readings.c.session_id == session_id]),
             *([] if kind is None else [readings.c.kind == kind]),
-            *([] if superseded else [_SUCCESSOR.c.id.is_(None)]),
+            *([] if superseded else [_SUCCESSOR.c.id.is_(None), readings.c.id.not_in(_revoked(session_id))]),
         ]
         return await self._every.page(page, *wanted)
 
@@ -78,6 +81,28 @@ class ReadingRepository:
 
 
 _SUCCESSOR = readings.alias("successor")
+
+
+def _revoked(session_id: int | None) -> Select[Any]:
+    """Select readings of stops that a person left out for good, or wanted again after they were read."""
+    brought, revised, later = (session_entries.alias() for _ in range(3))
+    wanted_again = exists().where(
+        later.c.session_id == revised.c.session_id,
+        later.c.kind == EntryKind.REOPENED.value,
+        later.c.step_id == revised.c.step_id,
+        later.c.id > revised.c.id,
+    )
+    left_out = and_(revised.c.kind == EntryKind.SKIPPED.value, revised.c.key.is_not(None), ~wanted_again)
+    reopened = and_(revised.c.kind == EntryKind.REOPENED.value, revised.c.id > brought.c.id)
+    found = select(brought.c.reading_id).where(
+        brought.c.session_id == revised.c.session_id,
+        brought.c.kind == EntryKind.MEASURED.value,
+        brought.c.step_id == revised.c.step_id,
+        brought.c.reading_id.is_not(None),
+        revised.c.kind.in_((EntryKind.SKIPPED.value, EntryKind.REOPENED.value)),
+        or_(left_out, reopened),
+    )
+    return found if session_id is None else found.where(revised.c.session_id == session_id)
 
 
 def _records() -> Select[Any]:

@@ -34,7 +34,13 @@ class UnattendedRunner(SessionRunner[S]):
 
     def require(self, act: Act) -> None:
         """Raise NotNowError, PersonMissingError where an act is not allowed now."""
-        if act.name is ActName.PAUSE:
+        if act.name is ActName.START:
+            require_person(act.person)
+            if self.state is not SessionState.AWAITING_CONFIRMATION:
+                raise NotNowError(f"The session is {words(self.state)}; only a planned one starts.")
+        elif act.name is ActName.STOP and self.state is SessionState.PAUSING:
+            return
+        elif act.name in {ActName.PAUSE, ActName.STOP}:
             require_transition(self.state, SessionState.PAUSING)
         elif act.name is ActName.ABORT:
             if self._ended or self.state is SessionState.ABORTING:

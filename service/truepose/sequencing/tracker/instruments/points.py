@@ -4,7 +4,7 @@ import math
 from collections.abc import Callable
 from typing import cast
 
-from truepose.domain.session import SessionPlan
+from truepose.domain.session import SessionPlan, Vector
 from truepose.sequencing.engine.logbook import Logbook
 from truepose.sequencing.errors import PlanRefusedError
 from truepose.sequencing.tracker import steps
@@ -37,6 +37,10 @@ class Points:
         """Forget what belongs to an earlier step."""
         self._fixed_nests.begin_step()
 
+    def in_world(self, point_mm: Vector) -> Vector | None:
+        """Return a point of the tracker's frame in the world; None before that is known."""
+        return self._fixed_nests.in_world(point_mm)
+
     async def conditions(self) -> list[str]:
         """Return what the tracker says that it measures with, and in which air; only what it does say."""
         settings, air = stated_settings(self._device), await self._tracker.environment()
@@ -45,8 +49,8 @@ class Points:
     async def perform(self, operation: steps.Operation, at_rest: Callable[[], AtRest]) -> None:
         """Do one operation; raises what the tracker and the checks raise."""
         match operation:
-            case steps.LocateFixedNests():
-                await self._fixed_nests.locate()
+            case steps.LocateFixedNests(anew):
+                await self._fixed_nests.locate(anew=anew)
             case steps.ReadFixedNest():
                 await self._fixed_nests.read(operation)
             case steps.CheckFaces():

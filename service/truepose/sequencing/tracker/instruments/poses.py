@@ -13,7 +13,7 @@ import numpy as np
 from truepose.domain.arrays import FloatArray
 from truepose.domain.cell import Camera
 from truepose.domain.ledger import EntryKind
-from truepose.domain.session import PlannedStop, PointTaken, Registration, SessionPlan, stop_id
+from truepose.domain.session import PlannedStop, PointTaken, Registration, SessionPlan, Vector, stop_id
 from truepose.kinematics.frames import (
     quaternion_from_rotation,
     rotation_from_quaternion,
@@ -58,6 +58,9 @@ class Poses:
 
     def begin_step(self) -> None:
         """Forget what belongs to an earlier step: nothing does."""
+
+    def in_world(self, point_mm: Vector) -> None:
+        """Return nothing: a camera shows no single reflector."""
 
     async def conditions(self) -> list[str]:
         """Return what the camera says that it measures with, where it says something."""

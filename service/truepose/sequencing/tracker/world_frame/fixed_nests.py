@@ -1,6 +1,7 @@
 """The fixed nests: finding them, placing the tracker in the world with them, watching them."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Final, cast
 
@@ -8,12 +9,12 @@ import numpy as np
 
 from truepose.domain.arrays import FloatArray
 from truepose.domain.ledger import EntryKind
-from truepose.domain.session import FixedNestTaken, Registration, SessionPlan
+from truepose.domain.session import FixedNestTaken, Registration, SessionPlan, Vector
 from truepose.sequencing.engine.logbook import Logbook
 from truepose.sequencing.errors import AttentionNeededError
 from truepose.sequencing.tracker.cell import SessionCell
 from truepose.sequencing.tracker.situation import TrackerSituation
-from truepose.sequencing.tracker.steps import ReadFixedNest, StepKind
+from truepose.sequencing.tracker.steps import FixedNestPhase, ReadFixedNest, StepKind
 from truepose.sequencing.tracker.tracking import (
     CheckedTracker,
     standard_uncertainty_mm,
@@ -28,6 +29,12 @@ from truepose_drivers.errors import MeasurementFailedError
 # A nest that was pushed in the plane of the nests leaves about a third of it as residual: the rigid
 # motion takes up the rest.
 _SHARE_LEFT_IN_RESIDUALS: Final = 1.0 / 3.0
+_STEPS: Final[Mapping[FixedNestPhase, StepKind]] = {
+    "warm_up": StepKind.WARM,
+    "registration": StepKind.REGISTER,
+    "two_face": StepKind.REGISTER,
+    "reference": StepKind.LOOK,
+}
 _BEYOND_NOISE: Final = 3.0  # times the stated uncertainty of a mean: less is no motion of a nest
 
 
@@ -58,12 +65,26 @@ class FixedNests:
             raise AttentionNeededError("The tracker's place in the world is not known.")
         return found
 
+    def in_world(self, point_mm: Vector) -> Vector | None:
+        """Return a point of the tracker's frame in the world, as far as its place is known by now."""
+        situation = self._logbook.situation
+        known = situation.registration or situation.last_known
+        if known is None and self._rough is None:
+            return None
+        place = (
+            to_world(known, np.array(point_mm)) if known else cast(RoughFrame, self._rough).to_world(point_mm)
+        )
+        x, y, z = (float(value) for value in place)
+        return x, y, z
+
     def begin_step(self) -> None:
         """Forget the readings of an earlier step."""
         self._taken.clear()
 
-    async def locate(self) -> None:
-        """Find out roughly where the fixed nests are."""
+    async def locate(self, *, anew: bool) -> None:
+        """Find out roughly where the fixed nests are; where that is known, only `anew`."""
+        if self._rough is not None and not anew:
+            return
         position = self._cell.tracker_position_mm
         self._rough = await locate_tracker(
             cast(PointTracker, self._cell.tracker),
@@ -88,8 +109,9 @@ class FixedNests:
         for _ in range(step.readings):
             reading = await self._tracker.measure(self._plan.measure_s, step.face)
             taken = self._record(step, reading)
-            of = StepKind.LOOK if step.phase == "reference" else StepKind.REGISTER
-            await self._logbook.write(EntryKind.READ, of, fixed_nest=taken, time_s=taken.time_s)
+            await self._logbook.write(
+                EntryKind.READ, _STEPS[step.phase], fixed_nest=taken, time_s=taken.time_s
+            )
             readings.append(reading)
 
     async def _find(self, fixed_nest: int) -> None:

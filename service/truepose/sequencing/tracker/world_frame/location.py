@@ -38,6 +38,11 @@ class RoughFrame:
         result: FloatArray = (point_mm - self.translation_mm) @ self.rotation
         return result
 
+    def to_world(self, point_mm: Sequence[float]) -> FloatArray:
+        """Return a point of the tracker's frame in the world, shape (3,)."""
+        result: FloatArray = self.rotation @ np.array(point_mm) + self.translation_mm
+        return result
+
 
 async def locate_tracker(
     tracker: PointTracker,

@@ -1,0 +1,84 @@
+"""What whoever watches sees of the reflector; nobody who does not watch costs the tracker a question."""
+
+import asyncio
+import math
+
+import pytest
+
+from tests.helpers.domain import asking
+from tests.unit.service.sequencing.tracker.fakes import FakeCell, FakeTracker, make_plan
+from tests.unit.service.sequencing.tracker.operators import run_session, until
+from truepose.domain.session import SessionState
+from truepose.sequencing.tracker.runner import TrackerRunner
+from truepose_drivers.errors import ConnectionLostError
+
+
+class ShowingTracker(FakeTracker):
+    """Says where the reflector is as well."""
+
+    looks = 0
+    broken = False
+
+    async def reflector_now(self):
+        type(self).looks += 1
+        if self.broken:
+            raise ConnectionLostError("nobody is there")
+        if self._locked is None:
+            return None
+        return tuple(self.in_tracker(self._reflectors())[self._locked].tolist())
+
+
+@pytest.fixture
+def cell(monkeypatch):
+    monkeypatch.setattr("tests.unit.service.sequencing.tracker.fakes.FakeTracker", ShowingTracker)
+    monkeypatch.setattr(ShowingTracker, "looks", 0)
+    return FakeCell()
+
+
+async def seen_at(cell, where):
+    """Halt a session where the arm sets out to a stop, and return what is seen then."""
+    runner = TrackerRunner(make_plan(2), cell.cell, cell.journal)
+    running = asyncio.create_task(runner.run())
+    await until(lambda: runner.question is not None)
+    shown = []
+
+    async def watch():
+        async for sighting in runner.live():
+            shown.append(sighting)
+
+    async def stand():
+        if len(cell.robot.moves) == where:
+            shown.clear()
+            while len(shown) < 2:
+                await asyncio.sleep(0.1)
+
+    cell.robot.before_move = stand
+    watching = asyncio.create_task(watch())
+    await asking.confirm(runner, "Eva")
+    assert await running is SessionState.FINISHED
+    await asyncio.wait_for(watching, 5)  # it ends with the session
+    return shown[0] if where is not None else None
+
+
+async def test_the_way_still_to_go_is_shown_while_the_arm_moves(cell):
+    sighting = await seen_at(cell, 2)  # on the way to the second stop; locked on the arm since the first
+
+    assert sighting.is_seen
+    assert sighting.is_moving
+    assert sighting.state == "far"
+    assert sighting.aim.config == 2
+    assert sighting.distance_mm == pytest.approx(math.hypot(*sighting.delta_mm))
+
+
+async def test_a_reflector_that_nobody_sees_is_no_number(cell):
+    cell.tracker.broken = True
+
+    sighting = await seen_at(cell, 2)
+
+    assert (sighting.is_seen, sighting.delta_mm, sighting.state) == (False, None, "no_signal")
+
+
+async def test_nobody_watches_and_nothing_is_asked(cell):
+    await run_session(cell, make_plan(2))
+
+    assert ShowingTracker.looks == 0
