@@ -13,23 +13,27 @@ branch_labels = None
 depends_on = None
 
 _PEOPLE = ("people", "person_states", "credentials", "revocations", "acts")
+_SIGNED = ("closings", "reports")
+_TABLES = (*_PEOPLE, *_SIGNED)
 
 
 def upgrade() -> None:
     """Make the tables, a part each."""
     _people()
     _acts()
-    for table in _PEOPLE:
+    _closings()
+    _reports()
+    for table in _TABLES:
         protect(table)
 
 
 def downgrade() -> None:
     """Drop the tables; where one holds records the chain begins anew over those that stay."""
     there = chained_tables()
-    for table in reversed(_PEOPLE):
+    for table in reversed(_TABLES):
         drop_protected(table)
-    if there.intersection(_PEOPLE):
-        chain_anew(there.difference(_PEOPLE))
+    if there.intersection(_TABLES):
+        chain_anew(there.difference(_TABLES))
 
 
 def _people() -> None:
@@ -85,5 +89,37 @@ def _acts() -> None:
             sa.Column(name, sa.Text, nullable=True)
             for name in ("person", "role", "how", "tablet", "address", "reason")
         ),
+        sqlite_autoincrement=True,
+    )
+
+
+def _closings() -> None:
+    op.create_table(
+        "closings",
+        number(),
+        recorded(),
+        reference("session_id", "sessions"),
+        sa.Column("closed_as", sa.Text, nullable=False),
+        sa.Column("person", sa.Text, nullable=False),
+        sa.Column("reason", sa.Text, nullable=False),
+        sa.Column("document", sa.JSON, nullable=False),
+        sa.UniqueConstraint("session_id"),
+        sqlite_autoincrement=True,
+    )
+    op.create_index("ix_closings_session_id", "closings", ["session_id", "id"])
+
+
+def _reports() -> None:
+    op.create_table(
+        "reports",
+        number(),
+        recorded(),
+        sa.Column("kind", sa.Text, nullable=False),
+        sa.Column("subject_id", sa.Integer, nullable=False),
+        sa.Column("revision", sa.Integer, nullable=False),
+        sa.Column("language", sa.Text, nullable=False),
+        sa.Column("stated_sha256", sa.Text, nullable=False),
+        sa.Column("page", sa.LargeBinary, nullable=False),
+        sa.UniqueConstraint("kind", "subject_id", "revision", "language"),
         sqlite_autoincrement=True,
     )

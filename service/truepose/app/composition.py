@@ -18,6 +18,7 @@ from truepose.domain.cell import Cell, DeviceEntry
 from truepose.exchange.cells.file import read_cell, simulated_cell
 from truepose.operation.ballbar.sessions import BallbarSessions
 from truepose.operation.ballbar.worker_tasks import BallbarWork
+from truepose.operation.closing import ClosingDesk
 from truepose.operation.contacts.sessions import ContactSessions
 from truepose.operation.devices import MountedDevice, Rack
 from truepose.operation.present_cell import PresentCell
@@ -31,11 +32,13 @@ from truepose.storage.calibration.campaigns import CampaignRepository
 from truepose.storage.calibration.corrections import CorrectionRepository
 from truepose.storage.calibration.diagnoses import DiagnosisRepository
 from truepose.storage.calibration.jobs import JobRepository
+from truepose.storage.calibration.reports import ReportRepository
 from truepose.storage.calibration.results import ResultRepository
 from truepose.storage.database import Database
 from truepose.storage.events import EventRepository
 from truepose.storage.integrity.guard import Guard
 from truepose.storage.measurement.added_stops import AddedStopsRepository
+from truepose.storage.measurement.closings import ClosingRepository
 from truepose.storage.measurement.ledger import LedgerRepository
 from truepose.storage.measurement.sessions import SessionRepository
 from truepose.storage.measurement.tracker_readings import ReadingRepository
@@ -254,7 +257,7 @@ def _context(
     sessions, readings = SessionRepository(database), ReadingRepository(database)
     campaigns, jobs = CampaignRepository(database), JobRepository(database)
     results, diagnoses = ResultRepository(database), DiagnosisRepository(database)
-    corrections = CorrectionRepository(database)
+    corrections, closings = CorrectionRepository(database), ClosingRepository(database)
     additions = AddedStopsRepository(database)
     job_desk = JobDesk(jobs, campaigns, results, diagnoses, corrections, perform)
     work = BallbarWork(perform)
@@ -277,6 +280,8 @@ def _context(
         results=results,
         diagnoses=diagnoses,
         corrections=corrections,
+        closings=closings,
+        reports=ReportRepository(database),
         events=EventRepository(database),
         rack=rack,
         session_desk=session_desk,
@@ -285,6 +290,7 @@ def _context(
         contact_sessions=contact_sessions,
         hands_desk=HandsDesk(rack, ballbar_sessions.frame_of),
         faults_desk=FaultsDesk(None if simulation is None else simulation.ask_of_faults, present),
+        closing_desk=ClosingDesk(sessions, closings, rack, present),
         job_desk=job_desk,
         campaign_desk=campaign_desk,
         stopping=asyncio.Event(),

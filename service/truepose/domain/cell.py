@@ -21,6 +21,7 @@ class DeviceEntry:
     options: Mapping[str, str | int | float | bool]  # host, port, serial, usb ...; the driver checks them
     serial_number: str = ""
     certificate: str = ""  # calibration certificate: number, date, laboratory
+    certificate_expires: str = ""  # ISO date; empty where nobody said it
     use: str = ""  # kind of device that it is used as; empty: what its driver says first
 
 

@@ -124,6 +124,12 @@ class Rack:
 
         return Expected({device: by_kind.get(kind, "") for device, kind in kinds.items()}, hear)
 
+    @property
+    def used(self) -> dict[IdentityOf, str]:
+        """Return the names of the devices that sessions measure with."""
+        tracker = self.name_of("tracker") or self.name_of("pose_tracker")
+        return {"tracker": tracker, "robot": self.name_of("robot"), "ballbar": self.name_of("ballbar")}
+
     def name_of(self, kind: DeviceKind) -> str:
         """Return the name of the device of this kind that sessions use; empty where there is none."""
         return next((name for name, mounted in self._mounted.items() if mounted.kind == kind), "")

@@ -7,7 +7,8 @@ OperationError
 ├── CellChangedError     the cell file says something else than the service was started with
 ├── NoBallbarError       the cell file does not describe a ballbar
 ├── FaultRefusedError    a simulated cell cannot have that go wrong
-└── RealCellError        only a simulated cell can be asked that
+├── RealCellError        only a simulated cell can be asked that
+└── CertificateError     a certificate does not hold, and nobody says why that may be passed over
 """
 
 from truepose.domain.errors import TrueposeError
@@ -43,3 +44,7 @@ class FaultRefusedError(OperationError):
 
 class RealCellError(OperationError):
     """Only a simulated cell can be asked that."""
+
+
+class CertificateError(OperationError):
+    """A certificate does not hold, and nobody says why that may be passed over."""

@@ -72,6 +72,15 @@ added_stops = _records_of_sessions(
     sa.Column("document", sa.JSON, nullable=False),
 )
 
+closings = _records_of_sessions(
+    "closings",
+    sa.Column("closed_as", sa.Text, nullable=False),
+    sa.Column("person", sa.Text, nullable=False),
+    sa.Column("reason", sa.Text, nullable=False),
+    sa.Column("document", sa.JSON, nullable=False),  # the certificates, as they stood
+    sa.UniqueConstraint("session_id"),  # two closings would leave two truths
+)
+
 session_entries = _records_of_sessions(
     "session_entries",
     sa.Column("step_id", sa.Text, nullable=False),
@@ -224,6 +233,17 @@ acts = _records(
     sa.Column("tablet", sa.Text, nullable=True),
     sa.Column("address", sa.Text, nullable=True),
     sa.Column("reason", sa.Text, nullable=True),
+)
+
+reports = _records(
+    "reports",
+    sa.Column("kind", sa.Text, nullable=False),
+    sa.Column("subject_id", sa.Integer, nullable=False),  # of the result of that kind
+    sa.Column("revision", sa.Integer, nullable=False),
+    sa.Column("language", sa.Text, nullable=False),
+    sa.Column("stated_sha256", sa.Text, nullable=False),  # of all that it states, whatever the language
+    sa.Column("page", sa.LargeBinary, nullable=False),  # deflated
+    sa.UniqueConstraint("kind", "subject_id", "revision", "language"),
 )
 
 links = sa.Table(

@@ -11,6 +11,7 @@ from truepose.analysis.campaigns import CampaignDesk
 from truepose.analysis.jobs import JobDesk
 from truepose.domain.cell import Cell
 from truepose.operation.ballbar.sessions import BallbarSessions
+from truepose.operation.closing import ClosingDesk
 from truepose.operation.contacts.sessions import ContactSessions
 from truepose.operation.devices import Rack
 from truepose.operation.sessions import SessionDesk
@@ -21,9 +22,11 @@ from truepose.storage.calibration.campaigns import CampaignRepository
 from truepose.storage.calibration.corrections import CorrectionRepository
 from truepose.storage.calibration.diagnoses import DiagnosisRepository
 from truepose.storage.calibration.jobs import JobRepository
+from truepose.storage.calibration.reports import ReportRepository
 from truepose.storage.calibration.results import ResultRepository
 from truepose.storage.database import Database
 from truepose.storage.events import EventRepository
+from truepose.storage.measurement.closings import ClosingRepository
 from truepose.storage.measurement.sessions import SessionRepository
 from truepose.storage.measurement.tracker_readings import ReadingRepository
 from truepose.storage.records import SessionRecord
@@ -54,6 +57,8 @@ class Context:
     results: ResultRepository
     diagnoses: DiagnosisRepository
     corrections: CorrectionRepository
+    closings: ClosingRepository
+    reports: ReportRepository
     events: EventRepository
     rack: Rack
     session_desk: SessionDesk
@@ -62,6 +67,7 @@ class Context:
     contact_sessions: ContactSessions
     hands_desk: HandsDesk
     faults_desk: FaultsDesk
+    closing_desk: ClosingDesk
     job_desk: JobDesk
     campaign_desk: CampaignDesk
     stopping: asyncio.Event  # set when the service ends: streams end with it

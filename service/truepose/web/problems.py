@@ -25,6 +25,7 @@ from truepose.domain.people import NAME_PATTERN
 from truepose.exchange.errors import InputFileError, UnknownRobotError
 from truepose.operation.errors import (
     CellChangedError,
+    CertificateError,
     DeviceInUseError,
     MissingDeviceError,
     NoBallbarError,
@@ -68,6 +69,7 @@ _STATUS: Mapping[type[Exception], HTTPStatus] = {
     CellChangedError: HTTPStatus.CONFLICT,
     NoBallbarError: HTTPStatus.CONFLICT,
     RealCellError: HTTPStatus.CONFLICT,
+    CertificateError: HTTPStatus.CONFLICT,
     NothingMeasuredError: HTTPStatus.CONFLICT,
     SessionsDifferError: HTTPStatus.CONFLICT,
     RoleError: HTTPStatus.CONFLICT,

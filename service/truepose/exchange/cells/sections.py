@@ -24,11 +24,23 @@ from truepose.exchange.keys import NUMBER, TEXT, VECTOR, Form, Key, each, number
 from truepose.exchange.robots.document import ranges_of
 
 T = TypeVar("T")
+
+
+def _read_date(node: Node) -> str:
+    if isinstance(node.value, date):  # TOML has dates of its own
+        return node.value.isoformat()[: len("2027-01-31")]
+    try:
+        return date.fromisoformat(node.text()).isoformat()
+    except ValueError:
+        node.fail(f"{node.value!r} is no date; write it as 2027-01-31")
+
+
 _DEVICE: Final = [
     Key("name", "name", TEXT),
     Key("driver", "driver", TEXT),
     Key("serial_number", "serial_number", TEXT, absent=""),
     Key("certificate", "certificate", TEXT, absent=""),
+    Key("certificate_expires", "certificate_expires", Form(_read_date), absent=""),
     Key("use", "use", TEXT, absent=""),
 ]
 _EFFECT: Final = [
@@ -64,15 +76,6 @@ def _sealed(kind: type[T], keys: Sequence[Key], extra: Collection[str] = ()) -> 
 def _defaulted(default: object, forms: Mapping[str, Form]) -> list[Key]:
     """Return keys called as their fields, which keep what `default` says where they are absent."""
     return [Key(name, name, form, absent=getattr(default, name)) for name, form in forms.items()]
-
-
-def _read_date(node: Node) -> str:
-    if isinstance(node.value, date):  # TOML has dates of its own
-        return node.value.isoformat()[: len("2027-01-31")]
-    try:
-        return date.fromisoformat(node.text()).isoformat()
-    except ValueError:
-        node.fail(f"{node.value!r} is no date; write it as 2027-01-31")
 
 
 _LENGTH: Final = number(above=0.0)

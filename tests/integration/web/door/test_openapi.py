@@ -140,7 +140,7 @@ def test_every_operation_lists_its_problems_and_says_what_it_does(method, path):
 
 BEGINS_WITH_A_VERB = re.compile(
     r"("
-    r"abort|add|cancel|compare|confirm|connect|correct|diagnose|disconnect|download|end|"
+    r"abort|add|cancel|close|compare|confirm|connect|correct|diagnose|disconnect|download|end|"
     r"find|follow|get|give|identify|list|make|pause|plan|press|read|resume|start|upload|"
     r"use|validate"
     r")(_[a-z]+)+"

@@ -1,0 +1,107 @@
+"""Reports as they were made: of one result, a revision for each content, a page in each language."""
+
+import zlib
+from dataclasses import dataclass
+from typing import Any
+
+from sqlalchemy import Connection, Row, desc, func, select
+
+from truepose.storage.database import Database
+from truepose.storage.errors import NotFoundError
+from truepose.storage.rows import add_row
+from truepose.storage.tables import reports
+
+
+@dataclass(frozen=True, slots=True)
+class ReportSubject:
+    """What a report is of."""
+
+    kind: str
+    id: int  # of the result of that kind
+
+
+@dataclass(frozen=True, slots=True)
+class ReportRecord:
+    """A report as it was made."""
+
+    recorded_at: str
+    subject: ReportSubject
+    revision: int
+    language: str
+    stated_sha256: str
+    page: str  # its content, without a frame
+
+
+class ReportRepository:
+    """All queries about reports."""
+
+    def __init__(self, database: Database) -> None:
+        self._database = database
+
+    async def revision_for(self, subject: ReportSubject, stated_sha256: str) -> int:
+        """Return the revision that states this: the newest where it does, else the one to follow."""
+        newest = await self.newest(subject)
+        if newest is None:
+            return 1
+        return newest.revision if newest.stated_sha256 == stated_sha256 else newest.revision + 1
+
+    async def newest(self, subject: ReportSubject) -> ReportRecord | None:
+        """Return the newest revision, in whichever language it was made last."""
+        query = _of(subject).order_by(reports.c.revision.desc(), reports.c.id.desc()).limit(1)
+        row = await self._database.read(lambda connection: connection.execute(query).one_or_none())
+        return None if row is None else _record(row)
+
+    async def get(self, subject: ReportSubject, revision: int, language: str) -> ReportRecord:
+        """Return a revision, in the language asked for if it was made in it; raises NotFoundError."""
+        query = _of(subject).where(reports.c.revision == revision)
+        preferred = query.order_by(desc(reports.c.language == language), reports.c.id).limit(1)
+        row = await self._database.read(lambda connection: connection.execute(preferred).one_or_none())
+        if row is None:
+            raise NotFoundError("revision", revision)
+        return _record(row)
+
+    async def keep(self, made: ReportRecord) -> None:
+        """Store a report; one that was made meanwhile stays."""
+        await self._database.write(lambda connection: _keep(connection, made))
+
+    async def revisions(self, subject: ReportSubject) -> list[tuple[int, str]]:
+        """Return each revision with when it was first made, oldest first."""
+        first = func.min(reports.c.recorded_at)
+        query = select(reports.c.revision, first).where(*_is(subject)).group_by(reports.c.revision)
+        rows = await self._database.read(lambda c: c.execute(query.order_by(reports.c.revision)).all())
+        return [(revision, recorded_at) for revision, recorded_at in rows]
+
+
+def _keep(connection: Connection, made: ReportRecord) -> None:
+    same = _of(made.subject).where(reports.c.revision == made.revision, reports.c.language == made.language)
+    if connection.execute(same).one_or_none() is not None:
+        return
+    add_row(
+        connection,
+        reports,
+        kind=made.subject.kind,
+        subject_id=made.subject.id,
+        revision=made.revision,
+        language=made.language,
+        stated_sha256=made.stated_sha256,
+        page=zlib.compress(made.page.encode()),
+    )
+
+
+def _is(subject: ReportSubject) -> tuple[Any, ...]:
+    return (reports.c.kind == subject.kind, reports.c.subject_id == subject.id)
+
+
+def _of(subject: ReportSubject) -> Any:
+    return select(reports).where(*_is(subject))
+
+
+def _record(row: Row[Any]) -> ReportRecord:
+    return ReportRecord(
+        recorded_at=row.recorded_at,
+        subject=ReportSubject(row.kind, row.subject_id),
+        revision=row.revision,
+        language=row.language,
+        stated_sha256=row.stated_sha256,
+        page=zlib.decompress(row.page).decode(),
+    )
