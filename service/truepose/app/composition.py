@@ -21,6 +21,8 @@ from truepose.operation.ballbar.worker_tasks import BallbarWork
 from truepose.operation.closing import ClosingDesk
 from truepose.operation.contacts.sessions import ContactSessions
 from truepose.operation.devices import MountedDevice, Rack
+from truepose.operation.guided.outlooks import Outlooks
+from truepose.operation.guided.sessions import GuidedSessions
 from truepose.operation.present_cell import PresentCell
 from truepose.operation.repeated_diagnosis import RepeatedDiagnosis
 from truepose.operation.sessions import SessionDesk
@@ -268,6 +270,7 @@ def _context(
         campaigns, sessions, readings, ballbar_sessions.campaign, contact_sessions.campaign, Uploads()
     )
     again = RepeatedDiagnosis(additions, diagnoses, campaigns, sessions, campaign_desk, job_desk)
+    tracker_sessions = TrackerSessions(session_desk, additions, again.after_session)
     return Context(
         version=program_version(),
         cell=cell,
@@ -285,9 +288,10 @@ def _context(
         events=EventRepository(database),
         rack=rack,
         session_desk=session_desk,
-        tracker_sessions=TrackerSessions(session_desk, additions, again.after_session),
+        tracker_sessions=tracker_sessions,
         ballbar_sessions=ballbar_sessions,
         contact_sessions=contact_sessions,
+        guided_sessions=GuidedSessions(tracker_sessions, contact_sessions, readings, Outlooks(perform)),
         hands_desk=HandsDesk(rack, ballbar_sessions.frame_of),
         faults_desk=FaultsDesk(None if simulation is None else simulation.ask_of_faults, present),
         closing_desk=ClosingDesk(sessions, closings, rack, present),

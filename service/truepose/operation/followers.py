@@ -4,6 +4,7 @@ import asyncio
 import contextlib
 from collections import Counter
 from collections.abc import Iterator
+from typing import Any, Protocol
 
 
 class Watching:
@@ -38,3 +39,23 @@ class Watching:
         finally:
             connections[tablet] -= 1
             self.tell()
+
+
+class Versioned(Protocol):
+    """What is under way, and counts its changes."""
+
+    async def changed(self, after: int) -> int:
+        """Return the version once it is above `after`."""
+        ...
+
+
+async def change(news: asyncio.Event, runner: Versioned | None, version: int | None) -> None:
+    """Return once there are news, or what is under way is no longer at this version."""
+    waits: list[asyncio.Future[Any]] = [asyncio.ensure_future(news.wait())]
+    if runner is not None and version is not None:
+        waits.append(asyncio.ensure_future(runner.changed(version)))
+    try:
+        await asyncio.wait(waits, return_when=asyncio.FIRST_COMPLETED)
+    finally:
+        for wait in waits:
+            wait.cancel()

@@ -14,6 +14,7 @@ from truepose.operation.ballbar.sessions import BallbarSessions
 from truepose.operation.closing import ClosingDesk
 from truepose.operation.contacts.sessions import ContactSessions
 from truepose.operation.devices import Rack
+from truepose.operation.guided.sessions import GuidedSessions
 from truepose.operation.sessions import SessionDesk
 from truepose.operation.simulated_faults import FaultsDesk
 from truepose.operation.simulated_hands import HandsDesk
@@ -65,6 +66,7 @@ class Context:
     tracker_sessions: TrackerSessions
     ballbar_sessions: BallbarSessions
     contact_sessions: ContactSessions
+    guided_sessions: GuidedSessions
     hands_desk: HandsDesk
     faults_desk: FaultsDesk
     closing_desk: ClosingDesk

@@ -22,12 +22,14 @@ _AGAIN_S: Final = 2  # after which a client that found no place may ask again
 _FREE_BYTES: Final = 64 * 1024  # of each body; an act or a pause is always received
 _BODIES_BYTES: Final = 128 * 2**20  # of all bodies together
 _URGENT: Final = re.compile(
-    r"/health|/api/v1/sessions/[^/]+/(pause|abort)|/api/v1/ballbar-sessions/[^/]+/acts"
+    r"/health|/api/v1/sessions/[^/]+/(pause|abort|guide/acts)|/api/v1/ballbar-sessions/[^/]+/acts"
 )
-_STREAMS: Final = re.compile(r"/api/v1/events|/api/v1/ballbar-sessions/[^/]+/live")
+_STREAMS: Final = re.compile(
+    r"/api/v1/events|/api/v1/ballbar-sessions/[^/]+/live|/api/v1/sessions/[^/]+/guide/live"
+)
 _DRAWN: Final = re.compile(
     r"/diagnoses/[^/]+|/corrections/[^/]+|/plan|/sessions/[^/]+/result"
-    r"|/api/v1/cells/[^/]+/plan|/api/v1/sessions/[^/]+/(promise|proof|circles|sphere|accuracy)"
+    r"|/api/v1/cells/[^/]+/plan|/api/v1/sessions/[^/]+/(promise|proof|circles|sphere|accuracy|guide/outlook)"
 )
 
 

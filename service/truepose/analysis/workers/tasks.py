@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 from truepose.analysis.ballbar.assembly import Counting
 from truepose.analysis.errors import NothingMeasuredError
 from truepose.analysis.workers.correcting import CheckFileTask, CorrectFileTask, FileChecked, FileCorrected
+from truepose.analysis.workers.outlook import Outlook, OutlookTask
 from truepose.domain.ballbar import BallbarPlan, PreCalibration, SphereWish
 from truepose.domain.campaign import Campaign, Readings
 from truepose.domain.diagnosis import Diagnosis
@@ -224,6 +225,7 @@ Task: TypeAlias = (
     | ReadCampaignTask
     | CheckFileTask
     | CorrectFileTask
+    | OutlookTask
 )
 Answer: TypeAlias = (
     Identification
@@ -235,6 +237,7 @@ Answer: TypeAlias = (
     | CampaignRead
     | FileChecked
     | FileCorrected
+    | Outlook
 )
 
 

@@ -4,7 +4,7 @@ import asyncio
 import logging
 from collections.abc import AsyncIterator, Awaitable, Callable
 from dataclasses import replace
-from typing import Any, Final, TypeAlias
+from typing import Final, TypeAlias
 
 from truepose.analysis.ballbar.assembly import assemble_ballbar_campaign
 from truepose.domain.ballbar import BallbarPlan
@@ -15,6 +15,7 @@ from truepose.domain.session import SessionState
 from truepose.operation.ballbar.counting import counting
 from truepose.operation.ballbar.plans import BallbarWish, judged, kit_of
 from truepose.operation.ballbar.view import BallbarView, Fixed, sight_of
+from truepose.operation.followers import change
 from truepose.operation.requests_under_way import RequestsUnderWay
 from truepose.operation.session_kind import SessionKind
 from truepose.operation.session_ledger import SessionLedger
@@ -130,7 +131,7 @@ class BallbarSessions(SessionKind[BallbarRunner]):
             news, runner = self.desk.watching.news, self.running(session_id)
             version = None if runner is None else runner.version
             yield await self.view(session_id)
-            await _change(news, runner, version)
+            await change(news, runner, version)
 
     def frame_of(self, placement: int) -> FramePlacement | None:
         """Return where the session under way wants the base fixture; None where nobody says."""
@@ -236,15 +237,3 @@ def _run_by_nobody(fixed: Fixed, entries: list[LedgerEntry]) -> Situation:
     # Also of one whose end was asked for: it can be asked for again, and any other act has it take place.
     waits = LedgerEntry("", EntryKind.CONTROL, entries[-1].time_s, text=NOBODY_RUNS)
     return situation(fixed.plan, kit, [*entries, replace(waits, entered=SessionState.AWAITING_CONFIRMATION)])
-
-
-async def _change(news: asyncio.Event, runner: BallbarRunner | None, version: int | None) -> None:
-    """Return once there are news, or what is under way is no longer at this version."""
-    waits: list[asyncio.Future[Any]] = [asyncio.ensure_future(news.wait())]
-    if runner is not None and version is not None:
-        waits.append(asyncio.ensure_future(runner.changed(version)))
-    try:
-        await asyncio.wait(waits, return_when=asyncio.FIRST_COMPLETED)
-    finally:
-        for wait in waits:
-            wait.cancel()

@@ -63,7 +63,7 @@ class ContactRunner(UnattendedRunner[ContactSituation]):
         check_plan(plan, cell.robot, cell.base, limits)
         self._plan = plan
         self._cell = cell
-        record = ContactRecord()
+        self._record = record = ContactRecord()
         logbook = Logbook(ledger, cell.clock, record, lambda: situation_of(plan, record), entries)
         super().__init__(logbook, Halts(logbook, lambda: end_of_motion(cell.robot_controller), _EFFECTS))
         self._speed = binding_speed(plan, cell.speed_limits)
@@ -82,6 +82,16 @@ class ContactRunner(UnattendedRunner[ContactSituation]):
     def has_asked(self) -> bool:
         """Whether this run has asked a person."""
         return not self._logbook.restarted
+
+    @property
+    def record(self) -> ContactRecord:
+        """What its ledger amounts to."""
+        return self._record
+
+    @property
+    def is_moving(self) -> bool:
+        """Whether the arm may be on its way: a stop is gone to, touched and left in many small motions."""
+        return self._halts.moving and isinstance(self.situation.step, Visit)
 
     @property
     def progress(self) -> Progress:

@@ -2,12 +2,15 @@
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, field
+from typing import Final
 
 from truepose.domain.identities import IdentityOf, IdentityTaken
-from truepose.domain.ledger import Control, LedgerEntry
-from truepose.domain.session import SessionState
+from truepose.domain.ledger import Control, EntryKind, LedgerEntry
+from truepose.domain.session import SessionState, config_of
 from truepose.sequencing.engine.identities import KnownDevice
 from truepose.sequencing.engine.pace import StepTimes
+
+_ENDS: Final = frozenset({EntryKind.MEASURED, EntryKind.SKIPPED})
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,6 +33,8 @@ class Record(ABC):
     keys: dict[str, int] = field(default_factory=dict)  # idempotency key -> place in the ledger, from 0
     times: StepTimes = field(default_factory=StepTimes)
     lines: int = 0
+    last_end: LedgerEntry | None = None  # of a configuration
+    ends: int = 0  # of configurations
 
     def apply(self, entry: LedgerEntry) -> None:
         """Take the next line of the ledger."""
@@ -41,6 +46,9 @@ class Record(ABC):
         if entry.identity is not None:
             self.identities.append(entry.identity)
             self.devices[entry.identity.device] = self.known(entry.identity.device).after(entry.identity)
+        if entry.kind in _ENDS and config_of(entry.step_id) is not None:
+            self.last_end = entry
+            self.ends += 1
         self.take(entry)
         if entry.entered is not None:
             self.enter(entry.entered, entry.text)

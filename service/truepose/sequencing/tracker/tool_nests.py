@@ -7,7 +7,7 @@ import numpy as np
 
 from truepose.domain.arrays import FloatArray
 from truepose.domain.ledger import EntryKind
-from truepose.domain.session import PlannedStop, PointTaken, SessionPlan, stop_id
+from truepose.domain.session import PlannedStop, PointTaken, SessionPlan, Vector, stop_id
 from truepose.sequencing.engine.logbook import Logbook
 from truepose.sequencing.engine.motion.nominal_arm import nest_in_world
 from truepose.sequencing.errors import ReadingRejectedError
@@ -76,7 +76,7 @@ class ToolNests:
                 f"The reflector measured is {off_mm:.1f} mm from where nest {stop.nest} is expected, limit "
                 f"{self._plan.search_radius_mm:.1f} mm: it is another one, or the nominal model is wrong."
             )
-        limit_mm = max(self._plan.rms_limit_mm, _USUAL * _stated_mm(reading))
+        limit_mm = scatter_limit_mm(self._plan, reading.covariance_mm2)
         if not math.isfinite(reading.rms_mm) or reading.rms_mm > limit_mm:
             raise ReadingRejectedError(
                 f"The reading scatters by {reading.rms_mm:.3f} mm, limit {limit_mm:.3f} mm: "
@@ -114,7 +114,7 @@ class ToolNests:
         )
 
 
-def _stated_mm(reading: TrackerReading) -> float:
-    """Return by how much the instrument says that a point there scatters; 0 where it states nothing."""
-    covariance = reading.covariance_mm2
-    return 0.0 if covariance is None else math.sqrt(float(np.trace(covariance)))
+def scatter_limit_mm(plan: SessionPlan, covariance_mm2: tuple[Vector, Vector, Vector] | None) -> float:
+    """Return how much a reading may scatter: twice what the instrument states of itself is no motion."""
+    stated_mm = 0.0 if covariance_mm2 is None else math.sqrt(float(np.trace(covariance_mm2)))
+    return max(plan.rms_limit_mm, _USUAL * stated_mm)

@@ -64,7 +64,8 @@ class ReadingRepository:
 
     async def points(self, session_id: int) -> list[PointTaken]:
         """Return every reading of a tool nest that counts, in the order they were taken."""
-        found = await self._of_session(session_id, "point", _SUCCESSOR.c.id.is_(None))
+        counts = _SUCCESSOR.c.id.is_(None), readings.c.id.not_in(_revoked(session_id))
+        found = await self._of_session(session_id, "point", *counts)
         return [record.reading for record in found if isinstance(record.reading, PointTaken)]
 
     async def fixed_nests(self, session_id: int) -> list[FixedNestTaken]:

@@ -149,6 +149,7 @@ class SessionRequest(Request):
     reference_every: int = Field(10, ge=1, le=1000, description="Fixed nests are read so often.")
     registration_readings: int = Field(20, ge=1, le=1000, description="Of each fixed nest at the start.")
     two_face_check: bool = Field(True, description="Read a fixed nest in both faces at the start.")
+    warm_up: bool = Field(False, description="First wait until the fixed nests show that it drifts no more.")
 
 
 class PersonRequest(Request):

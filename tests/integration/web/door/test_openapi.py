@@ -19,7 +19,11 @@ from truepose.web.application import create_application
 
 DOCUMENT = create_application("test", contextlib.nullcontext).openapi()
 # Streams do not end by themselves; `test_events.py` and `test_ballbar_live.py` are about them.
-STREAMS = ["/api/v1/events", "/api/v1/ballbar-sessions/{id}/live"]
+STREAMS = [
+    "/api/v1/events",
+    "/api/v1/ballbar-sessions/{id}/live",
+    "/api/v1/sessions/{id}/guide/live",
+]
 OPERATIONS = [
     (method, path) for path, methods in DOCUMENT["paths"].items() for method in methods if path not in STREAMS
 ]

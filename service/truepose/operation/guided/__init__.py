@@ -1,0 +1,1 @@
+"""Sessions that run by themselves, as a tablet guides through them."""

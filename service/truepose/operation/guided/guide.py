@@ -1,0 +1,192 @@
+"""A session that runs by itself as those see it who ask: where it stands, what may be pressed. Pure."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from typing import Final, Literal, TypeAlias
+
+from truepose.domain.contacts import ContactPlan
+from truepose.domain.identities import IdentityTaken
+from truepose.domain.ledger import EntryKind, LedgerEntry
+from truepose.domain.session import Progress, SessionPlan, SessionState, config_of, stop_id
+from truepose.sequencing.contacts.questions import Question
+from truepose.sequencing.contacts.record import OPEN, ContactRecord
+from truepose.sequencing.contacts.situation import Open, Visit
+from truepose.sequencing.contacts.situation import situation_of as contact_situation
+from truepose.sequencing.engine.acts import ActName
+from truepose.sequencing.engine.states import after_restart
+from truepose.sequencing.tracker.revisions import can_be_skipped, newest_stop
+from truepose.sequencing.tracker.situation import situation_of
+from truepose.sequencing.tracker.state_so_far import TrackerRecord
+from truepose.storage.records import SessionSetup
+
+Plan: TypeAlias = SessionPlan | ContactPlan
+Kind: TypeAlias = Literal["tracker", "camera", "contacts"]
+StepName: TypeAlias = Literal["instruments", "warm-up", "world-frame", "fixed-nests", "stop", "question"]
+
+_ALWAYS: Final = frozenset({ActName.ABORT})
+_BY_STATE: Final = {
+    SessionState.PLANNED: frozenset({ActName.START, ActName.ABORT}),
+    SessionState.RUNNING: frozenset({ActName.PAUSE, ActName.STOP, *_ALWAYS}),
+    SessionState.PAUSING: frozenset({ActName.STOP, *_ALWAYS}),
+    SessionState.PAUSED: frozenset({ActName.RESUME, *_ALWAYS}),
+    SessionState.AWAITING_CONFIRMATION: frozenset({ActName.CONFIRM, *_ALWAYS}),
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Fixed:
+    """What of a session changes only by configurations that are added."""
+
+    name: str
+    role: str
+    setup: SessionSetup
+    plan: Plan
+
+    @property
+    def kind(self) -> Kind:
+        """What measures in it."""
+        if isinstance(self.plan, ContactPlan):
+            return "contacts"
+        return "tracker" if self.plan.measures == "points" else "camera"
+
+
+@dataclass(frozen=True, slots=True)
+class GuideStep:
+    """What is due now."""
+
+    id: str
+    kind: StepName
+    config: int | None = None
+    nest: int | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class LastStop:
+    """How the newest configuration ended."""
+
+    config: int
+    measured: bool
+    text: str  # why it was not
+    number: int  # of lines that ended one, this one included: two of the same configuration differ
+
+
+@dataclass(frozen=True, slots=True)
+class Standing:
+    """Where a session stands, by its plan and its ledger alone."""
+
+    state: SessionState
+    reason: str
+    step: GuideStep | None
+    progress: Progress
+    acts: frozenset[ActName]
+    last: LastStop | None
+    asks_for: tuple[int, ...]  # configurations that the arm may go to once the question is answered
+    identities: tuple[IdentityTaken, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Guide:
+    """A session as it stands now."""
+
+    id: int
+    fixed: Fixed
+    standing: Standing
+    newest_entry: int | None
+    watching: int  # tablets that follow it
+    question: str | None = None
+    prompt_id: int | None = None
+    trouble: str | None = None  # why the session waits for the disk
+    motion_notice: str | None = None  # what whoever lets the arm move has to know of its controller
+    people: tuple[str, ...] = ()  # who may have the arm move; empty: whoever gives a name
+    robot_moving: bool = False
+    tracker_in_question: IdentityTaken | None = field(default=None)
+
+
+def standing(fixed: Fixed, entries: Iterable[LedgerEntry], *, runs: bool) -> Standing:
+    """Return where a session stands after these lines; `runs`: a program does what is due."""
+    record = TrackerRecord() if isinstance(fixed.plan, SessionPlan) else ContactRecord()
+    for entry in entries:
+        record.apply(entry)
+    return standing_of(fixed, record, runs=runs)
+
+
+def standing_of(fixed: Fixed, record: TrackerRecord | ContactRecord, *, runs: bool) -> Standing:
+    """Return where a session stands after what is on record."""
+    step, progress, acts, left = _found(fixed, record)
+    state = record.state if runs else after_restart(record.state)
+    allowed = _BY_STATE.get(state, frozenset())
+    return Standing(
+        state=state,
+        reason=record.reason,
+        step=step,
+        progress=progress,
+        acts=allowed | acts if runs and state in _REVISED_IN else allowed,
+        last=_last(record),
+        asks_for=left,
+        identities=tuple(record.identities),
+    )
+
+
+_REVISED_IN: Final = frozenset({
+    SessionState.RUNNING, SessionState.PAUSING, SessionState.PAUSED, SessionState.AWAITING_CONFIRMATION,
+})  # fmt: skip
+_Found: TypeAlias = tuple[GuideStep | None, Progress, frozenset[ActName], tuple[int, ...]]
+
+
+def _found(fixed: Fixed, record: TrackerRecord | ContactRecord) -> _Found:
+    match fixed.plan, record:
+        case SessionPlan() as plan, TrackerRecord() as of_tracker:
+            return _of_tracker(plan, len(fixed.setup.cell.fixed_nests), of_tracker)
+        case ContactPlan() as contact_plan, ContactRecord() as of_contacts:
+            return _of_contacts(contact_plan, of_contacts)
+    raise TypeError("the plan and the record are not of one kind of session")
+
+
+def _of_tracker(plan: SessionPlan, n_fixed_nests: int, record: TrackerRecord) -> _Found:
+    found = situation_of(plan, n_fixed_nests, record)
+    acts = set()
+    if can_be_skipped(found.step):
+        acts.add(ActName.SKIP)
+    if newest_stop(record) is not None:
+        acts.add(ActName.RETRY)
+    if record.ended and record.ended[-1] != OPENED:
+        acts.add(ActName.BACK)
+    step = found.step
+    if step is None:
+        return None, found.progress, frozenset(acts), ()
+    shown = GuideStep(step.id, "stop", step.stop.config, step.stop.nest) if step.stop else _plain(step.id)
+    return shown, found.progress, frozenset(acts), tuple(stop.config for stop in found.unasked)
+
+
+OPENED: Final = "instruments"
+_PLAIN: Final[dict[str, StepName]] = {
+    OPENED: "instruments", "warm-up": "warm-up", "world-frame": "world-frame", "fixed-nests": "fixed-nests",
+    OPEN: "instruments",
+}  # fmt: skip
+
+
+def _plain(step_id: str) -> GuideStep:
+    return GuideStep(step_id, _PLAIN[step_id])
+
+
+def _of_contacts(plan: ContactPlan, record: ContactRecord) -> _Found:
+    found = contact_situation(plan, record)
+    left = tuple(stop.config for stop in found.left)
+    match found.step:
+        case Visit(stop):
+            step = GuideStep(stop_id(stop.config), "stop", stop.config, plan.nest)
+        case Open():
+            step = _plain(OPEN)
+        case Question() as question:
+            step = GuideStep(question.value, "question")
+        case None:
+            return None, found.progress, frozenset(), ()
+    return step, found.progress, frozenset(), left
+
+
+def _last(record: TrackerRecord | ContactRecord) -> LastStop | None:
+    line = record.last_end
+    config = None if line is None else config_of(line.step_id)
+    if line is None or config is None:
+        return None
+    return LastStop(config, line.kind is EntryKind.MEASURED, line.text, record.ends)
