@@ -22,6 +22,7 @@ from truepose.diagnosis.curves.amplitudes import SHARED, Amplitude, Key, Variant
 from truepose.domain.diagnosis import Confidence, Diagnosis
 from truepose.effects.cells import named_cell
 from truepose.effects.readings.label_swap import NAME as LABEL_SWAP
+from truepose.judgement.multiplicity import holm
 
 LEVEL: Final = 0.05  # of a false "significant" anywhere in one comparison
 
@@ -105,6 +106,25 @@ def compare(diagnoses: Sequence[DatedDiagnosis]) -> tuple[CauseOverTime, ...]:
     return _corrected(causes)
 
 
+def grown(causes: Sequence[CauseOverTime]) -> tuple[tuple[CauseOverTime, Change], ...]:
+    """Return the causes that are larger now than before, beyond chance, each with its last growth.
+
+    What grew and fell back since, as after a repair, is none.
+    """
+    found = ((cause, _growth(cause)) for cause in causes)
+    return tuple((cause, change) for cause, change in found if change is not None)
+
+
+def _growth(cause: CauseOverTime) -> Change | None:
+    """Return the significant growth that ends with the last amplitude: overall, else of the last step."""
+    signs = {sign.diagnosis_id: abs(sign.amplitude or 0.0) for sign in cause.signs}
+    last = cause.changes[-1].to_id if cause.changes else None
+    for change in filter(None, (cause.overall, *cause.changes[-1:])):
+        if change.significant and change.to_id == last and signs[change.to_id] > signs[change.from_id]:
+            return change
+    return None
+
+
 def place_in_time(measured_at: str | None, number: int) -> tuple[bool, str, int]:
     """Return what diagnoses are sorted by: what nobody dated comes last."""
     return measured_at is None, measured_at or "", number
@@ -166,7 +186,7 @@ def _change(earlier: Sign, later: Sign) -> Change:
 def _corrected(causes: Sequence[CauseOverTime]) -> tuple[CauseOverTime, ...]:
     """Return the causes with corrected p values, what is significant, and the sentences that say it."""
     tests = [change.p_value for cause in causes for change in _changes(cause)]
-    corrected = iter(_holm(tests))
+    corrected = iter(holm(tests))
     return tuple(
         replace(
             cause,
@@ -181,17 +201,6 @@ def _changes(cause: CauseOverTime) -> Iterator[Change]:
     yield from cause.changes
     if cause.overall is not None:
         yield cause.overall
-
-
-def _holm(p_values: Sequence[float | None]) -> list[float | None]:
-    """Return p values corrected for all that are known, in their order."""
-    known = sorted((p, index) for index, p in enumerate(p_values) if p is not None)
-    corrected: list[float | None] = [None] * len(p_values)
-    largest = 0.0
-    for rank, (p, index) in enumerate(known):
-        largest = max(largest, min(1.0, (len(known) - rank) * p))
-        corrected[index] = largest
-    return corrected
 
 
 def _judged(cause: CauseOverTime, change: Change, p_value: float | None) -> Change:
