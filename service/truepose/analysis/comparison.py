@@ -31,8 +31,12 @@ def compare_over_time(
         )
     _check_one_robot(robot, records)
     counting = sorted(_latest(records), key=lambda record: place_in_time(record.measured_at, record.id))
-    dated = [DatedDiagnosis(record.id, record.measured_at, record.diagnosis) for record in counting]
-    return counting, compare(dated)
+    return counting, compare(dated(counting))
+
+
+def dated(records: Iterable[DiagnosisRecord]) -> list[DatedDiagnosis]:
+    """Return diagnoses as far as a comparison needs them."""
+    return [DatedDiagnosis(record.id, record.measured_at, record.diagnosis) for record in records]
 
 
 def _check_one_robot(robot: str, records: Sequence[DiagnosisRecord]) -> None:

@@ -106,25 +106,6 @@ def compare(diagnoses: Sequence[DatedDiagnosis]) -> tuple[CauseOverTime, ...]:
     return _corrected(causes)
 
 
-def grown(causes: Sequence[CauseOverTime]) -> tuple[tuple[CauseOverTime, Change], ...]:
-    """Return the causes that are larger now than before, beyond chance, each with its last growth.
-
-    What grew and fell back since, as after a repair, is none.
-    """
-    found = ((cause, _growth(cause)) for cause in causes)
-    return tuple((cause, change) for cause, change in found if change is not None)
-
-
-def _growth(cause: CauseOverTime) -> Change | None:
-    """Return the significant growth that ends with the last amplitude: overall, else of the last step."""
-    signs = {sign.diagnosis_id: abs(sign.amplitude or 0.0) for sign in cause.signs}
-    last = cause.changes[-1].to_id if cause.changes else None
-    for change in filter(None, (cause.overall, *cause.changes[-1:])):
-        if change.significant and change.to_id == last and signs[change.to_id] > signs[change.from_id]:
-            return change
-    return None
-
-
 def place_in_time(measured_at: str | None, number: int) -> tuple[bool, str, int]:
     """Return what diagnoses are sorted by: what nobody dated comes last."""
     return measured_at is None, measured_at or "", number

@@ -12,7 +12,7 @@ from fastapi import APIRouter
 from fastapi.responses import FileResponse, HTMLResponse, RedirectResponse, Response
 from starlette.exceptions import HTTPException
 
-from truepose.web import diagnosis_pages, fault_pages, packages, plan_page
+from truepose.web import diagnosis_pages, fault_pages, packages, plan_page, robot_pages
 from truepose.web.calibration import correction_pages
 from truepose.web.results import pages as session_pages
 from truepose.web.visits import Visited
@@ -24,6 +24,7 @@ router.include_router(session_pages.router)
 router.include_router(correction_pages.router)
 router.include_router(fault_pages.router)
 router.include_router(packages.router)
+router.include_router(robot_pages.router)
 _SHOWN: Final = 20
 _MEDIA: Final = {".css": "text/css", ".js": "text/javascript"}
 _STATIC: Final = Path(__file__).parent / "static"

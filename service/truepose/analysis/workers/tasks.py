@@ -263,3 +263,11 @@ def held_out(campaign: Campaign) -> Readings:
         "The campaign has no validation readings; give one with a 'validation', 'validation_legs' or "
         "'validation_contacts' file."
     )
+
+
+def judging_or_own(campaign: Campaign) -> Readings:
+    """Return the readings that judge a model; of a campaign that keeps none, those that it is made from."""
+    own = campaign.readings
+    if campaign.held_out is None and own is not None:
+        return own
+    return held_out(campaign)

@@ -39,7 +39,7 @@ def work_space(judged: Judged, words: Catalogue = IN_ENGLISH) -> WorkSpaceFigure
     scales = exaggeration(points, before), exaggeration(points, after)
     return WorkSpaceFigures(
         in_space=_in_space(points, before * scales[0], after * scales[1], scales, words),
-        views=_views(points, after * scales[1], words),
+        views=views(points, after * scales[1], "views", words),
         exaggeration_before=scales[0],
         exaggeration_after=scales[1],
         shown=len(points),
@@ -87,7 +87,8 @@ def _space_panel(axes: Any, points: FloatArray, vectors: FloatArray, colour: str
         axis.set_pane_color((0.0, 0.0, 0.0, 0.0))
 
 
-def _views(points: FloatArray, vectors: FloatArray, words: Catalogue) -> Markup:
+def views(points: FloatArray, vectors: FloatArray, ident: str, words: Catalogue) -> Markup:
+    """Draw vectors (n, 3) at points (n, 3) from above, from the front and from the side."""
     with page_style():
         figure = new_figure(8.0, 3.1)
         for axes, (across, up, name) in zip(figure.subplots(1, 3), _VIEWS, strict=True):
@@ -95,7 +96,7 @@ def _views(points: FloatArray, vectors: FloatArray, words: Catalogue) -> Markup:
             axes.set_title(words.say(name))
             axes.set_xlabel(f"{'xyz'[across]} [mm]")
             axes.set_ylabel(f"{'xyz'[up]} [mm]")
-        return to_svg(figure, "views", words.say("space.views"))
+        return to_svg(figure, ident, words.say("space.views"))
 
 
 def _view(axes: Axes, points: FloatArray, vectors: FloatArray) -> None:

@@ -4,8 +4,7 @@ import asyncio
 
 from fastapi import APIRouter
 
-from truepose.analysis.workers.tasks import held_out, stored_campaign
-from truepose.domain.campaign import Campaign, Readings
+from truepose.analysis.workers.tasks import judging_or_own, stored_campaign
 from truepose.domain.results import Model
 from truepose.storage.errors import NotFoundError
 from truepose.web.context import Context, Here
@@ -49,12 +48,4 @@ async def _space(here: Context, model_id: int | None, campaign_id: int) -> Space
 def _drawn(model: Model, content: bytes) -> SpaceReply:
     from truepose.reports.spaces.errors import error_space
 
-    return space_reply(error_space(model, _shown(stored_campaign(content))))
-
-
-def _shown(campaign: Campaign) -> Readings:
-    """Return the readings that judged a model; of a campaign that keeps none, those that it is made from."""
-    own = campaign.readings
-    if campaign.held_out is None and own is not None:
-        return own
-    return held_out(campaign)
+    return space_reply(error_space(model, judging_or_own(stored_campaign(content))))

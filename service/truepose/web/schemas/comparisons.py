@@ -1,15 +1,19 @@
 """How the causes on one robot change over time."""
 
 from collections.abc import Sequence
+from typing import Literal
 
 from pydantic import Field
 
+from truepose.analysis.comparison import dated
+from truepose.diagnosis.alarms import Alarm, Appeared, alarms
 from truepose.diagnosis.history import CauseOverTime, Change, Sighting
 from truepose.domain.diagnosis import Confidence
 from truepose.exchange.outgoing import Quantity
 from truepose.storage.records import DiagnosisRecord
 from truepose.web.schemas.base import RecordId, Reply
 from truepose.web.schemas.diagnoses import DiagnosisSummaryReply, MeasuredAt, diagnosis_summary_reply
+from truepose.words.catalogue import IN_ENGLISH
 
 
 class SignReply(Reply):
@@ -56,6 +60,15 @@ class CauseReply(Reply):
     overall: ChangeReply | None = Field(description="From the first to the last, where there are more.")
 
 
+class AlarmReply(Reply):
+    """A cause that is larger than before, beyond chance."""
+
+    effect: str = Field(examples=["backlash"])
+    subject: str = Field(examples=["joint 3"])
+    kind: Literal["grown", "appeared"]
+    sentence: str
+
+
 class ComparisonReply(Reply):
     """How the causes on one robot changed over time."""
 
@@ -69,6 +82,7 @@ class ComparisonReply(Reply):
         "nothing is subtracted from them."
     )
     causes: list[CauseReply]
+    alarms: list[AlarmReply] = Field(description="What a service visit looks at first; empty: nothing grew.")
 
 
 def comparison_reply(
@@ -80,6 +94,18 @@ def comparison_reply(
         diagnoses=[diagnosis_summary_reply(record) for record in records],
         undated_ids=[record.id for record in records if record.measured_at is None],
         causes=[_cause(cause) for cause in causes],
+        alarms=[_alarm(alarm) for alarm in alarms(causes, dated(records))],
+    )
+
+
+def _alarm(alarm: Alarm) -> AlarmReply:
+    from truepose.reports.over_time.sentences import alarm_words
+
+    return AlarmReply(
+        effect=alarm.cause.effect,
+        subject=alarm.cause.subject,
+        kind="appeared" if isinstance(alarm, Appeared) else "grown",
+        sentence=alarm_words(alarm, IN_ENGLISH),
     )
 
 

@@ -8,7 +8,7 @@ import pytest
 
 from tests.helpers.diagnosis.answers import make_diagnosis, make_finding, make_wave
 from truepose.diagnosis.curves.amplitudes import Variant
-from truepose.diagnosis.history import DatedDiagnosis, Sighting, compare, grown
+from truepose.diagnosis.history import DatedDiagnosis, Sighting, compare
 from truepose.domain.diagnosis import Confidence, Detail, RuledOut
 
 SPRING, SUMMER, AUTUMN = "2026-03-03", "2026-06-14", "2026-10-02"
@@ -268,31 +268,3 @@ def test_what_nobody_dated_stands_last_and_is_subtracted_from_nothing():
     assert [sign.diagnosis_id for sign in cause.signs] == [3, 2, 1, 4]
     assert [(change.from_id, change.to_id) for change in cause.changes] == [(3, 2)]
     assert cause.overall is None
-
-
-def test_a_cause_that_grew_beyond_chance_is_an_alarm_and_one_that_fell_is_none():
-    causes = compare([
-        dated(1, SPRING, backlash(0.021), make_wave(amplitude=0.05, amplitude_standard_uncertainty=0.002)),
-        dated(2, AUTUMN, backlash(0.045), make_wave(amplitude=0.02, amplitude_standard_uncertainty=0.002)),
-    ])
-
-    ((cause, change),) = grown(causes)
-    assert (cause.effect, change.from_id, change.to_id) == ("backlash", 1, 2)
-
-
-def test_slow_growth_is_an_alarm_by_all_of_it_though_no_step_is():
-    causes = compare([dated(n, f"2026-0{n}-01", backlash(0.020 + 0.004 * n, 0.0035)) for n in range(1, 7)])
-
-    assert not any(change.significant for change in causes[0].changes)
-    ((_, change),) = grown(causes)
-    assert (change.from_id, change.to_id) == (1, 6)
-
-
-def test_what_was_repaired_since_is_no_alarm():
-    causes = compare([
-        dated(1, SPRING, backlash(0.021)),
-        dated(2, SUMMER, backlash(0.060)),
-        dated(3, AUTUMN, backlash(0.020)),
-    ])
-
-    assert grown(causes) == ()

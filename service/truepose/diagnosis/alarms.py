@@ -1,0 +1,95 @@
+"""Causes that are larger than before, beyond chance: what a service visit looks at first.
+
+A cause grew where the test of its amplitudes says so (`history`). It appeared where the measurement before
+looked for it, did not find it, and knew how large it could have been at most (95 %), while now it is certain
+and larger than that with 95 % of what its uncertainty allows. What grew and fell back since is no alarm.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+from truepose.diagnosis.history import CauseOverTime, Change, DatedDiagnosis, Sighting, Sign
+from truepose.domain.diagnosis import Confidence, Diagnosis
+
+_BAND: Final = 1.96  # standard uncertainties of 95 %
+
+
+@dataclass(frozen=True, slots=True)
+class Grown:
+    """A cause whose amplitude grew, and from when to when."""
+
+    cause: CauseOverTime
+    change: Change
+
+
+@dataclass(frozen=True, slots=True)
+class Appeared:
+    """A cause that was not there before, RMS at the tool [mm]."""
+
+    cause: CauseOverTime
+    absent_on: str  # when it was looked for and not found
+    at_most_mm: float  # then
+    found_on: str
+    worth_mm: float  # now
+
+
+Alarm = Grown | Appeared
+
+
+def alarms(causes: Sequence[CauseOverTime], diagnoses: Sequence[DatedDiagnosis]) -> tuple[Alarm, ...]:
+    """Return what is larger now than before.
+
+    Parameters
+    ----------
+    causes : sequence of CauseOverTime
+        As `compare` returns them.
+    diagnoses : sequence of DatedDiagnosis
+        Those that were compared.
+    """
+    known = {entry.id: entry.diagnosis for entry in diagnoses}
+    found = (_grown(cause) or _appeared(cause, known) for cause in causes)
+    return tuple(alarm for alarm in found if alarm is not None)
+
+
+def _grown(cause: CauseOverTime) -> Grown | None:
+    """Return the significant growth that ends with the last amplitude: overall, else of the last step."""
+    signs = {sign.diagnosis_id: abs(sign.amplitude or 0.0) for sign in cause.signs}
+    last = cause.changes[-1].to_id if cause.changes else None
+    for change in filter(None, (cause.overall, *cause.changes[-1:])):
+        if change.significant and change.to_id == last and signs[change.to_id] > signs[change.from_id]:
+            return Grown(cause, change)
+    return None
+
+
+def _appeared(cause: CauseOverTime, known: Mapping[int, Diagnosis]) -> Appeared | None:
+    dated = [sign for sign in cause.signs if sign.measured_at is not None]
+    if len(dated) < 2 or dated[-1].confidence is not Confidence.CERTAIN:
+        return None
+    before, now = dated[-2:]
+    limit = _limit_mm(cause, before, known[before.diagnosis_id])
+    worth = _worth_mm(cause, known[now.diagnosis_id])
+    if limit is None or worth is None or worth * _surely(now) <= limit:
+        return None
+    return Appeared(cause, before.measured_at or "", limit, now.measured_at or "", worth)
+
+
+def _limit_mm(cause: CauseOverTime, sign: Sign, diagnosis: Diagnosis) -> float | None:
+    """Return how large a cause could have been at most where it was not found."""
+    if sign.sighting is not Sighting.NOT_FOUND:
+        return None
+    said = [r for r in diagnosis.ruled_out if (r.effect, r.subject) == (cause.effect, cause.subject)]
+    return said[0].upper_limit_mm if said else None
+
+
+def _worth_mm(cause: CauseOverTime, diagnosis: Diagnosis) -> float | None:
+    for found in diagnosis.all_findings:
+        if (found.effect, found.subject) == (cause.effect, cause.subject) and found.worth is not None:
+            return found.worth.own_mm
+    return None
+
+
+def _surely(sign: Sign) -> float:
+    """Return the share of an amplitude that its uncertainty leaves for sure."""
+    relative = (sign.standard_uncertainty or 0.0) / abs(sign.amplitude or 1.0)
+    return max(1.0 - _BAND * relative, 0.0)
