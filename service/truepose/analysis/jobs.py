@@ -1,26 +1,23 @@
-"""Jobs: queued, run one after the other in a worker process, their results stored with their end."""
+"""Jobs: what may be asked of a worker process, refused at once where it cannot be answered."""
 
-import asyncio
-import contextlib
-import logging
 from collections.abc import Awaitable, Callable
-from dataclasses import dataclass
 from datetime import date
-from typing import Any, Final, Protocol
+from typing import Any, Final
 
-from truepose.analysis.errors import BusyError
+from truepose.analysis.errors import BusyError, NothingMeasuredError
 from truepose.analysis.workers.correcting import CorrectFileTask, FileCorrected, TargetsFile
-from truepose.analysis.workers.process import Told, perform_in_worker
+from truepose.analysis.workers.process import Perform, perform_in_worker
+from truepose.analysis.workers.queue import Foreseen, JobQueue, Work
 from truepose.analysis.workers.tasks import (
-    Answer,
+    BallbarPlanTask,
     DiagnoseTask,
     IdentifyTask,
     SessionPlanTask,
     Task,
     ValidateTask,
 )
+from truepose.domain.ballbar import BallbarPlan
 from truepose.domain.diagnosis import Diagnosis
-from truepose.domain.errors import TrueposeError
 from truepose.domain.results import Identification, Validation
 from truepose.domain.session import SessionPlan
 from truepose.storage.calibration.campaigns import CampaignRepository
@@ -28,32 +25,14 @@ from truepose.storage.calibration.corrections import CorrectionRepository, NewCo
 from truepose.storage.calibration.diagnoses import DiagnosisRepository
 from truepose.storage.calibration.jobs import JobRepository
 from truepose.storage.calibration.results import ResultRepository
-from truepose.storage.records import JobKind, JobState, RequestKey
+from truepose.storage.records import CampaignRecord, JobKind, JobState, RequestKey
 
+CheckPlan = Callable[[BallbarPlan], Awaitable[None]]
 _MOST_FILES: Final = 4  # of 16 MB at most each
-_LOG: Final = logging.getLogger(__name__)
-
-
-class Perform(Protocol):
-    """Performs a task somewhere else; cancelling it stops the work."""
-
-    async def __call__(self, task: Task, told: Told) -> Answer:
-        """Return the answer; raises TaskRefusedError or WorkerDiedError."""
-        ...
-
-
-Load = Callable[[], Awaitable[Task]]
-Store = Callable[[int, Any], Awaitable[int]]
-
-
-@dataclass(frozen=True, slots=True)
-class _Work:
-    load: Load
-    store: Store
 
 
 class JobDesk:
-    """Takes jobs and sees them to their end; one at a time, since a running session needs the other core."""
+    """Takes jobs, refuses those that are known to fail, and queues the others."""
 
     def __init__(
         self,
@@ -69,9 +48,7 @@ class JobDesk:
         self._results = results
         self._diagnoses = diagnoses
         self._corrections = corrections
-        self._perform = perform
-        self._turn = asyncio.Lock()
-        self._running: dict[int, asyncio.Task[None]] = {}
+        self._queue = JobQueue(jobs, perform)
         self._files: set[int] = set()  # jobs that hold a file in memory
 
     async def mark_interrupted(self, why: str) -> None:
@@ -79,10 +56,14 @@ class JobDesk:
         await self._jobs.interrupt(why)
 
     async def identify(
-        self, campaign_id: int, effects: tuple[str, ...] | None, key: RequestKey | None = None
+        self,
+        campaign_id: int,
+        effects: tuple[str, ...] | None,
+        key: RequestKey | None = None,
+        sender: str = "",
     ) -> int:
         """Queue an identification and return the job's number; raises NotFoundError."""
-        await self._campaigns.get(campaign_id)
+        work_count = _calibration_readings(await self._campaigns.get(campaign_id))
 
         async def load() -> Task:
             return IdentifyTask(await self._campaigns.content(campaign_id), effects)
@@ -91,14 +72,20 @@ class JobDesk:
             return await self._results.keep_identification(job_id, campaign_id, found)
 
         request = {"campaign_id": campaign_id, "effects": None if effects is None else list(effects)}
-        return await self._queue(JobKind.IDENTIFICATION, request, _Work(load, store), key)
+        work = Work(JobKind.IDENTIFICATION, request, work_count, load, store)
+        return await self._queue.add(work, key, sender)
 
     async def validate(
-        self, model_id: int, campaign_id: int, limit_mm: float | None, key: RequestKey | None = None
+        self,
+        model_id: int,
+        campaign_id: int,
+        limit_mm: float | None,
+        key: RequestKey | None = None,
+        sender: str = "",
     ) -> int:
         """Queue a validation and return the job's number; raises NotFoundError."""
         model = (await self._results.model(model_id)).model
-        await self._campaigns.get(campaign_id)
+        work_count = _validation_readings(await self._campaigns.get(campaign_id))
 
         async def load() -> Task:
             return ValidateTask(await self._campaigns.content(campaign_id), model, limit_mm)
@@ -107,7 +94,8 @@ class JobDesk:
             return await self._results.keep_validation(job_id, model_id, campaign_id, found)
 
         request = {"model_id": model_id, "campaign_id": campaign_id, "limit_mm": limit_mm}
-        return await self._queue(JobKind.VALIDATION, request, _Work(load, store), key)
+        work = Work(JobKind.VALIDATION, request, work_count, load, store)
+        return await self._queue.add(work, key, sender)
 
     async def diagnose(
         self,
@@ -115,9 +103,10 @@ class JobDesk:
         effects: tuple[str, ...] | None,
         measured_on: date | None = None,
         key: RequestKey | None = None,
+        sender: str = "",
     ) -> int:
         """Queue a diagnosis and return the job's number; raises NotFoundError."""
-        await self._campaigns.get(campaign_id)
+        work_count = _calibration_readings(await self._campaigns.get(campaign_id))
 
         async def load() -> Task:
             return DiagnoseTask(await self._campaigns.content(campaign_id), effects)
@@ -130,10 +119,16 @@ class JobDesk:
             "effects": None if effects is None else list(effects),
             "measured_on": None if measured_on is None else measured_on.isoformat(),
         }
-        return await self._queue(JobKind.DIAGNOSIS, request, _Work(load, store), key)
+        work = Work(JobKind.DIAGNOSIS, request, work_count, load, store)
+        return await self._queue.add(work, key, sender)
 
     async def plan(
-        self, name: str, task: SessionPlanTask, key: RequestKey | None = None, proved_id: int | None = None
+        self,
+        name: str,
+        task: SessionPlanTask,
+        key: RequestKey | None = None,
+        proved_id: int | None = None,
+        sender: str = "",
     ) -> int:
         """Queue the choice of a session's configurations and return the job's number."""
 
@@ -150,10 +145,40 @@ class JobDesk:
         }
         if proved_id is not None:
             request["proves_model_id"] = proved_id
-        return await self._queue(JobKind.PLAN, request, _Work(load, store), key)
+        work = Work(JobKind.PLAN, request, task.work_count, load, store)
+        return await self._queue.add(work, key, sender)
+
+    async def plan_ballbar(
+        self,
+        name: str,
+        task: BallbarPlanTask,
+        check: CheckPlan,
+        key: RequestKey | None = None,
+        sender: str = "",
+    ) -> int:
+        """Queue the choice of a ballbar session's poses and return the job's number.
+
+        `check` raises where the cell cannot do what was chosen; the job then fails with that sentence.
+        """
+
+        async def load() -> Task:
+            return task
+
+        async def store(job_id: int, plan: BallbarPlan) -> int:
+            await check(plan)
+            return await self._results.keep_plan(job_id, name, task.setup, plan)
+
+        request = {"name": name, "role": "ballbar", **task.asked}
+        work = Work(JobKind.BALLBAR_PLAN, request, task.work_count, load, store)
+        return await self._queue.add(work, key, sender)
 
     async def correct(
-        self, model_id: int, file: TargetsFile, asked: dict[str, Any], key: RequestKey | None = None
+        self,
+        model_id: int,
+        file: TargetsFile,
+        asked: dict[str, Any],
+        key: RequestKey | None = None,
+        sender: str = "",
     ) -> int:
         """Queue the correction of a file and return the job's number; `asked` is what a record says of it.
 
@@ -180,61 +205,51 @@ class JobDesk:
 
         self.require_room()
         request = {"model_id": model_id, "file": file.name, **asked}
-        number = await self._queue(JobKind.CORRECTION, request, _Work(load, store), key)
-        self._files = {job for job in (*self._files, number) if job in self._running}
+        work = Work(JobKind.CORRECTION, request, len(file.data) // 1024, load, store)
+        number = await self._queue.add(work, key, sender)
+        self._files = {job for job in (*self._files, number) if self._queue.under_way(job)}
         return number
 
     def require_room(self) -> None:
         """Refuse a file to correct where too many wait in memory already; raises BusyError."""
-        if len(self._files & self._running.keys()) >= _MOST_FILES:
+        if sum(map(self._queue.under_way, self._files)) >= _MOST_FILES:
             raise BusyError("Too many files wait to be corrected; nothing was stored, ask again later.")
 
     async def cancel(self, job_id: int) -> None:
         """End a job and its worker; raises NotFoundError, or ConflictError where it has ended already."""
         await self._jobs.get(job_id)
-        await self._stop(job_id)
+        await self._queue.stop(job_id)
         await self._jobs.change_state(job_id, JobState.CANCELLED, "Cancelled on request; nothing was stored.")
+
+    def foreseen(self, job_id: int) -> Foreseen | None:
+        """Return what is known of a job that has not ended; None of others."""
+        return self._queue.foreseen(job_id)
 
     async def close(self) -> None:
         """End all workers and say so in the records of their jobs."""
-        for job_id in list(self._running):
-            await self._stop(job_id)
+        await self._queue.close()
         await self.mark_interrupted("The service was stopped before the job ended; start it again.")
 
-    async def _queue(
-        self, kind: JobKind, request: dict[str, Any], work: _Work, key: RequestKey | None
-    ) -> int:
-        job_id = await self._jobs.add(kind, request, key)
-        ended = (await self._jobs.get(job_id)).state.final
-        if not ended and job_id not in self._running:  # else: a request that was sent twice
-            task = asyncio.create_task(self._run(job_id, work), name=f"job {job_id}")
-            self._running[job_id] = task
-            task.add_done_callback(lambda _: self._running.pop(job_id, None))
-        return job_id
 
-    async def _stop(self, job_id: int) -> None:
-        task = self._running.get(job_id)
-        if task is not None:
-            task.cancel()
-            with contextlib.suppress(asyncio.CancelledError):
-                await task
+def _calibration_readings(campaign: CampaignRecord) -> int:
+    """Return how many readings can identify; raises NothingMeasuredError where none can."""
+    held = campaign.summary
+    found = held.calibration_points + held.calibration_legs + held.calibration_contacts
+    if not found:
+        raise NothingMeasuredError(
+            f"Campaign {campaign.id} has no calibration readings; measure a calibration session, or upload "
+            "a campaign with them."
+        )
+    return found
 
-    async def _run(self, job_id: int, work: _Work) -> None:
-        async with self._turn:
-            await self._jobs.change_state(job_id, JobState.RUNNING, "A worker process is starting.")
-            try:
-                answer = await self._perform(await work.load(), self._told(job_id))
-                await work.store(job_id, answer)
-            except TrueposeError as error:
-                await self._jobs.change_state(job_id, JobState.FAILED, str(error))
-            except Exception as error:
-                # Whatever it is, the job must not look as if somebody still worked on it.
-                _LOG.exception("job %d failed", job_id)
-                sentence = f"The program failed ({type(error).__name__}: {error}); its log has the details."
-                await self._jobs.change_state(job_id, JobState.FAILED, sentence)
 
-    def _told(self, job_id: int) -> Told:
-        async def told(fraction: float, doing: str) -> None:
-            await self._jobs.tell_progress(job_id, min(max(fraction, 0.0), 1.0), doing)
-
-        return told
+def _validation_readings(campaign: CampaignRecord) -> int:
+    """Return how many readings can judge a model; raises NothingMeasuredError where none can."""
+    held = campaign.summary
+    found = held.validation_points + held.validation_legs + held.validation_contacts
+    if not found:
+        raise NothingMeasuredError(
+            f"Campaign {campaign.id} has no validation readings; name a validation session when it is made, "
+            "or upload one with a 'validation' file."
+        )
+    return found

@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import Final, Protocol, runtime_checkable
 
 from truepose.analysis.campaigns import CampaignDesk
-from truepose.analysis.jobs import JobDesk, Perform
-from truepose.analysis.workers.process import perform_in_worker
+from truepose.analysis.jobs import JobDesk
+from truepose.analysis.workers.process import Perform, perform_in_worker
 from truepose.analysis.workers.uploads import Uploads
 from truepose.app.errors import ScenarioRefusedError, StartError
 from truepose.app.simulation import Simulation, running_simulation

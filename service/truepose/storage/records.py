@@ -137,6 +137,7 @@ class JobKind(StrEnum):
     VALIDATION = "validation"
     DIAGNOSIS = "diagnosis"
     PLAN = "plan"
+    BALLBAR_PLAN = "ballbar_plan"
     CORRECTION = "correction"
 
 
@@ -154,6 +155,14 @@ class JobState(StrEnum):
     def final(self) -> bool:
         """Whether nothing more happens to the job."""
         return self not in {JobState.QUEUED, JobState.RUNNING}
+
+
+@dataclass(frozen=True, slots=True)
+class JobTaken:
+    """How long a job took that succeeded."""
+
+    work_count: int  # readings, configurations, poses, or kilobytes of a file
+    duration_s: float
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,6 +2,7 @@
 
 from fastapi import APIRouter, Response
 
+from truepose.storage.records import JobRecord
 from truepose.web.context import Context, Here
 from truepose.web.paging import Paged, listing
 from truepose.web.parameters import Id
@@ -14,23 +15,27 @@ router = APIRouter(prefix="/jobs", tags=["jobs"])
 @router.get("", responses=listing(422, 503))
 async def list_jobs(here: Here, paging: Paged) -> list[JobReply]:
     """List jobs, oldest first."""
-    return paging.shown(await here.jobs.page(paging.page), job_reply)
+    return paging.shown(await here.jobs.page(paging.page), lambda record: _shown(here, record))
 
 
 @router.get("/{id}", responses=problems(404, 422, 503))
 async def get_job(here: Here, id: Id) -> JobReply:
     """Show a job, how far it is, and what it made."""
-    return job_reply(await here.jobs.get(id))
+    return _shown(here, await here.jobs.get(id))
 
 
 @router.post("/{id}/cancel", responses=problems(404, 409, 422, 503))
 async def cancel_job(here: Here, id: Id) -> JobReply:
-    """End a job and its worker process; refused where the job has ended already."""
+    """End a job and its worker process at once; nothing of it is stored. Refused where it has ended."""
     await here.job_desk.cancel(id)
-    return job_reply(await here.jobs.get(id))
+    return _shown(here, await here.jobs.get(id))
 
 
 async def queued(here: Context, number: int, response: Response) -> JobReply:
     """Return a job that was queued just now, and say where it is watched."""
     response.headers["Location"] = f"/api/v1/jobs/{number}"
-    return job_reply(await here.jobs.get(number))
+    return _shown(here, await here.jobs.get(number))
+
+
+def _shown(here: Context, record: JobRecord) -> JobReply:
+    return job_reply(record, here.job_desk.foreseen(record.id))

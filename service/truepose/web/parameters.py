@@ -1,7 +1,7 @@
 """Parameters that several routes take."""
 
 import hashlib
-from typing import Annotated
+from typing import Annotated, Final
 
 from fastapi import Depends, Header, Path, Query, Request
 from pydantic import Field
@@ -32,6 +32,17 @@ IdempotencyKey = Annotated[
     ),
 ]
 
+_ASYNC: Final = "respond-async"
+Prefer = Annotated[
+    str | None,
+    Header(
+        max_length=200,
+        description="`respond-async`: answer at once with the job that does it (202), which is watched and "
+        "cancelled at `/jobs` (RFC 7240); else the answer comes when it is done.",
+        examples=[_ASYNC],
+    ),
+]
+
 
 NeededKey = Annotated[
     str,
@@ -55,6 +66,17 @@ async def _needed_key(request: Request, key: NeededKey) -> RequestKey:
     return request_key(request, key, await request.body())
 
 
+def _sender(request: Request) -> str:
+    """Return who asks, as far as workers are given out fairly: the computer that the request came from."""
+    return request.client.host if request.client else ""
+
+
+def _respond_later(prefer: Prefer = None) -> bool:
+    """Return whether a client would rather be told of a job than wait (RFC 7240)."""
+    wishes = {wish.split(";")[0].strip().lower() for wish in (prefer or "").split(",")}
+    return _ASYNC in wishes
+
+
 def number_of(text: str) -> int | None:
     """Return the number that a part of a page's address is; None where it is none."""
     if not (text.isascii() and text.isdecimal()) or len(text) > len(str(NUMBER_LIMIT)):
@@ -69,5 +91,7 @@ def request_key(request: Request, key: str, body: bytes) -> RequestKey:
     return RequestKey(key, hashlib.sha256(said).hexdigest())
 
 
+Sender = Annotated[str, Depends(_sender)]
 OptionalKey = Annotated[RequestKey | None, Depends(_json_key)]
+Later = Annotated[bool, Depends(_respond_later)]
 RequiredKey = Annotated[RequestKey, Depends(_needed_key)]

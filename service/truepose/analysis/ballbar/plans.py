@@ -3,8 +3,6 @@
 from truepose.analysis.workers.tasks import BallbarPlanTask
 from truepose.domain.artefacts import BallbarKit
 from truepose.domain.ballbar import BallbarPlan
-from truepose.domain.errors import ConfigurationError
-from truepose.domain.robot import FramePlacement
 from truepose.planning.ballbar.fixture import base_fixture
 from truepose.planning.ballbar.plan import ballbar_cell, ballbar_plan, plan_at
 from truepose.planning.ballbar.sphere import plan_sphere
@@ -16,7 +14,8 @@ def plan_ballbar_session(task: BallbarPlanTask) -> BallbarPlan:
     kit = cell.ballbar or BallbarKit()
     side_mm = kit.base_bars.nominal_mm
     if task.sphere is not None:
-        ball = base_fixture(1, _only(task.frames), kit.base_points, side_mm)
+        (place,) = task.frames
+        ball = base_fixture(1, place, kit.base_points, side_mm)
         return plan_sphere(ballbar_cell(cell), ball, task.sphere, seed=task.seed)
     if not task.frames:
         return ballbar_plan(
@@ -29,11 +28,3 @@ def plan_ballbar_session(task: BallbarPlanTask) -> BallbarPlan:
     numbered = enumerate(task.frames, 1)
     fixtures = [base_fixture(number, frame, kit.base_points, side_mm) for number, frame in numbered]
     return plan_at(ballbar_cell(cell), fixtures, task.n_poses, seed=task.seed)
-
-
-def _only(frames: tuple[FramePlacement, ...]) -> FramePlacement:
-    if len(frames) != 1:
-        raise ConfigurationError(
-            "A sphere test has one ball, in cup 1 of the base fixture: give one placement of the fixture."
-        )
-    return frames[0]

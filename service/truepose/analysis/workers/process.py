@@ -7,7 +7,7 @@ import signal
 import sys
 from collections import deque
 from collections.abc import Awaitable, Callable
-from typing import Any, cast
+from typing import Any, Protocol, cast
 
 from truepose.analysis.errors import AnalysisError, WorkerDiedError
 from truepose.analysis.workers.pipe import (
@@ -26,6 +26,14 @@ _COMMAND = (sys.executable, "-m", "truepose.analysis.workers.worker")
 _MODEST_BYTES = 2 * 2**30  # where the system does not say how much memory there is
 _DYING_S = 2.0
 _LOG_LINES = 40  # of the worker's standard error, kept for the log when it dies
+
+
+class Perform(Protocol):
+    """Performs a task somewhere else; cancelling it stops the work."""
+
+    async def __call__(self, task: Task, told: Told) -> Answer:
+        """Return the answer; raises TaskRefusedError or WorkerDiedError."""
+        ...
 
 
 class TaskRefusedError(AnalysisError):
@@ -48,15 +56,21 @@ async def perform_in_worker(
         The process ended without an answer.
     """
     pipe = asyncio.subprocess.PIPE
-    # A session of its own makes it the leader of a process group, which can be killed as one.
-    process = await asyncio.create_subprocess_exec(
-        *command,
-        str(memory_bytes or _half_of_all()),
-        stdin=pipe,
-        stdout=pipe,
-        stderr=pipe,
-        start_new_session=True,
-    )
+    try:
+        # A session of its own makes it the leader of a process group, which can be killed as one.
+        process = await asyncio.create_subprocess_exec(
+            *command,
+            str(memory_bytes or _half_of_all()),
+            stdin=pipe,
+            stdout=pipe,
+            stderr=pipe,
+            start_new_session=True,
+        )
+    except OSError as error:
+        raise WorkerDiedError(
+            f"No worker process could be started ({error}); nothing was stored. Free memory or processes of "
+            "this computer, then start the job again."
+        ) from error
     log: deque[str] = deque(maxlen=_LOG_LINES)
     listening = asyncio.create_task(_keep_log(process, log))
     try:

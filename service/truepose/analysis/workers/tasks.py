@@ -90,6 +90,11 @@ class PlanTask:
         """What was asked for, in words of requests."""
         return {"configurations": self.n_configurations, "seed": self.seed}
 
+    @property
+    def work_count(self) -> int:
+        """How much there is to choose."""
+        return self.n_configurations
+
     def perform(self, report: Report) -> SessionPlan:
         """Return the plan; raises TrueposeError."""
         from truepose.correction.proof.pairs import plan_proof
@@ -115,6 +120,11 @@ class CirclePlanTask:
     def asked(self) -> dict[str, Any]:
         """What was asked for, in words of requests."""
         return {"method": "circles", "joints": [turn.joint for turn in self.turns]}
+
+    @property
+    def work_count(self) -> int:
+        """How much there is to choose."""
+        return max(len(self.turns), 1)
 
     def perform(self, report: Report) -> SessionPlan:
         """Return the plan; raises TrueposeError."""
@@ -146,6 +156,11 @@ class PosePlanTask:
         """What was asked for, in words of requests."""
         return {"method": "iso9283", "test": self.test}
 
+    @property
+    def work_count(self) -> int:
+        """How much there is to choose."""
+        return self.cycles
+
     def perform(self, report: Report) -> SessionPlan:
         """Return the plan; raises TrueposeError."""
         from truepose.analysis.pose_plans import plan_pose_session
@@ -164,6 +179,17 @@ class BallbarPlanTask:
     n_poses: int  # of the whole session
     seed: int
     sphere: SphereWish | None = None  # a sphere test at the one frame; None: six legs a pose
+
+    @property
+    def asked(self) -> dict[str, Any]:
+        """What was asked for, in words of requests."""
+        chosen = {"poses": self.n_poses, "placements": len(self.frames) or self.n_placements}
+        return {**chosen, "seed": self.seed, "method": None if self.sphere is None else "sphere"}
+
+    @property
+    def work_count(self) -> int:
+        """How many poses there are to choose."""
+        return self.n_poses if self.sphere is None else self.sphere.stops
 
     def perform(self, report: Report) -> BallbarPlan:
         """Return the plan; raises TrueposeError."""

@@ -9,9 +9,8 @@ import functools
 from contextlib import AbstractAsyncContextManager
 from typing import Final, cast
 
-from truepose.analysis.jobs import Perform
 from truepose.analysis.workers.correcting import CheckFileTask, FileChecked, TargetsFile
-from truepose.analysis.workers.process import TaskRefusedError, perform_in_worker
+from truepose.analysis.workers.process import Perform, TaskRefusedError, perform_in_worker
 from truepose.analysis.workers.tasks import Answer, CampaignRead, ReadCampaignTask
 from truepose.analysis.workers.turns import Turns
 

@@ -9,6 +9,7 @@ import numpy as np
 from truepose.domain.artefacts import BallbarKit
 from truepose.domain.ballbar import BallbarPlan, BallbarStep, SphereWish
 from truepose.domain.cell import Cell
+from truepose.domain.errors import ConfigurationError
 from truepose.domain.robot import FramePlacement
 from truepose.operation.errors import NoBallbarError
 from truepose.planning.work_volume.cell_bodies import CellBodies, bodies_of, rooms
@@ -28,6 +29,13 @@ class BallbarWish:
     poses: int = 24  # of the whole session
     seed: int = 0
     sphere: SphereWish | None = None  # a sphere test at the one frame; None: six legs a pose
+
+    def __post_init__(self) -> None:
+        """Raise ConfigurationError where a sphere test has no place, or several."""
+        if self.sphere is not None and len(self.frames) != 1:
+            raise ConfigurationError(
+                "A sphere test has one ball, in cup 1 of the base fixture: give one placement of the fixture."
+            )
 
 
 def kit_of(setup: SessionSetup) -> BallbarKit:

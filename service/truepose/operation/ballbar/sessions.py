@@ -81,16 +81,19 @@ class BallbarSessions(SessionKind[BallbarRunner]):
         return await self._plan(name, setup, wish, key) if made is None else made
 
     async def _plan(self, name: str, setup: SessionSetup, wish: BallbarWish, key: RequestKey | None) -> int:
-        kit = kit_of(setup)
         plan = wish.given or await self._choose(setup, wish)
-        cell = setup.cell
-        limits = motion_limits(cell.robot, cell.limits.joints)
-        await asyncio.to_thread(check_plan, plan, kit, cell.robot, limits)
-        notice = await asyncio.to_thread(judged, cell, plan, kit) if plan is wish.given else ""
+        await self.require_possible(setup, plan)
+        given = plan is wish.given
+        notice = await asyncio.to_thread(judged, setup.cell, plan, kit_of(setup)) if given else ""
         number = await self.desk.sessions.add(name, setup, plan, key)
         if notice:
             await self.desk.sessions.note(number, notice)
         return number
+
+    async def require_possible(self, setup: SessionSetup, plan: BallbarPlan) -> None:
+        """Raise PlanRefusedError where robot or kit cannot do what is planned."""
+        robot, limits = setup.cell.robot, setup.cell.limits.joints
+        await asyncio.to_thread(check_plan, plan, kit_of(setup), robot, motion_limits(robot, limits))
 
     async def view(self, session_id: int) -> BallbarView:
         """Return a session as it stands; raises NotFoundError."""

@@ -2,7 +2,7 @@
 
 from typing import Final, cast
 
-from truepose.analysis.jobs import Perform
+from truepose.analysis.workers.process import Perform
 from truepose.analysis.workers.tasks import BallbarPlanTask, PrecalibrateTask
 from truepose.analysis.workers.turns import Turns
 from truepose.domain.ballbar import BallbarPlan, PreCalibration
@@ -27,13 +27,17 @@ class BallbarWork:
 
     async def choose(self, setup: SessionSetup, wish: BallbarWish) -> BallbarPlan:
         """Return the plan of a session; cancelling it ends the worker. Raises TrueposeError, BusyError."""
-        task = BallbarPlanTask(setup, wish.frames, wish.placements, wish.poses, wish.seed, wish.sphere)
         async with self._plans.taken():
-            return cast(BallbarPlan, await self._perform(task, _nobody))
+            return cast(BallbarPlan, await self._perform(plan_task(setup, wish), _nobody))
 
     def precalibrator(self, setup: SessionSetup) -> "WorkerPreCalibrator":
         """Return who pre-calibrates a session."""
         return WorkerPreCalibrator(setup, self._perform)
+
+
+def plan_task(setup: SessionSetup, wish: BallbarWish) -> BallbarPlanTask:
+    """Return the choice of poses and placements as a worker is asked for it."""
+    return BallbarPlanTask(setup, wish.frames, wish.placements, wish.poses, wish.seed, wish.sphere)
 
 
 class WorkerPreCalibrator:

@@ -3,8 +3,8 @@
 from typing import Final, cast
 
 from truepose.analysis.assembly import MeasuredSession
-from truepose.analysis.jobs import Perform
 from truepose.analysis.workers.outlook import Outlook, OutlookTask
+from truepose.analysis.workers.process import Perform
 from truepose.analysis.workers.turns import Turns
 
 FEWEST: Final = 11  # configurations; fewer identify nothing that a promise could rest on

@@ -1,6 +1,7 @@
 """Jobs: what was asked of a worker process and every state the job was in."""
 
 from collections.abc import Iterable
+from datetime import datetime
 from typing import Any
 
 from sqlalchemy import Connection, Row, Select, exists, select
@@ -9,7 +10,7 @@ from truepose.storage.database import Database
 from truepose.storage.errors import ConflictError
 from truepose.storage.events import add_event
 from truepose.storage.numbered import NumberedRecords
-from truepose.storage.records import JobKind, JobRecord, JobState, RequestKey
+from truepose.storage.records import JobKind, JobRecord, JobState, JobTaken, RequestKey
 from truepose.storage.request_keys import once
 from truepose.storage.rows import add_row
 from truepose.storage.tables import events, job_states, jobs
@@ -73,6 +74,21 @@ class JobRepository(NumberedRecords[JobRecord]):
         rows = await self._database.read(lambda c: c.execute(query).all())
         return {row.result_id: row.request for row in rows}
 
+    async def taken(self, kind: JobKind, count: int) -> list[JobTaken]:
+        """Return how long the latest jobs of a kind took that succeeded and say how much they did."""
+        began, ended = job_states.alias("began"), job_states.alias("ended")
+        work_count = jobs.c.request["work_count"].as_integer()
+        query = (
+            select(work_count.label("work_count"), began.c.recorded_at.label("since"), ended.c.recorded_at)
+            .join(began, (began.c.job_id == jobs.c.id) & (began.c.state == JobState.RUNNING.value))
+            .join(ended, (ended.c.job_id == jobs.c.id) & (ended.c.state == JobState.SUCCEEDED.value))
+            .where(jobs.c.kind == kind.value, work_count.is_not(None))
+            .order_by(jobs.c.id.desc())
+            .limit(count)
+        )
+        rows = await self._database.read(lambda c: c.execute(query).all())
+        return [JobTaken(row.work_count, _between_s(row.since, row.recorded_at)) for row in rows]
+
     async def change_state(self, job_id: int, state: JobState, message: str) -> None:
         """Append a state; raises ConflictError where the job has ended already."""
         await self._database.write(lambda c: add_job_state(c, job_id, state, message))
@@ -81,6 +97,10 @@ class JobRepository(NumberedRecords[JobRecord]):
         """Keep how far the job is: `fraction` from 0 to 1."""
         document = {"fraction": fraction, "doing": doing}
         await self._database.write(lambda c: add_event(c, PROGRESS, document, job_id=job_id))
+
+
+def _between_s(earlier: str, later: str) -> float:
+    return (datetime.fromisoformat(later) - datetime.fromisoformat(earlier)).total_seconds()
 
 
 def _state_of(job_id: int) -> Select[str]:

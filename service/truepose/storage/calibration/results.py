@@ -5,6 +5,7 @@ from typing import Any
 
 from sqlalchemy import Connection, Row, Select, func, select
 
+from truepose.domain.ballbar import BallbarPlan
 from truepose.domain.results import Identification, Model, Validation
 from truepose.domain.session import SessionPlan
 from truepose.storage.calibration.jobs import add_job_state
@@ -73,9 +74,11 @@ class ResultRepository:
 
         return await self._database.write(work)
 
-    async def keep_plan(self, job_id: int, name: str, setup: SessionSetup, plan: SessionPlan) -> int:
+    async def keep_plan(
+        self, job_id: int, name: str, setup: SessionSetup, plan: SessionPlan | BallbarPlan
+    ) -> int:
         """Store the session that was planned and end the job."""
-        message = f"{len(plan.stops)} stops are planned."
+        message = _planned(plan)
 
         def work(connection: Connection) -> int:
             number = add_session(connection, name, setup, plan)
@@ -111,6 +114,12 @@ class ResultRepository:
     async def validations(self, page: Page) -> Part[ValidationRecord]:
         """Return validations, oldest first."""
         return await self._validations.page(page)
+
+
+def _planned(plan: SessionPlan | BallbarPlan) -> str:
+    if isinstance(plan, SessionPlan):
+        return f"{len(plan.stops)} stops are planned."
+    return f"{sum(len(place.poses) for place in plan.placements)} poses are planned."
 
 
 def _identifications() -> Select[Any]:

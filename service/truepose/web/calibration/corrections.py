@@ -20,7 +20,7 @@ from truepose.kinematics.inverse import BRANCH_NAMES
 from truepose.web.context import Here
 from truepose.web.jobs import queued
 from truepose.web.paging import Paged, listing
-from truepose.web.parameters import Id, IdempotencyKey, request_key
+from truepose.web.parameters import Id, IdempotencyKey, Sender, request_key
 from truepose.web.presence import while_present
 from truepose.web.problems import problems
 from truepose.web.schemas.corrections import CorrectionReply, TargetReply, correction_reply, target_replies
@@ -110,6 +110,7 @@ async def correct_file(
     angles: Angles = None,
     coupled: Coupled = False,
     key: IdempotencyKey = None,
+    sender: Sender = "",
 ) -> JobReply:
     """Correct a robot program or a table of targets, as `truepose correct` does.
 
@@ -136,7 +137,7 @@ async def correct_file(
         asked = {**asked, "beside": list(sent.beside)}
         said = repr(asked).encode() + sent.fingerprint
         by_key = None if key is None else request_key(request, key, said)
-        number = await here.job_desk.correct(id, file, asked, by_key)
+        number = await here.job_desk.correct(id, file, asked, by_key, sender)
     return await queued(here, number, response)
 
 

@@ -10,7 +10,7 @@ from truepose.storage.records import RequestKey
 from truepose.web.context import Here
 from truepose.web.jobs import queued
 from truepose.web.paging import Paged, listing
-from truepose.web.parameters import Id, OptionalKey
+from truepose.web.parameters import Id, OptionalKey, Sender
 from truepose.web.problems import problems
 from truepose.web.schemas.comparisons import ComparisonReply, comparison_reply
 from truepose.web.schemas.diagnoses import (
@@ -42,17 +42,17 @@ SerialNumber = Annotated[
 
 @router.post("/diagnoses", status_code=status.HTTP_202_ACCEPTED, responses=_ASKED)
 async def diagnose_campaign(
-    here: Here, wanted: DiagnosisRequest, response: Response, key: OptionalKey
+    here: Here, wanted: DiagnosisRequest, response: Response, key: OptionalKey, sender: Sender
 ) -> JobReply:
     """Diagnose a campaign in a worker process; the job's result is the diagnosis."""
     effects = _named(wanted.effects)
-    number = await here.job_desk.diagnose(wanted.campaign_id, effects, wanted.measured_on, key)
+    number = await here.job_desk.diagnose(wanted.campaign_id, effects, wanted.measured_on, key, sender)
     return await queued(here, number, response)
 
 
 @router.post("/sessions/{id}/diagnosis", status_code=status.HTTP_202_ACCEPTED, responses=_ASKED)
 async def diagnose_session(
-    here: Here, id: Id, wanted: SessionDiagnosisRequest, response: Response, key: OptionalKey
+    here: Here, id: Id, wanted: SessionDiagnosisRequest, response: Response, key: OptionalKey, sender: Sender
 ) -> JobReply:
     """Diagnose what a calibration session has measured so far, be it finished, paused or running.
 
@@ -63,7 +63,8 @@ async def diagnose_session(
     # A client's key has no blank, so this one belongs to the campaign of the same request and no other.
     campaign_key = None if key is None else RequestKey(f"{key.key} campaign", key.fingerprint)
     campaign_id = await here.campaign_desk.from_sessions(name, id, wanted.validation_session_id, campaign_key)
-    return await queued(here, await here.job_desk.diagnose(campaign_id, effects, key=key), response)
+    number = await here.job_desk.diagnose(campaign_id, effects, key=key, sender=sender)
+    return await queued(here, number, response)
 
 
 @router.get("/diagnoses", responses=listing(422, 503))

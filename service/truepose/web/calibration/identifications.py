@@ -6,7 +6,7 @@ from truepose.effects.registry import chosen_effects
 from truepose.web.context import Here
 from truepose.web.jobs import queued
 from truepose.web.paging import Paged, listing
-from truepose.web.parameters import Id, OptionalKey
+from truepose.web.parameters import Id, OptionalKey, Sender
 from truepose.web.problems import problems
 from truepose.web.schemas.jobs import JobReply
 from truepose.web.schemas.results import IdentificationReply, IdentificationRequest, identification_reply
@@ -16,11 +16,11 @@ router = APIRouter(prefix="/identifications", tags=["identifications"])
 
 @router.post("", status_code=status.HTTP_202_ACCEPTED, responses=problems(400, 404, 409, 413, 415, 422, 503))
 async def identify_campaign(
-    here: Here, wanted: IdentificationRequest, response: Response, key: OptionalKey
+    here: Here, wanted: IdentificationRequest, response: Response, key: OptionalKey, sender: Sender
 ) -> JobReply:
     """Identify a campaign in a worker process; the job's result is the identification."""
     effects = None if wanted.effects is None else chosen_effects(wanted.effects)
-    number = await here.job_desk.identify(wanted.campaign_id, effects, key)
+    number = await here.job_desk.identify(wanted.campaign_id, effects, key, sender)
     return await queued(here, number, response)
 
 

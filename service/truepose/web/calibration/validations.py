@@ -5,7 +5,7 @@ from fastapi import APIRouter, Response, status
 from truepose.web.context import Here
 from truepose.web.jobs import queued
 from truepose.web.paging import Paged, listing
-from truepose.web.parameters import Id, OptionalKey
+from truepose.web.parameters import Id, OptionalKey, Sender
 from truepose.web.problems import problems
 from truepose.web.schemas.jobs import JobReply
 from truepose.web.schemas.results import ValidationReply, ValidationRequest, validation_reply
@@ -15,10 +15,10 @@ router = APIRouter(prefix="/validations", tags=["validations"])
 
 @router.post("", status_code=status.HTTP_202_ACCEPTED, responses=problems(400, 404, 409, 413, 415, 422, 503))
 async def validate_model(
-    here: Here, wanted: ValidationRequest, response: Response, key: OptionalKey
+    here: Here, wanted: ValidationRequest, response: Response, key: OptionalKey, sender: Sender
 ) -> JobReply:
     """Judge a model in a worker process; the job's result is the validation."""
-    number = await here.job_desk.validate(wanted.model_id, wanted.campaign_id, wanted.limit_mm, key)
+    number = await here.job_desk.validate(wanted.model_id, wanted.campaign_id, wanted.limit_mm, key, sender)
     return await queued(here, number, response)
 
 

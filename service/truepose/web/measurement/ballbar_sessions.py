@@ -4,13 +4,16 @@ from dataclasses import replace
 
 from fastapi import APIRouter, Request, Response, status
 
+from truepose.domain.ballbar import BallbarPlan
 from truepose.operation.ballbar.plans import BallbarWish, kit_of
 from truepose.operation.ballbar.scene import scene_of
-from truepose.storage.records import SessionSetup
+from truepose.operation.ballbar.worker_tasks import plan_task
+from truepose.storage.records import RequestKey, SessionSetup
 from truepose.web.context import Context, Here
+from truepose.web.jobs import queued
 from truepose.web.measurement.ballbar_replies import ballbar_session_reply, entry_reply, steps_reply
 from truepose.web.paging import Paged, listing
-from truepose.web.parameters import Id, OptionalKey, RequiredKey
+from truepose.web.parameters import Id, Later, OptionalKey, RequiredKey, Sender
 from truepose.web.presence import while_present
 from truepose.web.problems import problems
 from truepose.web.schemas.ballbar_requests import (
@@ -26,30 +29,64 @@ from truepose.web.schemas.ballbar_sessions import (
     LedgerReply,
     StepsReply,
 )
+from truepose.web.schemas.jobs import JobReply
 
 router = APIRouter(prefix="/ballbar-sessions", tags=["ballbar sessions"])
 _READ = problems(404, 422, 503)
 _ACT = problems(400, 404, 409, 413, 415, 422, 503)
 
 
-@router.post("", status_code=status.HTTP_201_CREATED, responses=problems(400, 409, 413, 415, 422, 503))
+@router.post(
+    "",
+    status_code=status.HTTP_201_CREATED,
+    response_model=BallbarSessionReply | JobReply,
+    responses={
+        201: {"model": BallbarSessionReply, "description": "The session is planned; nothing has moved."},
+        202: {
+            "model": JobReply,
+            "description": "A worker chooses the poses; the job makes the session.",
+        },
+        **problems(400, 404, 409, 413, 415, 422, 503),
+    },
+)
 async def plan_ballbar_session(
-    here: Here, request: Request, wanted: BallbarSessionRequest, response: Response, key: OptionalKey
-) -> BallbarSessionReply:
-    """Plan a ballbar session; nothing moves. Where poses are to be chosen this takes a while.
+    here: Here,
+    request: Request,
+    wanted: BallbarSessionRequest,
+    response: Response,
+    key: OptionalKey,
+    later: Later,
+    sender: Sender,
+) -> BallbarSessionReply | JobReply:
+    """Plan a ballbar session; nothing moves. Where poses are to be chosen this takes up to a minute.
 
-    One plan is made at a time and a few wait (503 for further ones). It ends with the connection; with an
-    `Idempotency-Key` it goes on for half a minute, in which the same request finds it again.
+    With `Prefer: respond-async` the choice is a job, and this answers at once (202). Else one plan is made at
+    a time and a few wait (503 for further ones). It ends with the connection; with an `Idempotency-Key` it
+    goes on for half a minute, in which the same request finds it again.
     """
     setup = SessionSetup(here.cell)
     kit = kit_of(setup)
     if wanted.base_points is not None:
         kit = replace(kit, base_points=wanted.base_points)
     setup = SessionSetup(replace(here.cell, ballbar=kit))
-    planning = here.ballbar_sessions.plan(wanted.name, setup, await _wish(here, wanted), key)
+    wish = await _wish(here, wanted)
+    if later and wish.given is None:
+        response.status_code = status.HTTP_202_ACCEPTED
+        response.headers["Preference-Applied"] = "respond-async"
+        return await queued(here, await _queue(here, wanted.name, setup, wish, key, sender), response)
+    planning = here.ballbar_sessions.plan(wanted.name, setup, wish, key)
     number = await while_present(request, planning)
     response.headers["Location"] = f"/api/v1/ballbar-sessions/{number}"
     return ballbar_session_reply(await here.ballbar_sessions.view(number))
+
+
+async def _queue(
+    here: Context, name: str, setup: SessionSetup, wish: BallbarWish, key: RequestKey | None, sender: str
+) -> int:
+    async def check(plan: BallbarPlan) -> None:
+        await here.ballbar_sessions.require_possible(setup, plan)
+
+    return await here.job_desk.plan_ballbar(name, plan_task(setup, wish), check, key, sender)
 
 
 async def _wish(here: Context, wanted: BallbarSessionRequest) -> BallbarWish:

@@ -22,7 +22,7 @@ from truepose.storage.records import RequestKey, SessionRecord, SessionSetup
 from truepose.web.context import Context, Here
 from truepose.web.jobs import queued
 from truepose.web.paging import Paged, listing
-from truepose.web.parameters import Id, ModelId, ModelIds, OptionalKey
+from truepose.web.parameters import Id, ModelId, ModelIds, OptionalKey, Sender
 from truepose.web.problems import problems
 from truepose.web.results.accuracy import accuracy_of
 from truepose.web.results.choices import Chosen
@@ -71,7 +71,7 @@ Anybody = Annotated[RequestOfPerson | None, Body()]
     },
 )
 async def plan_session(
-    here: Here, wanted: SessionRequest, response: Response, key: OptionalKey
+    here: Here, wanted: SessionRequest, response: Response, key: OptionalKey, sender: Sender
 ) -> SessionDetailReply | JobReply:
     """Plan a session: with configurations given (201), or to be chosen by a job (202). Nothing moves.
 
@@ -87,26 +87,31 @@ async def plan_session(
             await here.sessions.note(number, notice)
         response.headers["Location"] = f"/api/v1/sessions/{number}"
         return await get_session(here, number)
-    number = await _queue_plan(here, wanted, setup, plan, key)
+    number = await _queue_plan(here, wanted, setup, plan, key, sender)
     response.status_code = status.HTTP_202_ACCEPTED
     return await queued(here, number, response)
 
 
 async def _queue_plan(
-    here: Context, wanted: SessionRequest, setup: SessionSetup, plan: SessionPlan, key: RequestKey | None
+    here: Context,
+    wanted: SessionRequest,
+    setup: SessionSetup,
+    plan: SessionPlan,
+    key: RequestKey | None,
+    sender: str,
 ) -> int:
     match wanted.plan:
         case ProvingStops(model_id=model_id, targets=targets, seed=seed):
             _require_validation(wanted)
             proved = (await here.results.model(model_id)).model
-            return await here.job_desk.plan(
-                wanted.name, PlanTask(setup, plan, targets, seed, proved), key, model_id
-            )
+            task = PlanTask(setup, plan, targets, seed, proved)
+            return await here.job_desk.plan(wanted.name, task, key, model_id, sender)
         case ChosenStops(configurations=configurations, seed=seed):
-            return await here.job_desk.plan(wanted.name, PlanTask(setup, plan, configurations, seed), key)
+            task = PlanTask(setup, plan, configurations, seed)
+            return await here.job_desk.plan(wanted.name, task, key, sender=sender)
         case CircleStops() | PoseStops() as test:
             _require_validation(wanted)
-            return await here.job_desk.plan(wanted.name, plan_task(test, setup, plan), key)
+            return await here.job_desk.plan(wanted.name, plan_task(test, setup, plan), key, sender=sender)
     raise AssertionError("given stops are no job")
 
 

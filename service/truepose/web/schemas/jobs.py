@@ -2,6 +2,7 @@
 
 from pydantic import Field
 
+from truepose.analysis.workers.queue import Foreseen
 from truepose.storage.records import JobKind, JobRecord, JobState
 from truepose.web.schemas.base import RecordedAt, RecordId, Reply
 
@@ -10,6 +11,7 @@ _RESULTS = {
     JobKind.VALIDATION: "validations",
     JobKind.DIAGNOSIS: "diagnoses",
     JobKind.PLAN: "sessions",
+    JobKind.BALLBAR_PLAN: "ballbar-sessions",
     JobKind.CORRECTION: "corrections",
 }
 
@@ -25,9 +27,16 @@ class JobRequestReply(Reply):
     name: str | None = None
     role: str | None = None
     configurations: int | None = None
+    poses: int | None = Field(None, description="Of the plan of a ballbar session.")
+    placements: int | None = Field(None, description="Of its base fixture.")
     seed: int | None = None
+    work_count: int | None = Field(
+        None,
+        description="How much there is to do: readings, configurations, poses, or kB of a file. From it, and "
+        "from how long earlier jobs took, the time is foreseen.",
+    )
     proves_model_id: int | None = Field(None, description="Of the plan of a proof move.")
-    method: str | None = Field(None, description="Of the plan of a test: `circles`, `iso9283`.")
+    method: str | None = Field(None, description="Of the plan of a test: `circles`, `iso9283`, `sphere`.")
     test: str | None = Field(None, description="Of the plan of ISO 9283: `poses`, `directions`, `drift`.")
     file: str | None = Field(None, description="Name of what is corrected.")
     beside: list[str] | None = Field(None, description="Names of the files beside it.")
@@ -49,12 +58,35 @@ class JobReply(Reply):
     state: JobState = Field(description="`interrupted`: the service ended before the job did.")
     state_since: RecordedAt
     message: str = Field(description="What it is doing, how it ended, or why it failed.")
-    fraction: float = Field(ge=0, le=1, description="How far it is: 0 to 1.", examples=[0.4])
+    fraction: float = Field(
+        ge=0,
+        le=1,
+        description="How far it is: 0 to 1, by what the worker tells and by the time that was foreseen.",
+        examples=[0.4],
+    )
+    remaining_s: float | None = Field(
+        None,
+        description="How long it still runs, learnt from earlier jobs; null: it does not run.",
+        examples=[12.5],
+    )
+    ahead_count: int | None = Field(
+        None,
+        description="How many jobs are given a worker before this one; null: it has ended.",
+        examples=[0],
+    )
     result_id: int | None = Field(description="Number of what it made, once it succeeded.")
     result_url: str | None = Field(examples=["/api/v1/identifications/3"])
 
 
-def job_reply(record: JobRecord) -> JobReply:
-    """Return a job as it travels."""
+def job_reply(record: JobRecord, foreseen: Foreseen | None = None) -> JobReply:
+    """Return a job as it travels, with what is foreseen of one under way."""
     made = record.result_id
-    return JobReply.of(record, result_url=None if made is None else f"/api/v1/{_RESULTS[record.kind]}/{made}")
+    reply = JobReply.of(
+        record, result_url=None if made is None else f"/api/v1/{_RESULTS[record.kind]}/{made}"
+    )
+    if foreseen is None or record.state.final:
+        return reply
+    reply.ahead_count = foreseen.ahead_count
+    if foreseen.outlook is not None:
+        reply.fraction, reply.remaining_s = foreseen.outlook.fraction, foreseen.outlook.remaining_s
+    return reply

@@ -13,7 +13,7 @@ export async function answered(path, request, unreachable) {
 }
 
 export function post(path, body, unreachable, key) {
-  const headers = { "Content-Type": "application/json" };
+  const headers = { "Content-Type": "application/json", Prefer: "respond-async" };
   if (key) headers["Idempotency-Key"] = key;
   return answered(path, { method: "POST", headers, body: JSON.stringify(body) }, unreachable);
 }

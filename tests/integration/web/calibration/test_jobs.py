@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from tests.helpers.domain.builders import make_campaign
+from tests.helpers.domain.builders import make_campaign, make_points
 from tests.helpers.web.clients import served
 from truepose.analysis.errors import WorkerDiedError
 from truepose.analysis.workers.process import TaskRefusedError
@@ -32,6 +32,7 @@ from truepose.domain.results import (
 from truepose.domain.robot import FramePlacement
 from truepose.domain.session import PlannedStop, Turn
 from truepose.exchange.campaigns.zip_file import write_campaign_zip
+from truepose.storage.records import JobKind
 
 STATISTICS = Statistics(50, 0.02, 0.023, 0.009, 0.047, 0.019)
 PAIR = NominalAndIdentified(STATISTICS, STATISTICS)
@@ -109,7 +110,11 @@ def worker():
 
 @pytest.fixture
 async def campaign_id(client):
-    archive = write_campaign_zip(make_campaign())
+    return await uploaded(client, make_campaign(validation=make_points()))
+
+
+async def uploaded(client, campaign):
+    archive = write_campaign_zip(campaign)
     answer = await client.post(
         "/api/v1/campaigns", content=archive, headers={"Content-Type": "application/zip"}
     )
@@ -199,15 +204,40 @@ async def test_jobs_wait_for_each_other_and_a_waiting_one_can_be_cancelled(
     worker.gate.clear()
     first = await identification_job(client, campaign_id)
     second = await identification_job(client, campaign_id)
+    third = await identification_job(client, campaign_id)
     await until(first, "state", "running")
+    await until(second, "state", "running")
 
-    waiting = (await client.get(second)).json()
-    await client.post(f"{second}/cancel")
+    waiting = (await client.get(third)).json()
+    await client.post(f"{third}/cancel")
     worker.gate.set()
 
-    assert waiting["state"] == "queued"
-    assert (await until(first, "state", "succeeded"))["result_id"] == 1
-    assert (await client.get(second)).json()["state"] == "cancelled"
+    assert (waiting["state"], waiting["ahead_count"], waiting["remaining_s"]) == ("queued", 0, None)
+    assert (await until(first, "state", "succeeded"))["result_id"] is not None
+    assert (await client.get(third)).json()["state"] == "cancelled"
+
+
+async def test_what_is_short_does_not_wait_for_what_is_long(client, until, worker, campaign_id):
+    worker.gate.clear()
+    diagnoses = [await client.post("/api/v1/diagnoses", json={"campaign_id": campaign_id}) for _ in range(3)]
+    first, *others = [answer.headers["Location"] for answer in diagnoses]
+    await until(first, "state", "running")
+
+    short = await identification_job(client, campaign_id)
+    running = await until(short, "state", "running")
+
+    assert [(await client.get(path)).json()["state"] for path in others] == ["queued", "queued"]
+    assert running["remaining_s"] > 0
+
+
+async def test_what_was_learnt_of_earlier_jobs_foretells_the_next_one(client, until, app, campaign_id):
+    first = await identification_job(client, campaign_id)
+    made = await until(first, "state", "succeeded")
+
+    (taken,) = await app.state.context.jobs.taken(JobKind.IDENTIFICATION, 15)
+
+    assert taken.work_count == made["request"]["work_count"] > 0
+    assert 0 <= taken.duration_s < 10
 
 
 @pytest.mark.parametrize(
@@ -255,6 +285,17 @@ async def test_a_restart_marks_unfinished_jobs_as_interrupted(settings, bench, w
 
     assert job["state"] == "interrupted"
     assert "service was stopped" in job["message"]
+
+
+async def test_without_readings_of_its_kind_no_job_is_queued(client, until, campaign_id):
+    done = await until(await identification_job(client, campaign_id), "state", "succeeded")
+    model_id = (await client.get(done["result_url"])).json()["model_id"]
+    wanted = {"model_id": model_id, "campaign_id": await uploaded(client, make_campaign())}
+
+    refused = await client.post("/api/v1/validations", json=wanted)
+
+    assert (refused.status_code, len((await client.get("/api/v1/jobs")).json())) == (409, 1)
+    assert "no validation readings" in refused.json()["detail"]
 
 
 async def test_what_is_not_there_cannot_be_identified(client):

@@ -317,6 +317,64 @@ async def test_a_plan_ends_with_the_connection_of_whoever_asked_for_it(app, clie
     assert (await client.get("/api/v1/sessions")).json() == []
 
 
+LATER = {"Prefer": "wait=5, respond-async"}
+
+
+class Chooser:
+    """A worker that chooses what it was told to, once it may."""
+
+    def __init__(self, plan):
+        self.plan = plan
+        self.may = asyncio.Event()
+
+    async def __call__(self, task, told):
+        await told(0.5, "choosing placements and poses")
+        await self.may.wait()
+        return self.plan
+
+
+@pytest.fixture
+async def chooser(app, tablet):
+    chosen = Chooser((await app.state.context.ballbar_sessions.view(1)).plan)
+    app.state.context.job_desk._queue._perform = chosen
+    return chosen
+
+
+async def test_poses_are_chosen_by_a_job_where_that_is_preferred(client, chooser, until):
+    told = await client.post(SESSIONS, json={"name": "six legs", "poses": 6}, headers=LATER)
+    running = await until(told.headers["Location"], "message", "choosing placements and poses")
+    chooser.may.set()
+    job = await until(told.headers["Location"], "state", "succeeded", "failed")
+
+    assert (told.status_code, told.headers["Preference-Applied"]) == (202, "respond-async")
+    assert (running["kind"], running["request"]["poses"]) == ("ballbar_plan", 6)
+    assert running["fraction"] >= 0.5 and running["remaining_s"] > 0
+    assert (await client.get(job["result_url"])).json()["name"] == "six legs"
+
+
+async def test_a_plan_that_is_cancelled_leaves_no_session(client, chooser, until):
+    told = await client.post(SESSIONS, json={"name": "six legs", "poses": 6}, headers=LATER)
+    await until(told.headers["Location"], "state", "running")
+
+    cancelled = await client.post(f"{told.headers['Location']}/cancel")
+
+    assert cancelled.json()["state"] == "cancelled"
+    assert len((await client.get("/api/v1/sessions")).json()) == 1  # the one that is there from the start
+
+
+async def test_given_poses_need_no_job(client, tablet):
+    made = await client.post(SESSIONS, json=WANTED, headers=LATER)
+
+    assert (made.status_code, made.json()["name"]) == (201, "six legs")
+
+
+async def test_a_sphere_test_without_a_place_is_no_job(client, tablet):
+    refused = await client.post(SESSIONS, json=_SPHERE, headers=LATER)
+
+    assert refused.status_code == 422
+    assert (await client.get("/api/v1/jobs")).json() == []
+
+
 async def test_a_tracker_session_moves_nothing_while_the_ballbar_hangs_where_it_was_left(
     client, bench, until
 ):

@@ -34,8 +34,23 @@ export async function ask(path, request = {}, patience_ms = PATIENCE_MS) {
   return answer;
 }
 
-export function post(path, body, key = null, patience_ms = PATIENCE_MS) {
-  const headers = { "Content-Type": "application/json" };
+const UNDER_WAY = ["queued", "running"];
+const POLL_MS = 1000;
+
+// What takes a while is a job of the service: it is asked after until it has made something, or says why not.
+export async function made(path, body, key) {
+  let job = await post(path, body, key, PATIENCE_MS, { Prefer: "respond-async" });
+  if (!("result_id" in job)) return job.id; // it was made at once
+  while (UNDER_WAY.includes(job.state)) {
+    await new Promise((resolve) => setTimeout(resolve, POLL_MS));
+    job = await ask(`/api/v1/jobs/${job.id}`);
+  }
+  if (job.result_id === null) throw new Refused(409, { detail: job.message });
+  return job.result_id;
+}
+
+export function post(path, body, key = null, patience_ms = PATIENCE_MS, more = {}) {
+  const headers = { "Content-Type": "application/json", ...more };
   if (key) headers["Idempotency-Key"] = key;
   return ask(path, { method: "POST", headers, body: JSON.stringify(body) }, patience_ms);
 }

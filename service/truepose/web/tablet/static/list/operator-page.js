@@ -1,6 +1,6 @@
 // The list of sessions, and the start of a new one.
 
-import { Refused, ask, post } from "../common/api.js";
+import { Refused, ask, made } from "../common/api.js";
 import { element, showIf, write } from "../common/elements.js";
 import { Storage, newKey } from "../common/tablet.js";
 import { Texts } from "../common/texts.js";
@@ -101,7 +101,7 @@ class OperatorPage {
   async #planned(wish) {
     for (;;) {
       try {
-        return await post("/api/v1/ballbar-sessions", wish, this.#key, null);
+        return await made("/api/v1/ballbar-sessions", wish, this.#key);
       } catch (error) {
         if (error instanceof Refused) throw error;
       }
@@ -113,11 +113,11 @@ class OperatorPage {
   #findPlanned(sessions) {
     const { name, known } = this.#planning;
     const found = known && sessions.find((session) => session.name === name && !known.includes(session.id));
-    if (found) this.#open(found);
+    if (found) this.#open(found.id);
   }
 
-  #open(session) {
-    location.assign(`/operator/${session.id}`);
+  #open(id) {
+    location.assign(`/operator/${id}`);
   }
 
   #showPlanning() {
