@@ -3,8 +3,20 @@
 import os
 import sys
 from dataclasses import dataclass, field
+from enum import StrEnum
 from pathlib import Path
 from typing import Literal
+
+from truepose.storage.backup.schedule import BackupPlan
+
+
+class LogLevel(StrEnum):
+    """Least weight of what is logged."""
+
+    DEBUG = "debug"  # also what is asked every few seconds
+    INFO = "info"
+    WARNING = "warning"
+    ERROR = "error"
 
 
 def data_folder() -> Path:
@@ -37,3 +49,6 @@ class Settings:
     simulated_seed: int = 0
     simulated_faults: Path | None = None  # what goes wrong in the simulated cell, and when
     allowed_hosts: tuple[str, ...] = ()  # names beside loopback and `host` under which it may be asked
+    backups: BackupPlan | None = None
+    log_file: Path | None = None  # of JSON lines; None: beside the database
+    log_level: LogLevel = LogLevel.INFO

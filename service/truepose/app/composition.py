@@ -3,7 +3,7 @@
 import asyncio
 import contextlib
 import dataclasses
-from collections.abc import AsyncIterator, Sequence
+from collections.abc import AsyncIterator, Callable, Coroutine, Sequence
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Final, Protocol, runtime_checkable
@@ -23,6 +23,7 @@ from truepose.operation.contacts.sessions import ContactSessions
 from truepose.operation.devices import MountedDevice, Rack
 from truepose.operation.guided.outlooks import Outlooks
 from truepose.operation.guided.sessions import GuidedSessions
+from truepose.operation.lookout.watch import Lookout
 from truepose.operation.present_cell import PresentCell
 from truepose.operation.repeated_diagnosis import RepeatedDiagnosis
 from truepose.operation.sessions import SessionDesk
@@ -30,6 +31,7 @@ from truepose.operation.simulated_faults import FaultsDesk
 from truepose.operation.simulated_hands import HandsDesk
 from truepose.operation.tracker.sessions import TrackerSessions
 from truepose.settings import Settings
+from truepose.storage.backup.schedule import BackupSchedule
 from truepose.storage.calibration.campaigns import CampaignRepository
 from truepose.storage.calibration.corrections import CorrectionRepository
 from truepose.storage.calibration.diagnoses import DiagnosisRepository
@@ -93,9 +95,14 @@ def program_version() -> str:
 
 @contextlib.asynccontextmanager
 async def open_context(
-    settings: Settings, registry: DriverRegistry | None = None, perform: Perform = perform_in_worker
+    settings: Settings,
+    registry: DriverRegistry | None = None,
+    perform: Perform = perform_in_worker,
+    lines_lost: Callable[[], int] = lambda: 0,
 ) -> AsyncIterator[Context]:
     """Open storage, simulated cell and drivers, and find what an earlier service left unfinished.
+
+    `lines_lost` says how many lines of the log could not be written.
 
     Raises
     ------
@@ -120,15 +127,27 @@ async def open_context(
         rack = _rack(cell, simulation, drivers)
         stack.push_async_callback(_close_clock, rack.clock)
         stack.push_async_callback(rack.close)
-        context = _context(cell, present, database, rack, simulation, perform)
+        backups = _backups(database, settings)
+        lookout = Lookout(database, rack, cell, backups, lines_lost)
+        context = _context(cell, present, database, rack, simulation, perform, lookout)
         await context.session_desk.recover()
         await context.job_desk.mark_interrupted(_RESTARTED)
         stack.push_async_callback(context.job_desk.close)
         stack.push_async_callback(context.session_desk.close)
         stack.callback(stop_streams, context)
-        guarding = asyncio.create_task(Guard(database).follow(), name="storage guard")
-        stack.push_async_callback(_end, guarding)
+        _beside(stack, Guard(database).follow(), "storage guard")
+        if backups is not None:
+            _beside(stack, backups.follow(), "copies of the database")
         yield context
+
+
+def _beside(stack: contextlib.AsyncExitStack, work: Coroutine[None, None, None], name: str) -> None:
+    """Have work done as long as the stack is open."""
+    stack.push_async_callback(_end, asyncio.create_task(work, name=name))
+
+
+def _backups(database: Database, settings: Settings) -> BackupSchedule | None:
+    return None if settings.backups is None else BackupSchedule(database.file, settings.backups)
 
 
 async def _end(task: asyncio.Task[None]) -> None:
@@ -255,6 +274,7 @@ def _context(
     rack: Rack,
     simulation: Simulation | None,
     perform: Perform,
+    lookout: Lookout,
 ) -> Context:
     sessions, readings = SessionRepository(database), ReadingRepository(database)
     campaigns, jobs = CampaignRepository(database), JobRepository(database)
@@ -287,6 +307,7 @@ def _context(
         reports=ReportRepository(database),
         events=EventRepository(database),
         rack=rack,
+        lookout=lookout,
         session_desk=session_desk,
         tracker_sessions=tracker_sessions,
         ballbar_sessions=ballbar_sessions,

@@ -9,6 +9,7 @@ import signal
 import socket
 import sys
 from collections.abc import Callable, Iterator
+from pathlib import Path
 from typing import Final
 
 import uvicorn
@@ -16,13 +17,14 @@ import uvicorn
 from truepose.app.composition import allowed_hosts, open_context, program_version, stop_streams
 from truepose.app.connections.census import Census, Limits, looked_after
 from truepose.app.connections.descriptors import connection_limit
-from truepose.app.connections.log_lines import FewRepeats
 from truepose.app.connections.protocol import WatchedProtocol
 from truepose.app.errors import PortInUseError, ScenarioRefusedError
+from truepose.app.logs.journal import logged
 from truepose.domain.errors import TrueposeError
 from truepose.effects.registry import unusable_causes
 from truepose.exchange.errors import ExchangeError
 from truepose.settings import Settings
+from truepose.storage.connection.address import database_file
 from truepose.web.application import create_application
 from truepose.web.door.errors import UnusableHostError
 from truepose_drivers.errors import DriverError
@@ -42,14 +44,12 @@ def serve(settings: Settings) -> int:
     A start that fails writes one sentence to standard error: status 2 for a cell file, a scenario or an
     allowed host that cannot be used, 3 for a database, a port or a simulated cell that cannot.
     """
-    logging.basicConfig(stream=sys.stderr, level=logging.INFO, format="%(levelname)s %(name)s: %(message)s")
-    for handler in logging.getLogger().handlers:
-        handler.addFilter(FewRepeats())
-    logging.getLogger("alembic").setLevel(logging.WARNING)
-    for sentence in unusable_causes():
-        _LOG.warning("%s", sentence)
     try:
-        asyncio.run(_serve(settings))
+        with logged(log_file(settings), settings.log_level.upper()) as lost:
+            logging.getLogger("alembic").setLevel(logging.WARNING)
+            for sentence in unusable_causes():
+                _LOG.warning("%s", sentence)
+            asyncio.run(_serve(settings, lambda: lost.lines))
     except KeyboardInterrupt:  # before the service was ready and took care of signals itself
         return 0
     except (ExchangeError, ScenarioRefusedError, UnusableHostError) as error:
@@ -59,17 +59,25 @@ def serve(settings: Settings) -> int:
     return 0
 
 
+def log_file(settings: Settings) -> Path:
+    """Return where the log is written, by default beside the database; raises DatabaseAddressError."""
+    if settings.log_file is not None:
+        return settings.log_file
+    database = database_file(settings.database_url)
+    return database.with_name(f"{database.name}.log")
+
+
 def _refuse(error: Exception, status: int) -> int:
     sys.stderr.write(f"{error}\n")
     return status
 
 
-async def _serve(settings: Settings) -> None:
+async def _serve(settings: Settings, lines_lost: Callable[[], int]) -> None:
     hosts = allowed_hosts(settings)
     # The port first: a service that nobody can reach must not hold the database or start a cell.
     with _listening(settings.host, settings.port) as listener:
         census = Census(Limits(connection_limit()))
-        async with open_context(settings) as context, looked_after(census):
+        async with open_context(settings, lines_lost=lines_lost) as context, looked_after(census):
             config = uvicorn.Config(
                 create_application(program_version(), lambda: contextlib.nullcontext(context), hosts),
                 # The server calls it like the class that it wants.
@@ -86,6 +94,7 @@ async def _serve(settings: Settings) -> None:
             server = _Server(config, _url(listener), lambda: stop_streams(context))
             with _ended_by_signals(server):
                 await server.serve([listener])
+    _LOG.info("ended in order")
 
 
 class _Server(uvicorn.Server):
@@ -102,6 +111,7 @@ class _Server(uvicorn.Server):
             listener.listen(_QUEUE)
         sys.stdout.write(json.dumps({"url": self._url}) + "\n")
         sys.stdout.flush()
+        _LOG.info("ready at %s", self._url)
 
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
         self._before_shutdown()

@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from truepose.cli.output import remark
+from truepose.settings import LogLevel
 
 Seed = Annotated[int, typer.Option(min=0, help="Which cell of that kind.")]
 Faults = Annotated[
@@ -90,6 +91,12 @@ def serve_command(
         ),
     ] = None,
     faults: Faults = None,
+    log_file: Annotated[
+        Path | None, typer.Option(help="Log of JSON lines, 48 MB at most; by default beside the database.")
+    ] = None,
+    log_level: Annotated[
+        LogLevel, typer.Option(help="Least weight of what is logged.", case_sensitive=False)
+    ] = LogLevel.INFO,
 ) -> int:
     """Run the service; prints one JSON line with its url when ready.
 
@@ -106,6 +113,8 @@ def serve_command(
             allowed_hosts=tuple(allowed_host or ()),
             cell_file=cell,
             simulated_faults=faults,
+            log_file=log_file,
+            log_level=log_level,
         )
     )
 

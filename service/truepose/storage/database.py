@@ -10,6 +10,7 @@ shown that writing works again.
 import asyncio
 import logging
 import threading
+import time
 from collections import deque
 from collections.abc import Callable, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
@@ -20,6 +21,7 @@ from sqlalchemy import Connection
 from sqlalchemy.exc import DatabaseError
 
 from truepose.storage.connection.address import database_file
+from truepose.storage.connection.commits import Commits
 from truepose.storage.connection.engine import reading_engine, writing_engine
 from truepose.storage.connection.library import LIBRARY
 from truepose.storage.connection.lock import ServiceLock
@@ -55,6 +57,7 @@ class Database:
     def __init__(self, url: str) -> None:
         self.file = database_file(url)
         self.condition = Condition()
+        self.commits = Commits()
         self._lock = ServiceLock(self.file)
         self._seal = Seal(self.file)
         self.left = self._seal.left()  # how the service before left the file; None where it did not say
@@ -110,6 +113,10 @@ class Database:
         except StorageUnavailableError as error:
             self._try_again_after(error)
             raise
+
+    async def write_a_trial(self) -> None:
+        """Write a few bytes that nobody reads, to see that it works; raises StorageUnavailableError."""
+        await self.write(_write_a_little)
 
     async def writable(self) -> None:
         """Return once writing works; at once where nothing was refused."""
@@ -227,8 +234,10 @@ class Database:
             if self._connection.closed:  # it could not be opened anew when it had to be
                 self._connect()
             self._look_after_file()
+            begun_s = time.perf_counter()
             with self._connection.begin():
                 result = work(self._connection)
+            self.commits.note(time.perf_counter() - begun_s)
             self._seal.note_newest(self._raw)
         except REFUSED as error:
             raise self._noted(error) from error

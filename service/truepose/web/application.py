@@ -11,7 +11,7 @@ from fastapi.openapi.utils import get_openapi
 from fastapi.routing import APIRoute
 from starlette.types import ASGIApp
 
-from truepose.web import events, health, jobs, pages, problems
+from truepose.web import events, jobs, pages, problems
 from truepose.web.calibration import (
     campaigns,
     corrections,
@@ -25,6 +25,7 @@ from truepose.web.calibration import (
 from truepose.web.context import Context
 from truepose.web.door.hosts import AllowedHosts
 from truepose.web.door.middleware import Door
+from truepose.web.healthiness import routes as health
 from truepose.web.lanes import Lanes
 from truepose.web.limits import RequestLimits
 from truepose.web.measurement import (
@@ -41,6 +42,9 @@ from truepose.web.measurement import (
     simulated_faults,
     simulated_hands,
 )
+from truepose.web.observation import routes as metrics
+from truepose.web.observation.metrics import Metrics
+from truepose.web.observation.requests import Observed
 from truepose.web.queries import only_known_parameters
 from truepose.web.tablet import routes as tablet
 
@@ -87,9 +91,10 @@ class _Guarded(FastAPI):
     def __init__(self, hosts: AllowedHosts, **options: Any) -> None:
         super().__init__(**options)
         self._hosts = hosts
+        self.state.metrics = Metrics()
 
     def build_middleware_stack(self) -> ASGIApp:
-        return Door(super().build_middleware_stack(), self._hosts)
+        return Observed(Door(super().build_middleware_stack(), self._hosts), self.state.metrics)
 
 
 def create_application(
@@ -104,6 +109,7 @@ def create_application(
     async def lifespan(started: FastAPI) -> AsyncIterator[None]:
         async with open_context() as context:
             started.state.context = context
+            context.database.commits.told = started.state.metrics.committed
             yield
 
     app = _Guarded(
@@ -135,7 +141,7 @@ def _resources() -> APIRouter:
     for resource in _RESOURCES:
         api.include_router(resource.router)
     every = APIRouter(generate_unique_id_function=_operation_id)
-    for router in (health.router, api, pages.router, tablet.router):
+    for router in (health.router, metrics.router, api, pages.router, tablet.router):
         every.include_router(router)
     return every
 

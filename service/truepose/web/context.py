@@ -15,6 +15,7 @@ from truepose.operation.closing import ClosingDesk
 from truepose.operation.contacts.sessions import ContactSessions
 from truepose.operation.devices import Rack
 from truepose.operation.guided.sessions import GuidedSessions
+from truepose.operation.lookout.watch import Lookout
 from truepose.operation.sessions import SessionDesk
 from truepose.operation.simulated_faults import FaultsDesk
 from truepose.operation.simulated_hands import HandsDesk
@@ -62,6 +63,7 @@ class Context:
     reports: ReportRepository
     events: EventRepository
     rack: Rack
+    lookout: Lookout
     session_desk: SessionDesk
     tracker_sessions: TrackerSessions
     ballbar_sessions: BallbarSessions

@@ -2,6 +2,7 @@
 
 import asyncio
 import contextlib
+import logging
 import os
 import signal
 import sys
@@ -21,6 +22,7 @@ from truepose.analysis.workers.pipe import (
 )
 from truepose.analysis.workers.tasks import Answer, Task
 
+_LOG = logging.getLogger(__name__)
 Told = Callable[[float, str], Awaitable[None]]
 _COMMAND = (sys.executable, "-m", "truepose.analysis.workers.worker")
 _MODEST_BYTES = 2 * 2**30  # where the system does not say how much memory there is
@@ -71,6 +73,7 @@ async def perform_in_worker(
             f"No worker process could be started ({error}); nothing was stored. Free memory or processes of "
             "this computer, then start the job again."
         ) from error
+    _LOG.info("worker %d has begun: %s", process.pid, type(task).__name__)
     log: deque[str] = deque(maxlen=_LOG_LINES)
     listening = asyncio.create_task(_keep_log(process, log))
     try:
@@ -82,6 +85,7 @@ async def perform_in_worker(
     finally:
         await _bury(process)
         listening.cancel()
+        _LOG.info("worker %d has ended", process.pid)
 
 
 async def _converse(process: asyncio.subprocess.Process, task: Task, told: Told) -> Answer:
@@ -118,6 +122,7 @@ async def _keep_log(process: asyncio.subprocess.Process, log: deque[str]) -> Non
         return
     async for line in process.stderr:
         log.append(line.decode(errors="replace").rstrip())
+        _LOG.info("worker %d: %s", process.pid, log[-1])
 
 
 def _obituary(process: asyncio.subprocess.Process, log: deque[str]) -> str:

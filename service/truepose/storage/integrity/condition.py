@@ -20,13 +20,17 @@ class Condition:
     @property
     def fault(self) -> str | None:
         """One sentence on what is amiss; None where nothing is."""
+        return " ".join(told for told in (self.trouble, self.damage) if told) or None
+
+    @property
+    def damage(self) -> str | None:
+        """One sentence on what was found that should not be; None where nothing was."""
         with self._turn:
             found = [*self._damage.values()]
-        told = [self.trouble] if self.trouble else []
-        if found:
-            more = f" ({len(found) - 1} more like this.)" if len(found) > 1 else ""
-            told.append(f"{found[0]}{more}")
-        return " ".join(told) or None
+        if not found:
+            return None
+        more = f" ({len(found) - 1} more like this.)" if len(found) > 1 else ""
+        return f"{found[0]}{more}"
 
     @property
     def integrity(self) -> Integrity:

@@ -35,7 +35,8 @@ class Door:
             answer = problem_response(request, verdict.status, verdict.sentence, {"Connection": "close"})
             await answer(scope, receive, send)
         else:
-            await self._app({**scope, "scheme": verdict.scheme}, receive, send)
+            scope["scheme"] = verdict.scheme  # in place: who watches from outside learns of the route in it
+            await self._app(scope, receive, send)
 
 
 def _protecting(send: Send) -> Send:

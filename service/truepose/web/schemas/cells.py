@@ -1,42 +1,13 @@
 """Cells, their devices and the robots that can stand in them."""
 
-from typing import Literal
-
 from pydantic import Field
 
 from truepose.domain.cell import Cell
 from truepose.domain.robot import JointRange, Robot
 from truepose.operation.devices import DeviceStatus
-from truepose.storage.integrity.condition import Integrity
 from truepose.web.context import Endpoint
 from truepose.web.schemas.base import Point, Reply, degrees
 from truepose_drivers.api import DeviceKind
-
-
-class IntegrityReply(Reply):
-    """Whether all records are as they were written; looked through after each start and now and then."""
-
-    state: Integrity
-    share: float = Field(description="Done, of the look under way or the last one.", examples=[1.0])
-
-
-class Health(Reply):
-    """Whether the service works, and on what."""
-
-    status: Literal["ok", "degraded"] = Field(description="`degraded`: `fault` says what is amiss.")
-    fault: str | None = Field(description="One sentence; null where all is well.")
-    version: str = Field(description="Of the program.", examples=["0.1.0"])
-    simulated: bool = Field(description="True: no robot and no instrument take part.")
-    people: Literal["announced", "anybody"] = Field(
-        description="Who may have the arm move: people of the cell file, or whoever gives a name."
-    )
-    writable: bool = Field(description="False: the disk refuses records; sessions wait for it.")
-    integrity: "IntegrityReply"
-    sqlite: str = Field(description="Version of the database library.", examples=["3.53.4"])
-    sqlite_mended: bool = Field(
-        description="False: the library has the fault of the WAL reset; one writer keeps it from striking."
-    )
-    schema_revision: str = Field(alias="schema", description="Of the database.", examples=["0006"])
 
 
 class EndpointReply(Reply):

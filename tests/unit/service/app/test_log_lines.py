@@ -1,6 +1,6 @@
 import logging
 
-from truepose.app.connections.log_lines import FewRepeats
+from truepose.app.logs.few_repeats import FewRepeats
 
 
 def written(records):

@@ -1,0 +1,1 @@
+"""How the service is at present: everything that who runs it watches, in one look."""

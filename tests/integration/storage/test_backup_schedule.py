@@ -1,0 +1,70 @@
+"""Copies on a schedule: made when one is due, so many kept, and failures said."""
+
+import pytest
+
+from tests.helpers.domain.tracker_sessions import make_plan, make_setup
+from truepose.storage.backup.schedule import BackupPlan, BackupSchedule
+from truepose.storage.integrity.arrival import verify_left
+from truepose.storage.measurement.sessions import SessionRepository
+
+DAY_S = 86400.0
+
+
+class Day:
+    def __init__(self):
+        self.now_s = 1_800_000_000.0
+
+    def __call__(self):
+        return self.now_s
+
+
+@pytest.fixture
+def day():
+    return Day()
+
+
+@pytest.fixture
+def schedule(database, tmp_path, day):
+    return BackupSchedule(database.file, BackupPlan(tmp_path / "copies", DAY_S, keep=2), day)
+
+
+def copies(schedule):
+    return sorted(path.name for path in schedule.plan.folder.iterdir())
+
+
+async def test_a_copy_is_made_when_it_is_due_and_not_before(database, schedule, day):
+    await SessionRepository(database).add("first", make_setup(), make_plan())
+    assert schedule.age_s is None
+
+    assert await schedule.make_if_due() == DAY_S
+    day.now_s += 1000.0
+    assert await schedule.make_if_due() == DAY_S - 1000.0
+
+    assert copies(schedule) == ["truepose-20270115T080000Z.sqlite3"]
+    assert schedule.age_s == 1000.0
+    assert verify_left(schedule.plan.folder / copies(schedule)[0]).head == await database.head()
+
+
+async def test_the_oldest_copies_make_room_and_nothing_else_does(schedule, day):
+    schedule.plan.folder.mkdir()
+    (schedule.plan.folder / "by-hand.sqlite3").write_text("somebody's own")
+    for _ in range(4):
+        await schedule.make_if_due()
+        day.now_s += DAY_S
+
+    assert copies(schedule) == [
+        "by-hand.sqlite3",
+        "truepose-20270117T080000Z.sqlite3",
+        "truepose-20270118T080000Z.sqlite3",
+    ]
+
+
+async def test_a_copy_that_cannot_be_made_is_said_and_tried_again_soon(schedule):
+    schedule.plan.folder.write_text("in the way")
+
+    assert await schedule.make_if_due() == 600.0
+    assert "cannot be copied" in schedule.fault
+
+    schedule.plan.folder.unlink()
+    await schedule.make_if_due()
+    assert schedule.fault is None
