@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Final, Protocol, runtime_checkable
 
 from truepose.analysis.campaigns import CampaignDesk
+from truepose.analysis.drawing import DrawingDesk
 from truepose.analysis.jobs import JobDesk
 from truepose.analysis.workers.process import Perform, perform_in_worker
 from truepose.analysis.workers.uploads import Uploads
@@ -315,6 +316,7 @@ def _context(
         guided_sessions=GuidedSessions(tracker_sessions, contact_sessions, readings, Outlooks(perform)),
         hands_desk=HandsDesk(rack, ballbar_sessions.frame_of),
         faults_desk=FaultsDesk(None if simulation is None else simulation.ask_of_faults, present),
+        drawing_desk=DrawingDesk(perform),
         closing_desk=ClosingDesk(sessions, closings, rack, present),
         job_desk=job_desk,
         campaign_desk=campaign_desk,

@@ -10,7 +10,7 @@ import numpy as np
 
 from truepose.domain.campaign import Stops
 from truepose.domain.cell import Artefact
-from truepose.domain.sentences import Sentence, said
+from truepose.domain.sentences import Sentence, Text, said
 from truepose.words.catalogue import IN_ENGLISH, Catalogue
 
 NOT_STATED = "not_stated"  # a key of the catalogue
@@ -26,6 +26,16 @@ class Instrument:
     serial_number: str = ""
     firmware: str = ""
     certificate: str = ""
+    certificate_expires: str = ""  # ISO date
+
+
+@dataclass(frozen=True, slots=True)
+class Event:
+    """Something that somebody did, for the audit trail."""
+
+    when: str
+    person: str
+    what: Text
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,6 +72,12 @@ class ReportConditions:
     scale: float | None = None  # certified over measured length; None: scale not verified
     scale_standard_uncertainty: float | None = None
     notes: tuple[str, ...] = ()
+    number: str = ""  # of the report, with its revision
+    measured_at: str = ""  # where no session says it
+    closing: Text = ""  # as what its session was closed, by whom; "": it is of no session
+    overridden: bool = False  # although a certificate did not hold
+    events: tuple[Event, ...] = ()  # who did what, oldest first
+    chain_head: str = ""  # of all records, when the report was made
 
 
 def temperature_range(stops: Iterable[Stops]) -> tuple[float, float] | None:

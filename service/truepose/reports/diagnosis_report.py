@@ -22,8 +22,11 @@ from truepose.reports.figures.comparison import comparison
 from truepose.reports.figures.error_maps import error_maps
 from truepose.reports.figures.gains import gains
 from truepose.reports.figures.residual_curve import CurveFigure, residual_curve
+from truepose.reports.front.kinds import diagnosis_front
+from truepose.reports.front.page import front_page
 from truepose.reports.imprint import imprint_of
-from truepose.reports.pages import rendered, write_page
+from truepose.reports.pages import rendered
+from truepose.reports.paper import write_report_text
 from truepose.reports.parameters.meanings import meaning
 from truepose.reports.rounding import MISSING, rounded, uncertainty
 from truepose.words.catalogue import ENGLISH, IN_ENGLISH, Catalogue, catalogue
@@ -90,7 +93,12 @@ def write_diagnosis_report(path: Path, report: DiagnosisInput) -> None:
     UnwritableReportError
         The file cannot be written.
     """
-    write_page(path, "diagnosis.html", **_context(report))
+    write_report_text(path, diagnosis_page(report))
+
+
+def diagnosis_page(report: DiagnosisInput) -> Markup:
+    """Return the report as one self-contained page."""
+    return rendered("diagnosis.html", **_context(report))
 
 
 def diagnosis_content(report: DiagnosisInput) -> Markup:
@@ -108,6 +116,7 @@ def _context(report: DiagnosisInput) -> dict[str, object]:
         "campaign": report.campaign or _named_campaign(diagnosis.model),
         "conditions": report.conditions,
         "stated_conditions": tuple(_stated(report.conditions, words)),
+        "front": front_page(diagnosis_front(diagnosis, words), report.conditions, words),
         "imprint": imprint_of(diagnosis.robot, report.conditions, words),
         "simulated": report.conditions.simulated,
         "verdict": verdict_words(diagnosis.verdict, answered=diagnosis.model is not None, words=words),

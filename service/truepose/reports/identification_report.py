@@ -4,6 +4,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
+from markupsafe import Markup
+
 from truepose.domain.campaign import Campaign, Stops
 from truepose.domain.results import Identification
 from truepose.domain.sentences import Text
@@ -14,9 +16,12 @@ from truepose.reports.figures.histogram import histogram
 from truepose.reports.figures.joint_residuals import joint_residuals
 from truepose.reports.figures.work_space import work_space
 from truepose.reports.figures_rows import figures_rows
+from truepose.reports.front.kinds import identification_front
+from truepose.reports.front.page import front_page
 from truepose.reports.headline import headline
 from truepose.reports.imprint import imprint_of
-from truepose.reports.pages import write_page
+from truepose.reports.pages import rendered
+from truepose.reports.paper import write_report_text
 from truepose.reports.parameters.rows import parameter_rows
 from truepose.reports.truth import Truth, truth_row
 from truepose.reports.turns import turns_rows
@@ -64,22 +69,32 @@ def write_identification_report(path: Path, report: ReportInput) -> None:
     ConfigurationError
         The campaign is not the one that the identification was made from.
     """
+    write_report_text(path, identification_page(report))
+
+
+def identification_page(report: ReportInput) -> Markup:
+    """Return the report as one self-contained page."""
+    return rendered("identification.html", **_context(report))
+
+
+def _context(report: ReportInput) -> dict[str, object]:
     identification, campaign, words = report.identification, report.campaign, catalogue(report.language)
     conditions = _with_temperature(report.conditions, campaign)
     shown = judged(identification, campaign)
     uncertainties = _budget(shown, identification, campaign, conditions)
-    write_page(
-        path,
-        "identification.html",
+    found = headline(identification, shown, uncertainties, words)
+    robot = campaign.robot.name
+    return dict(
+        front=front_page(identification_front(identification, robot, found, words), conditions, words),
         words=words,
         say=words.say,
         identification=identification,
         campaign=campaign,
         conditions=conditions,
         condition_rows=tuple(condition_rows(conditions, words)),
-        imprint=imprint_of(campaign.robot.name, conditions, words),
+        imprint=imprint_of(robot, conditions, words),
         simulated=conditions.simulated or bool(campaign.simulated),
-        headline=headline(identification, shown, uncertainties, words),
+        headline=found,
         figures_rows=tuple(figures_rows(identification, shown)),
         turns_rows=turns_rows(identification, words),
         far_out=FAR_OUT,

@@ -16,11 +16,11 @@ class Imprint:
     person: str = ""
 
 
-def imprint_of(robot: str, conditions: ReportConditions, words: Catalogue, number: str = "") -> Imprint:
+def imprint_of(robot: str, conditions: ReportConditions, words: Catalogue) -> Imprint:
     """Return the imprint of a report on a robot."""
     serial = conditions.robot_serial_number
     subject = words.say("report.robot.serial", robot=robot, serial=serial) if serial else robot
-    return Imprint(subject, number, conditions.written_at, conditions.person)
+    return Imprint(subject, conditions.number, conditions.written_at, conditions.person)
 
 
 def css_string(text: str) -> str:

@@ -19,10 +19,15 @@ def write_page(path: Path, template: str, **context: object) -> None:
     write_report_text(path, rendered(template, **context))
 
 
+def content_of(page: str) -> Markup:
+    """Return what a whole page shows within its frame."""
+    return Markup(page.partition("<main>")[2].rpartition("</main>")[0])
+
+
 def rendered(template: str, **context: object) -> Markup:
     """Return a template of this package, filled in; in English where no `words` are given."""
     given = {"words": IN_ENGLISH, "say": IN_ENGLISH.say, "version": __version__, "paper": PAPER}
-    spoken = given | {"imprint": None} | context
+    spoken = given | {"imprint": None, "front": None} | context
     return Markup(_environment().get_template(template).render(spoken))
 
 

@@ -8,6 +8,7 @@ from typing import Annotated, cast
 from fastapi import Depends, Request
 
 from truepose.analysis.campaigns import CampaignDesk
+from truepose.analysis.drawing import DrawingDesk
 from truepose.analysis.jobs import JobDesk
 from truepose.domain.cell import Cell
 from truepose.operation.ballbar.sessions import BallbarSessions
@@ -72,6 +73,7 @@ class Context:
     hands_desk: HandsDesk
     faults_desk: FaultsDesk
     closing_desk: ClosingDesk
+    drawing_desk: DrawingDesk
     job_desk: JobDesk
     campaign_desk: CampaignDesk
     stopping: asyncio.Event  # set when the service ends: streams end with it

@@ -14,6 +14,8 @@ from starlette.exceptions import HTTPException
 
 from truepose.web import diagnosis_pages, fault_pages, packages, plan_page, robot_pages
 from truepose.web.calibration import correction_pages
+from truepose.web.reports import closing_pages
+from truepose.web.reports import pages as report_pages
 from truepose.web.results import pages as session_pages
 from truepose.web.visits import Visited
 
@@ -22,6 +24,8 @@ router.include_router(diagnosis_pages.router)
 router.include_router(plan_page.router)
 router.include_router(session_pages.router)
 router.include_router(correction_pages.router)
+router.include_router(report_pages.router)
+router.include_router(closing_pages.router)
 router.include_router(fault_pages.router)
 router.include_router(packages.router)
 router.include_router(robot_pages.router)
@@ -46,12 +50,6 @@ async def start_page(visit: Visited) -> HTMLResponse:
 async def work_place() -> RedirectResponse:
     """Lead to the sessions."""
     return RedirectResponse("/sessions")
-
-
-@router.get("/reports")
-async def reports_place() -> RedirectResponse:
-    """Lead to the diagnoses."""
-    return RedirectResponse("/diagnoses")
 
 
 @router.get("/docs", response_class=HTMLResponse)

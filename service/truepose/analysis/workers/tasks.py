@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 from truepose.analysis.ballbar.assembly import Counting
 from truepose.analysis.errors import NothingMeasuredError
 from truepose.analysis.workers.correcting import CheckFileTask, CorrectFileTask, FileChecked, FileCorrected
+from truepose.analysis.workers.drawing import DrawTask
 from truepose.analysis.workers.outlook import Outlook, OutlookTask
 from truepose.domain.ballbar import BallbarPlan, PreCalibration, SphereWish
 from truepose.domain.campaign import Campaign, Readings
@@ -252,6 +253,7 @@ Task: TypeAlias = (
     | CheckFileTask
     | CorrectFileTask
     | OutlookTask
+    | DrawTask
 )
 Answer: TypeAlias = (
     Identification

@@ -17,8 +17,11 @@ from truepose.reports.figures.distance_histogram import distance_histogram
 from truepose.reports.figures.drift import drift_figure
 from truepose.reports.figures.histogram import histogram
 from truepose.reports.figures.place_errors import place_errors
+from truepose.reports.front.kinds import validation_front
+from truepose.reports.front.page import front_page
 from truepose.reports.imprint import imprint_of
-from truepose.reports.pages import rendered, write_page
+from truepose.reports.pages import rendered
+from truepose.reports.paper import write_report_text
 from truepose.reports.summary import decision_sentence, verdict_sentence
 from truepose.reports.traced import Traced, traced_context, with_temperature
 from truepose.reports.turns import turns_rows
@@ -62,7 +65,12 @@ def write_validation_report(path: Path, report: ValidationInput) -> None:
     ConfigurationError
         The readings are not those that the validation is of.
     """
-    write_page(path, "validation.html", **_context(report))
+    write_report_text(path, validation_page(report))
+
+
+def validation_page(report: ValidationInput) -> Markup:
+    """Return the report as one self-contained page."""
+    return rendered("validation.html", **_context(report))
 
 
 def validation_content(report: ValidationInput) -> Markup:
@@ -83,6 +91,7 @@ def _context(report: ValidationInput) -> dict[str, object]:
         "decision": decision_sentence(found),
         "remarks": report.remarks,
         "turns_rows": turns_rows(found, words),
+        "front": front_page(validation_front(found, report.model.robot.name, words), conditions, words),
         "imprint": imprint_of(report.model.robot.name, conditions, words),
         "simulated": conditions.simulated,
         "histogram": histogram(shown, found.position.identified.noise_mm, words),

@@ -72,6 +72,10 @@ class DiagnosisRepository:
         """Return the latest diagnoses without their drawings, newest first."""
         return await self._undrawn.newest(count)
 
+    async def newest_of(self, count: int, month: str) -> list[DiagnosisRecord]:
+        """Return the latest diagnoses of a month (`2026-11`), or of all where it is empty, newest first."""
+        return await self._undrawn.newest(count, diagnoses.c.recorded_at.startswith(month))
+
     async def of_robot(self, robot: str, serial_number: str | None = None) -> list[DiagnosisRecord]:
         """Return the diagnoses of robots of that name without their drawings, in the order of storing."""
         named = diagnoses.c.summary["robot"].as_string() == robot

@@ -95,6 +95,14 @@ class ResultRepository:
         """Return identifications, oldest first."""
         return await self._identifications.page(page)
 
+    async def newest_identifications(self, count: int, month: str = "") -> list[IdentificationRecord]:
+        """Return the latest identifications of a month (`2026-11`), or of all, newest first."""
+        return await self._identifications.newest(count, identifications.c.recorded_at.startswith(month))
+
+    async def newest_validations(self, count: int, month: str = "") -> list[ValidationRecord]:
+        """Return the latest validations of a month, or of all, newest first."""
+        return await self._validations.newest(count, validations.c.recorded_at.startswith(month))
+
     async def model(self, model_id: int) -> ModelRecord:
         """Return a model; raises NotFoundError."""
         return await self._models.get(model_id)

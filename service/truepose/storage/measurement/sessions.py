@@ -108,6 +108,10 @@ class SessionRepository(NumberedRecords[SessionRecord]):
             lambda c: once(c, key, "session", lambda inner: add_session(inner, name, setup, plan))
         )
 
+    async def newest_of(self, count: int, month: str) -> list[SessionRecord]:
+        """Return the latest sessions of a month (`2026-11`), or of all where it is empty, newest first."""
+        return await self.newest(count, sessions.c.recorded_at.startswith(month))
+
     async def require_intact(self, session_id: int) -> None:
         """Raise DamagedDatabaseError where a record of a session is not as it was written."""
         await self._database.require_intact(session_id)

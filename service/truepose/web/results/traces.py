@@ -45,7 +45,7 @@ async def traced(
     from truepose.reports.traced import Traced
 
     setup = await here.sessions.setup(origin.record.id)
-    conditions = await _conditions(here, origin, setup, words)
+    conditions = await session_conditions(here, origin, words)
     return Traced(setup.cell.robot.name, conditions, await _audit(here, origin, shown, model))
 
 
@@ -71,12 +71,12 @@ def _sha256(text: str) -> str:
     return hashlib.sha256(text.encode()).hexdigest()
 
 
-async def _conditions(
-    here: Context, origin: Origin, setup: SessionSetup, words: Catalogue
-) -> "ReportConditions":
+async def session_conditions(here: Context, origin: Origin, words: Catalogue) -> "ReportConditions":
+    """Return the conditions that a session recorded."""
     from truepose.reports.conditions import Period, ReportConditions
 
-    number, cell = origin.record.id, setup.cell
+    number, setup = origin.record.id, await here.sessions.setup(origin.record.id)
+    cell = setup.cell
     registration = await here.sessions.registration(number)
     states, identities = await here.sessions.states(number), await here.sessions.identities(number)
     stated = ReportConditions(
@@ -124,7 +124,7 @@ def _instruments(
     """Yield each device that answered, with the certificate that holds for its serial number."""
     from truepose.reports.conditions import Instrument
 
-    papers = {entry.serial_number: entry.certificate for entry in setup.cell.devices if entry.serial_number}
+    papers = {entry.serial_number: entry for entry in setup.cell.devices if entry.serial_number}
     present = {status.answered_serial: status.identity for status in here.rack.statuses()}
     for device, serial in dict.fromkeys((taken.device, taken.serial) for taken in identities):
         known = present.get(serial) if serial else None  # a device that left since says no more
@@ -134,7 +134,8 @@ def _instruments(
             model=known.model if known else "",
             serial_number=serial,
             firmware=known.firmware if known else "",
-            certificate=papers.get(serial, ""),
+            certificate=papers[serial].certificate if serial in papers else "",
+            certificate_expires=papers[serial].certificate_expires if serial in papers else "",
         )
 
 

@@ -68,7 +68,7 @@ def test_the_report_says_verdict_places_and_distances(tmp_path, points):
     assert re.search(r"Seen minus predicted distance, of all 14,196 pairs", text)
     assert "The readings that the model was made from lie within" in text
     assert "front/up" in text
-    assert page.count("<svg") == 3
+    assert page.count("<svg") == 5  # verdict and bars of the first page, and three figures
     assert "ISO 9283" not in text
 
 

@@ -1,0 +1,116 @@
+"""What stands on the first page of each kind of report."""
+
+from markupsafe import Markup
+
+from truepose.domain.diagnosis import Diagnosis
+from truepose.domain.results import (
+    Identification,
+    NominalAndIdentified,
+    Statistics,
+    Validation,
+)
+from truepose.domain.sentences import together
+from truepose.reports.cause_words import verdict_words
+from truepose.reports.front.bars import error_bars
+from truepose.reports.front.page import Front, OneFigure, graded, text_of
+from truepose.reports.headline import Headline
+from truepose.reports.rounding import millimetres, rounded, uncertainty
+from truepose.reports.summary import decision_sentence, verdict_sentence
+from truepose.reports.uncertainty.judged import judging_figures
+from truepose.words.catalogue import Catalogue
+
+_DECIDED = {
+    "conforms": ("front.passed", True),
+    "does not conform": ("front.failed", False),
+    "cannot be decided": ("front.undecided", None),
+}
+
+
+def identification_front(
+    identification: Identification, robot: str, found: Headline, words: Catalogue
+) -> Front:
+    """Return whether the model may be used, and what it makes of the robot."""
+    pair = judging_figures(identification)
+    after = next((one for one in found.figures if one.name == words.say("headline.mean_after")), None)
+    return Front(
+        title=words.say("identification.title", robot=robot),
+        look=graded(found.good),
+        word=words.say("front.usable" if found.good else "front.unusable"),
+        sentence=found.sentence,
+        robot=robot,
+        figure=None if after is None else OneFigure(after.name, after.value, after.remark),
+        picture=None if pair is None else error_bars(pair.nominal, pair.identified, words),
+        caption=words.say("front.bars") if pair is not None else "",
+        rule=words.say("front.by_validation"),
+    )
+
+
+def validation_front(found: Validation, robot: str, words: Catalogue, title: str = "") -> Front:
+    """Return whether the robot passes, against which limit and by which rule."""
+    key, good = _validation_verdict(found)
+    sentence, decided = verdict_sentence(found), decision_sentence(found)
+    return Front(
+        title=title or words.say("validation.title", robot=robot),
+        look=graded(good),
+        word=words.say(key),
+        sentence=text_of(sentence if decided is None else together(sentence, decided), words),
+        robot=robot,
+        figure=_largest(found, words),
+        picture=_bars(found.position, found.limit_mm, words),
+        caption=words.say("front.bars" if found.limit_mm is None else "front.bars.limit"),
+        rule=_rule(found, words),
+    )
+
+
+def diagnosis_front(diagnosis: Diagnosis, words: Catalogue) -> Front:
+    """Return what the model gets wrong, and what knowing it brings."""
+    answered = diagnosis.model is not None
+    verdict = verdict_words(diagnosis.verdict, answered=answered, words=words)
+    before, after = diagnosis.before, diagnosis.after
+    return Front(
+        title=words.say("report.title", robot=diagnosis.robot),
+        look=verdict.look,
+        word=verdict.word,
+        sentence=words.spoken(diagnosis.message),
+        robot=diagnosis.robot,
+        figure=None if before is None or after is None else _gained(before, after, words),
+        picture=None if before is None or after is None else error_bars(before, after, words),
+        caption=words.say("front.bars.diagnosis") if before is not None and after is not None else "",
+        rule=verdict.meaning,
+    )
+
+
+def _validation_verdict(found: Validation) -> tuple[str, bool | None]:
+    if found.decision is not None:
+        return _DECIDED[found.decision.verdict]
+    if found.limit_mm is None:
+        return ("front.as_claimed", True) if found.passed else ("front.not_as_claimed", False)
+    return ("front.passed", True) if found.passed else ("front.failed", False)
+
+
+def _rule(found: Validation, words: Catalogue) -> str:
+    if found.limit_mm is None or found.decision is None:
+        return words.say("front.no_limit")
+    key = "front.rule.simple" if found.decision.rule == "simple" else "front.rule.guard_band"
+    return words.say(key, limit_mm=found.limit_mm)
+
+
+def _largest(found: Validation, words: Catalogue) -> OneFigure:
+    """Return the error that a limit is held against, with its expanded uncertainty."""
+    figures, name = found.position.identified, words.say("front.largest")
+    known = None if found.uncertainty is None else found.uncertainty.position
+    if known is None:
+        return OneFigure(name, f"{millimetres(figures.max_mm)} mm", words.say("front.of", n=figures.n))
+    expanded = 2.0 * known.identified.max_mm
+    value = rounded(figures.max_mm, expanded)
+    remark = words.say("front.of_with", u=uncertainty(expanded), n=figures.n)
+    return OneFigure(name, f"{value} mm", remark)
+
+
+def _gained(before: Statistics, after: Statistics, words: Catalogue) -> OneFigure:
+    remark = words.say("front.rms_before", before=millimetres(before.rms_mm))
+    return OneFigure(words.say("report.rms_after"), f"{millimetres(after.rms_mm)} mm", remark)
+
+
+def _bars(pair: NominalAndIdentified, limit_mm: float | None, words: Catalogue) -> Markup:
+    return error_bars(pair.nominal, pair.identified, words, limit_mm)

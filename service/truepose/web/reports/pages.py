@@ -1,0 +1,136 @@
+"""The place of reports: a list to search, each as a page, and as a PDF behind it."""
+
+import re
+from dataclasses import dataclass
+from http import HTTPStatus
+from itertools import chain
+from typing import Annotated, Final
+
+from fastapi import APIRouter, Query
+from fastapi.responses import HTMLResponse, Response
+
+from truepose.domain.errors import TrueposeError
+from truepose.storage.calibration.reports import ReportRecord, ReportSubject
+from truepose.storage.errors import NotFoundError
+from truepose.web.context import Context
+from truepose.web.parameters import number_of
+from truepose.web.problems import status_of
+from truepose.web.reports.kinds import ReportRow
+from truepose.web.reports.making import report_of
+from truepose.web.reports.registry import KINDS
+from truepose.web.results.choices import Chosen
+from truepose.web.results.kinds import Choice
+from truepose.web.schemas.base import NUMBER_LIMIT
+from truepose.web.visits import Visit, Visited
+from truepose.words.catalogue import Catalogue
+
+router = APIRouter(prefix="/reports", include_in_schema=False)
+_MONTH: Final = re.compile(r"\d{4}-\d{2}")
+_SIMULATED: Final = '<p class="simulated"'  # as the frame of a report says it
+Revision = Annotated[int | None, Query(ge=1, le=NUMBER_LIMIT, description="By default the newest.")]
+
+
+@dataclass(frozen=True, slots=True)
+class Search:
+    """What of the reports is looked for."""
+
+    text: str
+    month: str  # 2026-11, or empty
+
+
+@router.get("", response_class=HTMLResponse)
+async def reports_page(visit: Visited, q: str = "", month: str = "") -> HTMLResponse:
+    """List the reports, newest first; by robot, name and month."""
+    search = Search(q.strip(), month if _MONTH.fullmatch(month) else "")
+    found = [await kind.rows(visit.here, search.month) for kind in KINDS.values()]
+    rows = sorted(chain.from_iterable(found), key=lambda row: row.recorded_at, reverse=True)
+    shown = [row for row in rows if _holds(row, search.text, visit.words)]
+    return visit.page("reports.html", place="reports", rows=shown, search=search, any=bool(rows))
+
+
+@router.get("/{kind}/{id}.pdf")
+async def report_pdf(
+    visit: Visited, kind: str, id: str, choice: Chosen, revision: Revision = None
+) -> Response:
+    """Send a report as a PDF."""
+    from truepose.reports.paper import pdf_of
+
+    try:
+        record = await _record(visit, kind, id, choice, revision)
+        body = await visit.here.drawing_desk.draw(pdf_of, record.page)
+    except TrueposeError as error:
+        return _refused(visit, error)
+    name = f"{kind}-{id}-revision-{record.revision}.pdf"
+    return Response(body, media_type="application/pdf", headers=_as_file(name))
+
+
+@router.get("/{kind}/{id}.html")
+async def report_file(
+    visit: Visited, kind: str, id: str, choice: Chosen, revision: Revision = None
+) -> Response:
+    """Send a report as the self-contained page that is kept."""
+    try:
+        record = await _record(visit, kind, id, choice, revision)
+    except TrueposeError as error:
+        return _refused(visit, error)
+    name = f"{kind}-{id}-revision-{record.revision}.html"
+    attached = {"Content-Disposition": f'attachment; filename="{name}"'}
+    return Response(record.page, media_type="text/html", headers=attached)
+
+
+@router.get("/{kind}/{id}", response_class=HTMLResponse)
+async def report_page(
+    visit: Visited, kind: str, id: str, choice: Chosen, revision: Revision = None
+) -> HTMLResponse:
+    """Show a report, with a button that prints it."""
+    from truepose.reports.pages import content_of
+
+    try:
+        record = await _record(visit, kind, id, choice, revision)
+    except TrueposeError as error:
+        return _refused(visit, error)
+    revisions = await visit.here.reports.revisions(record.subject)
+    return visit.page(
+        "report.html",
+        place="reports",
+        record=record,
+        title=KINDS[kind].title,
+        simulated=_SIMULATED in record.page,
+        content=content_of(record.page),
+        revisions=revisions,
+        query=_asked(visit),
+    )
+
+
+async def _record(visit: Visit, kind: str, id: str, choice: Choice, revision: int | None) -> ReportRecord:
+    """Return a report; raises TrueposeError."""
+    number, found = number_of(id), KINDS.get(kind)
+    if number is None or found is None:
+        raise NotFoundError("report", number or 0)
+    if revision is not None:
+        return await _older(visit.here, ReportSubject(kind, number), revision, visit.words)
+    return await report_of(visit.here, found, number, choice, visit.words)
+
+
+async def _older(here: Context, subject: ReportSubject, revision: int, words: Catalogue) -> ReportRecord:
+    return await here.reports.get(subject, revision, words.language)
+
+
+def _refused(visit: Visit, error: TrueposeError) -> HTMLResponse:
+    status = HTTPStatus(status_of(error))
+    return visit.page("no_report.html", status, place="reports", why=str(error))
+
+
+def _holds(row: ReportRow, text: str, words: Catalogue) -> bool:
+    said = (row.robot, row.serial, words.say(row.title), words.spoken(row.sentence), str(row.id))
+    return text.casefold() in " ".join(said).casefold()
+
+
+def _asked(visit: Visit) -> str:
+    """Return what the address chose, for the addresses of the same report in other forms."""
+    query = visit.request.url.query
+    return f"?{query}" if query else ""
+
+
+def _as_file(name: str) -> dict[str, str]:
+    return {"Content-Disposition": f'inline; filename="{name}"'}
