@@ -14,7 +14,7 @@ from fastapi import FastAPI, Header, Request
 from fastapi.responses import JSONResponse, Response, StreamingResponse
 
 from truepose.sequencing.engine.notices import motion_notice
-from truepose.web.pages import static_file
+from truepose.web.pages import colours, static_file
 from truepose.web.tablet import routes
 from truepose_drivers.api import MotionGuard
 
@@ -157,6 +157,7 @@ class FakeDesk:
         app = FastAPI()
         app.state.context = SimpleNamespace(sessions=SimpleNamespace(get=self._kept))
         app.include_router(routes.router)
+        app.add_api_route("/static/tokens.css", colours)
         app.add_api_route("/static/{name}", static_file)
         api = "/api/v1/ballbar-sessions"
         app.add_api_route(api, self._plan, methods=["POST"])
