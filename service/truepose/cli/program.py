@@ -15,6 +15,7 @@ import typer
 
 from truepose.domain.errors import TrueposeError
 from truepose.version import __version__
+from truepose.words.error_codes import code_of
 
 UNUSABLE_INPUT = 2
 INTERRUPTED = 130
@@ -103,7 +104,7 @@ def _exiting(command: Callable[..., int]) -> Callable[..., None]:
         try:
             status = command(*arguments, **options)
         except (TrueposeError, OSError) as error:
-            sys.stderr.write(f"{_sentence(error)}\n")
+            sys.stderr.write(f"{_sentence(error)} [{code_of(error)}]\n")
             status = UNUSABLE_INPUT
         except KeyboardInterrupt:
             sys.stderr.write("Interrupted.\n")

@@ -12,7 +12,7 @@ from fastapi import APIRouter
 from fastapi.responses import FileResponse, HTMLResponse, RedirectResponse, Response
 from starlette.exceptions import HTTPException
 
-from truepose.web import diagnosis_pages, fault_pages, packages, plan_page, robot_pages
+from truepose.web import diagnosis_pages, error_pages, fault_pages, packages, plan_page, robot_pages
 from truepose.web.calibration import correction_pages
 from truepose.web.reports import closing_pages
 from truepose.web.reports import pages as report_pages
@@ -29,6 +29,7 @@ router.include_router(closing_pages.router)
 router.include_router(fault_pages.router)
 router.include_router(packages.router)
 router.include_router(robot_pages.router)
+router.include_router(error_pages.router)
 _SHOWN: Final = 20
 _MEDIA: Final = {".css": "text/css", ".js": "text/javascript"}
 _STATIC: Final = Path(__file__).parent / "static"

@@ -42,7 +42,10 @@ from truepose.sequencing.errors import (
     WatchingTabletError,
 )
 from truepose.storage.errors import ConflictError, NotFoundError, StorageUnavailableError
+from truepose.web.queries import UNKNOWN_PARAMETER
 from truepose.web.schemas.base import KEY, VISIBLE
+from truepose.words.catalogue import ENGLISH, catalogue
+from truepose.words.error_codes import code_named, code_of, explained
 from truepose_drivers.errors import DeviceRefusedError, DriverError
 
 _IN_WORDS: Final = {  # of patterns
@@ -53,6 +56,7 @@ _IN_WORDS: Final = {  # of patterns
 _NAME: Final = "name"  # the kind of problem that another person's name solves
 _OF_NAMES: Final = (PersonMissingError, PersonUnknownError, PersonUnreadableError)
 MEDIA_TYPE: Final = "application/problem+json"
+_OF_FAULT: Final = {UNKNOWN_PARAMETER: "UnknownParameter", "json_invalid": "UnreadableRequest"}
 _METHODS: Final = ("DELETE", "GET", "PATCH", "POST", "PUT")
 
 # The first class that fits counts, so a subclass stands before its base.
@@ -99,6 +103,24 @@ _MEANING: Mapping[int, str] = {
 }
 
 
+_OF_STATUS: Mapping[int, str] = {  # what has a status and no exception of its own
+    400: "UnreadableRequest",
+    401: "NotSignedIn",
+    403: "NotAllowed",
+    404: "NoSuchPath",
+    405: "MethodNotPossible",
+    408: "BodyLate",
+    409: "ConflictError",
+    413: "TooLarge",
+    415: "TypeNotUnderstood",
+    421: "ForeignHost",
+    422: "InvalidRequest",
+    429: "TooMany",
+    500: "ProgramFailed",
+    503: "TooMany",
+}
+
+
 class Problem(BaseModel):
     """What went wrong, where, and what to do."""
 
@@ -110,6 +132,12 @@ class Problem(BaseModel):
     status: int = Field(description="The HTTP status.", examples=[404])
     detail: str = Field(description="One sentence for whoever reads it.", examples=["There is no session 7."])
     instance: str = Field(description="The path that was asked for.", examples=["/api/v1/sessions/7"])
+    code: str = Field(description="To be quoted; the same in every language.", examples=["TP-1020"])
+    meaning: str = Field(
+        description="What it means for the data.", examples=["Nothing was stored or changed."]
+    )
+    action: str = Field(description="What to do now.", examples=["Look the number up in its list."])
+    code_url: str = Field(description="The page of the code.", examples=["/errors/TP-1020"])
 
 
 def problem_response(
@@ -118,15 +146,21 @@ def problem_response(
     detail: str,
     headers: Mapping[str, str] | None = None,
     kind: str | None = None,
+    code: str | None = None,
 ) -> JSONResponse:
-    """Return a problem document; its kind is that of the status unless another one is given."""
-    title = HTTPStatus(status).phrase
+    """Return a problem document; its kind and code are those of the status unless others are given."""
+    title, code = HTTPStatus(status).phrase, code or code_named(_OF_STATUS[status])
+    told = explained(code, catalogue(ENGLISH))
     body = Problem(
         type=f"urn:truepose:problem:{kind or title.lower().replace(' ', '-')}",
         title=title,
         status=status,
         detail=detail,
         instance=request.url.path,
+        code=code,
+        meaning=told.data,
+        action=told.do,
+        code_url=f"/errors/{code}",
     )
     return JSONResponse(body.model_dump(), status, headers, media_type=MEDIA_TYPE)
 
@@ -159,7 +193,7 @@ async def _on_refusal(request: Request, error: Exception) -> JSONResponse:
     status = status_of(error)
     headers = {"Retry-After": str(error.retry_after_s)} if isinstance(error, BusyError) else None
     kind = _NAME if isinstance(error, _OF_NAMES) else None
-    return problem_response(request, status, str(error), headers, kind)
+    return problem_response(request, status, str(error), headers, kind, code_of(error))
 
 
 async def _on_nobody(request: Request, error: Exception) -> JSONResponse:
@@ -204,7 +238,8 @@ async def _on_invalid(request: Request, error: Exception) -> JSONResponse:
         raise error
     faults = error.errors()
     kind = _NAME if faults[0]["loc"][-1] == "person" else None
-    return problem_response(request, HTTPStatus.UNPROCESSABLE_ENTITY, _sentence(faults), kind=kind)
+    code = code_named(_OF_FAULT.get(faults[0]["type"], "InvalidRequest"))
+    return problem_response(request, HTTPStatus.UNPROCESSABLE_ENTITY, _sentence(faults), kind=kind, code=code)
 
 
 def _sentence(faults: Any) -> str:

@@ -12,6 +12,7 @@ from fastapi.exceptions import RequestValidationError
 from fastapi.params import Query
 from fastapi.routing import APIRoute
 
+UNKNOWN_PARAMETER: Final = "unknown_parameter"  # the type of the fault
 _ALIKE: Final = 0.7  # `limt` and `limit` 0.89; `state` and `after`, which nobody confuses, 0.6
 
 
@@ -27,7 +28,7 @@ async def only_known_parameters(request: Request) -> None:
     known = _taken(request.scope["route"]) if given else ()
     unknown = next((name for name in given if name not in known), None)
     if unknown is not None:
-        fault = {"type": "unknown_parameter", "loc": ("query", unknown), "msg": _hint(unknown, known)}
+        fault = {"type": UNKNOWN_PARAMETER, "loc": ("query", unknown), "msg": _hint(unknown, known)}
         raise RequestValidationError([fault])
 
 

@@ -17,7 +17,7 @@ Headers: TypeAlias = Sequence[tuple[bytes, bytes]]
 
 # Where a link on somebody else's page may lead; whatever is not here can only be asked by our own pages.
 PAGES: Final = re.compile(
-    r"/|/docs|/operator(/[^/]+)?|/diagnoses(/[^/]+)?|/corrections(/[^/]+)?|/plan|/faults"
+    r"/|/docs|/operator(/[^/]+)?|/diagnoses(/[^/]+)?|/corrections(/[^/]+)?|/plan|/faults|/errors(/[^/]+)?"
     r"|/sessions(/[^/]+(/result)?)?"
 )
 _READING: Final = frozenset({"GET", "HEAD", "OPTIONS"})

@@ -1,5 +1,7 @@
 """The outermost of all: nothing reaches a route unjudged, and nothing leaves without its headers."""
 
+from http import HTTPStatus
+
 from starlette.requests import Request
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
@@ -7,6 +9,7 @@ from truepose.web.door.admission import Asked, Refusal, judge
 from truepose.web.door.headers import with_protection
 from truepose.web.door.hosts import AllowedHosts
 from truepose.web.problems import problem_response
+from truepose.words.error_codes import code_named
 
 _POLICY_VIOLATION = 1008  # of the WebSocket protocol
 
@@ -32,7 +35,9 @@ class Door:
         if isinstance(verdict, Refusal):
             # Without the headers: the address of a problem must not be made of a Host that is none.
             request = Request({**scope, "headers": []})
-            answer = problem_response(request, verdict.status, verdict.sentence, {"Connection": "close"})
+            code = code_named("ForeignPage") if verdict.status is HTTPStatus.FORBIDDEN else None
+            headers = {"Connection": "close"}
+            answer = problem_response(request, verdict.status, verdict.sentence, headers, code=code)
             await answer(scope, receive, send)
         else:
             scope["scheme"] = verdict.scheme  # in place: who watches from outside learns of the route in it

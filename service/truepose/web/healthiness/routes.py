@@ -12,6 +12,7 @@ from truepose.web.problems import problem_response, problems
 from truepose.web.schemas.health import CheckReply, Health, IntegrityReply
 from truepose.web.visits import Visit, Visited
 from truepose.words.catalogue import english
+from truepose.words.error_codes import code_named
 
 router = APIRouter(tags=["health"])
 _HTML = "text/html"
@@ -35,7 +36,7 @@ async def get_health(visit: Visited) -> Health | Response:
     if _wants_a_page(visit):
         return visit.page("health.html", status, checks=found, worst=worst(found))
     if status is not HTTPStatus.OK:
-        return problem_response(visit.request, status, " ".join(_wrong(found)))
+        return problem_response(visit.request, status, " ".join(_wrong(found)), code=code_named("NotReady"))
     return _reply(visit.here, found)
 
 

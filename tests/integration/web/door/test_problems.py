@@ -107,3 +107,38 @@ async def test_a_record_that_is_not_there_is_named(client, resource):
     refused = await client.get(f"/api/v1/{resource}/7")
 
     assert detail_of(refused, 404) == f"There is no {resource.rstrip('s')} 7."
+
+
+async def test_a_problem_says_what_it_means_for_the_data_and_what_to_do(client):
+    problem = (await client.get("/api/v1/sessions/7")).json()
+
+    assert (problem["code"], problem["code_url"]) == ("TP-1020", "/errors/TP-1020")
+    assert problem["meaning"] == "Nothing was stored or changed."
+    assert problem["action"].startswith("Look the number up")
+
+
+@pytest.mark.parametrize(
+    ("path", "code"),
+    [("/nothing", "TP-1004"), (f"{SESSIONS}?limt=3", "TP-1002"), (f"{SESSIONS}?limit=x", "TP-1001")],
+)
+async def test_what_is_no_error_of_a_class_has_a_code_too(client, path, code):
+    assert (await client.get(path)).json()["code"] == code
+
+
+@pytest.mark.parametrize(
+    ("language", "says"), [("en", "What it means for your data"), ("fr", "pour vos données")]
+)
+async def test_a_code_has_a_page_in_every_language(client, language, says):
+    page = await client.get(f"/errors/tp-1020?language={language}")
+    listed = await client.get(f"/errors?language={language}")
+
+    assert (page.status_code, listed.status_code) == (200, 200)
+    assert says in page.text
+    assert 'href="/errors/TP-9001"' in listed.text
+
+
+async def test_a_code_that_there_is_not_leads_to_those_that_there_are(client):
+    page = await client.get("/errors/TP-0000")
+
+    assert page.status_code == 404
+    assert 'href="/errors"' in page.text
