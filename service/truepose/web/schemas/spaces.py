@@ -1,6 +1,6 @@
 """Errors in space, as a picture that can be turned shows them."""
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 from pydantic import Field
 
@@ -9,7 +9,9 @@ from truepose.web.schemas.base import Point, Reply
 if TYPE_CHECKING:
     from truepose.domain.arrays import FloatArray
     from truepose.reports.spaces.errors import ErrorSpace, Pose
+    from truepose.reports.spaces.plan import PlanSpace
 
+StopState: TypeAlias = Literal["measured", "skipped", "to_come"]
 _PLACE_MM = 1  # decimals of places
 _ERROR_MM = 5  # and of errors
 
@@ -68,3 +70,44 @@ def _pose_reply(pose: "Pose") -> PoseReply:
 
 def _rounded(values: "FloatArray", decimals: int) -> Any:
     return values.round(decimals).tolist()
+
+
+class PlannedPlaceReply(Reply):
+    """Where a plan sends the arm."""
+
+    config: int = Field(examples=[12])
+    state: StopState = Field(examples=["measured"])
+    place_mm: Point = Field(description="Of the nest that is measured there, else of the flange; world.")
+    pieces_mm: list[list[float]] = Field(
+        description="Arm, tool and bars as capsules: start (3), end (3) and radius, in the world.",
+        examples=[[[0.0, 0.0, 0.0, 0.0, 0.0, 290.0, 90.0]]],
+    )
+
+
+class PlanSpaceReply(Reply):
+    """A session in space, by the nominal robot."""
+
+    robot: str = Field(examples=["ABB IRB 120"])
+    stops: list[PlannedPlaceReply] = Field(description="In the order of the plan; of many an even selection.")
+    next_config: int | None = Field(description="The configuration that comes next; null: none is left.")
+    fixed_mm: list[Point] = Field(description="Fixed nests and cups, in the world.")
+    instrument_mm: Point | None = Field(description="Where the tracker stands; null: not known yet.")
+
+
+def plan_space_reply(space: "PlanSpace") -> PlanSpaceReply:
+    """Return a plan in space with the digits that a picture needs."""
+    return PlanSpaceReply(
+        robot=space.robot,
+        stops=[
+            PlannedPlaceReply(
+                config=stop.config,
+                state=stop.state,
+                place_mm=_rounded(stop.place_mm, _PLACE_MM),
+                pieces_mm=_rounded(stop.pieces_mm, _PLACE_MM),
+            )
+            for stop in space.stops
+        ],
+        next_config=None if space.next is None else space.stops[space.next].config,
+        fixed_mm=_rounded(space.fixed_mm, _PLACE_MM),
+        instrument_mm=None if space.instrument_mm is None else list(space.instrument_mm),
+    )

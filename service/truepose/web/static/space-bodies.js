@@ -1,7 +1,7 @@
 // Bodies of the space picture, made of numbers in mm in the world; the z axis points up.
 
 import {
-  BufferAttribute, BufferGeometry, CapsuleGeometry, ConeGeometry, GridHelper, Group, InstancedMesh, LineBasicMaterial,
+  BufferAttribute, BufferGeometry, CapsuleGeometry, Color, ConeGeometry, GridHelper, Group, InstancedMesh, LineBasicMaterial,
   LineSegments, Matrix4, Mesh, MeshBasicMaterial, MeshStandardMaterial, Points, PointsMaterial, Quaternion,
   SphereGeometry, Vector3,
 } from "/static/packages/three.js";
@@ -25,14 +25,15 @@ function capsule([x1, y1, z1, x2, y2, z2, radius], material) {
 
 export function arm(pieces_mm, colour) {
   const group = new Group();
-  const material = new MeshStandardMaterial({ color: colour, roughness: 0.75, metalness: 0.1 });
+  const painted = new Color(colour).lerp(new Color(0xffffff), 0.4); // lighter than text of that colour
+  const material = new MeshStandardMaterial({ color: painted, roughness: 0.75, metalness: 0.1 });
   group.add(...pieces_mm.map((piece) => capsule(piece, material)));
   return group;
 }
 
-export function places(points_mm, colour) {
+export function places(points_mm, colour, size = 3) {
   const geometry = new BufferGeometry().setAttribute("position", new BufferAttribute(new Float32Array(points_mm.flat()), 3));
-  return new Points(geometry, new PointsMaterial({ color: colour, size: 3, sizeAttenuation: false }));
+  return new Points(geometry, new PointsMaterial({ color: colour, size, sizeAttenuation: false }));
 }
 
 export function ball(centre_mm, radius_mm, colour) {

@@ -80,7 +80,7 @@ def fields(schema, found):
 
 def test_every_number_that_is_a_quantity_names_its_unit():
     counts = re.compile(
-        r"^(id|\w+_id|\w+_ids|n|config|nest|face|sign|joint|joints|direction|samples|port|status|seed|attachment"
+        r"^(id|\w+_id|\w+_ids|n|config|next_config|nest|face|sign|joint|joints|direction|samples|port|status|seed|attachment"
         r"|supersedes|superseded_by|repeat_of|done|skipped|planned|measured|configurations?|observations"
         r"|parameters|outliers|\w+_points|\w+_legs|\w+_contacts|\w+_readings|reference_every|fraction"
         r"|number|\w+_number|entry|index|count|\w+_count|attempt|placement|poses|\w+_poses|base_point|base|tool"
