@@ -63,6 +63,9 @@ def plan_command(
     ] = None,
     seed: Annotated[int, typer.Option(min=0, help="The same seed gives the same plan.")] = 0,
     out: Annotated[Path | None, typer.Option(help="Write the configurations here (CSV).")] = None,
+    report: Annotated[
+        Path | None, typer.Option(help="Write a checklist for the cell here: .html, or .pdf to print.")
+    ] = None,
     language: Language = ENGLISH,
     json: Json = False,
 ) -> int:
@@ -72,7 +75,7 @@ def plan_command(
 
     Example: truepose plan abb-irb-120 --n 40 --out plan.csv
     """
-    require_folders(out)
+    require_folders(out, report)
     asked = _Asked(subject, n, volume, keep_out, _size(reading_mm, "--reading-mm"), seed, one_sided)
     lacking_mm = _size(discrepancy_mm, "--discrepancy-mm")
     loop = _loop(targets, distances, nests, ballbar=ballbar)
@@ -82,6 +85,8 @@ def plan_command(
         made = _for_ballbar(asked, lacking_mm) if ballbar else _for_tracker(asked, lacking_mm)
     if out is not None:
         _write(out, made.plan)
+    if report is not None:
+        _write_checklist(report, made, Path(subject).stem, language)
     _print(made, language, as_json=json)
     return 1 if made.plan.left_open else 0
 
@@ -263,6 +268,18 @@ def _write(file: Path, plan: "PromisedPlan") -> None:
 
     with writing(file):
         write_plan(file, plan)
+
+
+def _write_checklist(file: Path, made: _Made, name: str, language: str) -> None:
+    from truepose.reports.checklists.checklist import checklist_of
+    from truepose.reports.checklists.page import ChecklistInput, checklist_page
+    from truepose.reports.paper import write_report_text
+    from truepose.reports.plans import promise_sentence
+
+    promise = (catalogue(language).spoken(promise_sentence(made.plan)),)
+    listed = checklist_of(made.plan)
+    report = ChecklistInput(made.robot.name, name, listed, made.minutes, promise, language=language)
+    write_report_text(file, checklist_page(report))
 
 
 def _print(made: _Made, language: str, *, as_json: bool) -> None:

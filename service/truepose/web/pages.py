@@ -14,7 +14,7 @@ from starlette.exceptions import HTTPException
 
 from truepose.web import diagnosis_pages, error_pages, fault_pages, packages, plan_page, robot_pages
 from truepose.web.calibration import correction_pages
-from truepose.web.reports import closing_pages
+from truepose.web.reports import checklists, closing_pages
 from truepose.web.reports import pages as report_pages
 from truepose.web.results import pages as session_pages
 from truepose.web.visits import Visited
@@ -26,6 +26,7 @@ router.include_router(session_pages.router)
 router.include_router(correction_pages.router)
 router.include_router(report_pages.router)
 router.include_router(closing_pages.router)
+router.include_router(checklists.router)
 router.include_router(fault_pages.router)
 router.include_router(packages.router)
 router.include_router(robot_pages.router)
