@@ -7,7 +7,7 @@ from enum import StrEnum
 from pathlib import Path
 from typing import Literal
 
-from truepose.storage.backup.schedule import BackupPlan
+from truepose.storage.backup.plan import BackupPlan
 
 
 class LogLevel(StrEnum):

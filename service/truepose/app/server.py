@@ -20,6 +20,7 @@ from truepose.app.connections.descriptors import connection_limit
 from truepose.app.connections.protocol import WatchedProtocol
 from truepose.app.errors import PortInUseError, ScenarioRefusedError
 from truepose.app.logs.journal import logged
+from truepose.app.service_manager import keep_telling, tell
 from truepose.domain.errors import TrueposeError
 from truepose.effects.registry import unusable_causes
 from truepose.exchange.errors import ExchangeError
@@ -93,7 +94,11 @@ async def _serve(settings: Settings, lines_lost: Callable[[], int]) -> None:
             )
             server = _Server(config, _url(listener), lambda: stop_streams(context))
             with _ended_by_signals(server):
-                await server.serve([listener])
+                telling = asyncio.create_task(keep_telling(), name="service manager")
+                try:
+                    await server.serve([listener])
+                finally:
+                    telling.cancel()
     _LOG.info("ended in order")
 
 
@@ -112,8 +117,10 @@ class _Server(uvicorn.Server):
         sys.stdout.write(json.dumps({"url": self._url}) + "\n")
         sys.stdout.flush()
         _LOG.info("ready at %s", self._url)
+        tell("READY=1")
 
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
+        tell("STOPPING=1")
         self._before_shutdown()
         await super().shutdown(sockets)
 

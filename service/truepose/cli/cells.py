@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from truepose.cli.durations import seconds
 from truepose.cli.output import remark
 from truepose.settings import LogLevel
 
@@ -91,6 +92,13 @@ def serve_command(
         ),
     ] = None,
     faults: Faults = None,
+    backup_to: Annotated[
+        Path | None, typer.Option(help="Folder for copies of the database, made while the service runs.")
+    ] = None,
+    backup_every: Annotated[
+        float, typer.Option(parser=seconds, help="Time between two copies.", metavar="90s|30m|24h|7d")
+    ] = 24 * 3600.0,
+    backup_keep: Annotated[int, typer.Option(min=1, help="So many of the newest copies stay.")] = 7,
     log_file: Annotated[
         Path | None, typer.Option(help="Log of JSON lines, 48 MB at most; by default beside the database.")
     ] = None,
@@ -104,6 +112,7 @@ def serve_command(
     """
     from truepose.app import serve
     from truepose.settings import Settings, default_database_url
+    from truepose.storage.backup.plan import BackupPlan
 
     return serve(
         Settings(
@@ -113,6 +122,7 @@ def serve_command(
             allowed_hosts=tuple(allowed_host or ()),
             cell_file=cell,
             simulated_faults=faults,
+            backups=None if backup_to is None else BackupPlan(backup_to, backup_every, backup_keep),
             log_file=log_file,
             log_level=log_level,
         )

@@ -42,6 +42,9 @@ _COMMANDS = {
     "verify": "records",
     "backup": "records",
     "restore": "records",
+    "retention": "retention",
+    "unit": "deployment",
+    "dashboard": "deployment",
 }
 
 

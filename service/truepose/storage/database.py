@@ -26,11 +26,12 @@ from truepose.storage.connection.engine import reading_engine, writing_engine
 from truepose.storage.connection.library import LIBRARY
 from truepose.storage.connection.lock import ServiceLock
 from truepose.storage.connection.place import Place
-from truepose.storage.connection.refusals import REFUSED, damaged, translated
+from truepose.storage.connection.refusals import REFUSED, damaged, says_full, translated
+from truepose.storage.connection.reserve import Reserve
 from truepose.storage.connection.schema import bring_up_to_date
 from truepose.storage.errors import DamagedDatabaseError, StorageError, StorageUnavailableError
 from truepose.storage.integrity.arrival import note_how_it_was_left
-from truepose.storage.integrity.condition import Condition
+from truepose.storage.integrity.condition import RESERVE_IN_USE, Condition
 from truepose.storage.integrity.head import Head, newest_head
 from truepose.storage.integrity.seal import Seal
 from truepose.storage.integrity.verification import stream_findings
@@ -58,6 +59,7 @@ class Database:
         self.file = database_file(url)
         self.condition = Condition()
         self.commits = Commits()
+        self.reserve = Reserve(self.file)
         self._lock = ServiceLock(self.file)
         self._seal = Seal(self.file)
         self.left = self._seal.left()  # how the service before left the file; None where it did not say
@@ -117,6 +119,22 @@ class Database:
     async def write_a_trial(self) -> None:
         """Write a few bytes that nobody reads, to see that it works; raises StorageUnavailableError."""
         await self.write(_write_a_little)
+
+    async def write_new(self, work: Callable[[Connection], T]) -> T:
+        """Write what begins something new; refused like a full disk where only the reserve is left."""
+        if self.condition.low is not None:
+            raise StorageUnavailableError(self.condition.low)
+        return await self.write(work)
+
+    async def keep_reserve(self) -> None:
+        """Take room for a full disk where there is some, and take it back once there is some again."""
+
+        def keep(_connection: Any) -> None:
+            self.reserve.take()
+            if not self.reserve.used:
+                self.condition.low = None
+
+        await self.on_writer(keep)
 
     async def writable(self) -> None:
         """Return once writing works; at once where nothing was refused."""
@@ -231,16 +249,23 @@ class Database:
 
     def _write(self, work: Callable[[Connection], T]) -> T:
         try:
-            if self._connection.closed:  # it could not be opened anew when it had to be
-                self._connect()
-            self._look_after_file()
-            begun_s = time.perf_counter()
-            with self._connection.begin():
-                result = work(self._connection)
-            self.commits.note(time.perf_counter() - begun_s)
-            self._seal.note_newest(self._raw)
+            return self._committed(work)
         except REFUSED as error:
+            if says_full(error) and self.reserve.give_up():
+                self.condition.low = RESERVE_IN_USE
+                _LOG.error("%s", RESERVE_IN_USE)
+                return self._write(work)  # in the room that is free now
             raise self._noted(error) from error
+
+    def _committed(self, work: Callable[[Connection], T]) -> T:
+        if self._connection.closed:  # it could not be opened anew when it had to be
+            self._connect()
+        self._look_after_file()
+        begun_s = time.perf_counter()
+        with self._connection.begin():
+            result = work(self._connection)
+        self.commits.note(time.perf_counter() - begun_s)
+        self._seal.note_newest(self._raw)
         return result
 
     def _look_after_file(self) -> None:
@@ -304,6 +329,7 @@ class Database:
         self._readers.submit(self._read_engine.dispose).result()
         self._writer.submit(self._connection.close).result()
         self._writer.submit(self._write_engine.dispose).result()
+        self.reserve.release()
         self._seal.close(whole=self.place.lies_alone and not self.condition.damaged)
         self._shut()
 

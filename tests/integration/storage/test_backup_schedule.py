@@ -3,7 +3,8 @@
 import pytest
 
 from tests.helpers.domain.tracker_sessions import make_plan, make_setup
-from truepose.storage.backup.schedule import BackupPlan, BackupSchedule
+from truepose.storage.backup.plan import BackupPlan
+from truepose.storage.backup.schedule import BackupSchedule
 from truepose.storage.integrity.arrival import verify_left
 from truepose.storage.measurement.sessions import SessionRepository
 

@@ -83,6 +83,7 @@ class Lookout:
         return Records(
             readable=readable,
             refused=condition.trouble or "",
+            reserve_used=database.reserve.used,
             commit_s=await self._commit_s(),
             free_bytes=await asyncio.to_thread(free_bytes, file.parent),
             size_bytes=size_bytes(file, file.with_name(f"{file.name}-wal")),

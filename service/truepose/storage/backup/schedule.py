@@ -5,12 +5,12 @@ import logging
 import re
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Final
 
 from truepose.storage.backup.copying import back_up
+from truepose.storage.backup.plan import BackupPlan
 from truepose.storage.errors import StorageError
 
 _LOG: Final = logging.getLogger(__name__)
@@ -18,15 +18,6 @@ _NAME: Final = re.compile(r"truepose-(\d{8}T\d{6}Z)\.sqlite3")
 _STAMP: Final = "%Y%m%dT%H%M%SZ"
 _FIRST_S: Final = 5.0  # a service that is just starting has other things to do
 _AGAIN_S: Final = 600.0  # after a copy that failed
-
-
-@dataclass(frozen=True, slots=True)
-class BackupPlan:
-    """Where copies go, how often one is made, and how many are kept."""
-
-    folder: Path
-    every_s: float = 24 * 3600.0
-    keep: int = 7
 
 
 class BackupSchedule:
@@ -41,7 +32,7 @@ class BackupSchedule:
     @property
     def age_s(self) -> float | None:
         """Return how old the newest copy is; None where there is none."""
-        copies = self._copies()
+        copies = copies_in(self.plan.folder)
         return max(0.0, self._now_s() - copies[-1][0]) if copies else None
 
     async def follow(self) -> None:
@@ -68,16 +59,17 @@ class BackupSchedule:
         stamp = datetime.fromtimestamp(self._now_s(), UTC).strftime(_STAMP)
         made = back_up(self._database, self.plan.folder / f"truepose-{stamp}.sqlite3")
         _LOG.info("%s: a copy of %d records, verified", made.file, made.head.links)
-        for _, file in self._copies()[: -self.plan.keep]:
+        for _, file in copies_in(self.plan.folder)[: -self.plan.keep]:
             file.unlink(missing_ok=True)
             _LOG.info("%s: an older copy than the %d that are kept was removed", file, self.plan.keep)
 
-    def _copies(self) -> list[tuple[float, Path]]:
-        """Return the copies with the moment when each was begun, oldest first."""
-        if not self.plan.folder.is_dir():
-            return []
-        named = [(_NAME.fullmatch(file.name), file) for file in self.plan.folder.iterdir()]
-        return sorted((_moment_s(name[1]), file) for name, file in named if name)
+
+def copies_in(folder: Path) -> list[tuple[float, Path]]:
+    """Return the copies of a schedule with the moment when each was begun, oldest first."""
+    if not folder.is_dir():
+        return []
+    named = [(_NAME.fullmatch(file.name), file) for file in folder.iterdir()]
+    return sorted((_moment_s(name[1]), file) for name, file in named if name)
 
 
 def _moment_s(stamp: str) -> float:

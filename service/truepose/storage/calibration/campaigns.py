@@ -39,7 +39,7 @@ class CampaignRepository(NumberedRecords[CampaignRecord]):
 
     async def add(self, campaign: NewCampaign, key: RequestKey | None = None) -> int:
         """Store a campaign and return its number."""
-        return await self._database.write(lambda c: once(c, key, "campaign", lambda i: _add(i, campaign)))
+        return await self._database.write_new(lambda c: once(c, key, "campaign", lambda i: _add(i, campaign)))
 
     async def answered(self, key: RequestKey) -> int | None:
         """Return the campaign that a request with this key made before; raises KeyReusedError."""

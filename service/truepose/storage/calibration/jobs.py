@@ -52,7 +52,7 @@ class JobRepository(NumberedRecords[JobRecord]):
             add_job_state(connection, number, JobState.QUEUED, "Waiting for a worker.")
             return number
 
-        return await self._database.write(lambda c: once(c, key, f"{kind} job", create))
+        return await self._database.write_new(lambda c: once(c, key, f"{kind} job", create))
 
     async def interrupt(self, why: str) -> None:
         """End every job that no final state ended; one whose end is just being written keeps its own."""

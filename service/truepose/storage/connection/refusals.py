@@ -32,6 +32,12 @@ def translated(file: Path, error: Exception) -> StorageError:
     )
 
 
+def says_full(error: Exception) -> bool:
+    """Whether the library says that there is no room; the index of the log has words of its own for it."""
+    said = str(error)
+    return "is full" in said or "disk I/O error" in said
+
+
 def damaged(file: Path, said: str) -> DamagedDatabaseError:
     """Return the error of a database that does not hold what was written."""
     return DamagedDatabaseError(

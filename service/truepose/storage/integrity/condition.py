@@ -4,6 +4,10 @@ import threading
 from typing import Final, Literal, TypeAlias
 
 Integrity: TypeAlias = Literal["not_checked", "checking", "whole", "damaged"]
+RESERVE_IN_USE: Final = (
+    "The disk is full; what is under way is brought to its end with a reserve of 16 MB, and nothing new "
+    "begins until there is room."
+)
 FOREIGN: Final = "foreign"  # damage that a verification clears
 
 
@@ -16,11 +20,12 @@ class Condition:
         self._checked: Integrity = "not_checked"
         self.verified_share = 0.0  # of the verification under way, or of the last one
         self.trouble: str | None = None  # why records are refused; None while they are taken
+        self.low: str | None = None  # why nothing new begins, while records are taken
 
     @property
     def fault(self) -> str | None:
         """One sentence on what is amiss; None where nothing is."""
-        return " ".join(told for told in (self.trouble, self.damage) if told) or None
+        return " ".join(told for told in (self.trouble, self.low, self.damage) if told) or None
 
     @property
     def damage(self) -> str | None:

@@ -49,6 +49,8 @@ class Guard:
         while True:
             if await self.look():
                 self._doubt.set()
+            with contextlib.suppress(StorageError):
+                await self._database.keep_reserve()
             await asyncio.sleep(_LOOK_S)
 
     async def _keep_verifying(self) -> None:

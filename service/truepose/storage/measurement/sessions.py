@@ -104,7 +104,7 @@ class SessionRepository(NumberedRecords[SessionRecord]):
 
     async def add(self, name: str, setup: SessionSetup, plan: AnyPlan, key: RequestKey | None = None) -> int:
         """Store a planned session and return its number."""
-        return await self._database.write(
+        return await self._database.write_new(
             lambda c: once(c, key, "session", lambda inner: add_session(inner, name, setup, plan))
         )
 
