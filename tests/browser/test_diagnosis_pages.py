@@ -50,8 +50,8 @@ def test_the_list_leads_to_the_report(service, tablet):
     service.diagnosed(service.measured_session("left arm"), consistent())
 
     tablet.goto(service.url)
-    tablet.get_by_role("link", name="Diagnoses").click()
-    tablet.get_by_text(consistent().message).click()
+    tablet.get_by_role("link", name="Work").click()
+    tablet.get_by_role("link", name="Diagnosis 1").click()
 
     expect(tablet.locator("h1")).to_have_text("Diagnosis of ABB IRB 120")
 

@@ -35,7 +35,7 @@ def test_a_test_is_planned_started_and_followed_to_its_result(service, tablet):
 
     expect(tablet.locator("#state")).to_have_text("finished", timeout=20_000)
     expect(tablet.get_by_role("button")).to_have_count(0)
-    expect(tablet.get_by_role("link", name="Show the result")).to_be_visible()
+    expect(tablet.get_by_role("link", name="See the result")).to_be_visible()
     body = asked.value.post_data_json
     whole = {"method": "iso9283", "test": "poses", "plane": "y+", "cycles": 30, "hours": 8}
     assert body["plan"] == whole  # what is empty is left out

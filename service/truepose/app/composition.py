@@ -47,6 +47,8 @@ from truepose.storage.measurement.closings import ClosingRepository
 from truepose.storage.measurement.ledger import LedgerRepository
 from truepose.storage.measurement.sessions import SessionRepository
 from truepose.storage.measurement.tracker_readings import ReadingRepository
+from truepose.storage.work.lineage import Lineages
+from truepose.storage.work.listing import WorkList
 from truepose.web.application import Application, create_application
 from truepose.web.context import Context, Endpoint
 from truepose.web.door.hosts import AllowedHosts
@@ -306,6 +308,8 @@ def _context(
         corrections=corrections,
         closings=closings,
         reports=ReportRepository(database),
+        work=WorkList(database),
+        lineages=Lineages(database),
         events=EventRepository(database),
         rack=rack,
         lookout=lookout,

@@ -33,6 +33,8 @@ from truepose.storage.measurement.closings import ClosingRepository
 from truepose.storage.measurement.sessions import SessionRepository
 from truepose.storage.measurement.tracker_readings import ReadingRepository
 from truepose.storage.records import SessionRecord
+from truepose.storage.work.lineage import Lineages
+from truepose.storage.work.listing import WorkList
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,6 +64,8 @@ class Context:
     corrections: CorrectionRepository
     closings: ClosingRepository
     reports: ReportRepository
+    work: WorkList
+    lineages: Lineages
     events: EventRepository
     rack: Rack
     lookout: Lookout

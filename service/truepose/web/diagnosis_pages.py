@@ -7,7 +7,6 @@ must not wait for it when it starts.
 import asyncio
 import dataclasses
 from dataclasses import dataclass
-from http import HTTPStatus
 from typing import TYPE_CHECKING, Final
 
 from fastapi import APIRouter
@@ -16,9 +15,11 @@ from fastapi.responses import HTMLResponse
 from truepose.sequencing.engine.states import has_ended
 from truepose.storage.errors import NotFoundError
 from truepose.storage.records import CampaignRecord, DiagnosisRecord, SessionRecord
+from truepose.storage.work.items import WorkKind
 from truepose.web.context import Context
 from truepose.web.moments import moment
 from truepose.web.parameters import number_of
+from truepose.web.records.trail import missing, trail_of
 from truepose.web.visits import Visited
 from truepose.words.catalogue import IN_ENGLISH, Catalogue
 
@@ -60,10 +61,11 @@ async def diagnosis_page(visit: Visited, id: str) -> HTMLResponse:
     here = visit.here
     record = await _record(here, id)
     if record is None:
-        return visit.page("no_diagnosis.html", HTTPStatus.NOT_FOUND)
+        return missing(visit)
     campaign = await here.campaigns.get(record.campaign_id)
     report = await _report(here, record, campaign, visit.words)
     actions = await _actions(here, record, campaign)
+    trail = await trail_of(visit, WorkKind.DIAGNOSIS, record.id)
     # Drawing takes a second or two; a session under way must not wait for it.
     content = await asyncio.to_thread(diagnosis_content, report)
     return visit.page(
@@ -71,6 +73,7 @@ async def diagnosis_page(visit: Visited, id: str) -> HTMLResponse:
         record=record,
         actions=actions,
         content=content,
+        trail=trail,
     )
 
 

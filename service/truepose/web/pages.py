@@ -1,4 +1,4 @@
-"""Pages for people: the start page, the API's reference and the diagnoses, rendered here.
+"""All pages for people, and the API's reference, rendered here.
 
 The usual OpenAPI pages need megabytes of script, from a content network or a package that lags years behind.
 A reference that names every route, field, unit and error needs none.
@@ -16,6 +16,8 @@ from truepose.web import diagnosis_pages, error_pages, fault_pages, packages, pl
 from truepose.web.calibration import correction_pages
 from truepose.web.reports import checklists, closing_pages
 from truepose.web.reports import pages as report_pages
+from truepose.web.places import cell_page, work_page
+from truepose.web.records import campaign_page, job_page, result_pages
 from truepose.web.results import pages as session_pages
 from truepose.web.visits import Visited
 
@@ -28,30 +30,15 @@ router.include_router(report_pages.router)
 router.include_router(closing_pages.router)
 router.include_router(checklists.router)
 router.include_router(fault_pages.router)
+for room in (cell_page, work_page, job_page, campaign_page, result_pages):
+    router.include_router(room.router)
 router.include_router(packages.router)
 router.include_router(robot_pages.router)
 router.include_router(error_pages.router)
-_SHOWN: Final = 20
 _MEDIA: Final = {".css": "text/css", ".js": "text/javascript"}
 _STATIC: Final = Path(__file__).parent / "static"
 
 
-@router.get("/", response_class=HTMLResponse)
-async def start_page(visit: Visited) -> HTMLResponse:
-    """Show the cell, its devices and the latest sessions."""
-    here = visit.here
-    return visit.page(
-        "start.html",
-        devices=here.rack.statuses(),
-        sessions=await here.sessions.newest(_SHOWN),
-        jobs=await here.jobs.newest(_SHOWN),
-    )
-
-
-@router.get("/work")
-async def work_place() -> RedirectResponse:
-    """Lead to the sessions."""
-    return RedirectResponse("/sessions")
 
 
 @router.get("/docs", response_class=HTMLResponse)

@@ -172,12 +172,12 @@ def test_what_was_left_out_is_told_at_the_end_with_its_reason(desk, page, url):
     expect(page.locator(".left-out li")).to_contain_text("Out of range: too long")
 
 
-def test_a_test_that_has_ended_leads_to_its_result_and_a_calibration_has_none(desk, page, url):
+def test_what_was_measured_leads_on_and_nothing_does_not(desk, page, url):
     desk.show(state="finished", step=None, result_url="/sessions/3/result")
     page.goto(f"{url}/operator/3")
     expect(page.get_by_role("link", name="Show the result")).to_have_attribute("href", "/sessions/3/result")
 
-    desk.show(state="finished", step=None, result_url=None)
+    desk.show(state="aborted", step=None, progress={**desk.session["progress"], "readings": 0})
     page.reload()
 
     expect(page.get_by_role("link", name="All sessions")).to_be_visible()

@@ -68,6 +68,18 @@ def parameter_rows(
     )
 
 
+def model_rows(model: Model, words: Catalogue = IN_ENGLISH) -> tuple[tuple[str, str, str, str, str], ...]:
+    """Return name, value, standard uncertainty, unit and meaning of every parameter of a model."""
+    return tuple(_of_model(parameter, model, words) for parameter in model.parameters)
+
+
+def _of_model(parameter: Parameter, model: Model, words: Catalogue) -> tuple[str, str, str, str, str]:
+    factor, u = file_factor(parameter.unit), parameter.standard_uncertainty
+    value = rounded(_identified(parameter, model) * factor, u * factor)
+    said = meaning(parameter.name, parameter.effect, words)
+    return parameter.name, value, uncertainty(u * factor), file_unit(parameter.unit), said
+
+
 def _seen_together(identification: Identification) -> set[str]:
     """Parameters of which the data leave a combination open; what never was a parameter is no such case."""
     names = {parameter.name for parameter in identification.parameters}

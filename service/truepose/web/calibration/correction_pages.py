@@ -2,7 +2,6 @@
 
 import asyncio
 from dataclasses import dataclass
-from http import HTTPStatus
 from typing import Annotated, Final
 
 from fastapi import APIRouter, Query
@@ -14,9 +13,11 @@ from truepose.domain.corrections import CorrectedTargets
 from truepose.kinematics.inverse import BRANCH_NAMES
 from truepose.storage.errors import NotFoundError
 from truepose.storage.records import CorrectionRecord
+from truepose.storage.work.items import WorkKind
 from truepose.web.calibration.corrections import ANGLES, corrected_name
 from truepose.web.context import Context
 from truepose.web.parameters import WantedModel, number_of
+from truepose.web.records.trail import missing, trail_of
 from truepose.web.schemas.base import NUMBER_LIMIT
 from truepose.web.visits import Visited
 from truepose.words.catalogue import Catalogue
@@ -61,7 +62,7 @@ async def correction_page(visit: Visited, id: str, after: After = 0) -> HTMLResp
     """Show what a file came to, with its targets."""
     record = await _record(visit.here, id)
     if record is None:
-        return visit.page("no_correction.html", HTTPStatus.NOT_FOUND)
+        return missing(visit)
     targets = await visit.here.corrections.targets(record.id)
     shown = await asyncio.to_thread(_shown, record, targets, visit.words, after)
     return visit.page(
@@ -69,6 +70,7 @@ async def correction_page(visit: Visited, id: str, after: After = 0) -> HTMLResp
         record=record,
         shown=shown,
         saved_as=corrected_name(record.name),
+        trail=await trail_of(visit, WorkKind.CORRECTION, record.id),
     )
 
 

@@ -17,8 +17,9 @@ Headers: TypeAlias = Sequence[tuple[bytes, bytes]]
 
 # Where a link on somebody else's page may lead; whatever is not here can only be asked by our own pages.
 PAGES: Final = re.compile(
-    r"/|/docs|/operator(/[^/]+)?|/diagnoses(/[^/]+)?|/corrections(/[^/]+)?|/plan|/faults|/errors(/[^/]+)?"
-    r"|/sessions(/[^/]+(/result)?)?"
+    r"/|/docs|/work|/operator(/[^/]+)?|/diagnoses(/[^/]+)?|/corrections(/[^/]+)?|/plan|/faults|/errors(/[^/]+)?"
+    r"|/(?:jobs|campaigns|identifications|validations|models|robots)/[^/]+"
+    r"|/sessions(/[^/]+(/result)?)?|/reports(/[^/]+/[^/.]+)?"
 )
 _READING: Final = frozenset({"GET", "HEAD", "OPTIONS"})
 _FRAMES: Final = frozenset({"iframe", "frame", "fencedframe", "embed", "object", "portal"})

@@ -8,7 +8,7 @@ RawHeaders: TypeAlias = list[tuple[bytes, bytes]]
 _NOTHING: Final = b"default-src 'none'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
 _PAGE: Final = (
     b"default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; connect-src 'self'; "
-    b"base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
+    b"base-uri 'none'; form-action 'self'; frame-ancestors 'none'"
 )
 _ALWAYS: Final[RawHeaders] = [
     (b"x-content-type-options", b"nosniff"),

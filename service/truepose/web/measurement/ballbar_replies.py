@@ -36,7 +36,7 @@ def ballbar_session_reply(view: BallbarView) -> BallbarSessionReply:
         name=view.name,
         state=found.state,
         reason=found.reason,
-        result_url=f"/sessions/{view.id}/result" if view.plan.test else None,
+        result_url=f"/sessions/{view.id}/result" if view.plan.test else f"/sessions/{view.id}",
         simulated=view.setup.simulated,
         robot=view.setup.cell.robot.name,
         question=view.question,

@@ -13,15 +13,17 @@ from truepose.domain.session import SessionState
 from truepose.sequencing.engine.states import has_ended
 from truepose.storage.errors import NotFoundError
 from truepose.storage.records import ModelRecord
+from truepose.storage.work.items import WorkKind
 from truepose.web.context import Context
 from truepose.web.parameters import WantedModel, number_of
 from truepose.web.problems import status_of
+from truepose.web.records.trail import missing, trail_of
 from truepose.web.results.choices import Chosen
 from truepose.web.results.kinds import Choice, Origin, ResultKind
 from truepose.web.results.models import models_of
 from truepose.web.results.origins import origin_of, origins_of
 from truepose.web.results.registry import KINDS, kind_of
-from truepose.web.visits import Visit, Visited
+from truepose.web.visits import Visited
 from truepose.words.catalogue import Catalogue
 
 router = APIRouter(prefix="/sessions", include_in_schema=False)
@@ -77,11 +79,15 @@ async def session_page(visit: Visited, id: str) -> Response:
     """Show where a session stands, what it asks, and what a person may do."""
     origin = await _origin(visit.here, id)
     if origin is None:
-        return _none(visit)
-    if origin.record.role == "ballbar":
-        return RedirectResponse(f"/operator/{origin.record.id}")
+        return missing(visit)
+    record = origin.record
+    if record.role == "ballbar" and not has_ended(record.state):
+        return RedirectResponse(f"/operator/{record.id}")
+    trail = await trail_of(visit, WorkKind.SESSION, record.id)
     states = {state.value: visit.words.say(key) for state, key in _STATES.items()}
-    return visit.page("session_page.html", row=_row(origin), states=states)
+    return visit.page(
+        "session_page.html", row=_row(origin), states=states, trail=trail, ended=has_ended(record.state)
+    )
 
 
 @router.get("/{id}/result", response_class=HTMLResponse)
@@ -89,15 +95,17 @@ async def result_page(visit: Visited, id: str, choice: Chosen) -> HTMLResponse:
     """Show what a session came to."""
     origin = await _origin(visit.here, id)
     if origin is None:
-        return _none(visit)
+        return missing(visit)
     row = _row(origin)
     shown = await _shown(visit.here, row, choice, visit.words)
+    trail = await trail_of(visit, WorkKind.SESSION, origin.record.id)
     return visit.page(
         "result.html",
         shown.status,
         row=row,
         shown=shown,
         choice=choice,
+        trail=trail,
         ended=has_ended(origin.record.state),
     )
 
@@ -138,7 +146,3 @@ async def _origin(here: Context, id: str) -> Origin | None:
         return await origin_of(here, number)
     except NotFoundError:
         return None
-
-
-def _none(visit: Visit) -> HTMLResponse:
-    return visit.page("no_session.html", HTTPStatus.NOT_FOUND)

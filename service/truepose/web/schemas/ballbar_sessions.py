@@ -99,8 +99,8 @@ class BallbarSessionReply(Reply):
     name: str = Field(examples=["left arm, six legs"])
     state: SessionState
     reason: str = Field(description="Why it is in this state.")
-    result_url: str | None = Field(
-        description="Page of what it came to; null: its readings identify.", examples=["/sessions/3/result"]
+    result_url: str = Field(
+        description="Page of what it came to, or of what can be made of it.", examples=["/sessions/3/result"]
     )
     simulated: bool = Field(description="True: no robot and no instrument take part.")
     robot: str = Field(examples=["ABB IRB 120"])

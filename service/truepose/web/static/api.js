@@ -23,23 +23,29 @@ export function filled(text, values) {
   return text.replace(/<(\w+)>/g, (_, name) => values[name]);
 }
 
-// Has a form do something where it is submitted: `act` says how far it is, and what it throws is shown.
-export function onSubmit(form, act) {
+// Has something done for a form: `act` says how far it is, what it throws is shown, and nobody sends it twice meanwhile.
+export async function sayingIn(form, act) {
   const said = form.querySelector("output");
   const button = form.querySelector("button");
   const say = (sentence, bad = false) => {
     said.textContent = sentence;
     said.classList.toggle("bad", bad);
   };
-  form.addEventListener("submit", async (event) => {
+  button.disabled = true;
+  form.ariaBusy = "true";
+  try {
+    await act(say);
+  } catch (error) {
+    say(error.message, true);
+  } finally {
+    button.disabled = false;
+    form.ariaBusy = null;
+  }
+}
+
+export function onSubmit(form, act) {
+  form.addEventListener("submit", (event) => {
     event.preventDefault();
-    button.disabled = true;
-    try {
-      await act(say);
-    } catch (error) {
-      say(error.message, true);
-    } finally {
-      button.disabled = false;
-    }
+    sayingIn(form, act);
   });
 }

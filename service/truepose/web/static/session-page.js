@@ -31,7 +31,6 @@ function show(session) {
   write(at.question, session.question);
   write(at.notice, session.question ? session.motion_notice : null);
   at.foreign.hidden = !session.tracker_in_question;
-  at.result.hidden = session.measured === 0;
   at.acts.hidden = ENDED.includes(session.state);
   for (const button of form.querySelectorAll("[data-act]")) {
     button.hidden = !button.dataset.in.split(" ").includes(session.state);

@@ -1,5 +1,6 @@
 """Sessions as pages: the list, one as it stands, what it came to, and forms that plan one."""
 
+import json
 from dataclasses import replace
 
 import pytest
@@ -53,27 +54,25 @@ async def test_a_finished_session_leads_to_its_result_and_a_planned_one_waits_fo
 
     assert f"/sessions/{finished}/result" in links(shown)
     assert "Every configuration was measured or skipped." in shown.text
-    assert 'id="result" hidden' in waiting.text
+    assert not [link for link in links(waiting) if link.endswith("/result")]
     assert "Start: asks before anything moves" in Page(waiting.text).text
 
 
-def forms(reply):
-    return {
-        attributes["data-path"]: attributes
-        for tag, attributes in Page(reply.text).elements
-        if tag == "form" and "data-path" in attributes
-    }
+def asked(reply):
+    """What the forms of a page ask of the API, and where each leads."""
+    forms = [a for tag, a in Page(reply.text).elements if tag == "form" and "data-asks" in a]
+    return [([ask["path"] for ask in json.loads(form["data-asks"])], form["data-leads"]) for form in forms]
 
 
-async def test_a_calibration_leads_to_the_diagnosis_that_identifies_and_a_validation_to_none(client, session):
+async def test_a_calibration_is_identified_by_one_tap_and_a_validation_is_judged(client, session):
     calibration, validation = await session(), await session(role="validation")
 
-    leading = forms(await client.get(f"/sessions/{calibration}"))
-    judged = forms(await client.get(f"/sessions/{validation}"))
+    leading = asked(await client.get(f"/sessions/{calibration}"))
+    judged = asked(await client.get(f"/sessions/{validation}"))
 
-    form = leading[f"/api/v1/sessions/{calibration}/diagnosis"]
-    assert (form["data-body"], form["data-leads"]) == ("{}", "/diagnoses")
-    assert judged == {}
+    paths = [f"/api/v1/sessions/{calibration}/campaign", "/api/v1/identifications"]
+    assert leading == [(paths, "/identifications")]
+    assert judged == []
 
 
 async def test_readings_for_an_identification_have_no_result_page(client, session):
@@ -107,13 +106,13 @@ async def test_what_is_no_session_says_so_in_french(client, number):
     for page in (f"/sessions/{number}", f"/sessions/{number}/result"):
         reply = await client.get(page, headers={"Accept-Language": "fr"})
         assert reply.status_code == 404
-        assert "Cette session n\u2019existe pas" in reply.text
+        assert "Il n\u2019y a rien à cette adresse" in reply.text
 
 
 async def test_the_forms_ask_for_validation_and_a_proof_for_a_model(client):
     reply = await client.get("/sessions/new")
 
-    bodies = [a["data-body"] for tag, a in Page(reply.text).elements if tag == "form"]
+    bodies = [a["data-asks"] for tag, a in Page(reply.text).elements if tag == "form"]
     assert all('"role": "validation"' in body for body in bodies if "sphere" not in body)
     assert [body for body in bodies if "sphere" in body]  # of the ballbar, whose test is no role
     assert [body for body in bodies if "iso9283" in body]

@@ -81,7 +81,7 @@ export function showEnd(panel, session, steps, texts) {
     element("p", { class: "facts" }, texts.say("ended.facts", facts)),
     element("h2", {}, texts.say(left.length ? "ended.skipped" : "ended.none_skipped")),
     element("ul", { class: "left-out" }, ...left.map((found) => leftOut(found, texts))),
-    ...(session.result_url && readings ? [element("a", { class: "main link-button", href: session.result_url }, texts.say("ended.result"))] : []),
+    ...(readings ? [element("a", { class: "main link-button", href: session.result_url }, texts.say("ended.result"))] : []),
     element("a", { class: "main plain link-button", href: "/operator" }, texts.say("ended.sessions")),
   );
 }

@@ -1,0 +1,48 @@
+"""A job: how far it is, how it ended, and what it made."""
+
+from fastapi import APIRouter
+from fastapi.responses import HTMLResponse
+
+from truepose.storage.errors import NotFoundError
+from truepose.storage.records import JobKind, JobRecord
+from truepose.storage.work.items import WorkKind
+from truepose.web.parameters import number_of
+from truepose.web.records.links import address_of, state_words, title_of
+from truepose.web.records.trail import missing
+from truepose.web.visits import Visit, Visited
+
+router = APIRouter(prefix="/jobs", include_in_schema=False)
+_MAKES = {
+    JobKind.IDENTIFICATION: (WorkKind.IDENTIFICATION, "job.identification"),
+    JobKind.VALIDATION: (WorkKind.VALIDATION, "job.validation"),
+    JobKind.DIAGNOSIS: (WorkKind.DIAGNOSIS, "job.diagnosis"),
+    JobKind.PLAN: (WorkKind.SESSION, "job.plan"),
+    JobKind.CORRECTION: (WorkKind.CORRECTION, "job.correction"),
+}
+
+
+@router.get("/{id}", response_class=HTMLResponse)
+async def job_page(visit: Visited, id: str) -> HTMLResponse:
+    """Show a job; the page follows it and goes to what it made."""
+    number = number_of(id)
+    try:
+        record = None if number is None else await visit.here.jobs.get(number)
+    except NotFoundError:
+        record = None
+    return missing(visit) if record is None else _shown(visit, record)
+
+
+def _shown(visit: Visit, record: JobRecord) -> HTMLResponse:
+    made, title = _MAKES[record.kind]
+    look, state = state_words(WorkKind.JOB, record.state)
+    sources = [(WorkKind.CAMPAIGN, "campaign_id"), (WorkKind.MODEL, "model_id")]
+    asked = [(kind, record.request.get(key)) for kind, key in sources]
+    return visit.page(
+        "job.html",
+        record=record,
+        title=title,
+        look=look,
+        state=state,
+        made=None if record.result_id is None else address_of(made, record.result_id),
+        sources=[(address_of(kind, n), title_of(kind, n, visit.words)) for kind, n in asked if n],
+    )

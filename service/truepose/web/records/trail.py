@@ -1,0 +1,32 @@
+"""How a record came about, what came of it, and what to do next: the same on every page of a record."""
+
+from dataclasses import dataclass
+from http import HTTPStatus
+
+from fastapi.responses import HTMLResponse
+
+from truepose.storage.work.items import WorkKind
+from truepose.web.places.next_step import Step, step_after
+from truepose.web.records.links import Link, address_of, link_to
+from truepose.web.visits import Visit
+
+
+@dataclass(frozen=True, slots=True)
+class Trail:
+    """A record among its own."""
+
+    here: str  # address of the record itself
+    links: tuple[Link, ...]
+    step: Step | None
+
+
+async def trail_of(visit: Visit, kind: WorkKind, number: int) -> Trail:
+    """Return a record's trail; the record must exist."""
+    lineage = await visit.here.lineages.of(kind, number)
+    links = tuple(link_to(item, visit.words) for item in lineage.items)
+    return Trail(address_of(kind, number), links, step_after(lineage))
+
+
+def missing(visit: Visit) -> HTMLResponse:
+    """Return the page of an address that names no record."""
+    return visit.page("missing.html", HTTPStatus.NOT_FOUND)

@@ -1,0 +1,128 @@
+"""The one next step: from what is there, whatever order it came in."""
+
+import pytest
+
+from truepose.storage.work.items import PROOF, TEST, WorkItem, WorkKind
+from truepose.storage.work.lineage import Lineage
+from truepose.web.places.next_step import Ask, Standing, next_step, step_after
+
+_DEVICES = ("tracker", "robot")
+
+
+def item(kind, number, *, state="", role=""):
+    return WorkItem(
+        kind, number, f"2026-05-04T09:{number:02}:00", "left arm", "ABB IRB 120", "", state, role, False
+    )
+
+
+def session(state, role="calibration", number=7):
+    return item(WorkKind.SESSION, number, state=state, role=role)
+
+
+def cell(*items, connected=2, job_id=None):
+    sessions = [one for one in items if one.kind is WorkKind.SESSION]
+    newest = sessions[-1] if sessions else None
+    return Standing(_DEVICES, connected, newest, Lineage(items) if items else None, job_id)
+
+
+_MEASURED = session("finished")
+_CAMPAIGN = item(WorkKind.CAMPAIGN, 8)
+_IDENTIFIED = item(WorkKind.IDENTIFICATION, 9, state="converged")
+_MODEL = item(WorkKind.MODEL, 10)
+_DIAGNOSED = item(WorkKind.DIAGNOSIS, 11, state="explained")
+_EXTENDED = item(WorkKind.MODEL, 12)
+_CORRECTED = item(WorkKind.CORRECTION, 13)
+_WAY = (_MEASURED, _CAMPAIGN, _IDENTIFIED, _MODEL, _DIAGNOSED, _EXTENDED, _CORRECTED)
+
+
+def test_where_nothing_is_connected_everything_is_asked_who_it_is():
+    step = next_step(cell(connected=0))
+
+    assert step.action == "step.connect"
+    assert [ask.path for ask in step.asks] == [f"/api/v1/devices/{name}/connect" for name in _DEVICES]
+    assert step.leads == ""
+
+
+def test_where_nothing_was_planned_a_calibration_is():
+    assert (next_step(cell()).action, next_step(cell()).href) == ("step.plan", "/plan")
+
+
+def test_a_cell_without_devices_plans():
+    assert next_step(Standing()).action == "step.plan"
+
+
+@pytest.mark.parametrize(("connected", "action"), [(0, "step.connect"), (1, "step.start")])
+def test_what_is_planned_is_started_once_something_is_connected(connected, action):
+    assert next_step(cell(session("planned"), connected=connected)).action == action
+
+
+@pytest.mark.parametrize("state", ["running", "pausing", "paused", "awaiting_confirmation", "aborting"])
+def test_a_session_under_way_comes_first_whatever_else_waits(state):
+    step = next_step(cell(session(state), connected=0, job_id=4))
+
+    assert (step.action, step.href) == ("step.session", "/sessions/7")
+
+
+def test_a_job_under_way_is_watched():
+    assert next_step(cell(_MEASURED, job_id=4)).href == "/jobs/4"
+
+
+def test_finished_readings_are_identified_by_one_tap():
+    step = next_step(cell(_MEASURED, connected=0))
+
+    assert step.asks == (
+        Ask("/api/v1/sessions/7/campaign", {"name": "left arm"}),
+        Ask("/api/v1/identifications", takes="campaign_id"),
+    )
+    assert step.leads == "/identifications"
+
+
+@pytest.mark.parametrize(
+    ("made", "action"),
+    [
+        (2, "step.identify"),
+        (4, "step.diagnose"),
+        (6, "step.correct"),
+        (7, "step.prove"),
+    ],
+)
+def test_each_result_leads_to_the_next(made, action):
+    assert step_after(Lineage(_WAY[:made])).action == action
+
+
+def test_a_correction_is_proved_with_its_own_model():
+    assert step_after(Lineage(_WAY)).href == "/sessions/new?model_id=12#prove"
+
+
+@pytest.mark.parametrize(
+    ("state", "action"),
+    [("planned", "step.start"), ("running", "step.session"), ("finished", "step.report")],
+)
+def test_a_proof_is_measured_and_then_shown(state, action):
+    proof = session(state, PROOF, number=14)
+
+    assert step_after(Lineage((*_WAY, proof))).action == action
+
+
+def test_readings_of_which_no_model_could_be_made_lead_to_a_new_plan():
+    refused = item(WorkKind.IDENTIFICATION, 9, state="not identifiable")
+
+    assert step_after(Lineage((_MEASURED, _CAMPAIGN, refused))).action == "step.plan"
+
+
+@pytest.mark.parametrize("role", ["validation", TEST])
+def test_a_test_leads_to_its_result(role):
+    assert step_after(Lineage((session("finished", role),))).href == "/sessions/7/result"
+
+
+@pytest.mark.parametrize("state", ["aborted", "failed"])
+def test_nothing_follows_from_readings_that_were_given_up(state):
+    assert step_after(Lineage((session(state),))) is None
+
+
+def test_a_session_that_was_given_up_is_planned_again():
+    assert next_step(cell(session("aborted"))).action == "step.plan"
+
+
+def test_nothing_follows_from_a_proof_that_was_given_up():
+    assert step_after(Lineage((*_WAY, session("aborted", PROOF, number=14)))) is None
