@@ -105,7 +105,7 @@ async def test_a_number_finds_the_records_of_that_number(work):
 async def test_robots_are_named_once(work):
     (robot,) = await work.robots()
 
-    assert (robot.name, robot.serial_number) == ("ABB IRB 120", "")
+    assert (robot.name, robot.serial_number, robot.campaigns, robot.diagnoses) == ("ABB IRB 120", "", 1, 1)
 
 
 @pytest.mark.parametrize(

@@ -5,7 +5,7 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from sqlalchemy import Connection, func, select, union, union_all
+from sqlalchemy import Connection, Select, func, select, union_all
 
 from truepose.storage.database import Database
 from truepose.storage.tables import campaigns, diagnoses
@@ -26,7 +26,8 @@ class KnownRobot:
 
     name: str
     serial_number: str  # empty where nobody said it
-    records: int
+    campaigns: int
+    diagnoses: int
 
 
 class WorkList:
@@ -44,7 +45,7 @@ class WorkList:
     async def robots(self) -> list[KnownRobot]:
         """Return the robots of which there are campaigns, the busiest first."""
         rows = await self._database.read(lambda c: c.execute(_robots()).all())
-        return [KnownRobot(row.robot, row.serial_number, row.records) for row in rows]
+        return [KnownRobot(row.robot, row.serial_number, row.campaigns, row.diagnoses) for row in rows]
 
 
 def _page(
@@ -73,15 +74,16 @@ def items_of(
     return {(item.kind, item.id): item for item in map(item_of, rows)}
 
 
-def _robots() -> Any:
-    named = union(
-        select(campaigns.c.robot, diagnoses.c.robot_serial_number.label("serial_number"), campaigns.c.id)
-        .select_from(campaigns)
-        .outerjoin(diagnoses, diagnoses.c.campaign_id == campaigns.c.id)
-    ).subquery()
-    serial = func.coalesce(named.c.serial_number, "")
+def _robots() -> Select[Any]:
+    serial = func.coalesce(diagnoses.c.robot_serial_number, "")
     return (
-        select(named.c.robot, serial.label("serial_number"), func.count().label("records"))
-        .group_by(named.c.robot, serial)
-        .order_by(func.count().desc(), named.c.robot)
+        select(
+            campaigns.c.robot,
+            serial.label("serial_number"),
+            func.count(campaigns.c.id.distinct()).label("campaigns"),
+            func.count(diagnoses.c.id).label("diagnoses"),
+        )
+        .outerjoin_from(campaigns, diagnoses, diagnoses.c.campaign_id == campaigns.c.id)
+        .group_by(campaigns.c.robot, serial)
+        .order_by(func.count(campaigns.c.id).desc(), campaigns.c.robot)
     )

@@ -129,7 +129,7 @@ async def test_the_work_lists_everything_and_finds_by_the_words_of_the_page(clie
 
 
 async def test_the_work_knows_the_robots(client):
-    assert "/work?q=ABB%20IRB%20120" in links(await client.get("/work?kind=robots"))
+    assert "/robots/ABB%20IRB%20120" in links(await client.get("/work?kind=robots"))
 
 
 async def test_the_cell_says_what_is_connected_and_what_to_do_next(client, bench):
