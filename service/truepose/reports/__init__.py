@@ -12,20 +12,11 @@ if TYPE_CHECKING:
     from truepose.reports.cause_words import VerdictWords, verdict_words
     from truepose.reports.conditions import Instrument, Period, ReportConditions
     from truepose.reports.diagnosis_report import DiagnosisInput, diagnosis_content, write_diagnosis_report
-    from truepose.reports.identification_report import (
-        DiagnosisLink,
-        ReportInput,
-        identification_content,
-        write_identification_report,
-    )
+    from truepose.reports.identification_report import DiagnosisLink, ReportInput, write_identification_report
     from truepose.reports.pages import page_styles, page_tokens, verdict_shape
     from truepose.reports.table_report import Row, Section, Trend, Verdict, write_table_report
     from truepose.reports.truth import TrueParameter, Truth
-    from truepose.reports.validation.report import (
-        ValidationInput,
-        validation_content,
-        write_validation_report,
-    )
+    from truepose.reports.validation.report import ValidationInput, write_validation_report
 
 __all__ = [
     "DiagnosisInput",
@@ -43,10 +34,8 @@ __all__ = [
     "Verdict",
     "VerdictWords",
     "diagnosis_content",
-    "identification_content",
     "page_styles",
     "page_tokens",
-    "validation_content",
     "verdict_shape",
     "verdict_words",
     "write_diagnosis_report",
@@ -71,10 +60,8 @@ _HOMES = {
     "Verdict": "table_report",
     "VerdictWords": "cause_words",
     "diagnosis_content": "diagnosis_report",
-    "identification_content": "identification_report",
     "page_styles": "pages",
     "page_tokens": "pages",
-    "validation_content": "validation.report",
     "verdict_shape": "pages",
     "verdict_words": "cause_words",
     "write_diagnosis_report": "diagnosis_report",

@@ -77,11 +77,6 @@ def identification_page(report: ReportInput) -> Markup:
     return rendered("identification.html", **_context(report))
 
 
-def identification_content(report: ReportInput) -> Markup:
-    """Return the report without a frame, for a page that has one of its own."""
-    return rendered("identification_content.html", **_context(report))
-
-
 def _context(report: ReportInput) -> dict[str, object]:
     identification, campaign, words = report.identification, report.campaign, catalogue(report.language)
     conditions = _with_temperature(report.conditions, campaign)

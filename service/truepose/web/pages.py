@@ -9,15 +9,15 @@ from pathlib import Path
 from typing import Any, Final
 
 from fastapi import APIRouter
-from fastapi.responses import FileResponse, HTMLResponse, RedirectResponse, Response
+from fastapi.responses import FileResponse, HTMLResponse, Response
 from starlette.exceptions import HTTPException
 
 from truepose.web import diagnosis_pages, error_pages, fault_pages, packages, plan_page, robot_pages
 from truepose.web.calibration import correction_pages
-from truepose.web.reports import checklists, closing_pages
-from truepose.web.reports import pages as report_pages
 from truepose.web.places import cell_page, work_page
 from truepose.web.records import campaign_page, job_page, result_pages
+from truepose.web.reports import checklists, closing_pages
+from truepose.web.reports import pages as report_pages
 from truepose.web.results import pages as session_pages
 from truepose.web.visits import Visited
 
@@ -37,8 +37,6 @@ router.include_router(robot_pages.router)
 router.include_router(error_pages.router)
 _MEDIA: Final = {".css": "text/css", ".js": "text/javascript"}
 _STATIC: Final = Path(__file__).parent / "static"
-
-
 
 
 @router.get("/docs", response_class=HTMLResponse)

@@ -19,7 +19,7 @@ Headers: TypeAlias = Sequence[tuple[bytes, bytes]]
 PAGES: Final = re.compile(
     r"/|/docs|/work|/operator(/[^/]+)?|/diagnoses(/[^/]+)?|/corrections(/[^/]+)?|/plan|/faults|/errors(/[^/]+)?"
     r"|/(?:jobs|campaigns|identifications|validations|models|robots)/[^/]+"
-    r"|/sessions(/[^/]+(/result)?)?|/reports(/[^/]+/[^/.]+)?"
+    r"|/sessions(/[^/]+(/result|/closing)?)?|/reports(/[^/]+/[^/.]+)?"
 )
 _READING: Final = frozenset({"GET", "HEAD", "OPTIONS"})
 _FRAMES: Final = frozenset({"iframe", "frame", "fencedframe", "embed", "object", "portal"})

@@ -102,7 +102,7 @@ def _of_proof(proof: WorkItem) -> Step | None:
     if _moves(proof):
         return _go_to(proof)
     if proof.state == SessionState.FINISHED:
-        return Step(said("step.report.why"), "step.report", f"/sessions/{proof.id}/result")
+        return Step(said("step.report.why"), "step.report", f"/reports/session/{proof.id}")
     return None
 
 

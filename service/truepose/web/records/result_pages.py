@@ -1,10 +1,6 @@
-"""Identifications, validations and models, each as its report.
-
-Reports are imported where a page is made, as their drawing library takes most of a second.
-"""
+"""Identifications and validations as their reports, and models."""
 
 import asyncio
-import dataclasses
 from collections.abc import Awaitable, Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeVar
@@ -12,24 +8,21 @@ from typing import TYPE_CHECKING, TypeVar
 from fastapi import APIRouter
 from fastapi.responses import HTMLResponse
 
-from truepose.analysis.workers.tasks import held_out, stored_campaign
 from truepose.domain.errors import TrueposeError
 from truepose.domain.results import Model
 from truepose.exchange.exports.formats import FORMATS, Format, export
 from truepose.storage.errors import NotFoundError
-from truepose.storage.records import CampaignRecord, IdentificationRecord, ModelRecord, ValidationRecord
+from truepose.storage.records import ModelRecord
 from truepose.storage.work.items import WorkKind
-from truepose.web.context import Context
-from truepose.web.moments import moment
 from truepose.web.parameters import number_of
 from truepose.web.records.trail import missing, trail_of
-from truepose.web.visits import Visited
+from truepose.web.reports.making import drawn
+from truepose.web.reports.registry import KINDS
+from truepose.web.visits import Visit, Visited
 from truepose.words.catalogue import Catalogue
 
 if TYPE_CHECKING:
     from markupsafe import Markup
-
-    from truepose.reports import ReportConditions
 
 router = APIRouter(include_in_schema=False)
 R = TypeVar("R")
@@ -38,11 +31,10 @@ R = TypeVar("R")
 @router.get("/identifications/{id}", response_class=HTMLResponse)
 async def identification_page(visit: Visited, id: str) -> HTMLResponse:
     """Show an identification as its report."""
-    here = visit.here
-    record = await _found(id, here.results.identification)
+    record = await _found(id, visit.here.results.identification)
     if record is None:
         return missing(visit)
-    content = await _identification(here, record, visit.words)
+    content = await _content(visit, "identification", record.id)
     trail = await trail_of(visit, WorkKind.IDENTIFICATION, record.id)
     return visit.page("identification.html", record=record, content=content, trail=trail)
 
@@ -50,11 +42,10 @@ async def identification_page(visit: Visited, id: str) -> HTMLResponse:
 @router.get("/validations/{id}", response_class=HTMLResponse)
 async def validation_page(visit: Visited, id: str) -> HTMLResponse:
     """Show a validation as its report."""
-    here = visit.here
-    record = await _found(id, here.results.validation)
+    record = await _found(id, visit.here.results.validation)
     if record is None:
         return missing(visit)
-    content = await _validation(here, record, visit.words)
+    content = await _content(visit, "validation", record.id)
     trail = await trail_of(visit, WorkKind.VALIDATION, record.id)
     return visit.page("validation.html", record=record, content=content, trail=trail)
 
@@ -81,48 +72,11 @@ async def _found(id: str, get: Callable[[int], Awaitable[R]]) -> R | None:
         return None
 
 
-async def _identification(here: Context, record: IdentificationRecord, words: Catalogue) -> "Markup":
-    from truepose.reports import ReportInput, identification_content
+async def _content(visit: Visit, kind: str, number: int) -> "Markup":
+    """Return what a report of a result says; it is kept nowhere."""
+    from truepose.reports.pages import content_of
 
-    found = record.identification
-    if record.model_id is not None:
-        found = dataclasses.replace(found, model=(await here.results.model(record.model_id)).model)
-    kept, conditions = await _campaign(here, record.campaign_id, record.recorded_at)
-    campaign = await asyncio.to_thread(stored_campaign, await here.campaigns.content(kept.id))
-    report = ReportInput(found, campaign, conditions, language=words.language)
-    return await asyncio.to_thread(identification_content, report)
-
-
-async def _validation(here: Context, record: ValidationRecord, words: Catalogue) -> "Markup":
-    from truepose.judgement.cautions import validation_cautions
-    from truepose.reports import ValidationInput, validation_content
-
-    model = (await here.results.model(record.model_id)).model
-    kept, conditions = await _campaign(here, record.campaign_id, record.recorded_at)
-    campaign = await asyncio.to_thread(stored_campaign, await here.campaigns.content(kept.id))
-    readings = held_out(campaign)
-    remarks = tuple(validation_cautions(model, readings))
-    report = ValidationInput(
-        record.validation, model, readings, remarks, conditions=conditions, language=words.language
-    )
-    return await asyncio.to_thread(validation_content, report)
-
-
-async def _campaign(here: Context, number: int, written: str) -> "tuple[CampaignRecord, ReportConditions]":
-    """Return the campaign of a result, and what is known of how it was measured."""
-    from truepose.reports import ReportConditions
-
-    kept = await here.campaigns.get(number)
-    serial = ""
-    if kept.session_ids:
-        serial = (await here.sessions.setup(kept.session_ids[0])).cell.robot_serial_number
-    stated = ReportConditions(
-        simulated=kept.simulated,
-        robot_serial_number=serial,
-        written_at=moment(written),
-        notes=kept.summary.notes,
-    )
-    return kept, stated
+    return content_of(await drawn(visit.here, KINDS[kind], number, visit.words))
 
 
 @dataclass(frozen=True, slots=True)

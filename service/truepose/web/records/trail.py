@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from http import HTTPStatus
+from typing import Final
 
 from fastapi.responses import HTMLResponse
 
@@ -10,12 +11,15 @@ from truepose.web.places.next_step import Step, step_after
 from truepose.web.records.links import Link, address_of, link_to
 from truepose.web.visits import Visit
 
+_REPORTED: Final = (WorkKind.IDENTIFICATION, WorkKind.DIAGNOSIS, WorkKind.VALIDATION)
+
 
 @dataclass(frozen=True, slots=True)
 class Trail:
     """A record among its own."""
 
     here: str  # address of the record itself
+    report: str  # its address; empty where a record of this kind has none
     links: tuple[Link, ...]
     step: Step | None
 
@@ -24,7 +28,8 @@ async def trail_of(visit: Visit, kind: WorkKind, number: int) -> Trail:
     """Return a record's trail; the record must exist."""
     lineage = await visit.here.lineages.of(kind, number)
     links = tuple(link_to(item, visit.words) for item in lineage.items)
-    return Trail(address_of(kind, number), links, step_after(lineage))
+    report = f"/reports/{kind.value}/{number}" if kind in _REPORTED else ""
+    return Trail(address_of(kind, number), report, links, step_after(lineage))
 
 
 def missing(visit: Visit) -> HTMLResponse:

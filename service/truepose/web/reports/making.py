@@ -28,6 +28,12 @@ async def report_of(
     return await here.reports.get(subject, revision, words.language)
 
 
+async def drawn(here: Context, kind: ReportKind, number: int, words: Catalogue) -> str:
+    """Return the report of a result as a page that is kept nowhere."""
+    drawable = await kind.drawable(here, number, Choice(), words)
+    return await here.drawing_desk.draw(drawable.draw, drawable.of(await drawable.conditions(words)))
+
+
 async def _made(
     here: Context, subject: ReportSubject, revision: int, words: Catalogue
 ) -> ReportRecord | None:
