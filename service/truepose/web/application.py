@@ -25,6 +25,7 @@ from truepose.web.calibration import (
 from truepose.web.context import Context
 from truepose.web.door.hosts import AllowedHosts
 from truepose.web.door.middleware import Door
+from truepose.web.examples import add_examples
 from truepose.web.healthiness import routes as health
 from truepose.web.lanes import Lanes
 from truepose.web.limits import RequestLimits
@@ -163,6 +164,7 @@ def _complete_openapi(app: FastAPI) -> None:
             )
             schemas = app.openapi_schema.setdefault("components", {}).setdefault("schemas", {})
             schemas["Problem"] = problems.Problem.model_json_schema()
+            add_examples(app.openapi_schema)
         return app.openapi_schema
 
     app.openapi = document  # type: ignore[method-assign]  # the framework's own way to extend it

@@ -14,6 +14,7 @@ from truepose.storage.records import EventRecord, Page
 from truepose.web.context import Context, Here
 from truepose.web.problems import problems
 from truepose.web.schemas.base import NUMBER_LIMIT
+from truepose.web.schemas.streams import EVENT_STREAM, stream_content
 
 router = APIRouter(prefix="/events", tags=["events"])
 _BATCH: Final = 200
@@ -24,7 +25,6 @@ _EXAMPLE: Final = (
     '"done": 12, "skipped": 0, "planned": 55, "elapsed_s": 345.2, "remaining_s": 1190.0, '
     '"doing": "measuring configuration 13"}\n\n'
 )
-_STREAM: Final = {"text/event-stream": {"schema": {"type": "string"}, "example": _EXAMPLE}}
 OfRecord = Annotated[int | None, Query(ge=1, le=NUMBER_LIMIT)]
 EventNumber = Annotated[
     int | None,
@@ -50,7 +50,7 @@ class _Interest:
     "",
     response_class=StreamingResponse,
     responses={
-        200: {"description": "Events as they happen.", "content": _STREAM},
+        200: {"description": "Events as they happen.", "content": stream_content(_EXAMPLE)},
         **problems(404, 422, 503),
     },
 )
@@ -74,7 +74,7 @@ async def follow_events(
     start = await _start(here, interest, last_event_id)
     headers = {"Cache-Control": "no-store", "X-Accel-Buffering": "no"}
     return StreamingResponse(
-        _stream(here, interest, start, stop_after_s), media_type="text/event-stream", headers=headers
+        _stream(here, interest, start, stop_after_s), media_type=EVENT_STREAM, headers=headers
     )
 
 

@@ -125,7 +125,7 @@ def test_a_cause_that_fails_while_it_works_is_named(tmp_path):
     assert done.returncode == 2
     assert done.stderr.splitlines() == [
         "The installed cause 'daily' failed with ZeroDivisionError: division by zero. Mend or remove the "
-        "package that brings it."
+        "package that brings it. [TP-4017]"
     ]
 
 

@@ -16,6 +16,7 @@ from pydantic import AfterValidator
 
 from truepose.domain.people import NAME_PATTERN, tidy_name
 from truepose.web.context import Context
+from truepose.web.schemas.streams import EVENT_STREAM, stream_content
 
 _HEARTBEAT_S: Final = 1.0  # a page tells a person within two seconds that the link is gone
 TabletName = Annotated[
@@ -33,8 +34,7 @@ TabletName = Annotated[
 
 def stream_examples(sample: Mapping[str, object]) -> dict[str, Any]:
     """Return what documents a stream of such samples."""
-    example = f"event: sample\ndata: {json.dumps(sample)}\n\n"
-    return {"text/event-stream": {"schema": {"type": "string"}, "example": example}}
+    return stream_content(f"event: sample\ndata: {json.dumps(sample)}\n\n")
 
 
 def streamed(
@@ -47,7 +47,7 @@ def streamed(
     """Return the answer that sends situations and samples, as JSON, while `watching` counts the tablet."""
     headers = {"Cache-Control": "no-store", "X-Accel-Buffering": "no"}
     stream = _stream(here, watching, situations, samples, stop_after_s)
-    return StreamingResponse(stream, media_type="text/event-stream", headers=headers)
+    return StreamingResponse(stream, media_type=EVENT_STREAM, headers=headers)
 
 
 class _Mailbox:

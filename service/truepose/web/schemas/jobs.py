@@ -4,7 +4,7 @@ from pydantic import Field
 
 from truepose.analysis.workers.queue import Foreseen
 from truepose.storage.records import JobKind, JobRecord, JobState
-from truepose.web.schemas.base import RecordedAt, RecordId, Reply
+from truepose.web.schemas.base import RecordedAt, RecordId, Reply, example
 
 _RESULTS = {
     JobKind.IDENTIFICATION: "identifications",
@@ -50,6 +50,21 @@ class JobRequestReply(Reply):
 
 class JobReply(Reply):
     """A job and where it stands."""
+
+    model_config = example({
+        "id": 7,
+        "recorded_at": "2026-05-04T09:12:33.125+00:00",
+        "kind": "identification",
+        "request": {"campaign_id": 3, "effects": None, "work_count": 150},
+        "state": "running",
+        "state_since": "2026-05-04T09:12:33.410+00:00",
+        "message": "fitting 31 parameters",
+        "fraction": 0.4,
+        "remaining_s": 2.5,
+        "ahead_count": 0,
+        "result_id": None,
+        "result_url": None,
+    })
 
     id: RecordId
     recorded_at: RecordedAt

@@ -4,6 +4,7 @@ import asyncio
 import contextlib
 import re
 
+import jsonschema_rs
 import pytest
 import schemathesis
 from hypothesis import HealthCheck, given, settings
@@ -157,3 +158,28 @@ def test_every_operation_has_a_name_of_its_own_that_begins_with_what_it_does():
 
     assert sorted(set(names)) == sorted(names)
     assert [name for name in names if not BEGINS_WITH_A_VERB.fullmatch(name)] == []
+
+
+def contents_in_json():
+    for methods in DOCUMENT["paths"].values():
+        for operation in methods.values():
+            for holder in (operation.get("requestBody", {}), *operation["responses"].values()):
+                if "application/json" in holder.get("content", {}):
+                    yield operation["operationId"], holder["content"]["application/json"]
+
+
+def test_every_body_and_every_reply_in_json_has_an_example_that_fits():
+    shown = list(contents_in_json())
+
+    assert [name for name, content in shown if "example" not in content] == []
+    assert [name for name, content in shown if not fits(content["schema"], content["example"])] == []
+
+
+def fits(schema, example):
+    return jsonschema_rs.is_valid({**schema, "components": DOCUMENT["components"]}, example)
+
+
+def test_an_example_that_does_not_fit_is_found():
+    problem = {"$ref": "#/components/schemas/Problem"}
+
+    assert not fits(problem, {"status": "404"})
