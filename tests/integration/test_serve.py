@@ -43,12 +43,28 @@ def start(database_url, port=0, *cell_file, script=SERVE):
     )
 
 
+@contextlib.contextmanager
+def started(database_url):
+    process = start(database_url)
+    try:
+        yield process
+    finally:
+        process.kill()
+        process.communicate()
+
+
 @pytest.fixture
 def service(database_url):
-    process = start(database_url)
-    yield process
-    process.kill()
-    process.communicate()
+    with started(database_url) as process:
+        yield process
+
+
+@pytest.fixture(scope="module")
+def standing(tmp_path_factory):
+    """A service that all tests ask that do not end it: where it is, and its database."""
+    database_url = f"sqlite:///{tmp_path_factory.mktemp('standing')}/truepose.sqlite3"
+    with started(database_url) as process:
+        yield url_of(process), database_url
 
 
 def url_of(service):
@@ -82,8 +98,8 @@ def given(url):
     return httpx.get(f"{url}/api/v1/simulated-faults").json()["faults"]
 
 
-def test_an_engineer_gives_and_ends_a_fault_while_the_service_runs(service):
-    url = url_of(service)
+def test_an_engineer_gives_and_ends_a_fault_while_the_service_runs(standing):
+    url, _ = standing
     faults = f"{url}/api/v1/simulated-faults"
     wanted = {"person": "Ada", "kind": "smr_missing", "keys": {"nest": 2.0}}
 
@@ -100,13 +116,13 @@ def test_an_engineer_gives_and_ends_a_fault_while_the_service_runs(service):
     assert "A reflector was left out" in httpx.get(f"{url}/faults").text
 
 
-def test_without_a_cell_file_it_says_on_every_page_that_all_is_simulated(service):
-    url = url_of(service)
+def test_without_a_cell_file_it_says_on_every_page_that_all_is_simulated(standing):
+    url, _ = standing
 
     assert httpx.get(f"{url}/health").json()["simulated"] is True
     for page in ("/", "/docs"):
         text = httpx.get(url + page).text
-        assert "SIMULATED" in text
+        assert "The cell of this service is a simulated one." in text
         assert "http" not in text.replace(url, ""), "a shop floor has no content network"
 
 
@@ -203,8 +219,8 @@ def test_an_open_stream_does_not_hold_up_the_end(service):
     assert "Cancel" not in err  # Uvicorn's word for requests that it waited for in vain
 
 
-def test_a_second_service_on_the_same_database_is_one_sentence_and_status_3(service, database_url, refused):
-    url_of(service)
+def test_a_second_service_on_the_same_database_is_one_sentence_and_status_3(standing, refused):
+    _, database_url = standing
 
     status, out, err = refused(Settings(database_url, port=0))
 
@@ -213,10 +229,10 @@ def test_a_second_service_on_the_same_database_is_one_sentence_and_status_3(serv
     assert "Traceback" not in err
 
 
-def test_a_port_in_use_is_one_sentence_and_status_3(database_url):
+def test_a_port_in_use_is_one_sentence_and_status_3(database_url, refused):
     with socket.create_server(("127.0.0.1", 0)) as taken:
         port = taken.getsockname()[1]
-        status, out, err = ended(start(database_url, port))
+        status, out, err = refused(Settings(database_url, port=port))
 
     assert (status, out) == (3, "")
     assert err.startswith(f"Nothing can listen at 127.0.0.1:{port}")
@@ -267,20 +283,7 @@ def test_a_newer_schema_is_one_sentence_and_status_3(database_url, tmp_path, ref
     assert "Traceback" not in err
 
 
-def test_a_killed_service_lets_go_of_its_database(service, database_url):
-    url_of(service)
-    os.kill(service.pid, signal.SIGKILL)
-    service.wait()
-
-    second = start(database_url)
-    try:
-        assert url_of(second)
-    finally:
-        second.send_signal(signal.SIGTERM)
-        assert ended(second)[0] == 0
-
-
-def test_a_service_killed_in_a_session_keeps_its_readings_and_finds_it_awaiting_a_person(
+def test_a_service_killed_in_a_session_lets_go_of_its_database_and_finds_it_awaiting_a_person(
     service, database_url
 ):
     with httpx.Client(base_url=url_of(service), timeout=PATIENCE_S) as client:
@@ -301,7 +304,7 @@ def test_a_service_killed_in_a_session_keeps_its_readings_and_finds_it_awaiting_
             kept = client.get("/api/v1/sessions/1/readings").json()
     finally:
         second.send_signal(signal.SIGTERM)
-        ended(second)
+        assert ended(second)[0] == 0
 
     assert found["state"] == "awaiting_confirmation"
     assert "restarted" in found["reason"]

@@ -43,17 +43,21 @@ def environment(**more):
 def install(source, folder):
     """Build a wheel of `source`, install it into a fresh environment and return its folder of programs."""
     wheels = folder / "wheels"
-    pip = [sys.executable, "-m", "pip", "--disable-pip-version-check", "--quiet"]
-    offline = ["--no-deps", "--no-index", "--no-build-isolation"]
-    _run([*pip, "wheel", str(source), *offline, "--wheel-dir", str(wheels)])
+    _pip("wheel", str(source), "--no-index", "--no-build-isolation", "--wheel-dir", str(wheels))
+    (wheel,) = wheels.glob("truepose-*.whl")
+    return install_wheel(wheel, folder)
+
+
+def install_wheel(wheel, folder):
+    """Install a wheel into a fresh environment and return its folder of programs."""
     venv.create(folder / "venv", with_pip=False)
     programs = folder / "venv" / "bin"
-    (wheel,) = wheels.glob("truepose-*.whl")
-    _run([*pip, "--python", str(programs / "python"), "install", "--no-deps", "--no-index", str(wheel)])
+    _pip("--python", str(programs / "python"), "install", "--no-index", str(wheel))
     return programs
 
 
-def _run(command):
+def _pip(*arguments):
+    command = [sys.executable, "-m", "pip", "--disable-pip-version-check", "--quiet", *arguments, "--no-deps"]
     done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=120)
     assert done.returncode == 0, f"{' '.join(command)}\n{done.stdout}{done.stderr}"
 

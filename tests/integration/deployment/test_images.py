@@ -42,7 +42,7 @@ def programs(tmp_path_factory):
     return install(source, tmp_path_factory.mktemp("installed"))
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def running_cell(cell_image):
     """The cell as the compose file starts it; yields its first port and what it announced."""
     first = free_block(CONSECUTIVE_PORTS)

@@ -10,7 +10,7 @@ import zipfile
 import pytest
 
 from tests.helpers.checkout import CHECKOUT
-from tests.integration.deployment.images import environment, install
+from tests.integration.deployment.images import environment, install_wheel
 from tests.integration.documentation.test_notebook_page import promised
 from truepose.version import __version__
 
@@ -47,9 +47,9 @@ def wheel(unpacked, tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def programs(unpacked, tmp_path_factory):
+def programs(wheel, tmp_path_factory):
     """The programs of a clean environment into which the wheel of the source archive was installed."""
-    return install(unpacked, tmp_path_factory.mktemp("installed"))
+    return install_wheel(wheel, tmp_path_factory.mktemp("installed"))
 
 
 def _run(programs, arguments, folder, timeout_s=120.0):

@@ -160,12 +160,20 @@ def test_a_second_demo_in_the_same_folder_is_refused(tmp_path, capsys):
     assert "in use by another truepose service" in capsys.readouterr().err
 
 
+AS_TYPED = ("-m", "truepose", "demo", "--seed", "6", "--out")
+A_SMALL_ONE = (
+    "-c",
+    "import sys; from pathlib import Path; from truepose.demo.demo import DemoSize, run_demo; "
+    f"raise SystemExit(run_demo(Path(sys.argv[1]), 6, {SCENARIO!r}, DemoSize(30, 5)))",
+)
+
+
 @contextlib.contextmanager
-def started_demo(out):
+def started_demo(out, program=AS_TYPED):
     """A demo as a process, whose standard error can be waited for."""
     # Whoever runs the tests in the background has SIGINT ignored, and children inherit that.
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
-    command = [sys.executable, "-m", "truepose", "demo", "--out", str(out), "--seed", "6"]
+    command = [sys.executable, *program, str(out)]
     process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
     signal.signal(signal.SIGINT, before)
     try:
@@ -218,7 +226,7 @@ def until_something_is_measured(database):
 
 
 def test_a_cell_that_dies_in_the_middle_is_said_and_its_folder_can_be_used_again(tmp_path):
-    with started_demo(tmp_path) as process:
+    with started_demo(tmp_path, A_SMALL_ONE) as process:
         read_until(process, "measuring calibration")
         until_something_is_measured(tmp_path / "sessions.sqlite3")
         (cell,) = named(descendants(process.pid), "--pace")

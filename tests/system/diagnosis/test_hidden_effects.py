@@ -30,6 +30,15 @@ HARD_TO_TELL = (case("reseats"), case("gears 50 %"))
 MAY_BE_DOUBTED = (case("base drifts"), case("reseats"))
 
 
+# Small enough to be found at half their size as well, which says more than twice the size would.
+FOUND_AT_HALF = ("wave of joint 4", "gain of joint 5", "backlash", "base jumps", "tracker drifts", "one nest")
+FOUND_AT_TWICE = [
+    one
+    for one in REALISTIC
+    if one not in (*HARD_TO_TELL, *MAY_BE_DOUBTED, *(case(part) for part in FOUND_AT_HALF))
+]
+
+
 def pairs(*parts):
     return [pytest.param((case(a), case(b)), id=f"{a} and {b}") for a, b in parts]
 
@@ -75,9 +84,7 @@ def test_an_effect_that_may_be_doubted_is_named_or_stands_beside_the_name(hidden
     assert helps or "validation readings contradict" in english(diagnosis.message)
 
 
-@pytest.mark.parametrize(
-    "hidden", each(one for one in REALISTIC if one not in (*HARD_TO_TELL, *MAY_BE_DOUBTED))
-)
+@pytest.mark.parametrize("hidden", each(FOUND_AT_TWICE))
 def test_twice_the_size_is_found_in_fifty_readings(hidden, diagnosed):
     diagnosis, outcome = diagnosed(trial_of((hidden,), 50, seed=31, factor=2.0))
 
@@ -92,9 +99,7 @@ def test_what_fifty_readings_hardly_tell_is_seen_and_given_no_wrong_name(hidden,
     assert outcome.wrong == ()
 
 
-@pytest.mark.parametrize(
-    "part", ["wave of joint 4", "gain of joint 5", "backlash", "base jumps", "tracker drifts", "one nest"]
-)
+@pytest.mark.parametrize("part", FOUND_AT_HALF)
 def test_half_the_size_is_found_in_two_hundred_readings(part, diagnosed):
     diagnosis, outcome = diagnosed(trial_of((case(part),), 200, seed=41, factor=0.5))
 

@@ -25,7 +25,13 @@ BAR, OTHER_BAR = "SIM-0001", "BAR-9"
 TRACKER_WANTED = {
     "name": "short",
     "role": "calibration",
-    "plan": {"method": "choose", "configurations": 4, "seed": 1},
+    "plan": {
+        "method": "given",
+        "stops": [
+            {"config": k, "joints_deg": [5.0 * k, 40.0, -30.0, 5.0 * k, 30.0, 0.0], "nest": 1}
+            for k in range(1, 5)
+        ],
+    },
     "registration_readings": 3,
 }
 
@@ -108,8 +114,7 @@ async def cell(tmp_path):
 async def paused_after_the_registration(cell):
     """Plan a tracker session, have it register, and pause it; returns where it is."""
     planned = await cell.post("/sessions", **TRACKER_WANTED)
-    job = planned.json()["id"]
-    await cell.until(f"/jobs/{job}", lambda found: found["state"] == "succeeded")
+    assert planned.status_code == 201, planned.text
     await cell.post("/sessions/1/start")
     await cell.post("/sessions/1/confirm", person="Ada")
     await cell.until("/sessions/1", lambda found: found["registration"] is not None)
