@@ -2,6 +2,7 @@
 
 from markupsafe import Markup
 
+from truepose.correction.proof.verdict import Proof
 from truepose.domain.diagnosis import Diagnosis
 from truepose.domain.results import (
     Identification,
@@ -14,6 +15,7 @@ from truepose.reports.cause_words import verdict_words
 from truepose.reports.front.bars import error_bars
 from truepose.reports.front.page import Front, OneFigure, graded, text_of
 from truepose.reports.headline import Headline
+from truepose.reports.proof.sentences import proof_sentence, proof_verdict
 from truepose.reports.rounding import millimetres, rounded, uncertainty
 from truepose.reports.summary import decision_sentence, verdict_sentence
 from truepose.reports.uncertainty.judged import judging_figures
@@ -77,6 +79,28 @@ def diagnosis_front(diagnosis: Diagnosis, words: Catalogue) -> Front:
         picture=None if before is None or after is None else error_bars(before, after, words),
         caption=words.say("front.bars.diagnosis") if before is not None and after is not None else "",
         rule=verdict.meaning,
+    )
+
+
+def proof_front(proof: Proof, robot: str, words: Catalogue) -> Front:
+    """Return whether the corrections of a model make the robot better."""
+    verdict = proof_verdict(proof)
+    low, high = proof.gain_interval_95
+    gain = OneFigure(
+        words.say("proof.gain"),
+        words.say("proof.gain.value", gain=proof.gain),
+        words.say("proof.gain.interval", low=low, high=high),
+    )
+    return Front(
+        title=words.say("proof.title", robot=robot),
+        look=verdict.look,
+        word=words.say(verdict.word),
+        sentence=words.spoken(proof_sentence(proof)),
+        robot=robot,
+        figure=gain,
+        picture=error_bars(proof.before, proof.after, words),
+        caption=words.say("front.bars.proof"),
+        rule=words.say(verdict.next_step),
     )
 
 

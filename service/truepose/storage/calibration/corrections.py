@@ -66,6 +66,10 @@ class CorrectionRepository(NumberedRecords[CorrectionRecord]):
 
         return await self._database.write(work)
 
+    async def newest_of(self, count: int, month: str) -> list[CorrectionRecord]:
+        """Return the latest corrections of a month (`2026-11`), or of all where it is empty, newest first."""
+        return await self.newest(count, corrections.c.recorded_at.startswith(month))
+
     async def of_model(self, model_id: int, page: Page) -> Part[CorrectionRecord]:
         """Return the corrections by a model, oldest first."""
         return await self.page(page, corrections.c.model_id == model_id)

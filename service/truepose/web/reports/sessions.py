@@ -6,7 +6,7 @@ from truepose.storage.errors import ConflictError
 from truepose.web.context import Context
 from truepose.web.reports.conditions import conditions_of_sessions
 from truepose.web.reports.kinds import LISTED, Drawable, ReportKind, ReportRow
-from truepose.web.results.kinds import Choice, Origin
+from truepose.web.results.kinds import Choice, Origin, ResultKind
 from truepose.web.results.origins import origin_of, origins_of
 from truepose.web.results.registry import kind_of
 from truepose.words.catalogue import Catalogue
@@ -14,6 +14,7 @@ from truepose.words.catalogue import Catalogue
 if TYPE_CHECKING:
     from truepose.reports.conditions import ReportConditions
     from truepose.reports.front.framed import Framed
+    from truepose.reports.front.page import Front
 
 
 def draw_framed(report: Any) -> str:
@@ -52,13 +53,11 @@ async def _drawable(here: Context, number: int, choice: Choice, words: Catalogue
     if kind is None:
         raise ConflictError("The readings of this session are for an identification; its report is that one.")
     content = await kind.content(here, origin, choice, words)
-    title, robot = words.say(kind.title), (await here.sessions.setup(number)).cell.robot.name
+    front = await _front(here, origin, kind, choice, words)
 
     def framed(whole: "ReportConditions") -> "Framed":
         from truepose.reports.front.framed import Framed
-        from truepose.reports.front.page import Front
 
-        front = Front(f"{title}: {origin.record.name}", "", "", words.say("front.session"), robot)
         return Framed(front, content, whole, words.language)
 
     return Drawable(
@@ -67,6 +66,17 @@ async def _drawable(here: Context, number: int, choice: Choice, words: Catalogue
         draw_framed,
         framed,
     )
+
+
+async def _front(
+    here: Context, origin: Origin, kind: ResultKind, choice: Choice, words: Catalogue
+) -> "Front":
+    from truepose.reports.front.page import Front
+
+    if kind.first_page is not None:
+        return await kind.first_page(here, origin, choice, words)
+    robot = (await here.sessions.setup(origin.record.id)).cell.robot.name
+    return Front(f"{words.say(kind.title)}: {origin.record.name}", "", "", words.say("front.session"), robot)
 
 
 SESSION = ReportKind("session", "reports.session", _rows, _drawable)

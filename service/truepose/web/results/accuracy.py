@@ -1,7 +1,7 @@
 """How accurate a robot is, by a validation session or by a test of ISO 9283."""
 
 import asyncio
-from typing import Final
+from typing import TYPE_CHECKING, Final
 from urllib.parse import urlencode
 
 from markupsafe import Markup
@@ -16,6 +16,9 @@ from truepose.web.results.models import model_for
 from truepose.web.results.traces import Shown, traced
 from truepose.web.schemas.sessions import MOST_STOPS
 from truepose.words.catalogue import Catalogue
+
+if TYPE_CHECKING:
+    from truepose.reports.front.page import Front
 
 _TESTS: Final = (
     ("poses", "plan_test.iso9283.poses"),
@@ -72,6 +75,15 @@ async def _content(here: Context, origin: Origin, choice: Choice, words: Catalog
     return await asyncio.to_thread(validation_content, report)
 
 
+async def _first_page(here: Context, origin: Origin, choice: Choice, words: Catalogue) -> "Front":
+    from truepose.reports.front.kinds import validation_front
+
+    model, found = await accuracy_of(here, origin, choice)
+    robot = model.model.robot.name
+    title = words.say("pose_test.title", robot=robot) if found.test is not None else ""
+    return validation_front(found.validation, robot, words, title)
+
+
 def _address(origin: Origin, model: ModelRecord, choice: Choice) -> str:
     limit = {} if choice.limit_mm is None else {"limit_mm": repr(choice.limit_mm), "rule": choice.rule}
     return f"/api/v1/sessions/{origin.record.id}/accuracy?{urlencode({'model_id': model.id} | limit)}"
@@ -95,7 +107,20 @@ def _form(here: Context) -> Form:
     )
 
 
-POSE_TEST = ResultKind("iso9283", "plan_test.iso9283", is_pose_test, _content, judges=True, form=_form)
+POSE_TEST = ResultKind(
+    "iso9283",
+    "plan_test.iso9283",
+    is_pose_test,
+    _content,
+    judges=True,
+    form=_form,
+    first_page=_first_page,
+)
 ACCURACY = ResultKind(
-    "accuracy", "plan_test.accuracy", lambda origin: origin.record.role == "validation", _content, judges=True
+    "accuracy",
+    "plan_test.accuracy",
+    lambda origin: origin.record.role == "validation",
+    _content,
+    judges=True,
+    first_page=_first_page,
 )

@@ -2,7 +2,7 @@
 
 from collections.abc import Awaitable, Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Any, Literal, TypeAlias
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 from markupsafe import Markup
 
@@ -10,6 +10,9 @@ from truepose.domain.results import DecisionRule
 from truepose.storage.records import SessionRecord
 from truepose.web.context import Context
 from truepose.words.catalogue import Catalogue
+
+if TYPE_CHECKING:
+    from truepose.reports.front.page import Front
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,6 +37,7 @@ class Choice:
     rule: DecisionRule = "guard band"
 
 
+FirstPage: TypeAlias = "Callable[[Context, Origin, Choice, Catalogue], Awaitable[Front]]"
 Content: TypeAlias = Callable[[Context, Origin, Choice, Catalogue], Awaitable[Markup]]
 
 
@@ -70,3 +74,4 @@ class ResultKind:
     content: Content
     judges: bool = False  # a model that the reader may choose, against a limit
     form: Callable[[Context], Form] | None = field(default=None)  # None: planned elsewhere
+    first_page: "FirstPage | None" = None  # of its report; None: its content says it all

@@ -1,6 +1,7 @@
 """The proof of a correction: the same targets without and with it."""
 
 import asyncio
+from typing import TYPE_CHECKING
 
 from markupsafe import Markup
 
@@ -15,6 +16,9 @@ from truepose.web.results.models import made_on
 from truepose.web.results.traces import Shown, traced
 from truepose.words.catalogue import Catalogue
 
+if TYPE_CHECKING:
+    from truepose.reports.front.page import Front
+
 _PROVES = "proves_model_id"
 
 
@@ -28,6 +32,14 @@ async def _content(here: Context, origin: Origin, choice: Choice, words: Catalog
     warnings = await _warnings(here, model, ending.conditions.robot_serial_number)
     report = ProofInput(proof, words.say("audit.model", number=model.id), ending, warnings)
     return await asyncio.to_thread(proof_content, report, words)
+
+
+async def _first_page(here: Context, origin: Origin, choice: Choice, words: Catalogue) -> "Front":
+    from truepose.reports.front.kinds import proof_front
+
+    model = await here.results.model(origin.asked[_PROVES])
+    proof = await proof_by_session(here.sessions, here.readings, origin.record.id, model.model)
+    return proof_front(proof, model.robot, words)
 
 
 async def _warnings(here: Context, model: ModelRecord, serial: str) -> tuple[Sentence, ...]:
@@ -49,4 +61,11 @@ def _form(here: Context) -> Form:
     )
 
 
-PROOF = ResultKind("prove", "plan_test.prove", lambda origin: _PROVES in origin.asked, _content, form=_form)
+PROOF = ResultKind(
+    "prove",
+    "plan_test.prove",
+    lambda origin: _PROVES in origin.asked,
+    _content,
+    form=_form,
+    first_page=_first_page,
+)

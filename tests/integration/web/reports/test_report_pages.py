@@ -4,9 +4,10 @@ import re
 
 import pytest
 
-from tests.helpers.diagnosis.diagnosed_cells import consistent, two_findings
+from tests.helpers.diagnosis.diagnosed_cells import nothing_fitted, two_findings
 from tests.helpers.domain.builders import make_campaign
 from tests.integration.web.bench import session_request
+from tests.integration.web.calibration.stored_models import store_model
 from truepose.analysis.workers.drawing import DrawTask
 from truepose.exchange.campaigns.zip_file import write_campaign_zip
 
@@ -15,7 +16,7 @@ class Worker:
     """Draws in this process, and answers everything else with the diagnosis that it was told to give."""
 
     def __init__(self):
-        self.answer = consistent()
+        self.answer = nothing_fitted()  # has no pictures, and is quick to draw
         self.drawn = 0
 
     async def __call__(self, task, told):
@@ -35,7 +36,7 @@ def diagnosed(client, until, worker):
     """Diagnose an uploaded campaign and return the number of the diagnosis."""
 
     async def ask(answer=None):
-        worker.answer = answer or consistent()
+        worker.answer = answer or nothing_fitted()
         archive = write_campaign_zip(make_campaign())
         uploaded = await client.post(
             "/api/v1/campaigns", content=archive, headers={"Content-Type": "application/zip"}
@@ -73,7 +74,7 @@ async def test_reports_are_found_by_robot_words_and_month(client, diagnosed):
 
 
 async def test_a_report_is_made_once_for_the_same_content(client, diagnosed, worker):
-    number = await diagnosed(two_findings())
+    number = await diagnosed()
 
     first = await client.get(f"/reports/diagnosis/{number}")
     again = await client.get(f"/reports/diagnosis/{number}")
@@ -85,7 +86,7 @@ async def test_a_report_is_made_once_for_the_same_content(client, diagnosed, wor
 
 
 async def test_another_language_is_the_same_revision(client, diagnosed):
-    number = await diagnosed(two_findings())
+    number = await diagnosed()
     await client.get(f"/reports/diagnosis/{number}")
 
     french = await client.get(f"/reports/diagnosis/{number}?language=fr")
@@ -117,13 +118,49 @@ async def test_what_there_is_not_is_said_on_a_page(client, path, form):
     assert "This report cannot be shown" in answer.text
 
 
-async def test_the_page_that_closes_a_session_shows_which_certificates_did_not_hold(client, until):
-    answer = await client.post("/api/v1/sessions", json=session_request(n=3))
+async def measured(client, until, **changes):
+    """Run a session to its end and return its number."""
+    answer = await client.post("/api/v1/sessions", json=session_request(n=3, **changes))
     path = answer.headers["Location"]
     await client.post(f"{path}/start")
     await client.post(f"{path}/confirm", json={"person": "Ada"})
     await until(path, "state", "finished")
-    page = f"/sessions/{path.rsplit('/', 1)[1]}/closing"
+    return int(path.rsplit("/", 1)[1])
+
+
+async def test_a_session_passes_or_not_on_its_first_page_and_closing_it_is_a_revision(app, client, until):
+    await store_model(app.state.context)
+    number = await measured(client, until, role="validation")
+
+    judged = (await client.get(f"/reports/session/{number}", params={"limit_mm": 0.2})).text
+    await client.post(
+        f"/api/v1/sessions/{number}/closing",
+        json={"closed_as": "calibrated", "person": "Ada", "reason": "Checked on the bar."},
+    )
+    closed = (await client.get(f"/reports/session/{number}", params={"limit_mm": 0.2})).text
+    older = (await client.get(f"/reports/session/{number}", params={"revision": 1})).text
+
+    assert "NOT PASSED" in judged
+    assert "guard band by ISO 14253-1" in judged
+    assert f"{number}, revision 1" in judged
+    assert "Not closed yet" in judged
+    assert "revision 2" in closed
+    assert "Reason given: Checked on the bar." in closed
+    assert "Not closed yet" in older
+
+
+async def test_a_session_for_an_identification_has_no_report_of_its_own(client, until):
+    number = await measured(client, until)
+
+    answer = await client.get(f"/reports/session/{number}")
+
+    assert answer.status_code == 409
+    assert "its report is that one" in answer.text
+
+
+async def test_the_page_that_closes_a_session_shows_which_certificates_did_not_hold(client, until):
+    number = await measured(client, until)
+    page, path = f"/sessions/{number}/closing", f"/api/v1/sessions/{number}"
 
     before = (await client.get(page)).text
     await client.post(
@@ -136,3 +173,15 @@ async def test_the_page_that_closes_a_session_shows_which_certificates_did_not_h
     assert 'id="close"' not in after
     assert "although a certificate did not hold" in after
     assert "Checked." in after
+
+
+async def test_a_planned_session_has_a_checklist_to_print(client):
+    answer = await client.post("/api/v1/sessions", json=session_request(n=3))
+    page = f"/sessions/{answer.headers['Location'].rsplit('/', 1)[1]}/checklist"
+
+    shown, printed = await client.get(page), await client.get(f"{page}.pdf")
+
+    assert shown.status_code == 200
+    assert shown.text.count('<td><span class="box">') == 3
+    assert printed.content.startswith(b"%PDF-")
+    assert (await client.get("/sessions/99/checklist")).status_code == 404
