@@ -55,15 +55,13 @@ class JobReply(Reply):
         "id": 7,
         "recorded_at": "2026-05-04T09:12:33.125+00:00",
         "kind": "identification",
-        "request": {"campaign_id": 3, "effects": None, "work_count": 150},
-        "state": "running",
-        "state_since": "2026-05-04T09:12:33.410+00:00",
-        "message": "fitting 31 parameters",
-        "fraction": 0.4,
-        "remaining_s": 2.5,
-        "ahead_count": 0,
-        "result_id": None,
-        "result_url": None,
+        "request": {"campaign_id": 3, "effects": ["base", "geometry"], "work_count": 150},
+        "state": "succeeded",
+        "state_since": "2026-05-04T09:12:36.410+00:00",
+        "message": "Converged.",
+        "fraction": 1.0,
+        "result_id": 4,
+        "result_url": "/api/v1/identifications/4",
     })
 
     id: RecordId
