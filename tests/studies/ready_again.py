@@ -1,13 +1,17 @@
-"""How soon a killed service is ready again on a database of a million readings.
+"""How soon a killed service is ready again on a database of a million readings, and how it lists them.
 
 `python -m tests.studies.ready_again --out DIR [--readings N] [--runs N]` fills a database, then starts the
-service as `truepose serve` does, asks `/health` until it answers, writes, and kills it, again and again.
+service as `truepose serve` does, asks `/health` until it answers, writes, and kills it, again and again. The
+last one lists readings from the beginning, the middle and the end.
 """
 
 import asyncio
 import json
+import os
+import statistics
 import time
 from dataclasses import dataclass
+from pathlib import Path
 
 import httpx
 import numpy as np
@@ -41,6 +45,8 @@ class Ready:
     p95_s: float
     longest_health_s: float  # while everything was looked through, after the last start
     integrity: str
+    page_ms: dict[str, float]  # median, by what was listed
+    memory_mb: float  # of the service, after all that
 
 
 async def _fill(database, readings):
@@ -80,6 +86,38 @@ async def _busy_while_checked(service):
             await asyncio.sleep(0.1)
 
 
+_PAGES = {
+    "readings, first": "/api/v1/readings?limit=100",
+    "readings, middle": "/api/v1/readings?limit=100&after={middle}",
+    "readings, last": "/api/v1/readings?limit=100&after={last}",
+    "of the session, first": "/api/v1/sessions/1/readings?limit=100",
+    "of the session, last": "/api/v1/sessions/1/readings?limit=100&after={last}",
+    "sessions": "/api/v1/sessions",
+    "metrics": "/metrics",
+}
+
+
+async def _listed(service, readings):
+    """Return how long a page of each list takes, in the median of seven."""
+    places = {"middle": readings // 2, "last": readings - 100}
+    async with httpx.AsyncClient(base_url=service.url, trust_env=False, timeout=60) as http:
+        return {name: await _median_ms(http, path.format(**places)) for name, path in _PAGES.items()}
+
+
+async def _median_ms(http, path):
+    took = []
+    for _ in range(7):
+        begun_s = time.perf_counter()
+        (await http.get(path)).raise_for_status()
+        took.append(1000 * (time.perf_counter() - begun_s))
+    return statistics.median(took)
+
+
+def _memory_mb(service):
+    pages = int(Path(f"/proc/{service.pid}/statm").read_text().split()[1])
+    return pages * os.sysconf("SC_PAGE_SIZE") / 1e6
+
+
 async def ready_again(folder, readings, runs):
     """Kill and start again so often."""
     file = folder / "truepose.sqlite3"
@@ -97,11 +135,15 @@ async def ready_again(folder, readings, runs):
             await service.kill()
     try:
         longest_s, integrity = await _busy_while_checked(service)
+        page_ms = await _listed(service, readings)
+        memory_mb = _memory_mb(service)
     finally:
         await service.kill()
     after_kills = tuple(ready_s[1:])
     p95_s = float(np.quantile(after_kills, 0.95, method="higher"))
-    return Ready(readings, file.stat().st_size / 1e6, after_kills, p95_s, longest_s, integrity)
+    return Ready(
+        readings, file.stat().st_size / 1e6, after_kills, p95_s, longest_s, integrity, page_ms, memory_mb
+    )
 
 
 def told(found):
@@ -109,7 +151,10 @@ def told(found):
     return (
         f"{found.readings} readings, {found.megabytes:.0f} MB: ready after {len(found.ready_s)} kills in "
         f"{min(found.ready_s):.2f} to {max(found.ready_s):.2f} s, p95 {found.p95_s:.2f} s; "
-        f"looked through: {found.integrity}, /health within {found.longest_health_s:.2f} s meanwhile\n"
+        f"looked through: {found.integrity}, /health within {found.longest_health_s:.2f} s meanwhile; "
+        f"{found.memory_mb:.0f} MB; a page of 100 in ms: "
+        + ", ".join(f"{name} {took:.0f}" for name, took in found.page_ms.items())
+        + "\n"
     )
 
 

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from typing import Any, Generic, TypeVar
 
-from sqlalchemy import ColumnElement, Row, Select, Table
+from sqlalchemy import ColumnElement, Row, Select, Table, select
 
 from truepose.storage.database import Database
 from truepose.storage.errors import NotFoundError
@@ -40,6 +40,11 @@ class NumberedRecords(Generic[R]):
         if not found:
             raise NotFoundError(self._kind, number)
         return found[0]
+
+    async def require(self, number: int) -> None:
+        """Raise NotFoundError where there is no record of that number; what it holds is not looked at."""
+        if not await self._database.read(lambda c: c.scalar(select(self._id).where(self._id == number))):
+            raise NotFoundError(self._kind, number)
 
     async def page(self, page: Page, *conditions: ColumnElement[bool]) -> Part[R]:
         """Return records of which all conditions hold, oldest first."""

@@ -42,6 +42,6 @@ async def list_readings_of_session(
     here: Here, id: Id, paging: Paged, kind: OfKind = None, superseded: Superseded = True
 ) -> list[ReadingReply]:
     """List the readings of a session in the order they were taken."""
-    await here.sessions.get(id)
+    await here.sessions.require(id)
     found = await here.readings.page(paging.page, session_id=id, kind=kind, superseded=superseded)
     return paging.shown(found, reading_reply)
