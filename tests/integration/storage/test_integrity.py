@@ -253,3 +253,22 @@ async def test_a_removed_database_comes_back_without_anybody_writing(database):
 
     guarding.cancel()
     await asyncio.gather(guarding, return_exceptions=True)
+
+
+async def test_another_file_in_its_place_is_no_damage_of_the_database(database):
+    await fill(database)
+    database.file.rename(database.file.with_name("away"))
+    database.file.write_text("something else")
+
+    guarding = asyncio.create_task(Guard(database, 0.0).follow())
+    async with asyncio.timeout(60):
+        while "Another file lies" not in (database.condition.fault or ""):
+            await asyncio.sleep(0.05)
+    await asyncio.sleep(1.0)
+    assert not database.condition.damaged
+
+    database.file.with_name("away").replace(database.file)
+    await whole(database)
+    guarding.cancel()
+    await asyncio.gather(guarding, return_exceptions=True)
+    assert database.condition.fault is None

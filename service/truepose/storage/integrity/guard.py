@@ -57,6 +57,7 @@ class Guard:
         await asyncio.sleep(self._first_s)
         await self.check_seal()
         while True:
+            await self._database.writable()
             self._doubt.clear()
             try:
                 await self._verify()
@@ -108,10 +109,18 @@ class Guard:
         findings = await self._findings()
         if findings:
             findings = await self._findings()
+        if findings and not await self._is_ours():
+            self._doubt.set()  # once it is, it is looked through
+            return
         for finding in findings:
             _LOG.error("%s", finding)
             self._condition.note_damage(finding, finding)
         self._condition.end_verification(whole=not findings)
+
+    async def _is_ours(self) -> bool:
+        """Whether what lies at the place is the open database, which alone can be damaged."""
+        await self.look()
+        return self._condition.trouble is None
 
     async def _findings(self) -> list[str]:
         process = await asyncio.create_subprocess_exec(

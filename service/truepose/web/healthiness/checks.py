@@ -92,8 +92,10 @@ def _chain(records: Records) -> Check:
 
 def _backup(state: State) -> Check:
     copies = state.copies
-    if copies is None:  # in a simulated cell there is nothing that could not be had again
-        return Check("backup", "ok" if state.simulated else "warn", said("health.backup.none"))
+    if copies is None and state.simulated:
+        return Check("backup", "ok", said("health.backup.simulated"))
+    if copies is None:
+        return Check("backup", "warn", said("health.backup.none"))
     if copies.fault:
         return Check("backup", "bad", said("health.backup.failed", why=copies.fault))
     if copies.age_s is None:
