@@ -1,6 +1,7 @@
 """The walls of the house: import contracts, sizes, and names that have no place in the repository."""
 
 import ast
+import contextlib
 import re
 import statistics
 import subprocess
@@ -9,6 +10,8 @@ from importlib.metadata import entry_points
 from pathlib import Path
 
 import pytest
+
+from truepose.web.application import create_application
 
 _CHECKOUT = Path(__file__).parents[1]
 _PACKAGES = ("service", "drivers", "simulators", "migrations")
@@ -155,3 +158,7 @@ def test_every_driver_has_a_readme_that_says_what_was_not_tried():
     assert readmes
     assert [_named(path) for path in readmes if not path.is_file()] == []
     assert [_named(path) for path in readmes if "hardware" not in _text(path).lower()] == []
+
+
+def test_every_operation_has_a_least_role():
+    create_application("test", contextlib.nullcontext)  # it would not start: web/people/rights.py

@@ -1,5 +1,6 @@
 """What a service is started with; read by the composition root and the command line only."""
 
+import ipaddress
 import os
 import sys
 from dataclasses import dataclass, field
@@ -52,3 +53,18 @@ class Settings:
     backups: BackupPlan | None = None
     log_file: Path | None = None  # of JSON lines; None: beside the database
     log_level: LogLevel = LogLevel.INFO
+    tls_certificate: Path | None = None  # PEM; with it the service speaks TLS itself
+    tls_key: Path | None = None
+    accounts: bool = True  # False: nobody is asked who they are; on loopback only
+
+    @property
+    def reached_from_here_alone(self) -> bool:
+        """Whether only this computer reaches the service: on loopback, behind no proxy."""
+        return not self.allowed_hosts and _is_loopback(self.host)
+
+
+def _is_loopback(host: str) -> bool:
+    try:
+        return ipaddress.ip_address(host).is_loopback
+    except ValueError:
+        return host.lower() == "localhost"

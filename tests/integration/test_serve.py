@@ -161,7 +161,7 @@ def test_a_connection_ends_whose_other_side_acknowledges_nothing():
 
 def test_an_address_that_stands_for_all_is_told_as_one_that_answers():
     with _listening("0.0.0.0", 0) as listener:
-        assert _url(listener) == f"http://127.0.0.1:{listener.getsockname()[1]}"
+        assert _url(listener, "http") == f"http://127.0.0.1:{listener.getsockname()[1]}"
 
 
 def test_a_host_that_is_none_is_one_sentence_and_status_2(refused):

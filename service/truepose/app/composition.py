@@ -25,6 +25,7 @@ from truepose.operation.devices import MountedDevice, Rack
 from truepose.operation.guided.outlooks import Outlooks
 from truepose.operation.guided.sessions import GuidedSessions
 from truepose.operation.lookout.watch import Lookout
+from truepose.operation.people.desk import PeopleDesk, open_people
 from truepose.operation.present_cell import PresentCell
 from truepose.operation.repeated_diagnosis import RepeatedDiagnosis
 from truepose.operation.sessions import SessionDesk
@@ -85,7 +86,8 @@ def create_app(
 
 def allowed_hosts(settings: Settings) -> AllowedHosts:
     """Return the names under which the service may be asked; raises UnusableHostError."""
-    return AllowedHosts(settings.allowed_hosts, settings.host)
+    scheme = "http" if settings.tls_certificate is None else "https"
+    return AllowedHosts(settings.allowed_hosts, settings.host, scheme)
 
 
 def program_version() -> str:
@@ -132,7 +134,8 @@ async def open_context(
         stack.push_async_callback(rack.close)
         backups = _backups(database, settings)
         lookout = Lookout(database, rack, cell, backups, lines_lost)
-        context = _context(cell, present, database, rack, simulation, perform, lookout)
+        people = await stack.enter_async_context(_people(database, settings))
+        context = _context(cell, present, database, rack, simulation, perform, lookout, people)
         await context.session_desk.recover()
         await context.job_desk.mark_interrupted(_RESTARTED)
         stack.push_async_callback(context.job_desk.close)
@@ -151,6 +154,10 @@ def _beside(stack: contextlib.AsyncExitStack, work: Coroutine[None, None, None],
 
 def _backups(database: Database, settings: Settings) -> BackupSchedule | None:
     return None if settings.backups is None else BackupSchedule(database.file, settings.backups)
+
+
+def _people(database: Database, settings: Settings) -> contextlib.AbstractAsyncContextManager[PeopleDesk]:
+    return open_people(database, asked_for=settings.accounts, alone=settings.reached_from_here_alone)
 
 
 async def _end(task: asyncio.Task[None]) -> None:
@@ -278,6 +285,7 @@ def _context(
     simulation: Simulation | None,
     perform: Perform,
     lookout: Lookout,
+    people: PeopleDesk,
 ) -> Context:
     sessions, readings = SessionRepository(database), ReadingRepository(database)
     campaigns, jobs = CampaignRepository(database), JobRepository(database)
@@ -324,6 +332,7 @@ def _context(
         closing_desk=ClosingDesk(sessions, closings, rack, present),
         job_desk=job_desk,
         campaign_desk=campaign_desk,
+        people=people,
         stopping=asyncio.Event(),
         fault=lambda: None if simulation is None else simulation.fault,
     )

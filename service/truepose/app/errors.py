@@ -3,6 +3,7 @@
 StartError
 ├── SimulationFailedError   the simulated cell did not come up
 │   └── ScenarioRefusedError    it refuses the scenario that it should be
+├── UnsafeStartError        it would let in whoever reaches it, or speak TLS with what is no certificate
 └── PortInUseError          somebody listens at that address already
 """
 
@@ -19,6 +20,10 @@ class SimulationFailedError(StartError):
 
 class ScenarioRefusedError(SimulationFailedError):
     """The simulated cell refuses the scenario that it should be."""
+
+
+class UnsafeStartError(StartError):
+    """The service would let in whoever reaches it, or speak TLS with what is no certificate."""
 
 
 class PortInUseError(StartError):

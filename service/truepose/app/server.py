@@ -18,8 +18,9 @@ from truepose.app.composition import allowed_hosts, open_context, program_versio
 from truepose.app.connections.census import Census, Limits, looked_after
 from truepose.app.connections.descriptors import connection_limit
 from truepose.app.connections.protocol import WatchedProtocol
-from truepose.app.errors import PortInUseError, ScenarioRefusedError
+from truepose.app.errors import PortInUseError, ScenarioRefusedError, UnsafeStartError
 from truepose.app.logs.journal import logged
+from truepose.app.safety import require_safe, speak_tls
 from truepose.app.service_manager import keep_telling, tell
 from truepose.domain.errors import TrueposeError
 from truepose.effects.registry import unusable_causes
@@ -27,6 +28,7 @@ from truepose.exchange.errors import ExchangeError
 from truepose.settings import Settings
 from truepose.storage.connection.address import database_file
 from truepose.web.application import create_application
+from truepose.web.context import Context
 from truepose.web.door.errors import UnusableHostError
 from truepose_drivers.errors import DriverError
 
@@ -46,6 +48,7 @@ def serve(settings: Settings) -> int:
     allowed host that cannot be used, 3 for a database, a port or a simulated cell that cannot.
     """
     try:
+        require_safe(settings)
         with logged(log_file(settings), settings.log_level.upper()) as lost:
             logging.getLogger("alembic").setLevel(logging.WARNING)
             for sentence in unusable_causes():
@@ -53,7 +56,7 @@ def serve(settings: Settings) -> int:
             asyncio.run(_serve(settings, lambda: lost.lines))
     except KeyboardInterrupt:  # before the service was ready and took care of signals itself
         return 0
-    except (ExchangeError, ScenarioRefusedError, UnusableHostError) as error:
+    except (ExchangeError, ScenarioRefusedError, UnsafeStartError, UnusableHostError) as error:
         return _refuse(error, _UNUSABLE_INPUT)
     except (TrueposeError, DriverError) as error:
         return _refuse(error, _SERVICE_FAILED)
@@ -92,7 +95,8 @@ async def _serve(settings: Settings, lines_lost: Callable[[], int]) -> None:
                 log_level=logging.WARNING,
                 timeout_graceful_shutdown=_GRACE_S,
             )
-            server = _Server(config, _url(listener), lambda: stop_streams(context))
+            url = _url(listener, speak_tls(config, settings))
+            server = _Server(config, _said(context, url), lambda: stop_streams(context))
             with _ended_by_signals(server):
                 telling = asyncio.create_task(keep_telling(), name="service manager")
                 try:
@@ -105,18 +109,20 @@ async def _serve(settings: Settings, lines_lost: Callable[[], int]) -> None:
 class _Server(uvicorn.Server):
     """Says when it is ready, and ends streams before it waits for connections to close."""
 
-    def __init__(self, config: uvicorn.Config, url: str, before_shutdown: Callable[[], None]) -> None:
+    def __init__(
+        self, config: uvicorn.Config, said: dict[str, str], before_shutdown: Callable[[], None]
+    ) -> None:
         super().__init__(config)
-        self._url = url
+        self._said = said
         self._before_shutdown = before_shutdown
 
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
         await super().startup(sockets)
         for listener in sockets or ():
             listener.listen(_QUEUE)
-        sys.stdout.write(json.dumps({"url": self._url}) + "\n")
+        sys.stdout.write(json.dumps(self._said) + "\n")
         sys.stdout.flush()
-        _LOG.info("ready at %s", self._url)
+        _LOG.info("ready at %s", self._said["url"])
         tell("READY=1")
 
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
@@ -165,8 +171,19 @@ def _listening(host: str, port: int) -> Iterator[socket.socket]:
         yield listener
 
 
-def _url(listener: socket.socket) -> str:
+def _said(context: Context, url: str) -> dict[str, str]:
+    """Return what is told when the service is ready, and how the first person enters."""
+    accounts = context.people.accounts
+    if not accounts.asked_for or not accounts.nobody_entered:
+        return {"url": url}
+    link = f"{url}/first-person/{accounts.first_secret}"
+    # Not through the log, which is kept.
+    sys.stderr.write(f"Nobody is entered yet. The first person, an administrator, enters here: {link}\n")
+    return {"url": url, "first_person": link}
+
+
+def _url(listener: socket.socket, scheme: str) -> str:
     """Return where it is reached; an address that stands for all is none, so this computer's own is said."""
     host, port = listener.getsockname()[:2]
     host = {"0.0.0.0": "127.0.0.1", "::": "::1"}.get(host, host)
-    return f"http://{f'[{host}]' if ':' in host else host}:{port}"
+    return f"{scheme}://{f'[{host}]' if ':' in host else host}:{port}"

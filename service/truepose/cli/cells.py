@@ -91,6 +91,13 @@ def serve_command(
             "https://NAME behind a proxy with TLS. May be repeated.",
         ),
     ] = None,
+    tls_certificate: Annotated[
+        Path | None, typer.Option(help="PEM file of a certificate: the service speaks TLS itself.")
+    ] = None,
+    tls_key: Annotated[Path | None, typer.Option(help="PEM file of its key.")] = None,
+    accounts: Annotated[
+        bool, typer.Option("--accounts/--no-accounts", help="Ask who somebody is; without, on loopback only.")
+    ] = True,
     faults: Faults = None,
     backup_to: Annotated[
         Path | None, typer.Option(help="Folder for copies of the database, made while the service runs.")
@@ -125,6 +132,9 @@ def serve_command(
             backups=None if backup_to is None else BackupPlan(backup_to, backup_every, backup_keep),
             log_file=log_file,
             log_level=log_level,
+            tls_certificate=tls_certificate,
+            tls_key=tls_key,
+            accounts=accounts,
         )
     )
 

@@ -48,6 +48,9 @@ _COMMANDS = {
 }
 
 
+_GROUPS = {"people": "people"}  # of commands
+
+
 def main() -> int:
     """Run the command and return its exit status."""
     gc.set_threshold(_OBJECTS_BETWEEN_SEARCHES)
@@ -67,6 +70,8 @@ def _run() -> int:
     )
     for name in _asked_for(sys.argv[1:]):
         app.command(name)(_exiting(_command(name)))
+    for name in _groups_asked_for(sys.argv[1:]):
+        app.add_typer(_group(name), name=name)
     try:
         app(prog_name="truepose")
     except SystemExit as end:
@@ -77,6 +82,18 @@ def _run() -> int:
 def _asked_for(arguments: Sequence[str]) -> Iterable[str]:
     """Return the command that will run, all where none is named: what is not asked for is not imported."""
     return arguments[:1] if arguments and arguments[0] in _COMMANDS else _COMMANDS
+
+
+def _groups_asked_for(arguments: Sequence[str]) -> Iterable[str]:
+    return () if arguments and arguments[0] in _COMMANDS else _GROUPS
+
+
+def _group(name: str) -> typer.Typer:
+    module = import_module(f"truepose.cli.{_GROUPS[name]}")
+    group = typer.Typer(help=module.HELP, no_args_is_help=True)
+    for command, does in module.COMMANDS.items():
+        group.command(command)(_exiting(does))
+    return group
 
 
 def _command(name: str) -> Callable[..., int]:

@@ -47,6 +47,11 @@ from truepose.web.measurement import (
 from truepose.web.observation import routes as metrics
 from truepose.web.observation.metrics import Metrics
 from truepose.web.observation.requests import Observed
+from truepose.web.people import acts, authority, people, sign_ins, watching
+from truepose.web.people.gate import Gate
+from truepose.web.people.operations import operations_of
+from truepose.web.people.pages import router as pages_of_people
+from truepose.web.people.rights import require_complete
 from truepose.web.queries import only_known_parameters
 from truepose.web.tablet import routes as tablet
 
@@ -75,6 +80,11 @@ _RESOURCES: Final = (
     corrections,
     campaigns,
     spaces,
+    sign_ins,
+    people,
+    acts,
+    authority,
+    watching,
     events,
 )
 _DESCRIPTION: Final = (
@@ -82,8 +92,10 @@ _DESCRIPTION: Final = (
     "and names the causes of what is left. Every quantity names its unit; angles are in degrees. Errors "
     "are problem documents (RFC 9457) with one sentence in `detail`. Any request may be answered with 421 "
     "where it names another host than the service, 403 where a browser sends it from somebody else's "
-    "page, 415 where it is a form, and 503 with Retry-After where too many are under way. This software "
-    "is not the safety function: nothing moves before a named person has confirmed, and the emergency "
+    "page or the role of whoever asks is too low, 401 where nobody is signed in, 415 where it is a form, "
+    "and 503 with Retry-After where too many are under way. Programs send their token as `Authorization: "
+    "Bearer`. This software is not the safety function: nothing moves before a named person has confirmed, "
+    "and the emergency "
     "stop stays in reach."
 )
 
@@ -105,7 +117,8 @@ def create_application(
 ) -> Application:
     """Return the application; it opens its context when it starts and closes it when it ends.
 
-    It answers requests for `hosts` alone; where none are given, for those of loopback.
+    It answers requests for `hosts` alone; where none are given, for those of loopback. Raises
+    MissingRightError where nobody has said who may ask for one of its operations.
     """
 
     @contextlib.asynccontextmanager
@@ -131,6 +144,9 @@ def create_application(
     problems.install(app)
     app.add_middleware(Lanes)
     app.add_middleware(RequestLimits)
+    operations = operations_of(app.routes)
+    require_complete(operation.name for operation in operations)
+    app.add_middleware(Gate, operations=operations)
     _complete_openapi(app)
     return app
 
@@ -139,12 +155,14 @@ def create_application(
 def _resources() -> APIRouter:
     """Return all routes; they keep nothing of an application, so that every one of a process has the same."""
     api = APIRouter(
-        prefix="/api/v1", dependencies=[Depends(only_known_parameters)], responses=problems.problems(422)
+        prefix="/api/v1",
+        dependencies=[Depends(only_known_parameters)],
+        responses=problems.problems(401, 403, 422),
     )
     for resource in _RESOURCES:
         api.include_router(resource.router)
     every = APIRouter(generate_unique_id_function=_operation_id)
-    for router in (health.router, metrics.router, api, pages.router, tablet.router):
+    for router in (health.router, metrics.router, api, pages.router, pages_of_people, tablet.router):
         every.include_router(router)
     return every
 

@@ -17,6 +17,7 @@ from truepose.operation.contacts.sessions import ContactSessions
 from truepose.operation.devices import Rack
 from truepose.operation.guided.sessions import GuidedSessions
 from truepose.operation.lookout.watch import Lookout
+from truepose.operation.people.desk import PeopleDesk
 from truepose.operation.sessions import SessionDesk
 from truepose.operation.simulated_faults import FaultsDesk
 from truepose.operation.simulated_hands import HandsDesk
@@ -80,6 +81,7 @@ class Context:
     drawing_desk: DrawingDesk
     job_desk: JobDesk
     campaign_desk: CampaignDesk
+    people: PeopleDesk
     stopping: asyncio.Event  # set when the service ends: streams end with it
     fault: Callable[[], str | None]  # why the simulated cell does not run any more
 

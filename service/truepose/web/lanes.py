@@ -26,6 +26,7 @@ _URGENT: Final = re.compile(
 )
 _STREAMS: Final = re.compile(
     r"/api/v1/events|/api/v1/ballbar-sessions/[^/]+/live|/api/v1/sessions/[^/]+/guide/live"
+    r"|/watch/[^/]+/live"
 )
 _DRAWN: Final = re.compile(
     r"/diagnoses/[^/]+|/corrections/[^/]+|/plan|/sessions/[^/]+/result"

@@ -32,6 +32,15 @@ from truepose.operation.errors import (
     RealCellError,
     UnknownDeviceError,
 )
+from truepose.operation.people.errors import (
+    AccountRefusedError,
+    FreshSignInNeededError,
+    NotAllowedError,
+    SignInRefusedError,
+    SomebodyElseActsError,
+    TooManyGuessesError,
+    UnknownPersonError,
+)
 from truepose.planning.errors import WorkSpaceError
 from truepose.sequencing.errors import (
     NotNowError,
@@ -43,7 +52,7 @@ from truepose.sequencing.errors import (
 )
 from truepose.storage.errors import ConflictError, NotFoundError, StorageUnavailableError
 from truepose.web.queries import UNKNOWN_PARAMETER
-from truepose.web.schemas.base import KEY, VISIBLE
+from truepose.web.schemas.base import ANOTHER_PERSON, KEY, VISIBLE
 from truepose.words.catalogue import ENGLISH, catalogue
 from truepose.words.error_codes import code_named, code_of, explained
 from truepose_drivers.errors import DeviceRefusedError, DriverError
@@ -53,8 +62,15 @@ _IN_WORDS: Final = {  # of patterns
     NAME_PATTERN: "A name has a letter or a digit, and only characters that can be seen",
     KEY: "A key consists of letters, digits and signs of ASCII, without blanks",
 }
+FRESH_SIGN_IN: Final = "fresh-sign-in"  # that is solved by showing once more who it is
 _NAME: Final = "name"  # the kind of problem that another person's name solves
-_OF_NAMES: Final = (PersonMissingError, PersonUnknownError, PersonUnreadableError)
+_KINDS: Final[Mapping[type[Exception], str]] = {  # of problems that somebody can solve at once
+    PersonMissingError: _NAME,
+    PersonUnknownError: _NAME,
+    PersonUnreadableError: _NAME,
+    FreshSignInNeededError: FRESH_SIGN_IN,
+    SomebodyElseActsError: "authority",
+}
 MEDIA_TYPE: Final = "application/problem+json"
 _OF_FAULT: Final = {UNKNOWN_PARAMETER: "UnknownParameter", "json_invalid": "UnreadableRequest"}
 _METHODS: Final = ("DELETE", "GET", "PATCH", "POST", "PUT")
@@ -85,6 +101,13 @@ _STATUS: Mapping[type[Exception], HTTPStatus] = {
     PersonUnknownError: HTTPStatus.CONFLICT,
     PersonMissingError: HTTPStatus.UNPROCESSABLE_ENTITY,
     InputFileError: HTTPStatus.UNPROCESSABLE_ENTITY,
+    SignInRefusedError: HTTPStatus.UNAUTHORIZED,
+    FreshSignInNeededError: HTTPStatus.FORBIDDEN,
+    NotAllowedError: HTTPStatus.FORBIDDEN,
+    TooManyGuessesError: HTTPStatus.TOO_MANY_REQUESTS,
+    UnknownPersonError: HTTPStatus.NOT_FOUND,
+    AccountRefusedError: HTTPStatus.CONFLICT,
+    SomebodyElseActsError: HTTPStatus.CONFLICT,
     StorageUnavailableError: HTTPStatus.SERVICE_UNAVAILABLE,
     RecordRefusedError: HTTPStatus.SERVICE_UNAVAILABLE,
     BusyError: HTTPStatus.SERVICE_UNAVAILABLE,
@@ -93,12 +116,15 @@ _STATUS: Mapping[type[Exception], HTTPStatus] = {
 }
 _MEANING: Mapping[int, str] = {
     400: "The request cannot be read.",
+    401: "Nobody is signed in, or name and secret do not go together.",
+    403: "Whoever asks may not, or has to show once more who they are.",
     404: "There is no such thing.",
     408: "The body did not arrive in time.",
     409: "Not in the present state.",
     413: "The body is too large.",
     415: "The body has a type that is not understood here.",
     422: "The request is readable and wrong; the sentence names the field.",
+    429: "It was tried too often; `Retry-After` says when to try again.",
     503: "A device or the disk does not answer, or too many ask at once.",
 }
 
@@ -106,7 +132,7 @@ _MEANING: Mapping[int, str] = {
 _OF_STATUS: Mapping[int, str] = {  # what has a status and no exception of its own
     400: "UnreadableRequest",
     401: "NotSignedIn",
-    403: "NotAllowed",
+    403: "NotAllowedError",
     404: "NoSuchPath",
     405: "MethodNotPossible",
     408: "BodyLate",
@@ -191,8 +217,10 @@ def install(app: FastAPI) -> None:
 
 async def _on_refusal(request: Request, error: Exception) -> JSONResponse:
     status = status_of(error)
-    headers = {"Retry-After": str(error.retry_after_s)} if isinstance(error, BusyError) else None
-    kind = _NAME if isinstance(error, _OF_NAMES) else None
+    headers = None
+    if isinstance(error, BusyError | TooManyGuessesError):
+        headers = {"Retry-After": str(error.retry_after_s)}
+    kind = next((kind for of, kind in _KINDS.items() if isinstance(error, of)), None)
     return problem_response(request, status, str(error), headers, kind, code_of(error))
 
 
@@ -237,7 +265,11 @@ async def _on_invalid(request: Request, error: Exception) -> JSONResponse:
     if not isinstance(error, RequestValidationError):
         raise error
     faults = error.errors()
-    kind = _NAME if faults[0]["loc"][-1] == "person" else None
+    kind = _NAME if "person" in faults[0]["loc"][-1:] else None
+    if faults[0]["type"] == ANOTHER_PERSON:
+        code = code_named("NotAllowedError")
+        sentence = f"{faults[0]['msg']}; whoever acts signs in."
+        return problem_response(request, HTTPStatus.FORBIDDEN, sentence, kind=_NAME, code=code)
     code = code_named(_OF_FAULT.get(faults[0]["type"], "InvalidRequest"))
     return problem_response(request, HTTPStatus.UNPROCESSABLE_ENTITY, _sentence(faults), kind=kind, code=code)
 

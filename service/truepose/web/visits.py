@@ -10,8 +10,11 @@ from typing import Annotated, Final
 from fastapi import Depends, Request
 from fastapi.responses import HTMLResponse
 
+from truepose.operation.people.register import Caller
 from truepose.web.context import Context, Here
 from truepose.web.languages import wanted_words
+from truepose.web.people.asking import asking
+from truepose.web.people.rights import may
 from truepose.web.rendering import rendered
 from truepose.words.catalogue import LANGUAGES, Catalogue, catalogue
 
@@ -28,6 +31,15 @@ class Visit:
     here: Context
     words: Catalogue
     look: str
+
+    @property
+    def caller(self) -> Caller:
+        """Who asks."""
+        return asking().caller
+
+    def may(self, operation: str) -> bool:
+        """Whether they may ask for an operation."""
+        return self.caller.everybody or (self.caller.role is not None and may(self.caller.role, operation))
 
     def page(self, template: str, status: HTTPStatus = HTTPStatus.OK, **context: object) -> HTMLResponse:
         """Return a page, filled in; `say` gives its words, `visit` is this visit."""

@@ -43,7 +43,7 @@ def asked_host(text: str) -> AskedHost | None:
 class AllowedHosts:
     """The names that count as this service, each with the scheme under which browsers reach it."""
 
-    def __init__(self, names: Iterable[str] = (), listening: str = "127.0.0.1") -> None:
+    def __init__(self, names: Iterable[str] = (), listening: str = "127.0.0.1", scheme: str = "http") -> None:
         """Allow loopback, the address that is listened to and `names`.
 
         Parameters
@@ -52,19 +52,21 @@ class AllowedHosts:
             Names or addresses without a port; `https://NAME` where a proxy speaks TLS for the service.
         listening : str
             Where the service was told to listen. An address that stands for all allows none.
+        scheme : str
+            What the service speaks itself: "https" where it has a certificate.
 
         Raises
         ------
         UnusableHostError
             One of `names` is none.
         """
-        self._schemes: dict[str, str] = dict.fromkeys(_LOOPBACK, "http")
+        self._schemes: dict[str, str] = dict.fromkeys(_LOOPBACK, scheme)
         told = _told(listening)
         if told is not None:
-            self._schemes[told] = "http"
+            self._schemes[told] = scheme
         for name in names:
-            scheme, known = _allowed(name)
-            self._schemes[known] = scheme
+            spoken, known = _allowed(name)
+            self._schemes[known] = spoken or scheme
 
     def scheme(self, host: AskedHost) -> str | None:
         """Return the scheme under which browsers know a host; None where it is not ours."""
@@ -104,7 +106,7 @@ def _told(listening: str) -> str | None:
     return f"[{address}]" if address.version == 6 else str(address)
 
 
-def _allowed(text: str) -> tuple[str, str]:
+def _allowed(text: str) -> tuple[str | None, str]:
     bare = f"[{text}]" if text.count(":") > 1 and not text.startswith("[") and "/" not in text else text
     found = _ALLOWED.fullmatch(bare)
     name = None if found is None else _canonical(found[2])
@@ -113,4 +115,4 @@ def _allowed(text: str) -> tuple[str, str]:
             f"{text!r} cannot be an allowed host: give a name or an address as browsers show it, without "
             "port and path, e.g. cell3.shop or 192.168.1.20, or https://cell3.shop behind a proxy with TLS."
         )
-    return (found[1] or "http").lower(), name
+    return found[1] and found[1].lower(), name

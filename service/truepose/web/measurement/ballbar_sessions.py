@@ -14,6 +14,7 @@ from truepose.web.jobs import queued
 from truepose.web.measurement.ballbar_replies import ballbar_session_reply, entry_reply, steps_reply
 from truepose.web.paging import Paged, listing
 from truepose.web.parameters import Id, Later, OptionalKey, RequiredKey, Sender
+from truepose.web.people.authority import require_authority
 from truepose.web.presence import while_present
 from truepose.web.problems import problems
 from truepose.web.schemas.ballbar_requests import (
@@ -123,6 +124,7 @@ async def read_ledger(here: Here, id: Id, paging: Paged) -> LedgerReply:
 @router.post("/{id}/acts", responses=_ACT)
 async def press_button(here: Here, id: Id, wanted: ActRequest, key: RequiredKey) -> ActReply:
     """Press a button. The answer comes when what it did is on disk; a repeated key gets the same answer."""
+    await require_authority(here, id, wanted.act)
     answer = await here.ballbar_sessions.act(id, act_of(wanted, key.key), key)
     session = ballbar_session_reply(await here.ballbar_sessions.view(id))
     return ActReply(sentence=answer.sentence, entry=answer.entry, session=session)

@@ -12,6 +12,7 @@ from truepose.web.context import Context, Here
 from truepose.web.events import Seconds
 from truepose.web.measurement.live_stream import TabletName, stream_examples, streamed
 from truepose.web.parameters import Id, RequiredKey
+from truepose.web.people.authority import require_authority
 from truepose.web.problems import problems
 from truepose.web.schemas.guides import (
     GuideActReply,
@@ -76,6 +77,7 @@ async def press_button_of_session(
     here: Here, id: Id, wanted: GuideActRequest, key: RequiredKey
 ) -> GuideActReply:
     """Press a button. The answer comes when what it did is on disk; a repeated key gets the same answer."""
+    await require_authority(here, id, wanted.act)
     answer = await here.guided_sessions.act(id, guide_act(wanted, key.key), key)
     session = guide_reply(await here.guided_sessions.guide(id))
     return GuideActReply(sentence=answer.sentence, entry=answer.entry, session=session)

@@ -23,6 +23,8 @@ from truepose.web.context import Context, Here
 from truepose.web.jobs import queued
 from truepose.web.paging import Paged, listing
 from truepose.web.parameters import Id, ModelId, ModelIds, OptionalKey, Sender
+from truepose.web.people.asking import signed_in_name
+from truepose.web.people.authority import require_authority
 from truepose.web.problems import problems
 from truepose.web.results.accuracy import accuracy_of
 from truepose.web.results.choices import Chosen
@@ -203,6 +205,7 @@ async def add_configurations(
     They are judged as planned ones are, and measured after all others once a person has confirmed that the
     cell is clear for them.
     """
+    await require_authority(here, id, ActName.SKIP)
     await _check_proposed(here, id, wanted.diagnosis_id)
     found = await here.tracker_sessions.add_stops(id, wanted_stops(wanted), wanted.person, key)
     response.headers["Location"] = f"/api/v1/sessions/{id}/plan"
@@ -212,6 +215,7 @@ async def add_configurations(
 @router.post("/{id}/start", status_code=status.HTTP_202_ACCEPTED, responses=_ACT)
 async def start_session(here: Here, id: Id) -> ActionReply:
     """Start a planned session; it asks a person to confirm before anything moves."""
+    await require_authority(here, id, ActName.START)
     question = await here.asked_sessions(await here.sessions.get(id)).start(id)
     return await _decided(here, id, f"{question} {here.rack.motion_notice or ''}".strip())
 
@@ -275,10 +279,11 @@ def _reply(here: Context, record: SessionRecord) -> SessionReply:
 
 
 def _halt(name: ActName, by: RequestOfPerson | None) -> Act:
-    return Act(name, (by.person if by else None) or "")
+    return Act(name, (by.person if by else signed_in_name()) or "")
 
 
 async def _act(here: Context, number: int, act: Act) -> ActionReply:
+    await require_authority(here, number, act.name)
     kind = here.asked_sessions(await here.sessions.get(number))
     return await _decided(here, number, (await kind.act(number, act)).sentence)
 

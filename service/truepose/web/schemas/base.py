@@ -9,9 +9,12 @@ from datetime import date
 from typing import Annotated, Any, TypeVar
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, model_validator
+from pydantic_core import PydanticCustomError
 
+from truepose.domain.accounts import same_person
 from truepose.domain.people import LONGEST_NAME, NAME_PATTERN, tidy_name
 from truepose.exchange.outgoing import Outgoing
+from truepose.web.people.asking import asking
 
 Noun = TypeVar("Noun")
 _DEGREES = re.compile(r"_deg(?=_|$)")
@@ -19,6 +22,8 @@ _DEGREES = re.compile(r"_deg(?=_|$)")
 # A character that no reader of the schema takes for a space: what counts as one differs between them.
 VISIBLE = r"[^\s\u0085\u00a0\u1680\u180e\u2000-\u200a\u2028\u2029\u202f\u205f\u3000\ufeff]"
 KEY = r"^[!-~]+$"  # of a request: what every client can put into a header
+
+ANOTHER_PERSON = "another_person"  # kind of a fault: the body names somebody who is not signed in
 
 NUMBER_LIMIT = 2**31 - 1  # of a record; far beyond any cell's life, and every client's integer holds it
 Number = Annotated[int, Field(ge=1, le=NUMBER_LIMIT)]
@@ -67,6 +72,28 @@ class Request(BaseModel):
     def _whole_numbers(cls, body: object) -> object:
         # JSON knows one kind of number: to a schema, and to many a client, 3.0 is the integer 3.
         return {key: whole(value) for key, value in body.items()} if isinstance(body, dict) else body
+
+    @model_validator(mode="before")
+    @classmethod
+    def _of_whoever_asks(cls, body: object) -> object:
+        """Let a body name nobody but whoever is signed in, and keep why it was sent."""
+        asked = asking()
+        if not isinstance(body, dict) or not asked.caller.name:
+            return body
+        asked.reason = str(body["reason"]) if body.get("reason") else asked.reason
+        if "person" not in cls.model_fields:
+            return body
+        named = body.get("person")
+        if isinstance(named, str) and not same_person(named, asked.caller.name):
+            raise PydanticCustomError(
+                ANOTHER_PERSON,
+                "{who} is signed in here, not {named}",
+                {
+                    "who": asked.caller.name,
+                    "named": tidy_name(named),
+                },
+            )
+        return {**body, "person": asked.caller.name}
 
     def into(self, noun: Callable[..., Noun], **more: object) -> Noun:
         """Return a noun of the domain: its fields as the body says them under their names.

@@ -1,5 +1,9 @@
 // What the pages ask of the API: whatever it refuses is said in its own sentence.
 
+import { refusal } from "./person.js";
+
+const NOTHING = 204;
+
 export async function answered(path, request, unreachable) {
   let reply;
   try {
@@ -7,8 +11,8 @@ export async function answered(path, request, unreachable) {
   } catch {
     throw new Error(unreachable);
   }
-  const answer = await reply.json();
-  if (!reply.ok) throw new Error(answer.detail);
+  const answer = reply.status === NOTHING ? null : await reply.json();
+  if (!reply.ok) throw new Error(await refusal(answer));
   return answer;
 }
 

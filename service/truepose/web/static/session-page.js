@@ -1,6 +1,8 @@
 // A session under way: where it stands, what it asks, and the acts of a named person.
 
 import { answered, filled, post } from "./api.js";
+import { Authority } from "./authority.js";
+import { refusal } from "./person.js";
 
 const POLL_MS = 1000;
 const ENDED = ["finished", "aborted", "failed"];
@@ -74,6 +76,20 @@ async function look() {
   if (!ENDED.includes(shown?.state)) setTimeout(look, POLL_MS);
 }
 
+// Somebody else acts: everything can be seen here, and nothing pressed but what halts, before somebody takes over.
+function follow(place) {
+  const authority = new Authority(path.split("/").at(-1), ({ person: who, mine, tablet }) => {
+    place.hidden = !who || mine;
+    place.firstElementChild.textContent = filled(at.acts.dataset.acting, { who: tablet ? `${who}, ${tablet}` : who });
+  });
+  place.querySelector("button").addEventListener("click", async () => {
+    const problem = await authority.takeOver();
+    if (problem) say(await refusal(problem), true);
+  });
+  authority.keep();
+}
+
+if (at.authority) follow(at.authority);
 form.addEventListener("submit", (event) => event.preventDefault());
 form.addEventListener("click", (event) => {
   const button = event.target.closest("[data-act]");

@@ -10,12 +10,12 @@ history.replaceState(history.state, "", here);
 const root = document.documentElement;
 if (!root.dataset.look && matchMedia("(prefers-contrast: more)").matches) root.dataset.look = "contrast";
 
-const menu = document.querySelector(".menu");
+const menus = [...document.querySelectorAll(".menu")];
 document.addEventListener("click", (event) => {
-  if (!menu.contains(event.target)) menu.open = false;
+  for (const menu of menus) if (!menu.contains(event.target)) menu.open = false;
 });
 document.addEventListener("keydown", (event) => {
-  if (event.key === "Escape") menu.open = false;
+  for (const menu of menus) if (event.key === "Escape") menu.open = false;
 });
 
 // A tap alone does nothing: the button is pressed by itself once it was held.

@@ -145,9 +145,10 @@ def test_every_operation_lists_its_problems_and_says_what_it_does(method, path):
 
 BEGINS_WITH_A_VERB = re.compile(
     r"("
-    r"abort|add|cancel|close|compare|confirm|connect|correct|diagnose|disconnect|download|end|"
+    r"abort|accept|add|cancel|change|choose|claim|close|compare|confirm|connect|correct|diagnose|"
+    r"disconnect|download|end|enter|"
     r"find|follow|get|give|identify|list|make|pause|plan|press|read|resume|start|upload|"
-    r"use|validate"
+    r"remove|revoke|show|sign|switch|use|validate"
     r")(_[a-z]+)+"
 )
 

@@ -1,5 +1,7 @@
 // Requests to the public API. A refusal and a silence are two things: one is an answer.
 
+import { refusal } from "/static/person.js";
+
 const PATIENCE_MS = 8000;
 const GATEWAY = [502, 504]; // said by something between here and the service
 
@@ -30,7 +32,7 @@ async function reached(path, request, patience_ms) {
 export async function ask(path, request = {}, patience_ms = PATIENCE_MS) {
   const [reply, answer] = await reached(path, request, patience_ms);
   if (GATEWAY.includes(reply.status)) throw new Unreached(String(reply.status));
-  if (!reply.ok) throw new Refused(reply.status, answer);
+  if (!reply.ok) throw new Refused(reply.status, { ...answer, detail: await refusal(answer) });
   return answer;
 }
 

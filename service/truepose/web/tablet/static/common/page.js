@@ -1,6 +1,8 @@
 // What the page of every kind of session does alike: its taps, its connection, its language, whose hands act.
 
 import { Refused, ask } from "./api.js";
+import { signedInAs, switchPerson } from "/static/person.js";
+import { Authority } from "/static/authority.js";
 import { showIf, write } from "./elements.js";
 import { Live } from "./live.js";
 import { isTaken } from "./people.js";
@@ -36,6 +38,7 @@ export class Page {
     this.path = path;
     this.texts = texts;
     this.tablet = new Tablet(storage);
+    if (signedInAs) this.tablet.person = signedInAs;
     this.model = {
       session: null, sample: null, up: false, opened: false, missing: false, tablet: this.tablet, queue: new Queue(storage, id), onlyNow,
     };
@@ -60,6 +63,8 @@ export class Page {
     this.live.open();
     stayAwake(() => this.live.restart());
     this.refresh().catch((error) => this.#missing(error));
+    // Whoever is signed in has the authority as long as this page is open.
+    if (signedInAs) new Authority(document.body.dataset.session, () => null).keep();
   }
 
   #listen() {
@@ -128,11 +133,20 @@ export class Page {
 
   // `refused`: what the service said of the name that is kept.
   askName(refused = "") {
+    if (signedInAs) return this.#switchPerson();
     const people = this.model.session?.people ?? [];
     this.dialogues.name({ present: this.tablet.person, people, refused }, (name) => {
       this.tablet.person = name;
       this.draw();
     });
+    return undefined;
+  }
+
+  async #switchPerson() {
+    const who = await switchPerson().catch(() => null);
+    if (who === null) return;
+    this.tablet.person = who.name;
+    this.draw();
   }
 
   #switchLanguage() {

@@ -1,0 +1,218 @@
+"""Accounts: who is entered, how they come in, and whether anybody is asked at all.
+
+A service on this computer alone is open until somebody is entered; from then on everybody signs in. One that
+others reach is closed from its first start: only the link that it prints lets the first person in.
+"""
+
+import asyncio
+import hmac
+import re
+from dataclasses import dataclass
+from typing import Final
+
+from truepose.domain.accounts import Person, Role, lesser, reaches
+from truepose.operation.people.errors import AccountRefusedError, SignInRefusedError
+from truepose.operation.people.guesses import Guesses
+from truepose.operation.people.hashes import badge_hash, chosen_hash, fingerprint, new_secret
+from truepose.operation.people.register import EVERYBODY, NOBODY, Caller, Register
+from truepose.operation.people.sign_ins import SignedIn, SignIns
+from truepose.storage.people.credentials import CredentialKind, CredentialRecord, NewCredential
+
+SHORTEST_PASSWORD: Final = 10
+LONGEST_SECRET: Final = 200
+LINK_DAYS: Final = 3
+TOKEN_DAYS: Final = 365
+_PIN: Final = re.compile(r"[0-9]{4,12}")
+_LINK_IS_OVER: Final = "This link was used or has expired; ask an administrator for another one."
+
+
+@dataclass(frozen=True, slots=True)
+class Chosen:
+    """What somebody chose for themselves; None: stays as it is."""
+
+    password: str | None = None
+    pin: str | None = None
+    badge: str | None = None
+
+
+class Accounts:
+    """Everything about who asks."""
+
+    def __init__(self, register: Register, *, asked_for: bool = True, alone: bool = True) -> None:
+        """Work with a register that is loaded.
+
+        Parameters
+        ----------
+        register : Register
+        asked_for : bool
+            Whether anybody is ever asked who they are.
+        alone : bool
+            Whether only this computer reaches the service.
+        """
+        elapsed_s = register.time.elapsed_s
+        self.register = register
+        self.guesses = Guesses(elapsed_s)
+        self.sign_ins = SignIns(register, self.guesses, elapsed_s)
+        self._asked_for = asked_for
+        self._alone = alone
+        self._first = asyncio.Lock()
+        self.first_secret = new_secret()
+
+    @property
+    def nobody_entered(self) -> bool:
+        """Whether the first person is still to come."""
+        return not self.register.people
+
+    @property
+    def asked_for(self) -> bool:
+        """Whether the service asks who somebody is, now or once the first person is entered."""
+        return self._asked_for
+
+    @property
+    def are_open(self) -> bool:
+        """Whether nobody is asked who they are."""
+        return not self._asked_for or (self._alone and self.nobody_entered)
+
+    def caller_of(self, cookie: str | None, token: str | None) -> Caller:
+        """Return who asks; NOBODY where a secret opens nothing, or where two say different things."""
+        if self.are_open:
+            return EVERYBODY
+        if token is not None:
+            return NOBODY if cookie is not None else self._program(token)
+        return NOBODY if cookie is None else self.sign_ins.caller_of(cookie)
+
+    def lasts(self, caller: Caller) -> bool:
+        """Whether somebody who was let in is so still: for what is sent over hours."""
+        if caller.sign_in is not None:
+            return self.sign_ins.lasts(caller)
+        return caller.token is None or self.register.credential(caller.token) is not None
+
+    def opens_first(self, secret: str) -> bool:
+        """Whether a secret lets the first person in."""
+        right = hmac.compare_digest(secret.encode(), self.first_secret.encode())
+        return right and self.nobody_entered and self._asked_for
+
+    async def enter_first(self, secret: str, name: str, chosen: Chosen, address: str) -> SignedIn:
+        """Enter the first person, as administrator; raises SignInRefusedError, AccountRefusedError."""
+        self.guesses.take(f"address {address}")
+        async with self._first:
+            if not self.opens_first(secret):
+                raise SignInRefusedError(_LINK_IS_OVER)
+            if chosen.password is None:
+                raise AccountRefusedError("The first person needs a password.")
+            _require_usable(chosen)
+            person = await self.register.enter(name, Role.ADMINISTRATOR, name)
+        await self.choose(person, chosen)
+        self.guesses.give_back(f"address {address}")
+        return await self.sign_ins.opened(person, "")
+
+    async def enter(self, name: str, role: Role, by: str) -> tuple[Person, str]:
+        """Enter somebody; return them and the secret of the link with which they choose a password."""
+        if self.nobody_entered:
+            raise AccountRefusedError(
+                "Enter the first person first: an administrator, who enters the others."
+            )
+        person = await self.register.enter(name, role, by)
+        return person, await self.link(person, by)
+
+    async def enter_by_machine(self, name: str, role: Role, by: str) -> Person:
+        """Enter somebody from the machine's own command line, the first person too."""
+        if self.nobody_entered and role is not Role.ADMINISTRATOR:
+            raise AccountRefusedError("The first person has to be an administrator, who enters the others.")
+        return await self.register.enter(name, role, by)
+
+    async def link(self, person: Person, by: str) -> str:
+        """Return the secret of a link that lets somebody choose a password, once."""
+        secret = new_secret()
+        until = self.register.time.in_future(LINK_DAYS)
+        kept = NewCredential(CredentialKind.LINK, person.id, fingerprint(secret), until, {"by": by})
+        await self.register.put(kept, by)
+        return secret
+
+    def invited(self, secret: str) -> Person | None:
+        """Return whom a link is for; None where it was used or has expired."""
+        record = self.register.opened_by(CredentialKind.LINK, fingerprint(secret))
+        return None if record is None else self.register.person(record.person_id)
+
+    async def accept(self, secret: str, chosen: Chosen, address: str) -> SignedIn:
+        """Let somebody choose a password by their link; raises SignInRefusedError, AccountRefusedError."""
+        self.guesses.take(f"address {address}")
+        _require_usable(chosen)
+        record = self.register.opened_by(CredentialKind.LINK, fingerprint(secret))
+        person = None if record is None else self.register.person(record.person_id)
+        if record is None or person is None:
+            raise SignInRefusedError(_LINK_IS_OVER)
+        if chosen.password is None:
+            raise AccountRefusedError("Choose a password.")
+        await self.register.revoke(record.id, by=person.name)
+        await self.choose(person, chosen)
+        self.guesses.give_back(f"address {address}")
+        return await self.sign_ins.opened(person, "")
+
+    async def choose(self, person: Person, chosen: Chosen) -> None:
+        """Keep what somebody chose; a new password closes every tablet they had opened."""
+        _require_usable(chosen)
+        if chosen.password is not None:
+            opened = self.register.of(person.id, CredentialKind.SIGN_IN)
+            await self._put(person, CredentialKind.PASSWORD, await _hashed(chosen.password))
+            await self.register.revoke(*(record.id for record in opened), by=person.name)
+        if chosen.pin is not None:
+            await self._put(person, CredentialKind.PIN, await _hashed(chosen.pin))
+        if chosen.badge is not None:
+            await self._choose_badge(person, chosen.badge)
+
+    async def _choose_badge(self, person: Person, badge: str) -> None:
+        others = [r for r in self.register.credentials if r.kind is CredentialKind.BADGE]
+        kept = await asyncio.to_thread(badge_hash, badge, [record.hash for record in others])
+        if any(record.hash == kept and record.person_id != person.id for record in others):
+            raise AccountRefusedError("This badge is somebody else's.")
+        await self._put(person, CredentialKind.BADGE, kept)
+
+    async def _put(self, person: Person, kind: CredentialKind, kept: str) -> None:
+        await self.register.put(NewCredential(kind, person.id, kept), person.name)
+
+    async def make_token(
+        self, person: Person, name: str, role: Role, days: float, by: str
+    ) -> tuple[CredentialRecord, str]:
+        """Return a token for a program, and its secret, which is shown once."""
+        if role is not Role.DEVICE and not reaches(person.role, role):
+            raise AccountRefusedError(f"{person.name} is {person.role}; a token cannot be more.")
+        secret = new_secret()
+        until = self.register.time.in_future(days)
+        document = {"name": name, "role": role.value, "by": by}
+        kept = NewCredential(CredentialKind.TOKEN, person.id, fingerprint(secret), until, document)
+        return await self.register.keep(kept), secret
+
+    async def make_watch_link(self, session_id: int, days: float, by: Caller) -> tuple[CredentialRecord, str]:
+        """Return what lets whoever has it look at one session, and its secret, which is shown once."""
+        secret = new_secret()
+        until = self.register.time.in_future(days)
+        document = {"session_id": session_id, "by": by.name}
+        person = None if by.person is None else by.person.id
+        kept = NewCredential(CredentialKind.WATCH, person, fingerprint(secret), until, document)
+        return await self.register.keep(kept), secret
+
+    def watched_by(self, secret: str) -> CredentialRecord | None:
+        """Return the watch link of a secret; None where it opens nothing any more."""
+        return self.register.opened_by(CredentialKind.WATCH, fingerprint(secret))
+
+    def _program(self, secret: str) -> Caller:
+        record = self.register.opened_by(CredentialKind.TOKEN, fingerprint(secret))
+        person = None if record is None else self.register.person(record.person_id)
+        if record is None or person is None:
+            return NOBODY
+        role = lesser(Role(record.document["role"]), person.role)
+        name = record.document["name"] if role is Role.DEVICE else person.name
+        return Caller(name, role, person, tablet_name=record.document["name"], token=record.id)
+
+
+async def _hashed(secret: str) -> str:
+    return await asyncio.to_thread(chosen_hash, secret)
+
+
+def _require_usable(chosen: Chosen) -> None:
+    """Raise AccountRefusedError for what is too easily guessed."""
+    if chosen.password is not None and len(chosen.password) < SHORTEST_PASSWORD:
+        raise AccountRefusedError(f"A password has at least {SHORTEST_PASSWORD} characters.")
+    if chosen.pin is not None and (_PIN.fullmatch(chosen.pin) is None or len(set(chosen.pin)) == 1):
+        raise AccountRefusedError("A PIN has 4 to 12 digits, not all of them the same.")

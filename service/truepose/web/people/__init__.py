@@ -1,0 +1,1 @@
+"""Who asks: the gate before every route, signing in, people, acts, and who has the authority."""

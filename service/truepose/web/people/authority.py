@@ -1,0 +1,97 @@
+"""Who acts in a session: many may look, one acts, and whoever takes over says so.
+
+Programs are not hindered by it: they answer for what they do by themselves. Halting is for everybody.
+"""
+
+from typing import Final
+
+from fastapi import APIRouter, status
+
+from truepose.domain.accounts import Role, reaches
+from truepose.domain.session import SessionState
+from truepose.operation.people.errors import FreshSignInNeededError, NotAllowedError
+from truepose.operation.people.leases import Lease
+from truepose.operation.people.register import Caller
+from truepose.sequencing.engine.acts import HALTS, LETS_MOVE, ActName
+from truepose.web.context import Context, Here
+from truepose.web.parameters import Id
+from truepose.web.people.asking import Asker, asking
+from truepose.web.people.schemas import AuthorityReply, AuthorityRequest
+from truepose.web.problems import problems
+
+router = APIRouter(prefix="/sessions", tags=["people"])
+_SHOWN_FIRST: Final = LETS_MOVE | {ActName.HAND_OVER}
+
+
+async def require_authority(here: Context, session_id: int, act: ActName) -> None:
+    """Raise where whoever asks may not do this in a session now.
+
+    Raises NotAllowedError, FreshSignInNeededError, SomebodyElseActsError.
+    """
+    caller = asking().caller
+    if caller.everybody or act in HALTS:
+        return
+    if caller.role is None or not reaches(caller.role, Role.OPERATOR):
+        raise NotAllowedError(
+            f"{caller.name} has the role {caller.role}; whoever acts is an operator at least."
+        )
+    if caller.sign_in is None:
+        return
+    if act in _SHOWN_FIRST and not _goes_on(here, session_id, act) and not _is_fresh(here, caller):
+        raise FreshSignInNeededError
+    if act is ActName.HAND_OVER:
+        here.people.leases.take_over(session_id, caller)
+    else:
+        here.people.leases.claim(session_id, caller)
+
+
+@router.get("/{id}/authority", responses=problems(404, 422, 503))
+async def get_authority(here: Here, asker: Asker, id: Id) -> AuthorityReply:
+    """Say who acts in a session."""
+    await here.sessions.get(id)
+    return _reply(here, here.people.leases.of(id), asker)
+
+
+@router.put("/{id}/authority", responses=problems(400, 403, 404, 409, 413, 415, 422, 503))
+async def claim_authority(here: Here, asker: Asker, id: Id, wanted: AuthorityRequest) -> AuthorityReply:
+    """Have the authority over a session, or go on having it: a page renews it every few seconds.
+
+    Another person, or the same one at another tablet, takes it over only where they say so.
+    """
+    await here.sessions.get(id)
+    if asker.everybody or asker.sign_in is None:
+        return _reply(here, None, asker)
+    if wanted.take_over:
+        if not _is_fresh(here, asker):
+            raise FreshSignInNeededError
+        return _reply(here, here.people.leases.take_over(id, asker), asker)
+    return _reply(here, here.people.leases.claim(id, asker), asker)
+
+
+@router.delete("/{id}/authority", status_code=status.HTTP_204_NO_CONTENT, responses=problems(404, 422, 503))
+async def give_up_authority(here: Here, asker: Asker, id: Id) -> None:
+    """Leave the authority over a session to whoever acts next."""
+    await here.sessions.get(id)
+    here.people.leases.give_up(id, asker)
+
+
+def _goes_on(here: Context, session_id: int, act: ActName) -> bool:
+    """Whether a session is under way, so that each motion is confirmed by whoever has been acting."""
+    under_way = here.session_desk.under_way(session_id)
+    running = under_way is not None and under_way.runner.state is SessionState.RUNNING
+    return act is ActName.CONFIRM and running
+
+
+def _is_fresh(here: Context, caller: Caller) -> bool:
+    return here.people.accounts.sign_ins.is_fresh(caller)
+
+
+def _reply(here: Context, lease: Lease | None, asker: Caller) -> AuthorityReply:
+    if lease is None:
+        return AuthorityReply(person=None, tablet="", mine=False, left_s=0.0)
+    return AuthorityReply(
+        person=lease.person,
+        tablet=lease.tablet_name,
+        mine=lease.is_of(asker),
+        left_s=round(here.people.leases.left_s(lease), 1),
+    )

@@ -1,0 +1,47 @@
+"""Which operation a request asks for, before anything of it is read."""
+
+import re
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from fastapi.responses import HTMLResponse
+
+
+@dataclass(frozen=True, slots=True)
+class Operation:
+    """An operation and where it is asked for."""
+
+    name: str
+    path: str  # with its parameters in braces
+    methods: frozenset[str]
+    is_page: bool
+    matches: re.Pattern[str]
+
+
+def operations_of(routes: Iterable[Any]) -> tuple[Operation, ...]:
+    """Return every operation, in the order in which the router looks at them."""
+    return tuple(
+        Operation(
+            route.name,
+            route.path,
+            frozenset(route.methods or ()),
+            getattr(route, "response_class", None) is HTMLResponse,
+            route.path_regex,
+        )
+        for route in _leaves(routes)
+    )
+
+
+def asked_operation(operations: Sequence[Operation], method: str, path: str) -> Operation | None:
+    """Return what is asked for; None where there is no such thing."""
+    return next((o for o in operations if method in o.methods and o.matches.match(path)), None)
+
+
+def _leaves(routes: Iterable[Any]) -> Iterator[Any]:
+    for route in routes:
+        inner = getattr(route, "effective_candidates", None)  # of a router within a router
+        if inner is None:
+            yield route
+        else:
+            yield from _leaves(inner())

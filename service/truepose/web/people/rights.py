@@ -1,0 +1,98 @@
+"""The one table of who may do what: for each operation the least role that may ask for it.
+
+An operation that is not here may be asked for by nobody: the service does not start.
+"""
+
+from collections.abc import Iterable, Mapping
+from enum import StrEnum
+from typing import Final
+
+from truepose.domain.accounts import Role, reaches
+from truepose.domain.errors import TrueposeError
+
+
+class Anybody(StrEnum):
+    """Of an operation: whoever reaches the service, signed in or not."""
+
+    ANYBODY = "anybody"
+
+
+_BY_LEAST: Final[Mapping[Role | Anybody, str]] = {
+    # What a supervisor and a sign-in page need; nothing of it tells of the shop.
+    Anybody.ANYBODY: """
+        get_health static_file tablet_file report_style sign_in_page first_person_page welcome_page
+        sign_in get_caller enter_first_person accept_link watch_page follow_watched
+        colours package_file
+    """,
+    # Whoever sees a robot move may stop it. `press_button` looks at the button: others than halts need more.
+    Role.VIEWER: """
+        openapi get_metrics api_page cell_page work_page reports_page errors_page error_page
+        robot_page campaign_page identification_page validation_page model_page job_page closing_page
+        report_page report_pdf report_file checklist_view checklist_pdf get_session_space
+        sessions_page session_page result_page operator_page new_session_page
+        get_identification_space get_validation_space get_diagnosis_space
+        corrections_page correction_page diagnoses_page diagnosis_page plan_page faults_page
+        list_cells get_cell list_devices get_device list_robots get_robot
+        list_sessions get_session get_plan get_progress get_proof get_circles get_sphere get_accuracy
+        get_promise_of_session get_promise_of_cell list_readings list_readings_of_session get_reading
+        get_ballbar_session list_steps get_scene read_ledger follow_ballbar_session
+        get_contact_plan list_contact_readings get_hands get_faults follow_events
+        list_jobs get_job list_campaigns get_campaign download_campaign
+        list_identifications get_identification list_validations get_validation
+        list_diagnoses get_diagnosis compare_diagnoses
+        list_models get_model download_model download_export
+        list_corrections list_corrections_of_model get_correction list_targets download_corrected
+        get_guide get_sheet get_guided_scene get_outlook follow_guide get_closing
+        pause_session abort_session press_button press_button_of_session
+        sign_out show_again switch_person choose_secrets account_page not_yours_page get_authority
+    """,
+    Role.OPERATOR: """
+        plan_session start_session confirm_session resume_session add_configurations
+        plan_ballbar_session plan_contact_session connect_device disconnect_device use_hands
+        make_campaign upload_campaign identify_campaign validate_model diagnose_campaign diagnose_session
+        cancel_job claim_authority give_up_authority list_watch_links make_watch_link revoke_watch_link
+    """,
+    Role.METROLOGIST: """
+        close_session correct_file give_fault end_fault audit_page list_acts download_acts
+    """,
+    Role.ADMINISTRATOR: """
+        people_page list_people enter_person change_role remove_person make_link list_tokens make_token
+        revoke_token
+    """,
+}
+# What a program may do beside looking: it plans, brings data and has them computed.
+_DEVICES: Final = """
+    plan_session plan_ballbar_session plan_contact_session make_campaign upload_campaign
+    identify_campaign validate_model diagnose_campaign diagnose_session correct_file cancel_job
+"""
+# After these an arm may move, or a calibration counts: whoever asks shows once more that it is them.
+FRESH: Final = frozenset({"start_session", "confirm_session", "resume_session", "close_session"})
+
+_OF_DEVICES: Final = frozenset(_DEVICES.split())
+LEAST: Final[Mapping[str, Role | Anybody]] = {
+    name: least for least, names in _BY_LEAST.items() for name in names.split()
+}
+
+
+class MissingRightError(TrueposeError):
+    """Nobody has said who may ask for an operation."""
+
+
+def require_complete(operations: Iterable[str]) -> None:
+    """Raise MissingRightError where the table does not say who may ask for one of these."""
+    missing = sorted(set(operations) - LEAST.keys())
+    if missing:
+        raise MissingRightError(
+            f"Nobody has said who may ask for {', '.join(missing)}: give each its least role in "
+            "truepose/web/people/rights.py."
+        )
+
+
+def may(role: Role, operation: str | None) -> bool:
+    """Whether a role may ask for an operation; None: for what does not exist, to be told so."""
+    least = Role.VIEWER if operation is None else LEAST[operation]
+    if isinstance(least, Anybody):
+        return True
+    if role is Role.DEVICE:
+        return least is Role.VIEWER or operation in _OF_DEVICES
+    return reaches(role, least)

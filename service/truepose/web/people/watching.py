@@ -1,0 +1,106 @@
+"""Watch links: whoever has one looks at one session on a screen of their own, and at nothing else."""
+
+from collections.abc import AsyncIterator
+from http import HTTPStatus
+from typing import Any, Final
+
+import segno
+from fastapi import APIRouter, Request, status
+from fastapi.responses import HTMLResponse, Response, StreamingResponse
+
+from truepose.operation.people.errors import UnknownPersonError
+from truepose.storage.people.credentials import CredentialKind, CredentialRecord
+from truepose.web.context import Context, Here
+from truepose.web.measurement.ballbar_live import follow_ballbar_session
+from truepose.web.measurement.guides import follow_guide
+from truepose.web.parameters import Id
+from truepose.web.people.asking import Asker
+from truepose.web.people.schemas import (
+    NewWatchLinkReply,
+    WatchLinkReply,
+    WatchLinkRequest,
+    WatchLinksReply,
+)
+from truepose.web.problems import problem_response, problems
+from truepose.web.visits import Visited
+
+router = APIRouter(tags=["people"])
+pages = APIRouter(include_in_schema=False)
+_MODULE_PX: Final = 8
+_OVER: Final = "This link shows nothing any more: it has ended, or was taken back."
+_HEADERS: Final = {"Cache-Control": "no-store", "X-Accel-Buffering": "no"}
+_HOURS_A_DAY: Final = 24
+
+
+@router.post(
+    "/sessions/{id}/watch-links",
+    status_code=status.HTTP_201_CREATED,
+    responses=problems(400, 404, 409, 413, 415, 422, 503),
+)
+async def make_watch_link(
+    here: Here, request: Request, asker: Asker, id: Id, wanted: WatchLinkRequest
+) -> NewWatchLinkReply:
+    """Make a link, and its QR code, that shows one session to whoever has it, for looking at only."""
+    await here.sessions.get(id)
+    record, secret = await here.people.accounts.make_watch_link(id, wanted.hours / _HOURS_A_DAY, asker)
+    url = f"{request.base_url}watch/{secret}"
+    code = segno.make(url, micro=False, error="m").svg_data_uri(scale=_MODULE_PX, light="#fff")
+    return NewWatchLinkReply(link=WatchLinkReply.about(record), url=url, qr_svg=code)
+
+
+@router.get("/sessions/{id}/watch-links", responses=problems(404, 422, 503))
+async def list_watch_links(here: Here, id: Id) -> WatchLinksReply:
+    """List the links that show a session."""
+    await here.sessions.get(id)
+    return WatchLinksReply(links=[WatchLinkReply.about(r) for r in _links(here, id)])
+
+
+@router.delete(
+    "/watch-links/{id}", status_code=status.HTTP_204_NO_CONTENT, responses=problems(404, 409, 422, 503)
+)
+async def revoke_watch_link(here: Here, asker: Asker, id: Id) -> None:
+    """Take a link back; who looks by it sees no more from this moment on."""
+    if id not in {record.id for record in _links(here)}:
+        raise UnknownPersonError(f"There is no watch link {id}.")
+    await here.people.accounts.register.revoke(id, by=asker.name)
+
+
+@pages.get("/watch/{secret}", response_class=HTMLResponse)
+async def watch_page(visit: Visited, secret: str) -> HTMLResponse:
+    """Show a session large, for a screen beside the robot."""
+    record = visit.here.people.accounts.watched_by(secret)
+    if record is None:
+        return visit.page("people/link_over.html", HTTPStatus.UNAUTHORIZED)
+    session = await visit.here.sessions.get(record.document["session_id"])
+    return visit.page("people/watch.html", session=session)
+
+
+@pages.get("/watch/{secret}/live", response_class=StreamingResponse)
+async def follow_watched(here: Here, request: Request, secret: str) -> Response:
+    """Follow the session of a link, as long as the link lasts."""
+    record = here.people.accounts.watched_by(secret)
+    if record is None:
+        return problem_response(request, HTTPStatus.UNAUTHORIZED, _OVER)
+    chunks = _while_it_lasts(here, secret, await _followed(here, record))
+    return StreamingResponse(chunks, media_type="text/event-stream", headers=_HEADERS)
+
+
+async def _followed(here: Context, record: CredentialRecord) -> AsyncIterator[Any]:
+    session = await here.sessions.get(record.document["session_id"])
+    follow = follow_ballbar_session if session.role == "ballbar" else follow_guide
+    return aiter((await follow(here, session.id, f"watch link {record.id}")).body_iterator)
+
+
+async def _while_it_lasts(here: Context, secret: str, chunks: AsyncIterator[Any]) -> AsyncIterator[Any]:
+    async for chunk in chunks:
+        if here.people.accounts.watched_by(secret) is None:
+            return
+        yield chunk
+
+
+def _links(here: Context, session_id: int | None = None) -> list[CredentialRecord]:
+    return [
+        record
+        for record in here.people.accounts.register.credentials
+        if record.kind is CredentialKind.WATCH and session_id in (None, record.document["session_id"])
+    ]

@@ -1,0 +1,123 @@
+// Who stands before this browser: somebody else by PIN or badge, the same person once more, or nobody.
+
+const PRESENT = "/api/v1/sign-ins/present";
+const FRESH = "urn:truepose:problem:fresh-sign-in";
+const template = document.querySelector("#person-dialogue");
+export const signedInAs = template?.dataset.name || null; // null: nobody is asked who they are
+
+async function sent(path, method, body) {
+  const request = { method, cache: "no-store", headers: { "Content-Type": "application/json" } };
+  if (body) request.body = JSON.stringify(body);
+  const reply = await fetch(path, request).catch(() => null);
+  if (reply === null) throw new Error(template.dataset.unreachable);
+  const answer = reply.status === 204 ? null : await reply.json();
+  if (!reply.ok) throw new Error(answer.detail);
+  return answer;
+}
+
+// One question at a time: who it is, and their PIN. Resolves with who is signed in then; null where nobody answered.
+class Dialogue {
+  #dialog = template.content.firstElementChild.cloneNode(true);
+  #form = this.#dialog.querySelector("form");
+  #pin = this.#dialog.querySelector(".pin");
+  #who = {};
+  #answer = null;
+
+  constructor(title, path) {
+    this.path = path;
+    const heading = this.#dialog.querySelector("h2");
+    heading.textContent = heading.dataset[title];
+    document.body.append(this.#dialog);
+    this.#form.addEventListener("submit", (event) => (event.preventDefault(), this.#submit()));
+    this.#dialog.querySelector(".leave").addEventListener("click", () => this.#dialog.close());
+    for (const key of this.#dialog.querySelectorAll("[data-key]")) key.addEventListener("click", () => this.#type(key.dataset.key));
+  }
+
+  // `people`: whom to choose from; none: whoever is signed in.
+  ask(people) {
+    const { badge } = this.#form.elements;
+    badge.closest("label").hidden = !people;
+    this.#dialog.querySelector(".instead").hidden = Boolean(people);
+    this.#dialog.querySelector(".names").replaceChildren(...(people ?? []).map((name) => this.#name(name)));
+    if (!people) this.#askPin("");
+    this.#dialog.showModal();
+    (people ? badge : this.#form.elements.pin).focus();
+    return new Promise((resolve) => {
+      this.#dialog.addEventListener("close", () => (this.#dialog.remove(), resolve(this.#answer)));
+    });
+  }
+
+  #name(name) {
+    const button = Object.assign(document.createElement("button"), { type: "button", className: "main", textContent: name });
+    button.addEventListener("click", () => ((this.#who = { name }), this.#askPin(name)));
+    return button;
+  }
+
+  #askPin(name) {
+    this.#dialog.querySelector(".names").replaceChildren();
+    this.#form.elements.badge.closest("label").hidden = true;
+    this.#dialog.querySelector(".chosen").textContent = name;
+    this.#pin.hidden = false;
+    this.#form.elements.pin.focus();
+  }
+
+  #type(key) {
+    const { pin } = this.#form.elements;
+    pin.value = key === "back" ? pin.value.slice(0, -1) : pin.value + key;
+  }
+
+  async #submit() {
+    const { badge, pin, password } = this.#form.elements;
+    // A reader types the badge and presses Enter.
+    if (this.#pin.hidden) return badge.value ? ((this.#who = { badge: badge.value }), this.#askPin("")) : undefined;
+    const said = this.#form.querySelector("output");
+    try {
+      const shown = password.value ? { password: password.value } : { pin: pin.value };
+      this.#answer = await sent(this.path, "POST", { ...this.#who, ...shown });
+      this.#dialog.close();
+    } catch (error) {
+      said.textContent = error.message;
+      pin.value = password.value = "";
+    }
+    return undefined;
+  }
+}
+
+// Says whether whoever is signed in has shown once more that it is them.
+const showAgain = () => new Dialogue("again", `${PRESENT}/fresh`).ask(null);
+
+export async function switchPerson() {
+  const { people } = await sent(PRESENT, "GET");
+  return new Dialogue("switch", `${PRESENT}/person`).ask(people);
+}
+
+// What is said of a refusal: where it asks for a PIN, that is asked for first. Nothing is repeated by itself: after
+// the PIN a person presses once more, which is the second confirmation.
+export async function refusal(problem) {
+  if (problem?.type !== FRESH || !template) return problem?.detail ?? "";
+  return (await showAgain()) ? template.dataset.once : problem.detail;
+}
+
+// Whoever is signed in need not say their name: the service takes no other.
+if (signedInAs) {
+  sessionStorage.setItem("person", signedInAs);
+  for (const field of document.querySelectorAll("[name=person]")) {
+    if (field.options) field.add(new Option(signedInAs));
+    field.value = signedInAs;
+    field.closest("label").hidden = true;
+  }
+}
+
+// An address of this service; any other leads to its first page.
+export function ours(address) {
+  const wanted = new URL(address, location.origin);
+  return wanted.origin === location.origin ? wanted : new URL("/", location.origin);
+}
+
+for (const button of document.querySelectorAll("[data-person]")) {
+  button.addEventListener("click", async () => {
+    if (button.dataset.person === "out") await sent(PRESENT, "DELETE").catch(() => null);
+    else if (!(await switchPerson().catch(() => null))) return;
+    location.assign(button.dataset.person === "out" ? "/sign-in" : ours(button.dataset.then ?? location.href));
+  });
+}

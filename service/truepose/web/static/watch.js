@@ -1,0 +1,59 @@
+// A session read from afar: what it does, the newest value, how far it is. Nothing here can be pressed.
+
+import { EventReader } from "./tablet/common/live.js";
+
+const AGAIN_MS = 1000;
+const SILENCE_MS = 3000;
+const OVER = 401;
+const at = Object.fromEntries([...document.querySelectorAll("[id]")].map((node) => [node.id, node]));
+const words = document.body.dataset;
+let heard_ms = performance.now();
+
+const write = (place, text) => place.textContent === text || (place.textContent = text);
+
+function sample({ length_mm, distance_mm, state }) {
+  const value = length_mm ?? distance_mm ?? null;
+  write(at.value, value === null ? "–" : value.toFixed(value === length_mm ? 4 : 3));
+  write(at.unit, value === null ? "" : " mm");
+  document.body.dataset.state = state ?? "";
+}
+
+function situation({ question, reason, state, progress, step }) {
+  write(at.doing, question ?? reason);
+  const names = step?.points?.join("  ") ?? "";
+  write(at.state, names);
+  const done = progress?.readings ?? progress?.done;
+  write(at.progress, progress && done !== undefined ? `${done} / ${progress.planned}` : "");
+  document.body.dataset.session = state;
+}
+
+const HEARD = { sample, situation };
+
+async function read() {
+  const reply = await fetch(`${location.pathname}/live`, { cache: "no-store" });
+  if (reply.status === OVER) return end();
+  const reader = reply.body.getReader();
+  const events = new EventReader();
+  for (let part = await reader.read(); !part.done; part = await reader.read()) {
+    heard_ms = performance.now();
+    for (const { event, data } of events.read(part.value)) HEARD[event]?.(JSON.parse(data));
+  }
+  return true;
+}
+
+function end() {
+  write(at.link, words.over);
+  write(at.value, "–");
+  return false;
+}
+
+async function follow() {
+  while (await read().catch(() => true)) await new Promise((resolve) => setTimeout(resolve, AGAIN_MS));
+}
+
+setInterval(() => {
+  const silent = performance.now() - heard_ms > SILENCE_MS;
+  if (at.link.textContent !== words.over) write(at.link, silent ? words.silent : "");
+  if (silent) write(at.value, "–");
+}, AGAIN_MS);
+follow();

@@ -1,0 +1,80 @@
+"""A service that asks who somebody is: people of every role, and what each of them shows."""
+
+import shutil
+from dataclasses import dataclass
+
+import httpx
+import pytest_asyncio
+
+from tests.integration.web.bench import CELL, Bench
+from truepose.app import create_app
+from truepose.domain.accounts import Person, Role
+from truepose.settings import Settings
+
+PASSWORD = "on the looms of Lyon"
+PIN = "4071"
+ORIGIN = {"Origin": "http://localhost"}
+NAMES = {
+    Role.ADMINISTRATOR: "Ada Byron",
+    Role.METROLOGIST: "Grace Hopper",
+    Role.OPERATOR: "Alan Turing",
+    Role.VIEWER: "Vera Rubin",
+}
+
+
+@dataclass
+class House:
+    """A service with people, and how each of them asks it."""
+
+    app: object
+    people: dict[Role, Person]
+    tokens: dict[Role, str]
+
+    @property
+    def here(self):
+        return self.app.state.context.people
+
+    def client(self, token=None, cookie=None):
+        headers = {} if token is None else {"Authorization": f"Bearer {token}"}
+        cookies = {} if cookie is None else {"truepose_sign_in": cookie}
+        return httpx.AsyncClient(
+            transport=httpx.ASGITransport(self.app),
+            base_url="http://localhost",
+            headers=headers | ORIGIN,
+            cookies=cookies,
+            timeout=20,
+        )
+
+    def of(self, role):
+        """Return a client of a program with the token of a role."""
+        return self.client(self.tokens[role])
+
+    async def browser(self, role, fresh=True):
+        """Return a client of a browser that a person of that role has signed in."""
+        signed_in = await self.here.accounts.sign_ins.opened(self.people[role], "cell 3")
+        if not fresh:
+            self.here.accounts.sign_ins._used[signed_in.caller.sign_in].shown_s = None
+        return self.client(cookie=signed_in.secret)
+
+
+async def peopled(app):
+    accounts = app.state.context.people.accounts
+    people, tokens = {}, {}
+    for role, name in NAMES.items():
+        people[role] = await accounts.register.enter(name, role, "a test")
+        _, tokens[role] = await accounts.make_token(people[role], f"script of {name}", role, 1, "a test")
+    _, tokens[Role.DEVICE] = await accounts.make_token(
+        people[Role.METROLOGIST], "line 3", Role.DEVICE, 1, "a test"
+    )
+    return House(app, people, tokens)
+
+
+@pytest_asyncio.fixture(scope="module", loop_scope="module")
+async def house(tmp_path_factory, empty_database):
+    """One for all tests of a module, which therefore leave people and roles as they are."""
+    folder = tmp_path_factory.mktemp("people")
+    (folder / "cell.toml").write_text(CELL)
+    url = f"sqlite:///{shutil.copy(empty_database, folder)}"
+    app = create_app(Settings(database_url=url, cell_file=folder / "cell.toml"), Bench().registry())
+    async with app.router.lifespan_context(app):
+        yield await peopled(app)

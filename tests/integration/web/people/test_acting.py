@@ -1,0 +1,256 @@
+"""Who acts: under their own name, having shown who they are, one at a time, and on record."""
+
+import json
+import logging
+
+import pytest
+
+from tests.helpers.web.clients import client_of, until
+from tests.helpers.web.routes import asked
+from tests.integration.web.bench import session_request
+from tests.integration.web.people.conftest import ORIGIN, PASSWORD, PIN, peopled
+from truepose.domain.accounts import Role
+from truepose.operation.people.accounts import Chosen
+from truepose.operation.people.leases import LEASE_S
+from truepose.web.people.gate import Gate
+from truepose.web.people.operations import operations_of
+
+SESSIONS = "/api/v1/sessions"
+FRESH = "urn:truepose:problem:fresh-sign-in"
+
+
+@pytest.fixture
+async def house(app):
+    return await peopled(app)
+
+
+@pytest.fixture
+async def alan(house):
+    async with await house.browser(Role.OPERATOR) as browser:
+        yield browser
+
+
+@pytest.fixture
+async def ada(house):
+    async with await house.browser(Role.ADMINISTRATOR) as browser:
+        yield browser
+
+
+@pytest.fixture
+async def started(alan):
+    """A session that waits for somebody to look at the cell."""
+    for device in ("tracker", "robot"):
+        await alan.post(f"/api/v1/devices/{device}/connect")
+    path = (await alan.post(SESSIONS, json=session_request())).headers["Location"]
+    assert (await alan.post(f"{path}/start")).status_code == 202
+    return path, (await until(alan, path, lambda session: session["question"]))["prompt_id"]
+
+
+async def acts_of(house):
+    await house.here.log.written()
+    return [record.act for record in await house.here.acts.newest(None, 100)]
+
+
+async def test_a_session_has_the_person_who_is_signed_in(alan, started):
+    path, prompt = started
+
+    other = await alan.post(f"{path}/confirm", json={"person": "Grace Hopper", "prompt_id": prompt})
+    own = await alan.post(f"{path}/confirm", json={"person": " alan  turing", "prompt_id": prompt})
+    session = await until(alan, path, lambda session: session["state"] == "finished")
+
+    assert (other.status_code, own.status_code) == (403, 202)
+    assert "Alan Turing is signed in here" in other.json()["detail"]
+    assert {state["person"] for state in session["states"]} == {None, "Alan Turing"}
+
+
+async def test_a_name_need_not_be_said_twice(alan, started, bench):
+    path, prompt = started
+
+    confirmed = await alan.post(f"{path}/confirm", json={"prompt_id": prompt})
+
+    assert confirmed.status_code == 202, confirmed.text
+
+
+async def test_nothing_moves_before_it_was_shown_once_more_who_it_is(house, started, bench):
+    path, prompt = started
+    await house.here.accounts.choose(house.people[Role.OPERATOR], Chosen(pin=PIN))
+    async with await house.browser(Role.OPERATOR, fresh=False) as stale:
+        refused = await stale.post(f"{path}/confirm", json={"prompt_id": prompt})
+        assert (refused.status_code, refused.json()["type"]) == (403, FRESH)
+        assert bench.robot.moves == 0
+
+        assert (await stale.post(f"{path}/pause")).status_code != 403  # halting waits for nothing
+        assert (await stale.post("/api/v1/sign-ins/present/fresh", json={"pin": PIN})).status_code == 200
+
+
+@pytest.mark.parametrize("role", [Role.VIEWER, Role.DEVICE])
+async def test_who_may_not_act_may_stop(house, started, role):
+    path, prompt = started
+    async with house.of(role) as client:
+        confirmed = await client.post(f"{path}/confirm", json={"prompt_id": prompt})
+        stopped = await client.post(f"{path}/abort")
+
+    assert (confirmed.status_code, stopped.status_code) == (403, 202)
+
+
+async def test_a_program_of_an_operator_is_hindered_by_nobody(house, alan, started):
+    path, prompt = started
+    async with house.of(Role.OPERATOR) as script:
+        confirmed = await script.post(f"{path}/confirm", json={"person": "Alan Turing", "prompt_id": prompt})
+
+    assert confirmed.status_code == 202, confirmed.text
+
+
+async def test_one_acts_and_another_takes_over_by_saying_so(ada, alan, started):
+    path, prompt = started  # Alan started it, and has the authority
+
+    refused = await ada.post(f"{path}/confirm", json={"prompt_id": prompt})
+    assert (refused.status_code, refused.json()["type"]) == (409, "urn:truepose:problem:authority")
+    assert "Alan Turing acts in session 1" in refused.json()["detail"]
+    assert (await ada.put(f"{path}/authority", json={})).status_code == 409
+    assert (await ada.put(f"{path}/authority", json={"take_over": True})).json()["mine"] is True
+
+    assert (await alan.get(f"{path}/authority")).json()["person"] == "Ada Byron"
+    assert (await alan.post(f"{path}/confirm", json={"prompt_id": prompt})).status_code == 409
+    assert (await ada.post(f"{path}/confirm", json={"prompt_id": prompt})).status_code == 202
+
+
+async def test_the_authority_ends_where_nobody_renews_it(house, ada, alan, started, monkeypatch):
+    path, prompt = started
+    leases = house.here.leases
+    began = leases._elapsed_s
+    assert (await alan.put(f"{path}/authority", json={})).json()["mine"] is True  # after a reload too
+
+    monkeypatch.setattr(leases, "_elapsed_s", lambda: began() + LEASE_S + 1)
+
+    assert (await alan.get(f"{path}/authority")).json()["person"] is None
+    assert (await ada.post(f"{path}/confirm", json={"prompt_id": prompt})).status_code == 202
+
+
+async def test_who_only_looks_at_a_stranger_s_tablet_takes_nothing_over(house, started):
+    path, _ = started
+    async with await house.browser(Role.ADMINISTRATOR, fresh=False) as stale:
+        refused = await stale.put(f"{path}/authority", json={"take_over": True})
+
+    assert (refused.status_code, refused.json()["type"]) == (403, FRESH)
+
+
+async def test_every_act_is_on_record_with_its_person(house, alan, started):
+    path, _ = started
+    await alan.post(f"{path}/abort", json={"person": "Alan Turing"})
+    async with house.client() as nobody:
+        await nobody.post(f"{path}/start")
+
+    found = await acts_of(house)
+
+    told = {(act.person, act.operation, act.resource, act.status) for act in found}
+    assert ("Alan Turing", "start_session", f"{path}/start", 202) in told
+    assert ("Alan Turing", "abort_session", f"{path}/abort", 202) in told
+    assert (None, "start_session", f"{path}/start", 401) in told
+    assert {act.tablet for act in found if act.person} == {"cell 3"}
+
+
+async def test_signing_in_and_lock_outs_are_on_record_and_a_flood_is_not(house):
+    await house.here.accounts.choose(house.people[Role.OPERATOR], Chosen(password=PASSWORD))
+    async with house.client() as browser:
+        good = {"name": "Alan Turing", "password": PASSWORD}
+        assert (await browser.post("/api/v1/sign-ins", json=good)).status_code == 201
+        browser.cookies.clear()
+        for _ in range(40):
+            await browser.post("/api/v1/sign-ins", json=good | {"password": "not this one"})
+
+    found = await acts_of(house)
+
+    statuses = [act.status for act in found if act.operation == "sign_in"]
+    assert statuses.count(201) == 1
+    assert 401 in statuses
+    assert len(statuses) < 12
+    assert {act.person for act in found if act.operation == "sign_in"} == {"Alan Turing"}
+
+
+async def test_acts_are_searched_and_sent_as_lines(house, started):
+    async with house.of(Role.METROLOGIST) as script:
+        found = (await script.get("/api/v1/audit?search=start_session")).json()
+        lines = (await script.get("/api/v1/audit/lines")).text.splitlines()
+
+    assert (found["total"], found["acts"][0]["person"]) == (1, "Alan Turing")
+    assert [json.loads(line)["id"] for line in lines] == list(range(1, len(lines) + 1))
+
+
+async def test_no_secret_is_in_a_log_an_act_or_an_answer(house, app, caplog, started):
+    caplog.set_level(logging.DEBUG)
+    secrets = {"canary password 7f3a", "990417", "CANARYBADGE77"}
+    _, link = await house.here.accounts.enter("Eve", Role.VIEWER, "a test")
+    answers = []
+    async with client_of(app) as browser:
+        browser.headers.update(ORIGIN)
+        body = {"secret": link, "password": "canary password 7f3a", "pin": "990417", "badge": "CANARYBADGE77"}
+        answers += [await browser.post("/api/v1/links/accepted", json=body | {"badge": " "})]
+        answers += [await browser.post("/api/v1/links/accepted", json=body)]
+        secrets |= {link, browser.cookies["truepose_sign_in"]}
+        answers += [
+            await browser.post("/api/v1/sign-ins", json={"name": "canary password 7f3a", "password": link})
+        ]
+        answers += [
+            await browser.post("/api/v1/sign-ins", json={"name": 7, "password": "canary password 7f3a"})
+        ]
+        answers += [await browser.get("/account"), await browser.get("/")]
+        answers += [await browser.post("/api/v1/sign-ins/present/fresh", json={"pin": "990417"})]
+    async with house.of(Role.ADMINISTRATOR) as script:
+        made = await script.post(
+            "/api/v1/tokens", json={"name": "x", "owner": "Ada Byron", "role": "viewer", "hours": 1}
+        )
+        secrets |= {made.json()["secret"], house.tokens[Role.ADMINISTRATOR]}
+        answers += [await script.get("/api/v1/tokens"), await script.get("/api/v1/people")]
+        answers += [await script.get("/api/v1/audit/lines"), await script.get("/people")]
+
+    told = caplog.text + "".join(answer.text for answer in answers) + repr(await acts_of(house))
+    stored = app.state.context.database.file.read_bytes()
+    log = app.state.context.database.file.with_name(
+        f"{app.state.context.database.file.name}-wal"
+    ).read_bytes()
+
+    assert {secret for secret in secrets if secret in told} == set()
+    assert {secret for secret in secrets if secret.encode() in stored + log} == set()
+
+
+async def test_a_watch_link_shows_one_session_and_nothing_else(house, alan, app, started):
+    path, _ = started
+    made = (await alan.post(f"{path}/watch-links", json={"hours": 2})).json()
+    secret = made["url"].removeprefix("http://localhost/watch/")
+    async with house.client() as screen:
+        shown = await screen.get(f"/watch/{secret}")
+        assert shown.status_code == 200
+        assert "For looking only" in shown.text
+        assert made["qr_svg"].startswith("data:image/svg+xml")
+        for method, other in (
+            ("GET", path),
+            ("POST", f"{path}/pause"),
+            ("GET", "/"),
+            ("GET", f"{path}/guide/live"),
+        ):
+            answer = await screen.request(method, other, headers={"Authorization": f"Bearer {secret}"})
+            assert answer.status_code in {303, 401}, other
+        assert (await screen.post(f"/watch/{secret}")).status_code == 401
+
+        assert (await alan.delete(f"/api/v1/watch-links/{made['link']['id']}")).status_code == 204
+        assert (await screen.get(f"/watch/{secret}")).status_code == 401
+        assert (await screen.get(f"/watch/{secret}/live")).status_code == 401
+
+
+async def test_a_stream_ends_with_the_right_to_it(house):
+    async def streaming(scope, receive, send):
+        await send({"type": "http.response.start", "status": 200, "headers": []})
+        await send({"type": "http.response.body", "body": b"before", "more_body": True})
+        await house.here.accounts.register.remove(house.people[Role.OPERATOR], "a test")
+        await send({"type": "http.response.body", "body": b"after", "more_body": True})
+
+    gate = Gate(streaming, operations_of(house.app.routes))
+
+    async def served(scope, receive, send):
+        await gate({**scope, "app": house.app}, receive, send)
+
+    token = ("authorization", f"Bearer {house.tokens[Role.OPERATOR]}")
+    answer = await asked(served, "GET", "/api/v1/events", [("host", "localhost"), token])
+
+    assert (answer.status, answer.body) == (200, b"before")

@@ -1,0 +1,134 @@
+"""Every role at every operation and every page: who may is let through, everybody else is not."""
+
+import contextlib
+import itertools
+import re
+
+import pytest
+import pytest_asyncio
+
+from tests.helpers.web.routes import asked
+from truepose.domain.accounts import Role
+from truepose.web.application import create_application
+from truepose.web.people.gate import Gate
+from truepose.web.people.operations import operations_of
+from truepose.web.people.rights import LEAST, Anybody, MissingRightError, may, require_complete
+
+in_one_loop = pytest.mark.asyncio(loop_scope="module")
+OPERATIONS = operations_of(create_application("test", contextlib.nullcontext).routes)
+HOST = ("host", "localhost")
+ROLES = [None, *Role]
+# What is let through is not done: what the gate passes on ends here.
+PASSED = 299
+
+
+@pytest_asyncio.fixture(loop_scope="module")
+async def passing(house, monkeypatch):
+    """The service with nothing behind its gate."""
+    await asked(house.app, "GET", "/health", [HOST])  # the layers are put together for the first request
+    gate = house.app.middleware_stack
+    while not isinstance(gate, Gate):
+        gate = getattr(gate, "app", None) or gate._app
+
+    async def behind(scope, receive, send):
+        await send({"type": "http.response.start", "status": PASSED, "headers": []})
+        await send({"type": "http.response.body", "body": b""})
+
+    monkeypatch.setattr(gate, "_app", behind)
+    return house
+
+
+def address(operation):
+    return re.sub(r"{[^}]+}", "1", operation.path)
+
+
+def shown(house, role):
+    return [] if role is None else [("authorization", f"Bearer {house.tokens[role]}")]
+
+
+@in_one_loop
+@pytest.mark.parametrize("role", ROLES)
+async def test_a_role_gets_what_the_table_says_and_nothing_else(passing, role):
+    let_in, kept_out = set(), set()
+    for operation in OPERATIONS:
+        for method in sorted(operation.methods - {"HEAD"}):
+            headers = [HOST, ("origin", "http://localhost"), *shown(passing, role)]
+            answer = await asked(passing.app, method, address(operation), headers)
+            (let_in if answer.status == PASSED else kept_out).add(operation.name)
+            assert answer.status in {PASSED, 401, 403} or (
+                answer.headers["location"].startswith(("/sign-in?", "/not-yours?"))
+            ), (method, operation.path)
+
+    anybody = {name for name, least in LEAST.items() if isinstance(least, Anybody)}
+    expected = anybody if role is None else {o.name for o in OPERATIONS if may(role, o.name)}
+    assert let_in == expected & {operation.name for operation in OPERATIONS}
+    assert kept_out == {operation.name for operation in OPERATIONS} - let_in
+
+
+@pytest.mark.parametrize(
+    ("role", "operation"),
+    [
+        (Role.VIEWER, "confirm_session"),
+        (Role.VIEWER, "identify_campaign"),
+        (Role.OPERATOR, "correct_file"),
+        (Role.OPERATOR, "list_acts"),
+        (Role.METROLOGIST, "enter_person"),
+        (Role.METROLOGIST, "make_token"),
+        (Role.DEVICE, "start_session"),
+        (Role.DEVICE, "confirm_session"),
+        (Role.DEVICE, "list_people"),
+        (Role.DEVICE, "make_watch_link"),
+    ],
+)
+def test_the_table_keeps_out(role, operation):
+    assert not may(role, operation)
+
+
+@pytest.mark.parametrize("role", list(Role))
+def test_whoever_is_known_may_stop_the_robot(role):
+    assert may(role, "pause_session")
+    assert may(role, "abort_session")
+    assert may(role, "press_button")
+    assert may(role, "press_button_of_session")
+
+
+def test_each_rung_has_what_the_one_below_has():
+    ladder = [Role.VIEWER, Role.OPERATOR, Role.METROLOGIST, Role.ADMINISTRATOR]
+    rights = [{name for name in LEAST if may(role, name)} for role in ladder]
+
+    assert all(low < high for low, high in itertools.pairwise(rights))
+    assert rights[-1] == LEAST.keys()
+
+
+def test_an_operation_that_nobody_has_judged_keeps_the_service_from_starting():
+    with pytest.raises(MissingRightError, match="launch_rocket"):
+        require_complete([*LEAST, "launch_rocket"])
+
+
+def test_the_table_names_nothing_that_is_not_there():
+    assert LEAST.keys() - {operation.name for operation in OPERATIONS} == set()
+
+
+@in_one_loop
+async def test_what_is_not_there_is_told_to_nobody_unknown(house):
+    headers = [HOST]
+
+    assert (await asked(house.app, "GET", "/api/v1/nothing", headers)).status == 401
+    assert (
+        await asked(house.app, "PUT", "/api/v1/sessions", [*headers, ("origin", "http://localhost")])
+    ).status == 401
+    known = [*headers, *shown(house, Role.VIEWER)]
+    assert (await asked(house.app, "GET", "/api/v1/nothing", known)).status == 404
+    assert (
+        await asked(house.app, "TRACE", "/api/v1/sessions", [*known, ("origin", "http://localhost")])
+    ).status == 405
+
+
+@in_one_loop
+async def test_a_page_leads_whoever_is_unknown_to_signing_in(house):
+    answer = await asked(house.app, "GET", "/sessions/7", [HOST])
+
+    assert (answer.status, answer.headers["location"]) == (
+        303,
+        "/sign-in?next=/sessions/7%3Fstop_after_s%3D0.01",
+    )
