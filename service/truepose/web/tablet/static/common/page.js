@@ -70,7 +70,7 @@ export class Page {
   #listen() {
     const at = this.at;
     document.addEventListener("keydown", oneTapAKey);
-    at.language.addEventListener("click", () => this.#switchLanguage());
+    at.language.addEventListener("change", () => this.#speak(at.language.value));
     at.mute.addEventListener("click", () => ((this.tablet.muted = !this.tablet.muted), this.draw()));
     at.person.addEventListener("click", () => this.askName());
     at["take-over"].addEventListener("click", () => this.dialogues.takeOver(this.model.session.acting?.person, () => this.act("hand_over")));
@@ -149,8 +149,8 @@ export class Page {
     this.draw();
   }
 
-  #switchLanguage() {
-    this.texts.switchLanguage();
+  async #speak(language) {
+    await this.texts.choose(language);
     this.texts.translate(document);
     this.dialogues.again();
     this.draw();

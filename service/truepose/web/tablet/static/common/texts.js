@@ -1,7 +1,7 @@
 // The one catalogue of what the pages say, and numbers and times as each language writes them.
 
-const LANGUAGES = ["en", "fr"];
 const KEPT = "truepose.language";
+const RECORDS = "en"; // what goes into the records is in one language, whoever tapped
 
 // `rooms`: whose texts a page uses.
 async function catalogue(language, rooms) {
@@ -9,36 +9,48 @@ async function catalogue(language, rooms) {
   return Object.assign({}, ...(await Promise.all(replies.map((reply) => reply.json()))));
 }
 
+function choosable() {
+  return [...document.getElementById("language").options].map((option) => option.value);
+}
+
 export class Texts {
-  #catalogues;
+  #catalogues = {};
   #storage;
+  #rooms;
 
-  constructor(catalogues, storage, preferred) {
-    this.#catalogues = catalogues;
+  constructor(storage, rooms, preferred) {
     this.#storage = storage;
+    this.#rooms = rooms;
     const wanted = storage.get(KEPT) ?? preferred.slice(0, 2).toLowerCase();
-    this.language = LANGUAGES.includes(wanted) ? wanted : "en";
+    this.language = choosable().includes(wanted) ? wanted : RECORDS;
   }
 
-  // All languages are fetched at once: switching must not need a connection.
+  // The other languages follow behind the page: choosing one of them must not need a connection.
   static async load(storage, rooms = ["common"]) {
-    const loaded = await Promise.all(LANGUAGES.map((language) => catalogue(language, rooms)));
-    const catalogues = Object.fromEntries(LANGUAGES.map((language, i) => [language, loaded[i]]));
-    return new Texts(catalogues, storage, navigator.language ?? "en");
+    const texts = new Texts(storage, rooms, navigator.language ?? RECORDS);
+    await Promise.all([RECORDS, texts.language].map((language) => texts.#fetch(language)));
+    for (const language of choosable()) texts.#fetch(language).catch(() => {});
+    return texts;
   }
 
-  switchLanguage() {
-    this.language = LANGUAGES.find((language) => language !== this.language);
-    this.#storage.set(KEPT, this.language);
+  async #fetch(language) {
+    this.#catalogues[language] ??= await catalogue(language, this.#rooms);
+  }
+
+  // Stays as it is where a language cannot be had now.
+  async choose(language) {
+    await this.#fetch(language).catch(() => {});
+    if (!this.#catalogues[language]) return;
+    this.language = language;
+    this.#storage.set(KEPT, language);
   }
 
   say(key, values = {}) {
     return this.#filled(this.#catalogues[this.language][key], values);
   }
 
-  // What goes into the records is in one language, whoever tapped.
   record(key) {
-    return this.#catalogues.en[key];
+    return this.#catalogues[RECORDS][key];
   }
 
   number(value, digits) {
@@ -65,6 +77,7 @@ export class Texts {
   // Fills in what the page itself says.
   translate(root) {
     document.documentElement.lang = this.language;
+    document.getElementById("language").value = this.language;
     for (const node of root.querySelectorAll("[data-text]")) node.textContent = this.say(node.dataset.text);
     for (const node of root.querySelectorAll("[data-label]"))
       node.setAttribute("aria-label", this.say(node.dataset.label));

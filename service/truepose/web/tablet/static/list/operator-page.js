@@ -48,7 +48,7 @@ class OperatorPage {
 
   #furnish() {
     for (const place of document.querySelectorAll(".choices")) this.#choices(place);
-    this.#at.language.addEventListener("click", () => (this.texts.switchLanguage(), this.#translate()));
+    this.#at.language.addEventListener("change", () => this.texts.choose(this.#at.language.value).then(() => this.#translate()));
     this.#at.new.addEventListener("submit", (event) => (event.preventDefault(), this.#plan()));
   }
 
