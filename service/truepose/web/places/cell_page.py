@@ -47,7 +47,7 @@ async def cell_page(visit: Visited) -> HTMLResponse:
         ],
         jobs=jobs,
         instruments=[_instrument(status) for status in here.rack.statuses()],
-        troubles=[told for told in (here.fault(), here.database.condition.fault) if told],
+        troubles=[told for told in (here.fault(),) if told],
         latest=[link_to(item, visit.words) for item in latest.items],
     )
 

@@ -33,3 +33,8 @@ export function holdControls(root) {
 }
 
 holdControls(document);
+
+// What is wider than a phone is reached by keys as well.
+for (const wide of document.querySelectorAll(".table, .picture, pre")) {
+  if (wide.scrollWidth > wide.clientWidth) wide.tabIndex = 0;
+}
