@@ -11,6 +11,7 @@ from typing import Final, Protocol, runtime_checkable
 from truepose.analysis.campaigns import CampaignDesk
 from truepose.analysis.drawing import DrawingDesk
 from truepose.analysis.jobs import JobDesk
+from truepose.analysis.promising import PromiseDesk
 from truepose.analysis.workers.process import Perform, perform_in_worker
 from truepose.analysis.workers.uploads import Uploads
 from truepose.app.errors import ScenarioRefusedError, StartError
@@ -329,6 +330,7 @@ def _context(
         hands_desk=HandsDesk(rack, ballbar_sessions.frame_of),
         faults_desk=FaultsDesk(None if simulation is None else simulation.ask_of_faults, present),
         drawing_desk=DrawingDesk(perform),
+        promise_desk=PromiseDesk(perform),
         closing_desk=ClosingDesk(sessions, closings, rack, present),
         job_desk=job_desk,
         campaign_desk=campaign_desk,

@@ -10,6 +10,7 @@ from fastapi import Depends, Request
 from truepose.analysis.campaigns import CampaignDesk
 from truepose.analysis.drawing import DrawingDesk
 from truepose.analysis.jobs import JobDesk
+from truepose.analysis.promising import PromiseDesk
 from truepose.domain.cell import Cell
 from truepose.operation.ballbar.sessions import BallbarSessions
 from truepose.operation.closing import ClosingDesk
@@ -79,6 +80,7 @@ class Context:
     faults_desk: FaultsDesk
     closing_desk: ClosingDesk
     drawing_desk: DrawingDesk
+    promise_desk: PromiseDesk
     job_desk: JobDesk
     campaign_desk: CampaignDesk
     people: PeopleDesk

@@ -2,15 +2,19 @@
 
 import asyncio
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from fastapi import APIRouter
 from fastapi.responses import HTMLResponse
 from markupsafe import Markup
 
-from truepose.domain.cell import Cell
 from truepose.web.measurement.promises import Number, minutes_for
+from truepose.web.presence import while_present
 from truepose.web.visits import Visited
 from truepose.words.catalogue import Catalogue
+
+if TYPE_CHECKING:
+    from truepose.analysis.promises import Promised
 
 router = APIRouter(include_in_schema=False)
 
@@ -29,16 +33,16 @@ class Shown:
 @router.get("/plan", response_class=HTMLResponse)
 async def plan_page(visit: Visited, n: Number = None) -> HTMLResponse:
     """Show what n configurations promise in this cell."""
-    shown = await asyncio.to_thread(_shown, visit.here.cell, n, visit.words)
+    promising = visit.here.promise_desk.promise(visit.here.cell, n)
+    promised = await while_present(visit.request, promising)
+    shown = await asyncio.to_thread(_shown, promised, visit.words)
     return visit.page("plan.html", shown=shown)
 
 
-def _shown(cell: Cell, n: int | None, words: Catalogue) -> Shown:
-    from truepose.analysis.promises import promise_of_cell
+def _shown(promised: "Promised", words: Catalogue) -> Shown:
     from truepose.reports.figures.promise_curve import promise_curve
     from truepose.reports.plans import curve_head, curve_rows, plan_sentences
 
-    promised = promise_of_cell(cell, n)
     plan = promised.plan
     sentences = map(words.spoken, plan_sentences(plan, minutes_for(promised)))
     rows = zip((point.n for point in plan.curve), curve_rows(plan), strict=True)

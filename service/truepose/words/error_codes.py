@@ -131,7 +131,13 @@ class Explained:
 
 
 def code_of(error: BaseException) -> str:
-    """Return the code of an error; of one that nobody foresaw, that of the program."""
+    """Return the code of an error; of one that nobody foresaw, that of the program.
+
+    What another process raised comes with its code.
+    """
+    carried = getattr(error, "code", None)
+    if isinstance(carried, str) and carried in CODES:
+        return carried
     names = (_name(kind) for kind in type(error).__mro__)
     return next((_CODES[name] for name in names if name in _CODES), _CODES["ProgramFailed"])
 

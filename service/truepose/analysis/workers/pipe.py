@@ -32,6 +32,7 @@ class Refused:
     """The task cannot be done, and the sentence that says why."""
 
     sentence: str
+    code: str = ""  # of the error, where it has one
 
 
 def packed(message: object) -> bytes:

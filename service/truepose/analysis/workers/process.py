@@ -41,6 +41,10 @@ class Perform(Protocol):
 class TaskRefusedError(AnalysisError):
     """The worker answered with a sentence instead of a result."""
 
+    def __init__(self, sentence: str, code: str = "") -> None:
+        super().__init__(sentence)
+        self.code = code  # of the error in the worker; none: it has that of this one
+
 
 async def perform_in_worker(
     task: Task, told: Told, command: tuple[str, ...] = _COMMAND, *, memory_bytes: int | None = None
@@ -100,8 +104,8 @@ async def _converse(process: asyncio.subprocess.Process, task: Task, told: Told)
                 await told(fraction, doing)
             case Finished(answer):
                 return cast(Answer, answer)
-            case Refused(sentence):
-                raise TaskRefusedError(sentence)
+            case Refused(sentence, code):
+                raise TaskRefusedError(sentence, code)
 
 
 def _half_of_all() -> int:

@@ -13,6 +13,7 @@ from truepose.analysis.errors import NothingMeasuredError
 from truepose.analysis.workers.correcting import CheckFileTask, CorrectFileTask, FileChecked, FileCorrected
 from truepose.analysis.workers.drawing import DrawTask
 from truepose.analysis.workers.outlook import Outlook, OutlookTask
+from truepose.analysis.workers.promising import PromiseTask
 from truepose.domain.ballbar import BallbarPlan, PreCalibration, SphereWish
 from truepose.domain.campaign import Campaign, Readings
 from truepose.domain.diagnosis import Diagnosis
@@ -254,6 +255,7 @@ Task: TypeAlias = (
     | CorrectFileTask
     | OutlookTask
     | DrawTask
+    | PromiseTask
 )
 Answer: TypeAlias = (
     Identification

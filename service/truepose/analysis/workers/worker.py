@@ -12,6 +12,7 @@ from typing import BinaryIO, Final
 from truepose.analysis.workers.pipe import Finished, Progressed, Refused, packed, receive
 from truepose.analysis.workers.tasks import Task
 from truepose.domain.errors import TrueposeError
+from truepose.words.error_codes import code_of
 
 _POLITENESS: Final = 5  # of the processor: a session under way comes first
 
@@ -30,7 +31,7 @@ def _performed(task: Task, answers: BinaryIO) -> Finished | Refused:
     try:
         return Finished(task.perform(lambda fraction, doing: _send(answers, Progressed(fraction, doing))))
     except TrueposeError as error:
-        return Refused(str(error))
+        return Refused(str(error), code_of(error))
     except MemoryError:
         return Refused(
             f"The task needs more than the {int(sys.argv[1]) // 2**20} MB of memory that it is given; "

@@ -3,13 +3,16 @@
 import asyncio
 from typing import TYPE_CHECKING, Annotated
 
-from fastapi import APIRouter, HTTPException, Query
+from fastapi import APIRouter, HTTPException, Query, Request
 
+from truepose.analysis.assembly import MeasuredSession
 from truepose.analysis.measured import measured_session
+from truepose.domain.cell import Cell
 from truepose.exchange.results.plans import PlanDocument, plan_document
 from truepose.sequencing.tracker.dry_run import minutes_of
-from truepose.web.context import Here
+from truepose.web.context import Context, Here
 from truepose.web.parameters import Id, Name
+from truepose.web.presence import while_present
 from truepose.web.problems import problems
 
 if TYPE_CHECKING:
@@ -28,13 +31,11 @@ Number = Annotated[
     response_model_exclude_unset=True,
     responses=problems(404, 409, 422, 503),
 )
-async def get_promise_of_cell(here: Here, name: Name, n: Number = None) -> PlanDocument:
+async def get_promise_of_cell(here: Here, request: Request, name: Name, n: Number = None) -> PlanDocument:
     """Choose configurations and say what accuracy they promise, before anything moves; nothing is stored."""
-    from truepose.analysis.promises import promise_of_cell
-
     if name != here.cell.name:
         raise HTTPException(404, f"There is no cell '{name}'; this service has '{here.cell.name}'.")
-    return await asyncio.to_thread(lambda: document_of(promise_of_cell(here.cell, n)))
+    return await _document(here, request, here.cell, n)
 
 
 @router.get(
@@ -43,12 +44,17 @@ async def get_promise_of_cell(here: Here, name: Name, n: Number = None) -> PlanD
     response_model_exclude_unset=True,
     responses=problems(404, 409, 422, 503),
 )
-async def get_promise_of_session(here: Here, id: Id, n: Number = None) -> PlanDocument:
+async def get_promise_of_session(here: Here, request: Request, id: Id, n: Number = None) -> PlanDocument:
     """Say what the configurations measured so far promise, and what further ones would gain."""
-    from truepose.analysis.promises import promise_of_session
-
     session = await measured_session(here.sessions, here.readings, id)
-    return await asyncio.to_thread(lambda: document_of(promise_of_session(session, n)))
+    return await _document(here, request, session, n)
+
+
+async def _document(
+    here: Context, request: Request, of: Cell | MeasuredSession, n: int | None
+) -> PlanDocument:
+    promised = await while_present(request, here.promise_desk.promise(of, n))
+    return await asyncio.to_thread(document_of, promised)
 
 
 def document_of(promised: "Promised") -> PlanDocument:

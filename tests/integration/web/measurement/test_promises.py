@@ -1,6 +1,20 @@
 """What configurations promise, over the API and as a page."""
 
+import asyncio
+
+import pytest
+
 from tests.integration.web.bench import session_request
+
+
+@pytest.fixture
+def worker():
+    """In a thread: a process takes longer to start than all of this."""
+
+    async def perform(task, told):
+        return await asyncio.to_thread(task.perform, lambda fraction, doing: None)
+
+    return perform
 
 
 async def test_a_cell_says_what_configurations_promise_before_anything_moves(client):

@@ -8,6 +8,7 @@ import pytest
 
 import truepose
 import truepose_drivers
+from truepose.analysis.workers.process import TaskRefusedError
 from truepose.domain.errors import TrueposeError
 from truepose.words.catalogue import LANGUAGES, catalogue
 from truepose.words.error_codes import _CODES, CODES, code_of
@@ -78,3 +79,8 @@ def test_an_error_without_a_code_of_its_own_has_that_of_its_base():
     assert code_of(OddLineError()) == code_of(ValueError()) == "TP-9001"
     frame = type("OddFrameError", (LinkError,), {})
     assert code_of(frame()) == "TP-3004"
+
+
+def test_what_a_worker_raised_keeps_its_code():
+    assert code_of(TaskRefusedError("There are no readings.", "TP-4002")) == "TP-4002"
+    assert code_of(TaskRefusedError("Not understood.")) == "TP-5007"
