@@ -17,7 +17,7 @@ from truepose.storage.database import Database
 from truepose.storage.errors import StorageError
 
 _KEPT_S: Final = 2.0
-_PATIENCE_S: Final = 2.0  # with the database; health is asked for when something is wrong
+_PATIENCE_S: Final = 1.0  # with the database; health is asked for when something is wrong
 _OF_LATE_S: Final = 60.0
 
 
