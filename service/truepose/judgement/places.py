@@ -39,7 +39,7 @@ def errors_by_place(model: Model, judged: Judged) -> ErrorsByPlace:
         radius,
         zone_stated=model.zone is not None,
         from_zone=_shells(judged, np.linalg.norm(chain.end_origin - centre, axis=1)),
-        from_axis=_shells(judged, _from_axis_1(chain)),
+        from_axis=_shells(judged, distance_from_axis_1(chain)),
         branches=tuple(_branches(judged)),
     )
 
@@ -58,7 +58,7 @@ def _of_zone(zone: MeasuredZone, chain: Chain) -> tuple[FloatArray, float]:
     return np.asarray(centre), float((extents - DIRECTIONS @ middle).max())
 
 
-def _from_axis_1(chain: Chain) -> FloatArray:
+def distance_from_axis_1(chain: Chain) -> FloatArray:
     """Return how far each last frame lies from the line of axis 1 [mm], shape (n,)."""
     away, axis = chain.end_origin - chain.origin[0], chain.z[0]
     along = np.sum(away * axis, axis=1, keepdims=True)

@@ -4,16 +4,19 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
+import numpy as np
 from markupsafe import Markup
 
 from truepose.domain.campaign import Campaign, Stops
 from truepose.domain.results import Identification
 from truepose.domain.sentences import Text
 from truepose.identification.verdict.judge import Judged
+from truepose.judgement.places import distance_from_axis_1
 from truepose.reports.conditions import ReportConditions, condition_rows, temperature_range
 from truepose.reports.figures.correlation import correlation_map, strongest_pairs
 from truepose.reports.figures.histogram import histogram
 from truepose.reports.figures.joint_residuals import joint_residuals
+from truepose.reports.figures.reach import reach_figure
 from truepose.reports.figures.work_space import work_space
 from truepose.reports.figures_rows import figures_rows
 from truepose.reports.front.kinds import identification_front
@@ -23,6 +26,7 @@ from truepose.reports.imprint import imprint_of
 from truepose.reports.pages import rendered
 from truepose.reports.paper import write_report_text
 from truepose.reports.parameters.rows import parameter_rows
+from truepose.reports.seen.judged import seen_by
 from truepose.reports.truth import Truth, truth_row
 from truepose.reports.turns import turns_rows
 from truepose.reports.uncertainty.budget import Budget, budget
@@ -133,14 +137,18 @@ def _evidence(shown: Judged | None, identification: Identification, words: Catal
     """Return the figures drawn from residuals; all None where there are none."""
     model = identification.model
     if shown is None or model is None:
-        return dict.fromkeys(("judged", "histogram", "joints", "space", "splits"))
+        return dict.fromkeys(("judged", "histogram", "joints", "reach", "seen", "space", "splits"))
     splits = (
         ("before", noise_split(shown, shown.nominal_mm)),
         ("after", noise_split(shown, shown.identified_mm)),
     )
+    reach = distance_from_axis_1(shown.identified.state.chain)
+    before, after = np.linalg.norm(shown.nominal_mm, axis=1), np.linalg.norm(shown.identified_mm, axis=1)
     return {
         "judged": shown,
         "histogram": histogram(shown, shown_noise_mm(identification), words),
+        "reach": reach_figure(reach, before, after, words),
+        "seen": seen_by(shown),
         "joints": joint_residuals(shown, words),
         "space": work_space(shown, words),
         "splits": splits,

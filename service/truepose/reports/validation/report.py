@@ -7,7 +7,7 @@ from markupsafe import Markup
 
 from truepose.domain.campaign import Readings
 from truepose.domain.results import ErrorsByPlace, Model, Validation
-from truepose.domain.sentences import Text
+from truepose.domain.sentences import Sentence, Text
 from truepose.identification import judge
 from truepose.judgement.cautions import pose_test_caution
 from truepose.judgement.iso9283.judged import PoseTest
@@ -22,6 +22,8 @@ from truepose.reports.front.page import front_page
 from truepose.reports.imprint import imprint_of
 from truepose.reports.pages import rendered
 from truepose.reports.paper import write_report_text
+from truepose.reports.seen.errors import distances_sentence
+from truepose.reports.seen.judged import seen_by
 from truepose.reports.summary import decision_sentence, verdict_sentence
 from truepose.reports.traced import Traced, traced_context, with_temperature
 from truepose.reports.turns import turns_rows
@@ -93,6 +95,8 @@ def _context(report: ValidationInput) -> dict[str, object]:
         "turns_rows": turns_rows(found, words),
         "front": front_page(validation_front(found, report.model.robot.name, words), conditions, words),
         "imprint": imprint_of(report.model.robot.name, conditions, words),
+        "seen": seen_by(shown),
+        "distances_seen": _distances_seen(found),
         "simulated": conditions.simulated,
         "histogram": histogram(shown, found.position.identified.noise_mm, words),
         "distances": None
@@ -110,6 +114,13 @@ def _context(report: ValidationInput) -> dict[str, object]:
         "conditions": conditions,
         "condition_rows": stated_conditions(test, conditions, words),
     }
+
+
+def _distances_seen(found: Validation) -> Sentence | None:
+    if found.distance_errors is None or found.distance is None:
+        return None
+    signed = found.distance_errors.identified
+    return distances_sentence(signed.mean_mm, signed.positive_share, found.distance.identified.n)
 
 
 def _traced(report: ValidationInput, words: Catalogue) -> dict[str, object]:
