@@ -13,7 +13,8 @@ from truepose.identification.fit.robust import RobustFit
 from truepose.identification.model.structure import NOMINAL_EFFECTS
 from truepose.identification.problem.build import Problem
 from truepose.identification.problem.setting import known_placement, setting_of
-from truepose.identification.verdict.conventions import Evidence, change_that_fits, plausible_mm, reach_mm
+from truepose.identification.verdict.changes import Change, Evidence
+from truepose.identification.verdict.conventions import change_that_fits, plausible_mm, reach_mm
 from truepose.kinematics.chain import nominal_chain
 from truepose.kinematics.frames import placement_rotation, placement_translation
 
@@ -74,8 +75,8 @@ def before_fitting(campaign: Campaign, problem: Problem) -> Sentence | None:
     return None
 
 
-def _would_fit(typical_mm: float, change: Sentence) -> Sentence:
-    return said("status.would_fit", typical_mm=typical_mm, change=change)
+def _would_fit(typical_mm: float, change: Change) -> Sentence:
+    return said("status.would_fit", typical_mm=typical_mm, change=change.sentence)
 
 
 def _collapsed(campaign: Campaign, evidence: Evidence) -> bool:

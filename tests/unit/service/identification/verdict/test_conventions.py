@@ -8,7 +8,8 @@ import pytest
 from tests.helpers.domain.robots import IRB_120, SEVEN_AXES
 from tests.helpers.identification.synthetic import NESTS, configurations
 from truepose.identification.problem.placement import Known
-from truepose.identification.verdict.conventions import Evidence, change_that_fits, with_zero
+from truepose.identification.verdict.changes import Evidence, Meant, with_zero
+from truepose.identification.verdict.conventions import change_that_fits, changes, typical_mm
 from truepose.kinematics.chain import nominal_chain
 from truepose.words.catalogue import english
 
@@ -48,7 +49,7 @@ def test_the_right_robot_with_its_own_errors_needs_no_change():
 def test_units_and_handedness_are_named(joints, position, words):
     wrong = Evidence(SEEN.joints_rad * joints, SEEN.nest, SEEN.position_mm * position)
 
-    assert words in english(change_that_fits(IRB_120, wrong, KNOWN, search_zeros=False))
+    assert words in english(change_that_fits(IRB_120, wrong, KNOWN, search_zeros=False).sentence)
 
 
 @pytest.mark.parametrize("joint", range(6))
@@ -56,11 +57,11 @@ def test_a_joint_that_turns_the_other_way_is_named(joint):
     turned = SEEN.joints_rad.copy()
     turned[:, joint] *= -1.0
 
-    sentence = change_that_fits(IRB_120, replace(SEEN, joints_rad=turned), KNOWN, search_zeros=False)
+    change = change_that_fits(IRB_120, replace(SEEN, joints_rad=turned), KNOWN, search_zeros=False)
 
     # with a free base, joint 1 the other way is the mirror image of all others: either is a right answer
-    assert sentence is not None
-    assert f"joint {joint + 1} turns the other way" in english(sentence) or joint == 0
+    assert change is not None
+    assert f"joint {joint + 1} turns the other way" in english(change.sentence) or joint == 0
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
@@ -68,22 +69,31 @@ def test_joints_coupled_in_the_controller_are_named(sign):
     coupled = SEEN.joints_rad.copy()
     coupled[:, 2] -= sign * coupled[:, 1]
 
-    sentence = change_that_fits(IRB_120, replace(SEEN, joints_rad=coupled), KNOWN, search_zeros=False)
+    change = change_that_fits(IRB_120, replace(SEEN, joints_rad=coupled), KNOWN, search_zeros=False)
 
-    assert "joint 3 is coupled to joint 2" in english(sentence)
-    assert ("add" if sign > 0 else "subtract") in english(sentence)
+    assert "joint 3 is coupled to joint 2" in english(change.sentence)
+    assert ("add" if sign > 0 else "subtract") in english(change.sentence)
 
 
 def test_a_zero_that_is_off_is_named_with_its_angle():
     shifted = SEEN.joints_rad + np.deg2rad([0, 0, 0, 0, -12.5, 0])
 
-    sentence = change_that_fits(IRB_120, replace(SEEN, joints_rad=shifted), KNOWN)
+    change = change_that_fits(IRB_120, replace(SEEN, joints_rad=shifted), KNOWN)
 
-    assert "zero of joint 5 is off by 12.50 deg" in english(sentence)
+    assert "zero of joint 5 is off by 12.50 deg" in english(change.sentence)
 
 
 def test_a_robot_of_seven_joints_is_searched_as_well():
     joints = np.random.default_rng(1).uniform(-1.5, 1.5, (50, 7))
     seen = evidence(with_zero(SEVEN_AXES, 3, np.pi / 2), joints)
 
-    assert "zero of joint 4 is off by 90 deg" in english(change_that_fits(SEVEN_AXES, seen, KNOWN))
+    assert "zero of joint 4 is off by 90 deg" in english(change_that_fits(SEVEN_AXES, seen, KNOWN).sentence)
+
+
+@pytest.mark.parametrize("change", list(changes(Meant(IRB_120, SEEN), KNOWN)), ids=str)
+def test_a_change_that_is_applied_is_told_by_the_readings(change):
+    applied = change.applied(Meant(IRB_120, SEEN))
+
+    # with a free base, joint 1 the other way and a left-handed frame are the same to this robot
+    assert typical_mm(applied, KNOWN) > 1.0 or (change.kind, change.first) == ("other_way", 0)
+    assert english(change.sentence) != change.sentence.key
