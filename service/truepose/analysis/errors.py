@@ -6,6 +6,7 @@ AnalysisError
 ├── NothingMeasuredError   a session or campaign holds no reading of the kind that is asked for
 ├── NeverDiagnosedError    no diagnosis of that robot is stored
 ├── RobotsMixedError       diagnoses of several robots would be compared as if they were of one
+├── NotReadyError          of what was brought something is asked still
 ├── BusyError              too many ask for the same at once
 └── WorkerDiedError        the worker process ended without an answer
 """
@@ -35,6 +36,10 @@ class NeverDiagnosedError(AnalysisError):
 
 class RobotsMixedError(AnalysisError):
     """Diagnoses of several robots would be compared as if they were of one."""
+
+
+class NotReadyError(AnalysisError):
+    """Of what was brought something is asked still, or cannot be read."""
 
 
 class BusyError(AnalysisError):

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Final, Protocol, runtime_checkable
 
 from truepose.analysis.campaigns import CampaignDesk
+from truepose.analysis.drafts import DraftDesk
 from truepose.analysis.drawing import DrawingDesk
 from truepose.analysis.jobs import JobDesk
 from truepose.analysis.promising import PromiseDesk
@@ -42,6 +43,7 @@ from truepose.storage.calibration.jobs import JobRepository
 from truepose.storage.calibration.reports import ReportRepository
 from truepose.storage.calibration.results import ResultRepository
 from truepose.storage.database import Database
+from truepose.storage.drafts import DraftFolder
 from truepose.storage.events import EventRepository
 from truepose.storage.integrity.guard import Guard
 from truepose.storage.measurement.added_stops import AddedStopsRepository
@@ -298,9 +300,8 @@ def _context(
     session_desk = SessionDesk(sessions, LedgerRepository(database), rack, present)
     ballbar_sessions = BallbarSessions(session_desk, work.precalibrator, work.choose)
     contact_sessions = ContactSessions(session_desk)
-    campaign_desk = CampaignDesk(
-        campaigns, sessions, readings, ballbar_sessions.campaign, contact_sessions.campaign, Uploads()
-    )
+    made_of = (ballbar_sessions.campaign, contact_sessions.campaign)
+    campaign_desk = CampaignDesk(campaigns, sessions, readings, *made_of, Uploads())
     again = RepeatedDiagnosis(additions, diagnoses, campaigns, sessions, campaign_desk, job_desk)
     tracker_sessions = TrackerSessions(session_desk, additions, again.after_session)
     return Context(
@@ -335,6 +336,7 @@ def _context(
         job_desk=job_desk,
         campaign_desk=campaign_desk,
         people=people,
+        draft_desk=DraftDesk(DraftFolder.beside(database.file), campaign_desk.uploads, campaigns, job_desk),
         stopping=asyncio.Event(),
         fault=lambda: None if simulation is None else simulation.fault,
     )

@@ -67,6 +67,7 @@ class InputFileError(ExchangeError):
         if key:
             place.append(f"key {key}")
         super().__init__(f"{', '.join(place)}: {sentence}.")
+        self.sentence = sentence
         self.file = file
         self.line = line
         self.row = row

@@ -128,6 +128,10 @@ class CampaignSummary:
     validation_contacts: int = 0
     simulated: bool | None = None  # as its description says; None: it does not
     measured_on: str | None = None  # a day; None: nobody said
+    measured_zone: str | None = None  # of that day: a name as Europe/Paris
+    measured_by: str | None = None
+    instrument: str | None = None
+    certificate: str | None = None  # of the instrument
 
 
 class JobKind(StrEnum):

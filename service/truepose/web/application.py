@@ -16,6 +16,7 @@ from truepose.web.calibration import (
     campaigns,
     corrections,
     diagnoses,
+    drafts,
     identifications,
     models,
     robots,
@@ -85,6 +86,7 @@ _RESOURCES: Final = (
     acts,
     authority,
     watching,
+    drafts,
     events,
 )
 _DESCRIPTION: Final = (

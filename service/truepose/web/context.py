@@ -8,6 +8,7 @@ from typing import Annotated, cast
 from fastapi import Depends, Request
 
 from truepose.analysis.campaigns import CampaignDesk
+from truepose.analysis.drafts import DraftDesk
 from truepose.analysis.drawing import DrawingDesk
 from truepose.analysis.jobs import JobDesk
 from truepose.analysis.promising import PromiseDesk
@@ -84,6 +85,7 @@ class Context:
     job_desk: JobDesk
     campaign_desk: CampaignDesk
     people: PeopleDesk
+    draft_desk: DraftDesk
     stopping: asyncio.Event  # set when the service ends: streams end with it
     fault: Callable[[], str | None]  # why the simulated cell does not run any more
 

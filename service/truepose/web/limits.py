@@ -15,16 +15,20 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from truepose.web.problems import problem_response
 
 UPLOAD_LIMIT_BYTES: Final = 16 * 2**20
+DRAFT_LIMIT_BYTES: Final = 64 * 2**20  # goes to the disk as it comes
 JSON_LIMIT_BYTES: Final = 8 * 2**20
 _CAMPAIGNS: Final = re.compile("/api/v1/campaigns")
 _PROGRAMS: Final = re.compile("/api/v1/models/[^/]+/corrections")
+_DRAFTS: Final = re.compile("/api/v1/drafts/[^/]+/files")
 _READING: Final = frozenset({"GET", "HEAD", "OPTIONS"})
 _FORMS: Final = frozenset({"application/x-www-form-urlencoded", "multipart/form-data", "text/plain"})
 _FORM: Final = "multipart/form-data"
 _JSON: Final = "application/json"
+_BYTES: Final = "application/octet-stream"
 _UPLOADS: Final = {
     _CAMPAIGNS: ("application/zip", _FORM, _JSON),  # JSON names sessions
     _PROGRAMS: (_FORM,),
+    _DRAFTS: (_BYTES,),
 }
 
 
@@ -44,7 +48,7 @@ class RequestLimits:
             await self._app(scope, receive, send)
             return
         request = Request(scope)
-        limit = UPLOAD_LIMIT_BYTES if is_upload(request) else JSON_LIMIT_BYTES
+        limit = _limit_bytes(request)
         refusal = _refused_type(request)
         if refusal is not None:
             await problem_response(request, 415, refusal)(scope, receive, send)
@@ -74,6 +78,12 @@ class RequestLimits:
             await self._app(request.scope, count, send_unless_too_large)
         if seen_bytes > limit:
             await problem_response(request, 413, _too_large(limit))(request.scope, receive, send)
+
+
+def _limit_bytes(request: Request) -> int:
+    if not is_upload(request):
+        return JSON_LIMIT_BYTES
+    return DRAFT_LIMIT_BYTES if _DRAFTS.fullmatch(request.scope["path"]) else UPLOAD_LIMIT_BYTES
 
 
 def is_upload(request: Request) -> bool:

@@ -13,7 +13,7 @@ from fastapi.responses import FileResponse, HTMLResponse, Response
 from starlette.exceptions import HTTPException
 
 from truepose.web import diagnosis_pages, error_pages, fault_pages, packages, plan_page, robot_pages
-from truepose.web.calibration import correction_pages
+from truepose.web.calibration import bring_pages, correction_pages
 from truepose.web.places import cell_page, work_page
 from truepose.web.records import campaign_page, job_page, result_pages
 from truepose.web.reports import checklists, closing_pages
@@ -29,6 +29,7 @@ router.include_router(correction_pages.router)
 router.include_router(report_pages.router)
 router.include_router(closing_pages.router)
 router.include_router(checklists.router)
+router.include_router(bring_pages.router)
 router.include_router(fault_pages.router)
 for room in (cell_page, work_page, job_page, campaign_page, result_pages):
     router.include_router(room.router)

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 from truepose.analysis.ballbar.assembly import Counting
 from truepose.analysis.errors import NothingMeasuredError
+from truepose.analysis.workers.bringing import BroughtRead, ReadBroughtTask
 from truepose.analysis.workers.correcting import CheckFileTask, CorrectFileTask, FileChecked, FileCorrected
 from truepose.analysis.workers.drawing import DrawTask
 from truepose.analysis.workers.outlook import Outlook, OutlookTask
@@ -251,6 +252,7 @@ Task: TypeAlias = (
     | BallbarPlanTask
     | PrecalibrateTask
     | ReadCampaignTask
+    | ReadBroughtTask
     | CheckFileTask
     | CorrectFileTask
     | OutlookTask
@@ -265,6 +267,7 @@ Answer: TypeAlias = (
     | BallbarPlan
     | PreCalibration
     | CampaignRead
+    | BroughtRead
     | FileChecked
     | FileCorrected
     | Outlook

@@ -9,6 +9,7 @@ import functools
 from contextlib import AbstractAsyncContextManager
 from typing import Final, cast
 
+from truepose.analysis.workers.bringing import BroughtRead, ReadBroughtTask
 from truepose.analysis.workers.correcting import CheckFileTask, FileChecked, TargetsFile
 from truepose.analysis.workers.process import Perform, TaskRefusedError, perform_in_worker
 from truepose.analysis.workers.tasks import Answer, CampaignRead, ReadCampaignTask
@@ -51,7 +52,13 @@ class Uploads:
         """Return what a file of targets holds, if it can be read; cancelling and errors as of `read`."""
         return cast(FileChecked, await self._read(CheckFileTask(file), file.name, "program"))
 
-    async def _read(self, task: ReadCampaignTask | CheckFileTask, name: str, kind: str) -> Answer:
+    async def look(self, task: ReadBroughtTask) -> BroughtRead:
+        """Return what was understood of files that were brought; cancelling and errors as of `read`."""
+        return cast(BroughtRead, await self._read(task, "What was brought", "campaign"))
+
+    async def _read(
+        self, task: ReadCampaignTask | CheckFileTask | ReadBroughtTask, name: str, kind: str
+    ) -> Answer:
         async with self._reading:
             try:
                 async with asyncio.timeout(_READING_S):

@@ -88,7 +88,7 @@ def read_description(root: Node) -> Description:
     """Read `campaign.json`; raises an InputFileError that names key and line."""
     _check_format(root)
     _check_kind(root.optional("kind"))
-    robot = _read_robot(root)
+    robot = described_robot(root)
     files = _read_files(root.key("files"))
     if "setup" in files and root.optional("setup_u_mm") is None:
         root.fail("key setup_u_mm is missing; it is required where files names a setup", MissingEntryError)
@@ -122,7 +122,8 @@ def _check_kind(kind: Node | None) -> None:
         kind.fail(f"{kind.text()!r} is no kind of campaign; it must be one of {', '.join(_KINDS)}")
 
 
-def _read_robot(root: Node) -> Robot:
+def described_robot(root: Node) -> Robot:
+    """Return the robot that a description describes; raises InputFileError."""
     joints = read_joints(root.key("dhm_nominal"))
     return Robot(root.key("robot").text(), joints, **read_keys(root, arm_keys(len(joints))))
 

@@ -8,8 +8,9 @@ the archive says of itself is judged before anything is inflated, and what it in
 import io
 import zipfile
 import zlib
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import PurePosixPath
+from typing import TypeVar
 
 from truepose.domain.campaign import Campaign
 from truepose.exchange.campaigns.folder import (
@@ -21,6 +22,7 @@ from truepose.exchange.campaigns.folder import (
 from truepose.exchange.errors import MissingFileError, UnreadableFileError, UnsafeArchiveError
 from truepose.exchange.input_file import GREATEST_BYTES
 
+T = TypeVar("T")
 _TOTAL_LIMIT_BYTES = 256 * 2**20
 _MEMBER_LIMIT = 1000
 _ENTRY = b"PK\x01\x02"  # begins a member in the directory at the archive's end
@@ -46,11 +48,21 @@ def read_campaign_zip(archive: bytes, name: str = "campaign.zip") -> Campaign:
     InputFileError
         As `read_campaign`.
     """
+    return _opened(archive, name, _read)
+
+
+def read_zip_files(archive: bytes, name: str) -> dict[str, bytes]:
+    """Return the files of an archive by their paths in it; limits and errors as of `read_campaign_zip`."""
+    return _opened(archive, name, _all_content)
+
+
+def _opened(archive: bytes, name: str, read: Callable[[zipfile.ZipFile, str], T]) -> T:
+    """Return what `read` makes of an archive, its faults in sentences."""
     if archive.count(_ENTRY) > 2 * _MEMBER_LIMIT:  # each takes a thousand bytes once the directory is read
         raise UnsafeArchiveError(f"it has more than the {_MEMBER_LIMIT} members allowed", file=name)
     try:
         with zipfile.ZipFile(io.BytesIO(archive)) as opened:
-            return _read(opened, name)
+            return read(opened, name)
     except (zipfile.BadZipFile, zlib.error, EOFError, OSError) as error:
         raise UnreadableFileError(f"this is not a whole zip file ({error})", file=name) from error
     except (NotImplementedError, RuntimeError) as error:
@@ -59,15 +71,19 @@ def read_campaign_zip(archive: bytes, name: str = "campaign.zip") -> Campaign:
         ) from error
 
 
-def write_campaign_zip(campaign: Campaign) -> bytes:
-    """Return the campaign folder as a zip without a top folder; equal campaigns give equal bytes."""
+def write_campaign_zip(campaign: Campaign, beside: Mapping[str, bytes] | None = None) -> bytes:
+    """Return the campaign folder as a zip without a top folder; equal campaigns give equal bytes.
+
+    `beside` are files by their paths that belong to it and are not read with it.
+    """
     stream = io.BytesIO()
     with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as archive:
-        for name, text in campaign_files(campaign).items():
+        texts = {name: text.encode() for name, text in campaign_files(campaign).items()}
+        for name, content in {**texts, **(beside or {})}.items():
             member = zipfile.ZipInfo(name, _EPOCH)
             member.compress_type = zipfile.ZIP_DEFLATED
             member.external_attr = _READ_WITH_RIGHTS
-            archive.writestr(member, text.encode())
+            archive.writestr(member, content)
     return stream.getvalue()
 
 
@@ -82,6 +98,16 @@ def _read(archive: zipfile.ZipFile, name: str) -> Campaign:
         return _content(archive, member, name)
 
     return campaign_from(load)
+
+
+def _all_content(archive: zipfile.ZipFile, name: str) -> dict[str, bytes]:
+    members, files, total = _checked_members(archive, name), {}, 0
+    for path, member in members.items():
+        files[path] = _content(archive, member, name)
+        total += len(files[path])
+        if total > _TOTAL_LIMIT_BYTES:  # whatever its directory claims
+            raise UnsafeArchiveError(f"the content exceeds {_TOTAL_LIMIT_BYTES // 2**20} MB", file=name)
+    return files
 
 
 def _checked_members(archive: zipfile.ZipFile, name: str) -> Mapping[str, zipfile.ZipInfo]:

@@ -43,6 +43,7 @@ _BY_LEAST: Final[Mapping[Role | Anybody, str]] = {
         list_models get_model download_model download_export
         list_corrections list_corrections_of_model get_correction list_targets download_corrected
         get_guide get_sheet get_guided_scene get_outlook follow_guide get_closing
+        bring_page draft_page list_drafts get_draft get_understood
         pause_session abort_session press_button press_button_of_session
         sign_out show_again switch_person choose_secrets account_page not_yours_page get_authority
     """,
@@ -50,6 +51,7 @@ _BY_LEAST: Final[Mapping[Role | Anybody, str]] = {
         plan_session start_session confirm_session resume_session add_configurations
         plan_ballbar_session plan_contact_session connect_device disconnect_device use_hands
         make_campaign upload_campaign identify_campaign validate_model diagnose_campaign diagnose_session
+        start_draft add_draft_file correct_draft remove_draft_file remove_draft make_campaign_of_draft
         cancel_job claim_authority give_up_authority list_watch_links make_watch_link revoke_watch_link
     """,
     Role.METROLOGIST: """
@@ -64,6 +66,7 @@ _BY_LEAST: Final[Mapping[Role | Anybody, str]] = {
 _DEVICES: Final = """
     plan_session plan_ballbar_session plan_contact_session make_campaign upload_campaign
     identify_campaign validate_model diagnose_campaign diagnose_session correct_file cancel_job
+    start_draft add_draft_file correct_draft remove_draft_file remove_draft make_campaign_of_draft
 """
 # After these an arm may move, or a calibration counts: whoever asks shows once more that it is them.
 FRESH: Final = frozenset({"start_session", "confirm_session", "resume_session", "close_session"})

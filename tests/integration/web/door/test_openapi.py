@@ -89,7 +89,7 @@ def test_every_number_that_is_a_quantity_names_its_unit():
         r"|parameters|outliers|\w+_points|\w+_legs|\w+_contacts|\w+_readings|reference_every|fraction"
         r"|number|\w+_number|entry|index|count|\w+_count|attempt|placement|poses|\w+_poses|base_point|base|tool"
         r"|corrected|total|far_moved|outside|line|a|b|legs|readings|watching|initialisation|exchanged"
-        r"|axes|row|group|revisits|degrees_of_freedom|targets|advised|nests|cycles|visits|set_aside|struck)$"
+        r"|axes|row|group|revisits|degrees_of_freedom|targets|advised|nests|cycles|visits|set_aside|struck|rows|first_line|column|left_out|revision|point|first|second)$"
     )
     # A ratio has no unit; the unit of a parameter, an amplitude or a curve stands beside its value.
     ratios = {"scale", "scale_standard_uncertainty", "chi2_per_dof", "p_value", "share", "lack_of_fit_ratio"}
@@ -103,6 +103,7 @@ def test_every_number_that_is_a_quantity_names_its_unit():
         "discrepancy_known_to",
         "times_before",
         "times_after",
+        "amount",
     }
     ratios |= {
         "value",
@@ -114,7 +115,7 @@ def test_every_number_that_is_a_quantity_names_its_unit():
         "noise",
     }
     ratios |= {"x", "residual", "line_x", "line", "line_band", "quaternion", "noise_chance", "axis", "normal"}
-    units = re.compile(r"_(mm|deg|s|c|kg|mm_s|deg_s|s_per_reading)$|^(minutes|hours)$")
+    units = re.compile(r"_(mm|bytes|deg|s|c|kg|mm_s|deg_s|s_per_reading)$|^(minutes|hours)$")
 
     numeric = {
         name

@@ -1,0 +1,171 @@
+"""Files that somebody brings: received, understood, corrected, and made a campaign with its jobs."""
+
+import asyncio
+from collections import OrderedDict
+from collections.abc import AsyncIterator, Callable, Mapping
+from dataclasses import replace
+from typing import Any, Final, ParamSpec, TypeVar
+
+from truepose.analysis.errors import NotReadyError
+from truepose.analysis.jobs import JobDesk
+from truepose.analysis.workers.bringing import BroughtCampaign, BroughtRead, ReadBroughtTask
+from truepose.analysis.workers.process import TaskRefusedError
+from truepose.analysis.workers.turns import Turns
+from truepose.analysis.workers.uploads import Uploads
+from truepose.exchange.brought.choices import choices_of, merged
+from truepose.exchange.brought.example import example_files
+from truepose.exchange.brought.understood import Fault, Understood
+from truepose.storage.calibration.campaigns import CampaignRepository, NewCampaign
+from truepose.storage.drafts import Draft, DraftFolder
+from truepose.words.catalogue import IN_ENGLISH
+
+_REMEMBERED: Final = 20
+_PATIENCE_S: Final = 60.0
+_WHO: Final = ("measured_by", "instrument", "certificate", "measured_zone")
+P = ParamSpec("P")
+T = TypeVar("T")
+
+
+class DraftDesk:
+    """Takes what somebody brings to its diagnosis."""
+
+    def __init__(
+        self, drafts: DraftFolder, uploads: Uploads, campaigns: CampaignRepository, jobs: JobDesk
+    ) -> None:
+        self._drafts = drafts
+        self._uploads = uploads
+        self._campaigns = campaigns
+        self._jobs = jobs
+        self._turns = Turns("uploads", at_once=4, waiting=12, patience_s=_PATIENCE_S)
+        self._seen: OrderedDict[tuple[int, int], Understood] = OrderedDict()
+        self._making: dict[int, asyncio.Lock] = {}
+
+    async def create(self) -> Draft:
+        """Make an empty draft; raises ConflictError where too many are kept."""
+        return await _off_the_loop(self._drafts.create)
+
+    async def create_example(self) -> Draft:
+        """Make a draft of the example; raises ConflictError where too many are kept."""
+        draft = await self.create()
+        for name, data in example_files().items():
+            draft = await self.receive(draft.id, name, _whole(data))
+        return draft
+
+    async def all(self) -> tuple[Draft, ...]:
+        """Return all drafts, the latest first."""
+        return await _off_the_loop(self._drafts.all)
+
+    async def get(self, number: int) -> Draft:
+        """Return a draft; raises NotFoundError."""
+        return await _off_the_loop(self._drafts.get, number)
+
+    async def remove(self, number: int) -> None:
+        """Throw a draft away; raises NotFoundError."""
+        await _off_the_loop(self._drafts.remove, number)
+
+    async def remove_file(self, number: int, file: int) -> Draft:
+        """Take a file out of a draft; raises NotFoundError."""
+        return await _off_the_loop(self._drafts.remove_file, number, file)
+
+    async def receive(self, number: int, name: str, stream: AsyncIterator[bytes]) -> Draft:
+        """Take a file in as it comes; it counts once it is whole. Raises NotFoundError, ConflictError."""
+        async with self._turns.taken():
+            with self._drafts.receiving(number) as incoming:
+                async for data in stream:
+                    await _off_the_loop(incoming.write, data)
+                return await _off_the_loop(incoming.keep, name)
+
+    async def say(self, number: int, said: Mapping[str, Any]) -> Draft:
+        """Keep what somebody says of the files; raises NotFoundError."""
+        draft = await self.get(number)
+        return await _off_the_loop(self._drafts.keep_choices, number, merged(draft.choices, said))
+
+    async def understood(self, draft: Draft) -> Understood:
+        """Return what is understood of a draft; raises BusyError."""
+        key = (draft.id, draft.revision)
+        if key not in self._seen:
+            self._seen[key] = (await self._look(draft, make=False)).understood
+            while len(self._seen) > _REMEMBERED:
+                self._seen.popitem(last=False)
+        return self._seen[key]
+
+    async def make(self, number: int, name: str | None) -> Draft:
+        """Make a campaign of a draft, and queue its identification and its diagnosis; again, return the same.
+
+        Raises
+        ------
+        NotFoundError, BusyError
+        NotReadyError
+            Something is asked still, or cannot be read; the sentence says what.
+        """
+        async with self._making.setdefault(number, asyncio.Lock()):
+            draft = await self.get(number)
+            if draft.campaign_id is not None:
+                return draft
+            found = await self._look(draft, make=True)
+            if found.campaign is None:
+                raise NotReadyError(_what_is_missing(found.understood))
+            stored = _stored(found.campaign, draft, name)
+            campaign_id = await self._campaigns.add(stored)
+            jobs = (
+                await self._jobs.identify(campaign_id, None),
+                await self._jobs.diagnose(campaign_id, None),
+            )
+            return await _off_the_loop(self._drafts.keep_made, number, campaign_id, jobs)
+
+    async def _look(self, draft: Draft, *, make: bool) -> BroughtRead:
+        if not draft.files:
+            return BroughtRead(Understood(()))
+        files = tuple((file.name, str(self._drafts.path(draft.id, file.number))) for file in draft.files)
+        task = ReadBroughtTask(files, choices_of(draft.choices, _edits(draft.choices)), make)
+        try:
+            async with self._uploads.turn():
+                return await self._uploads.look(task)
+        except TaskRefusedError as error:
+            return BroughtRead(Understood((), fault=Fault("", str(error))))
+
+
+async def _whole(data: bytes) -> AsyncIterator[bytes]:
+    yield data
+
+
+def _stored(made: BroughtCampaign, draft: Draft, name: str | None) -> NewCampaign:
+    who = {key: draft.choices[key] for key in _WHO if draft.choices.get(key)}
+    summary = replace(made.summary, **who)
+    return NewCampaign(name or _name_of(draft), made.robot, summary, made.campaign, made.archive)
+
+
+def _name_of(draft: Draft) -> str:
+    """Return the folder that the files came in, or the name of the first table."""
+    names = [file.name for file in draft.files]
+    first = next((name for name in names if not name.endswith(".json")), names[0])
+    return first.split("/")[0].rsplit(".", 1)[0][:200] or "campaign"
+
+
+def _edits(choices: Mapping[str, Any]) -> list[str]:
+    """Return a sentence for every line that was not read as it came: results show them."""
+    told = []
+    for name, said in (choices.get("files") or {}).items():
+        left_out = set(said.get("left_out") or ())
+        told += [f"Line {line} of {name} was left out by hand." for line in sorted(left_out)]
+        edited = (int(line) for line in said.get("lines") or ())
+        told += [
+            f"Line {line} of {name} was corrected by hand." for line in sorted(edited) if line not in left_out
+        ]
+    return told
+
+
+def _what_is_missing(understood: Understood) -> str:
+    if understood.fault is not None:
+        place = understood.fault
+        where = (
+            f"{place.file}, line {place.line}: " if place.line else f"{place.file}: " if place.file else ""
+        )
+        return f"{where}{place.sentence}."
+    if understood.questions:
+        return IN_ENGLISH.spoken(understood.questions[0].sentence)
+    return "There is no file yet; bring one."
+
+
+async def _off_the_loop(work: Callable[P, T], *args: P.args, **kwargs: P.kwargs) -> T:
+    return await asyncio.to_thread(work, *args, **kwargs)

@@ -1,0 +1,98 @@
+"""Files as they were brought: archives opened, each file told by its name and its first words."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import PurePosixPath
+from typing import Final
+
+from truepose.domain.sentences import Text, said
+from truepose.exchange.brought.choices import Choices
+from truepose.exchange.brought.sheet import Sheet, read_sheet
+from truepose.exchange.brought.text import decoded, lines_of
+from truepose.exchange.brought.understood import Kind
+from truepose.exchange.campaigns.folder import DESCRIPTION
+from truepose.exchange.campaigns.zip_file import read_zip_files
+from truepose.exchange.errors import InputFileError, UnsafeArchiveError
+from truepose.exchange.robots.files import is_robot_file
+
+MOST_FILES: Final = 200
+_TABLES: Final = frozenset({".csv", ".tsv", ".txt", ".dat", ".asc", ".pts", ".tab", ".prn", ""})
+_HIDDEN: Final = ("__MACOSX", ".", "~$", "Thumbs.db")
+
+
+@dataclass(frozen=True, slots=True)
+class Piece:
+    """A file, and its table if it is one."""
+
+    name: str  # without folders
+    data: bytes
+    kind: Kind
+    sheet: Sheet | None = None
+    why_not: Text = ""  # it is not read
+    fault: InputFileError | None = None
+
+
+def unpacked(files: Mapping[str, bytes]) -> dict[str, bytes]:
+    """Return files by their plain names, those of archives too; raises InputFileError."""
+    found: dict[str, bytes] = {}
+    for path, data in files.items():
+        inside = read_zip_files(data, path) if _is_archive(path, data) else {path: data}
+        for member, content in inside.items():
+            if not _hidden(member):
+                found[_free_name(_plain(member), found)] = content
+    if len(found) > MOST_FILES:
+        raise UnsafeArchiveError(
+            f"{len(found)} files are more than the {MOST_FILES} that are read", file="upload"
+        )
+    return found
+
+
+def _is_archive(path: str, data: bytes) -> bool:
+    return path.lower().endswith(".zip") and data.startswith(b"PK")
+
+
+def _hidden(path: str) -> bool:
+    return any(part.startswith(_HIDDEN) for part in PurePosixPath(path.replace("\\", "/")).parts)
+
+
+def _plain(path: str) -> str:
+    """Return the name of a file, whatever system its path is of."""
+    name = PurePosixPath(path.replace("\\", "/")).name
+    return "".join(letter for letter in name if letter.isprintable())[:200] or "file"
+
+
+def _free_name(name: str, taken: Mapping[str, bytes]) -> str:
+    """Return a name that no other file has: two folders may each have a `points.csv`."""
+    again, free = 2, name
+    while free in taken:
+        path = PurePosixPath(name)
+        again, free = again + 1, f"{path.stem} ({again}){path.suffix}"
+    return free
+
+
+def pieces(files: Mapping[str, bytes], choices: Choices) -> tuple[Piece, ...]:
+    """Return what each file is."""
+    return tuple(_piece(name, data, choices) for name, data in files.items())
+
+
+def _piece(name: str, data: bytes, choices: Choices) -> Piece:
+    edits = choices.of(name).edits
+    if PurePosixPath(name).name.lower() == DESCRIPTION:
+        return Piece(name, with_edits(name, data, edits), "description")
+    if is_robot_file(name):
+        return Piece(name, data, "robot")
+    if PurePosixPath(name).suffix.lower() not in _TABLES:
+        return Piece(name, data, "other", why_not=said("bring.file.other"))
+    try:
+        return Piece(name, data, "table", read_sheet(name, data, edits))
+    except InputFileError as error:
+        return Piece(name, data, "other", why_not=str(error), fault=error)
+
+
+def with_edits(name: str, data: bytes, edits: Mapping[int, str | None]) -> bytes:
+    """Return the text of a file with lines that somebody corrected; one that is left out is blank."""
+    if not edits:
+        return data
+    lines = lines_of(name, decoded(name, data))
+    told = [edits.get(number, line) or "" for number, line in enumerate(lines, start=1)]
+    return "\n".join(told).encode()

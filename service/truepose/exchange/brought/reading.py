@@ -1,0 +1,273 @@
+"""What somebody brought, read as far as it goes: what it is, what is asked, and the campaign."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from datetime import date
+from typing import Any, Final
+
+import numpy as np
+
+from truepose.domain.campaign import Campaign
+from truepose.domain.robot import Robot
+from truepose.domain.sentences import said
+from truepose.exchange.brought import faults
+from truepose.exchange.brought.choices import OWN_ROBOT, Choices
+from truepose.exchange.brought.columns import Brought
+from truepose.exchange.brought.parcel import Piece, pieces, unpacked, with_edits
+from truepose.exchange.brought.robots import Found, changed, robot_of
+from truepose.exchange.brought.seen import files_seen, notes_on
+from truepose.exchange.brought.stops import scatter_of_revisits_mm
+from truepose.exchange.brought.tables import Told, by_role, has_positions, n_joints, positions_of, told
+from truepose.exchange.brought.understood import Question, RobotSeen, Understood
+from truepose.exchange.campaigns.arrays import campaign_from_arrays
+from truepose.exchange.campaigns.folder import DESCRIPTION, campaign_from
+from truepose.exchange.campaigns.origin import read_day
+from truepose.exchange.document import json_document
+from truepose.exchange.errors import (
+    InputFileError,
+    MissingEntryError,
+    MissingFileError,
+    UnreadableFileError,
+    WrongUnitError,
+)
+from truepose.exchange.robots.campaign_keys import campaign_keys
+
+_SPREADS: Final = ("u_mm", "cxx", "u_along_mm")
+_OF_ANOTHER_FORM: Final = (MissingEntryError, MissingFileError, UnreadableFileError, WrongUnitError)
+_OF_THE_FOLDER: Final = frozenset({"files", "format", "dhm_nominal"})  # keys that are made anew
+_ROLES_READ: Final = ("calibration", "validation", "legs", "validation_legs")
+
+
+@dataclass(frozen=True, slots=True)
+class Reading:
+    """What was understood, and the campaign where nothing is left to ask."""
+
+    understood: Understood
+    campaign: Campaign | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class _Gathered:
+    """Everything that a campaign is made of."""
+
+    pieces: tuple[Piece, ...]
+    sheets: tuple[Told, ...]
+    tables: Mapping[str, Brought]  # by role
+    stated: Mapping[str, object]  # keys of a description that was brought
+    choices: Choices
+
+    @property
+    def identifying(self) -> Brought:
+        return self.tables.get("calibration") or self.tables["legs"]
+
+
+def read_brought(files: Mapping[str, bytes], choices: Choices | None = None) -> Reading:
+    """Read the files that somebody brought.
+
+    Parameters
+    ----------
+    files : mapping of str to bytes
+        By their paths; archives of folders among them.
+    choices : Choices, optional
+        What was said of them since.
+
+    Returns
+    -------
+    Reading
+        Faults and questions are part of it.
+
+    Raises
+    ------
+    InputFileError
+        An archive cannot be opened, or no honest program writes it.
+    """
+    said_so = choices or Choices()
+    found = pieces(unpacked(files), said_so)
+    return _as_a_folder(found, said_so) or _guessed(found, said_so)
+
+
+def _as_a_folder(found: tuple[Piece, ...], choices: Choices) -> Reading | None:
+    """Return a campaign folder read to the letter; None where there is none, or of another form."""
+    if choices.changes or choices.robot not in {None, OWN_ROBOT}:
+        return None
+    if any(one.columns or one.role for one in choices.files.values()):
+        return None
+    texts = {piece.name: _text(piece, choices) for piece in found}
+
+    def load(name: str) -> bytes:
+        if name not in texts:
+            raise MissingFileError("there is no such file among those that were brought", file=name)
+        return texts[name]
+
+    try:
+        campaign = campaign_from(load)
+    except _OF_ANOTHER_FORM:
+        return None
+    except InputFileError as error:
+        return Reading(Understood(files_seen(found, ()), fault=faults.shown(error, found, ())))
+    return _of_a_folder(found, campaign, choices)
+
+
+def _text(piece: Piece, choices: Choices) -> bytes:
+    if piece.kind == "description":
+        return piece.data  # corrected already
+    return with_edits(piece.name, piece.data, choices.of(piece.name).edits)
+
+
+def _of_a_folder(found: tuple[Piece, ...], campaign: Campaign, choices: Choices) -> Reading:
+    files = [
+        replace(one, reason=said("bring.file.format")) if one.kind == "table" else one
+        for one in files_seen(found, ())
+    ]
+    tables = [getattr(campaign, role) for role in _ROLES_READ]
+    understood = Understood(
+        tuple(files),
+        RobotSeen(OWN_ROBOT, campaign.robot.name, said("bring.robot.file"), fits=True),
+        readings=sum(len(table) for table in tables if table is not None),
+    )
+    return _finished(
+        campaign, replace(choices, measured_on=choices.measured_on or campaign.measured_on), understood
+    )
+
+
+def _finished(campaign: Campaign, choices: Choices, understood: Understood) -> Reading:
+    """Return the reading of a campaign that is whole but for the day, which only people know."""
+    day = choices.measured_on
+    seen = replace(
+        understood,
+        questions=(*understood.questions, *_of_day(choices)),
+        measured_on=None if day is None else day.isoformat(),
+        simulated=bool(campaign.simulated),
+    )
+    noted = replace(campaign, measured_on=day, notes=(*campaign.notes, *choices.notes))
+    return Reading(seen, noted if seen.ready else None)
+
+
+def _of_day(choices: Choices) -> list[Question]:
+    return [] if choices.measured_on else [Question("day", said("bring.ask.day"))]
+
+
+def _guessed(found: tuple[Piece, ...], choices: Choices) -> Reading:
+    sheets = told(found, choices)
+    understood = Understood(files_seen(found, sheets), notes=tuple(notes_on(sheets)))
+    tables: dict[str, Brought] = {}
+    try:
+        stated = _stated(found)
+        tables = by_role(sheets)
+        missing = _missing(sheets, tables)
+        if missing is not None:
+            return Reading(replace(understood, questions=(missing,)))
+        dated = replace(choices, measured_on=choices.measured_on or _day(found))
+        return _read(_Gathered(found, sheets, tables, stated, dated), understood)
+    except InputFileError as error:
+        return Reading(replace(understood, fault=faults.shown(error, found, sheets)))
+
+
+def _stated(found: Sequence[Piece]) -> dict[str, object]:
+    """Return the keys of a description that was brought; those of its tables are made anew."""
+    stated: dict[str, object] = {}
+    for piece in found:
+        if piece.name == DESCRIPTION:
+            stated |= json_document(piece.name, piece.data).entries()
+    return {name: value for name, value in stated.items() if name not in _OF_THE_FOLDER}
+
+
+def _day(found: Sequence[Piece]) -> date | None:
+    for piece in found:
+        if piece.name == DESCRIPTION:
+            node = json_document(piece.name, piece.data).optional("measured_on")
+            return None if node is None else read_day(node)
+    return None
+
+
+def _missing(sheets: Sequence[Told], tables: Mapping[str, Brought]) -> Question | None:
+    """Return the question for what no campaign can do without; None where it is there."""
+    identifying = tables.get("calibration") or tables.get("legs")
+    if not sheets:
+        return Question("tables", said("bring.ask.tables"))
+    if identifying is None:
+        return Question("readings", said("bring.ask.readings"))
+    if not n_joints(identifying.columns):
+        return Question("joints", said("bring.ask.joints"))
+    if "length_mm" not in identifying.columns and not has_positions(identifying.columns):
+        return Question("readings", said("bring.ask.axes"))
+    return None
+
+
+def _read(gathered: _Gathered, understood: Understood) -> Reading:
+    found = robot_of(gathered.pieces, gathered.identifying, gathered.choices)
+    scatter = _scatter_mm(gathered.identifying)
+    questions = [*_of_robot(found), *_of_uncertainty(gathered, scatter)]
+    seen = replace(
+        understood,
+        robot=found.seen,
+        u_mm=scatter,
+        readings=sum(len(table) for table in gathered.tables.values()),
+        questions=tuple(questions),
+    )
+    if found.robot is None or any(one.about in {"robot", "uncertainty"} for one in questions):
+        return Reading(replace(seen, questions=(*questions, *_of_day(gathered.choices))))
+    try:
+        return _finished(_campaign(gathered, found.robot, scatter), gathered.choices, seen)
+    except InputFileError as error:
+        return Reading(replace(seen, fault=faults.shown(error, gathered.pieces, gathered.sheets)))
+
+
+def _of_robot(found: Found) -> list[Question]:
+    if found.question is None:
+        return []
+    offered = found.seen is not None and found.seen.offered
+    return [Question("change" if offered else "robot", found.question)]
+
+
+def _of_uncertainty(gathered: _Gathered, scatter_mm: float | None) -> list[Question]:
+    said_so = all(any(name in table.columns for name in _SPREADS) for table in gathered.tables.values())
+    known = said_so or gathered.choices.u_mm is not None or scatter_mm is not None
+    return [] if known else [Question("uncertainty", said("bring.ask.uncertainty"))]
+
+
+def _scatter_mm(table: Brought) -> float | None:
+    """Return what places scatter that were measured again, where no column says how uncertain they are."""
+    columns = table.columns
+    if "repeat_of" not in columns or "u_mm" in columns or not has_positions(columns):
+        return None
+    nest, config, repeat_of = (columns[name].astype(float) for name in ("nest", "config", "repeat_of"))
+    return scatter_of_revisits_mm(positions_of(columns), nest.astype(np.int64), config, repeat_of)
+
+
+def _campaign(gathered: _Gathered, robot: Robot, scatter_mm: float | None) -> Campaign:
+    """Return the campaign; raises InputFileError at the place of the first fault."""
+    choices = gathered.choices
+    filled = {
+        role: _with_uncertainty(table, choices.u_mm or scatter_mm) for role, table in gathered.tables.items()
+    }
+    meant = {role: changed(robot, table.columns, choices.changes) for role, table in filled.items()}
+    keys = {**_keys(next(iter(meant.values()))[0], filled.values()), **gathered.stated}
+    if scatter_mm is not None and choices.u_mm is None:
+        keys["u_includes_repeatability"] = True
+    try:
+        return campaign_from_arrays(keys, {role: columns for role, (_, columns) in meant.items()})
+    except InputFileError as error:
+        if error.file in filled:
+            raise faults.in_its_file(error, filled[error.file]) from error
+        raise
+
+
+def _with_uncertainty(table: Brought, u_mm: float | None) -> Brought:
+    if u_mm is None or any(name in table.columns for name in _SPREADS[:1]):
+        return table
+    return replace(table, columns={**table.columns, "u_mm": np.full(len(table), u_mm)})
+
+
+def _keys(robot: Robot, tables: Iterable[Brought]) -> dict[str, Any]:
+    """Return the keys of `campaign.json`: those of the robot, and nests and a base that are to be found."""
+    ends = [
+        table.columns[name] for table in tables for name in ("nest", "tool_point") if name in table.columns
+    ]
+    count = max((int(np.nanmax(end.astype(float))) for end in ends), default=1)
+    return {
+        "tool_nests_mm": [None] * max(count, 1),
+        "tool_nest_u_mm": None,
+        "base_in_world_nominal": None,
+        **campaign_keys(robot),
+    }

@@ -1,0 +1,258 @@
+"""Files that somebody brings, until a campaign is made of them: a folder each beside the database.
+
+They are no records: whoever brought them may change or throw them away, and they end by themselves. A file
+is kept under a number, never under the name that somebody gave it. Nothing of it holds up the database's
+writer, where a session's readings come first.
+"""
+
+import contextlib
+import json
+import os
+import shutil
+import threading
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
+from datetime import UTC, datetime, timedelta
+from pathlib import Path
+from typing import Any, BinaryIO, Final
+
+from truepose.storage.documents import from_document, to_document
+from truepose.storage.errors import ConflictError, NotFoundError, StorageUnavailableError
+
+MOST_BYTES: Final = 64 * 2**20  # of a draft
+MOST_FILES: Final = 200
+MOST_DRAFTS: Final = 20
+KEPT: Final = timedelta(days=14)  # after the last change: a shift, a weekend, a week of holidays
+_STATE: Final = "draft.json"
+_WHAT: Final = "draft"
+
+
+@dataclass(frozen=True, slots=True)
+class DraftFile:
+    """A file of a draft."""
+
+    number: int
+    name: str
+    size_bytes: int
+
+
+@dataclass(frozen=True, slots=True)
+class Draft:
+    """Files that were brought, and what was said of them."""
+
+    id: int
+    created_at: str
+    changed_at: str
+    files: tuple[DraftFile, ...] = ()
+    choices: dict[str, Any] = field(default_factory=dict)
+    revision: int = 0  # of files and choices
+    campaign_id: int | None = None  # that was made of it
+    job_ids: tuple[int, ...] = ()
+
+    @property
+    def size_bytes(self) -> int:
+        """How much its files are together."""
+        return sum(file.size_bytes for file in self.files)
+
+    @property
+    def expires_at(self) -> str:
+        """When it ends by itself."""
+        return (datetime.fromisoformat(self.changed_at) + KEPT).isoformat(timespec="seconds")
+
+
+class DraftFolder:
+    """All drafts; every method touches the disk, so call them off the loop."""
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+        self._lock = threading.RLock()
+
+    @classmethod
+    def beside(cls, database: Path) -> "DraftFolder":
+        """Return the drafts of a service by the file of its database."""
+        return cls(database.with_name(f"{database.name}.drafts"))
+
+    def create(self) -> Draft:
+        """Make an empty draft; raises ConflictError where too many are kept."""
+        with self._lock, _told_of_disk():
+            self._expire()
+            numbers = self._numbers()
+            if len(numbers) >= MOST_DRAFTS:
+                raise ConflictError(f"{MOST_DRAFTS} drafts are kept already; throw one away first.")
+            now = _now()
+            draft = Draft(self._next_number(numbers), now, now)
+            self._place(draft.id).mkdir(parents=True)
+            self._write(draft)
+            return draft
+
+    def get(self, number: int) -> Draft:
+        """Return a draft; raises NotFoundError."""
+        try:
+            document = json.loads((self._place(number) / _STATE).read_bytes())
+        except (FileNotFoundError, NotADirectoryError) as error:
+            raise NotFoundError(_WHAT, number) from error
+        except (OSError, ValueError) as error:
+            raise StorageUnavailableError(f"Draft {number} cannot be read ({error}).") from error
+        return from_document(Draft, document)
+
+    def all(self) -> tuple[Draft, ...]:
+        """Return all drafts, the latest first."""
+        with self._lock, _told_of_disk():
+            self._expire()
+            drafts = [self.get(number) for number in self._numbers()]
+        return tuple(sorted(drafts, key=lambda draft: draft.id, reverse=True))
+
+    def remove(self, number: int) -> None:
+        """Throw a draft away; raises NotFoundError."""
+        with self._lock, _told_of_disk():
+            self.get(number)
+            shutil.rmtree(self._place(number))
+
+    @contextlib.contextmanager
+    def receiving(self, number: int) -> Iterator["Incoming"]:
+        """Receive a file: it counts once `keep` is called within. Raises NotFoundError, ConflictError."""
+        draft = self.get(number)
+        if len(draft.files) >= MOST_FILES:
+            raise ConflictError(f"A draft has {MOST_FILES} files at most; bring a zip of them.")
+        with _told_of_disk():
+            incoming = Incoming(self, number, MOST_BYTES - draft.size_bytes)
+        try:
+            yield incoming
+        finally:
+            incoming.close()
+
+    def remove_file(self, number: int, file: int) -> Draft:
+        """Take a file out of a draft; raises NotFoundError."""
+        with self._lock, _told_of_disk():
+            draft = self.get(number)
+            if not any(one.number == file for one in draft.files):
+                raise NotFoundError("file", file)
+            left = tuple(one for one in draft.files if one.number != file)
+            kept = self._write(_changed(draft, files=left))
+            self.path(number, file).unlink(missing_ok=True)
+            return kept
+
+    def keep_choices(self, number: int, choices: dict[str, Any]) -> Draft:
+        """Keep what was said of the files; raises NotFoundError."""
+        with self._lock, _told_of_disk():
+            return self._write(_changed(self.get(number), choices=choices))
+
+    def keep_made(self, number: int, campaign_id: int, job_ids: tuple[int, ...]) -> Draft:
+        """Keep what was made of a draft; raises NotFoundError."""
+        with self._lock, _told_of_disk():
+            return self._write(replace(self.get(number), campaign_id=campaign_id, job_ids=job_ids))
+
+    def path(self, number: int, file: int) -> Path:
+        """Return where a file of a draft lies."""
+        return self._place(number) / f"{file}.file"
+
+    def taken_in(self, number: int, name: str, part: Path, size_bytes: int) -> Draft:
+        """Count a received file in; one of the same name is replaced."""
+        with self._lock:
+            draft = self.get(number)
+            before = [file for file in draft.files if file.name == name]
+            others = tuple(file for file in draft.files if file.name != name)
+            file = DraftFile(1 + max((one.number for one in draft.files), default=0), name, size_bytes)
+            os.replace(part, self.path(number, file.number))
+            kept = self._write(_changed(draft, files=(*others, file)))
+            for one in before:
+                self.path(number, one.number).unlink(missing_ok=True)
+            return kept
+
+    def _place(self, number: int) -> Path:
+        return self._folder / str(int(number))
+
+    def _numbers(self) -> list[int]:
+        if not self._folder.is_dir():
+            return []
+        return sorted(int(path.name) for path in self._folder.iterdir() if path.name.isdecimal())
+
+    def _next_number(self, numbers: list[int]) -> int:
+        """Return a number that no draft has had: an old address never shows somebody else's files."""
+        last = self._folder / "last"
+        said = int(last.read_text()) if last.exists() else 0
+        number = 1 + max([said, *numbers])
+        self._folder.mkdir(parents=True, exist_ok=True)
+        last.write_text(str(number))
+        return number
+
+    def _write(self, draft: Draft) -> Draft:
+        place = self._place(draft.id)
+        part = place / f"{_STATE}.part"
+        with part.open("wb") as file:
+            file.write(json.dumps(to_document(draft)).encode())
+            _flush(file)
+        os.replace(part, place / _STATE)
+        return draft
+
+    def _expire(self) -> None:
+        oldest = (datetime.now(UTC) - KEPT).isoformat(timespec="seconds")
+        for number in self._numbers():
+            try:
+                ended = self.get(number).changed_at < oldest
+            except NotFoundError:  # its creation was cut short
+                ended = True
+            if ended:
+                shutil.rmtree(self._place(number), ignore_errors=True)
+
+
+class Incoming:
+    """A file on its way in."""
+
+    def __init__(self, drafts: DraftFolder, draft: int, room_bytes: int) -> None:
+        self._drafts = drafts
+        self._draft = draft
+        self._room_bytes = room_bytes
+        self._part = drafts.path(draft, 0).with_name(f"{os.urandom(8).hex()}.part")
+        self._file = self._part.open("wb")
+        self._size_bytes = 0
+
+    def write(self, data: bytes) -> None:
+        """Take more of it; raises ConflictError where the draft becomes too large."""
+        self._size_bytes += len(data)
+        if self._size_bytes > self._room_bytes:
+            raise ConflictError(f"A draft has {MOST_BYTES // 2**20} MB at most; bring fewer files, or a zip.")
+        with _told_of_disk():
+            self._file.write(data)
+
+    def keep(self, name: str) -> Draft:
+        """Count the file in under its name; raises NotFoundError where the draft has gone."""
+        with _told_of_disk():
+            _flush(self._file)
+            self._file.close()
+            return self._drafts.taken_in(self._draft, name, self._part, self._size_bytes)
+
+    def close(self) -> None:
+        """Let go of what was not kept."""
+        self._file.close()
+        self._part.unlink(missing_ok=True)
+
+
+def _changed(draft: Draft, **changes: Any) -> Draft:
+    """Return a draft with changes; what was made of it before is not made of it any more."""
+    now = _now()
+    return replace(
+        draft, **changes, changed_at=now, revision=draft.revision + 1, campaign_id=None, job_ids=()
+    )
+
+
+def _now() -> str:
+    return datetime.now(UTC).isoformat(timespec="seconds")
+
+
+def _flush(file: BinaryIO) -> None:
+    file.flush()
+    os.fsync(file.fileno())
+
+
+@contextlib.contextmanager
+def _told_of_disk() -> Iterator[None]:
+    """Say in a sentence what the disk refused."""
+    try:
+        yield
+    except FileNotFoundError as error:
+        raise ConflictError("The draft was thrown away meanwhile.") from error
+    except OSError as error:
+        raise StorageUnavailableError(
+            f"The disk refused what was brought ({error.strerror}); free some space and bring it again."
+        ) from error
