@@ -53,7 +53,7 @@ from truepose.web.people.gate import Gate
 from truepose.web.people.operations import operations_of
 from truepose.web.people.pages import router as pages_of_people
 from truepose.web.people.rights import require_complete
-from truepose.web.queries import only_known_parameters
+from truepose.web.queries import drop_null_of_parameters, only_known_parameters
 from truepose.web.tablet import routes as tablet
 
 Application: TypeAlias = FastAPI
@@ -184,6 +184,7 @@ def _complete_openapi(app: FastAPI) -> None:
             )
             schemas = app.openapi_schema.setdefault("components", {}).setdefault("schemas", {})
             schemas["Problem"] = problems.Problem.model_json_schema()
+            drop_null_of_parameters(app.openapi_schema)
             add_examples(app.openapi_schema)
         return app.openapi_schema
 

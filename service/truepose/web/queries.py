@@ -4,7 +4,7 @@ A misspelt `limit` or `superseded` would otherwise be answered with another list
 """
 
 import difflib
-from typing import Final
+from typing import Any, Final
 
 from fastapi import Request
 from fastapi.dependencies.utils import get_flat_params
@@ -43,3 +43,18 @@ def _hint(unknown: str, known: tuple[str, ...]) -> str:
     like = difflib.get_close_matches(unknown.lower(), known, n=1, cutoff=_ALIKE)
     told = f"did you mean {like[0]}" if like else f"known are {', '.join(known)}"
     return f"unknown here; {told}"
+
+
+def drop_null_of_parameters(document: dict[str, Any]) -> None:
+    """Let a document say of no parameter that it may be null: no address and no header can say that."""
+    for methods in document["paths"].values():
+        for operation in methods.values():
+            for parameter in operation.get("parameters", []):
+                parameter["schema"] = _without_null(parameter["schema"])
+
+
+def _without_null(schema: dict[str, Any]) -> dict[str, Any]:
+    choices = [choice for choice in schema.get("anyOf", []) if choice != {"type": "null"}]
+    if len(choices) != 1:
+        return schema
+    return {**choices[0], **{name: value for name, value in schema.items() if name != "anyOf"}}

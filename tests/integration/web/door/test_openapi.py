@@ -188,3 +188,14 @@ def test_an_example_that_does_not_fit_is_found():
     problem = {"$ref": "#/components/schemas/Problem"}
 
     assert not fits(problem, {"status": "404"})
+
+
+def test_no_parameter_is_said_to_be_null():
+    parameters = [
+        parameter
+        for methods in DOCUMENT["paths"].values()
+        for operation in methods.values()
+        for parameter in operation.get("parameters", [])
+    ]
+
+    assert [one["name"] for one in parameters if "null" in types_of(one["schema"])] == []
