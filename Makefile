@@ -75,6 +75,10 @@ hardening-report: setup
 interruptions: setup
 	$(BIN)/python -m tests.studies.interruptions --kills 200 --out out/interruptions
 
+# Twice fifty examples of each of ninety operations and each phase: an hour and a half on two idle cores.
+interface-report: setup
+	$(BIN)/python -m tests.studies.every_request --out out/interface
+
 live-latency: setup
 	$(BIN)/python -m tests.studies.interruptions.live_latency
 
