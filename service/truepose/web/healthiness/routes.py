@@ -1,6 +1,7 @@
 """Health: outside the versioned API, for whatever watches the service, and for people."""
 
 from http import HTTPStatus
+from typing import Any
 
 from fastapi import APIRouter, Response
 
@@ -16,6 +17,7 @@ from truepose.words.error_codes import code_named
 
 router = APIRouter(tags=["health"])
 _HTML = "text/html"
+_SIGN_IN = "Something is amiss; sign in to see what."
 
 
 @router.get(
@@ -27,17 +29,24 @@ _HTML = "text/html"
 async def get_health(visit: Visited) -> Health | Response:
     """Say that the service works, on what, and what is amiss; a browser is shown a page.
 
-    The status is 200 also where the disk refuses records: the readings that wait for it are in this process,
-    and whoever watches must not end it. It is 503 where the database cannot be read.
+    Strangers learn how it is, and not why. The status is 200 also where the disk refuses records: the
+    readings that wait for it are in this process, and whoever watches must not end it. It is 503 where the
+    database cannot be read.
     """
     state = await visit.here.lookout.state()
     found = checks(state)
     status = HTTPStatus.OK if state.records.readable else HTTPStatus.SERVICE_UNAVAILABLE
     if _wants_a_page(visit):
-        return visit.page("health.html", status, checks=found, worst=worst(found))
+        shown = found if visit.may("get_cell") else []
+        return visit.page("health.html", status, checks=shown, worst=worst(found))
     if status is not HTTPStatus.OK:
         return problem_response(visit.request, status, " ".join(_wrong(found)), code=code_named("NotReady"))
-    return _reply(visit.here, found)
+    told = _reply(visit.here, found)
+    return told if visit.may("get_cell") else told.model_copy(update=_to_strangers(told))
+
+
+def _to_strangers(told: Health) -> dict[str, Any]:
+    return {"checks": [], "fault": None if told.fault is None else _SIGN_IN}
 
 
 def _wrong(found: list[Check]) -> list[str]:
