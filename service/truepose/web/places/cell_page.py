@@ -1,6 +1,7 @@
 """The cell: what it is, what runs, what is wrong, and the one next step."""
 
 from dataclasses import dataclass
+from datetime import UTC, date, datetime
 from typing import Final
 
 from fastapi import APIRouter
@@ -13,6 +14,7 @@ from truepose.storage.work.items import WorkKind
 from truepose.web.context import Context
 from truepose.web.places.next_step import Standing, Step, next_step
 from truepose.web.records.links import link_to, state_words
+from truepose.web.reports.expiry import expiry_warnings
 from truepose.web.visits import Visited
 
 router = APIRouter(include_in_schema=False)
@@ -48,8 +50,13 @@ async def cell_page(visit: Visited) -> HTMLResponse:
         jobs=jobs,
         instruments=[_instrument(status) for status in here.rack.statuses()],
         troubles=[told for told in (here.fault(),) if told],
+        certificates=[visit.words.spoken(one) for one in expiry_warnings(here.cell, _today())],
         latest=[link_to(item, visit.words) for item in latest.items],
     )
+
+
+def _today() -> date:
+    return datetime.now(UTC).date()
 
 
 async def _step(here: Context, sessions: list[SessionRecord], jobs: list[JobRecord]) -> Step:
