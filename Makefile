@@ -6,7 +6,7 @@ BIN := $(VENV)/bin
 TRUEPOSE_DATA ?=
 export TRUEPOSE_DATA
 
-.PHONY: setup demo test unit check docs bench accuracy diagnosis-report ballbar-report hardening-report interruptions live-latency nightly clean
+.PHONY: setup demo test unit check docs bench accuracy diagnosis-report ballbar-report hardening-report interruptions interface-report live-latency nightly clean
 
 setup: $(VENV)/.installed
 

@@ -7,6 +7,7 @@ from fastapi import Depends, Header, Path, Query, Request
 from pydantic import Field
 
 from truepose.storage.records import RequestKey
+from truepose.web.people.asking import signed_in_name
 from truepose.web.schemas.base import KEY, NUMBER_LIMIT
 
 Id = Annotated[int, Path(ge=1, le=NUMBER_LIMIT, description="Number of the record.", examples=[3])]
@@ -67,8 +68,8 @@ async def _needed_key(request: Request, key: NeededKey) -> RequestKey:
 
 
 def _sender(request: Request) -> str:
-    """Return who asks, as far as workers are given out fairly: the computer that the request came from."""
-    return request.client.host if request.client else ""
+    """Return who asks, as far as workers are given out fairly: the person, else the computer."""
+    return signed_in_name() or (request.client.host if request.client else "")
 
 
 def _respond_later(prefer: Prefer = None) -> bool:
