@@ -8,10 +8,12 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from truepose.cli.files import Json
-from truepose.cli.output import print_json, print_lines
+from truepose.cli.output import print_json, print_lines, remark
 from truepose.domain.errors import ConfigurationError
+from truepose.words.catalogue import english
 
 if TYPE_CHECKING:
+    from truepose.exchange.brought.understood import Understood
     from truepose.exchange.point_lists.joined import Joined
 
 _NAMED = 5  # of those that are left over
@@ -27,13 +29,22 @@ class LengthUnit(StrEnum):
 
 
 def import_command(
-    points: Annotated[Path, typer.Argument(help="Points as a tracker's own software exports them (text).")],
-    joints: Annotated[
+    points: Annotated[
         Path,
-        typer.Argument(help="Joint angles (CSV): config, q1_deg.., perhaps nest, dir1.., time_s, point."),
+        typer.Argument(
+            help="Points as a tracker's software exports them; alone: a table, zip or folder of any program."
+        ),
     ],
-    robot: Annotated[str, typer.Option(help="Shipped robot, or a file of one's own (.toml, .urdf).")],
+    joints: Annotated[
+        Path | None,
+        typer.Argument(help="Joint angles (CSV): config, q1_deg.., perhaps nest, dir1.., time_s, point."),
+    ] = None,
+    *,
     out: Annotated[Path, typer.Option(help="Campaign folder to write.")],
+    robot: Annotated[
+        str | None,
+        typer.Option(help="Shipped robot, or a file of one's own (.toml, .urdf); a table may find its own."),
+    ] = None,
     unit: Annotated[
         LengthUnit | None, typer.Option(help="Of the points, where the list does not say it.")
     ] = None,
@@ -50,17 +61,27 @@ def import_command(
     nest_u_mm: Annotated[
         float | None, typer.Option("--nest-u-mm", min=0.0, help="Standard uncertainty of these centres [mm].")
     ] = None,
+    accept_changes: Annotated[
+        bool,
+        typer.Option("--accept-changes", help="Of a table: make the changes of convention that are offered."),
+    ] = False,
     json: Json = False,
 ) -> int:
-    """Make a campaign folder of a list of points and the joint angles at which they were read.
+    """Make a campaign folder of a list of points and their joint angles, or of a table that has both.
 
     Example: truepose import points.txt joints.csv --robot abb-irb-120 --unit mm --u-mm 0.03 --out mine
+
+    Of a table columns, units and robot are guessed and told: truepose import readings.csv --out mine
     """
     from truepose.exchange.campaigns.folder import write_campaign
     from truepose.exchange.point_lists.importing import Stated, import_points
 
     if out.exists() and any(out.iterdir()):
         raise ConfigurationError(f"{out} is not empty: name another folder.")
+    if joints is None:
+        return _import_table(points, out, robot, u_mm, accept_changes=accept_changes, json=json)
+    if robot is None:
+        raise ConfigurationError("A list of points does not say its robot: name it with --robot.")
     centres = [_centre(text) for text in nest or ()]
     stated = Stated(robot, unit and unit.value, u_mm, names, centres, nest_u_mm)
     campaign, found = import_points(points, joints, stated)
@@ -71,6 +92,37 @@ def import_command(
     else:
         print_lines([f"{out}: {len(found)} points at their joint angles.", *_left_over(found, joints.name)])
     return 0
+
+
+def _import_table(
+    path: Path, out: Path, robot: str | None, u_mm: float | None, *, accept_changes: bool, json: bool
+) -> int:
+    from truepose.exchange.brought.choices import Choices
+    from truepose.exchange.brought.table_files import read_tables, told
+    from truepose.exchange.campaigns.folder import write_campaign
+
+    choices = Choices(robot=robot, u_mm=u_mm, undated=True)
+    found = read_tables(path, choices, accept_changes=accept_changes)
+    remark(map(english, told(found.understood)))
+    if found.campaign is None:
+        raise ConfigurationError(_what_is_missing(found.understood))
+    write_campaign(found.campaign, out)
+    if json:
+        print_json({
+            "campaign": str(out),
+            "readings": found.understood.readings,
+            "robot": found.campaign.robot.name,
+        })
+    else:
+        print_lines([f"{out}: {found.understood.readings} readings of {found.campaign.robot.name}."])
+    return 0
+
+
+def _what_is_missing(understood: "Understood") -> str:
+    fault = understood.fault
+    if fault is not None:
+        return f"{fault.file}{f', line {fault.line}' if fault.line else ''}: {fault.sentence}."
+    return " ".join(english(question.sentence) for question in understood.questions)
 
 
 def _centre(text: str) -> tuple[float, float, float]:

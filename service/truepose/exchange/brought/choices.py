@@ -30,6 +30,7 @@ class Choices:
     changes: tuple[Change, ...] = ()
     u_mm: float | None = None
     measured_on: date | None = None
+    undated: bool = False  # the day may stay unknown: whoever asks is not made a record of
     notes: tuple[str, ...] = ()
 
     def of(self, file: str) -> FileChoice:

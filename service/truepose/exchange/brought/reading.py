@@ -144,7 +144,7 @@ def _finished(campaign: Campaign, choices: Choices, understood: Understood) -> R
 
 
 def _of_day(choices: Choices) -> list[Question]:
-    return [] if choices.measured_on else [Question("day", said("bring.ask.day"))]
+    return [] if choices.measured_on or choices.undated else [Question("day", said("bring.ask.day"))]
 
 
 def _guessed(found: tuple[Piece, ...], choices: Choices) -> Reading:

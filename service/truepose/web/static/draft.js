@@ -13,6 +13,7 @@ async function doing(act) {
   try {
     await act();
     await inPage("#draft");
+    showFault();
     follow();
   } catch (error) {
     const said = page().querySelector("output.said");
@@ -119,4 +120,10 @@ async function follow() {
   else setTimeout(() => follow().catch(() => setTimeout(follow, POLL_MS)), POLL_MS);
 }
 
+// The marked cell of a wide table is in sight.
+function showFault() {
+  document.querySelector("td[aria-invalid]")?.scrollIntoView({ inline: "center", block: "nearest" });
+}
+
+showFault();
 follow();

@@ -3,9 +3,11 @@
 import csv
 import json
 
+import numpy as np
 import pytest
 
 from tests.helpers.checkout import CHECKOUT
+from tests.unit.service.exchange.brought.tables import plain, readings, table
 from truepose.cli.imports import LengthUnit, import_command
 from truepose.domain.errors import ConfigurationError
 from truepose.exchange.campaigns.folder import read_campaign
@@ -73,3 +75,32 @@ def test_the_units_are_those_that_lists_know():
     from truepose.exchange.point_lists.reading import UNITS_MM
 
     assert {unit.value for unit in LengthUnit} == set(UNITS_MM)
+
+
+def test_a_table_alone_is_guessed_and_told(tmp_path, capsys):
+    (tmp_path / "mine.csv").write_bytes(plain())
+
+    assert import_command(tmp_path / "mine.csv", out=tmp_path / "mine") == 0
+
+    assert len(read_campaign(tmp_path / "mine").calibration) == 30
+    assert "Robot: ABB IRB 120, found among the known ones" in capsys.readouterr().err
+
+
+def test_a_change_of_convention_is_made_only_where_it_is_accepted(tmp_path, capsys):
+    joints, nest, places = readings()
+    names = [*(f"q{k}" for k in range(1, 7)), "nest", *(f"{axis} [mm]" for axis in "xyz"), "u [mm]"]
+    rows = np.column_stack([joints, nest, places / 25.4, np.full(30, 0.02)])
+    (tmp_path / "mine.csv").write_bytes(table(names, rows))
+    file, mine = tmp_path / "mine.csv", tmp_path / "mine"
+
+    with pytest.raises(ConfigurationError, match="fits if this is changed"):
+        import_command(file, out=mine, robot="abb-irb-120")
+    assert import_command(file, out=mine, robot="abb-irb-120", accept_changes=True) == 0
+
+    assert "inches" in capsys.readouterr().err
+    assert read_campaign(mine).calibration.position_mm == pytest.approx(places, abs=1e-3)
+
+
+def test_a_list_of_points_does_not_say_its_robot(exported):
+    with pytest.raises(ConfigurationError, match="--robot"):
+        imported(exported, robot=None)
