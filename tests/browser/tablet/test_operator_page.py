@@ -21,15 +21,16 @@ def page(request, chromium, url):
         yield page
 
 
-def test_ballbar_sessions_are_listed_newest_first(desk, page, url):
+def test_sessions_of_every_kind_are_listed_newest_first(desk, page, url):
     desk.sessions = [session(1, "finished"), session(2, "running", "calibration"), session(3, "paused")]
 
     page.goto(f"{url}/operator")
 
     rows = page.locator("#sessions li")
-    expect(rows).to_have_count(2)
+    expect(rows).to_have_count(3)
     expect(rows.nth(0)).to_contain_text("bay 3pausedread at 120 of 431 poses")
-    expect(rows.nth(1)).to_contain_text("finished")
+    expect(rows.nth(1)).to_contain_text("bay 2running")
+    expect(rows.nth(2)).to_contain_text("finished")
     assert page.evaluate("document.documentElement.scrollWidth") == page.viewport_size["width"]
     rows.nth(0).click()
     page.wait_for_url("**/operator/3")

@@ -16,6 +16,7 @@ from truepose.operation.guided.sheet import Sheet, sheet_of
 from truepose.operation.tracker.sessions import TrackerSessions
 from truepose.sequencing.contacts.runner import ContactRunner
 from truepose.sequencing.engine.acts import Act
+from truepose.sequencing.engine.states import ASKS
 from truepose.sequencing.errors import NotNowError
 from truepose.sequencing.tracker.runner import TrackerRunner
 from truepose.sequencing.tracker.watching import Sighting
@@ -52,7 +53,10 @@ class GuidedSessions:
         if runner is None or under_way is None:
             kept = await self._desk.ledger.whole(session_id)
             found = standing(fixed, (line.entry for line in kept), runs=False)
-            return self._guide(session_id, fixed, found, kept[-1].id if kept else None)
+            asked = found.reason if found.state in ASKS else None
+            return replace(
+                self._guide(session_id, fixed, found, kept[-1].id if kept else None), question=asked
+            )
         found = standing_of(fixed, runner.record, runs=True)
         return replace(
             self._guide(session_id, fixed, found, under_way.ledger.newest),

@@ -3,7 +3,10 @@
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from enum import StrEnum
-from statistics import median
+from statistics import fmean, median
+from typing import Final
+
+_FAR_OFF: Final = 3.0  # times the median
 
 
 @dataclass(slots=True)
@@ -26,6 +29,17 @@ class StepTimes:
         if kind is not None:
             self._taken_s.setdefault(kind, []).append(self.elapsed_s - self._ended_s)
         self._ended_s = self.elapsed_s
+
+    def mean_s(self, kind: StrEnum) -> float | None:
+        """Return the mean time of steps of a kind, which their sum follows; None before the first.
+
+        One far off the others is none of a usual step: a fault, a search, somebody who helped.
+        """
+        taken = self._taken_s.get(kind)
+        if not taken:
+            return None
+        usual = _FAR_OFF * median(taken)
+        return fmean([time_s for time_s in taken if time_s <= usual] or taken)
 
     def median_s(self, kinds: Iterable[StrEnum], at_least: int = 1) -> float | None:
         """Return the median time of steps of these kinds; None before there were enough of them."""

@@ -50,6 +50,7 @@ class Execution:
         self._instrument = measured(plan, cell, logbook, identities)
         self._joints: JointReading | None = None
         self._operation: steps.Operation | None = None  # of the present step, that was begun last
+        self._fixed_nest: int | None = None
         self._work: Work | None = None
         self._place = 0  # of the work, that comes next
 
@@ -60,8 +61,8 @@ class Execution:
 
     @property
     def fixed_nest(self) -> int | None:
-        """Which fixed nest is read (1-based); None: none."""
-        return self._operation.fixed_nest if isinstance(self._operation, steps.ReadFixedNest) else None
+        """Which fixed nest was read last in the present step (1-based); None: none."""
+        return self._fixed_nest
 
     def in_world(self, point_mm: Vector) -> Vector | None:
         """Return a point of the instrument's frame in the world; None where that is not known."""
@@ -70,12 +71,15 @@ class Execution:
     def begin_step(self) -> None:
         """Forget what belongs to an earlier step."""
         self._operation = None
+        self._fixed_nest = None
         self._instrument.begin_step()
         self._joints = None
 
     async def perform(self, operation: steps.Operation) -> None:
         """Do one operation; raises what the devices and the checks raise."""
         self._operation = operation
+        if isinstance(operation, steps.ReadFixedNest):
+            self._fixed_nest = operation.fixed_nest
         match operation:
             case steps.OpenDevices():
                 await self._open()

@@ -4,6 +4,7 @@ The present step is the first that is due: instruments that are ready, a tracker
 known, fixed nests that were looked at lately, then the next stop that was neither measured nor skipped.
 """
 
+import math
 from collections import deque
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
@@ -83,7 +84,7 @@ def situation_of(plan: SessionPlan, n_fixed_nests: int, record: TrackerRecord) -
             skipped=len(record.skipped),
             planned=len(plan.stops),
             elapsed_s=record.times.elapsed_s,
-            remaining_s=_remaining_s(record, left),
+            remaining_s=_remaining_s(plan, record, left),
             doing=record.doing,
         ),
         since_first_s=record.since_first_s,
@@ -96,13 +97,15 @@ def _is_settled(record: TrackerRecord, left: Sequence[PlannedStop]) -> bool:
     return following is not None and record.groups.settled_before(following)
 
 
-def _remaining_s(record: TrackerRecord, left: Sequence[PlannedStop]) -> float | None:
+def _remaining_s(plan: SessionPlan, record: TrackerRecord, left: Sequence[PlannedStop]) -> float | None:
     """Return how long the rest takes at the pace so far, and at least until the last stop is due."""
-    each_s = record.times.median_s([StepKind.MEASURE])
+    each_s = record.times.mean_s(StepKind.MEASURE)
     if each_s is None:
         return None
+    looks = math.ceil(len(left) / plan.reference_every) if plan.measures == "points" else 0
+    looks_s = looks * (record.times.mean_s(StepKind.LOOK) or 0.0)
     due = [stop.work.until_s - record.since_first_s for stop in left if stop.work is not None]
-    return max([each_s * len(left), *due])
+    return max([each_s * len(left) + looks_s, *due])
 
 
 def present_step(

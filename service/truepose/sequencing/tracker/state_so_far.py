@@ -82,7 +82,9 @@ class TrackerRecord(Record):
         if config is None or config in self.left_out:
             return
         is_measured = entry.kind is EntryKind.MEASURED
-        (self.measured if is_measured else self.skipped).add(config)
+        now, before = (self.measured, self.skipped) if is_measured else (self.skipped, self.measured)
+        now.add(config)
+        before.discard(config)
         self.measured_lately |= is_measured
         if entry.point is not None:
             self.groups.take(entry.point)

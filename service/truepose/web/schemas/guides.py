@@ -93,7 +93,6 @@ class GuideReply(Reply):
     robot_moving: bool
     acts: list[ActName] = Field(description="What may be pressed now.")
     progress: ProgressReply
-    acting: None = Field(None, description="Nobody holds such a session: whoever sees more may act.")
     watching: int = Field(description="Tablets that follow the session.")
     last_stop: LastStopReply | None
     tracker_in_question: IdentityReply | None = Field(
@@ -240,7 +239,6 @@ def guide_reply(view: Guide) -> GuideReply:
         people=list(view.people),
         ledger_number=view.newest_entry,
         acts=sorted(found.acts),
-        acting=None,
         last_stop=found.last,
         tracker_in_question=None if foreign is None else identity_reply(foreign),
         identities=[identity_reply(taken) for taken in found.identities],

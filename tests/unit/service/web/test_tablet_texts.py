@@ -9,17 +9,24 @@ import pytest
 import truepose.sequencing
 import truepose.web.tablet
 from truepose.words.catalogue import LANGUAGES as SPOKEN
-from truepose.words.catalogue import TABLET, texts_file
+from truepose.words.catalogue import TABLET, TRACKER_TABLET, texts_file
 
 HERE = Path(truepose.web.tablet.__file__).parent
-LANGUAGES = {name: json.loads(texts_file(name, TABLET).read_text("utf-8")) for name in SPOKEN}
+LANGUAGES = {
+    name: {
+        key: text
+        for texts in (TABLET, TRACKER_TABLET)
+        for key, text in json.loads(texts_file(name, texts).read_text("utf-8")).items()
+    }
+    for name in SPOKEN
+}
 CODE = "".join(path.read_text("utf-8") for path in (HERE / "static").rglob("*.js"))
 PAGES = "".join(path.read_text("utf-8") for path in (HERE / "templates").glob("*.html"))
 # Keys stand in the code as they are, never put together from parts: so each can be found.
 USED = set(re.findall(r'"([a-z_]+\.[a-z_]+)"', CODE)) | set(
     re.findall(r'data-(?:text|label)="([^"]+)"', PAGES)
 )
-KEPT_BY_THE_TABLET = {"truepose.language", "truepose.tablet", "truepose.person", "truepose.muted"}
+KEPT_BY_THE_TABLET = {f"truepose.{name}" for name in ("language", "tablet", "person", "muted", "units")}
 
 
 REASONS = (HERE / "static" / "common" / "reasons.js").read_text("utf-8")

@@ -14,7 +14,7 @@ from truepose.words.catalogue import ENGLISH, IN_ENGLISH, LANGUAGES, Catalogue, 
 
 ROOT = Path(truepose.__file__).parent
 FOLDER = ROOT / "words"
-APART = {"names", "tablet"}  # names are no keys; the tablet's keys are used by its scripts
+APART = {"names", "tablet", "tracker_tablet"}  # names are no keys; the tablet uses its own in its scripts
 FRENCH = catalogue("fr")
 
 

@@ -15,7 +15,7 @@ export class Actions {
   #shown_ms = 0;
   #buttons = [];
 
-  // `offer`: { of(screen, session): [{ act, key, held, plain, answer }], label(offer, model, texts),
+  // `offer`: { of(screen, session): [{ act, key, held, plain, answer, local }] (`local`: the page does it, whatever the session allows), label(offer, model, texts),
   // nothing(offer, model): why its button has nothing to do, or null, values(session): of the texts, named(session) }
   // `on`: { tapped(act, { answer }), settled() }
   constructor(place, offer, on) {
@@ -36,7 +36,7 @@ export class Actions {
 
   #draw(button, offer, fresh, model, texts) {
     const idle = this.#offer.nothing(offer, model) !== null;
-    const offered = Boolean(offer.act) && can(model, offer.act) && !idle;
+    const offered = Boolean(offer.act) && (offer.local || can(model, offer.act)) && !idle;
     // What must be held is no second tap.
     const early = fresh && !offer.held;
     button.disabled = early || !offered;

@@ -12,6 +12,8 @@ const TONES = {
   lost: [[330, 0, 0.2], [220, 0.25, 0.4]],
 };
 const LOUDNESS = 0.22;
+const LOWEST_HZ = 220;
+const OCTAVES = 3;
 const SETTLED_MS = 350; // a state that passes by makes no noise
 
 export class Sound {
@@ -30,6 +32,12 @@ export class Sound {
   play(name) {
     if (this.#muted() || this.#context?.state !== "running") return;
     for (const [frequency_hz, start_s, length_s] of TONES[name]) this.#tone(frequency_hz, start_s, length_s);
+  }
+
+  // A short tone whose pitch says how near something is: `share` from 0, far, to 1, there.
+  near(share) {
+    if (this.#muted() || this.#context?.state !== "running") return;
+    this.#tone(LOWEST_HZ * 2 ** (OCTAVES * share), 0, 0.08);
   }
 
   // Plays a state of the length once it has lasted.

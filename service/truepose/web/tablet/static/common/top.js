@@ -4,11 +4,14 @@ import { showIf, write } from "./elements.js";
 import { actsHere, hasEnded } from "./situation.js";
 import { buttonShape } from "./shapes.js";
 
+// Where nobody is in the cell no tablet holds the session: `acting` is missing there.
 function who({ acting, watching }, tablet, texts) {
+  const watched = texts.say("who.watching", { count: watching });
+  if (acting === undefined) return watched;
   const acts = !acting ? texts.say("who.nobody")
     : acting.tablet === tablet ? texts.say("who.acts_here")
     : texts.say("who.acts", { person: acting.person });
-  return `${acts} · ${texts.say("who.watching", { count: watching })}`;
+  return `${acts} · ${watched}`;
 }
 
 export class Top {

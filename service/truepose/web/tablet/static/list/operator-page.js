@@ -160,7 +160,7 @@ class OperatorPage {
       page = await ask(`/api/v1/sessions?after=${after}&limit=${PAGE}`);
       found.push(...page);
     } while (page.length === PAGE);
-    return found.filter((session) => session.role === "ballbar").reverse();
+    return found.reverse();
   }
 
   #show(sessions) {
