@@ -30,6 +30,11 @@ class StepTimes:
             self._taken_s.setdefault(kind, []).append(self.elapsed_s - self._ended_s)
         self._ended_s = self.elapsed_s
 
+    @property
+    def in_step_s(self) -> float:
+        """How long the present step has been under way."""
+        return self.elapsed_s - self._ended_s
+
     def mean_s(self, kind: StrEnum) -> float | None:
         """Return the mean time of steps of a kind, which their sum follows; None before the first.
 

@@ -102,10 +102,11 @@ def _remaining_s(plan: SessionPlan, record: TrackerRecord, left: Sequence[Planne
     each_s = record.times.mean_s(StepKind.MEASURE)
     if each_s is None:
         return None
-    looks = math.ceil(len(left) / plan.reference_every) if plan.measures == "points" else 0
-    looks_s = looks * (record.times.mean_s(StepKind.LOOK) or 0.0)
+    looks = math.ceil((len(left) + record.since_look) / plan.reference_every)
+    looks_s = looks * (record.times.mean_s(StepKind.LOOK) or 0.0) if plan.measures == "points" else 0.0
+    rest_s = each_s * len(left) + looks_s - record.times.in_step_s
     due = [stop.work.until_s - record.since_first_s for stop in left if stop.work is not None]
-    return max([each_s * len(left) + looks_s, *due])
+    return max([rest_s, 0.0, *due])
 
 
 def present_step(
