@@ -1,7 +1,7 @@
 """The gate: finds out who asks, and lets through what they may ask for, before anything else is read.
 
 Whoever asks is known by the cookie of a browser that somebody signed in, or by a program's token. The door
-outside has seen to it that what a browser changes comes from a page of ours (decision 0052).
+outside has seen to it that what a browser changes comes from a page of ours (decision 0057).
 """
 
 import re
