@@ -231,7 +231,10 @@ class NewTokenReply(Reply):
     """A token and its secret."""
 
     token: TokenReply
-    secret: str = Field(description="Shown this once; send it as `Authorization: Bearer ...`.")
+    secret: str = Field(
+        description="Shown this once; send it as `Authorization: Bearer ...`.",
+        examples=["5Yl1pMGRTsAjn3ySZyfRcN0t1RZ3Rlbn8Zt4Yk4mG5k"],
+    )
 
 
 class WatchLinkReply(Reply):
@@ -261,8 +264,14 @@ class NewWatchLinkReply(Reply):
     """A new link, and how it gets to a telephone."""
 
     link: WatchLinkReply
-    url: str = Field(description="Shown this once.")
-    qr_svg: str = Field(description="The same as a QR code, an SVG image as a data address.")
+    url: str = Field(
+        description="Shown this once.",
+        examples=["http://localhost:8000/watch/5Yl1pMGRTsAjn3ySZyfRcN0t1RZ3Rlbn8Zt4Yk4mG5k"],
+    )
+    qr_svg: str = Field(
+        description="The same as a QR code, an SVG image as a data address.",
+        examples=["data:image/svg+xml;charset=utf-8,%3Csvg ... %3C/svg%3E"],
+    )
 
 
 class AuthorityReply(Reply):

@@ -18,7 +18,6 @@ async function sent(path, method, body) {
 // One question at a time: who it is, and their PIN. Resolves with who is signed in then; null where nobody answered.
 class Dialogue {
   #dialog = template.content.firstElementChild.cloneNode(true);
-  #form = this.#dialog.querySelector("form");
   #pin = this.#dialog.querySelector(".pin");
   #who = {};
   #answer = null;
@@ -28,23 +27,30 @@ class Dialogue {
     const heading = this.#dialog.querySelector("h2");
     heading.textContent = heading.dataset[title];
     document.body.append(this.#dialog);
-    this.#form.addEventListener("submit", (event) => (event.preventDefault(), this.#submit()));
+    this.#dialog.addEventListener("keydown", (event) => {
+      // A reader types the badge and presses Enter, as a person does behind a PIN.
+      if (event.key === "Enter" && event.target.matches("input")) this.#submit();
+    });
     this.#dialog.querySelector(".leave").addEventListener("click", () => this.#dialog.close());
     for (const key of this.#dialog.querySelectorAll("[data-key]")) key.addEventListener("click", () => this.#type(key.dataset.key));
   }
 
   // `people`: whom to choose from; none: whoever is signed in.
   ask(people) {
-    const { badge } = this.#form.elements;
+    const [badge, pin] = [this.#field("badge"), this.#field("pin")];
     badge.closest("label").hidden = !people;
     this.#dialog.querySelector(".instead").hidden = Boolean(people);
     this.#dialog.querySelector(".names").replaceChildren(...(people ?? []).map((name) => this.#name(name)));
     if (!people) this.#askPin("");
     this.#dialog.showModal();
-    (people ? badge : this.#form.elements.pin).focus();
+    (people ? badge : pin).focus();
     return new Promise((resolve) => {
       this.#dialog.addEventListener("close", () => (this.#dialog.remove(), resolve(this.#answer)));
     });
+  }
+
+  #field(name) {
+    return this.#dialog.querySelector(`[name=${name}]`);
   }
 
   #name(name) {
@@ -55,22 +61,23 @@ class Dialogue {
 
   #askPin(name) {
     this.#dialog.querySelector(".names").replaceChildren();
-    this.#form.elements.badge.closest("label").hidden = true;
+    this.#field("badge").closest("label").hidden = true;
     this.#dialog.querySelector(".chosen").textContent = name;
     this.#pin.hidden = false;
-    this.#form.elements.pin.focus();
+    this.#field("pin").focus();
   }
 
   #type(key) {
-    const { pin } = this.#form.elements;
+    const pin = this.#field("pin");
+    if (key === "ok") return this.#submit();
     pin.value = key === "back" ? pin.value.slice(0, -1) : pin.value + key;
+    return undefined;
   }
 
   async #submit() {
-    const { badge, pin, password } = this.#form.elements;
-    // A reader types the badge and presses Enter.
+    const [badge, pin, password] = ["badge", "pin", "password"].map((name) => this.#field(name));
     if (this.#pin.hidden) return badge.value ? ((this.#who = { badge: badge.value }), this.#askPin("")) : undefined;
-    const said = this.#form.querySelector("output");
+    const said = this.#dialog.querySelector("output");
     try {
       const shown = password.value ? { password: password.value } : { pin: pin.value };
       this.#answer = await sent(this.path, "POST", { ...this.#who, ...shown });

@@ -15,6 +15,8 @@ function sample({ length_mm, distance_mm, state }) {
   const value = length_mm ?? distance_mm ?? null;
   write(at.value, value === null ? "–" : value.toFixed(value === length_mm ? 4 : 3));
   write(at.unit, value === null ? "" : " mm");
+  at.value.parentElement.hidden = value === null && !at.value.dataset.seen;
+  if (value !== null) at.value.dataset.seen = "yes";
   document.body.dataset.state = state ?? "";
 }
 
