@@ -256,3 +256,15 @@ def test_the_language_changes_without_a_connection(desk, wired, language):
 
     said = {"en": "No connection to the service.", "fr": "Pas de connexion au service."}[language]
     expect(page.locator("#lost")).to_contain_text(said)
+
+
+def test_a_disk_that_refuses_is_said_until_it_does_not(desk, tablet):
+    refused = "The database cannot be written (the disk is full). Nothing moves."
+    notice = tablet.locator("#trouble")
+    expect(notice).to_be_hidden()
+
+    desk.show(trouble=refused)
+    expect(notice).to_have_text(refused)
+
+    desk.show(trouble=None)
+    expect(notice).to_be_hidden()

@@ -4,7 +4,7 @@ import { Actions } from "../common/actions.js";
 import { ask } from "../common/api.js";
 import { Caution } from "../common/caution.js";
 import { Dock } from "../common/dock.js";
-import { showIf } from "../common/elements.js";
+import { showIf, write } from "../common/elements.js";
 import { Page } from "../common/page.js";
 import { hasEnded } from "../common/situation.js";
 import { Storage } from "../common/tablet.js";
@@ -75,6 +75,8 @@ class SessionPage extends Page {
     this.actions.show(screen, this.model, this.texts);
     this.#showLength();
     this.#showSimulated();
+    showIf(this.at.trouble, Boolean(session?.trouble)); // the disk refuses: nothing is stored, and nothing moves
+    write(this.at.trouble, session?.trouble ?? "");
   }
 
   taken(before, session) {
