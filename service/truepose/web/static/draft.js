@@ -13,8 +13,7 @@ async function doing(act) {
   try {
     await act();
     await inPage("#draft");
-    showFault();
-    follow();
+    begin();
   } catch (error) {
     const said = page().querySelector("output.said");
     said.textContent = error.message;
@@ -114,7 +113,7 @@ async function follow() {
     const card = jobs.querySelector(`[data-job="${number}"]`);
     card.querySelector("progress").value = last.state === "succeeded" ? 1 : last.fraction;
     card.querySelector("span").textContent = last.message;
-    if (["failed", "cancelled", "interrupted"].includes(last.state)) return inPage("#draft");
+    if (["failed", "cancelled", "interrupted"].includes(last.state)) return inPage("#draft").then(begin);
   }
   if (last.state === "succeeded") location.assign(`/diagnoses/${last.result_id}`);
   else setTimeout(() => follow().catch(() => setTimeout(follow, POLL_MS)), POLL_MS);
@@ -125,5 +124,11 @@ function showFault() {
   document.querySelector("td[aria-invalid]")?.scrollIntoView({ inline: "center", block: "nearest" });
 }
 
-showFault();
-follow();
+// Nothing can be tapped before somebody listens.
+function begin() {
+  page().removeAttribute("inert");
+  showFault();
+  follow();
+}
+
+begin();

@@ -92,13 +92,13 @@ def test_a_change_that_makes_the_robot_fit_is_offered_and_never_made_silently(
     assert accepted.campaign.calibration.position_mm == pytest.approx(places, abs=1e-3)
 
 
-def test_joints_in_another_order_are_found_without_being_told_the_robot():
+def test_joints_in_another_order_are_put_right_with_one_change():
     joints, nest, places = readings()
     swapped = joints[:, [0, 2, 1, 3, 4, 5]]
     rows = np.column_stack([swapped, nest, places, np.full(30, 0.02)])
     data = table([*JOINTS, "nest", *XYZ, "u [mm]"], rows)
 
-    found = read_brought({"mine.csv": data}, DAY)
+    found = read_brought({"mine.csv": data}, ROBOT)
 
     (offered,) = found.understood.robot.offered
     assert (found.understood.robot.key, offered.kind) == ("abb-irb-120", "columns")
