@@ -70,7 +70,7 @@ def ask_everything(folder, examples, out, known="", more=()):
         furnish(url)
         command = [sys.executable, "-m", "schemathesis.cli", f"--config-file={settings}"]
         command += ["run", f"{url}/openapi.json", f"--max-examples={examples}", "--continue-on-failure"]
-        command += ["--request-timeout=20", "--no-color", "--report=junit", *more, f"--report-dir={out}"]
+        command += ["--request-timeout=120", "--no-color", "--report=junit", *more, f"--report-dir={out}"]
         return subprocess.run(command, check=False).returncode
 
 

@@ -18,7 +18,7 @@ from truepose.correction.zone_errors import (
 )
 from truepose.correction.zone_fit import nearest_arm
 from truepose.domain.arrays import FloatArray
-from truepose.domain.errors import ConfigurationError
+from truepose.domain.errors import UnsuitableModelError
 from truepose.domain.results import Model, NestCentre
 from truepose.domain.robot import FramePlacement
 from truepose.effects.base.base_frame import NAME as BASE
@@ -54,12 +54,12 @@ def controller_values(model: Model) -> ControllerValues:
 
     Raises
     ------
-    ConfigurationError
+    UnsuitableModelError
         The model does not say where it was measured, or needs torques that only the controller measures.
     """
     seen, judged = zone_targets(model, _FIT_SEED), zone_targets(model, _JUDGE_SEED)
     if seen is None or judged is None:
-        raise ConfigurationError(
+        raise UnsuitableModelError(
             "The model does not know its measured zone, or needs torques that only the controller measures: "
             "identify again with this version, without torques."
         )

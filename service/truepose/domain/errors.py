@@ -2,6 +2,7 @@
 
 TrueposeError
 ├── ConfigurationError        an argument does not fit the robot or the campaign
+│   └── UnsuitableModelError    a model lacks what is asked of it
 ├── UnderdeterminedError      fewer observations than parameters
 ├── UnknownEffectError        no effect of that name is registered
 ├── InstalledCauseError       what another package brought failed while it worked
@@ -25,6 +26,10 @@ class TrueposeError(Exception):
 
 class ConfigurationError(TrueposeError):
     """An argument does not fit the robot or the campaign."""
+
+
+class UnsuitableModelError(ConfigurationError):
+    """A model lacks what is asked of it: its measured zone, or the axes that a format describes."""
 
 
 class UnderdeterminedError(TrueposeError):

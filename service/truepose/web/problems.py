@@ -21,7 +21,7 @@ from truepose.analysis.errors import (
     RoleError,
     SessionsDifferError,
 )
-from truepose.domain.errors import RecordRefusedError, TrueposeError
+from truepose.domain.errors import RecordRefusedError, TrueposeError, UnsuitableModelError
 from truepose.domain.people import NAME_PATTERN
 from truepose.exchange.errors import InputFileError, UnknownRobotError
 from truepose.operation.errors import (
@@ -97,6 +97,7 @@ _STATUS: Mapping[type[Exception], HTTPStatus] = {
     RoleError: HTTPStatus.CONFLICT,
     RobotsMixedError: HTTPStatus.CONFLICT,
     WorkSpaceError: HTTPStatus.CONFLICT,
+    UnsuitableModelError: HTTPStatus.CONFLICT,  # the request is sound, this model cannot
     PlanRefusedError: HTTPStatus.CONFLICT,  # the request is sound, this cell cannot do it
     DeviceRefusedError: HTTPStatus.CONFLICT,
     PersonUnreadableError: HTTPStatus.CONFLICT,  # what a schema cannot say; the rest of it is refused there

@@ -90,6 +90,7 @@ _CODES: Final = {
     "UnwritableReportError": "TP-4015",
     "NoPdfError": "TP-4016",
     "InstalledCauseError": "TP-4017",
+    "UnsuitableModelError": "TP-4018",
     "NotReadyError": "TP-4030",
     "WorkSpaceError": "TP-5001",
     "TooFewCandidatesError": "TP-5002",

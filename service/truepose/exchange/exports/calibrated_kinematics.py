@@ -3,7 +3,7 @@
 import hashlib
 from collections.abc import Iterator
 
-from truepose.domain.errors import ConfigurationError
+from truepose.domain.errors import UnsuitableModelError
 from truepose.domain.sentences import Sentence, said
 from truepose.exchange.exports.subject import Subject, remarks
 from truepose.exchange.exports.urdf import joint_origin, roll_pitch_yaw
@@ -16,11 +16,11 @@ def kinematics_text(subject: Subject) -> str:
 
     Raises
     ------
-    ConfigurationError
+    UnsuitableModelError
         The model is of another kind of arm.
     """
     if not is_of_that_structure(subject.model.robot):
-        raise ConfigurationError(
+        raise UnsuitableModelError(
             f"{subject.model.robot.name} has not the axes of an arm of Universal Robots, which this format "
             "describes: export it as URDF."
         )

@@ -7,7 +7,7 @@ from typing import Final
 
 from truepose.correction.zone_errors import ZoneError, nominal_error, rigid_error, zone_targets
 from truepose.correction.zone_fit import nearest_arm
-from truepose.domain.errors import ConfigurationError
+from truepose.domain.errors import UnsuitableModelError
 from truepose.domain.results import Model
 from truepose.domain.sentences import Sentence, said
 from truepose.identification.model.rigid import RigidArm, rigid_arm
@@ -43,7 +43,7 @@ def subject_of(model: Model, *, fitted: bool = False) -> Subject:
 
     Raises
     ------
-    ConfigurationError
+    UnsuitableModelError
         It shall be fitted, and the model does not know its zone or needs measured torques.
     """
     arm = _fitted(model) if fitted else rigid_arm(model)
@@ -54,7 +54,7 @@ def subject_of(model: Model, *, fitted: bool = False) -> Subject:
 def _fitted(model: Model) -> RigidArm:
     targets = zone_targets(model, _FIT_SEED)
     if targets is None:
-        raise ConfigurationError(
+        raise UnsuitableModelError(
             "A table is fitted only to a model that knows its measured zone and needs no measured torques: "
             "identify again with this version, without torques, or take the identified table."
         )

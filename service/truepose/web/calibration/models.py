@@ -58,7 +58,7 @@ async def download_model(here: Here, id: Id) -> Response:
             "description": "The file; what it does not hold stands in it.",
             "content": {media: {"schema": {"type": "string"}} for media, _ in _MEDIA.values()},
         },
-        **problems(404, 422, 503),
+        **problems(404, 409, 422, 503),
     },
 )
 async def download_export(

@@ -152,7 +152,7 @@ async def test_bodies_together_have_a_limit_that_an_act_does_not_feel(client, he
 def test_every_route_that_stops_something_is_urgent():
     stopping = [path for path in paths_of(APP) if re.search(r"/(pause|abort|acts|health)$", path)]
 
-    assert len(stopping) == 4
+    assert len(stopping) == 5
     assert all(lanes._URGENT.fullmatch(path) for path in stopping)
 
 
