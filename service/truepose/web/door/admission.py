@@ -19,8 +19,8 @@ Headers: TypeAlias = Sequence[tuple[bytes, bytes]]
 PAGES: Final = re.compile(
     r"/|/docs|/work|/operator(/[^/]+)?|/diagnoses(/[^/]+)?|/corrections(/[^/]+)?|/plan|/faults|/errors(/[^/]+)?"
     r"|/(?:jobs|campaigns|identifications|validations|models|robots)/[^/]+"
-    r"|/sessions(/[^/]+(/result|/closing)?)?|/reports(/[^/]+/[^/.]+)?"
-    r"|/sign-in|/first-person/[^/]+|/welcome/[^/]+|/account|/not-yours|/people|/audit|/watch/[^/]+"
+    r"|/sessions(/[^/]+(/result|/closing|/checklist)?)?|/reports(/[^/]+/[^/.]+)?"
+    r"|/bring(/[^/]+)?|/sign-in|/first-person/[^/]+|/welcome/[^/]+|/account|/not-yours|/people|/audit|/watch/[^/]+"
 )
 _READING: Final = frozenset({"GET", "HEAD", "OPTIONS"})
 _FRAMES: Final = frozenset({"iframe", "frame", "fencedframe", "embed", "object", "portal"})
