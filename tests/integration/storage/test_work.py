@@ -126,6 +126,13 @@ async def test_a_record_has_forebears_and_descendants_and_no_others(database, ki
     assert {f"{item.kind.value} {item.id}" for item in found} == family | {f"{kind.value} {number}"}
 
 
+async def test_a_record_is_told_from_others_of_its_number(database):
+    lineage = await Lineages(database).of(WorkKind.SESSION, 1)
+
+    assert [lineage.item(kind, 1).kind for kind in (WorkKind.MODEL, WorkKind.SESSION)] == ["model", "session"]
+    assert lineage.item(WorkKind.SESSION, 2) is None
+
+
 async def test_ten_thousand_records_are_listed_and_searched_a_page_at_a_time(left, tmp_path):
     file = tmp_path / "many.sqlite3"
     file.write_bytes(left.read_bytes())

@@ -28,6 +28,10 @@ class Lineage:
 
     items: tuple[WorkItem, ...]
 
+    def item(self, kind: WorkKind, number: int) -> WorkItem | None:
+        """Return the record of a kind and a number; None where it is not among them."""
+        return next((one for one in self.items if (one.kind, one.id) == (kind, number)), None)
+
     def newest(self, kind: WorkKind, *roles: str) -> WorkItem | None:
         """Return the newest record of a kind, in one of some roles; None where there is none."""
         fitting = (

@@ -62,12 +62,11 @@ def _today() -> date:
 async def _step(here: Context, sessions: list[SessionRecord], jobs: list[JobRecord]) -> Step:
     statuses = here.rack.statuses()
     lineage = await here.lineages.of(WorkKind.SESSION, sessions[0].id) if sessions else None
-    newest = None if lineage is None else next(one for one in lineage.items if one.id == sessions[0].id)
     return next_step(
         Standing(
             devices=tuple(status.mounted.entry.name for status in statuses),
             connected=sum(status.connected for status in statuses),
-            session=newest,
+            session=None if lineage is None else lineage.item(WorkKind.SESSION, sessions[0].id),
             lineage=lineage,
             job_id=jobs[0].id if jobs else None,
         )
