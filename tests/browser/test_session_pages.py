@@ -34,7 +34,7 @@ def test_a_test_is_planned_started_and_followed_to_its_result(service, tablet):
     tablet.get_by_role("button", name="The cell is clear").click()
 
     expect(tablet.locator("#state")).to_have_text("finished", timeout=20_000)
-    expect(tablet.get_by_role("button")).to_have_count(0)
+    expect(tablet.locator("main, aside").get_by_role("button", name="End the session")).to_have_count(0)
     expect(tablet.get_by_role("link", name="See the result")).to_be_visible()
     body = asked.value.post_data_json
     whole = {"method": "iso9283", "test": "poses", "plane": "y+", "cycles": 30, "hours": 8}
@@ -109,7 +109,7 @@ def test_where_no_tracker_is_questioned_no_number_is_asked(service, tablet):
     expect(tablet.get_by_label("Serial number of the tracker")).to_be_hidden()
 
 
-def test_a_calibration_is_planned_beside_its_promise_and_diagnosed_from_its_page(service, tablet):
+def test_a_calibration_is_planned_beside_its_promise_and_identified_by_one_tap(service, tablet):
     service.plan_with(replace(planned(), role="calibration"))
     for device in ("tracker", "robot"):
         service.post(f"/api/v1/devices/{device}/connect")
@@ -118,16 +118,19 @@ def test_a_calibration_is_planned_beside_its_promise_and_diagnosed_from_its_page
     with tablet.expect_request("**/api/v1/sessions") as asked:
         tablet.get_by_role("button", name="Plan it").click()
     expect(tablet.locator("#state")).to_have_text("planned")
-    expect(tablet.get_by_role("button", name="Identify and diagnose")).to_be_hidden()
+    expect(tablet.get_by_role("button", name="Identify")).to_have_count(0)
     tablet.get_by_label("Your name").fill("Ada Byron")
     tablet.get_by_role("button", name="Start").click()
     tablet.get_by_role("button", name="The cell is clear").click()
     expect(tablet.locator("#state")).to_have_text("finished", timeout=20_000)
     made = {"id": 7, "state": "succeeded", "result_id": 4, "fraction": 1.0}
-    tablet.route("**/api/v1/sessions/*/diagnosis", lambda route: route.fulfill(json=made))
-    tablet.route("**/diagnoses/4", lambda route: route.fulfill(body="Here is number 4."))
-    tablet.get_by_role("button", name="Identify and diagnose").click()
+    tablet.route("**/api/v1/sessions/*/campaign", lambda route: route.fulfill(json={"id": 5}))
+    tablet.route("**/api/v1/identifications", lambda route: route.fulfill(json=made))
+    tablet.route("**/identifications/4", lambda route: route.fulfill(body="Here is number 4."))
+    with tablet.expect_request("**/api/v1/identifications") as identified:
+        tablet.get_by_role("button", name="Identify").click()
 
     expect(tablet.get_by_text("Here is number 4.")).to_be_visible()
+    assert identified.value.post_data_json == {"campaign_id": 5}
     whole = {"method": "choose", "configurations": 30}
     assert (asked.value.post_data_json["role"], asked.value.post_data_json["plan"]) == ("calibration", whole)
