@@ -66,6 +66,7 @@ class DeviceReply(Reply):
     answered_serial_number: str | None = Field(description="As the device last said; null: it did not.")
     foreign: bool = Field(description="Another device answered than the cell file names.")
     certificate: str = Field(description="As the cell file says; empty where another device answered.")
+    certificate_expires: str = Field(description="ISO date; empty where nobody said it.")
 
 
 class JointReply(Reply):
@@ -125,6 +126,7 @@ def device_reply(status: DeviceStatus) -> DeviceReply:
         answered_serial_number=status.answered_serial or None,
         foreign=status.is_foreign,
         certificate="" if status.is_foreign else entry.certificate,
+        certificate_expires="" if status.is_foreign else entry.certificate_expires,
     )
 
 

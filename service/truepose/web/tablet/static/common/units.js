@@ -32,7 +32,8 @@ export class Units {
 
   signed(length_mm, texts, how = "fine") {
     const { per_mm, digits } = UNITS[this.name];
-    return texts.signed(length_mm * per_mm, digits[how]);
+    const shown = Number((length_mm * per_mm).toFixed(digits[how]));
+    return shown === 0 ? texts.number(0, digits[how]) : texts.signed(shown, digits[how]); // no sign before a zero
   }
 
   length(length_mm, texts, how = "fine") {

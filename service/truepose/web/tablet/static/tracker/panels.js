@@ -34,7 +34,12 @@ function deviceLine(device, texts) {
 }
 
 function certificate(device, texts) {
-  return device.certificate ? texts.say("device.certificate", { certificate: device.certificate }) : texts.say("device.no_certificate");
+  const { certificate, certificate_expires: expires } = device;
+  if (!certificate) return texts.say("device.no_certificate");
+  if (!expires) return texts.say("device.certificate", { certificate });
+  const day = new Date(expires).toLocaleDateString(texts.language);
+  const over = new Date(`${expires}T23:59:59`) < new Date();
+  return texts.say(over ? "device.certificate_over" : "device.certificate_until", { certificate, day });
 }
 
 // How many configurations are seen, why others are not, and from where more would be.

@@ -4,6 +4,7 @@ import { write } from "../common/elements.js";
 import { stateShape } from "../common/shapes.js";
 
 const WORDS = { within: "watch.within", near: "watch.near", far: "watch.far", no_signal: "watch.no_signal" };
+const FAR_MM = 100; // from which on nobody looks at micrometres
 const SHAPES = { within: "in_range", near: "unstable", far: "out_high", no_signal: "no_signal" };
 
 export class Watch {
@@ -19,9 +20,10 @@ export class Watch {
     const state = (up && sample?.state) || "no_signal";
     this.#showState(state, texts);
     write(this.#at.aim, this.#aimed(sample, searching, texts));
-    write(this.#at.distance, this.#number(sample?.distance_mm, (value) => units.length(value, texts)));
+    const how = sample?.distance_mm >= FAR_MM ? "coarse" : "fine";
+    write(this.#at.distance, this.#number(sample?.distance_mm, (value) => units.length(value, texts, how)));
     for (const [i, name] of ["dx", "dy", "dz"].entries())
-      write(this.#at[name], this.#number(sample?.delta_mm?.[i], (value) => units.signed(value, texts)));
+      write(this.#at[name], this.#number(sample?.delta_mm?.[i], (value) => units.signed(value, texts, how)));
     write(this.#at.advice, this.#advice(sample, state, texts, units, up));
     // For whoever measures how old the number on the screen is.
     this.#at.watch.dataset.sampledAtMs = sample?.sampled_at_ms ?? "";
