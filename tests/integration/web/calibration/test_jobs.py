@@ -53,7 +53,7 @@ def identified(campaign: Campaign) -> Identification:
         discrepancy_mm=0.01,
         repeatability_mm=float("nan"),
         nominal_base=FramePlacement(),
-        nominal_nests=(),
+        nominal_nests=(NestCentre(1, campaign.nests[0].centre_mm),),
     )
     return Identification(
         status=Status.CONVERGED,
