@@ -133,6 +133,27 @@ async def test_a_record_is_told_from_others_of_its_number(database):
     assert lineage.item(WorkKind.SESSION, 2) is None
 
 
+async def test_a_correction_is_simulated_as_the_readings_of_its_model_are(left, tmp_path):
+    file = tmp_path / "corrected.sqlite3"
+    file.write_bytes(left.read_bytes())
+    named = "recorded_at, job_id, model_id, name, original_sha256, corrected_sha256, asked, document"
+    with sqlite3.connect(file) as connection:
+        connection.executemany(
+            f"INSERT INTO corrections ({named}, targets, file) "
+            "VALUES ('2027', 1, ?, 'weld.mod', '', '', '{}', '{}', x'', x'')",
+            [(1,), (2,)],  # of an identification, of a diagnosis
+        )
+    database = Database(f"sqlite:///{file}")
+    try:
+        found = await WorkList(database).page([WorkKind.CORRECTION])
+    finally:
+        database.close()
+
+    assert [(item.name, item.robot, item.simulated) for item in found.items] == [
+        ("weld.mod", "ABB IRB 120", True)
+    ] * 2
+
+
 async def test_ten_thousand_records_are_listed_and_searched_a_page_at_a_time(left, tmp_path):
     file = tmp_path / "many.sqlite3"
     file.write_bytes(left.read_bytes())

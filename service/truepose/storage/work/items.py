@@ -213,12 +213,21 @@ _DIAGNOSES = Source(
     ),
 )
 _FOUND_BY = func.coalesce(identifications.c.campaign_id, diagnoses.c.campaign_id)
+
+
+def _with_origin(joined: FromClause) -> FromClause:
+    """Return models, or what is joined with them, beside the campaign that each was made from."""
+    return (
+        joined
+        .outerjoin(identifications, identifications.c.id == models.c.identification_id)
+        .outerjoin(diagnoses, diagnoses.c.id == models.c.diagnosis_id)
+        .join(campaigns, campaigns.c.id == _FOUND_BY)
+    )
+
+
 _MODELS = Source(
     models,
-    models
-    .outerjoin(identifications, identifications.c.id == models.c.identification_id)
-    .outerjoin(diagnoses, diagnoses.c.id == models.c.diagnosis_id)
-    .join(campaigns, campaigns.c.id == _FOUND_BY),
+    _with_origin(models),
     {
         "name": campaigns.c.name,
         "robot": models.c.robot,
@@ -240,8 +249,8 @@ _VALIDATIONS = Source(
 )
 _CORRECTIONS = Source(
     corrections,
-    corrections.join(models, models.c.id == corrections.c.model_id),
-    {"name": corrections.c.name, "robot": models.c.robot},
+    _with_origin(corrections.join(models, models.c.id == corrections.c.model_id)),
+    {"name": corrections.c.name, "robot": models.c.robot, "simulated": simulated_campaign()},
     (corrections.c.name, models.c.robot),
 )
 _JOB_STATE = _newest(job_states, job_states.c.state, job_states.c.job_id == jobs.c.id)

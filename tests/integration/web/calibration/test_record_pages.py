@@ -87,7 +87,7 @@ async def test_a_model_is_taken_along_in_the_formats_that_hold_it_and_the_page_s
         form: await client.get(f"/api/v1/models/1/exports/{form}")
         for form in ("urdf", "ros", "dhm", "controller")
     }
-    refused = {form for form, answer in answers.items() if answer.status_code == 422}
+    refused = {form for form, answer in answers.items() if answer.status_code == 409}
 
     assert offered == {f"/api/v1/models/1/exports/{form}" for form in answers if form not in refused}
     assert len(refused) == 1  # else this asks nothing
