@@ -85,7 +85,7 @@ def fit(look, *, least=72):
 
 
 def test_a_session_is_walked_through_on_the_page_alone(chromium, url, bench, ended):
-    id = plan(url, 4, warm_up=True, reference_every=2)
+    id = plan(url, 8, warm_up=True, reference_every=2)
     seen = {}
     with a_tablet(chromium, url, size=LANDSCAPE) as page:
         page.goto(f"{url}/operator")
@@ -94,7 +94,7 @@ def test_a_session_is_walked_through_on_the_page_alone(chromium, url, bench, end
         page.wait_for_timeout(700)
         seen["who"] = page.evaluate(LOOK)
         page.get_by_role("button", name="Next: place the tracker").click()
-        expect(page.get_by_text("4 of 4 configurations are in sight.")).to_be_visible()
+        expect(page.get_by_text("8 of 8 configurations are in sight.")).to_be_visible()
         seen["place"] = page.evaluate(LOOK)
         page.get_by_role("button", name="Start the session").click()
         on(page, "ask")
@@ -113,11 +113,16 @@ def test_a_session_is_walked_through_on_the_page_alone(chromium, url, bench, end
         seen["measure"] = page.evaluate(LOOK)
         expect(page.locator(LETS_MOVE)).to_have_count(0)  # nothing here sets the arm going
         page.locator("#watch[data-state=within]").wait_for(timeout=1000 * PATIENCE_S)
-        bench.clock.pace = 12
+        until(url, id, lambda found: found["progress"]["done"] >= 1)
+        page.get_by_role("button", name="Pause").click()
+        on(page, "paused")
+        seen["paused"] = page.evaluate(LOOK)
         page.get_by_role("button", name="Configuration 1, measured").click()
         expect(page.locator("#panel")).to_contain_text("Configuration 1 is chosen")
         page.get_by_role("button", name="Retry").click()
+        expect(page.get_by_role("button", name="Configuration 1, to come")).to_be_visible()
         bench.clock.pace = 40
+        held(page)
         on(page, "ask")  # what is wanted again comes last, and after a question
         expect(page.locator("#panel")).to_contain_text("configuration 1")
         held(page)
@@ -126,14 +131,15 @@ def test_a_session_is_walked_through_on_the_page_alone(chromium, url, bench, end
         page.wait_for_timeout(700)
         seen["finished"] = page.evaluate(LOOK)
 
-    assert guide(url, id)["progress"]["done"] == 4
+    assert guide(url, id)["progress"]["done"] == 8
     for screen, look in seen.items():
         assert fit(look) == [], screen
-        assert [name for name, _ in look["main"]][-6:] == VERBS, screen
+        verbs = [name.replace("Resume", "Pause") for name, _ in look["main"]][-6:]
+        assert verbs == VERBS, screen
         assert look["wide"] <= 0, screen
     assert {
         screen: look["pictures"] for screen, look in seen.items() if screen != "finished"
-    } == dict.fromkeys(["who", "place", "ask", "warm", "measure"], 1)
+    } == dict.fromkeys(["who", "place", "ask", "warm", "measure", "paused"], 1)
 
 
 def test_taps_without_a_network_arrive_once_each(chromium, url, bench, ended):

@@ -10,7 +10,7 @@ import { whyInWords, wordsOf } from "./words.js";
 const ENDS = ["finished", "aborted", "failed"];
 const WATCHED = ["measure", "nests", "look", "warm"];
 const PICTURED = ["who", "place", "opening", "nests", "look", "ask", "paused", "pausing", "measure", "foreign"];
-const TABLED = ["measure", ...ENDS];
+const TABLED = ["measure", "paused", ...ENDS];
 
 export class Stage {
   #at;
@@ -72,6 +72,7 @@ export class Stage {
       warm: () => warmthInWords(sheet?.warmth, texts, units),
       nests: () => (sheet ? nestTable(sheet, sample?.fixed_nest, texts, units) : []),
       look: () => (sheet ? [drift, ...nestTable(sheet, sample?.fixed_nest, texts, units)] : []),
+      paused: () => [this.#choice(texts)],
       measure: () => [this.#choice(texts), outlookInWords(outlook, texts, units), drift],
     };
     return [asked, ...(shown[screen]?.() ?? []), ...(ended ? [...leftOut(sheet.points, texts), drift, ...afterwards(session, texts)] : [])];
