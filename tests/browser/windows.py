@@ -76,4 +76,5 @@ def without_complaint(page, origin, allowed=()):
     page.evaluate("0")  # whatever it has said by now is heard before the answer
     for event, hear in heard.items():
         page.remove_listener(event, hear)
-    assert [text for text in complaints if not text.startswith(tuple(allowed))] == []
+    unexpected = [text for text in complaints if not text.startswith(tuple(allowed))]
+    assert not unexpected, unexpected

@@ -641,5 +641,6 @@ def test_a_pipe_is_no_file_and_nobody_waits_for_it(tmp_path, arguments):
     refused = truepose(*arguments, cwd=tmp_path)
 
     assert refused.returncode == 2
-    assert refused.stderr.endswith(": this is a pipe, not a file; name a file.\n")
+    assert ": this is a pipe, not a file; name a file." in refused.stderr
+    assert refused.stderr.count("\n") == 1
     assert refused.stderr.count("\n") == 1

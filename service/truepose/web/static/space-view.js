@@ -35,6 +35,7 @@ export class SpaceView extends HTMLElement {
   async open() {
     this.seen.disconnect();
     try {
+      if (!canDraw()) throw new Error("no WebGL");
       const [space, stages, bodies] = await Promise.all([
         fetch(this.getAttribute("src")).then((answer) => (answer.ok ? answer.json() : Promise.reject(new Error(answer.status)))),
         import("/static/space-stage.js"),
@@ -90,6 +91,11 @@ export class SpaceView extends HTMLElement {
   corners() {
     return this.poses().flatMap((pose) => pose.pieces_mm.map((piece) => piece.slice(0, 3)));
   }
+}
+
+// Asked before the packages are fetched, which are large and would complain.
+function canDraw() {
+  return document.createElement("canvas").getContext("webgl2") !== null;
 }
 
 // Middle and half diagonal of points.
