@@ -9,7 +9,7 @@ import { whyInWords, wordsOf } from "./words.js";
 
 const ENDS = ["finished", "aborted", "failed"];
 const WATCHED = ["measure", "nests", "look", "warm"];
-const PICTURED = ["who", "place", "opening", "nests", "look", "ask", "paused", "pausing", "measure", "foreign"];
+const PICTURED = ["who", "place", "opening", "nests", "look", "ask", "handwork", "paused", "pausing", "measure", "foreign"];
 const TABLED = ["measure", "paused", ...ENDS];
 
 export class Stage {
@@ -93,7 +93,7 @@ export class Stage {
     if (shown === this.#drawn) return;
     this.#drawn = shown;
     const svg = picture.querySelector("svg");
-    drawScene(svg, scene, { active, status, words: { instrument: texts.say("picture.tracker"), better: texts.say("picture.better") } }, size);
+    drawScene(svg, scene, { active, status, words: { instrument: texts.say(session.kind === "camera" ? "picture.camera" : "picture.tracker"), better: texts.say("picture.better") } }, size);
     const hidden = scene.stops.filter((stop) => stop.hidden).length;
     write(caption, texts.say("picture.legend"));
     svg.setAttribute("aria-label", texts.say("picture.guided", { seen: scene.stops.length - hidden, hidden }));
