@@ -6,7 +6,7 @@ BIN := $(VENV)/bin
 TRUEPOSE_DATA ?=
 export TRUEPOSE_DATA
 
-.PHONY: setup demo test unit check docs bench accuracy diagnosis-report ballbar-report hardening-report interruptions interface-report live-latency nightly clean
+.PHONY: setup demo test unit check docs bench accuracy diagnosis-report ballbar-report hardening-report pages-report interruptions interface-report live-latency nightly clean
 
 setup: $(VENV)/.installed
 
@@ -70,6 +70,9 @@ hardening-report: setup
 	$(BIN)/python -m tests.studies.durable_writes --out out/hardening
 	$(BIN)/python -m tests.studies.ready_again --readings 1000000 --out out/hardening
 	$(BIN)/python -m tests.studies.session_overhead --out out/hardening
+
+pages-report: setup
+	$(BIN)/python -m tests.studies.pages --out out/pages
 
 # Two hundred kills of a ballbar session take a quarter of an hour; the latency of the live stream half a minute.
 interruptions: setup

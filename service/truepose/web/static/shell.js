@@ -34,7 +34,11 @@ export function holdControls(root) {
 
 holdControls(document);
 
-// What is wider than a phone is reached by keys as well.
-for (const wide of document.querySelectorAll(".table, .picture, pre")) {
-  if (wide.scrollWidth > wide.clientWidth) wide.tabIndex = 0;
+// What is wider than a phone is reached by keys as well, also once a tablet was turned.
+function letKeysScroll() {
+  for (const wide of document.querySelectorAll(".table, .picture, pre")) {
+    if (wide.scrollWidth > wide.clientWidth) wide.tabIndex = 0;
+  }
 }
+letKeysScroll();
+addEventListener("resize", letKeysScroll);

@@ -1,0 +1,45 @@
+"""Every page that the application has, of whatever record, held against what is promised of all of them."""
+
+import contextlib
+
+import pytest
+
+from tests.browser.pages.looks import LOOKS, Traffic, sticking_out, too_small, violations
+from tests.browser.pages.shop import open_shop, pages
+from tests.browser.windows import without_complaint
+
+TABLET, PHONE = {"width": 1180, "height": 820}, {"width": 390, "height": 844}
+HEAVIEST = 400_000  # bytes
+HEAVIER = {"/docs": 600_000}  # all of the interface on one page, for those who write programs
+
+
+@pytest.fixture(scope="module")
+def shop(tmp_path_factory):
+    with open_shop(tmp_path_factory.mktemp("shop")) as url:
+        yield url
+
+
+@contextlib.contextmanager
+def opened(chromium, shop, address):
+    with chromium.one(shop, TABLET) as page, without_complaint(page, shop):
+        traffic = Traffic(page)
+        reply = page.goto(shop + address)
+        traffic.settled()
+        assert reply.ok
+        yield page, traffic
+        traffic.close()
+
+
+@pytest.mark.parametrize("address", pages())
+def test_a_page_can_be_read_pressed_and_loaded_by_everybody(chromium, shop, address):
+    with opened(chromium, shop, address) as (page, traffic):
+        weight = traffic.weight
+        small = too_small(page)
+        page.set_viewport_size(PHONE)
+        wide = sticking_out(page)
+        found = {look: violations(page, look) for look in LOOKS}
+
+    assert {look: told for look, told in found.items() if told} == {}
+    assert small == []
+    assert wide == []
+    assert weight <= HEAVIER.get(address, HEAVIEST)

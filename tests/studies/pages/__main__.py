@@ -1,0 +1,78 @@
+"""How heavy each page is and how soon it shows what it is about, on a slow tablet; and what it looks like.
+
+python -m tests.studies.pages --out out/pages
+"""
+
+import argparse
+import json
+import shutil
+import sys
+import tempfile
+from pathlib import Path
+from typing import Any, Final
+
+from playwright.sync_api import Browser, Page, sync_playwright
+
+from tests.browser.pages.looks import Traffic
+from tests.browser.pages.shop import open_shop, pages
+
+_SIZES: Final = {"tablet": (1180, 820), "desktop": (1440, 900), "phone": (390, 844)}
+_SLOWER: Final = 4.0  # a tablet of the hall against this computer
+_RUNS: Final = 5
+# When the largest piece of the page was painted, and nothing larger after it: milliseconds.
+_PAINTED: Final = """() => new Promise((done) => new PerformanceObserver((list) =>
+  done(list.getEntries().at(-1).startTime)).observe({ type: "largest-contentful-paint", buffered: true }))"""
+
+
+def measured(browser: Browser, address: str) -> dict[str, Any]:
+    """Return the weight of a page, and when it was painted on a slow tablet: median and worst of the runs."""
+    painted_s, weight = [], 0
+    for _ in range(_RUNS):
+        page = browser.new_page(viewport={"width": _SIZES["tablet"][0], "height": _SIZES["tablet"][1]})
+        page.context.new_cdp_session(page).send("Emulation.setCPUThrottlingRate", {"rate": _SLOWER})
+        traffic = Traffic(page)
+        page.goto(address)
+        traffic.settled()
+        painted_s.append(page.evaluate(_PAINTED) / 1000)
+        weight = traffic.weight
+        page.close()
+    painted_s.sort()
+    return {"weight_kb": weight / 1000, "painted_s": painted_s[_RUNS // 2], "worst_s": painted_s[-1]}
+
+
+def photographed(page: Page, address: str, file: Path) -> None:
+    """Write a picture of a page in each size, light and dark."""
+    for size, (width, height) in _SIZES.items():
+        page.set_viewport_size({"width": width, "height": height})
+        for scheme in ("light", "dark"):
+            page.emulate_media(color_scheme=scheme)
+            page.goto(address)
+            page.screenshot(path=file.with_name(f"{file.name}-{size}-{scheme}.png"))
+
+
+def main() -> None:
+    """Measure and photograph every page of a shop."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--out", type=Path, required=True)
+    parser.add_argument("--no-pictures", action="store_true")
+    asked = parser.parse_args()
+    asked.out.mkdir(parents=True, exist_ok=True)
+    path = shutil.which("chromium-headless-shell") or shutil.which("chromium")
+    with tempfile.TemporaryDirectory() as folder, open_shop(Path(folder)) as url, sync_playwright() as drive:
+        browser = drive.chromium.launch(executable_path=path, args=["--no-sandbox"])
+        found = {}
+        for address in pages():
+            found[address] = measured(browser, url + address)
+            sys.stdout.write(json.dumps({"page": address, **found[address]}) + "\n")
+            sys.stdout.flush()
+            if not asked.no_pictures:
+                with browser.new_page() as page:
+                    photographed(
+                        page, url + address, asked.out / (address.strip("/").replace("/", "-") or "cell")
+                    )
+        browser.close()
+    (asked.out / "pages.json").write_text(json.dumps(found, indent=2) + "\n")
+
+
+if __name__ == "__main__":
+    main()
