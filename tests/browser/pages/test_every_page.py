@@ -24,7 +24,7 @@ def opened(chromium, shop, address):
     with chromium.one(shop, TABLET) as page, without_complaint(page, shop):
         traffic = Traffic(page)
         reply = page.goto(shop + address)
-        page.wait_for_function("document.body.dataset.screen !== 'loading'")
+        page.locator("body:not([data-screen=loading])").wait_for()
         traffic.settled()
         assert reply.ok
         yield page, traffic
