@@ -133,7 +133,7 @@ class _Formatter(string.Formatter):
         else:
             words = self._catalogue.name(value, spec.lower())
         if spec == _OPEN:
-            return words.removesuffix(".")
+            return words.removesuffix(".").removesuffix("。")
         return words[:1].upper() + words[1:] if spec[:1].isupper() else words
 
 

@@ -16,6 +16,7 @@ ROOT = Path(truepose.__file__).parent
 FOLDER = ROOT / "words"
 APART = {"names", "tablet", "tracker_tablet"}  # names are no keys; the tablet uses its own in its scripts
 FRENCH = catalogue("fr")
+JAPANESE = catalogue("ja")
 
 
 def texts(language):
@@ -110,6 +111,16 @@ def test_a_sentence_is_filled_in_with_numbers_names_and_sentences():
         "Le zéro de l\u2019axe 3 a sauté de 0.0343 deg, 45 min après la première mesure\u00a0; "
         "rien d\u2019autre n\u2019a bougé alors."
     )
+
+
+def test_japanese_joins_without_spaces_and_opens_a_sentence_without_its_full_stop():
+    after = said("span.minutes", minutes=45.2)
+    sentence = said("causes.zero_jump", joint="joint 3", turn_deg=0.0343, after=after)
+    impossible = JAPANESE.spoken(said("causes.impossible", sentence=sentence, why=said("limits.friction")))
+
+    assert JAPANESE.spoken(together(sentence, sentence)) == JAPANESE.spoken(sentence) * 2
+    assert "軸3の原点が0.0343 deg飛びました" in impossible
+    assert "。。" not in impossible
 
 
 def test_several_sentences_are_one_text_and_empty_ones_are_none():
