@@ -159,6 +159,8 @@ def test_after_a_doubt_the_bar_must_be_put_on_anew_or_read_again(desk, tablet, r
 def test_what_was_stored_is_shown_large_then_kept_in_sight(desk, tablet):
     expect(tablet.locator("#last")).to_have_text("Nothing stored yet")
     tablet.evaluate(WATCH_LAST)
+    tablet.evaluate("navigator.vibrate = (shakes_ms) => (window.shaken = shakes_ms)")
+    tablet.locator("#kicker").click()  # a browser lets a page sound and shake once it was touched
 
     kept = {"step_id": leg(1, 1)["id"], "kind": "measured", "length_mm": 299.86123, "text": ""}
     desk.show(last_outcome=kept)
@@ -167,6 +169,7 @@ def test_what_was_stored_is_shown_large_then_kept_in_sight(desk, tablet):
     expect(tablet.locator("#last:not(.fresh)")).to_contain_text("Last stored: B1\u2013T1", timeout=20_000)
     large = [text for fresh, text in tablet.evaluate("window.lasts") if fresh]
     assert any("STORED: B1\u2013T1  299.861 mm" in text for text in large)
+    assert tablet.evaluate("window.shaken") == [80]
 
 
 def test_states_sound_until_they_are_muted(desk, tablet):

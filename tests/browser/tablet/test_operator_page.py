@@ -71,7 +71,7 @@ def test_planning_is_waited_for_and_seen_to_go_on(desk, page, url):
     expect(page.locator("#plan")).to_have_text("Planning … 0:02")
     expect(page.locator("#plan")).to_be_disabled()
     expect(page.locator("#estimate")).to_contain_text("some minutes")
-    page.get_by_role("button", name="Passer en français").click()
+    page.get_by_label("Language").select_option("fr")
     expect(page.locator("#plan")).to_contain_text("Planification … 0:0")
     desk.planning.set()
     page.wait_for_url("**/operator/3")

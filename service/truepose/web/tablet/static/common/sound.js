@@ -1,4 +1,4 @@
-// What the states sound like. A person connects the bar with both hands and looks at it, not at the tablet.
+// What the states sound and feel like. A person connects the bar with both hands and looks at it, not at the tablet.
 
 const TONES = {
   in_range: [[660, 0, 0.09], [880, 0.11, 0.14]],
@@ -11,6 +11,7 @@ const TONES = {
   move: [[392, 0, 0.2], [392, 0.3, 0.2], [392, 0.6, 0.2]],
   lost: [[330, 0, 0.2], [220, 0.25, 0.4]],
 };
+const SHAKES_MS = { stored: [80], doubt: [200, 100, 200], lost: [400] }; // where a tablet can
 const LOUDNESS = 0.22;
 const LOWEST_HZ = 220;
 const OCTAVES = 3;
@@ -31,6 +32,7 @@ export class Sound {
 
   play(name) {
     if (this.#muted() || this.#context?.state !== "running") return;
+    if (SHAKES_MS[name]) navigator.vibrate?.(SHAKES_MS[name]);
     for (const [frequency_hz, start_s, length_s] of TONES[name]) this.#tone(frequency_hz, start_s, length_s);
   }
 
