@@ -66,7 +66,7 @@ async def perform_in_worker(
         # A session of its own makes it the leader of a process group, which can be killed as one.
         process = await asyncio.create_subprocess_exec(
             *command,
-            str(memory_bytes or _half_of_all()),
+            str(memory_bytes or _a_third_of_all()),
             stdin=pipe,
             stdout=pipe,
             stderr=pipe,
@@ -108,10 +108,10 @@ async def _converse(process: asyncio.subprocess.Process, task: Task, told: Told)
                 raise TaskRefusedError(sentence, code)
 
 
-def _half_of_all() -> int:
-    """Return half of the computer's memory [bytes]."""
+def _a_third_of_all() -> int:
+    """Return a third of the computer's memory [bytes]: a long job, a short one and a plan may run at once."""
     try:
-        return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") // 2
+        return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") // 3
     except (AttributeError, ValueError, OSError):
         return _MODEST_BYTES
 
