@@ -47,7 +47,7 @@ STATES = {
     "no_signal": sample("no_signal", None),
 }
 UNSEEN = ["planned", "finished", "aborted", "failed"]  # screens without a picture
-LAYOUTS = [(PORTRAIT, "en"), (PORTRAIT, "fr"), (LANDSCAPE, "en"), (LANDSCAPE, "fr")]
+LAYOUTS = [(PORTRAIT, "en"), (PORTRAIT, "fr"), (LANDSCAPE, "en"), (LANDSCAPE, "de")]
 BLOCKS = ".top, .notices, .ask, .picture, .panel, .last, .gauge, .caution, .actions, .dock"
 # Blocks that lie on another one, and blocks whose content is larger than they are (a list may scroll).
 COVERED = f"""() => {{

@@ -32,6 +32,7 @@ class Instrument:
     state: str  # key of the catalogue
     identity: str
     fault: str
+    expected: str  # serial number that the cell file names, where another device answers; else empty
 
 
 @router.get("/", response_class=HTMLResponse)
@@ -84,6 +85,7 @@ def _instrument(status: DeviceStatus) -> Instrument:
         state=state,
         identity=" ".join(filter(None, told)),
         fault="" if status.connected else status.fault or "",
+        expected=(status.mounted.expected_serial or "") if status.is_foreign else "",
     )
 
 

@@ -198,7 +198,7 @@ async def test_a_program_that_waits_in_memory_keeps_others_from_doing_so(app, se
         await gate.wait()
         return await perform_here(task, told)
 
-    monkeypatch.setattr(desk, "_perform", held)
+    monkeypatch.setattr(desk._queue, "_perform", held)
     taken = [await send("weld.mod", PROGRAM) for _ in range(4)]
     refused = await send("weld.mod", PROGRAM)
     gate.set()
