@@ -196,8 +196,9 @@ async def test_a_session_waits_in_the_time_of_the_cell_alone(monkeypatch):
         cell_s = await opened.cell.clock.now_s()
     assert ended is SessionState.FINISHED
     assert cell_s > 40 * 4.0  # s of settling and reading a configuration
-    # Nobody but the operator, who looks now and then, sleeps in the machine's own time.
-    assert sum(waited_s) < 1.0
+    # Nobody but the operator, who looks now and then, sleeps in the machine's own time. Guards that look at a
+    # device begin a sleep now and then; on a busy machine these add up to a second.
+    assert sum(waited_s) < 0.02 * cell_s
 
 
 async def test_lines_that_stall_are_waited_for():
