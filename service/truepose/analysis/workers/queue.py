@@ -116,8 +116,8 @@ class JobQueue:
     async def _run(self, job_id: int, work: Work, sender: str) -> None:
         job = self._known[job_id]
         async with self._places.place(job_id, job.expected_s, sender):
+            job.began_s = self._now_s()  # known to whoever reads that it runs
             await self._jobs.change_state(job_id, JobState.RUNNING, "A worker process is starting.")
-            job.began_s = self._now_s()
             try:
                 answer = await self._perform(await work.load(), self._told(job_id, job, job.began_s))
                 await work.store(job_id, answer)
