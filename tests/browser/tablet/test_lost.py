@@ -221,6 +221,36 @@ def test_the_page_comes_back_by_itself_with_what_is_true_then(desk, wired):
     expect(page.locator("#progress")).to_contain_text("90 of 431 readings")
 
 
+def test_what_could_not_be_read_is_read_again(desk, chromium, url):
+    missing = {"v1/simulated-hands", "3/scene", "3/steps", "common/fr.json"}
+    with a_tablet(chromium, url, may_fail=True) as page:
+        for path in missing:
+            page.route(f"**/{path}", lambda route: route.abort(), times=2)
+        page.on("response", lambda reply: missing.discard("/".join(reply.url.split("/")[-2:])))
+        page.goto(f"{url}/operator/3")
+
+        page.locator("[data-hand=asked]").wait_for(timeout=PATIENCE_MS)
+        page.locator("#picture .point.asked").first.wait_for(timeout=PATIENCE_MS)
+        for _ in range(200):
+            if not missing:
+                break
+            page.wait_for_timeout(50)
+    assert not missing
+
+
+def test_no_is_an_answer(desk, chromium, url):
+    desk.simulated = False
+    asked = []
+    with a_tablet(chromium, url) as page:
+        page.on("request", lambda request: asked.append(request.url))
+        page.goto(f"{url}/operator/3")
+        page.locator("#link[data-state=up]").wait_for()
+        page.wait_for_timeout(1500)  # longer than what was not answered waits
+
+        expect(page.locator("[data-hand=asked]")).to_have_count(0)
+    assert len([address for address in asked if address.endswith("simulated-hands")]) == 1
+
+
 def test_a_tablet_that_slept_starts_afresh(desk, tablet):
     tablet.locator("#link[data-state=up]").wait_for()
     with tablet.expect_request("**/live?*"), tablet.expect_response(lambda r: r.url.endswith("-sessions/3")):

@@ -1,6 +1,6 @@
 // The simulated hands: the person's part of a session on a cell where everything is simulated.
 
-import { ask, post } from "../common/api.js";
+import { answerTo, ask, post } from "../common/api.js";
 import { element } from "../common/elements.js";
 
 const PATH = "/api/v1/simulated-hands";
@@ -51,7 +51,7 @@ export class Hands {
 
   // A real cell has none, and its service says so.
   async exist() {
-    const found = await ask(PATH).catch(() => null);
+    const found = await answerTo(() => ask(PATH)).catch(() => null);
     return found?.simulated === true;
   }
 

@@ -1,7 +1,7 @@
 // One ballbar session, a step a screen: everything is joined here.
 
 import { Actions } from "../common/actions.js";
-import { ask } from "../common/api.js";
+import { answerTo, ask } from "../common/api.js";
 import { Caution } from "../common/caution.js";
 import { Dock } from "../common/dock.js";
 import { showIf, write } from "../common/elements.js";
@@ -162,7 +162,7 @@ class SessionPage extends Page {
   }
 
   async #loadSteps() {
-    const { steps } = await ask(`${this.path}/steps`);
+    const { steps } = await answerTo(() => ask(`${this.path}/steps`));
     this.model.steps = steps;
     this.model.stepsById = new Map(steps.map((step) => [step.id, step]));
     const last = steps.findLast(measured);
@@ -172,7 +172,7 @@ class SessionPage extends Page {
 
   async #loadScene() {
     const of = this.model.session.step?.id ?? null;
-    const scene = await ask(`${this.path}/scene`);
+    const scene = await answerTo(() => ask(`${this.path}/scene`));
     if (of !== (this.model.session.step?.id ?? null)) return; // a newer one is on its way
     this.model.scene = scene;
     this.model.sceneOf = of;

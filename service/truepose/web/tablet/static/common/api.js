@@ -4,6 +4,8 @@ import { refusal } from "/static/person.js";
 
 const PATIENCE_MS = 8000;
 const GATEWAY = [502, 504]; // said by something between here and the service
+const BUSY = 503;
+const AGAIN_MS = 1000;
 
 export class Unreached extends Error {}
 
@@ -19,7 +21,7 @@ async function reached(path, request, patience_ms) {
   const patience = new AbortController();
   const timer = patience_ms === null ? null : setTimeout(() => patience.abort(), patience_ms);
   try {
-    const reply = await fetch(path, { ...request, cache: "no-store", signal: patience.signal });
+    const reply = await fetch(path, { cache: "no-store", ...request, signal: patience.signal });
     return [reply, reply.status === 204 ? null : await reply.json().catch(() => null)];
   } catch (error) {
     throw new Unreached(error.message);
@@ -34,6 +36,18 @@ export async function ask(path, request = {}, patience_ms = PATIENCE_MS) {
   if (GATEWAY.includes(reply.status)) throw new Unreached(String(reply.status));
   if (!reply.ok) throw new Refused(reply.status, { ...answer, detail: await refusal(answer) });
   return answer;
+}
+
+// Reads until the service has said something: a request that failed is no answer, nor is "not now".
+export async function answerTo(read) {
+  for (;;) {
+    try {
+      return await read();
+    } catch (error) {
+      if (error instanceof Refused && error.status !== BUSY) throw error;
+    }
+    await new Promise((resolve) => setTimeout(resolve, AGAIN_MS));
+  }
 }
 
 const UNDER_WAY = ["queued", "running"];

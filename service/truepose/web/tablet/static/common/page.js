@@ -1,6 +1,6 @@
 // What the page of every kind of session does alike: its taps, its connection, its language, whose hands act.
 
-import { Refused, ask } from "./api.js";
+import { ask, answerTo } from "./api.js";
 import { signedInAs, switchPerson } from "/static/person.js";
 import { Authority } from "/static/authority.js";
 import { showIf, write } from "./elements.js";
@@ -98,7 +98,7 @@ export class Page {
   }
 
   async refresh() {
-    this.accept(await ask(this.path));
+    this.accept(await answerTo(() => ask(this.path)));
     await this.reload();
   }
 
@@ -180,7 +180,6 @@ export class Page {
   }
 
   #missing(error) {
-    if (!(error instanceof Refused)) return; // the stream says when the service is back
     this.model.missing = error.status === NOT_FOUND;
     this.say(error.message || this.texts.say("queue.failed", { status: error.status }));
     this.draw();

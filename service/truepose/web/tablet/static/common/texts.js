@@ -1,12 +1,14 @@
 // The one catalogue of what the pages say, and numbers and times as each language writes them.
 
+import { answerTo, ask } from "./api.js";
+
 const KEPT = "truepose.language";
 const RECORDS = "en"; // what goes into the records is in one language, whoever tapped
 
 // `rooms`: whose texts a page uses.
 async function catalogue(language, rooms) {
-  const replies = await Promise.all(rooms.map((room) => fetch(`/static/tablet/${room}/${language}.json`)));
-  return Object.assign({}, ...(await Promise.all(replies.map((reply) => reply.json()))));
+  const parts = rooms.map((room) => answerTo(() => ask(`/static/tablet/${room}/${language}.json`, { cache: "default" })));
+  return Object.assign({}, ...(await Promise.all(parts)));
 }
 
 function choosable() {
@@ -15,6 +17,7 @@ function choosable() {
 
 export class Texts {
   #catalogues = {};
+  #chosen = null;
   #storage;
   #rooms;
 
@@ -37,10 +40,11 @@ export class Texts {
     this.#catalogues[language] ??= await catalogue(language, this.#rooms);
   }
 
-  // Stays as it is where a language cannot be had now.
+  // The one chosen last, as soon as it is here.
   async choose(language) {
+    this.#chosen = language;
     await this.#fetch(language).catch(() => {});
-    if (!this.#catalogues[language]) return;
+    if (this.#chosen !== language || !this.#catalogues[language]) return;
     this.language = language;
     this.#storage.set(KEPT, language);
   }

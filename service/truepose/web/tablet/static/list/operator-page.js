@@ -1,6 +1,6 @@
 // The list of sessions, and the start of a new one.
 
-import { Refused, ask, made } from "../common/api.js";
+import { Refused, answerTo, ask, made } from "../common/api.js";
 import { element, showIf, write } from "../common/elements.js";
 import { Storage, newKey } from "../common/tablet.js";
 import { Texts } from "../common/texts.js";
@@ -43,7 +43,7 @@ class OperatorPage {
     this.#translate();
     this.#list();
     setInterval(() => document.hidden || this.#list(), AGAIN_MS);
-    ask("/api/v1/simulated-hands").then((found) => showIf(this.#at.simulated, found?.simulated === true), () => null);
+    answerTo(() => ask("/api/v1/simulated-hands")).then((found) => showIf(this.#at.simulated, found?.simulated === true), () => null);
   }
 
   #furnish() {
@@ -98,15 +98,8 @@ class OperatorPage {
   }
 
   // However long it takes, and whatever becomes of the connection: the key makes a second arrival harmless.
-  async #planned(wish) {
-    for (;;) {
-      try {
-        return await made("/api/v1/ballbar-sessions", wish, this.#key);
-      } catch (error) {
-        if (error instanceof Refused) throw error;
-      }
-      await new Promise((resolve) => setTimeout(resolve, AGAIN_MS));
-    }
+  #planned(wish) {
+    return answerTo(() => made("/api/v1/ballbar-sessions", wish, this.#key));
   }
 
   // The answer may be lost on its way while the session is stored: the list shows it.

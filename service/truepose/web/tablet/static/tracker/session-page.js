@@ -1,7 +1,7 @@
 // One session that runs by itself, guided step by step: everything is joined here.
 
 import { Actions } from "../common/actions.js";
-import { ask } from "../common/api.js";
+import { answerTo, ask } from "../common/api.js";
 import { Caution } from "../common/caution.js";
 import { Dialogues } from "../common/dialogues.js";
 import { Dock } from "../common/dock.js";
@@ -20,6 +20,7 @@ import { Watch } from "./watch.js";
 const MEASURED_MS = 2600;
 const AGAIN_MS = 700; // the tables are read anew no more often
 const NEAR_TONE_MS = 250;
+const OUTLOOK_MS = 60_000; // it is worked out while one waits
 const PROMISED_EVERY = 5; // configurations
 const FARTHEST = 1000; // tolerances from which the tone begins to rise
 const OTHER = "skip.other";
@@ -75,7 +76,7 @@ class SessionPage extends Page {
 
   async reload() {
     await this.#read();
-    this.model.devices = await ask("/api/v1/devices").then((found) => found.items ?? found, () => []);
+    this.model.devices = await answerTo(() => ask("/api/v1/devices")).then((found) => found.items ?? found, () => []);
     this.draw();
   }
 
@@ -145,7 +146,7 @@ class SessionPage extends Page {
   }
 
   async #read() {
-    const [sheet, scene] = await Promise.all([ask(`${this.path}/sheet`), ask(`${this.path}/scene`)]);
+    const [sheet, scene] = await Promise.all(["sheet", "scene"].map((part) => answerTo(() => ask(`${this.path}/${part}`))));
     Object.assign(this.model, { sheet, scene });
     this.draw();
     this.#askOutlook();
@@ -156,7 +157,7 @@ class SessionPage extends Page {
     const due = Math.floor(done / PROMISED_EVERY);
     if (due === this.#promised || this.model.session?.kind === "contacts") return;
     this.#promised = due;
-    this.model.outlook = await ask(`${this.path}/outlook`, {}, null).catch(() => this.model.outlook);
+    this.model.outlook = await answerTo(() => ask(`${this.path}/outlook`, {}, OUTLOOK_MS)).catch(() => this.model.outlook);
     this.draw();
   }
 
