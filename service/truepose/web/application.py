@@ -28,8 +28,6 @@ from truepose.web.door.hosts import AllowedHosts
 from truepose.web.door.middleware import Door
 from truepose.web.examples import add_examples
 from truepose.web.healthiness import routes as health
-from truepose.web.lanes import Lanes
-from truepose.web.limits import RequestLimits
 from truepose.web.measurement import (
     ballbar_live,
     ballbar_sessions,
@@ -53,7 +51,9 @@ from truepose.web.people.gate import Gate
 from truepose.web.people.operations import operations_of
 from truepose.web.people.pages import router as pages_of_people
 from truepose.web.people.rights import require_complete
-from truepose.web.queries import drop_null_of_parameters, only_known_parameters
+from truepose.web.requests.lanes import Lanes
+from truepose.web.requests.limits import RequestLimits
+from truepose.web.requests.queries import drop_null_of_parameters, only_known_parameters
 from truepose.web.tablet import routes as tablet
 
 Application: TypeAlias = FastAPI

@@ -4,9 +4,9 @@ from fastapi import APIRouter, Response
 
 from truepose.storage.records import JobRecord
 from truepose.web.context import Context, Here
-from truepose.web.paging import Paged, listing
-from truepose.web.parameters import Id
 from truepose.web.problems import problems
+from truepose.web.requests.paging import Paged, listing
+from truepose.web.requests.parameters import Id
 from truepose.web.schemas.jobs import JobReply, job_reply
 
 router = APIRouter(prefix="/jobs", tags=["jobs"])

@@ -12,14 +12,14 @@ from fastapi import APIRouter
 from fastapi.responses import FileResponse, HTMLResponse, Response
 from starlette.exceptions import HTTPException
 
-from truepose.web import diagnosis_pages, error_pages, fault_pages, packages, plan_page, robot_pages
 from truepose.web.calibration import bring_pages, correction_pages
-from truepose.web.places import cell_page, work_page
-from truepose.web.records import campaign_page, job_page, result_pages
+from truepose.web.places import cell_page, error_pages, fault_pages, robot_pages, work_page
+from truepose.web.records import campaign_page, diagnosis_pages, job_page, plan_page, result_pages
 from truepose.web.reports import checklists, closing_pages
 from truepose.web.reports import pages as report_pages
 from truepose.web.results import pages as session_pages
-from truepose.web.visits import Visited
+from truepose.web.visiting import packages
+from truepose.web.visiting.visits import Visited
 
 router = APIRouter(include_in_schema=False)
 router.include_router(diagnosis_pages.router)

@@ -52,7 +52,7 @@ from truepose.sequencing.errors import (
     WatchingTabletError,
 )
 from truepose.storage.errors import ConflictError, NotFoundError, StorageUnavailableError
-from truepose.web.queries import UNKNOWN_PARAMETER
+from truepose.web.requests.queries import UNKNOWN_PARAMETER
 from truepose.web.schemas.base import ANOTHER_PERSON, KEY, VISIBLE
 from truepose.words.catalogue import ENGLISH, catalogue
 from truepose.words.error_codes import code_named, code_of, explained

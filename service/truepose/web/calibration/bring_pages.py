@@ -17,8 +17,8 @@ from truepose.storage.drafts import Draft
 from truepose.storage.errors import NotFoundError
 from truepose.storage.records import JobKind
 from truepose.web.context import Context
-from truepose.web.parameters import number_of
-from truepose.web.visits import Visited
+from truepose.web.requests.parameters import number_of
+from truepose.web.visiting.visits import Visited
 from truepose.words.catalogue import Catalogue
 
 router = APIRouter(prefix="/bring", include_in_schema=False)

@@ -13,12 +13,17 @@ from pydantic import TypeAdapter, ValidationError
 from starlette.datastructures import UploadFile
 
 from truepose.web.context import Context, Here
-from truepose.web.paging import Paged, listing
-from truepose.web.parameters import Id, IdempotencyKey, OptionalKey, request_key
-from truepose.web.presence import while_present
 from truepose.web.problems import problems
+from truepose.web.requests.paging import Paged, listing
+from truepose.web.requests.parameters import Id, IdempotencyKey, OptionalKey, request_key
+from truepose.web.requests.presence import while_present
 from truepose.web.schemas.base import VISIBLE, Day
-from truepose.web.schemas.campaigns import CampaignReply, CampaignRequest, SessionsRequest, campaign_reply
+from truepose.web.schemas.calibration.campaigns import (
+    CampaignReply,
+    CampaignRequest,
+    SessionsRequest,
+    campaign_reply,
+)
 
 router = APIRouter(tags=["campaigns"])
 _DAY_READER: Final = TypeAdapter(Day)

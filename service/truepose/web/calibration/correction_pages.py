@@ -16,10 +16,10 @@ from truepose.storage.records import CorrectionRecord
 from truepose.storage.work.items import WorkKind
 from truepose.web.calibration.corrections import ANGLES, corrected_name
 from truepose.web.context import Context
-from truepose.web.parameters import WantedModel, number_of
 from truepose.web.records.trail import missing, trail_of
+from truepose.web.requests.parameters import WantedModel, number_of
 from truepose.web.schemas.base import NUMBER_LIMIT
-from truepose.web.visits import Visited
+from truepose.web.visiting.visits import Visited
 from truepose.words.catalogue import Catalogue
 
 router = APIRouter(prefix="/corrections", include_in_schema=False)

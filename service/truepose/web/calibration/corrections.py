@@ -19,11 +19,16 @@ from truepose.exchange.programs.understood import Meant
 from truepose.kinematics.inverse import BRANCH_NAMES
 from truepose.web.context import Here
 from truepose.web.jobs import queued
-from truepose.web.paging import Paged, listing
-from truepose.web.parameters import Id, IdempotencyKey, Sender, request_key
-from truepose.web.presence import while_present
 from truepose.web.problems import problems
-from truepose.web.schemas.corrections import CorrectionReply, TargetReply, correction_reply, target_replies
+from truepose.web.requests.paging import Paged, listing
+from truepose.web.requests.parameters import Id, IdempotencyKey, Sender, request_key
+from truepose.web.requests.presence import while_present
+from truepose.web.schemas.calibration.corrections import (
+    CorrectionReply,
+    TargetReply,
+    correction_reply,
+    target_replies,
+)
 from truepose.web.schemas.jobs import JobReply
 
 router = APIRouter(tags=["corrections"])

@@ -9,11 +9,11 @@ from truepose.effects.registry import chosen_effects
 from truepose.storage.records import RequestKey
 from truepose.web.context import Here
 from truepose.web.jobs import queued
-from truepose.web.paging import Paged, listing
-from truepose.web.parameters import Id, OptionalKey, Sender
 from truepose.web.problems import problems
-from truepose.web.schemas.comparisons import ComparisonReply, comparison_reply
-from truepose.web.schemas.diagnoses import (
+from truepose.web.requests.paging import Paged, listing
+from truepose.web.requests.parameters import Id, OptionalKey, Sender
+from truepose.web.schemas.calibration.comparisons import ComparisonReply, comparison_reply
+from truepose.web.schemas.calibration.diagnoses import (
     DiagnosisReply,
     DiagnosisRequest,
     DiagnosisSummaryReply,

@@ -6,10 +6,10 @@ from typing import Annotated, Final
 from fastapi import APIRouter, HTTPException, Query, Request, Response, status
 
 from truepose.web.context import Here
-from truepose.web.parameters import Id
 from truepose.web.problems import problems
+from truepose.web.requests.parameters import Id
 from truepose.web.schemas.base import NUMBER_LIMIT, VISIBLE
-from truepose.web.schemas.drafts import (
+from truepose.web.schemas.calibration.drafts import (
     DraftReply,
     DraftRequest,
     MakeRequest,

@@ -5,11 +5,15 @@ from fastapi import APIRouter, Response, status
 from truepose.effects.registry import chosen_effects
 from truepose.web.context import Here
 from truepose.web.jobs import queued
-from truepose.web.paging import Paged, listing
-from truepose.web.parameters import Id, OptionalKey, Sender
 from truepose.web.problems import problems
+from truepose.web.requests.paging import Paged, listing
+from truepose.web.requests.parameters import Id, OptionalKey, Sender
+from truepose.web.schemas.calibration.results import (
+    IdentificationReply,
+    IdentificationRequest,
+    identification_reply,
+)
 from truepose.web.schemas.jobs import JobReply
-from truepose.web.schemas.results import IdentificationReply, IdentificationRequest, identification_reply
 
 router = APIRouter(prefix="/identifications", tags=["identifications"])
 

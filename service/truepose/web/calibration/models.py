@@ -8,10 +8,10 @@ from fastapi import APIRouter, Query, Response
 from truepose.exchange.exports.formats import Format, export
 from truepose.exchange.models.file import model_text
 from truepose.web.context import Here
-from truepose.web.paging import Paged, listing
-from truepose.web.parameters import Id
 from truepose.web.problems import problems
-from truepose.web.schemas.results import ModelReply, model_reply
+from truepose.web.requests.paging import Paged, listing
+from truepose.web.requests.parameters import Id
+from truepose.web.schemas.calibration.results import ModelReply, model_reply
 
 router = APIRouter(prefix="/models", tags=["models"])
 _MEDIA: Final[dict[Format, tuple[str, str]]] = {  # media type, and how the file is called

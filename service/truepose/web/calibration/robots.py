@@ -4,8 +4,8 @@ from fastapi import APIRouter
 
 from truepose.exchange.robots.shipped import list_robots as shipped_robots
 from truepose.exchange.robots.shipped import load_robot
-from truepose.web.parameters import Name
 from truepose.web.problems import problems
+from truepose.web.requests.parameters import Name
 from truepose.web.schemas.cells import RobotReply, robot_reply
 
 router = APIRouter(prefix="/robots", tags=["robots"])

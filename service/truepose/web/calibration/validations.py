@@ -4,11 +4,11 @@ from fastapi import APIRouter, Response, status
 
 from truepose.web.context import Here
 from truepose.web.jobs import queued
-from truepose.web.paging import Paged, listing
-from truepose.web.parameters import Id, OptionalKey, Sender
 from truepose.web.problems import problems
+from truepose.web.requests.paging import Paged, listing
+from truepose.web.requests.parameters import Id, OptionalKey, Sender
+from truepose.web.schemas.calibration.results import ValidationReply, ValidationRequest, validation_reply
 from truepose.web.schemas.jobs import JobReply
-from truepose.web.schemas.results import ValidationReply, ValidationRequest, validation_reply
 
 router = APIRouter(prefix="/validations", tags=["validations"])
 

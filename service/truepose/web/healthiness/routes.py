@@ -11,7 +11,7 @@ from truepose.web.context import Context
 from truepose.web.healthiness.checks import Check, checks, worst
 from truepose.web.problems import problem_response, problems
 from truepose.web.schemas.health import CheckReply, Health, IntegrityReply
-from truepose.web.visits import Visit, Visited
+from truepose.web.visiting.visits import Visit, Visited
 from truepose.words.catalogue import english
 from truepose.words.error_codes import code_named
 

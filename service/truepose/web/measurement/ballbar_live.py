@@ -15,8 +15,8 @@ from truepose.web.context import Context, Here
 from truepose.web.events import Seconds
 from truepose.web.measurement.ballbar_replies import ballbar_session_reply
 from truepose.web.measurement.live_stream import TabletName, stream_examples, streamed
-from truepose.web.parameters import Id
 from truepose.web.problems import problems
+from truepose.web.requests.parameters import Id
 
 router = APIRouter(prefix="/ballbar-sessions", tags=["ballbar sessions"])
 _SAMPLE: Final = {

@@ -12,7 +12,7 @@ from truepose.sequencing.ballbar.plan import step_ids
 from truepose.sequencing.ballbar.situation import Situation
 from truepose.sequencing.ballbar.state_so_far import Outcome
 from truepose.storage.records import LedgerRecord
-from truepose.web.schemas.ballbar_sessions import (
+from truepose.web.schemas.measurement.ballbar_sessions import (
     ActingReply,
     BallbarProgressReply,
     BallbarSessionReply,
@@ -24,7 +24,7 @@ from truepose.web.schemas.ballbar_sessions import (
     StepsReply,
     SuspicionReply,
 )
-from truepose.web.schemas.identities import identity_reply
+from truepose.web.schemas.measurement.identities import identity_reply
 
 
 def ballbar_session_reply(view: BallbarView) -> BallbarSessionReply:

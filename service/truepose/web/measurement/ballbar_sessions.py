@@ -12,25 +12,25 @@ from truepose.storage.records import RequestKey, SessionSetup
 from truepose.web.context import Context, Here
 from truepose.web.jobs import queued
 from truepose.web.measurement.ballbar_replies import ballbar_session_reply, entry_reply, steps_reply
-from truepose.web.paging import Paged, listing
-from truepose.web.parameters import Id, Later, OptionalKey, RequiredKey, Sender
 from truepose.web.people.authority import require_authority
-from truepose.web.presence import while_present
 from truepose.web.problems import problems
-from truepose.web.schemas.ballbar_requests import (
+from truepose.web.requests.paging import Paged, listing
+from truepose.web.requests.parameters import Id, Later, OptionalKey, RequiredKey, Sender
+from truepose.web.requests.presence import while_present
+from truepose.web.schemas.jobs import JobReply
+from truepose.web.schemas.measurement.ballbar_requests import (
     ActRequest,
     BallbarSessionRequest,
     act_of,
     wanted_plan,
 )
-from truepose.web.schemas.ballbar_scene import SceneReply
-from truepose.web.schemas.ballbar_sessions import (
+from truepose.web.schemas.measurement.ballbar_scene import SceneReply
+from truepose.web.schemas.measurement.ballbar_sessions import (
     ActReply,
     BallbarSessionReply,
     LedgerReply,
     StepsReply,
 )
-from truepose.web.schemas.jobs import JobReply
 
 router = APIRouter(prefix="/ballbar-sessions", tags=["ballbar sessions"])
 _READ = problems(404, 422, 503)

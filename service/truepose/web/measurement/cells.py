@@ -3,8 +3,8 @@
 from fastapi import APIRouter, HTTPException
 
 from truepose.web.context import Here
-from truepose.web.parameters import Name
 from truepose.web.problems import problems
+from truepose.web.requests.parameters import Name
 from truepose.web.schemas.cells import CellReply, cell_reply
 
 router = APIRouter(prefix="/cells", tags=["cells"])

@@ -4,9 +4,9 @@ from fastapi import APIRouter, status
 
 from truepose.domain.certificates import Closing
 from truepose.web.context import Here
-from truepose.web.parameters import Id
 from truepose.web.problems import problems
-from truepose.web.schemas.closings import ClosingReply, ClosingRequest, closing_reply, open_reply
+from truepose.web.requests.parameters import Id
+from truepose.web.schemas.measurement.closings import ClosingReply, ClosingRequest, closing_reply, open_reply
 
 router = APIRouter(prefix="/sessions", tags=["sessions"])
 

@@ -10,16 +10,16 @@ from truepose.sequencing.contacts.questions import Question, asked
 from truepose.storage.records import SessionSetup
 from truepose.web.context import Here
 from truepose.web.measurement.sessions import get_session
-from truepose.web.parameters import Id, OptionalKey
 from truepose.web.problems import problems
-from truepose.web.schemas.contact_sessions import (
+from truepose.web.requests.parameters import Id, OptionalKey
+from truepose.web.schemas.measurement.contact_sessions import (
     ContactPlanReply,
     ContactReadingReply,
     ContactSessionRequest,
     plan_reply,
     wish_of,
 )
-from truepose.web.schemas.sessions import SessionDetailReply
+from truepose.web.schemas.measurement.sessions import SessionDetailReply
 
 router = APIRouter(prefix="/contact-sessions", tags=["sessions of closed loops"])
 _READ = problems(404, 422, 503)

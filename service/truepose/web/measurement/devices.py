@@ -3,8 +3,8 @@
 from fastapi import APIRouter
 
 from truepose.web.context import Here
-from truepose.web.parameters import Name
 from truepose.web.problems import problems
+from truepose.web.requests.parameters import Name
 from truepose.web.schemas.cells import DeviceReply, device_reply
 
 router = APIRouter(prefix="/devices", tags=["devices"])

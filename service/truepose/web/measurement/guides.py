@@ -11,10 +11,10 @@ from truepose.sequencing.tracker.watching import Sighting
 from truepose.web.context import Context, Here
 from truepose.web.events import Seconds
 from truepose.web.measurement.live_stream import TabletName, stream_examples, streamed
-from truepose.web.parameters import Id, RequiredKey
 from truepose.web.people.authority import require_authority
 from truepose.web.problems import problems
-from truepose.web.schemas.guides import (
+from truepose.web.requests.parameters import Id, RequiredKey
+from truepose.web.schemas.measurement.guides import (
     GuideActReply,
     GuideActRequest,
     GuidedSceneReply,

@@ -11,9 +11,9 @@ from truepose.domain.cell import Cell
 from truepose.exchange.results.plans import PlanDocument, plan_document
 from truepose.sequencing.tracker.dry_run import minutes_of
 from truepose.web.context import Context, Here
-from truepose.web.parameters import Id, Name
-from truepose.web.presence import while_present
 from truepose.web.problems import problems
+from truepose.web.requests.parameters import Id, Name
+from truepose.web.requests.presence import while_present
 
 if TYPE_CHECKING:
     from truepose.analysis.promises import Promised

@@ -6,11 +6,11 @@ from fastapi import APIRouter, Query
 
 from truepose.storage.records import ReadingKind
 from truepose.web.context import Here
-from truepose.web.paging import Paged, listing
-from truepose.web.parameters import Id
 from truepose.web.problems import problems
+from truepose.web.requests.paging import Paged, listing
+from truepose.web.requests.parameters import Id
 from truepose.web.schemas.base import NUMBER_LIMIT
-from truepose.web.schemas.readings import ReadingReply, reading_reply
+from truepose.web.schemas.measurement.readings import ReadingReply, reading_reply
 
 router = APIRouter(tags=["readings"])
 OfKind = Annotated[ReadingKind | None, Query(description="Only of this kind.")]

@@ -12,9 +12,9 @@ from truepose.domain.cell import Cell
 from truepose.operation.ballbar.view import BallbarView
 from truepose.storage.records import SessionRecord
 from truepose.web.context import Context, Here
-from truepose.web.parameters import Id
 from truepose.web.problems import problems
-from truepose.web.schemas.spaces import PlanSpaceReply, StopState, plan_space_reply
+from truepose.web.requests.parameters import Id
+from truepose.web.schemas.calibration.spaces import PlanSpaceReply, StopState, plan_space_reply
 
 if TYPE_CHECKING:
     from truepose.reports.spaces.plan import Place

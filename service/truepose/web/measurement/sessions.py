@@ -21,19 +21,24 @@ from truepose.storage.errors import ConflictError
 from truepose.storage.records import RequestKey, SessionRecord, SessionSetup
 from truepose.web.context import Context, Here
 from truepose.web.jobs import queued
-from truepose.web.paging import Paged, listing
-from truepose.web.parameters import Id, ModelId, ModelIds, OptionalKey, Sender
 from truepose.web.people.asking import signed_in_name
 from truepose.web.people.authority import require_authority
 from truepose.web.problems import problems
+from truepose.web.requests.paging import Paged, listing
+from truepose.web.requests.parameters import Id, ModelId, ModelIds, OptionalKey, Sender
 from truepose.web.results.accuracy import accuracy_of
 from truepose.web.results.choices import Chosen
 from truepose.web.results.origins import origin_of
 from truepose.web.results.sphere import sphere_of
-from truepose.web.schemas.additions import AdditionReply, AdditionRequest, addition_reply, wanted_stops
-from truepose.web.schemas.identities import identity_reply
 from truepose.web.schemas.jobs import JobReply
-from truepose.web.schemas.sessions import (
+from truepose.web.schemas.measurement.additions import (
+    AdditionReply,
+    AdditionRequest,
+    addition_reply,
+    wanted_stops,
+)
+from truepose.web.schemas.measurement.identities import identity_reply
+from truepose.web.schemas.measurement.sessions import (
     ActionReply,
     AnswerRequest,
     ChosenStops,

@@ -3,9 +3,9 @@
 from fastapi import APIRouter, status
 
 from truepose.web.context import Here
-from truepose.web.parameters import Id
 from truepose.web.problems import problems
-from truepose.web.schemas.faults import (
+from truepose.web.requests.parameters import Id
+from truepose.web.schemas.measurement.faults import (
     EndFaultRequest,
     FaultGivenReply,
     FaultRequest,

@@ -5,8 +5,8 @@ from fastapi import APIRouter, status
 from truepose.operation.simulated_hands import ACTIONS
 from truepose.web.context import Here
 from truepose.web.problems import problems
-from truepose.web.schemas.ballbar_requests import HandsRequest
-from truepose.web.schemas.ballbar_scene import HandsReply
+from truepose.web.schemas.measurement.ballbar_requests import HandsRequest
+from truepose.web.schemas.measurement.ballbar_scene import HandsReply
 
 router = APIRouter(prefix="/simulated-hands", tags=["simulated hands"])
 

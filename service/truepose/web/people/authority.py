@@ -14,10 +14,10 @@ from truepose.operation.people.leases import Lease
 from truepose.operation.people.register import Caller
 from truepose.sequencing.engine.acts import HALTS, LETS_MOVE, ActName
 from truepose.web.context import Context, Here
-from truepose.web.parameters import Id
 from truepose.web.people.asking import Asker, asking
 from truepose.web.people.schemas import AuthorityReply, AuthorityRequest
 from truepose.web.problems import problems
+from truepose.web.requests.parameters import Id
 
 router = APIRouter(prefix="/sessions", tags=["people"])
 _SHOWN_FIRST: Final = LETS_MOVE | {ActName.HAND_OVER}

@@ -11,7 +11,7 @@ from truepose.storage.people.credentials import CredentialKind
 from truepose.web.people import watching
 from truepose.web.people.acts import Before
 from truepose.web.people.people import listed_people, listed_tokens
-from truepose.web.visits import Visited
+from truepose.web.visiting.visits import Visited
 
 router = APIRouter(include_in_schema=False)
 router.include_router(watching.pages)

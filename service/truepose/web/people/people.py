@@ -6,7 +6,6 @@ from truepose.domain.accounts import Person
 from truepose.operation.people.errors import UnknownPersonError
 from truepose.storage.people.credentials import CredentialKind, CredentialRecord
 from truepose.web.context import Context, Here
-from truepose.web.parameters import Id
 from truepose.web.people.asking import Asker
 from truepose.web.people.schemas import (
     EnteredReply,
@@ -20,6 +19,7 @@ from truepose.web.people.schemas import (
     TokensReply,
 )
 from truepose.web.problems import problems
+from truepose.web.requests.parameters import Id
 
 router = APIRouter(tags=["people"])
 _CHANGE = problems(400, 404, 409, 413, 415, 422, 503)

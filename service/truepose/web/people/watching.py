@@ -13,7 +13,6 @@ from truepose.storage.people.credentials import CredentialKind, CredentialRecord
 from truepose.web.context import Context, Here
 from truepose.web.measurement.ballbar_live import follow_ballbar_session
 from truepose.web.measurement.guides import follow_guide
-from truepose.web.parameters import Id
 from truepose.web.people.asking import Asker
 from truepose.web.people.schemas import (
     NewWatchLinkReply,
@@ -22,7 +21,8 @@ from truepose.web.people.schemas import (
     WatchLinksReply,
 )
 from truepose.web.problems import problem_response, problems
-from truepose.web.visits import Visited
+from truepose.web.requests.parameters import Id
+from truepose.web.visiting.visits import Visited
 
 router = APIRouter(tags=["people"])
 pages = APIRouter(include_in_schema=False)

@@ -15,7 +15,7 @@ from truepose.web.context import Context
 from truepose.web.places.next_step import Standing, Step, next_step
 from truepose.web.records.links import link_to, state_words
 from truepose.web.reports.expiry import expiry_warnings
-from truepose.web.visits import Visited
+from truepose.web.visiting.visits import Visited
 
 router = APIRouter(include_in_schema=False)
 _LATEST: Final = 5

@@ -8,7 +8,7 @@ from fastapi.responses import HTMLResponse
 from truepose.effects.registry import EFFECTS
 from truepose.storage.work.items import WorkKind
 from truepose.web.records.links import link_to
-from truepose.web.visits import Visited
+from truepose.web.visiting.visits import Visited
 from truepose.words.catalogue import Catalogue
 
 router = APIRouter(prefix="/work", include_in_schema=False)

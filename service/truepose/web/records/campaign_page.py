@@ -5,9 +5,9 @@ from fastapi.responses import HTMLResponse
 
 from truepose.storage.errors import NotFoundError
 from truepose.storage.work.items import WorkKind
-from truepose.web.parameters import number_of
 from truepose.web.records.trail import missing, trail_of
-from truepose.web.visits import Visited
+from truepose.web.requests.parameters import number_of
+from truepose.web.visiting.visits import Visited
 
 router = APIRouter(prefix="/campaigns", include_in_schema=False)
 _COUNTS = {

@@ -6,10 +6,10 @@ from fastapi.responses import HTMLResponse
 from truepose.storage.errors import NotFoundError
 from truepose.storage.records import JobKind, JobRecord
 from truepose.storage.work.items import WorkKind
-from truepose.web.parameters import number_of
 from truepose.web.records.links import address_of, state_words, title_of
 from truepose.web.records.trail import missing
-from truepose.web.visits import Visit, Visited
+from truepose.web.requests.parameters import number_of
+from truepose.web.visiting.visits import Visit, Visited
 
 router = APIRouter(prefix="/jobs", include_in_schema=False)
 _MAKES = {

@@ -7,7 +7,7 @@ from typing import Final
 from truepose.domain.session import SessionState
 from truepose.storage.records import JobState
 from truepose.storage.work.items import WorkItem, WorkKind
-from truepose.web.moments import moment
+from truepose.web.visiting.moments import moment
 from truepose.words.catalogue import Catalogue
 
 _PLURALS: Final = {WorkKind.DIAGNOSIS: "diagnoses"}

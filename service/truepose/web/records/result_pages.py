@@ -14,11 +14,11 @@ from truepose.exchange.exports.formats import FORMATS, Format, export
 from truepose.storage.errors import NotFoundError
 from truepose.storage.records import ModelRecord
 from truepose.storage.work.items import WorkKind
-from truepose.web.parameters import number_of
 from truepose.web.records.trail import missing, trail_of
 from truepose.web.reports.making import drawn
 from truepose.web.reports.registry import KINDS
-from truepose.web.visits import Visit, Visited
+from truepose.web.requests.parameters import number_of
+from truepose.web.visiting.visits import Visit, Visited
 from truepose.words.catalogue import Catalogue
 
 if TYPE_CHECKING:

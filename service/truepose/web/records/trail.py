@@ -9,7 +9,7 @@ from fastapi.responses import HTMLResponse
 from truepose.storage.work.items import WorkKind
 from truepose.web.places.next_step import Step, step_after
 from truepose.web.records.links import Link, address_of, link_to
-from truepose.web.visits import Visit
+from truepose.web.visiting.visits import Visit
 
 _REPORTED: Final = (WorkKind.IDENTIFICATION, WorkKind.DIAGNOSIS, WorkKind.VALIDATION)
 

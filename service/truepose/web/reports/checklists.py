@@ -12,8 +12,8 @@ from truepose.domain.cell import Cell
 from truepose.domain.contacts import ContactPlan
 from truepose.domain.session import SessionPlan
 from truepose.web.context import Context
-from truepose.web.parameters import Id
-from truepose.web.visits import Visited
+from truepose.web.requests.parameters import Id
+from truepose.web.visiting.visits import Visited
 from truepose.words.catalogue import Catalogue
 
 if TYPE_CHECKING:

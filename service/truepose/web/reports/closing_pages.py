@@ -3,9 +3,9 @@
 from fastapi import APIRouter
 from fastapi.responses import HTMLResponse
 
-from truepose.web.parameters import Id
 from truepose.web.reports.conditions import closing_sentence
-from truepose.web.visits import Visited
+from truepose.web.requests.parameters import Id
+from truepose.web.visiting.visits import Visited
 
 router = APIRouter(include_in_schema=False)
 

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 from truepose.domain.certificates import Closing
 from truepose.domain.sentences import Sentence, said
 from truepose.web.context import Context
-from truepose.web.moments import moment
 from truepose.web.results.origins import origin_of
 from truepose.web.results.traces import session_conditions
+from truepose.web.visiting.moments import moment
 from truepose.words.catalogue import Catalogue
 
 if TYPE_CHECKING:

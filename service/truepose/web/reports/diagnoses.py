@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 from truepose.exchange.results.diagnosis import diagnosis_document
 from truepose.storage.records import DiagnosisRecord
 from truepose.web.context import Context
-from truepose.web.diagnosis_pages import measured_words
+from truepose.web.records.diagnosis_pages import measured_words
 from truepose.web.reports.conditions import conditions_of_campaign
 from truepose.web.reports.kinds import LISTED, Drawable, ReportKind, ReportRow
 from truepose.web.results.kinds import Choice

@@ -7,9 +7,9 @@ from datetime import UTC, datetime
 from truepose.storage.calibration.reports import ReportRecord, ReportSubject
 from truepose.storage.errors import NotFoundError
 from truepose.web.context import Context
-from truepose.web.moments import moment
 from truepose.web.reports.kinds import Drawable, ReportKind
 from truepose.web.results.kinds import Choice
+from truepose.web.visiting.moments import moment
 from truepose.words.catalogue import IN_ENGLISH, Catalogue
 
 

@@ -13,15 +13,15 @@ from truepose.domain.errors import TrueposeError
 from truepose.storage.calibration.reports import ReportRecord, ReportSubject
 from truepose.storage.errors import NotFoundError
 from truepose.web.context import Context
-from truepose.web.parameters import number_of
 from truepose.web.problems import status_of
 from truepose.web.reports.kinds import ReportRow
 from truepose.web.reports.making import report_of
 from truepose.web.reports.registry import KINDS
+from truepose.web.requests.parameters import number_of
 from truepose.web.results.choices import Chosen
 from truepose.web.results.kinds import Choice
 from truepose.web.schemas.base import NUMBER_LIMIT
-from truepose.web.visits import Visit, Visited
+from truepose.web.visiting.visits import Visit, Visited
 from truepose.words.catalogue import Catalogue
 
 router = APIRouter(prefix="/reports", include_in_schema=False)

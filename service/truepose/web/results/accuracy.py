@@ -14,7 +14,7 @@ from truepose.web.context import Context
 from truepose.web.results.kinds import Choice, Entry, Form, Origin, ResultKind
 from truepose.web.results.models import model_for
 from truepose.web.results.traces import Shown, traced
-from truepose.web.schemas.sessions import MOST_STOPS
+from truepose.web.schemas.measurement.sessions import MOST_STOPS
 from truepose.words.catalogue import Catalogue
 
 if TYPE_CHECKING:

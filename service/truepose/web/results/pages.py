@@ -15,15 +15,15 @@ from truepose.storage.errors import NotFoundError
 from truepose.storage.records import ModelRecord
 from truepose.storage.work.items import WorkKind
 from truepose.web.context import Context
-from truepose.web.parameters import WantedModel, number_of
 from truepose.web.problems import status_of
 from truepose.web.records.trail import missing, trail_of
+from truepose.web.requests.parameters import WantedModel, number_of
 from truepose.web.results.choices import Chosen
 from truepose.web.results.kinds import Choice, Origin, ResultKind
 from truepose.web.results.models import models_of
 from truepose.web.results.origins import origin_of, origins_of
 from truepose.web.results.registry import KINDS, kind_of
-from truepose.web.visits import Visited
+from truepose.web.visiting.visits import Visited
 from truepose.words.catalogue import Catalogue
 
 router = APIRouter(prefix="/sessions", include_in_schema=False)

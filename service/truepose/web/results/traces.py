@@ -17,8 +17,8 @@ from truepose.domain.session import SessionPlan, SessionState
 from truepose.exchange.models.file import model_text
 from truepose.storage.records import ModelRecord, SessionSetup, StateChange
 from truepose.web.context import Context
-from truepose.web.moments import moment
 from truepose.web.results.kinds import Origin
+from truepose.web.visiting.moments import moment
 from truepose.words.catalogue import Catalogue
 
 if TYPE_CHECKING:

@@ -14,7 +14,7 @@ from starlette.exceptions import HTTPException
 
 from truepose.storage.errors import NotFoundError
 from truepose.web.context import Context
-from truepose.web.visits import Visited
+from truepose.web.visiting.visits import Visited
 from truepose.words.catalogue import LANGUAGES, TABLET, TRACKER_TABLET, texts_file
 
 router = APIRouter(include_in_schema=False)

@@ -11,7 +11,7 @@ from tests.helpers.domain.builders import make_campaign
 from truepose.domain.cell import SimulatedCell
 from truepose.domain.sentences import said
 from truepose.exchange.campaigns.zip_file import write_campaign_zip
-from truepose.web.diagnosis_pages import measured_words
+from truepose.web.records.diagnosis_pages import measured_words
 
 HOSTILE = "<script>alert('x')</script>"
 

@@ -14,7 +14,7 @@ from truepose.exchange.brought.choices import ROLES
 from truepose.exchange.brought.quantities import QUANTITIES
 from truepose.identification.verdict.changes import KINDS
 from truepose.storage.drafts import MOST_BYTES, DraftFolder
-from truepose.web.schemas.drafts import ChangeKind, MeaningRequest, Role
+from truepose.web.schemas.calibration.drafts import ChangeKind, MeaningRequest, Role
 
 DRAFTS = "/api/v1/drafts"
 BYTES = {"Content-Type": "application/octet-stream"}

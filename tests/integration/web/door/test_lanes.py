@@ -9,9 +9,9 @@ import pytest
 from fastapi.responses import StreamingResponse
 
 from tests.helpers.web.routes import paths_answering, paths_of
-from truepose.web import lanes
 from truepose.web.application import create_application
-from truepose.web.lanes import Lanes
+from truepose.web.requests import lanes
+from truepose.web.requests.lanes import Lanes
 
 APP = create_application("test", contextlib.nullcontext)
 PAUSE, LOOK = "/api/v1/sessions/1/pause", "/api/v1/sessions"

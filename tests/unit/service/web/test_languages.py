@@ -2,7 +2,7 @@
 
 import pytest
 
-from truepose.web.languages import preferred
+from truepose.web.visiting.languages import preferred
 
 
 @pytest.mark.parametrize(

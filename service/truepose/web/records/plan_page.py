@@ -9,8 +9,8 @@ from fastapi.responses import HTMLResponse
 from markupsafe import Markup
 
 from truepose.web.measurement.promises import Number, minutes_for
-from truepose.web.presence import while_present
-from truepose.web.visits import Visited
+from truepose.web.requests.presence import while_present
+from truepose.web.visiting.visits import Visited
 from truepose.words.catalogue import Catalogue
 
 if TYPE_CHECKING:

@@ -14,8 +14,8 @@ from typing import Final
 from starlette.requests import Request
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from truepose.web.limits import is_upload
 from truepose.web.problems import problem_response
+from truepose.web.requests.limits import is_upload
 
 _WAIT_S: Final = 5.0
 _AGAIN_S: Final = 2  # after which a client that found no place may ask again

@@ -9,7 +9,7 @@ from truepose.exchange.outgoing import Quantity
 from truepose.sequencing.ballbar.state_so_far import OutcomeKind
 from truepose.sequencing.engine.acts import ActName
 from truepose.web.schemas.base import PromptShown, RecordedAt, RecordId, Reply
-from truepose.web.schemas.identities import IdentityReply
+from truepose.web.schemas.measurement.identities import IdentityReply
 
 PointName = str  # B1.. of the base fixture, T1.. of the tool
 

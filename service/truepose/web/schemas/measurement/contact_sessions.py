@@ -9,7 +9,7 @@ from truepose.domain.session import Role
 from truepose.domain.targets import Target, TargetKind
 from truepose.planning.contacts.wish import ContactWish
 from truepose.web.schemas.base import NUMBER_LIMIT, VISIBLE, Number, Reply, Request, example
-from truepose.web.schemas.sessions import Component, LengthMm
+from truepose.web.schemas.measurement.sessions import Component, LengthMm
 
 _KINDS: dict[str, Loop] = {"sphere": "probe", "plane": "probe", "gauge": "gauges", "wire": "wires"}
 MOST_TARGETS = 12

@@ -7,7 +7,7 @@ from typing import Final
 from fastapi import APIRouter
 from fastapi.responses import HTMLResponse
 
-from truepose.web.visits import Visited
+from truepose.web.visiting.visits import Visited
 from truepose.words.error_codes import CODES, explained
 
 router = APIRouter(prefix="/errors", include_in_schema=False)

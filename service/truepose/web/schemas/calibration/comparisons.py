@@ -12,7 +12,11 @@ from truepose.domain.diagnosis import Confidence
 from truepose.exchange.outgoing import Quantity
 from truepose.storage.records import DiagnosisRecord
 from truepose.web.schemas.base import RecordId, Reply
-from truepose.web.schemas.diagnoses import DiagnosisSummaryReply, MeasuredAt, diagnosis_summary_reply
+from truepose.web.schemas.calibration.diagnoses import (
+    DiagnosisSummaryReply,
+    MeasuredAt,
+    diagnosis_summary_reply,
+)
 from truepose.words.catalogue import IN_ENGLISH
 
 

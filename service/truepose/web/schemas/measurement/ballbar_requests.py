@@ -29,7 +29,7 @@ from truepose.web.schemas.base import (
     example,
     whole,
 )
-from truepose.web.schemas.sessions import AngleDeg
+from truepose.web.schemas.measurement.sessions import AngleDeg
 
 JointsDeg = Annotated[
     list[AngleDeg],

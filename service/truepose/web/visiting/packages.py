@@ -9,7 +9,7 @@ from fastapi.responses import FileResponse
 from starlette.exceptions import HTTPException
 
 router = APIRouter(include_in_schema=False)
-_BUNDLES: Final = Path(__file__).parent / "static" / "packages"
+_BUNDLES: Final = Path(__file__).parents[1] / "static" / "packages"
 
 
 @router.get("/static/packages/{name}", response_class=FileResponse)

@@ -19,7 +19,7 @@ from truepose.web.schemas.base import (
     Simulated,
     example,
 )
-from truepose.web.schemas.results import EffectNames
+from truepose.web.schemas.calibration.results import EffectNames
 
 StartEffects = Annotated[
     EffectNames | None,

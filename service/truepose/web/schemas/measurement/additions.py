@@ -6,7 +6,7 @@ from truepose.operation.tracker.sessions import WantedStops
 from truepose.planning.tracker.added_stops import Addition, WantedStop
 from truepose.sequencing.tracker.plans import numbers
 from truepose.web.schemas.base import Number, PersonName, Reply, Request, example
-from truepose.web.schemas.sessions import AngleDeg, SessionReply, StopReply
+from truepose.web.schemas.measurement.sessions import AngleDeg, SessionReply, StopReply
 
 
 class ConfigurationRequest(Request):

@@ -20,7 +20,7 @@ from truepose.domain.results import Model
 from truepose.storage.records import DiagnosisRecord
 from truepose.web.context import Context
 from truepose.web.schemas.base import NUMBER_LIMIT
-from truepose.web.visits import Visit, Visited
+from truepose.web.visiting.visits import Visit, Visited
 
 if TYPE_CHECKING:
     from truepose.judgement.two_models import TwoModels

@@ -12,8 +12,8 @@ from truepose.operation.guided.sheet import Sheet, Status
 from truepose.sequencing.engine.acts import Act, ActName
 from truepose.web.schemas.base import PersonName, Point, PromptAnswered, PromptShown, RecordId, Reply, Request
 from truepose.web.schemas.base import example as example_of
-from truepose.web.schemas.identities import IdentityReply, identity_reply
-from truepose.web.schemas.sessions import ProgressReply
+from truepose.web.schemas.measurement.identities import IdentityReply, identity_reply
+from truepose.web.schemas.measurement.sessions import ProgressReply
 
 Millimetres = Annotated[float | None, Field(examples=[0.012])]
 Delta = Annotated[Point | None, Field(description="Read minus expected, in the world; null: not known.")]

@@ -5,7 +5,7 @@ from typing import Final
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
-_HERE: Final = Path(__file__).parent
+_HERE: Final = Path(__file__).parents[1]
 _TEMPLATES: Final = Environment(
     loader=FileSystemLoader([_HERE / "templates", _HERE / "tablet" / "templates"]),
     autoescape=True,

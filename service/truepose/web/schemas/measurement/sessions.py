@@ -21,7 +21,7 @@ from truepose.web.schemas.base import (
     Request,
     example,
 )
-from truepose.web.schemas.identities import IdentityReply
+from truepose.web.schemas.measurement.identities import IdentityReply
 
 MOST_STOPS = 5000  # two days and nights of measuring
 LengthMm = Annotated[float, Field(ge=-100_000, le=100_000)]

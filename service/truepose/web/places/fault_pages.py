@@ -5,7 +5,7 @@ from typing import Any, Final
 from fastapi import APIRouter
 from fastapi.responses import HTMLResponse
 
-from truepose.web.visits import Visited
+from truepose.web.visiting.visits import Visited
 from truepose_drivers.errors import DriverError
 
 router = APIRouter(prefix="/faults", include_in_schema=False)

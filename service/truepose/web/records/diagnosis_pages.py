@@ -17,10 +17,10 @@ from truepose.storage.errors import NotFoundError
 from truepose.storage.records import CampaignRecord, DiagnosisRecord, SessionRecord
 from truepose.storage.work.items import WorkKind
 from truepose.web.context import Context
-from truepose.web.moments import moment
-from truepose.web.parameters import number_of
 from truepose.web.records.trail import missing, trail_of
-from truepose.web.visits import Visited
+from truepose.web.requests.parameters import number_of
+from truepose.web.visiting.moments import moment
+from truepose.web.visiting.visits import Visited
 from truepose.words.catalogue import IN_ENGLISH, Catalogue
 
 if TYPE_CHECKING:

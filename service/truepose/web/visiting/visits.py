@@ -12,10 +12,10 @@ from fastapi.responses import HTMLResponse
 
 from truepose.operation.people.register import Caller
 from truepose.web.context import Context, Here
-from truepose.web.languages import wanted_words
 from truepose.web.people.asking import asking
 from truepose.web.people.rights import may
-from truepose.web.rendering import rendered
+from truepose.web.visiting.languages import wanted_words
+from truepose.web.visiting.rendering import rendered
 from truepose.words.catalogue import LANGUAGES, Catalogue, catalogue
 
 LOOKS: Final = ("system", "light", "dark", "contrast")

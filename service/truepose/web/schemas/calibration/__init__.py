@@ -1,0 +1,1 @@
+"""Campaigns, what is brought, results and corrections as they travel."""

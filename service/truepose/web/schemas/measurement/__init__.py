@@ -1,0 +1,1 @@
+"""Sessions, readings, faults and certificates as they travel."""
