@@ -22,7 +22,9 @@ from truepose.app import serve
 from truepose.app.server import _listening, _url
 from truepose.settings import Settings
 from truepose.storage.database import Database
+from truepose.words.error_codes import CODES
 
+CODED = re.compile(r" \[(TP-\d{4})\]\n$")
 PATIENCE_S = 120  # with a process that starts or ends, on a busy machine
 SERVE = """
 import sys
@@ -82,14 +84,19 @@ def ended(process):
 
 @pytest.fixture
 def refused(monkeypatch, capsys):
-    """Start a service that fails in this process; gives status, standard output and standard error."""
+    """Start a service that fails in this process; gives status, standard output and standard error.
+
+    Each refusal ends with a code that can be quoted.
+    """
     everything = logging.getLogger()
     level = everything.level
     monkeypatch.setattr(everything, "handlers", [])
 
     def start_here(settings):
         status = serve(settings)
-        return status, *capsys.readouterr()
+        out, err = capsys.readouterr()
+        assert CODED.search(err)[1] in CODES, err
+        return status, out, err
 
     yield start_here
     everything.setLevel(level)
@@ -238,6 +245,7 @@ def test_a_port_in_use_is_one_sentence_and_status_3(database_url, refused):
 
     assert (status, out) == (3, "")
     assert err.startswith(f"Nothing can listen at 127.0.0.1:{port}")
+    assert err.endswith(" [TP-7003]\n")
     assert err.count("\n") == 1
 
 

@@ -10,6 +10,7 @@ from truepose.analysis.workers.process import Perform, perform_in_worker
 from truepose.analysis.workers.queue import Foreseen, JobQueue, Work
 from truepose.analysis.workers.tasks import (
     BallbarPlanTask,
+    ContactPlanTask,
     DiagnoseTask,
     IdentifyTask,
     SessionPlanTask,
@@ -17,6 +18,7 @@ from truepose.analysis.workers.tasks import (
     ValidateTask,
 )
 from truepose.domain.ballbar import BallbarPlan
+from truepose.domain.contacts import ContactPlan
 from truepose.domain.diagnosis import Diagnosis
 from truepose.domain.results import Identification, Validation
 from truepose.domain.session import SessionPlan
@@ -27,7 +29,7 @@ from truepose.storage.calibration.jobs import JobRepository
 from truepose.storage.calibration.results import ResultRepository
 from truepose.storage.records import CampaignRecord, JobKind, JobState, RequestKey
 
-CheckPlan = Callable[[BallbarPlan], Awaitable[None]]
+CheckPlan = Callable[[Any], Awaitable[str]]  # of the plan that its task makes
 _MOST_FILES: Final = 4  # of 16 MB at most each
 
 
@@ -148,28 +150,31 @@ class JobDesk:
         work = Work(JobKind.PLAN, request, task.work_count, load, store)
         return await self._queue.add(work, key, sender)
 
-    async def plan_ballbar(
+    async def plan_checked(
         self,
         name: str,
-        task: BallbarPlanTask,
+        task: BallbarPlanTask | ContactPlanTask,
         check: CheckPlan,
         key: RequestKey | None = None,
         sender: str = "",
     ) -> int:
-        """Queue the choice of a ballbar session's poses and return the job's number.
+        """Queue the choice of a session's poses or stops and return the job's number.
 
-        `check` raises where the cell cannot do what was chosen; the job then fails with that sentence.
+        `check` returns what to watch in what was chosen. It raises where the cell cannot do that; the job
+        then fails with that sentence.
         """
 
         async def load() -> Task:
             return task
 
-        async def store(job_id: int, plan: BallbarPlan) -> int:
-            await check(plan)
-            return await self._results.keep_plan(job_id, name, task.setup, plan)
+        async def store(job_id: int, plan: BallbarPlan | ContactPlan) -> int:
+            notice = await check(plan)
+            return await self._results.keep_plan(job_id, name, task.setup, plan, notice)
 
-        request = {"name": name, "role": "ballbar", **task.asked}
-        work = Work(JobKind.BALLBAR_PLAN, request, task.work_count, load, store)
+        of_bar = isinstance(task, BallbarPlanTask)
+        request = {"name": name, "role": "ballbar" if of_bar else "contacts", **task.asked}
+        kind = JobKind.BALLBAR_PLAN if of_bar else JobKind.CONTACT_PLAN
+        work = Work(kind, request, task.work_count, load, store)
         return await self._queue.add(work, key, sender)
 
     async def correct(

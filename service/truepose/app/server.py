@@ -30,6 +30,7 @@ from truepose.storage.connection.address import database_file
 from truepose.web.application import create_application
 from truepose.web.context import Context
 from truepose.web.door.errors import UnusableHostError
+from truepose.words.error_codes import code_of
 from truepose_drivers.errors import DriverError
 
 _LOG: Final = logging.getLogger(__name__)
@@ -72,7 +73,7 @@ def log_file(settings: Settings) -> Path:
 
 
 def _refuse(error: Exception, status: int) -> int:
-    sys.stderr.write(f"{error}\n")
+    sys.stderr.write(f"{error} [{code_of(error)}]\n")
     return status
 
 

@@ -142,6 +142,7 @@ class JobKind(StrEnum):
     DIAGNOSIS = "diagnosis"
     PLAN = "plan"
     BALLBAR_PLAN = "ballbar_plan"
+    CONTACT_PLAN = "contact_plan"
     CORRECTION = "correction"
 
 
@@ -182,6 +183,7 @@ class JobRecord:
     state_since: str
     fraction: float
     result_id: int | None
+    code: str | None  # of the error that it failed with; None: it did not, or in an earlier version
 
 
 @dataclass(frozen=True, slots=True)

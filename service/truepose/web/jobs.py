@@ -1,12 +1,12 @@
 """Jobs: watch and cancel."""
 
-from fastapi import APIRouter, Response
+from fastapi import APIRouter, Response, status
 
 from truepose.storage.records import JobRecord
 from truepose.web.context import Context, Here
 from truepose.web.problems import problems
 from truepose.web.requests.paging import Paged, listing
-from truepose.web.requests.parameters import Id
+from truepose.web.requests.parameters import RESPOND_ASYNC, Id
 from truepose.web.schemas.jobs import JobReply, job_reply
 
 router = APIRouter(prefix="/jobs", tags=["jobs"])
@@ -35,6 +35,13 @@ async def queued(here: Context, number: int, response: Response) -> JobReply:
     """Return a job that was queued just now, and say where it is watched."""
     response.headers["Location"] = f"/api/v1/jobs/{number}"
     return _shown(here, await here.jobs.get(number))
+
+
+async def queued_as_preferred(here: Context, number: int, response: Response) -> JobReply:
+    """Return a job that a client would rather be told of than wait (RFC 7240)."""
+    response.status_code = status.HTTP_202_ACCEPTED
+    response.headers["Preference-Applied"] = RESPOND_ASYNC
+    return await queued(here, number, response)
 
 
 def _shown(here: Context, record: JobRecord) -> JobReply:

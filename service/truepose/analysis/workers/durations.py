@@ -26,6 +26,7 @@ _USUAL: Final = {
     JobKind.DIAGNOSIS: _Usual(20.0, 0.2),
     JobKind.PLAN: _Usual(2.0, 0.1),
     JobKind.BALLBAR_PLAN: _Usual(3.0, 1.0),
+    JobKind.CONTACT_PLAN: _Usual(1.5, 0.01),
     JobKind.CORRECTION: _Usual(2.0, 0.05),
 }
 

@@ -16,6 +16,7 @@ from truepose.analysis.workers.tasks import Task
 from truepose.domain.errors import TrueposeError
 from truepose.storage.calibration.jobs import JobRepository
 from truepose.storage.records import JobKind, JobState, RequestKey
+from truepose.words.error_codes import code_of
 
 _MOST_WAITING: Final = 200  # each a few kilobytes; more are a script that has run away
 _LOG: Final = logging.getLogger(__name__)
@@ -122,12 +123,12 @@ class JobQueue:
                 answer = await self._perform(await work.load(), self._told(job_id, job, job.began_s))
                 await work.store(job_id, answer)
             except TrueposeError as error:
-                await self._jobs.change_state(job_id, JobState.FAILED, str(error))
+                await self._jobs.change_state(job_id, JobState.FAILED, str(error), code_of(error))
             except Exception as error:
                 # Whatever it is, the job must not look as if somebody still worked on it.
                 _LOG.exception("job %d failed", job_id)
                 sentence = f"The program failed ({type(error).__name__}: {error}); its log has the details."
-                await self._jobs.change_state(job_id, JobState.FAILED, sentence)
+                await self._jobs.change_state(job_id, JobState.FAILED, sentence, code_of(error))
 
     def _told(self, job_id: int, job: _Job, began_s: float) -> Told:
         async def told(fraction: float, doing: str) -> None:

@@ -17,6 +17,7 @@ from truepose.analysis.workers.outlook import Outlook, OutlookTask
 from truepose.analysis.workers.promising import PromiseTask
 from truepose.domain.ballbar import BallbarPlan, PreCalibration, SphereWish
 from truepose.domain.campaign import Campaign, Readings
+from truepose.domain.contacts import ContactPlan
 from truepose.domain.diagnosis import Diagnosis
 from truepose.domain.results import Identification, Model, Validation
 from truepose.domain.robot import FramePlacement
@@ -26,6 +27,7 @@ from truepose.storage.records import CampaignSummary, SessionSetup
 
 if TYPE_CHECKING:
     from truepose.judgement.iso9283.plan import Plane, PoseTestKind
+    from truepose.planning.contacts.wish import ContactWish
 
 Report: TypeAlias = Callable[[float, str], None]  # fraction from 0 to 1, what is being done
 
@@ -203,6 +205,31 @@ class BallbarPlanTask:
 
 
 @dataclass(frozen=True, slots=True)
+class ContactPlanTask:
+    """Choose the stops of a session of closed loops."""
+
+    setup: SessionSetup
+    wish: "ContactWish"
+
+    @property
+    def asked(self) -> dict[str, Any]:
+        """What was asked for, in words of requests."""
+        return {"configurations": self.wish.stops, "seed": self.wish.seed}
+
+    @property
+    def work_count(self) -> int:
+        """How many stops there are to choose."""
+        return self.wish.stops
+
+    def perform(self, report: Report) -> ContactPlan:
+        """Return the plan; raises TrueposeError."""
+        from truepose.planning.contacts.plan import plan_of
+
+        report(0.0, f"choosing {self.wish.stops} stops")
+        return plan_of(self.setup.cell, self.wish)
+
+
+@dataclass(frozen=True, slots=True)
 class PrecalibrateTask:
     """Identify with what a ballbar session has so far, and aim the rest by it."""
 
@@ -250,6 +277,7 @@ Task: TypeAlias = (
     | DiagnoseTask
     | SessionPlanTask
     | BallbarPlanTask
+    | ContactPlanTask
     | PrecalibrateTask
     | ReadCampaignTask
     | ReadBroughtTask
@@ -265,6 +293,7 @@ Answer: TypeAlias = (
     | Diagnosis
     | SessionPlan
     | BallbarPlan
+    | ContactPlan
     | PreCalibration
     | CampaignRead
     | BroughtRead

@@ -35,7 +35,7 @@ class ContactSessions(AskedSessionKind[ContactRunner]):
     """Sessions in which gauges are read against targets that stand still."""
 
     async def plan(
-        self, name: str, setup: SessionSetup, wanted: ContactWish | ContactPlan, key: RequestKey | None = None
+        self, name: str, setup: SessionSetup, wanted: ContactWish, key: RequestKey | None = None
     ) -> int:
         """Store a planned session and return its number; nothing moves.
 
@@ -44,11 +44,16 @@ class ContactSessions(AskedSessionKind[ContactRunner]):
         made = None if key is None else await self.desk.sessions.answered(key)
         if made is not None:
             return made
-        plan, notice = await asyncio.to_thread(_planned, setup.cell, wanted)
+        plan = await asyncio.to_thread(_chosen, setup.cell, wanted)
+        notice = await self.what_to_watch(setup, plan)
         number = await self.desk.sessions.add(name, setup, plan, key)
         if notice:
             await self.desk.sessions.note(number, notice)
         return number
+
+    async def what_to_watch(self, setup: SessionSetup, plan: ContactPlan) -> str:
+        """Return what to watch on the ways of a plan; raises PlanRefusedError where the cell cannot do it."""
+        return await asyncio.to_thread(_judged, setup.cell, plan)
 
     async def campaign(self, session_id: int, judging_id: int | None = None) -> Campaign:
         """Return the campaign of what was read; with another session, held out, that judges its model.
@@ -116,15 +121,13 @@ class ContactSessions(AskedSessionKind[ContactRunner]):
         )
 
 
-def _planned(cell: Cell, wanted: ContactWish | ContactPlan) -> tuple[ContactPlan, str]:
-    """Return a plan that this cell can do, and what to watch on its ways."""
-    plan = _chosen(cell, wanted) if isinstance(wanted, ContactWish) else wanted
+def _judged(cell: Cell, plan: ContactPlan) -> str:
     check_plan(plan, cell.robot, cell.base_nominal, motion_limits(cell.robot, cell.limits.joints))
     bodies, ways = bodies_of(cell), _ways(plan)
     blocked = what_blocks_a_way(bodies, ways)
     if blocked is not None:
         raise PlanRefusedError(blocked)
-    return plan, what_to_watch(bodies, ways)
+    return what_to_watch(bodies, ways)
 
 
 def _chosen(cell: Cell, wanted: ContactWish) -> ContactPlan:

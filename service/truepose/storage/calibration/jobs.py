@@ -4,7 +4,7 @@ from collections.abc import Iterable
 from datetime import datetime
 from typing import Any
 
-from sqlalchemy import Connection, Row, Select, exists, select
+from sqlalchemy import Connection, Row, ScalarSelect, Select, exists, select
 
 from truepose.storage.database import Database
 from truepose.storage.errors import ConflictError
@@ -16,10 +16,16 @@ from truepose.storage.rows import add_row
 from truepose.storage.tables import events, job_states, jobs
 
 PROGRESS = "job.progress"
+_STATE = "job.state"
 
 
 def add_job_state(
-    connection: Connection, job_id: int, state: JobState, message: str, result_id: int | None = None
+    connection: Connection,
+    job_id: int,
+    state: JobState,
+    message: str,
+    result_id: int | None = None,
+    code: str | None = None,
 ) -> None:
     """Append a state and its event in the caller's transaction; raises ConflictError after a final state."""
     before = connection.scalar(_state_of(job_id))
@@ -27,7 +33,7 @@ def add_job_state(
         raise ConflictError(f"Job {job_id} has already {_ENDED[JobState(before)]}.")
     values: dict[str, Any] = {"state": state.value, "message": message, "result_id": result_id}
     add_row(connection, job_states, job_id=job_id, **values)
-    add_event(connection, "job.state", values, job_id=job_id)
+    add_event(connection, _STATE, values | ({} if code is None else {"code": code}), job_id=job_id)
 
 
 _ENDED = {
@@ -89,9 +95,9 @@ class JobRepository(NumberedRecords[JobRecord]):
         rows = await self._database.read(lambda c: c.execute(query).all())
         return [JobTaken(row.work_count, _between_s(row.since, row.recorded_at)) for row in rows]
 
-    async def change_state(self, job_id: int, state: JobState, message: str) -> None:
-        """Append a state; raises ConflictError where the job has ended already."""
-        await self._database.write(lambda c: add_job_state(c, job_id, state, message))
+    async def change_state(self, job_id: int, state: JobState, message: str, code: str | None = None) -> None:
+        """Append a state, with the code of an error; raises ConflictError where the job has ended already."""
+        await self._database.write(lambda c: add_job_state(c, job_id, state, message, code=code))
 
     async def tell_progress(self, job_id: int, fraction: float, doing: str) -> None:
         """Keep how far the job is: `fraction` from 0 to 1."""
@@ -111,13 +117,6 @@ def _state_of(job_id: int) -> Select[str]:
 def _records() -> Select[Any]:
     later = job_states.alias("later")
     newest = ~exists().where(later.c.job_id == jobs.c.id, later.c.id > job_states.c.id)
-    told = (
-        select(events.c.document)
-        .where(events.c.job_id == jobs.c.id, events.c.kind == PROGRESS)
-        .order_by(events.c.id.desc())
-        .limit(1)
-        .scalar_subquery()
-    )
     return (
         select(
             jobs,
@@ -125,11 +124,17 @@ def _records() -> Select[Any]:
             job_states.c.message,
             job_states.c.recorded_at.label("state_since"),
             job_states.c.result_id,
-            told.label("told"),
+            _newest_event(PROGRESS).label("told"),
+            _newest_event(_STATE).label("entered"),
         )
         .join(job_states, job_states.c.job_id == jobs.c.id)
         .where(newest)
     )
+
+
+def _newest_event(kind: str) -> ScalarSelect[Any]:
+    query = select(events.c.document).where(events.c.job_id == jobs.c.id, events.c.kind == kind)
+    return query.order_by(events.c.id.desc()).limit(1).scalar_subquery()
 
 
 def _record(row: Row[Any]) -> JobRecord:
@@ -145,4 +150,5 @@ def _record(row: Row[Any]) -> JobRecord:
         state_since=row.state_since,
         fraction=1.0 if state is JobState.SUCCEEDED else told["fraction"],
         result_id=row.result_id,
+        code=row.entered.get("code"),
     )

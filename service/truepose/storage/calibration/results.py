@@ -6,13 +6,14 @@ from typing import Any
 from sqlalchemy import Connection, Row, Select, func, select
 
 from truepose.domain.ballbar import BallbarPlan
+from truepose.domain.contacts import ContactPlan
 from truepose.domain.results import Identification, Model, Validation
 from truepose.domain.session import SessionPlan
 from truepose.storage.calibration.jobs import add_job_state
 from truepose.storage.calibration.origins import simulated_campaign
 from truepose.storage.database import Database
 from truepose.storage.documents import from_document, to_document
-from truepose.storage.measurement.sessions import add_session
+from truepose.storage.measurement.sessions import add_note, add_session
 from truepose.storage.numbered import NumberedRecords
 from truepose.storage.parts import Part
 from truepose.storage.records import (
@@ -75,13 +76,20 @@ class ResultRepository:
         return await self._database.write(work)
 
     async def keep_plan(
-        self, job_id: int, name: str, setup: SessionSetup, plan: SessionPlan | BallbarPlan
+        self,
+        job_id: int,
+        name: str,
+        setup: SessionSetup,
+        plan: SessionPlan | BallbarPlan | ContactPlan,
+        notice: str = "",
     ) -> int:
-        """Store the session that was planned and end the job."""
+        """Store the session that was planned, with what to watch in it, and end the job."""
         message = _planned(plan)
 
         def work(connection: Connection) -> int:
             number = add_session(connection, name, setup, plan)
+            if notice:
+                add_note(connection, number, notice)
             add_job_state(connection, job_id, JobState.SUCCEEDED, message, number)
             return number
 
@@ -124,10 +132,10 @@ class ResultRepository:
         return await self._validations.page(page)
 
 
-def _planned(plan: SessionPlan | BallbarPlan) -> str:
-    if isinstance(plan, SessionPlan):
-        return f"{len(plan.stops)} stops are planned."
-    return f"{sum(len(place.poses) for place in plan.placements)} poses are planned."
+def _planned(plan: SessionPlan | BallbarPlan | ContactPlan) -> str:
+    if isinstance(plan, BallbarPlan):
+        return f"{sum(len(place.poses) for place in plan.placements)} poses are planned."
+    return f"{len(plan.stops)} stops are planned."
 
 
 def _identifications() -> Select[Any]:

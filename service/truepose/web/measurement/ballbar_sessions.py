@@ -10,7 +10,7 @@ from truepose.operation.ballbar.scene import scene_of
 from truepose.operation.ballbar.worker_tasks import plan_task
 from truepose.storage.records import RequestKey, SessionSetup
 from truepose.web.context import Context, Here
-from truepose.web.jobs import queued
+from truepose.web.jobs import queued_as_preferred
 from truepose.web.measurement.ballbar_replies import ballbar_session_reply, entry_reply, steps_reply
 from truepose.web.people.authority import require_authority
 from truepose.web.problems import problems
@@ -72,9 +72,8 @@ async def plan_ballbar_session(
     setup = SessionSetup(replace(here.cell, ballbar=kit))
     wish = await _wish(here, wanted)
     if later and wish.given is None:
-        response.status_code = status.HTTP_202_ACCEPTED
-        response.headers["Preference-Applied"] = "respond-async"
-        return await queued(here, await _queue(here, wanted.name, setup, wish, key, sender), response)
+        number = await _queue(here, wanted.name, setup, wish, key, sender)
+        return await queued_as_preferred(here, number, response)
     planning = here.ballbar_sessions.plan(wanted.name, setup, wish, key)
     number = await while_present(request, planning)
     response.headers["Location"] = f"/api/v1/ballbar-sessions/{number}"
@@ -84,10 +83,11 @@ async def plan_ballbar_session(
 async def _queue(
     here: Context, name: str, setup: SessionSetup, wish: BallbarWish, key: RequestKey | None, sender: str
 ) -> int:
-    async def check(plan: BallbarPlan) -> None:
+    async def check(plan: BallbarPlan) -> str:
         await here.ballbar_sessions.require_possible(setup, plan)
+        return ""  # the chooser keeps the ways clear
 
-    return await here.job_desk.plan_ballbar(name, plan_task(setup, wish), check, key, sender)
+    return await here.job_desk.plan_checked(name, plan_task(setup, wish), check, key, sender)
 
 
 async def _wish(here: Context, wanted: BallbarSessionRequest) -> BallbarWish:

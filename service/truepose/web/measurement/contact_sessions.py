@@ -5,13 +5,17 @@ import asyncio
 from fastapi import APIRouter, Response, status
 
 from truepose.analysis.contacts import taken_of
+from truepose.analysis.workers.tasks import ContactPlanTask
+from truepose.domain.contacts import ContactPlan
 from truepose.sequencing.contacts.dry_run import minutes_of
 from truepose.sequencing.contacts.questions import Question, asked
-from truepose.storage.records import SessionSetup
-from truepose.web.context import Here
+from truepose.storage.records import RequestKey, SessionSetup
+from truepose.web.context import Context, Here
+from truepose.web.jobs import queued_as_preferred
 from truepose.web.measurement.sessions import get_session
 from truepose.web.problems import problems
-from truepose.web.requests.parameters import Id, OptionalKey
+from truepose.web.requests.parameters import Id, Later, OptionalKey, Sender
+from truepose.web.schemas.jobs import JobReply
 from truepose.web.schemas.measurement.contact_sessions import (
     ContactPlanReply,
     ContactReadingReply,
@@ -25,18 +29,46 @@ router = APIRouter(prefix="/contact-sessions", tags=["sessions of closed loops"]
 _READ = problems(404, 422, 503)
 
 
-@router.post("", status_code=status.HTTP_201_CREATED, responses=problems(400, 409, 413, 415, 422, 503))
+@router.post(
+    "",
+    status_code=status.HTTP_201_CREATED,
+    response_model=SessionDetailReply | JobReply,
+    responses={
+        201: {"model": SessionDetailReply, "description": "The session is planned; nothing has moved."},
+        202: {"model": JobReply, "description": "A worker chooses the stops; the job makes the session."},
+        **problems(400, 409, 413, 415, 422, 503),
+    },
+)
 async def plan_contact_session(
-    here: Here, wanted: ContactSessionRequest, response: Response, key: OptionalKey
-) -> SessionDetailReply:
+    here: Here,
+    wanted: ContactSessionRequest,
+    response: Response,
+    key: OptionalKey,
+    later: Later,
+    sender: Sender,
+) -> SessionDetailReply | JobReply:
     """Plan a session with a probe, gauges, wires or a sensor; its stops are chosen. Nothing moves.
 
-    It is started, confirmed, paused, resumed and aborted at `/sessions/{id}`, where its page is too.
+    With `Prefer: respond-async` the choice is a job, and this answers at once (202). The session is started,
+    confirmed, paused, resumed and aborted at `/sessions/{id}`, where its page is too.
     """
     setup = SessionSetup(here.cell, wanted.attachment)
+    if later:
+        number = await _queue(here, wanted, setup, key, sender)
+        return await queued_as_preferred(here, number, response)
     number = await here.contact_sessions.plan(wanted.name, setup, wish_of(wanted), key)
     response.headers["Location"] = f"/api/v1/sessions/{number}"
     return await get_session(here, number)
+
+
+async def _queue(
+    here: Context, wanted: ContactSessionRequest, setup: SessionSetup, key: RequestKey | None, sender: str
+) -> int:
+    async def check(plan: ContactPlan) -> str:
+        return await here.contact_sessions.what_to_watch(setup, plan)
+
+    task = ContactPlanTask(setup, wish_of(wanted))
+    return await here.job_desk.plan_checked(wanted.name, task, check, key, sender)
 
 
 @router.get("/{id}/plan", responses=_READ)

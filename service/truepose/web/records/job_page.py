@@ -10,6 +10,7 @@ from truepose.web.records.links import address_of, state_words, title_of
 from truepose.web.records.trail import missing
 from truepose.web.requests.parameters import number_of
 from truepose.web.visiting.visits import Visit, Visited
+from truepose.words.error_codes import explained
 
 router = APIRouter(prefix="/jobs", include_in_schema=False)
 _MAKES = {
@@ -17,6 +18,8 @@ _MAKES = {
     JobKind.VALIDATION: (WorkKind.VALIDATION, "job.validation"),
     JobKind.DIAGNOSIS: (WorkKind.DIAGNOSIS, "job.diagnosis"),
     JobKind.PLAN: (WorkKind.SESSION, "job.plan"),
+    JobKind.BALLBAR_PLAN: (WorkKind.SESSION, "job.plan"),
+    JobKind.CONTACT_PLAN: (WorkKind.SESSION, "job.plan"),
     JobKind.CORRECTION: (WorkKind.CORRECTION, "job.correction"),
 }
 
@@ -44,5 +47,6 @@ def _shown(visit: Visit, record: JobRecord) -> HTMLResponse:
         look=look,
         state=state,
         made=None if record.result_id is None else address_of(made, record.result_id),
+        told=None if record.code is None else explained(record.code, visit.words),
         sources=[(address_of(kind, n), title_of(kind, n, visit.words)) for kind, n in asked if n],
     )

@@ -33,14 +33,14 @@ IdempotencyKey = Annotated[
     ),
 ]
 
-_ASYNC: Final = "respond-async"
+RESPOND_ASYNC: Final = "respond-async"
 Prefer = Annotated[
     str | None,
     Header(
         max_length=200,
         description="`respond-async`: answer at once with the job that does it (202), which is watched and "
         "cancelled at `/jobs` (RFC 7240); else the answer comes when it is done.",
-        examples=[_ASYNC],
+        examples=[RESPOND_ASYNC],
     ),
 ]
 
@@ -75,7 +75,7 @@ def _sender(request: Request) -> str:
 def _respond_later(prefer: Prefer = None) -> bool:
     """Return whether a client would rather be told of a job than wait (RFC 7240)."""
     wishes = {wish.split(";")[0].strip().lower() for wish in (prefer or "").split(",")}
-    return _ASYNC in wishes
+    return RESPOND_ASYNC in wishes
 
 
 def number_of(text: str) -> int | None:

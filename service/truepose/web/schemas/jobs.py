@@ -12,6 +12,7 @@ _RESULTS = {
     JobKind.DIAGNOSIS: "diagnoses",
     JobKind.PLAN: "sessions",
     JobKind.BALLBAR_PLAN: "ballbar-sessions",
+    JobKind.CONTACT_PLAN: "sessions",
     JobKind.CORRECTION: "corrections",
 }
 
@@ -89,13 +90,19 @@ class JobReply(Reply):
     )
     result_id: int | None = Field(description="Number of what it made, once it succeeded.")
     result_url: str | None = Field(examples=["/api/v1/identifications/3"])
+    code: str | None = Field(
+        None, description="Of what it failed with, to be quoted; null: it did not.", examples=["TP-4002"]
+    )
+    code_url: str | None = Field(None, description="The page of the code.", examples=["/errors/TP-4002"])
 
 
 def job_reply(record: JobRecord, foreseen: Foreseen | None = None) -> JobReply:
     """Return a job as it travels, with what is foreseen of one under way."""
     made = record.result_id
     reply = JobReply.of(
-        record, result_url=None if made is None else f"/api/v1/{_RESULTS[record.kind]}/{made}"
+        record,
+        result_url=None if made is None else f"/api/v1/{_RESULTS[record.kind]}/{made}",
+        code_url=None if record.code is None else f"/errors/{record.code}",
     )
     if foreseen is None or record.state.final:
         return reply

@@ -242,19 +242,32 @@ async def test_what_was_learnt_of_earlier_jobs_foretells_the_next_one(client, un
 
 
 @pytest.mark.parametrize(
-    "error",
+    ("error", "code"),
     [
-        TaskRefusedError("campaign.json: there are no readings."),
-        WorkerDiedError("The worker process was ended by signal SIGKILL before it answered."),
+        (TaskRefusedError("campaign.json: there are no readings.", "TP-4014"), "TP-4014"),
+        (TaskRefusedError("The program failed at this task (KeyError: 3); please report it."), "TP-5007"),
+        (WorkerDiedError("The worker process was ended by signal SIGKILL before it answered."), "TP-5006"),
     ],
 )
-async def test_a_job_that_fails_keeps_the_sentence(client, until, worker, campaign_id, error):
+async def test_a_job_that_fails_keeps_the_sentence_and_its_code(
+    client, until, worker, campaign_id, error, code
+):
     worker.error = error
 
     job = await until(await identification_job(client, campaign_id), "state", "failed")
+    page = await client.get(f"/jobs/{job['id']}")
 
     assert job["message"] == str(error)
     assert job["result_id"] is None
+    assert (job["code"], job["code_url"]) == (code, f"/errors/{code}")
+    assert f'href="/errors/{code}"' in page.text
+    assert (await client.get(job["code_url"])).status_code == 200
+
+
+async def test_a_job_that_did_not_fail_has_no_code(client, until, campaign_id):
+    job = await until(await identification_job(client, campaign_id), "state", "succeeded")
+
+    assert (job["code"], job["code_url"]) == (None, None)
 
 
 async def test_a_fault_of_the_program_does_not_leave_a_job_running(client, until, worker, campaign_id):
@@ -263,6 +276,7 @@ async def test_a_fault_of_the_program_does_not_leave_a_job_running(client, until
     job = await until(await identification_job(client, campaign_id), "state", "failed")
 
     assert job["message"].startswith("The program failed (ZeroDivisionError: division by zero)")
+    assert job["code"] == "TP-9001"
 
 
 async def test_a_job_asked_twice_with_one_key_runs_once(client, until, campaign_id):

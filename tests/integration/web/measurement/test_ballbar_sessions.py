@@ -350,6 +350,7 @@ async def test_poses_are_chosen_by_a_job_where_that_is_preferred(client, chooser
     assert (running["kind"], running["request"]["poses"]) == ("ballbar_plan", 6)
     assert running["fraction"] >= 0.5 and running["remaining_s"] > 0
     assert (await client.get(job["result_url"])).json()["name"] == "six legs"
+    assert f'href="/sessions/{job["result_id"]}"' in (await client.get(f"/jobs/{job['id']}")).text
 
 
 async def test_a_plan_that_is_cancelled_leaves_no_session(client, chooser, until):

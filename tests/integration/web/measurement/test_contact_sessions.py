@@ -1,5 +1,7 @@
 """Sessions of closed loops over REST: planned, asked for, run, read, made a campaign of."""
 
+import asyncio
+
 import pytest
 
 from tests.integration.web.bench import CELL, FakeLink
@@ -76,6 +78,43 @@ async def test_a_session_is_planned_asked_for_run_and_made_a_campaign_of(wire, b
     campaign = await client.post("/api/v1/campaigns", json={"name": "wire", "session_ids": [number]})
     assert campaign.json()["calibration_contacts"] == 6
     assert (await client.get(f"/api/v1/campaigns/{campaign.json()['id']}/archive")).status_code == 200
+
+
+LATER = {"Prefer": "respond-async"}
+
+
+async def in_thread(task, told):
+    return await asyncio.to_thread(task.perform, lambda fraction, doing: None)
+
+
+async def test_stops_are_chosen_by_a_job_where_that_is_preferred(wire, app, client, until):
+    app.state.context.job_desk._queue._perform = in_thread
+    waited_for = (await client.post("/api/v1/contact-sessions", json=WIRE)).json()["id"]
+
+    told = await client.post("/api/v1/contact-sessions", json=WIRE, headers=LATER)
+    job = await until(told.headers["Location"], "state", "succeeded", "failed")
+
+    assert (told.status_code, told.headers["Preference-Applied"]) == (202, "respond-async")
+    assert (job["kind"], job["request"]["configurations"]) == ("contact_plan", 6)
+    assert (await client.get(job["result_url"])).json()["name"] == "one wire"
+    one, other = [
+        (await client.get(f"/api/v1/contact-sessions/{number}/plan")).json()
+        for number in (waited_for, job["result_id"])
+    ]
+    assert one == other
+    assert (await client.get(f"/jobs/{job['id']}")).status_code == 200
+
+
+async def test_a_choice_that_fails_says_so_in_its_job_and_leaves_no_session(app, client, until):
+    app.state.context.job_desk._queue._perform = in_thread
+    far = {**WIRE, "targets": [{"kind": "plane", "place_mm": [5000, 0, 0]}]}
+
+    told = await client.post("/api/v1/contact-sessions", json=far, headers=LATER)
+    job = await until(told.headers["Location"], "state", "succeeded", "failed")
+
+    assert (job["state"], job["code"]) == ("failed", "TP-5002")
+    assert "put the targets nearer" in job["message"]
+    assert (await client.get("/api/v1/sessions")).json() == []
 
 
 async def test_the_same_request_plans_once(wire, client):
