@@ -7,6 +7,7 @@ from fastapi import APIRouter, HTTPException, Query, Request, Response, status
 
 from truepose.web.context import Here
 from truepose.web.problems import problems
+from truepose.web.requests.paging import Counted, listing
 from truepose.web.requests.parameters import Id
 from truepose.web.schemas.base import NUMBER_LIMIT, VISIBLE
 from truepose.web.schemas.calibration.drafts import (
@@ -48,10 +49,10 @@ async def start_draft(here: Here, response: Response, wanted: NewDraftRequest) -
     return draft_reply(draft)
 
 
-@router.get("", responses=problems(422, 503))
-async def list_drafts(here: Here) -> list[DraftReply]:
+@router.get("", responses=listing(422, 503))
+async def list_drafts(here: Here, paging: Counted) -> list[DraftReply]:
     """List drafts, the latest first; there are twenty at most."""
-    return [draft_reply(draft) for draft in await here.draft_desk.all()]
+    return paging.of(await here.draft_desk.all(), draft_reply)
 
 
 @router.get("/{id}", responses=problems(404, 422, 503))

@@ -5,16 +5,17 @@ from fastapi import APIRouter
 from truepose.exchange.robots.shipped import list_robots as shipped_robots
 from truepose.exchange.robots.shipped import load_robot
 from truepose.web.problems import problems
+from truepose.web.requests.paging import Counted, listing
 from truepose.web.requests.parameters import Name
 from truepose.web.schemas.cells import RobotReply, robot_reply
 
 router = APIRouter(prefix="/robots", tags=["robots"])
 
 
-@router.get("")
-async def list_robots() -> list[RobotReply]:
+@router.get("", responses=listing(422))
+async def list_robots(paging: Counted) -> list[RobotReply]:
     """List the shipped robots with their nominal tables."""
-    return [robot_reply(name, load_robot(name)) for name in shipped_robots()]
+    return paging.of(shipped_robots(), lambda name: robot_reply(name, load_robot(name)))
 
 
 @router.get("/{name}", responses=problems(404, 422))

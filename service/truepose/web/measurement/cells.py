@@ -4,16 +4,17 @@ from fastapi import APIRouter, HTTPException
 
 from truepose.web.context import Here
 from truepose.web.problems import problems
+from truepose.web.requests.paging import Counted, listing
 from truepose.web.requests.parameters import Name
 from truepose.web.schemas.cells import CellReply, cell_reply
 
 router = APIRouter(prefix="/cells", tags=["cells"])
 
 
-@router.get("", responses=problems(503))
-async def list_cells(here: Here) -> list[CellReply]:
+@router.get("", responses=listing(422, 503))
+async def list_cells(here: Here, paging: Counted) -> list[CellReply]:
     """List the cells of this service: the one of its cell file."""
-    return [cell_reply(here.cell, here.endpoints)]
+    return paging.of([here.cell], lambda cell: cell_reply(cell, here.endpoints))
 
 
 @router.get("/{name}", responses=problems(404, 422))

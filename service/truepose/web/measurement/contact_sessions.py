@@ -14,6 +14,7 @@ from truepose.web.context import Context, Here
 from truepose.web.jobs import queued_as_preferred
 from truepose.web.measurement.sessions import get_session
 from truepose.web.problems import problems
+from truepose.web.requests.paging import Counted, listing
 from truepose.web.requests.parameters import Id, Later, OptionalKey, Sender
 from truepose.web.schemas.jobs import JobReply
 from truepose.web.schemas.measurement.contact_sessions import (
@@ -80,9 +81,9 @@ async def get_contact_plan(here: Here, id: Id) -> ContactPlanReply:
     return plan_reply(plan, [asked(question, plan) for question in Question], minutes)
 
 
-@router.get("/{id}/readings", responses=_READ)
-async def list_contact_readings(here: Here, id: Id) -> list[ContactReadingReply]:
+@router.get("/{id}/readings", responses=listing(404, 422, 503))
+async def list_contact_readings(here: Here, id: Id, paging: Counted) -> list[ContactReadingReply]:
     """List what the gauges read, stop by stop."""
     await here.contact_sessions.get(id)
     lines = await here.session_desk.ledger.whole(id)
-    return [ContactReadingReply.of(taken) for taken in taken_of(line.entry for line in lines)]
+    return paging.of(taken_of(line.entry for line in lines), ContactReadingReply.of)

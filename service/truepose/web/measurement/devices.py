@@ -4,16 +4,17 @@ from fastapi import APIRouter
 
 from truepose.web.context import Here
 from truepose.web.problems import problems
+from truepose.web.requests.paging import Counted, listing
 from truepose.web.requests.parameters import Name
 from truepose.web.schemas.cells import DeviceReply, device_reply
 
 router = APIRouter(prefix="/devices", tags=["devices"])
 
 
-@router.get("")
-async def list_devices(here: Here) -> list[DeviceReply]:
+@router.get("", responses=listing(422))
+async def list_devices(here: Here, paging: Counted) -> list[DeviceReply]:
     """List the devices and the state of their links."""
-    return [device_reply(status) for status in here.rack.statuses()]
+    return paging.of(here.rack.statuses(), device_reply)
 
 
 @router.get("/{name}", responses=problems(404, 422))

@@ -1,6 +1,6 @@
 """Pages of lists: which part is asked for, how many there are in all, and where the next part is."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Annotated, Any, Final, TypeVar
 
 from fastapi import Depends, Query, Request, Response
@@ -27,6 +27,9 @@ _HEADERS: Final[dict[str, Any]] = {
     },
 }
 After = Annotated[int, Query(ge=0, le=NUMBER_LIMIT, description="List records above this number.")]
+LeftOut = Annotated[
+    int, Query(ge=0, le=NUMBER_LIMIT, description="How many are left out from the beginning of the list.")
+]
 Limit = Annotated[
     int, Query(ge=1, le=1000, description=f"At most so many records; a page never has more than {MOST}.")
 ]
@@ -59,7 +62,27 @@ class Paging:
             self._response.headers["Link"] = f'<{url.path}?{url.query}>; rel="next"'
 
 
+class Counting(Paging):
+    """Paging of what has no numbers of its own: counted from the beginning, as many as a page may have."""
+
+    def __init__(
+        self,
+        request: Request,
+        response: Response,
+        after: LeftOut = 0,
+        limit: Limit = MOST,
+    ) -> None:
+        super().__init__(request, response, after, limit)
+
+    def of(self, records: Sequence[R], reply: Callable[[R], T]) -> list[T]:
+        """Return the part of a list that is asked for as it travels; headers tell of the whole."""
+        end = self.page.after + self.page.limit
+        self.say(len(records), end if end < len(records) else None)
+        return [reply(record) for record in records[self.page.after : end]]
+
+
 Paged = Annotated[Paging, Depends()]
+Counted = Annotated[Counting, Depends()]
 
 
 def listing(*statuses: int) -> dict[int | str, dict[str, Any]]:

@@ -165,6 +165,19 @@ def test_every_operation_has_a_name_of_its_own_that_begins_with_what_it_does():
     assert [name for name in names if not BEGINS_WITH_A_VERB.fullmatch(name)] == []
 
 
+def test_every_list_says_how_long_it_is():
+    listed = {
+        operation["operationId"]: "Total-Count" in answer.get("headers", {})
+        for methods in DOCUMENT["paths"].values()
+        for operation in methods.values()
+        for answer in [operation["responses"].get("200", {})]
+        if answer.get("content", {}).get("application/json", {}).get("schema", {}).get("type") == "array"
+    }
+
+    assert len(listed) > 15
+    assert [name for name, says in listed.items() if not says] == []
+
+
 def contents_in_json():
     for methods in DOCUMENT["paths"].values():
         for operation in methods.values():

@@ -23,7 +23,9 @@ async def test_a_parameter_like_no_other_is_refused_with_all_that_there_are(clie
 
 
 async def test_where_no_parameter_is_taken_none_is_passed_over(client):
-    assert (await refusal(client, "/api/v1/devices?limit=3")).endswith("no parameters are taken here.")
+    assert (await refusal(client, "/api/v1/devices/tracker?limit=3")).endswith(
+        "no parameters are taken here."
+    )
 
 
 @pytest.mark.parametrize("given", ["", "?after=0&limit=2", "?limit=2"])
@@ -41,6 +43,18 @@ async def test_a_page_says_how_many_there_are_and_where_the_next_one_is(client):
     assert [one["name"] for one in page.json() + rest.json()] == ["first", "second", "third"]
     assert page.headers["Total-Count"] == rest.headers["Total-Count"] == "3"
     assert "next" not in rest.links
+
+
+@pytest.mark.parametrize("path", ["/api/v1/devices", "/api/v1/robots"])
+async def test_what_has_no_numbers_is_counted_from_the_beginning(client, path):
+    whole = await client.get(path)
+    first = await client.get(f"{path}?limit=1")
+    rest = await client.get(first.links["next"]["url"].replace("limit=1", "limit=500"))
+    beyond = await client.get(f"{path}?after=1000")
+
+    assert first.json() + rest.json() == whole.json()
+    assert {reply.headers["Total-Count"] for reply in (whole, first, rest)} == {str(len(whole.json()))}
+    assert (whole.links, rest.links, beyond.links, beyond.json()) == ({}, {}, {}, [])
 
 
 async def test_a_list_of_nothing_has_no_next_page(client):

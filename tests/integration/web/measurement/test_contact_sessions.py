@@ -75,6 +75,8 @@ async def test_a_session_is_planned_asked_for_run_and_made_a_campaign_of(wire, b
     assert (finished["planned"], finished["measured"], finished["skipped"]) == (6, 6, 0)
     readings = (await client.get(f"/api/v1/contact-sessions/{number}/readings")).json()
     assert [reading["reading_mm"] for reading in readings] == [[12.5]] * 6
+    rest = await client.get(f"/api/v1/contact-sessions/{number}/readings?after=4")
+    assert (rest.json(), rest.headers["Total-Count"], rest.links) == (readings[4:], "6", {})
     campaign = await client.post("/api/v1/campaigns", json={"name": "wire", "session_ids": [number]})
     assert campaign.json()["calibration_contacts"] == 6
     assert (await client.get(f"/api/v1/campaigns/{campaign.json()['id']}/archive")).status_code == 200
