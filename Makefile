@@ -6,7 +6,7 @@ BIN := $(VENV)/bin
 TRUEPOSE_DATA ?=
 export TRUEPOSE_DATA
 
-.PHONY: setup demo test unit check docs bench accuracy diagnosis-report ballbar-report hardening-report pages-report interruptions interface-report live-latency nightly clean
+.PHONY: setup demo test unit check docs bench accuracy diagnosis-report ballbar-report hardening-report pages-report interruptions interface-report interface-accepted live-latency nightly clean
 
 setup: $(VENV)/.installed
 
@@ -81,6 +81,10 @@ interruptions: setup
 # Twice fifty examples of each of ninety operations and each phase: an hour and a half on two idle cores.
 interface-report: setup
 	$(BIN)/python -m tests.studies.every_request --out out/interface
+
+# What programs may rely on, as it is today; a test holds every later change against it.
+interface-accepted: setup
+	$(BIN)/python -m tests.studies.accepted_interface
 
 live-latency: setup
 	$(BIN)/python -m tests.studies.interruptions.live_latency
