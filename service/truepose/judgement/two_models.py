@@ -17,13 +17,14 @@ from truepose.domain.arrays import FloatArray
 from truepose.domain.campaign import Readings
 from truepose.domain.errors import ConfigurationError
 from truepose.domain.results import Model, Parameter, Statistics, Unit
+from truepose.effects.ports import Trait
+from truepose.effects.registry import effects_with
 from truepose.identification import judge, predict
 from truepose.identification.distributions import chi2_exceeded
 from truepose.identification.verdict.relative import aligned_errors, relative_errors
 from truepose.judgement.multiplicity import holm
 
 LEVEL: Final = 0.05  # of a false "changed" anywhere in one comparison
-_SET_UP: Final = frozenset({"base", "tool"})
 _FEWEST: Final = 4  # places that an alignment does not make equal by itself
 
 
@@ -103,7 +104,8 @@ def compare_models(earlier: Model, later: Model, readings: Readings) -> TwoModel
 
 
 def _own(model: Model) -> dict[str, Parameter]:
-    return {one.name: one for one in model.parameters if one.effect not in _SET_UP}
+    set_up = effects_with(Trait.PLACING)
+    return {one.name: one for one in model.parameters if one.effect not in set_up}
 
 
 def _changes(pairs: Sequence[tuple[Parameter, Parameter]]) -> tuple[ParameterChange, ...]:

@@ -22,12 +22,14 @@ from truepose.domain.arrays import BoolArray, FloatArray, IntArray
 from truepose.domain.ballbar import Leg
 from truepose.domain.campaign import Campaign, PointReadings, Stops
 from truepose.domain.robot import Nest
+from truepose.effects.ports import Trait
+from truepose.effects.registry import effects_with
 from truepose.effects.tool.tool_certificate import NAME as TOOL_CERTIFICATE
 from truepose.effects.tool.tool_certificate import certificate_specs
 from truepose.identification.model.derivatives import position_jacobian
 from truepose.identification.model.evaluation import Targets, evaluate
 from truepose.identification.model.structure import Structure
-from truepose.identification.problem.build import build
+from truepose.identification.problem.build import automatic_effects, build
 from truepose.kinematics.frames import cross_matrix
 from truepose.planning.ballbar.clear_ways.bodies import BallbarCell
 
@@ -100,7 +102,8 @@ def arm_model(
     )
     nests = tuple(Nest((float(x), float(y), float(z)), 0.0) for x, y, z in cell.nests_mm)
     campaign = Campaign(cell.robot, cell.base, nests, calibration=readings)
-    effects = ("geometry", "compliance") if cell.robot.masses else ("geometry",)
+    placing = effects_with(Trait.PLACING)
+    effects = tuple(effect for effect in automatic_effects(campaign) if effect not in placing)
     structure, uncertain = build(campaign, effects).structure, dict(enumerate(certified_mm, start=1))
     nest_specs = certificate_specs(uncertain)
     if nest_specs:
