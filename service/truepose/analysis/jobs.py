@@ -20,8 +20,9 @@ from truepose.analysis.workers.tasks import (
 from truepose.domain.ballbar import BallbarPlan
 from truepose.domain.contacts import ContactPlan
 from truepose.domain.diagnosis import Diagnosis
-from truepose.domain.results import Identification, Validation
+from truepose.domain.results import Identification
 from truepose.domain.session import SessionPlan
+from truepose.domain.validation import Validation
 from truepose.storage.calibration.campaigns import CampaignRepository
 from truepose.storage.calibration.corrections import CorrectionRepository, NewCorrection
 from truepose.storage.calibration.diagnoses import DiagnosisRepository

@@ -61,7 +61,7 @@ def identify_command(
         _write_report(report, measured, answer, words)
     thesis = _as_thesis(measured) if compare_thesis else None
     if json:
-        from truepose.exchange.results.identification_and_validation import identification_document
+        from truepose.exchange.results.identification import identification_document
 
         document = identification_document(answer, measured.robot.name)
         print_json(document if thesis is None else document | {"thesis_procedure": thesis[0]})
@@ -73,7 +73,7 @@ def identify_command(
 
 def _as_thesis(campaign: "Campaign") -> "tuple[dict[str, JsonValue], Sentence]":
     """Return what the procedure of the thesis gives, or why none of it: as a document, and in words."""
-    from truepose.exchange.results.identification_and_validation import identification_document
+    from truepose.exchange.results.identification import identification_document
     from truepose.identification.thesis_procedure import identify_as_thesis
 
     try:
@@ -108,7 +108,7 @@ def _write_model(path: Path, answer: "Identification", words: Catalogue) -> None
 
 
 def _show(answer: "Identification", words: Catalogue) -> None:
-    from truepose.reports.summary import identification_summary
+    from truepose.reports.terminal.identification import identification_summary
 
     print_tables(identification_summary(answer, words))
 

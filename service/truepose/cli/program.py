@@ -6,6 +6,7 @@ service failed, 130 interrupted.
 
 import functools
 import gc
+import os
 import sys
 from collections.abc import Callable, Iterable, Sequence
 from importlib import import_module
@@ -20,7 +21,7 @@ from truepose.words.error_codes import code_of
 UNUSABLE_INPUT = 2
 INTERRUPTED = 130
 # Importing makes a hundred thousand objects and hardly a cycle; by default they are searched at every 700.
-_OBJECTS_BETWEEN_SEARCHES = 50_000
+_OBJECTS_BETWEEN_SEARCHES = 500_000
 
 _COMMANDS = {
     "demo": "cells",
@@ -54,6 +55,7 @@ _GROUPS = {"people": "people"}  # of commands
 def main() -> int:
     """Run the command and return its exit status."""
     gc.set_threshold(_OBJECTS_BETWEEN_SEARCHES)
+    os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "1")  # to find none takes a look at every package
     try:
         return _run()
     finally:

@@ -14,7 +14,8 @@ from truepose.words.catalogue import ENGLISH, Catalogue, catalogue
 
 if TYPE_CHECKING:
     from truepose.domain.campaign import Readings
-    from truepose.domain.results import DecisionRule, Model, Validation
+    from truepose.domain.results import Model
+    from truepose.domain.validation import DecisionRule, Validation
     from truepose.exchange.json_text import Json as JsonValue
     from truepose.judgement.iso9283.judged import PoseTest
 
@@ -114,7 +115,7 @@ def _show(answer: "Validation", test: "PoseTest | None", words: Catalogue, *, as
     if as_json:
         print_json(_document(answer, test))
         return
-    from truepose.reports.summary import pose_test_summary, validation_summary
+    from truepose.reports.terminal.validation import pose_test_summary, validation_summary
 
     print_tables(validation_summary(answer, words))
     if test is not None:
@@ -122,8 +123,8 @@ def _show(answer: "Validation", test: "PoseTest | None", words: Catalogue, *, as
 
 
 def _document(answer: "Validation", test: "PoseTest | None") -> "dict[str, JsonValue]":
-    from truepose.exchange.results.identification_and_validation import validation_document
     from truepose.exchange.results.iso9283 import pose_test_document
+    from truepose.exchange.results.validation import validation_document
 
     document = validation_document(answer)
     return document if test is None else document | {"iso9283": pose_test_document(test)}

@@ -55,7 +55,7 @@ def _taken(arrival: "Arrival", out: Path) -> bool:
     from truepose.exchange.campaigns.folder import write_campaign
     from truepose.exchange.json_text import render_json
     from truepose.exchange.models.file import write_model
-    from truepose.exchange.results.identification_and_validation import identification_document
+    from truepose.exchange.results.identification import identification_document
     from truepose.identification import identify
     from truepose.reports import ReportInput, write_identification_report
     from truepose.words.catalogue import english

@@ -30,8 +30,8 @@ from truepose.diagnosis.screening.selection import Choice, Propose, Selected, re
 from truepose.diagnosis.sentences import first_line, noise_of, remaining_sentence
 from truepose.diagnosis.start import NUISANCE, Start
 from truepose.domain.campaign import Campaign
+from truepose.domain.causes import Cause
 from truepose.domain.diagnosis import (
-    Cause,
     Confidence,
     Dependence,
     Diagnosis,

@@ -1,7 +1,8 @@
 """Sentences: what an operator reads first, and what is left; their words are in the catalogue."""
 
 from truepose.diagnosis.evidence.structure_left import Left
-from truepose.domain.diagnosis import Cause, Finding, Noise, Remaining, Verdict
+from truepose.domain.causes import Cause
+from truepose.domain.diagnosis import Finding, Noise, Remaining, Verdict
 from truepose.domain.results import Statistics
 from truepose.domain.sentences import Sentence, Text, leading_key, said, together
 from truepose.effects.ports import Trait

@@ -7,11 +7,11 @@ from typing import Literal
 import numpy as np
 
 from truepose.domain.arrays import FloatArray, IntArray
+from truepose.domain.causes import Cause, Detail, Shape, Spectrum
 from truepose.domain.results import Model, Statistics
 from truepose.domain.sentences import Text
 
 HeldOut = Literal["validation", "cross_validation"]
-Shape = Literal["line", "wave", "curve", "jump", "drift", "settling", "sign", "group"]
 
 
 class Verdict(StrEnum):
@@ -28,24 +28,6 @@ class Confidence(StrEnum):
 
     CERTAIN = "certain"
     LIKELY = "likely"
-
-
-@dataclass(frozen=True, slots=True)
-class Cause:
-    """A physical cause by its name, e.g. `joint_gain` of `joint 2`."""
-
-    effect: str
-    subject: str
-
-
-@dataclass(frozen=True, slots=True)
-class Detail:
-    """One more number of a finding: an order, a time, a rotation; in the unit it states."""
-
-    name: str
-    value: float
-    unit: str
-    standard_uncertainty: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,15 +71,6 @@ class Curve:
     line: FloatArray  # (m,)
     line_band: FloatArray  # (m,) half width of the 95 % band
     unseen: CurvePoints | None = None  # validation readings, which were never fitted
-
-
-@dataclass(frozen=True, slots=True)
-class Spectrum:
-    """Waves of one joint by their order, k of them."""
-
-    order: FloatArray  # (k,) ascending, periods per turn
-    amplitude_deg: FloatArray  # (k,) less what noise adds; 0 where that explains all of it
-    standard_uncertainty_deg: FloatArray  # (k,)
 
 
 @dataclass(frozen=True, slots=True)

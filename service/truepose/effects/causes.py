@@ -12,7 +12,7 @@ import numpy as np
 
 from truepose.domain.arrays import FloatArray, IntArray
 from truepose.domain.campaign import Stops
-from truepose.domain.diagnosis import Detail, Shape
+from truepose.domain.causes import Detail, Shape
 from truepose.domain.sentences import Text, said
 from truepose.effects.ports import Effect, ParameterSpec, Setting
 from truepose.kinematics.chain import Chain

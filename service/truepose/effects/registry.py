@@ -124,9 +124,12 @@ def goes_on(effect: str, names: tuple[str, ...]) -> bool:
 @cache
 def effects_with(trait: Trait) -> tuple[str, ...]:
     """Return the names of the effects of which that is so."""
-    return tuple(
-        name for name, effect in EFFECTS.items() if isinstance(effect, Telling) and trait in effect.traits
-    )
+    return tuple(name for name, traits in _traits().items() if trait in traits)
+
+
+@cache
+def _traits() -> Mapping[str, frozenset[Trait]]:
+    return {name: effect.traits for name, effect in EFFECTS.items() if isinstance(effect, Telling)}
 
 
 @cache

@@ -11,7 +11,8 @@ from truepose.exchange.json_text import number_or_null
 class Outgoing(BaseModel):
     """A description of what travels; its fields have the names that the values themselves use."""
 
-    model_config = ConfigDict(from_attributes=True)
+    # Built when first used: most commands print one kind of document, and importing builds none.
+    model_config = ConfigDict(from_attributes=True, defer_build=True)
 
     @classmethod
     def of(cls, *values: object, **more: object) -> Self:

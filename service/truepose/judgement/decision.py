@@ -10,7 +10,7 @@ from typing import Final
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
-from truepose.domain.results import Decision, DecisionRule, Verdict
+from truepose.domain.validation import Decision, DecisionRule, Verdict
 from truepose.identification.verdict.judge import Judged
 from truepose.judgement.uncertainty import PICOMETRES, Known
 

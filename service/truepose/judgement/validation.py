@@ -2,7 +2,8 @@
 
 from truepose.domain.campaign import Readings
 from truepose.domain.errors import ConfigurationError
-from truepose.domain.results import DecisionRule, Model, NominalAndIdentified, Validation
+from truepose.domain.results import Model, NominalAndIdentified
+from truepose.domain.validation import DecisionRule, Validation
 from truepose.identification import judge
 from truepose.identification.verdict.relative import relative_errors
 from truepose.identification.verdict.turns import turn_errors

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from truepose.domain import campaign as measured
 from truepose.domain import results as domain
 from truepose.exchange.json_text import Json
-from truepose.exchange.results.identification_and_validation import identification_document
+from truepose.exchange.results.identification import identification_document
 from truepose.identification import identify as identify_campaign
 from truepose.notebook import html
 from truepose.notebook.campaign import Campaign, campaign_given

@@ -8,12 +8,14 @@ from typing import TYPE_CHECKING, Literal
 
 from markupsafe import Markup
 
-from truepose.domain import results as domain
+from truepose.domain import results
+from truepose.domain import validation as domain
 from truepose.domain.campaign import Readings
 from truepose.domain.errors import ConfigurationError
 from truepose.exchange.json_text import Json
-from truepose.exchange.results.identification_and_validation import statistics_document, validation_document
 from truepose.exchange.results.iso9283 import pose_test_document
+from truepose.exchange.results.statistics import statistics_document
+from truepose.exchange.results.validation import validation_document
 from truepose.exchange.tables.files import held_out_readings
 from truepose.identification import judge
 from truepose.judgement.cautions import pose_test_caution, validation_cautions
@@ -38,7 +40,7 @@ class Validation:
 
     Attributes
     ----------
-    answer : truepose.domain.results.Validation
+    answer : truepose.domain.validation.Validation
         Statistics of the errors [mm].
     remarks : tuple of str
         What was ignored in the table, and what the judgement does not contain.
@@ -57,7 +59,7 @@ class Validation:
     """
 
     answer: domain.Validation
-    model: domain.Model
+    model: results.Model
     readings: Readings
     remarks: tuple[str, ...]
     pose_test: PoseTest | None = None
@@ -119,7 +121,7 @@ class Validation:
             raise ConfigurationError("There are no distances: two places are needed, and lengths are none.")
         return self.answer.distance_errors
 
-    def _blocks(self) -> Iterator[tuple[str, domain.NominalAndIdentified]]:
+    def _blocks(self) -> Iterator[tuple[str, results.NominalAndIdentified]]:
         yield self.answer.quantity, self.answer.position
         if self.answer.relative is not None:
             yield "relative position", self.answer.relative

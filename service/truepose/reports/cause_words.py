@@ -2,7 +2,8 @@
 
 from dataclasses import dataclass
 
-from truepose.domain.diagnosis import Cause, Confidence, Finding, Gain, Verdict, Worth
+from truepose.domain.causes import Cause
+from truepose.domain.diagnosis import Confidence, Finding, Gain, Verdict, Worth
 from truepose.reports.rounding import millimetres
 from truepose.words.catalogue import IN_ENGLISH, Catalogue
 

@@ -3,12 +3,17 @@
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from rich.table import Table
 
-from truepose.domain.results import Identification, TurnPair, TurnStatistics, Validation
+from truepose.domain.results import Identification, TurnPair, TurnStatistics
 from truepose.reports.rounding import MISSING
+from truepose.reports.terminal.errors import error_table
 from truepose.words.catalogue import IN_ENGLISH, Catalogue
+
+if TYPE_CHECKING:
+    from truepose.domain.validation import Validation
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,30 +26,25 @@ class TurnsRow:
     values: tuple[str, ...]  # mean, RMS, standard deviation, largest, noise [deg]
 
 
-def turns_rows(judged: Identification | Validation, words: Catalogue) -> tuple[TurnsRow, ...]:
+def turns_rows(judged: "Identification | Validation", words: Catalogue) -> tuple[TurnsRow, ...]:
     """Return the lines; none where no orientations were read."""
     return tuple(row for label, pair in _pairs(judged) for row in _rows(words.say(label), pair, words))
 
 
-def turns_table(judged: Identification | Validation, words: Catalogue = IN_ENGLISH) -> Table | None:
+def turns_table(judged: "Identification | Validation", words: Catalogue = IN_ENGLISH) -> Table | None:
     """Return the table for a terminal; None where no orientations were read."""
     rows = turns_rows(judged, words)
     if not rows:
         return None
-    table = Table(title=words.say("turns.title"))
-    table.add_column(words.say("curve.readings"))
-    table.add_column(words.say("terminal.model"))
-    mean, sd, noise = map(words.say, ("terminal.mean", "terminal.sd", "terminal.noise_column"))
-    for name in ("n", mean, "rms", sd, "max", noise):
-        table.add_column(name, justify="right")
+    table = error_table("turns.title", words)
     for row in rows:
         table.add_row(row.label, row.model, str(row.n), *row.values)
     return table
 
 
-def _pairs(judged: Identification | Validation) -> Iterator[tuple[str, TurnPair]]:
-    held_out = judged.turns if isinstance(judged, Validation) else judged.validation_turns
-    calibration = None if isinstance(judged, Validation) else judged.calibration_turns
+def _pairs(judged: "Identification | Validation") -> Iterator[tuple[str, TurnPair]]:
+    held_out = judged.validation_turns if isinstance(judged, Identification) else judged.turns
+    calibration = judged.calibration_turns if isinstance(judged, Identification) else None
     for label, pair in (("turns.validation", held_out), ("turns.calibration", calibration)):
         if pair is not None:
             yield label, pair

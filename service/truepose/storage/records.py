@@ -8,8 +8,9 @@ from truepose.domain.cell import Cell
 from truepose.domain.corrections import FileCorrection
 from truepose.domain.diagnosis import Diagnosis
 from truepose.domain.ledger import LedgerEntry
-from truepose.domain.results import Identification, Model, Validation
+from truepose.domain.results import Identification, Model
 from truepose.domain.session import FixedNestTaken, PlannedStop, PointTaken, SessionRole, SessionState
+from truepose.domain.validation import Validation
 
 ReadingKind = Literal["point", "fixed_nest"]
 

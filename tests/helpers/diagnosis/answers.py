@@ -3,14 +3,13 @@
 import numpy as np
 
 from tests.helpers.domain.builders import make_model, make_parameter, make_statistics
+from truepose.domain.causes import Cause, Detail, Spectrum
 from truepose.domain.diagnosis import (
-    Cause,
     Confidence,
     Curve,
     CurvePoints,
     Dependence,
     Described,
-    Detail,
     Diagnosis,
     Finding,
     Gain,
@@ -19,7 +18,6 @@ from truepose.domain.diagnosis import (
     Noise,
     Remaining,
     RuledOut,
-    Spectrum,
     Verdict,
     Worth,
 )

@@ -4,11 +4,10 @@ import numpy as np
 
 from tests.helpers.diagnosis import answers as diagnoses
 from tests.helpers.domain.builders import make_model, make_parameter
+from truepose.domain.causes import Cause, Detail
 from truepose.domain.diagnosis import (
-    Cause,
     Confidence,
     Dependence,
-    Detail,
     Gain,
     HeldOutErrors,
     NextMeasurement,

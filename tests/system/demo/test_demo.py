@@ -18,7 +18,7 @@ from tests.system.processes_left import descendants, named, running_after
 from truepose.demo.demo import DemoSize, run_demo
 from truepose.exchange.campaigns.folder import read_campaign
 from truepose.exchange.models.file import read_model
-from truepose.exchange.results.identification_and_validation import identification_document
+from truepose.exchange.results.identification import identification_document
 from truepose.identification import identify, predict
 from truepose.storage.connection.lock import ServiceLock
 

@@ -19,9 +19,10 @@ from truepose.domain.ballbar import BallbarPlan, PreCalibration, SphereWish
 from truepose.domain.campaign import Campaign, Readings
 from truepose.domain.contacts import ContactPlan
 from truepose.domain.diagnosis import Diagnosis
-from truepose.domain.results import Identification, Model, Validation
+from truepose.domain.results import Identification, Model
 from truepose.domain.robot import FramePlacement
 from truepose.domain.session import SessionPlan, Turn
+from truepose.domain.validation import Validation
 from truepose.storage.columns import is_packed, pack, unpack
 from truepose.storage.records import CampaignSummary, SessionSetup
 

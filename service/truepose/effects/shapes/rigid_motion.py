@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
-from truepose.domain.diagnosis import Detail
+from truepose.domain.causes import Detail
 from truepose.domain.results import Unit
 from truepose.effects.causes import Fitted, norm_with_uncertainty
 from truepose.effects.ports import ParameterSpec

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from truepose.domain.arrays import FloatArray
-from truepose.domain.diagnosis import Shape
+from truepose.domain.causes import Shape
 from truepose.domain.results import Unit
 from truepose.domain.sentences import Text
 from truepose.effects.causes import Limits, Scene

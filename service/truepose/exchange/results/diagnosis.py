@@ -7,11 +7,12 @@ from typing import Annotated
 
 from pydantic import AliasChoices, BeforeValidator, Field
 
-from truepose.domain.diagnosis import Confidence, Diagnosis, HeldOut, HeldOutErrors, Shape, Verdict
+from truepose.domain.causes import Shape
+from truepose.domain.diagnosis import Confidence, Diagnosis, HeldOut, HeldOutErrors, Verdict
 from truepose.exchange.json_text import Json
 from truepose.exchange.outgoing import Quantities, Quantity
 from truepose.exchange.results.document_base import Document, Spoken
-from truepose.exchange.results.identification_and_validation import StatisticsDocument
+from truepose.exchange.results.statistics import StatisticsDocument
 
 
 class CauseDocument(Document):

@@ -5,12 +5,13 @@ from typing import Literal, Self
 
 from pydantic import Field
 
-from truepose.domain.results import Validation
+from truepose.domain.validation import Validation
 from truepose.exchange.json_text import Json
 from truepose.exchange.models.document import file_factor, file_unit
 from truepose.exchange.outgoing import Quantities, Quantity
 from truepose.exchange.results.document_base import Document, Spoken
-from truepose.exchange.results.identification_and_validation import PairDocument, ValidationDocument
+from truepose.exchange.results.statistics import PairDocument
+from truepose.exchange.results.validation import ValidationDocument
 from truepose.judgement.cautions import pose_test_caution
 from truepose.judgement.iso9283.characteristics import Characteristic
 from truepose.judgement.iso9283.drift import Drift

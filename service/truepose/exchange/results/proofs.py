@@ -6,7 +6,7 @@ from truepose.correction.proof.verdict import Proof
 from truepose.domain.results import Statistics
 from truepose.exchange.outgoing import Quantities, Quantity
 from truepose.exchange.results.document_base import Document
-from truepose.exchange.results.identification_and_validation import StatisticsDocument
+from truepose.exchange.results.statistics import StatisticsDocument
 from truepose.words.catalogue import english
 
 

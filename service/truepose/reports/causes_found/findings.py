@@ -7,7 +7,8 @@ from itertools import pairwise
 
 from markupsafe import Markup
 
-from truepose.domain.diagnosis import Cause, Detail, Diagnosis, Finding, Gain, Worth
+from truepose.domain.causes import Cause, Detail
+from truepose.domain.diagnosis import Diagnosis, Finding, Gain, Worth
 from truepose.effects.cells import amplitude_of
 from truepose.effects.ports import Trait
 from truepose.effects.registry import effects_with

@@ -3,7 +3,8 @@
 import numpy as np
 from markupsafe import Markup
 
-from truepose.domain.diagnosis import Cause, Finding
+from truepose.domain.causes import Cause
+from truepose.domain.diagnosis import Finding
 from truepose.reports.cause_words import cause_words
 from truepose.reports.figures.canvas import AFTER, INK, label, new_figure, page_style, to_svg
 from truepose.words.catalogue import IN_ENGLISH, Catalogue

@@ -4,21 +4,17 @@ from markupsafe import Markup
 
 from truepose.correction.proof.verdict import Proof
 from truepose.domain.diagnosis import Diagnosis
-from truepose.domain.results import (
-    Identification,
-    NominalAndIdentified,
-    Statistics,
-    Validation,
-)
+from truepose.domain.results import Identification, NominalAndIdentified, Statistics
 from truepose.domain.sentences import together
+from truepose.domain.validation import Validation
 from truepose.reports.cause_words import verdict_words
 from truepose.reports.front.bars import error_bars
 from truepose.reports.front.page import Front, OneFigure, graded, text_of
 from truepose.reports.headline import Headline
 from truepose.reports.proof.sentences import proof_sentence, proof_verdict
 from truepose.reports.rounding import millimetres, rounded, uncertainty
-from truepose.reports.summary import decision_sentence, verdict_sentence
 from truepose.reports.uncertainty.judged import judging_figures
+from truepose.reports.validation.sentences import decision_sentence, verdict_sentence
 from truepose.words.catalogue import Catalogue
 
 _DECIDED = {

@@ -6,8 +6,9 @@ from pathlib import Path
 from markupsafe import Markup
 
 from truepose.domain.campaign import Readings
-from truepose.domain.results import ErrorsByPlace, Model, Validation
+from truepose.domain.results import Model
 from truepose.domain.sentences import Sentence, Text
+from truepose.domain.validation import ErrorsByPlace, Validation
 from truepose.identification import judge
 from truepose.judgement.cautions import pose_test_caution
 from truepose.judgement.iso9283.judged import PoseTest
@@ -24,7 +25,6 @@ from truepose.reports.pages import rendered
 from truepose.reports.paper import write_report_text
 from truepose.reports.seen.errors import distances_sentence
 from truepose.reports.seen.judged import seen_by
-from truepose.reports.summary import decision_sentence, verdict_sentence
 from truepose.reports.traced import Traced, traced_context, with_temperature
 from truepose.reports.turns import turns_rows
 from truepose.reports.validation.pose_test_rows import (
@@ -34,6 +34,7 @@ from truepose.reports.validation.pose_test_rows import (
     stated_conditions,
     withheld_sentences,
 )
+from truepose.reports.validation.sentences import decision_sentence, verdict_sentence
 from truepose.words.catalogue import ENGLISH, Catalogue, catalogue
 
 

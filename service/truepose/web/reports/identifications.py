@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from truepose.analysis.workers.tasks import stored_campaign
-from truepose.exchange.results.identification_and_validation import identification_document
+from truepose.exchange.results.identification import identification_document
 from truepose.web.context import Context
 from truepose.web.reports.conditions import conditions_of_campaign
 from truepose.web.reports.kinds import LISTED, Drawable, ReportKind, ReportRow

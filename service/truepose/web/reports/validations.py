@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from truepose.analysis.workers.tasks import held_out, stored_campaign
-from truepose.exchange.results.identification_and_validation import validation_document
+from truepose.exchange.results.validation import validation_document
 from truepose.web.context import Context
 from truepose.web.reports.conditions import conditions_of_campaign
 from truepose.web.reports.kinds import LISTED, Drawable, ReportKind, ReportRow
@@ -12,7 +12,8 @@ from truepose.web.results.kinds import Choice
 from truepose.words.catalogue import Catalogue
 
 if TYPE_CHECKING:
-    from truepose.domain.results import Model, Validation
+    from truepose.domain.results import Model
+    from truepose.domain.validation import Validation
     from truepose.reports.conditions import ReportConditions
 
 
@@ -47,7 +48,7 @@ def draw_validation(stored: StoredValidation) -> str:
 
 
 async def _rows(here: Context, month: str) -> list[ReportRow]:
-    from truepose.reports.summary import verdict_sentence
+    from truepose.reports.validation.sentences import verdict_sentence
 
     records = await here.results.newest_validations(LISTED, month)
     robots = {one.model_id: (await here.results.model(one.model_id)).robot for one in records}

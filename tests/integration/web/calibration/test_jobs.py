@@ -28,10 +28,10 @@ from truepose.domain.results import (
     Parameter,
     Statistics,
     Status,
-    Validation,
 )
 from truepose.domain.robot import FramePlacement
 from truepose.domain.session import PlannedStop, Turn
+from truepose.domain.validation import Validation
 from truepose.exchange.campaigns.zip_file import write_campaign_zip
 from truepose.storage.records import JobKind
 

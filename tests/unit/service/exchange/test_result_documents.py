@@ -6,19 +6,10 @@ import math
 import pytest
 
 from tests.helpers.domain.builders import make_identification, make_pair
-from truepose.domain.results import (
-    DistanceErrors,
-    Histogram,
-    NotIdentifiable,
-    Outlier,
-    PureError,
-    SignedErrors,
-    Validation,
-)
-from truepose.exchange.results.identification_and_validation import (
-    identification_document,
-    validation_document,
-)
+from truepose.domain.results import NotIdentifiable, Outlier, PureError
+from truepose.domain.validation import DistanceErrors, Histogram, SignedErrors, Validation
+from truepose.exchange.results.identification import identification_document
+from truepose.exchange.results.validation import validation_document
 
 STATISTICS = {"n", "mean_mm", "rms_mm", "sd_mm", "max_mm", "noise_mm"}
 

@@ -9,7 +9,7 @@ from collections import Counter
 import pytest
 from pypdf import PdfReader
 
-from truepose.exchange.results.identification_and_validation import identification_document
+from truepose.exchange.results.identification import identification_document
 from truepose.reports import ReportConditions, ReportInput, write_identification_report
 from truepose.reports.errors import NoPdfError, UnwritableReportError
 from truepose.reports.imprint import css_string

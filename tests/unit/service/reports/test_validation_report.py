@@ -23,7 +23,7 @@ from truepose.reports import ReportConditions, ValidationInput, write_validation
 from truepose.reports.audit import Audit
 from truepose.reports.conditions import Instrument
 from truepose.reports.rounding import millimetres, rounded, uncertainty
-from truepose.reports.summary import pose_test_summary, validation_summary
+from truepose.reports.terminal.validation import pose_test_summary, validation_summary
 from truepose.reports.validation.pose_test_rows import pose_test_rows
 from truepose.reports.validation.report import validation_content
 

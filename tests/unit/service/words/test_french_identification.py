@@ -27,7 +27,7 @@ from truepose.reports import (
 )
 from truepose.reports.figures_rows import figures_rows
 from truepose.reports.headline import judged_on
-from truepose.reports.summary import identification_summary, truth_table
+from truepose.reports.terminal.identification import identification_summary, truth_table
 from truepose.words.catalogue import catalogue
 
 FRENCH = catalogue("fr")

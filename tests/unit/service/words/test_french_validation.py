@@ -21,7 +21,7 @@ from truepose.judgement.iso9283.plan import Cube, plan_poses
 from truepose.judgement.validation import validate
 from truepose.kinematics.chain import nominal_chain
 from truepose.reports import ReportConditions, ValidationInput, write_validation_report
-from truepose.reports.summary import pose_test_summary, validation_summary
+from truepose.reports.terminal.validation import pose_test_summary, validation_summary
 from truepose.words.catalogue import catalogue
 
 FRENCH = catalogue("fr")

@@ -6,11 +6,8 @@ from pydantic import Field
 
 from truepose.effects.registry import EFFECTS
 from truepose.exchange.outgoing import Quantity
-from truepose.exchange.results.identification_and_validation import (
-    IdentificationDocument,
-    ParameterDocument,
-    ValidationDocument,
-)
+from truepose.exchange.results.identification import IdentificationDocument, ParameterDocument
+from truepose.exchange.results.validation import ValidationDocument
 from truepose.storage.records import IdentificationRecord, ModelRecord, ValidationRecord
 from truepose.web.schemas.base import Number, RecordedAt, RecordId, Reply, Request, Simulated, example
 

@@ -6,10 +6,8 @@ import numpy as np
 import pytest
 
 from tests.unit.service.identification.problem.test_certified_artefact import poses
-from truepose.exchange.results.identification_and_validation import (
-    identification_document,
-    validation_document,
-)
+from truepose.exchange.results.identification import identification_document
+from truepose.exchange.results.validation import validation_document
 from truepose.identification import identify
 from truepose.identification.verdict.turns import turn_errors
 from truepose.judgement.validation import validate

@@ -1,0 +1,134 @@
+"""Identifications as documents, whatever their status."""
+
+from typing import Literal, Self
+
+from pydantic import Field, model_validator
+
+from truepose.domain.results import Identification, NominalAndIdentified, Parameter, Status, TurnPair
+from truepose.exchange.json_text import Json
+from truepose.exchange.models.document import in_file_units
+from truepose.exchange.outgoing import Quantity
+from truepose.exchange.results.document_base import Document, Spoken
+from truepose.exchange.results.statistics import PairDocument, TurnPairDocument
+
+
+class BlocksDocument(Document):
+    """Statistics by the readings they are of; `cross_validation` stands where there is no `validation`."""
+
+    calibration: PairDocument | None = None
+    calibration_without_outliers: PairDocument | None = None
+    validation: PairDocument | None = None
+    cross_validation: PairDocument | None = None
+    validation_relative: PairDocument | None = Field(
+        None, description="Held-out positions after the best rigid alignment: the base may stand anywhere."
+    )
+    cross_validation_relative: PairDocument | None = None
+    validation_position: PairDocument | None = Field(
+        None, description="Of a model of lengths: held-out positions, tied to the world by the measured cups."
+    )
+    validation_position_aligned: PairDocument | None = Field(
+        None, description="Of a model of lengths: held-out positions after the best rigid alignment."
+    )
+    calibration_orientation: TurnPairDocument | None = Field(None, description="Where poses were read.")
+    validation_orientation: TurnPairDocument | None = None
+
+
+class ParameterDocument(Document):
+    """An identified parameter in the unit that it names."""
+
+    name: str = Field(examples=["a_3"])
+    effect: str = Field(examples=["geometry"])
+    value: Quantity = Field(examples=[0.236])
+    unit: str = Field(examples=["mm"])
+    standard_uncertainty: Quantity = Field(examples=[0.011])
+    prior_width: Quantity = Field(description="What was expected of it beforehand.", examples=[0.5])
+
+    @model_validator(mode="before")
+    @classmethod
+    def _in_units_of_files(cls, parameter: object) -> object:
+        return in_file_units(parameter) if isinstance(parameter, Parameter) else parameter
+
+
+class NotIdentifiableDocument(Document):
+    """Parameters that the data see only together, or not at all."""
+
+    parameters: list[str] = Field(examples=[["theta_6", "nest_1_x"]])
+    reason: Spoken
+
+
+class OutlierDocument(Document):
+    """A reading that was given no weight; it stays in the data."""
+
+    config: int
+    reason: Spoken
+    nest: int = Field(description="Tool nest.")
+    row: int = Field(description="Of its table, from 0.")
+    residual_mm: Quantity
+
+
+class CountsDocument(Document):
+    """How many of what took part."""
+
+    configurations: int
+    observations: int
+    parameters: int
+    outliers: int
+
+
+class PureErrorDocument(Document):
+    """What revisited configurations say: repeatability, and whether the model lacks something beyond it."""
+
+    revisits: int
+    degrees_of_freedom: int
+    repeatability_mm: Quantity = Field(description="Standard deviation per axis, from revisits alone.")
+    lack_of_fit_ratio: Quantity
+    p_value: Quantity
+
+
+class IdentificationDocument(Document):
+    """What `truepose identify --json` prints."""
+
+    robot: str
+    status: Status
+    message: Spoken
+    quantity: Literal["position", "length"]
+    effects: list[str]
+    counts: CountsDocument
+    parameters: list[ParameterDocument]
+    not_identifiable: list[NotIdentifiableDocument]
+    outliers: list[OutlierDocument]
+    statistics: BlocksDocument
+    chi2_per_dof: Quantity
+    pure_error: PureErrorDocument | None = Field(description="Null where no configuration was revisited.")
+
+    @classmethod
+    def of_robot(cls, identification: Identification, robot: str) -> Self:
+        """Return the document of an identification, whatever its status."""
+        return cls.of(identification, robot=robot, statistics=_blocks(identification))
+
+
+def _blocks(identification: Identification) -> dict[str, NominalAndIdentified | TurnPair]:
+    """Return the blocks that could be computed; the others are absent."""
+    positions = identification.positions
+    blocks: dict[str, NominalAndIdentified | TurnPair | None] = {
+        "calibration": identification.calibration,
+        "calibration_without_outliers": identification.calibration_without_outliers,
+        "validation": identification.validation,
+        "cross_validation": None if identification.validation else identification.cross_validation,
+        "validation_relative": identification.relative if identification.validation else None,
+        "cross_validation_relative": None if identification.validation else identification.relative,
+        "validation_position": positions.tied if positions else None,
+        "validation_position_aligned": positions.aligned if positions else None,
+        "calibration_orientation": identification.calibration_turns,
+        "validation_orientation": identification.validation_turns,
+    }
+    # Held-out positions judge a model of lengths where no lengths were held out.
+    blocks["validation"] = (
+        blocks["validation"] or blocks["validation_position"] or blocks["validation_position_aligned"]
+    )
+    return {name: block for name, block in blocks.items() if block is not None}
+
+
+def identification_document(identification: Identification, robot_name: str) -> dict[str, Json]:
+    """Return what `identify --json` prints: one document, whatever the status."""
+    return IdentificationDocument.of_robot(identification, robot_name).printed()
