@@ -18,6 +18,7 @@ class Wire:
         self._up = self._down = True
         self._ending = False
         self._pairs = []
+        self._dead = set()  # tablets' ends that carry no more
         self._carriers = []
         self._lock = threading.Lock()
 
@@ -33,6 +34,11 @@ class Wire:
     def lose_answers(self):
         """Carry what the tablet says, lose what the service answers."""
         self._down = False
+
+    def roam(self):
+        """Carry what is new; what is open now stays dead without a word, as behind another access point."""
+        with self._lock:
+            self._dead.update(tablet for tablet, _ in self._pairs)
 
     def heal(self):
         """Carry again; what hung in the air comes to its end."""
@@ -92,7 +98,8 @@ class Wire:
         for source in select.select([tablet, service], [], [], _LOOK_S)[0]:
             if not (data := source.recv(_CHUNK)):
                 return False
-            if self._up if source is tablet else self._down:
+            carries = self._up if source is tablet else self._down
+            if carries and tablet not in self._dead:
                 (service if source is tablet else tablet).sendall(data)
         return True
 

@@ -3,17 +3,48 @@
 import { refusal } from "./person.js";
 
 const NOTHING = 204;
+const BUSY = 503;
+const POLL_MS = 500;
+const UNDER_WAY = ["queued", "running"];
+
+// Nobody has answered, or with "not now": it says nothing of what was asked.
+export class Unanswered extends Error {}
+
+// A page of something between here and the service is no answer either.
+async function said(path, request) {
+  const reply = await fetch(path, request);
+  return [reply, reply.status === NOTHING ? null : await reply.json()];
+}
 
 export async function answered(path, request, unreachable) {
-  let reply;
-  try {
-    reply = await fetch(path, request);
-  } catch {
-    throw new Error(unreachable);
-  }
-  const answer = reply.status === NOTHING ? null : await reply.json();
+  const [reply, answer] = await said(path, request).catch(() => [null, null]);
+  if (reply === null) throw new Unanswered(unreachable);
+  if (reply.status === BUSY) throw new Unanswered(answer.detail ?? unreachable);
   if (!reply.ok) throw new Error(await refusal(answer));
   return answer;
+}
+
+// Asks until somebody has answered; `heard(sentence)` is told why nobody has.
+export async function answerTo(ask, heard = () => null) {
+  for (;;) {
+    try {
+      return await ask();
+    } catch (error) {
+      if (!(error instanceof Unanswered)) throw error;
+      heard(error.message);
+    }
+    await new Promise((resolve) => setTimeout(resolve, POLL_MS));
+  }
+}
+
+// Follows a job to its end, which does not depend on who can be asked meanwhile; `told(job)` hears how far it is.
+export async function followed(job, unreachable, told, say) {
+  while (UNDER_WAY.includes(job.state)) {
+    told(job);
+    await new Promise((resolve) => setTimeout(resolve, POLL_MS));
+    job = await answerTo(() => answered(`/api/v1/jobs/${job.id}`, {}, unreachable), say);
+  }
+  return job;
 }
 
 export function post(path, body, unreachable, key) {

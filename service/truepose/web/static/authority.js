@@ -30,10 +30,10 @@ export class Authority {
     if (held) this.#changed(held);
   }
 
-  // Returns what was refused; null where it is taken.
+  // Returns whether it is taken, and what was refused; neither where nobody answered.
   async takeOver() {
     const [held, problem] = await asked(this.#path, "PUT", { take_over: true });
     if (held) this.#changed(held);
-    return problem;
+    return [held !== null, problem];
   }
 }

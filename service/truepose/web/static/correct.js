@@ -1,8 +1,7 @@
 // The form that takes a program: what it asks is the API's own, and the page of the correction comes next.
 
-import { answered, filled, onSubmit } from "./api.js";
+import { answered, filled, followed, onSubmit } from "./api.js";
 
-const POLL_MS = 500;
 const form = document.querySelector("#correct");
 
 function addressOf(fields) {
@@ -27,12 +26,9 @@ function filesOf(fields) {
 async function correct(say) {
   const { working, unreachable } = form.dataset;
   say(filled(working, { percent: 0, message: "" }));
-  let job = await answered(addressOf(form), { method: "POST", body: filesOf(form) }, unreachable);
-  while (["queued", "running"].includes(job.state)) {
-    say(filled(working, { percent: Math.round(100 * job.fraction), message: job.message }));
-    await new Promise((resolve) => setTimeout(resolve, POLL_MS));
-    job = await answered(`/api/v1/jobs/${job.id}`, {}, unreachable);
-  }
+  const asked = await answered(addressOf(form), { method: "POST", body: filesOf(form) }, unreachable);
+  const told = ({ fraction, message }) => say(filled(working, { percent: Math.round(100 * fraction), message }));
+  const job = await followed(asked, unreachable, told, say);
   if (job.state !== "succeeded") throw new Error(job.message);
   location.assign(`/corrections/${job.result_id}`);
 }

@@ -1,6 +1,6 @@
 // What a person says of their files goes to the service at once; the page is then as the service understands it.
 
-import { answered, post } from "./api.js";
+import { answerTo, answered, post } from "./api.js";
 import { inPage } from "./page-part.js";
 
 const POLL_MS = 500;
@@ -12,7 +12,7 @@ async function doing(act) {
   page().setAttribute("aria-busy", "true");
   try {
     await act();
-    await inPage("#draft");
+    await inPage("#draft", unreachable());
     begin();
   } catch (error) {
     const said = page().querySelector("output.said");
@@ -109,14 +109,14 @@ async function follow() {
   if (!jobs) return;
   let last;
   for (const number of jobs.dataset.jobs.split(",")) {
-    last = await answered(`/api/v1/jobs/${number}`, {}, unreachable());
+    last = await answerTo(() => answered(`/api/v1/jobs/${number}`, {}, unreachable()));
     const card = jobs.querySelector(`[data-job="${number}"]`);
     card.querySelector("progress").value = last.state === "succeeded" ? 1 : last.fraction;
     card.querySelector("span").textContent = last.message;
-    if (["failed", "cancelled", "interrupted"].includes(last.state)) return inPage("#draft").then(begin);
+    if (["failed", "cancelled", "interrupted"].includes(last.state)) return doing(async () => {});
   }
   if (last.state === "succeeded") location.assign(`/diagnoses/${last.result_id}`);
-  else setTimeout(() => follow().catch(() => setTimeout(follow, POLL_MS)), POLL_MS);
+  else setTimeout(follow, POLL_MS);
 }
 
 // The marked cell of a wide table is in sight.

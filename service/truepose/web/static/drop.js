@@ -4,6 +4,15 @@ import { filled, post } from "./api.js";
 
 const HIDDEN = /(^|\/)(\.|__MACOSX|~\$|Thumbs\.db)/;
 
+// A page of something between here and the service says nothing of the file.
+function refusedIn(text) {
+  try {
+    return JSON.parse(text).detail;
+  } catch {
+    return undefined;
+  }
+}
+
 function sent(address, file, told, unreachable) {
   return new Promise((resolve, reject) => {
     const request = new XMLHttpRequest();  // fetch does not say how much has gone
@@ -11,11 +20,7 @@ function sent(address, file, told, unreachable) {
     request.setRequestHeader("Content-Type", "application/octet-stream");
     request.upload.onprogress = (event) => told(event.loaded);
     request.onerror = () => reject(new Error(unreachable));
-    request.onload = () => {
-      const answer = JSON.parse(request.responseText || "{}");
-      if (request.status < 300) resolve(answer);
-      else reject(new Error(answer.detail ?? unreachable));
-    };
+    request.onload = () => (request.status < 300 ? resolve() : reject(new Error(refusedIn(request.responseText) ?? unreachable)));
     request.send(file);
   });
 }

@@ -7,6 +7,7 @@ const KINDS = [
   "session.state", "session.progress", "session.reading", "session.entry", "session.stops_added", "session.stop_skipped",
   "session.identity", "session.registered", "job.state", "job.progress", "campaign.stored",
 ];
+const FAILED = 500;
 const PAUSE_MS = 700; // between two requests for the page
 const LOST_MS = 1500;
 const lost = document.querySelector("[data-lost]");
@@ -34,6 +35,7 @@ async function refresh() {
     wanted = false;
     try {
       const reply = await fetch(location.href, { headers: { Accept: "text/html" } });
+      wanted ||= reply.status >= FAILED; // said by something that may do better in a moment
       if (reply.ok) place(new DOMParser().parseFromString(await reply.text(), "text/html"));
     } catch {
       wanted = true; // the service is away: until it answers

@@ -1,9 +1,7 @@
 // Forms that have something made: what they ask is the API's own, and the page of what was made comes next.
 // They are found when they are sent, so that a part of a page may be replaced while somebody looks at it.
 
-import { answered, filled, post, sayingIn } from "./api.js";
-
-const POLL_MS = 500;
+import { filled, followed, post, sayingIn } from "./api.js";
 
 // Dots in a name lead into the body; several entries of one name are a list; what is empty is left out.
 function bodyOf(form, ask) {
@@ -28,11 +26,8 @@ async function make(form, say) {
     const body = ask.takes ? { ...ask.body, [ask.takes]: number } : bodyOf(form, ask);
     say(filled(making, { message: "", percent: 0 }));
     let made = await post(ask.path, body, unreachable);
-    while (["queued", "running"].includes(made.state) && made.fraction !== undefined) {
-      say(filled(making, { message: made.message, percent: Math.round(100 * made.fraction) }));
-      await new Promise((resolve) => setTimeout(resolve, POLL_MS));
-      made = await answered(`/api/v1/jobs/${made.id}`, {}, unreachable);
-    }
+    const told = ({ fraction, message }) => say(filled(making, { message, percent: Math.round(100 * fraction) }));
+    if (made.fraction !== undefined) made = await followed(made, unreachable, told, say);
     if (["failed", "cancelled", "interrupted"].includes(made.state)) throw new Error(made.message);
     number = made.result_id ?? made.id; // of a job, or of what was made at once
   }

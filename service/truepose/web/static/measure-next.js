@@ -1,14 +1,13 @@
 // The two buttons below a diagnosis of a session: measure what it proposes, and diagnose again.
 // What they ask is the API's own; whatever it answers is said in its own sentence. The page brings the words.
 
-import { answered, filled, post as asked } from "./api.js";
+import { filled, followed, post as asked } from "./api.js";
 
 const bar = document.querySelector("[data-session]");
 const form = bar.querySelector("form");
 const again = bar.querySelector("[data-again]");
 const said = bar.querySelector("output");
 const session = `/api/v1/sessions/${bar.dataset.session}`;
-const POLL_MS = 500;
 
 const post = (path, body, key) => asked(path, body, bar.dataset.unreachable, key);
 
@@ -44,12 +43,9 @@ async function measure() {
 
 async function diagnose() {
   say(bar.dataset.asked);
-  let job = await post(`${session}/diagnosis`, JSON.parse(again.dataset.again));
-  while (["queued", "running"].includes(job.state)) {
-    await new Promise((resolve) => setTimeout(resolve, POLL_MS));
-    job = await answered(`/api/v1/jobs/${job.id}`, {}, bar.dataset.unreachable);
-    say(filled(bar.dataset.diagnosing, { percent: Math.round(100 * job.fraction), message: job.message }));
-  }
+  const { diagnosing, unreachable } = bar.dataset;
+  const told = ({ fraction, message }) => say(filled(diagnosing, { percent: Math.round(100 * fraction), message }));
+  const job = await followed(await post(`${session}/diagnosis`, JSON.parse(again.dataset.again)), unreachable, told, say);
   if (job.state !== "succeeded") throw new Error(job.message);
   location.assign(`/diagnoses/${job.result_id}`);
 }

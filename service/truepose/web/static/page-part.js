@@ -1,7 +1,8 @@
 // The page as it is by now, in place of what it was: the server writes it, and what had the focus keeps it.
 
-export async function inPage(selector) {
-  const reply = await fetch(location.href);
+export async function inPage(selector, unreachable) {
+  const reply = await fetch(location.href).catch(() => null);
+  if (!reply?.ok) throw new Error(unreachable);
   const fresh = new DOMParser().parseFromString(await reply.text(), "text/html").querySelector(selector);
   const focus = addressOf(document.activeElement);
   document.querySelector(selector).replaceWith(fresh);

@@ -19,7 +19,7 @@ function leave() {
 
 function signIn(here) {
   // A link from elsewhere brings no cookie; whoever is signed in goes on at once.
-  fetch("/api/v1/sign-ins/present", { cache: "no-store" }).then((reply) => reply.json()).then((who) => who.accounts !== "on" || who.name ? leave() : null, () => null);
+  fetch("/api/v1/sign-ins/present", { cache: "no-store" }).then((reply) => (reply.ok ? reply.json() : Promise.reject(reply))).then((who) => who.accounts !== "on" || who.name ? leave() : null, () => null);
   onSubmit(here, async () => {
     await sent(here, "/api/v1/sign-ins", said(here, "name", "password", "tablet"));
     leave();

@@ -123,8 +123,12 @@ export function ours(address) {
 
 for (const button of document.querySelectorAll("[data-person]")) {
   button.addEventListener("click", async () => {
-    if (button.dataset.person === "out") await sent(PRESENT, "DELETE").catch(() => null);
-    else if (!(await switchPerson().catch(() => null))) return;
-    location.assign(button.dataset.person === "out" ? "/sign-in" : ours(button.dataset.then ?? location.href));
+    const leaves = button.dataset.person === "out";
+    try {
+      if (!(leaves ? await sent(PRESENT, "DELETE").then(() => true) : await switchPerson())) return;
+      location.assign(leaves ? "/sign-in" : ours(button.dataset.then ?? location.href));
+    } catch {
+      document.querySelector("[data-lost]").hidden = false; // whoever was signed in still is
+    }
   });
 }

@@ -83,8 +83,8 @@ function follow(place) {
     place.firstElementChild.textContent = filled(at.acts.dataset.acting, { who: tablet ? `${who}, ${tablet}` : who });
   });
   place.querySelector("button").addEventListener("click", async () => {
-    const problem = await authority.takeOver();
-    if (problem) say(await refusal(problem), true);
+    const [taken, problem] = await authority.takeOver();
+    if (!taken) say((await refusal(problem)) || unreachable, true);
   });
   authority.keep();
 }
@@ -95,4 +95,5 @@ form.addEventListener("click", (event) => {
   const button = event.target.closest("[data-act]");
   if (button) act(button.dataset.act);
 });
+at.acts.inert = false; // nothing can be tapped before somebody listens
 look();

@@ -1,6 +1,8 @@
 // What pictures in space share: they open when they are seen, draw anew when the look changes, and say so where
 // this browser or this installation cannot show them. The page brings controls and words.
 
+import { answerTo, answered } from "./api.js";
+
 export const number = (value) =>
   new Intl.NumberFormat(document.documentElement.lang, { maximumSignificantDigits: 3 }).format(value);
 
@@ -37,7 +39,7 @@ export class SpaceView extends HTMLElement {
     try {
       if (!canDraw()) throw new Error("no WebGL");
       const [space, stages, bodies] = await Promise.all([
-        fetch(this.getAttribute("src")).then((answer) => (answer.ok ? answer.json() : Promise.reject(new Error(answer.status)))),
+        answerTo(() => answered(this.getAttribute("src"), {}, "")),
         import("/static/space-stage.js"),
         import("/static/space-bodies.js"),
       ]);

@@ -8,6 +8,7 @@ const OVER = 401;
 const at = Object.fromEntries([...document.querySelectorAll("[id]")].map((node) => [node.id, node]));
 const words = document.body.dataset;
 let heard_ms = performance.now();
+let [attempt, began_ms] = [null, 0];
 
 const write = (place, text) => place.textContent === text || (place.textContent = text);
 
@@ -32,7 +33,9 @@ function situation({ question, reason, state, progress, step }) {
 const HEARD = { sample, situation };
 
 async function read() {
-  const reply = await fetch(`${location.pathname}/live`, { cache: "no-store" });
+  attempt = new AbortController();
+  began_ms = performance.now();
+  const reply = await fetch(`${location.pathname}/live`, { cache: "no-store", signal: attempt.signal });
   if (reply.status === OVER) return end();
   const reader = reply.body.getReader();
   const events = new EventReader();
@@ -54,7 +57,9 @@ async function follow() {
 }
 
 setInterval(() => {
-  const silent = performance.now() - heard_ms > SILENCE_MS;
+  const now_ms = performance.now();
+  const silent = now_ms - heard_ms > SILENCE_MS;
+  if (silent && now_ms - began_ms > SILENCE_MS) attempt.abort(); // a link that went dead says no end
   if (at.link.textContent !== words.over) write(at.link, silent ? words.silent : "");
   if (silent) write(at.value, "–");
 }, AGAIN_MS);

@@ -143,8 +143,8 @@ export class Page {
   }
 
   async #switchPerson() {
-    const who = await switchPerson().catch(() => null);
-    if (who === null) return;
+    const who = await switchPerson().catch((error) => this.say(error.message));
+    if (!who) return;
     this.tablet.person = who.name;
     this.draw();
   }
