@@ -4,6 +4,7 @@ import contextlib
 import select
 import socket
 import threading
+import time
 from urllib.parse import urlsplit
 
 _CHUNK = 65536
@@ -16,7 +17,7 @@ class Wire:
     def __init__(self, url):
         self.leads_to(url)
         self._up = self._down = True
-        self._ending = False
+        self._ending = self._late = False
         self._pairs = []
         self._dead = set()  # tablets' ends that carry no more
         self._carriers = []
@@ -40,8 +41,15 @@ class Wire:
         with self._lock:
             self._dead.update(tablet for tablet, _ in self._pairs)
 
+    def delay(self):
+        """Deliver nothing before `heal`, and then all of it, also of a tablet that has hung up meanwhile."""
+        self._late = True
+
     def heal(self):
-        """Carry again; what hung in the air comes to its end."""
+        """Carry again; what hung in the air comes to its end, unless it was only late."""
+        if self._late:
+            self._late = False
+            return
         with self._lock:
             for pair in self._pairs:
                 _close(pair)
@@ -95,6 +103,9 @@ class Wire:
 
     def _passed(self, tablet, service):
         """Pass on what has come; returns whether both ends are still there."""
+        if self._late:
+            time.sleep(_LOOK_S)
+            return True
         for source in select.select([tablet, service], [], [], _LOOK_S)[0]:
             if not (data := source.recv(_CHUNK)):
                 return False

@@ -113,6 +113,12 @@ class BallbarRunner(SessionRunner[Situation]):
         """Raise PersonMissingError, WatchingTabletError or NotNowError where an act is not allowed now."""
         self._handlers.require(act)
 
+    def lets_move(self, act: Act) -> bool:
+        """Return whether the arm may move after an act; of what is done by hand a word is no such act."""
+        step = self.situation.step
+        by_hand = step is not None and step.kind is not StepKind.MOVE and self._runs
+        return super().lets_move(act) and not (by_hand and act.name is ActName.CONFIRM)
+
     async def prepare(self, act: Act) -> None:
         """Have what is done rest on samples that were taken since the button was pressed.
 

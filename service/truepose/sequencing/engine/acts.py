@@ -38,6 +38,7 @@ class Act:
     seen_time_s: float | None = None  # cell clock of the newest sample that the person saw
     accepted_serial: str = ""  # of a confirmation: the instrument in question that the person accepts
     prompt_id: int | None = None  # what the person saw asked; None: whatever is asked now
+    under_way_s: float = 0.0  # since it was pressed, when it arrived here
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,7 +8,7 @@
 import asyncio
 from abc import ABC, abstractmethod
 from collections.abc import Coroutine
-from typing import Any, Generic, Protocol, TypeVar
+from typing import Any, Final, Generic, Protocol, TypeVar
 
 from truepose.domain.errors import RecordRefusedError
 from truepose.domain.session import SessionState
@@ -18,6 +18,8 @@ from truepose.sequencing.engine.logbook import Logbook
 from truepose.sequencing.engine.pending_halts import PendingHalts
 from truepose.sequencing.engine.states import has_ended, words
 from truepose.sequencing.errors import NotNowError, SequencingError
+
+_JUST_NOW_S: Final = 3.0  # a page says after two that nobody has heard
 
 
 class Situation(Protocol):
@@ -86,6 +88,10 @@ class SessionRunner(ABC, Generic[S]):
     def require(self, act: Act) -> None:
         """Raise PersonMissingError, WatchingTabletError or NotNowError where an act is not allowed now."""
 
+    def lets_move(self, act: Act) -> bool:
+        """Return whether the arm may move after an act."""
+        return act.name in LETS_MOVE
+
     async def prepare(self, act: Act) -> None:
         """Wait for what an act rests on, before it counts."""
 
@@ -139,6 +145,7 @@ class SessionRunner(ABC, Generic[S]):
                     return earlier
                 self.require(act)
                 self._require_prompt(act)
+                self._require_just_pressed(act)
                 if act.name is ActName.CONFIRM and was_running != self._runs:
                     raise NotNowError(  # what was confirmed is not what is asked now
                         f"The session became {words(self.state)} meanwhile; look at the cell, confirm anew."
@@ -211,6 +218,11 @@ class SessionRunner(ABC, Generic[S]):
                 f"Prompt {act.prompt_id} is not what is asked now; read the question, look at the cell, "
                 "confirm anew."
             )
+
+    def _require_just_pressed(self, act: Act) -> None:
+        """Raise NotNowError where the person pressed it who looked at the cell a while ago."""
+        if self.lets_move(act) and not abs(act.under_way_s) <= _JUST_NOW_S:
+            raise NotNowError("It was not pressed just now; look at the cell and confirm anew.")
 
     def _wish_at_once(self, act: Act) -> bool:
         """Forbid motion from the moment on at which a halt is asked for; returns whether that was done."""

@@ -3,6 +3,8 @@
 from collections.abc import Iterable
 from typing import Final, TypeAlias
 
+from truepose.web.requests.pressed import TIME_HEADER, time_s
+
 RawHeaders: TypeAlias = list[tuple[bytes, bytes]]
 
 _NOTHING: Final = b"default-src 'none'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
@@ -38,4 +40,4 @@ def with_protection(headers: Iterable[tuple[bytes, bytes]]) -> RawHeaders:
     fixed[_POLICY] = _PAGE if named.get(b"content-type", b"").startswith(b"text/html") else _NOTHING
     kept = [(name, value) for name, value in given if name not in fixed]
     missing = [] if _CACHE in named else [(_CACHE, b"no-store")]
-    return [*kept, *fixed.items(), *missing]
+    return [*kept, *fixed.items(), *missing, (TIME_HEADER, b"%.3f" % time_s())]

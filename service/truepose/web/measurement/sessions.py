@@ -26,6 +26,7 @@ from truepose.web.people.authority import require_authority
 from truepose.web.problems import problems
 from truepose.web.requests.paging import Paged, listing
 from truepose.web.requests.parameters import Id, ModelId, ModelIds, OptionalKey, Sender
+from truepose.web.requests.pressed import under_way_s
 from truepose.web.results.accuracy import accuracy_of
 from truepose.web.results.choices import Chosen
 from truepose.web.results.origins import origin_of
@@ -232,9 +233,8 @@ async def confirm_session(here: Here, id: Id, by: ConfirmRequest) -> ActionReply
     Another tracker than the expected one is accepted only by its serial number; confirmed without it, the
     session asks the tracker again who it is.
     """
-    serial = by.accept_serial_number or ""
-    act = Act(ActName.CONFIRM, by.person, accepted_serial=serial, prompt_id=by.prompt_id)
-    return await _act(here, id, act)
+    act = _answer(ActName.CONFIRM, by)
+    return await _act(here, id, replace(act, accepted_serial=by.accept_serial_number or ""))
 
 
 @router.post("/{id}/pause", status_code=status.HTTP_202_ACCEPTED, responses=_ACT)
@@ -246,13 +246,17 @@ async def pause_session(here: Here, id: Id, by: Anybody = None) -> ActionReply:
 @router.post("/{id}/resume", status_code=status.HTTP_202_ACCEPTED, responses=_ACT)
 async def resume_session(here: Here, id: Id, by: AnswerRequest) -> ActionReply:
     """Continue a paused session, as a named person who looked at the cell."""
-    return await _act(here, id, Act(ActName.RESUME, by.person, prompt_id=by.prompt_id))
+    return await _act(here, id, _answer(ActName.RESUME, by))
 
 
 @router.post("/{id}/abort", status_code=status.HTTP_202_ACCEPTED, responses=_ACT)
 async def abort_session(here: Here, id: Id, by: Anybody = None) -> ActionReply:
     """Ask for the end; the readings taken so far stay. The sentence says when it takes effect."""
     return await _act(here, id, _halt(ActName.ABORT, by))
+
+
+def _answer(name: ActName, by: AnswerRequest) -> Act:
+    return by.into(Act, name=name, under_way_s=under_way_s(by.pressed_at_s))
 
 
 async def _check_proposed(here: Context, session_id: int, diagnosis_id: int | None) -> None:

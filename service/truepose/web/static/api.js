@@ -1,6 +1,7 @@
 // What the pages ask of the API: whatever it refuses is said in its own sentence.
 
 import { refusal } from "./person.js";
+import { hear } from "./service-time.js";
 
 const NOTHING = 204;
 const BUSY = 503;
@@ -12,7 +13,7 @@ export class Unanswered extends Error {}
 
 // A page of something between here and the service is no answer either.
 async function said(path, request) {
-  const reply = await fetch(path, request);
+  const reply = hear(await fetch(path, request));
   return [reply, reply.status === NOTHING ? null : await reply.json()];
 }
 

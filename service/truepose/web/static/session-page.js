@@ -3,6 +3,7 @@
 import { answered, filled, post } from "./api.js";
 import { Authority } from "./authority.js";
 import { refusal } from "./person.js";
+import { now_s } from "./service-time.js";
 
 const POLL_MS = 1000;
 const ENDED = ["finished", "aborted", "failed"];
@@ -50,7 +51,7 @@ function bodyOf(act) {
   if (["pause", "abort"].includes(act)) return name ? { person: name } : {};
   // Whoever accepts another tracker says which: the number is typed, not offered.
   const serial = at.foreign.hidden ? "" : form.elements.serial.value.trim();
-  return { person: name, prompt_id: shown.prompt_id, ...(act === "confirm" && serial && { accept_serial_number: serial }) };
+  return { person: name, prompt_id: shown.prompt_id, pressed_at_s: now_s(), ...(act === "confirm" && serial && { accept_serial_number: serial }) };
 }
 
 async function act(name) {

@@ -244,6 +244,19 @@ async def test_after_a_restart_the_same_step_is_shown_and_nothing_moves_before_a
         assert (await tablet.press("confirm")).json()["session"]["state"] == "running"
 
 
+async def test_a_word_from_before_a_stop_does_not_end_it(tablet):
+    begun = await tablet.press("start")
+    await tablet.press("stop")
+    assert (await tablet.see())["state"] == "awaiting_confirmation"
+    pressed_at_s = float(begun.headers["Truepose-Time"]) - 10
+
+    late = await tablet.press("confirm", step_id="tool/initialise", pressed_at_s=pressed_at_s)
+
+    assert late.status_code == 409
+    assert (await tablet.see())["state"] == "awaiting_confirmation"
+    assert (await tablet.press("confirm")).status_code == 200
+
+
 async def test_simulated_hands_do_what_they_are_told(client, tablet, bench):
     told = await client.get("/api/v1/simulated-hands")
     done = await client.post("/api/v1/simulated-hands", json={"action": "connect", "base": 2, "tool": 3})

@@ -93,6 +93,36 @@ async def test_start_asks_and_confirm_moves(client, bench):
     assert (await finished(client, path))["progress"]["done"] == 4
 
 
+def told_s(reply):
+    return float(reply.headers["Truepose-Time"])
+
+
+async def test_a_tap_that_was_long_under_way_lets_nothing_move(client, bench):
+    path = await planned(client)
+    asked = await press(client, path, "start")
+
+    late = await press(client, path, "confirm", "k1", pressed_at_s=told_s(asked) - 10)
+    bare = path.removesuffix("/guide")
+    body = {"person": "Ada Byron", "pressed_at_s": told_s(asked) - 10}
+    elsewhere = await client.post(f"{bare}/confirm", json=body)
+
+    for refused in (late, elsewhere):
+        assert refused.status_code == 409
+        assert "not pressed just now" in refused.json()["detail"]
+    assert bench.robot.moves == 0
+    await pressed(client, path, "confirm", "k2", pressed_at_s=told_s(late))
+    assert (await finished(client, path))["progress"]["done"] == 4
+
+
+async def test_what_halts_is_never_too_old(client):
+    path = await planned(client)
+    asked = await press(client, path, "start")
+
+    await pressed(client, path, "abort", pressed_at_s=max(0.0, told_s(asked) - 3600))
+
+    assert (await guide(client, path))["state"] == "aborted"
+
+
 @pytest.mark.parametrize("act", ["start", "confirm"])
 async def test_an_act_that_arrives_again_is_done_once(client, bench, act):
     path = await planned(client)

@@ -19,6 +19,7 @@ from truepose.domain.robot import FramePlacement
 from truepose.operation.ballbar.plans import BallbarWish
 from truepose.sequencing.ballbar.acts import Answer
 from truepose.sequencing.engine.acts import Act, ActName
+from truepose.web.requests.pressed import PressedAt, under_way_s
 from truepose.web.schemas.base import (
     NUMBER_LIMIT,
     VISIBLE,
@@ -153,6 +154,7 @@ class ActRequest(Request):
         examples=["12A345"],
     )
     prompt_id: PromptAnswered = None
+    pressed_at_s: PressedAt = None
 
 
 class HandsRequest(Request):
@@ -192,6 +194,7 @@ def act_of(wanted: ActRequest, key: str) -> Act:
         key=key,
         answer=wanted.answer.value if wanted.answer else "",
         accepted_serial=wanted.accept_serial_number or "",
+        under_way_s=under_way_s(wanted.pressed_at_s),
     )
 
 

@@ -10,6 +10,7 @@ from truepose.operation.guided.guide import Guide, Kind, StepName
 from truepose.operation.guided.scene import GuidedScene, WhyHidden
 from truepose.operation.guided.sheet import Sheet, Status
 from truepose.sequencing.engine.acts import Act, ActName
+from truepose.web.requests.pressed import PressedAt, under_way_s
 from truepose.web.schemas.base import PersonName, Point, PromptAnswered, PromptShown, RecordId, Reply, Request
 from truepose.web.schemas.base import example as example_of
 from truepose.web.schemas.measurement.identities import IdentityReply, identity_reply
@@ -47,6 +48,7 @@ class GuideActRequest(Request):
         None, max_length=200, description="Of a confirmation: the tracker in question that is accepted."
     )
     prompt_id: PromptAnswered = None
+    pressed_at_s: PressedAt = None
 
 
 class GuideStepReply(Reply):
@@ -257,4 +259,10 @@ def scene_reply(scene: GuidedScene) -> GuidedSceneReply:
 
 def guide_act(wanted: GuideActRequest, key: str) -> Act:
     """Return the act that was asked for."""
-    return wanted.into(Act, name=wanted.act, key=key, accepted_serial=wanted.accept_serial_number or "")
+    return wanted.into(
+        Act,
+        name=wanted.act,
+        key=key,
+        accepted_serial=wanted.accept_serial_number or "",
+        under_way_s=under_way_s(wanted.pressed_at_s),
+    )

@@ -8,6 +8,7 @@ from truepose.analysis.workers.tasks import CirclePlanTask, PosePlanTask
 from truepose.domain.cell import Cell
 from truepose.domain.session import Measured, PlannedStop, Role, SessionPlan, SessionRole, SessionState, Turn
 from truepose.storage.records import SessionSetup
+from truepose.web.requests.pressed import PressedAt
 from truepose.web.schemas.base import (
     NUMBER_LIMIT,
     VISIBLE,
@@ -162,6 +163,7 @@ class AnswerRequest(PersonRequest):
     """Who looked at the cell, and what they were asked."""
 
     prompt_id: PromptAnswered = None
+    pressed_at_s: PressedAt = None
 
 
 class ConfirmRequest(AnswerRequest):

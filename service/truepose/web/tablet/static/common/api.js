@@ -1,6 +1,7 @@
 // Requests to the public API. A refusal and a silence are two things: one is an answer.
 
 import { refusal } from "/static/person.js";
+import { hear } from "/static/service-time.js";
 
 const PATIENCE_MS = 8000;
 const GATEWAY = [502, 504]; // said by something between here and the service
@@ -22,6 +23,7 @@ async function reached(path, request, patience_ms) {
   const timer = patience_ms === null ? null : setTimeout(() => patience.abort(), patience_ms);
   try {
     const reply = await fetch(path, { cache: "no-store", ...request, signal: patience.signal });
+    if (!request.cache) hear(reply); // what was kept here tells the time of then
     return [reply, reply.status === 204 ? null : await reply.json().catch(() => null)];
   } catch (error) {
     throw new Unreached(error.message);

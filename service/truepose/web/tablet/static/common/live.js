@@ -3,6 +3,8 @@
 // It is read with fetch, not EventSource: whatever arrives is a sign of life, comments too, and a stream that
 // fell silent without an end (Wi-Fi gone, lid closed) can be given up at once.
 
+import { hear } from "/static/service-time.js";
+
 const SILENCE_MS = 1600; // the service is heard every second; the banner is due within 2 s
 const LOOK_MS = 150;
 const OPENING_MS = 2500;
@@ -67,7 +69,7 @@ export class Live {
   async #read() {
     this.#attempt = new AbortController();
     this.#began_ms = performance.now();
-    const reply = await fetch(this.#url, { cache: "no-store", signal: this.#attempt.signal });
+    const reply = hear(await fetch(this.#url, { cache: "no-store", signal: this.#attempt.signal }));
     if (!reply.ok) return;
     const reader = reply.body.getReader();
     const events = new EventReader();

@@ -1,6 +1,7 @@
 // Sends taps to the service: queued ones in order and once each, motion only while somebody looks.
 
 import { Refused, post } from "./api.js";
+import { now_s } from "/static/service-time.js";
 import { newKey } from "./tablet.js";
 
 const AGAIN_MS = 1000;
@@ -26,7 +27,7 @@ export class Sender {
 
   // Keeps the tap, then sends what is kept.
   queue(tap) {
-    const kept = this.#queue.add({ key: newKey(), ...tap });
+    const kept = this.#queue.add({ key: newKey(), ...tap, pressed_at_s: now_s() });
     this.#on.changed();
     this.flush();
     return kept;
@@ -35,7 +36,7 @@ export class Sender {
   // Sends now or never.
   async now(tap) {
     try {
-      const answer = await post(this.#path, tap, newKey(), MOTION_PATIENCE_MS);
+      const answer = await post(this.#path, { ...tap, pressed_at_s: now_s() }, newKey(), MOTION_PATIENCE_MS);
       this.#on.answered(answer.session);
     } catch (error) {
       if (error instanceof Refused) this.#on.dropped(tap, error);
