@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from truepose.domain.causes import Cause
 from truepose.domain.diagnosis import Confidence, Finding, Gain, Verdict, Worth
-from truepose.reports.rounding import millimetres
+from truepose.reports.rounding import millimetres, with_uncertainty
 from truepose.words.catalogue import IN_ENGLISH, Catalogue
 
 
@@ -65,6 +65,12 @@ def worth_words(worth: Worth, words: Catalogue = IN_ENGLISH) -> str:
 def printed_unit(unit: str) -> str:
     """Return a unit of documents as it is printed; nothing for a ratio."""
     return _PRINTED_UNITS.get(unit, unit.replace("*", "·").replace("mm2", "mm²"))
+
+
+def with_unit(value: float, standard_uncertainty: float, unit: str, words: Catalogue) -> str:
+    """Return value ± standard uncertainty with the unit, as a reader has it."""
+    number, conversion = with_uncertainty(value, standard_uncertainty), words.units.conversion(unit)
+    return f"{words.units.number(number, unit)} {printed_unit(conversion.symbol)}".rstrip()
 
 
 def confidence_meaning(finding: Finding, words: Catalogue = IN_ENGLISH) -> str:

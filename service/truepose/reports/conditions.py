@@ -120,7 +120,12 @@ def _signed(value: float) -> str:
 
 
 def _quantity(value: float | None, unit: str, words: Catalogue) -> str:
-    return words.say(NOT_STATED) if value is None else f"{value:.3g} {unit}"
+    conversion = words.units.conversion(unit)
+    return (
+        words.say(NOT_STATED)
+        if value is None
+        else f"{conversion.formatted(value, '.3g')} {conversion.symbol}"
+    )
 
 
 def _range(lowest_highest_c: tuple[float, float] | None, words: Catalogue) -> str:

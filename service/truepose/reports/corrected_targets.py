@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 
 from truepose.domain.corrections import CorrectedTargets
-from truepose.reports.rounding import MISSING, millimetres, uncertainty
+from truepose.reports.rounding import MISSING, fixed, millimetres, uncertainty_mm
 from truepose.words.catalogue import Catalogue
 
 _HEADS: Final = (
@@ -50,7 +50,7 @@ def target_rows(
 
 
 def _uncertain(value_mm: float) -> str:
-    return uncertainty(value_mm) if math.isfinite(value_mm) else MISSING
+    return uncertainty_mm(value_mm)
 
 
 def _outside(value_mm: float, words: Catalogue) -> str:
@@ -60,4 +60,4 @@ def _outside(value_mm: float, words: Catalogue) -> str:
 
 
 def _degrees(angle_rad: float) -> str:
-    return f"{math.degrees(angle_rad):.3f}" if math.isfinite(angle_rad) else MISSING
+    return fixed(math.degrees(angle_rad), 3, "deg")

@@ -28,7 +28,7 @@ from truepose.reports.imprint import imprint_of
 from truepose.reports.pages import rendered
 from truepose.reports.paper import write_report_text
 from truepose.reports.parameters.meanings import meaning
-from truepose.reports.rounding import MISSING, rounded, uncertainty
+from truepose.reports.rounding import MISSING, fixed, rounded, uncertainty, with_minus
 from truepose.words.catalogue import ENGLISH, IN_ENGLISH, Catalogue, catalogue
 
 _HELD_OUT = {
@@ -223,7 +223,8 @@ def _dependence(number: int, dependence: Dependence, words: Catalogue) -> Depend
 
 def _proposal(measurement: NextMeasurement, words: Catalogue) -> Proposal:
     configurations = tuple(
-        tuple(f"{angle:.2f}" for angle in joints) for joints in measurement.configurations_deg
+        tuple(with_minus(fixed(angle, 2, "deg")) for angle in joints)
+        for joints in measurement.configurations_deg
     )
     return Proposal(
         words.spoken(measurement.sentence), causes_listed(measurement.separates, words), configurations
@@ -248,8 +249,8 @@ def _added(model: Model, name: str, words: Catalogue) -> AddedParameter:
     u = parameter.standard_uncertainty * factor
     return AddedParameter(
         name=name,
-        value=rounded(parameter.value * factor, u),
-        standard_uncertainty=uncertainty(u),
-        unit=printed_unit(file_unit(parameter.unit)),
+        value=rounded(parameter.value * factor, u, file_unit(parameter.unit)),
+        standard_uncertainty=uncertainty(u, file_unit(parameter.unit)),
+        unit=printed_unit(words.units.conversion(file_unit(parameter.unit)).symbol),
         meaning=meaning(name, parameter.effect, words),
     )

@@ -141,8 +141,8 @@ def _figures(
     yield "headline.mean_before", _mean(nominal, budget.before_mm), _expanded(budget.before_mm)
     yield "headline.mean_after", _mean(identified, budget.after_mm), _expanded(budget.after_mm)
     before = said("headline.largest_before", largest=millimetres(nominal.max_mm))
-    yield "headline.largest_after", f"{millimetres(identified.max_mm)} mm", before
-    noise = f"{millimetres(identified.noise_mm)} mm"
+    yield "headline.largest_after", _length(millimetres(identified.max_mm)), before
+    noise = _length(millimetres(identified.noise_mm))
     yield "report.noise_alone", noise, _noise_of(identification, identified)
     times = said("headline.improvement.value", factor=factor)
     yield "headline.improvement", times, said("headline.improvement.remark")
@@ -157,5 +157,9 @@ def _noise_of(identification: Identification, identified: Statistics) -> Sentenc
     return said(key, n=identified.n)
 
 
-def _mean(statistics: Statistics, u_mm: float) -> str:
-    return f"{rounded(statistics.mean_mm, 2 * u_mm)} mm"
+def _mean(statistics: Statistics, u_mm: float) -> Sentence:
+    return _length(rounded(statistics.mean_mm, 2 * u_mm))
+
+
+def _length(number: str) -> Sentence:
+    return said("length", length=number)

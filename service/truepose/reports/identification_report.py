@@ -107,7 +107,9 @@ def _context(report: ReportInput) -> dict[str, object]:
         parameters=parameter_rows(identification, campaign, words),
         truth=report.truth,
         diagnosis=report.diagnosis,
-        truth_rows=() if report.truth is None else tuple(truth_row(p) for p in report.truth.parameters),
+        truth_rows=()
+        if report.truth is None
+        else tuple(truth_row(p, words) for p in report.truth.parameters),
         **_evidence(shown, identification, words),
         **_correlation(identification, words),
     )

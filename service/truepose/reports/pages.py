@@ -9,9 +9,10 @@ from markupsafe import Markup
 from truepose.reports.causes_found.ruled_out import ruled_out_rows
 from truepose.reports.imprint import css_string
 from truepose.reports.paper import PAPER, write_report_text
-from truepose.reports.rounding import millimetres, p_value, uncertainty
+from truepose.reports.rounding import millimetres, p_value, uncertainty_mm
 from truepose.version import __version__
 from truepose.words.catalogue import IN_ENGLISH, Catalogue
+from truepose.words.templates import in_units
 
 
 def write_page(path: Path, template: str, **context: object) -> None:
@@ -52,10 +53,11 @@ def _environment() -> Environment:
         loader=PackageLoader("truepose.reports"),
         autoescape=True,
         undefined=StrictUndefined,
+        finalize=in_units,
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters.update(mm=millimetres, u=uncertainty, p=p_value, capitalize_first=_capitalized)
+    environment.filters.update(mm=millimetres, u=uncertainty_mm, p=p_value, capitalize_first=_capitalized)
     environment.filters.update(joined=ruled_out_rows, called=_called, css_string=css_string)
     return environment
 

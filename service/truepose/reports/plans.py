@@ -9,7 +9,9 @@ from truepose.domain.results import NotIdentifiable
 from truepose.domain.sentences import Sentence, said
 from truepose.planning.promise.curve import STEP, gains_mm
 from truepose.planning.promise.plan import PromisedPlan
+from truepose.reports.rounding import fixed
 from truepose.words.catalogue import Catalogue
+from truepose.words.units import Printed
 
 _MOST_SAID: Final = 3  # combinations that are left open; a plan of a few configurations leaves dozens
 _MOST_NAMED: Final = 8  # parameters of one of them; documents have all
@@ -113,9 +115,19 @@ def curve_head(words: Catalogue) -> tuple[str, ...]:
 
 def curve_rows(plan: PromisedPlan) -> Iterator[tuple[str, ...]]:
     """Yield number, mean, interval, worst and gain of each point; a star marks the number planned."""
-    gained = ("", *(f"{1e3 * gain:.1f}" for gain in gains_mm(plan.curve)))
+    gained = ("", *(fixed(1e3 * gain, 1, "um") for gain in gains_mm(plan.curve)))
     for point, gain in zip(plan.curve, gained, strict=True):
         low, high = point.interval_90_mm
         mark = "*" if point.n == plan.total else ""
-        between = f"{low:.4f} - {high:.4f}"
-        yield f"{mark}{point.n}", f"{point.mean_mm:.4f}", between, f"{point.worst_mm:.4f}", gain
+        yield (
+            f"{mark}{point.n}",
+            fixed(point.mean_mm, 4, "mm"),
+            _between(low, high),
+            fixed(point.worst_mm, 4, "mm"),
+            gain,
+        )
+
+
+def _between(low_mm: float, high_mm: float) -> str:
+    ends = (low_mm, high_mm)
+    return Printed(lambda shown: " - ".join(shown.formatted(end, ".4f") for end in ends), "mm")

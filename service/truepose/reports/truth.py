@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from truepose.domain.results import Statistics
 from truepose.domain.sentences import Text
 from truepose.reports.rounding import MISSING, rounded, uncertainty
+from truepose.words.catalogue import IN_ENGLISH, Catalogue
 
 _K_95 = 1.96  # two-sided 95 % of the normal distribution
 _FAR = 3.0  # standard uncertainties at which a deviation catches the eye
@@ -58,15 +59,15 @@ class TruthRow:
     far: bool
 
 
-def truth_row(parameter: TrueParameter) -> TruthRow:
+def truth_row(parameter: TrueParameter, words: Catalogue = IN_ENGLISH) -> TruthRow:
     """Return a parameter as text, both values to the place of its uncertainty."""
     u, ratio = parameter.standard_uncertainty, parameter.normalised
     return TruthRow(
         name=parameter.name,
-        identified=rounded(parameter.identified, u),
-        true=rounded(parameter.true, u),
-        u=uncertainty(u),
-        unit=parameter.unit,
+        identified=rounded(parameter.identified, u, parameter.unit),
+        true=rounded(parameter.true, u, parameter.unit),
+        u=uncertainty(u, parameter.unit),
+        unit=words.units.conversion(parameter.unit).symbol,
         ratio=f"{ratio:+.1f}" if math.isfinite(ratio) else MISSING,
         far=abs(ratio) > _FAR,
     )

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from rich.table import Table
 
 from truepose.domain.results import Identification, TurnPair, TurnStatistics
-from truepose.reports.rounding import MISSING
+from truepose.reports.rounding import fixed
 from truepose.reports.terminal.errors import error_table
 from truepose.words.catalogue import IN_ENGLISH, Catalogue
 
@@ -57,4 +57,4 @@ def _rows(label: str, pair: TurnPair, words: Catalogue) -> Iterator[TurnsRow]:
 
 def _values(turns: TurnStatistics) -> tuple[str, ...]:
     figures = (turns.mean_rad, turns.rms_rad, turns.sd_rad, turns.max_rad, turns.noise_rad)
-    return tuple(f"{math.degrees(one):.4f}" if math.isfinite(one) else MISSING for one in figures)
+    return tuple(fixed(math.degrees(one), 4, "deg") for one in figures)

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from truepose.domain.sentences import Sentence, Text, Value
+from truepose.words.units import KEPT, Printed, Units, blank
 
 _FOLDER: Final = Path(__file__).parent
 ENGLISH: Final = "en"  # the language of documents, records and the API
@@ -23,16 +24,27 @@ _RAW: Final = "raw"  # a name as documents have it
 
 
 class Catalogue:
-    """What is said in one language."""
+    """What is said in one language, with quantities in the units of who reads it."""
 
-    def __init__(self, language: str) -> None:
+    def __init__(self, language: str, units: Units = KEPT) -> None:
         self.language = language
+        self.units = units
         self._formatter = _Formatter(self)
+
+    @property
+    def tag(self) -> str:
+        """The language, and the units that are not those kept: a language tag (RFC 5646, 2.2.7)."""
+        return "-".join((self.language, *(("x", *self.units.tokens) if self.units.tokens else ())))
+
+    @property
+    def units_named(self) -> str:
+        """The units of lengths, angles and temperatures."""
+        return self.listed([self.units.conversion(unit).symbol for unit in ("mm", "deg", "°C")], "commas")
 
     @cached_property
     def _texts(self) -> dict[str, str]:
         files = (path for path in (_FOLDER / self.language).glob("*.json") if path.stem not in _APART)
-        return {key: text for path in files for key, text in _read(path).items()}
+        return {key: self.units.text(text) for path in files for key, text in _read(path).items()}
 
     @cached_property
     def _names(self) -> "Names":
@@ -117,11 +129,11 @@ class _Formatter(string.Formatter):
         self._catalogue = catalogue
 
     def format_field(self, value: Any, format_spec: str) -> str:
-        if isinstance(value, tuple):
-            return self._catalogue.listed(value, format_spec)
-        if not isinstance(value, (str, Sentence)):
-            return format(value, format_spec)
-        return self._word(value, format_spec)
+        form, unit, gap = blank(format_spec)
+        if isinstance(value, Printed) or not isinstance(value, (str, Sentence, tuple)):
+            return self._catalogue.units.filled(value, form, unit, gap)
+        words = self._catalogue.listed(value, form) if isinstance(value, tuple) else self._word(value, form)
+        return words if gap is None else f"{words}{gap}{unit}"
 
     def _word(self, value: Text, spec: str) -> str:
         if isinstance(value, Sentence):
@@ -138,9 +150,10 @@ class _Formatter(string.Formatter):
 
 
 @cache
-def catalogue(language: str) -> Catalogue:
-    """Return the catalogue of one of `LANGUAGES`."""
-    return Catalogue(language)
+def catalogue(tag: str) -> Catalogue:
+    """Return the catalogue of one of `LANGUAGES`, or of a tag that says in which units it is read."""
+    language, _, units = tag.partition("-x-")
+    return Catalogue(language, Units.of(units.split("-")))
 
 
 IN_ENGLISH: Final = catalogue(ENGLISH)

@@ -44,3 +44,15 @@ def test_a_page_can_be_read_pressed_and_loaded_by_everybody(chromium, shop, addr
     assert small == []
     assert wide == []
     assert weight <= HEAVIER.get(address, HEAVIEST)
+
+
+def test_units_are_chosen_once_for_the_pages_and_the_tablets(chromium, shop):
+    with opened(chromium, shop, "/identifications/1?units=inch") as (page, _):
+        page.locator("h1").first.wait_for()
+        assert " in" in page.locator("main .cards").first.inner_text()
+        page.locator(".menu:not(.person) summary").click()
+        page.get_by_role("link", name="°F").click()
+        chosen = page.locator("[aria-labelledby=menu-units] [aria-current]")
+        assert chosen.all_text_contents() == ["inch", "degrees", "°F"]
+        page.goto(f"{shop}/operator/3")
+        page.locator("#units").get_by_text("in", exact=True).wait_for()

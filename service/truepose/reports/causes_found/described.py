@@ -32,7 +32,7 @@ def described_sentence(remaining: Remaining, words: Catalogue = IN_ENGLISH) -> s
 
 def _listed(described: tuple[Described, ...], words: Catalogue) -> Iterator[str]:
     for one in described[:_SAID]:
-        yield f"{described_place(one, words)} ({own_text(one.worth)} mm)"
+        yield f"{described_place(one, words)} ({words.units.quantity(own_text(one.worth), 'mm')})"
     if len(described) > _SAID:
         yield words.say("described.smaller", number=len(described) - _SAID)
 

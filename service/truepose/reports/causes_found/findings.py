@@ -18,13 +18,14 @@ from truepose.reports.cause_words import (
     confidence_word,
     place_words,
     printed_unit,
+    with_unit,
     worth_words,
 )
 from truepose.reports.causes_found.described import own_text
 from truepose.reports.causes_found.look_alikes import Alternatives, alternatives
 from truepose.reports.figures.residual_curve import CurveFigure, residual_curve
 from truepose.reports.figures.spectrum import spectrum_picture
-from truepose.reports.rounding import MINUS, interval, millimetres, p_value, with_uncertainty
+from truepose.reports.rounding import interval, millimetres, p_value, with_minus, with_uncertainty
 from truepose.words.catalogue import IN_ENGLISH, Catalogue
 
 _COVERAGE_95 = 1.96  # of a normal distribution
@@ -62,7 +63,7 @@ def _block(number: int, finding: Finding, diagnosis: Diagnosis, words: Catalogue
         finding=finding,
         name=cause_words(Cause(finding.effect, finding.subject), words),
         sentence=words.spoken(finding.sentence),
-        amplitude=amplitude_text(finding),
+        amplitude=amplitude_text(finding, words),
         rows=tuple(_rows(finding, words)),
         details=tuple(_details(finding.details, words)),
         confidence_word=confidence_word(finding.confidence, words),
@@ -73,15 +74,14 @@ def _block(number: int, finding: Finding, diagnosis: Diagnosis, words: Catalogue
     )
 
 
-def amplitude_text(finding: Finding) -> str:
+def amplitude_text(finding: Finding, words: Catalogue = IN_ENGLISH) -> str:
     """Return amplitude ± standard uncertainty with unit."""
-    value = with_uncertainty(finding.amplitude, finding.amplitude_standard_uncertainty)
-    return f"{value} {printed_unit(finding.unit)}".rstrip()
+    return with_unit(finding.amplitude, finding.amplitude_standard_uncertainty, finding.unit, words)
 
 
 def _rows(finding: Finding, words: Catalogue) -> Iterator[tuple[str, str, str]]:
     say = words.say
-    yield say("finding.amplitude"), amplitude_text(finding), words.name(amplitude_of(finding.effect))
+    yield say("finding.amplitude"), amplitude_text(finding, words), words.name(amplitude_of(finding.effect))
     if 0.0 < finding.amplitude_standard_uncertainty < math.inf:
         yield say("finding.interval"), _interval(finding, words), say("finding.interval.remark")
     if finding.where:
@@ -103,25 +103,21 @@ def _worth_remark(worth: Worth, words: Catalogue) -> str:
 def _interval(finding: Finding, words: Catalogue) -> str:
     u, to = finding.amplitude_standard_uncertainty, words.say("to")
     ends = interval(finding.amplitude - _COVERAGE_95 * u, finding.amplitude + _COVERAGE_95 * u, u, to)
-    return f"{ends} {printed_unit(finding.unit)}".rstrip()
+    conversion = words.units.conversion(finding.unit)
+    return f"{words.units.number(ends, finding.unit)} {printed_unit(conversion.symbol)}".rstrip()
 
 
 def gain_text(gain: Gain | None, words: Catalogue = IN_ENGLISH) -> tuple[str, str]:
     """Return what a finding takes off the held-out RMS with its interval, and the two RMS."""
     if gain is None:
         return words.say("finding.gain.unknown"), words.say("finding.gain.unknown.remark")
-    low, high = map(signed_millimetres, gain.interval_95_mm)
-    difference = signed_millimetres(gain.rms_before_mm - gain.rms_after_mm)
+    low, high = (with_minus(millimetres(end)) for end in gain.interval_95_mm)
+    difference = with_minus(millimetres(gain.rms_before_mm - gain.rms_after_mm))
     before, after = millimetres(gain.rms_before_mm), millimetres(gain.rms_after_mm)
     return (
         words.say("finding.gain.value", difference=difference, low=low, high=high),
         words.say("finding.gain.remark", before=before, after=after),
     )
-
-
-def signed_millimetres(value_mm: float) -> str:
-    """Return a difference of lengths with a proper minus sign."""
-    return millimetres(value_mm).replace("-", MINUS)
 
 
 def _details(details: tuple[Detail, ...], words: Catalogue) -> Iterator[tuple[str, str, str]]:
@@ -140,8 +136,8 @@ def _details(details: tuple[Detail, ...], words: Catalogue) -> Iterator[tuple[st
 def _detail(detail: Detail, words: Catalogue) -> tuple[str, str, str]:
     return (
         words.name(detail.name.replace("_", " ")),
-        with_uncertainty(detail.value, detail.standard_uncertainty),
-        printed_unit(detail.unit),
+        words.units.number(with_uncertainty(detail.value, detail.standard_uncertainty), detail.unit),
+        printed_unit(words.units.conversion(detail.unit).symbol),
     )
 
 

@@ -34,7 +34,7 @@ def ruled_out_rows(entries: Iterable[RuledOut], words: Catalogue = IN_ENGLISH) -
             subjects((entry.subject for entry in group), words),
             words.spoken(reason),
             _smallest(group, words),
-            _at_most(group),
+            _at_most(group, words),
         )
         for (effect, reason), group in groups.items()
     )
@@ -70,9 +70,9 @@ def _smallest(group: list[RuledOut], words: Catalogue) -> str:
     return _bounds(sorted(entry.p_value for entry in group if entry.p_value is not None), words)
 
 
-def _at_most(group: list[RuledOut]) -> str:
+def _at_most(group: list[RuledOut], words: Catalogue) -> str:
     limits = [entry.upper_limit_mm for entry in group if entry.upper_limit_mm is not None]
-    return f"{millimetres(max(limits))} mm" if limits else MISSING
+    return words.units.quantity(millimetres(max(limits)), "mm") if limits else MISSING
 
 
 def _bounds(values: list[float], words: Catalogue) -> str:

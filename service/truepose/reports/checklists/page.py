@@ -11,7 +11,7 @@ from truepose.domain.sentences import Text
 from truepose.reports.checklists.checklist import Checklist
 from truepose.reports.imprint import Imprint
 from truepose.reports.pages import rendered
-from truepose.reports.rounding import MINUS
+from truepose.reports.rounding import fixed, with_minus
 from truepose.words.catalogue import ENGLISH, catalogue
 
 _WIDTH, _HEIGHT, _EDGE = 360.0, 190.0, 40.0  # of a picture of cups
@@ -88,7 +88,7 @@ def _rows(
 ) -> Iterator[Row]:
     each = report.minutes / max(1, len(report.checklist.stops))
     for place, stop in enumerate(report.checklist.stops):
-        joints = tuple(f"{math.degrees(angle):.2f}".replace("-", MINUS) for angle in stop.joints_rad)
+        joints = tuple(with_minus(fixed(math.degrees(angle), 2, "deg")) for angle in stop.joints_rad)
         order, minute = letters.get(stop.legs, ""), f"{place * each:.0f}"
         legs = tuple(f"B{base}-T{tool}" for base, tool in stop.legs)
         yield Row(stop.config, spoken(stop.reads), legs, order, joints, minute, stop.placement)

@@ -1,6 +1,7 @@
 """A single-axis circle test in sentences and as the table of the thesis."""
 
 from collections.abc import Iterator
+from functools import partial
 from typing import Final
 
 import numpy as np
@@ -11,6 +12,7 @@ from truepose.judgement.circle.judged import CircleTest, JointCircle
 from truepose.judgement.figure import Figure
 from truepose.reports.rounding import millimetres, rounded
 from truepose.words.catalogue import Catalogue
+from truepose.words.units import Conversion, Printed
 
 _HEADS: Final = (
     "circles.head.joint",
@@ -38,9 +40,9 @@ def circle_rows(test: CircleTest) -> Iterator[tuple[str, ...]]:
         yield (
             str(one.joint),
             str(one.nest),
-            f"{low:.0f} … {high:.0f}",
-            f"{np.degrees(one.increment_rad):.4g}",
-            rounded(tangential.value, tangential.standard_uncertainty),
+            _between(low, high),
+            Printed(partial(_step, float(np.degrees(one.increment_rad))), "deg"),
+            rounded(tangential.value, tangential.standard_uncertainty, "mm"),
             _degrees(one.angular_range_rad),
             "" if one.backlash_rad is None else _degrees(one.backlash_rad),
             millimetres(one.radial_range_mm),
@@ -109,4 +111,13 @@ def _in_degrees(figure: Figure) -> tuple[float, float]:
 
 
 def _degrees(figure: Figure) -> str:
-    return rounded(*_in_degrees(figure))
+    return rounded(*_in_degrees(figure), "deg")
+
+
+def _step(value_deg: float, shown: Conversion) -> str:
+    return shown.formatted(value_deg, ".4g")
+
+
+def _between(low_deg: float, high_deg: float) -> str:
+    ends = (low_deg, high_deg)
+    return Printed(lambda shown: " … ".join(shown.formatted(end, ".0f") for end in ends), "deg")

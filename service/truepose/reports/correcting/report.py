@@ -13,7 +13,7 @@ from truepose.reports.figures.shift_map import shift_map
 from truepose.reports.front.page import Front, OneFigure, front_page, graded
 from truepose.reports.imprint import imprint_of
 from truepose.reports.pages import rendered
-from truepose.reports.rounding import uncertainty
+from truepose.reports.rounding import uncertainty_mm
 from truepose.words.catalogue import Catalogue, catalogue
 
 _MOST_ROWS: Final = 500  # of targets on paper; the corrected file has all
@@ -60,7 +60,7 @@ def _front(report: CorrectionInput, sentence: str, words: Catalogue) -> Front:
     whole = totals.solved == totals.targets > 0 and not report.correction.left_alone
     figure = None
     if totals.solved:
-        largest = f"{uncertainty(totals.largest_uncertainty_mm)} mm"
+        largest = words.units.quantity(uncertainty_mm(totals.largest_uncertainty_mm), "mm")
         figure = OneFigure(
             words.say("front.correction.uncertainty"), largest, words.say("front.correction.u")
         )

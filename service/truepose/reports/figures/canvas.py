@@ -17,10 +17,14 @@ from typing import Any, Final
 import matplotlib as mpl
 from markupsafe import Markup
 from matplotlib.axes import Axes
+from matplotlib.axis import Axis
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, Locator, LogLocator, MaxNLocator, NullLocator
 
 from truepose.reports.figures.joined_shapes import joined_shapes
+from truepose.words.catalogue import Catalogue
+from truepose.words.units import Conversion
 
 INK, MUTED, GRID = "#010203", "#020304", "#030405"
 BEFORE, AFTER, NOISE = "#040506", "#050607", "#060708"
@@ -56,6 +60,8 @@ PAGE: Final = Colours(INK, MUTED, GRID, BEFORE, AFTER, NOISE, paper="none")
 PLAIN: Final = Colours("#16202b", "#434e59", "#dde3e8", "#d9822b", "#1f7a8c", "#6b4fa0", paper="#ffffff")
 # Matplotlib's settings belong to the process: a second thread would draw in a style half put back.
 _SETTINGS: Final = threading.Lock()
+_MARKS: Final = 5  # of an axis in another unit, at most
+_MARKS_OF_DECADES: Final = 18
 _LONGEST_UNIT = 16  # letters
 _PIXELS_PER_IN: Final = 150  # of a matrix, which is drawn as pixels within the SVG
 _STYLE = {
@@ -177,6 +183,45 @@ def label(text: str, most: int, unit: str = "") -> str:
         room = bool(lines) and len(lines[-1]) + len(unit) + 3 <= most
         lines[-1:] = [f"{lines[-1]} [{unit}]"] if room else [*lines[-1:], f"[{unit}]"]
     return "\n".join(lines).replace("$", r"\$")
+
+
+def marked_in(axis: Axis, conversion: Conversion) -> None:
+    """Mark an axis of kept values, once its scale is set, at round numbers of the shown unit."""
+    if conversion.factor == 1.0:
+        return
+    inner: Locator = (
+        LogLocator(subs=(1.0, 2.0, 5.0), numticks=_MARKS_OF_DECADES)
+        if axis.get_scale() == "log"
+        else MaxNLocator(_MARKS)
+    )
+    axis.set_major_locator(_Shown(inner, conversion))
+    axis.set_minor_locator(NullLocator())
+    axis.set_major_formatter(FuncFormatter(lambda value, _: f"{conversion.of(value):.4g}"))
+
+
+def name_axes(axes: Axes, words: Catalogue, across: str, up: str) -> None:
+    """Name the axes of a view in space, with their unit."""
+    conversion = words.units.conversion("mm")
+    axes.set_xlabel(f"{across} [{conversion.symbol}]")
+    axes.set_ylabel(f"{up} [{conversion.symbol}]")
+    marked_in(axes.xaxis, conversion)
+    marked_in(axes.yaxis, conversion)
+
+
+class _Shown(Locator):
+    """Marks where another locator has them in the shown unit."""
+
+    def __init__(self, inner: Locator, conversion: Conversion) -> None:
+        self._inner, self._conversion = inner, conversion
+
+    def __call__(self) -> list[float]:
+        low, high = (0.0, 1.0) if self.axis is None else self.axis.get_view_interval()
+        return self.tick_values(low, high)
+
+    def tick_values(self, vmin: float, vmax: float) -> list[float]:
+        shown = self._conversion
+        marks = self._inner.tick_values(shown.of(vmin), shown.of(vmax))
+        return [(float(mark) - shown.offset) / shown.factor for mark in marks]
 
 
 def no_spines(axes: Axes) -> None:

@@ -6,7 +6,7 @@ import numpy as np
 from markupsafe import Markup
 
 from truepose.domain.arrays import FloatArray
-from truepose.reports.figures.canvas import Colours, Drawing, new_figure, on_page, plain
+from truepose.reports.figures.canvas import Colours, Drawing, marked_in, new_figure, on_page, plain
 from truepose.reports.rounding import millimetres
 from truepose.words.catalogue import IN_ENGLISH, Catalogue
 
@@ -55,6 +55,7 @@ def _drawn(
         label = words.say("comparison.noise", mean=millimetres(noise_mm))
         axes.axvline(noise_mm, color=colours.noise, linestyle="--", linewidth=1.4, label=label)
     axes.set_xlim(0.0, end)
+    marked_in(axes.xaxis, words.units.conversion("mm"))
     axes.grid(axis="x", visible=False)
     axes.set_xlabel(words.say("comparison.error"))
     axes.set_ylabel(words.say("curve.readings"))

@@ -10,7 +10,18 @@ from markupsafe import Markup
 from matplotlib.axes import Axes
 
 from truepose.domain.arrays import FloatArray, IntArray
-from truepose.reports.figures.canvas import AFTER, BEFORE, MUTED, label, new_figure, page_style, to_svg
+from truepose.reports.cause_words import printed_unit
+from truepose.reports.figures.canvas import (
+    AFTER,
+    BEFORE,
+    MUTED,
+    label,
+    marked_in,
+    new_figure,
+    page_style,
+    to_svg,
+)
+from truepose.words.catalogue import Catalogue
 
 _COLOURS: Final = (BEFORE, AFTER, MUTED)
 _TICKS: Final = 6
@@ -29,7 +40,13 @@ class Course:
 
 
 def course_figure(
-    days: Sequence[str], courses: Sequence[Course], quantity: str, unit: str, ident: str, description: str
+    days: Sequence[str],
+    courses: Sequence[Course],
+    quantity: str,
+    unit: str,
+    ident: str,
+    description: str,
+    words: Catalogue,
 ) -> Markup:
     """Draw quantities over days (n,), ISO 8601; each name must be told apart by `ident` on one page."""
     when = np.array([date.fromisoformat(day[:10]).toordinal() for day in days])
@@ -48,7 +65,9 @@ def course_figure(
                 label=course.name,
             )
         _days(axes, when)
-        axes.set_ylabel(label(quantity, _LABEL, unit))
+        conversion = words.units.conversion(unit)
+        axes.set_ylabel(label(quantity, _LABEL, printed_unit(conversion.symbol)))
+        marked_in(axes.yaxis, conversion)
         if len(courses) > 1:
             figure.legend(loc="outside upper left", ncols=len(courses))
         return to_svg(figure, ident, description)

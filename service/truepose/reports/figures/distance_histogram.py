@@ -6,7 +6,7 @@ import numpy as np
 from markupsafe import Markup
 
 from truepose.domain.validation import DistanceErrors, Histogram, SignedErrors
-from truepose.reports.figures.canvas import Colours, Drawing, new_figure, on_page, plain
+from truepose.reports.figures.canvas import Colours, Drawing, marked_in, new_figure, on_page, plain
 from truepose.reports.rounding import millimetres
 from truepose.words.catalogue import IN_ENGLISH, Catalogue
 
@@ -34,6 +34,7 @@ def _drawn(errors: DistanceErrors, colours: Colours, words: Catalogue) -> Drawin
         axes.set_title(_title(words.say(name), signed, words), loc="left")
         axes.set_xlabel(words.say("distances.axis"))
         axes.locator_params(axis="x", nbins=6)
+        marked_in(axes.xaxis, words.units.conversion("mm"))
     panels[0].set_ylabel(words.say("distances.share"))
     return figure
 

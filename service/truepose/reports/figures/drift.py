@@ -7,7 +7,7 @@ from markupsafe import Markup
 from matplotlib.axes import Axes
 
 from truepose.judgement.iso9283.drift import Drift
-from truepose.reports.figures.canvas import AFTER, BEFORE, new_figure, page_style, to_svg
+from truepose.reports.figures.canvas import AFTER, BEFORE, marked_in, new_figure, page_style, to_svg
 from truepose.words.catalogue import Catalogue
 
 
@@ -23,7 +23,8 @@ def drift_figure(drift: Drift, words: Catalogue) -> Markup:
         _draw(axes, hours, repeated, AFTER, "RP")
         axes.set_ylim(bottom=0.0)
         axes.set_xlabel(words.say("pose_test.drift.hours"))
-        axes.set_ylabel("mm")
+        axes.set_ylabel(words.units.conversion("mm").symbol)
+        marked_in(axes.yaxis, words.units.conversion("mm"))
         axes.legend()
         return to_svg(figure, "drift", words.say("pose_test.drift"))
 

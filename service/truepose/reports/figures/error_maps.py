@@ -8,7 +8,16 @@ from matplotlib.axes import Axes
 
 from truepose.domain.arrays import FloatArray
 from truepose.domain.diagnosis import HeldOutErrors
-from truepose.reports.figures.canvas import AFTER, BEFORE, INK, MUTED, new_figure, page_style, to_svg
+from truepose.reports.figures.canvas import (
+    AFTER,
+    BEFORE,
+    INK,
+    MUTED,
+    marked_in,
+    new_figure,
+    page_style,
+    to_svg,
+)
 from truepose.reports.figures.work_space import exaggeration
 from truepose.words.catalogue import IN_ENGLISH, Catalogue
 
@@ -77,7 +86,7 @@ def _picture(
     scale: float,
     words: Catalogue,
 ) -> Markup:
-    width = limits[1] - limits[0]
+    width, shown = limits[1] - limits[0], words.units.conversion("mm")
     heights = [float(np.clip(width[up] / width[across], 0.3, 1.4)) for across, up, _ in _VIEWS]
     panel_in = min(_PANEL_IN, _MOST_HEIGHT_IN / sum(heights))
     figure = new_figure(8.0, panel_in * sum(heights) + 1.3)
@@ -90,9 +99,12 @@ def _picture(
             else:
                 _dots(axes, points[:, [across, up]], errors[:, 0] / max(large_mm, 1e-9), colour)
             axes.set_title(f"{name}, {words.say(view)}")
-        grid[row][0].set_ylabel(f"{'xyz'[up]} [mm]")
+        grid[row][0].set_ylabel(f"{'xyz'[up]} [{shown.symbol}]")
     for axes in grid[1]:
-        axes.set_xlabel("x [mm]")
+        axes.set_xlabel(f"x [{shown.symbol}]")
+    for axes in grid.flat:
+        marked_in(axes.xaxis, shown)
+        marked_in(axes.yaxis, shown)
     if large_mm is None:
         _scale_bar(grid[0][0], limits, scale, words)
     return to_svg(figure, "maps", words.say("maps"))
@@ -128,9 +140,10 @@ def _dots(axes: Axes, points: FloatArray, share: FloatArray, colour: str) -> Non
 
 def _scale_bar(axes: Axes, limits: FloatArray, scale: float, words: Catalogue) -> None:
     """Draw a length below the panel that errors can be compared with: a round one of about a fifth of it."""
-    wanted = 0.2 * float(limits[1, 0] - limits[0, 0]) / scale
+    factor = words.units.conversion("mm").factor
+    wanted = 0.2 * float(limits[1, 0] - limits[0, 0]) / scale * factor
     decade = 10.0 ** np.floor(np.log10(wanted))
-    length = max(step * decade for step in (1.0, 2.0, 5.0) if step * decade <= wanted * (1.0 + 1e-9))
+    length = max(step * decade for step in (1.0, 2.0, 5.0) if step * decade <= wanted * (1.0 + 1e-9)) / factor
     start, low = float(limits[0, 0]), float(limits[0, 1] - 0.10 * np.ptp(limits[:, 1]))
     axes.plot(
         [start, start + length * scale],

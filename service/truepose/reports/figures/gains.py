@@ -6,7 +6,7 @@ from markupsafe import Markup
 from truepose.domain.causes import Cause
 from truepose.domain.diagnosis import Finding
 from truepose.reports.cause_words import cause_words
-from truepose.reports.figures.canvas import AFTER, INK, label, new_figure, page_style, to_svg
+from truepose.reports.figures.canvas import AFTER, INK, label, marked_in, new_figure, page_style, to_svg
 from truepose.words.catalogue import IN_ENGLISH, Catalogue
 
 _WIDEST = 44  # letters of a name; the scale needs the rest
@@ -30,5 +30,6 @@ def gains(findings: tuple[Finding, ...], words: Catalogue = IN_ENGLISH) -> Marku
         axes.set_yticks(rows, [label(cause, _WIDEST) for cause in causes])
         axes.set_ylim(-0.6, len(known) - 0.4)
         axes.grid(axis="y", visible=False)
+        marked_in(axes.xaxis, words.units.conversion("mm"))
         axes.set_xlabel(words.say("gains.axis"))
         return to_svg(figure, "gains", words.say("gains"))

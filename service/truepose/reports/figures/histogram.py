@@ -9,7 +9,7 @@ from matplotlib.ticker import FuncFormatter, LogLocator
 
 from truepose.domain.arrays import FloatArray
 from truepose.identification.verdict.judge import Judged
-from truepose.reports.figures.canvas import Colours, Drawing, new_figure, on_page, plain
+from truepose.reports.figures.canvas import Colours, Drawing, marked_in, new_figure, on_page, plain
 from truepose.reports.rounding import millimetres
 from truepose.words.catalogue import IN_ENGLISH, Catalogue
 
@@ -64,6 +64,7 @@ def _drawn(
     axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0), numticks=3 * _DECADES_OF_LABELS))
     axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     axes.xaxis.set_minor_locator(LogLocator(subs=(), numticks=1))
+    marked_in(axes.xaxis, words.units.conversion("mm"))
     axes.grid(axis="x", visible=False)
     axes.set_xlabel(words.say("histogram.error"))
     axes.set_ylabel(words.say("curve.readings"))

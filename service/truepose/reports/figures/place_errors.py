@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 
 from truepose.domain.results import Statistics
 from truepose.domain.validation import ErrorsByPlace, Shell
-from truepose.reports.figures.canvas import Colours, Drawing, new_figure, on_page, plain
+from truepose.reports.figures.canvas import Colours, Drawing, marked_in, new_figure, on_page, plain
 from truepose.words.catalogue import IN_ENGLISH, Catalogue
 
 
@@ -33,6 +33,8 @@ def _drawn(places: ErrorsByPlace, colours: Colours, words: Catalogue) -> Drawing
         label = words.say("places.edge")
         zone.axvline(places.zone_radius_mm, color=colours.muted, linestyle=":", label=label)
     _panel(axis, places.from_axis, colours, words)
+    for axes in (zone.xaxis, axis.xaxis, zone.yaxis):
+        marked_in(axes, words.units.conversion("mm"))
     axis.set_xlabel(words.say("places.from_axis"))
     handles, labels = zone.get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside upper left", ncols=3)

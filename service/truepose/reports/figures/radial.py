@@ -7,7 +7,16 @@ from markupsafe import Markup
 from matplotlib.axes import Axes
 
 from truepose.judgement.sphere.judged import NOMINAL, Sphere, SphereOfModel
-from truepose.reports.figures.canvas import AFTER, BEFORE, MUTED, NOISE, new_figure, page_style, to_svg
+from truepose.reports.figures.canvas import (
+    AFTER,
+    BEFORE,
+    MUTED,
+    NOISE,
+    marked_in,
+    new_figure,
+    page_style,
+    to_svg,
+)
 from truepose.reports.spheres.sentences import model_name
 from truepose.words.catalogue import Catalogue
 
@@ -25,6 +34,7 @@ def radial_figure(sphere: Sphere, words: Catalogue) -> Markup:
         for one in shown:
             _draw(axes, one, BEFORE if one.model == NOMINAL else next(colours), model_name(one.model, words))
         _part_nests(axes, sphere)
+        marked_in(axes.yaxis, words.units.conversion("mm"))
         axes.set_xlabel(words.say("sphere.figure.stop"))
         axes.set_ylabel(words.say("sphere.figure.error"))
         axes.legend()

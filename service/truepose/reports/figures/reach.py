@@ -7,7 +7,7 @@ from markupsafe import Markup
 from matplotlib.ticker import FuncFormatter
 
 from truepose.domain.arrays import FloatArray
-from truepose.reports.figures.canvas import Colours, Drawing, new_figure, on_page
+from truepose.reports.figures.canvas import Colours, Drawing, marked_in, new_figure, on_page
 from truepose.words.catalogue import IN_ENGLISH, Catalogue
 
 _MOST_POINTS = 400  # dots of one colour
@@ -35,6 +35,8 @@ def _drawn(
     if min(float(np.min(before_mm)), float(np.min(after_mm))) > 0.0:
         axes.set_yscale("log")
         axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    marked_in(axes.xaxis, words.units.conversion("mm"))
+    marked_in(axes.yaxis, words.units.conversion("mm"))
     axes.set_xlabel(words.say("places.from_axis"))
     axes.set_ylabel(words.say("histogram.error"))
     figure.legend(loc="outside upper left", ncols=2, markerscale=2.0)

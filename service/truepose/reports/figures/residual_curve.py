@@ -13,7 +13,7 @@ from truepose.domain.arrays import BoolArray, FloatArray, IntArray
 from truepose.domain.diagnosis import Curve
 from truepose.domain.sentences import Sentence, said, together
 from truepose.reports.cause_words import printed_unit
-from truepose.reports.figures.canvas import Colours, Drawing, label, new_figure, on_page, plain
+from truepose.reports.figures.canvas import Colours, Drawing, label, marked_in, new_figure, on_page, plain
 from truepose.words.catalogue import IN_ENGLISH, Catalogue
 
 _MOST_POINTS = 400  # dots with whiskers; more make no one wiser and the file heavy
@@ -72,7 +72,7 @@ def residual_curve(
     described = words.say("curve", quantity=curve.quantity, variable=curve.variable)
     picture = on_page(partial(_drawn, shown, words, of_cause=of_cause), prefix, described)
     drawn, counts = bool(shown.curve.line_x.size), _counts(shown.curve)
-    caption = words.spoken(together(*_caption(shown, of_cause=of_cause)))
+    caption = words.spoken(together(*_caption(shown, words, of_cause=of_cause)))
     return CurveFigure(picture, caption, drawn and not counts, drawn and counts)
 
 
@@ -126,8 +126,11 @@ def _drawn(shown: _Shown, words: Catalogue, colours: Colours, *, of_cause: bool)
     if shown.unseen is not None:
         _draw_unseen(axes, shown.unseen, colours, words)
     axes.set_ylim(-shown.limit, shown.limit)
-    axes.set_xlabel(label(words.name(curve.variable), _WIDEST_LABEL, printed_unit(curve.variable_unit)))
-    axes.set_ylabel(label(words.name(curve.quantity), _TALLEST_LABEL, printed_unit(curve.quantity_unit)))
+    across, up = map(words.units.conversion, (curve.variable_unit, curve.quantity_unit))
+    axes.set_xlabel(label(words.name(curve.variable), _WIDEST_LABEL, printed_unit(across.symbol)))
+    axes.set_ylabel(label(words.name(curve.quantity), _TALLEST_LABEL, printed_unit(up.symbol)))
+    marked_in(axes.xaxis, across)
+    marked_in(axes.yaxis, up)
     figure.legend(loc="outside upper left", ncols=4)
     return figure
 
@@ -326,13 +329,13 @@ def _bends(line: FloatArray) -> int:
     return int((slope[1:] != slope[:-1]).sum())
 
 
-def _caption(shown: _Shown, *, of_cause: bool) -> Iterator[Sentence]:
+def _caption(shown: _Shown, words: Catalogue, *, of_cause: bool) -> Iterator[Sentence]:
     if not shown.blind.all():
         yield _dots(shown, of_cause=of_cause)
     if shown.means is not None:
         yield said("curve.caption.means", readings=shown.means.of)
     if shown.beyond:
-        yield _outside(shown)
+        yield _outside(shown, words)
     if shown.blind.any():
         yield _hardly_felt(shown)
     if shown.unseen is not None:
@@ -351,11 +354,12 @@ def _dots(shown: _Shown, *, of_cause: bool) -> Sentence:
     )
 
 
-def _outside(shown: _Shown) -> Sentence:
+def _outside(shown: _Shown, words: Catalogue) -> Sentence:
     farthest = float(np.abs(shown.curve.residual[~shown.blind]).max())
     key = "curve.caption.one_beyond" if shown.beyond == 1 else "curve.caption.beyond"
-    unit = printed_unit(shown.curve.quantity_unit)
-    return said(key, readings=shown.beyond, farthest=farthest, unit=unit)
+    conversion = words.units.conversion(shown.curve.quantity_unit)
+    unit = printed_unit(conversion.symbol)
+    return said(key, readings=shown.beyond, farthest=conversion.of(farthest), unit=unit)
 
 
 def _hardly_felt(shown: _Shown) -> Sentence:

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 
 from truepose.domain.arrays import FloatArray
 from truepose.domain.corrections import CorrectedTargets
-from truepose.reports.figures.canvas import AFTER, INK, MUTED, new_figure, page_style, to_svg
+from truepose.reports.figures.canvas import AFTER, INK, MUTED, name_axes, new_figure, page_style, to_svg
 from truepose.reports.figures.work_space import exaggeration
 from truepose.words.catalogue import Catalogue
 
@@ -41,8 +41,7 @@ def shift_map(targets: CorrectedTargets, words: Catalogue) -> ShiftMap | None:
         for axes, (across, up, name) in zip(figure.subplots(1, 2), _VIEWS, strict=True):
             _view(axes, place[:, [across, up]], scale * shift[:, [across, up]])
             axes.set_title(words.say(name))
-            axes.set_xlabel(f"{'xyz'[across]} [mm]")
-            axes.set_ylabel(f"{'xyz'[up]} [mm]")
+            name_axes(axes, words, "xyz"[across], "xyz"[up])
         picture = to_svg(figure, "shifts", words.say("shifts.picture"))
     return ShiftMap(picture, scale, len(rows), len(known))
 

@@ -6,7 +6,7 @@ from markupsafe import Markup
 from truepose.domain.causes import Spectrum
 from truepose.effects.joints.joint_harmonics import spoken_order
 from truepose.identification.distributions import WITHIN_95
-from truepose.reports.figures.canvas import AFTER, INK, new_figure, page_style, to_svg
+from truepose.reports.figures.canvas import AFTER, INK, marked_in, new_figure, page_style, to_svg
 from truepose.words.catalogue import IN_ENGLISH, Catalogue
 
 _MOST_LABELS = 24  # orders whose numbers still stand side by side
@@ -39,6 +39,7 @@ def spectrum_picture(spectrum: Spectrum, prefix: str, words: Catalogue = IN_ENGL
         )
         axes.set_xticks(at[::step], [spoken_order(order) for order in spectrum.order[::step].tolist()])
         axes.grid(axis="x", visible=False)
+        marked_in(axes.yaxis, words.units.conversion("deg"))
         axes.set_xlabel(words.say("spectrum.order"))
         axes.set_ylabel(words.say("spectrum.amplitude_deg"))
         figure.legend(loc="outside upper left", ncols=2)

@@ -6,7 +6,7 @@ from matplotlib.axes import Axes
 
 from truepose.domain.arrays import BoolArray
 from truepose.judgement.circle.judged import JointCircle
-from truepose.reports.figures.canvas import AFTER, BEFORE, MUTED, new_figure, page_style, to_svg
+from truepose.reports.figures.canvas import AFTER, BEFORE, MUTED, marked_in, new_figure, page_style, to_svg
 from truepose.words.catalogue import Catalogue
 
 
@@ -20,6 +20,8 @@ def tangential_figure(one: JointCircle, words: Catalogue) -> Markup:
         _draw(axes, one, one.direction > 0, BEFORE, words.say("circles.figure.up"))
         _draw(axes, one, one.direction < 0, AFTER, words.say("circles.figure.down"))
         _draw(axes, one, one.direction == 0, MUTED, words.say("circles.figure.unknown"))
+        marked_in(axes.xaxis, words.units.conversion("deg"))
+        marked_in(axes.yaxis, words.units.conversion("mm"))
         axes.set_xlabel(words.say("circles.figure.angle", joint=one.joint))
         axes.set_ylabel(words.say("circles.head.error"))
         axes.legend()

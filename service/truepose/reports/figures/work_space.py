@@ -9,7 +9,16 @@ from matplotlib.axes import Axes
 
 from truepose.domain.arrays import FloatArray
 from truepose.identification.verdict.judge import Judged
-from truepose.reports.figures.canvas import AFTER, BEFORE, MUTED, new_figure, page_style, to_svg
+from truepose.reports.figures.canvas import (
+    AFTER,
+    BEFORE,
+    MUTED,
+    marked_in,
+    name_axes,
+    new_figure,
+    page_style,
+    to_svg,
+)
 from truepose.words.catalogue import IN_ENGLISH, Catalogue
 
 _MOST_VECTORS = 250
@@ -70,20 +79,22 @@ def _in_space(
         panels = ((before, BEFORE, "before", scales[0]), (after, AFTER, "after", scales[1]))
         for column, (vectors, colour, name, scale) in enumerate(panels, start=1):
             axes = figure.add_subplot(1, 2, column, projection="3d")
-            _space_panel(axes, points, vectors, colour)
+            _space_panel(axes, points, vectors, colour, words)
             axes.set_title(words.say("space.larger", name=words.say(name), times=scale))
         return to_svg(figure, "space", words.say("space.picture"))
 
 
-def _space_panel(axes: Any, points: FloatArray, vectors: FloatArray, colour: str) -> None:
+def _space_panel(axes: Any, points: FloatArray, vectors: FloatArray, colour: str, words: Catalogue) -> None:
     axes.quiver(*points.T, *vectors.T, color=colour, linewidth=0.9, arrow_length_ratio=0.25)
     axes.plot(*points.T, ".", color=MUTED, markersize=1.2)
-    axes.set_xlabel("x [mm]")
-    axes.set_ylabel("y [mm]")
-    axes.set_zlabel("z [mm]")
+    conversion = words.units.conversion("mm")
+    axes.set_xlabel(f"x [{conversion.symbol}]")
+    axes.set_ylabel(f"y [{conversion.symbol}]")
+    axes.set_zlabel(f"z [{conversion.symbol}]")
     axes.set_box_aspect(np.maximum(np.ptp(points, axis=0), 1.0), zoom=0.88)
     axes.locator_params(nbins=4)
     for axis in (axes.xaxis, axes.yaxis, axes.zaxis):
+        marked_in(axis, conversion)
         axis.set_pane_color((0.0, 0.0, 0.0, 0.0))
 
 
@@ -94,8 +105,7 @@ def views(points: FloatArray, vectors: FloatArray, ident: str, words: Catalogue)
         for axes, (across, up, name) in zip(figure.subplots(1, 3), _VIEWS, strict=True):
             _view(axes, points[:, [across, up]], vectors[:, [across, up]])
             axes.set_title(words.say(name))
-            axes.set_xlabel(f"{'xyz'[across]} [mm]")
-            axes.set_ylabel(f"{'xyz'[up]} [mm]")
+            name_axes(axes, words, "xyz"[across], "xyz"[up])
         return to_svg(figure, ident, words.say("space.views"))
 
 

@@ -120,16 +120,20 @@ def _largest(found: Validation, words: Catalogue) -> OneFigure:
     figures, name = found.position.identified, words.say("front.largest")
     known = None if found.uncertainty is None else found.uncertainty.position
     if known is None:
-        return OneFigure(name, f"{millimetres(figures.max_mm)} mm", words.say("front.of", n=figures.n))
+        return OneFigure(
+            name, words.units.quantity(millimetres(figures.max_mm), "mm"), words.say("front.of", n=figures.n)
+        )
     expanded = 2.0 * known.identified.max_mm
     value = rounded(figures.max_mm, expanded)
     remark = words.say("front.of_with", u=uncertainty(expanded), n=figures.n)
-    return OneFigure(name, f"{value} mm", remark)
+    return OneFigure(name, words.units.quantity(value, "mm"), remark)
 
 
 def _gained(before: Statistics, after: Statistics, words: Catalogue) -> OneFigure:
     remark = words.say("front.rms_before", before=millimetres(before.rms_mm))
-    return OneFigure(words.say("report.rms_after"), f"{millimetres(after.rms_mm)} mm", remark)
+    return OneFigure(
+        words.say("report.rms_after"), words.units.quantity(millimetres(after.rms_mm), "mm"), remark
+    )
 
 
 def _bars(pair: NominalAndIdentified, limit_mm: float | None, words: Catalogue) -> Markup:

@@ -56,6 +56,7 @@ def _facts(front: Front, conditions: ReportConditions, words: Catalogue) -> Iter
     yield say("conditions.person"), conditions.person or unstated
     yield say("front.measured"), _measured(conditions, words) or unstated
     yield say("report.written"), conditions.written_at or unstated
+    yield say("front.units"), words.units_named
     if conditions.number:
         yield say("front.report"), conditions.number
 

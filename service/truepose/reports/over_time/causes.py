@@ -9,10 +9,9 @@ from markupsafe import Markup
 
 from truepose.diagnosis.alarms import Alarm
 from truepose.diagnosis.history import CauseOverTime, Change, Sighting, Sign
-from truepose.reports.cause_words import printed_unit
+from truepose.reports.cause_words import with_unit
 from truepose.reports.figures.course import Course, course_figure
 from truepose.reports.over_time.sentences import cause_name, change_words
-from truepose.reports.rounding import with_uncertainty
 from truepose.words.catalogue import Catalogue
 
 _BAND: Final = 1.96  # standard uncertainties of 95 %
@@ -69,14 +68,12 @@ def _picture(cause: CauseOverTime, ident: str, words: Catalogue) -> Markup | Non
     name = cause_name(cause, words)
     course = Course(name, value, value - _BAND * u, value + _BAND * u)
     days = [sign.measured_at or "" for sign in dated]
-    return course_figure(
-        days, [course], words.say("over_time.amplitude"), printed_unit(cause.unit), ident, name
-    )
+    return course_figure(days, [course], words.say("over_time.amplitude"), cause.unit, ident, name, words)
 
 
 def _seen(cause: CauseOverTime, sign: Sign, words: Catalogue) -> tuple[str, str, str]:
     day = words.say("over_time.undated") if sign.measured_at is None else sign.measured_at[:10]
     if sign.amplitude is None or sign.standard_uncertainty is None:
         return day, words.say(_SIGHTINGS[sign.sighting]), ""
-    size = with_uncertainty(sign.amplitude, sign.standard_uncertainty)
-    return day, words.say(_SIGHTINGS[sign.sighting]), f"{size} {printed_unit(cause.unit)}".rstrip()
+    size = with_unit(sign.amplitude, sign.standard_uncertainty, cause.unit, words)
+    return day, words.say(_SIGHTINGS[sign.sighting]), size

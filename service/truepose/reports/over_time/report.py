@@ -84,7 +84,7 @@ def _errors(dated: Sequence[Measurement], words: Catalogue) -> Markup | None:
         _error_course([one.before for one in dated], words.say("over_time.before")),
         _error_course([one.after for one in dated], words.say("over_time.after")),
     ]
-    return _drawn(dated, courses, words.say("over_time.error.short"), "mm", "errors")
+    return _drawn(dated, courses, words.say("over_time.error.short"), "mm", "errors", words)
 
 
 def _error_course(errors: Sequence[Statistics | None], name: str) -> Course:
@@ -99,7 +99,7 @@ def _temperatures(dated: Sequence[Measurement], words: Catalogue) -> Markup | No
         return None
     low, high = np.array([one.temperature_c or (np.nan, np.nan) for one in dated]).T
     name = words.say("over_time.temperature")
-    return _drawn(dated, [Course(name, (low + high) / 2.0, low, high)], name, "°C", "temperatures")
+    return _drawn(dated, [Course(name, (low + high) / 2.0, low, high)], name, "°C", "temperatures", words)
 
 
 def _drawn(
@@ -108,6 +108,7 @@ def _drawn(
     quantity: str,
     unit: str,
     ident: str,
+    words: Catalogue,
 ) -> Markup:
     days = [one.measured_at or "" for one in dated]
-    return course_figure(days, courses, quantity, unit, ident, quantity)
+    return course_figure(days, courses, quantity, unit, ident, quantity, words)

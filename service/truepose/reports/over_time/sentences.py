@@ -3,8 +3,8 @@
 from truepose.diagnosis.alarms import Alarm, Appeared
 from truepose.diagnosis.history import CauseOverTime, Change, Sign
 from truepose.domain.causes import Cause
-from truepose.reports.cause_words import cause_words, printed_unit
-from truepose.reports.rounding import millimetres, p_value, with_uncertainty
+from truepose.reports.cause_words import cause_words, with_unit
+from truepose.reports.rounding import millimetres, p_value
 from truepose.words.catalogue import Catalogue
 
 
@@ -39,8 +39,7 @@ def change_words(cause: CauseOverTime, change: Change, words: Catalogue) -> str:
     return words.say(
         _direction(earlier, later),
         cause=cause_name(cause, words),
-        size=f"{with_uncertainty(abs(change.difference), change.standard_uncertainty)} "
-        f"{printed_unit(cause.unit)}".rstrip(),
+        size=with_unit(abs(change.difference), change.standard_uncertainty, cause.unit, words),
         earlier=(earlier.measured_at or "")[:10],
         later=(later.measured_at or "")[:10],
         verdict=_verdict(change, words),

@@ -80,14 +80,15 @@ def moved_views(moved: Moved, words: Catalogue) -> tuple[Markup, float]:
 
 
 def _row(change: ParameterChange, words: Catalogue) -> ChangeRow:
+    unit = file_unit(change.unit)
     factor, u = file_factor(change.unit), change.standard_uncertainty * file_factor(change.unit)
     return ChangeRow(
         change.name,
         meaning(change.name, change.effect, words),
-        rounded(change.earlier * factor, u),
-        rounded(change.later * factor, u),
-        with_uncertainty(change.difference * factor, u),
-        file_unit(change.unit),
+        rounded(change.earlier * factor, u, unit),
+        rounded(change.later * factor, u, unit),
+        with_uncertainty(change.difference * factor, u, unit),
+        words.units.conversion(unit).symbol,
         "" if change.p_value is None else p_value(change.p_value),
         change.significant,
     )

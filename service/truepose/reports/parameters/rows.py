@@ -75,9 +75,10 @@ def model_rows(model: Model, words: Catalogue = IN_ENGLISH) -> tuple[tuple[str, 
 
 def _of_model(parameter: Parameter, model: Model, words: Catalogue) -> tuple[str, str, str, str, str]:
     factor, u = file_factor(parameter.unit), parameter.standard_uncertainty
-    value = rounded(_identified(parameter, model) * factor, u * factor)
-    said = meaning(parameter.name, parameter.effect, words)
-    return parameter.name, value, uncertainty(u * factor), file_unit(parameter.unit), said
+    unit, said = file_unit(parameter.unit), meaning(parameter.name, parameter.effect, words)
+    value = rounded(_identified(parameter, model) * factor, u * factor, unit)
+    shown = words.units.conversion(unit).symbol
+    return parameter.name, value, uncertainty(u * factor, unit), shown, said
 
 
 def _seen_together(identification: Identification) -> set[str]:
@@ -95,17 +96,17 @@ def _row(
     parameter: Parameter, nominal: float | None, identified: float, together: bool, words: Catalogue
 ) -> ParameterRow:
     factor = file_factor(parameter.unit)
-    u = parameter.standard_uncertainty * factor
+    u, unit = parameter.standard_uncertainty * factor, file_unit(parameter.unit)
 
     return ParameterRow(
         name=parameter.name,
         effect=parameter.effect,
-        nominal=MISSING if nominal is None else exact(nominal * factor),
-        change=MISSING if nominal is None else rounded((identified - nominal) * factor, u),
-        identified=rounded(identified * factor, u),
-        standard_uncertainty=uncertainty(u),
-        unit=file_unit(parameter.unit),
-        prior_width=f"{parameter.prior_width * factor:.2g}",
+        nominal=MISSING if nominal is None else exact(nominal * factor, unit),
+        change=MISSING if nominal is None else rounded((identified - nominal) * factor, u, unit),
+        identified=rounded(identified * factor, u, unit),
+        standard_uncertainty=uncertainty(u, unit),
+        unit=words.units.conversion(unit).symbol,
+        prior_width=words.units.conversion(unit).formatted(parameter.prior_width * factor, ".2g"),
         meaning=meaning(parameter.name, parameter.effect, words),
         standing=_standing(parameter, together),
     )

@@ -15,7 +15,7 @@ from truepose.reports.figures.comparison import comparison
 from truepose.reports.figures.error_maps import ErrorMaps, error_maps
 from truepose.reports.pages import rendered
 from truepose.reports.proof.sentences import proof_sentence, proof_verdict
-from truepose.reports.rounding import millimetres
+from truepose.reports.rounding import fixed, millimetres
 from truepose.reports.traced import Traced, traced_context
 from truepose.words.catalogue import Catalogue
 
@@ -77,4 +77,9 @@ def _target_rows(errors: ProofErrors) -> Iterator[tuple[str, ...]]:
     """Yield each target: its number, nest, place, and the sizes of its errors."""
     sizes = np.stack([_norms(errors.before_mm), _norms(errors.after_mm)], axis=1)
     for number, nest, place, size in zip(errors.config, errors.nest, errors.target_mm, sizes, strict=True):
-        yield str((number + 1) // 2), str(nest), *(f"{x:.1f}" for x in place), *map(millimetres, size)
+        yield (
+            str((number + 1) // 2),
+            str(nest),
+            *(fixed(float(x), 1, "mm") for x in place),
+            *map(millimetres, size),
+        )

@@ -57,7 +57,7 @@ def _row(
         model_name(one.model, words),
         words.say(centre),
         str(figures.n),
-        *(rounded(number.value, number.standard_uncertainty) for number in numbers),
+        *(rounded(number.value, number.standard_uncertainty, "mm") for number in numbers),
     )
 
 

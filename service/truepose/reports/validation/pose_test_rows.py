@@ -1,6 +1,6 @@
 """A test of ISO 9283 as rows: figures with uncertainty, and the conditions that the standard wants stated."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Final
 
@@ -12,7 +12,7 @@ from truepose.judgement.iso9283.judged import CommandedBy, PoseTest
 from truepose.judgement.iso9283.pose import POSES
 from truepose.judgement.iso9283.visits import CommandedPose
 from truepose.reports.conditions import NOT_STATED, ReportConditions, condition_rows
-from truepose.reports.rounding import millimetres, rounded, uncertainty
+from truepose.reports.rounding import fixed, millimetres, rounded, uncertainty
 from truepose.words.catalogue import IN_ENGLISH, Catalogue
 
 _MEANINGS = {
@@ -67,9 +67,13 @@ def pose_test_cards(test: PoseTest, words: Catalogue = IN_ENGLISH) -> Iterator[t
     for symbol, component, name in _WORST:
         worst = test.identified.largest(symbol, component)
         if worst is not None:
+            u = uncertainty(worst.standard_uncertainty, file_unit(worst.unit))
             value = rounded(abs(worst.value), worst.standard_uncertainty)
-            u = uncertainty(worst.standard_uncertainty)
-            yield words.say(name), f"{value} {file_unit(worst.unit)}", _remark(worst, u, words)
+            yield (
+                words.say(name),
+                words.units.quantity(value, file_unit(worst.unit)),
+                _remark(worst, u, words),
+            )
     yield _beside(test, words)
 
 
@@ -81,15 +85,16 @@ def _remark(worst: Characteristic, u: str, words: Catalogue) -> str:
 
 def _beside(test: PoseTest, words: Catalogue) -> tuple[str, str, str]:
     if test.work_space is None:
-        claimed = f"{millimetres(test.claimed_mm)} mm"
+        claimed = words.units.quantity(millimetres(test.claimed_mm), "mm")
         return words.say("pose_test.card.claimed"), claimed, words.say("pose_test.card.claimed.remark")
     seen = test.work_space.identified
     remark = words.say("pose_test.card.space.remark", n=seen.n, mean=millimetres(seen.mean_mm))
-    return words.say("pose_test.card.space"), f"{millimetres(seen.max_mm)} mm", remark
+    return words.say("pose_test.card.space"), words.units.quantity(millimetres(seen.max_mm), "mm"), remark
 
 
 def _row(figure: Characteristic, commanded_by: CommandedBy | None, words: Catalogue) -> PoseTestRow:
     factor = file_factor(figure.unit)
+    unit = file_unit(figure.unit)
     value, u = figure.value * factor, figure.standard_uncertainty * factor
     half_width = figure.symbol == "RD" or (figure.symbol == "RP" and figure.component != "l")
     return PoseTestRow(
@@ -98,17 +103,21 @@ def _row(figure: Characteristic, commanded_by: CommandedBy | None, words: Catalo
         figure.clause,
         figure.subject,
         words.say(_MODELS[commanded_by]) if commanded_by else "",
-        f"{'±' if half_width else ''}{rounded(value, u)}",
-        uncertainty(u),
-        file_unit(figure.unit),
-        rounded(figure.noise * factor, u) if figure.noise else "",
+        f"{'±' if half_width else ''}{words.units.number(rounded(value, u), unit)}",
+        uncertainty(u, unit),
+        words.units.conversion(unit).symbol,
+        rounded(figure.noise * factor, u, unit) if figure.noise else "",
         figure.visits,
         figure.component in {"p", "l"},
     )
 
 
-def _place(pose: CommandedPose) -> str:
-    return f"{pose.name} ({' '.join(f'{x:.0f}' for x in pose.position_mm)})"
+def _place(pose: CommandedPose, words: Catalogue) -> str:
+    return f"{pose.name} ({_at(pose.position_mm, words)})"
+
+
+def _at(place_mm: Iterable[float], words: Catalogue) -> str:
+    return " ".join(words.units.number(fixed(float(x), 0, "mm"), "mm") for x in place_mm)
 
 
 def withheld_sentences(test: PoseTest, words: Catalogue = IN_ENGLISH) -> Iterator[str]:
@@ -138,12 +147,12 @@ def _cube(test: PoseTest, words: Catalogue) -> Iterator[tuple[str, str]]:
     if test.poses != POSES:
         return
     cube = cube_of(test.commanded)
-    centre = "" if cube is None else " ".join(f"{x:.0f}" for x in cube.centre_mm)
+    centre = "" if cube is None else _at(cube.centre_mm, words)
     yield (
         words.say("pose_test.cube"),
         words.say("pose_test.cube.none")
         if cube is None
-        else words.say("pose_test.cube.value", edge=f"{cube.edge_mm:.0f}", centre=centre),
+        else words.say("pose_test.cube.value", edge=fixed(cube.edge_mm, 0, "mm"), centre=centre),
     )
 
 
@@ -155,12 +164,15 @@ def stated_conditions(
         return tuple(condition_rows(conditions, words))
     say = words.say
     measuring = [device for device in conditions.instruments if device.role != _ROBOT]
-    instruments = ", ".join(device.model or words.name(device.role) for device in measuring)
+    instruments = words.listed([device.model or device.role for device in measuring], "commas")
     return (
         (say("pose_test.standard"), "ISO 9283:1998"),
         (say("pose_test.cycles"), words.spoken(_cycles(test))),
         *_cube(test, words),
-        (say("pose_test.commanded"), ", ".join(map(_place, test.commanded))),
+        (
+            say("pose_test.commanded"),
+            words.listed([_place(pose, words) for pose in test.commanded], "commas"),
+        ),
         (say("pose_test.point"), say("pose_test.point.value", nest=test.nest)),
         (say("pose_test.instrument"), instruments or say(NOT_STATED)),
         *condition_rows(conditions, words),

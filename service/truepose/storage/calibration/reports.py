@@ -52,9 +52,10 @@ class ReportRepository:
         return None if row is None else _record(row)
 
     async def get(self, subject: ReportSubject, revision: int, language: str) -> ReportRecord:
-        """Return a revision, in the language asked for if it was made in it; raises NotFoundError."""
+        """Return a revision, in the language tag asked for if it was made in it; raises NotFoundError."""
         query = _of(subject).where(reports.c.revision == revision)
-        preferred = query.order_by(desc(reports.c.language == language), reports.c.id).limit(1)
+        wanted = (desc(reports.c.language == one) for one in (language, language.partition("-")[0]))
+        preferred = query.order_by(*wanted, reports.c.id).limit(1)
         row = await self._database.read(lambda connection: connection.execute(preferred).one_or_none())
         if row is None:
             raise NotFoundError("revision", revision)

@@ -131,4 +131,4 @@ async def _report(
         notes=campaign.summary.notes,
     )
     named = f"{campaign.name}, {measured_words(record.measured_at, words)}"
-    return DiagnosisInput(diagnosis, named, conditions, words.language)
+    return DiagnosisInput(diagnosis, named, conditions, words.tag)

@@ -60,7 +60,7 @@ async def _asked(here: Context, number: int, words: Catalogue) -> "ChecklistInpu
         checklist_of(plan),
         minutes,
         simulated=setup.simulated,
-        language=words.language,
+        language=words.tag,
     )
 
 

@@ -48,7 +48,7 @@ async def _drawable(here: Context, number: int, choice: Choice, words: Catalogue
         conditions,
         draw_correction,
         lambda whole: CorrectionInput(
-            record.name, record.robot, record.correction, targets, hashes, whole, words.language
+            record.name, record.robot, record.correction, targets, hashes, whole, words.tag
         ),
     )
 

@@ -52,7 +52,7 @@ async def _drawable(here: Context, number: int, choice: Choice, words: Catalogue
         diagnosis_document(diagnosis),
         lambda spoken: _conditions(here, record, spoken),
         draw_diagnosis,
-        lambda whole: DiagnosisInput(diagnosis, named, whole, words.language),
+        lambda whole: DiagnosisInput(diagnosis, named, whole, words.tag),
     )
 
 

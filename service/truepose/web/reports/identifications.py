@@ -60,7 +60,7 @@ async def _drawable(here: Context, number: int, choice: Choice, words: Catalogue
         identification_document(found, record.robot),
         lambda spoken: conditions_of_campaign(here, record.campaign_id, spoken),
         draw_identification,
-        lambda whole: StoredIdentification(found, content, whole, words.language),
+        lambda whole: StoredIdentification(found, content, whole, words.tag),
     )
 
 

@@ -24,8 +24,8 @@ async def report_of(
     if made is not None:
         return made
     page = await _drawn(here, drawable, _numbered(kind, number, revision, words), words)
-    await here.reports.keep(ReportRecord("", subject, revision, words.language, stated, page))
-    return await here.reports.get(subject, revision, words.language)
+    await here.reports.keep(ReportRecord("", subject, revision, words.tag, stated, page))
+    return await here.reports.get(subject, revision, words.tag)
 
 
 async def drawn(here: Context, kind: ReportKind, number: int, words: Catalogue) -> str:
@@ -39,10 +39,10 @@ async def _made(
 ) -> ReportRecord | None:
     """Return a revision in this language; None where it was not made in it yet."""
     try:
-        found = await here.reports.get(subject, revision, words.language)
+        found = await here.reports.get(subject, revision, words.tag)
     except NotFoundError:
         return None
-    return found if found.language == words.language else None
+    return found if found.language == words.tag else None
 
 
 async def _stated(drawable: Drawable) -> str:

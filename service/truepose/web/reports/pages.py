@@ -113,7 +113,7 @@ async def _record(visit: Visit, kind: str, id: str, choice: Choice, revision: in
 
 
 async def _older(here: Context, subject: ReportSubject, revision: int, words: Catalogue) -> ReportRecord:
-    return await here.reports.get(subject, revision, words.language)
+    return await here.reports.get(subject, revision, words.tag)
 
 
 def _refused(visit: Visit, error: TrueposeError) -> HTMLResponse:

@@ -58,7 +58,7 @@ async def _drawable(here: Context, number: int, choice: Choice, words: Catalogue
     def framed(whole: "ReportConditions") -> "Framed":
         from truepose.reports.front.framed import Framed
 
-        return Framed(front, content, whole, words.language)
+        return Framed(front, content, whole, words.tag)
 
     return Drawable(
         (number, choice, await here.sessions.chain_head(number)),

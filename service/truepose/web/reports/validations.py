@@ -74,7 +74,7 @@ async def _drawable(here: Context, number: int, choice: Choice, words: Catalogue
         validation_document(record.validation),
         lambda spoken: conditions_of_campaign(here, record.campaign_id, spoken),
         draw_validation,
-        lambda whole: StoredValidation(record.validation, model, content, whole, words.language),
+        lambda whole: StoredValidation(record.validation, model, content, whole, words.tag),
     )
 
 

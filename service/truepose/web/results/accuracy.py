@@ -69,7 +69,7 @@ async def _content(here: Context, origin: Origin, choice: Choice, words: Catalog
         tuple(validation_cautions(model.model, found.points)),
         found.test,
         ending.conditions,
-        words.language,
+        words.tag,
         ending.audit,
     )
     return await asyncio.to_thread(validation_content, report)

@@ -1,6 +1,9 @@
 // <robot-view src="...space">: robot and errors of a result in space, to be turned.
 
 import { filled, SpaceView } from "./space-view.js";
+import { Units, numbers } from "./units.js";
+
+const units = new Units();
 
 class RobotView extends SpaceView {
   poses() {
@@ -31,7 +34,8 @@ class RobotView extends SpaceView {
   caption() {
     const pose = this.space.poses[this.shown];
     const line = this.part("pose");
-    line.textContent = pose ? filled(line.dataset.words, pose) : "";
+    const off = (size_mm) => units.quantity(size_mm, "mm", 3, numbers);
+    line.textContent = pose ? filled(line.dataset.words, { config: pose.config, before: off(pose.before_mm), after: off(pose.after_mm) }) : "";
     for (const name of ["before", "after"]) {
       const key = this.part(`times-${name}`);
       key.textContent = filled(key.dataset.words, { times: this.space[`times_${name}`] });

@@ -4,7 +4,7 @@
 import { holdButton } from "./hold.js";
 
 const here = new URL(location.href);
-for (const choice of ["language", "look"]) here.searchParams.delete(choice);
+for (const choice of ["language", "look", "units"]) here.searchParams.delete(choice);
 history.replaceState(history.state, "", here);
 
 const root = document.documentElement;

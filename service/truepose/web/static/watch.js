@@ -1,12 +1,14 @@
 // A session read from afar: what it does, the newest value, how far it is. Nothing here can be pressed.
 
 import { EventReader } from "./tablet/common/live.js";
+import { Units, numbers } from "./units.js";
 
 const AGAIN_MS = 1000;
 const SILENCE_MS = 3000;
 const OVER = 401;
 const at = Object.fromEntries([...document.querySelectorAll("[id]")].map((node) => [node.id, node]));
 const words = document.body.dataset;
+const units = new Units();
 let heard_ms = performance.now();
 let [attempt, began_ms] = [null, 0];
 
@@ -14,8 +16,9 @@ const write = (place, text) => place.textContent === text || (place.textContent 
 
 function sample({ length_mm, distance_mm, state }) {
   const value = length_mm ?? distance_mm ?? null;
-  write(at.value, value === null ? "–" : value.toFixed(value === length_mm ? 4 : 3));
-  write(at.unit, value === null ? "" : " mm");
+  const shown = value === null ? null : units.shown(value, "mm", value === length_mm ? 4 : 3);
+  write(at.value, shown ? numbers.number(shown.value, shown.digits) : "–");
+  write(at.unit, shown ? ` ${units.symbol("mm")}` : "");
   at.value.parentElement.hidden = value === null && !at.value.dataset.seen;
   if (value !== null) at.value.dataset.seen = "yes";
   document.body.dataset.state = state ?? "";

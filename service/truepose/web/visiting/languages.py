@@ -1,8 +1,9 @@
-"""The language of a page: what its address asks for or asked for before, else what the browser prefers."""
+"""The language and units of a page: what its address asks for, or asked for before, else the browser's."""
 
 from fastapi import Request
 
 from truepose.words.catalogue import ENGLISH, LANGUAGES, Catalogue, catalogue
+from truepose.words.units import Units
 
 
 def wanted_words(request: Request) -> Catalogue:
@@ -10,7 +11,19 @@ def wanted_words(request: Request) -> Catalogue:
     asked = request.query_params.get("language", "")
     kept = request.cookies.get("language", "")
     wanted = [asked, kept, *preferred(request.headers.get("accept-language", ""))]
-    return catalogue(next((language for language in wanted if language in LANGUAGES), ENGLISH))
+    spoken = next((language for language in wanted if language in LANGUAGES), ENGLISH)
+    units = wanted_units(request)
+    return catalogue(Catalogue(spoken, units).tag)
+
+
+def wanted_units(request: Request) -> Units:
+    """Return the units that a visitor wants: of what the address does not name, those asked for before."""
+    kept, asked = (_tokens(where.get("units", "")) for where in (request.cookies, request.query_params))
+    return Units.of([*kept, *asked])
+
+
+def _tokens(told: str) -> list[str]:
+    return told.split("-")
 
 
 def preferred(accepted: str) -> list[str]:

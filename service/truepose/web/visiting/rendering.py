@@ -5,11 +5,14 @@ from typing import Final
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
+from truepose.words.templates import in_units
+
 _HERE: Final = Path(__file__).parents[1]
 _TEMPLATES: Final = Environment(
     loader=FileSystemLoader([_HERE / "templates", _HERE / "tablet" / "templates"]),
     autoescape=True,
     undefined=StrictUndefined,
+    finalize=in_units,
 )
 _TEMPLATES.globals["parts"] = _TEMPLATES.get_template("parts.html").module
 

@@ -1,6 +1,6 @@
-"""A visit: one request for a page, in the language and the look that its visitor wants.
+"""A visit: one request for a page, in the language, the units and the look that its visitor wants.
 
-What an address asks for (`?language=fr&look=dark`) is kept in a cookie, so that links need not carry it on.
+What an address asks for (`?language=fr&look=dark&units=inch`) is kept in a cookie: no link carries it on.
 """
 
 from dataclasses import dataclass
@@ -20,6 +20,14 @@ from truepose.words.catalogue import LANGUAGES, Catalogue, catalogue
 
 LOOKS: Final = ("system", "light", "dark", "contrast")
 _CHOICES: Final = {"language": LANGUAGES, "look": LOOKS}
+_UNITS: Final = {
+    "mm": "shell.units.mm",
+    "inch": "shell.units.inch",
+    "deg": "shell.units.deg",
+    "rad": "shell.units.rad",
+    "c": "shell.units.c",
+    "f": "shell.units.f",
+}
 _YEAR_S: Final = 365 * 24 * 3600
 
 
@@ -60,9 +68,16 @@ class Visit:
         """Every language there is, with its own name."""
         return [(language, catalogue(language).say("page.language")) for language in LANGUAGES]
 
+    @property
+    def units(self) -> list[tuple[str, str, bool]]:
+        """Each unit there is: as an address names it, its key of the catalogue, whether it is chosen."""
+        chosen = self.words.units.chosen
+        return [(token, key, token in chosen) for token, key in _UNITS.items()]
+
     def _asked(self) -> dict[str, str]:
         asked = self.request.query_params
-        return {name: asked[name] for name, known in _CHOICES.items() if asked.get(name) in known}
+        chosen = {name: asked[name] for name, known in _CHOICES.items() if asked.get(name) in known}
+        return chosen | ({"units": "-".join(self.words.units.chosen)} if "units" in asked else {})
 
 
 def _visit(request: Request, here: Here) -> Visit:

@@ -185,3 +185,18 @@ async def test_a_planned_session_has_a_checklist_to_print(client):
     assert shown.text.count('<td><span class="box">') == 3
     assert printed.content.startswith(b"%PDF-")
     assert (await client.get("/sessions/99/checklist")).status_code == 404
+
+
+async def test_a_report_in_inches_is_the_same_revision_and_the_one_in_mm_stays(client, diagnosed, worker):
+    number = await diagnosed(two_findings())
+    address = f"/reports/diagnosis/{number}"
+
+    metric = await client.get(f"{address}.html")
+    inch = await client.get(f"{address}.html?units=inch")
+    kept = await client.get(f"{address}.html", headers={"Cookie": "units=inch-deg-c"})
+    again = await client.get(f"{address}.html?units=mm")
+
+    assert "mm, deg, °C" in metric.text and "in, deg, °C" in inch.text
+    assert kept.text == inch.text and again.text == metric.text
+    assert worker.drawn == 2
+    assert metric.headers["Content-Disposition"] == inch.headers["Content-Disposition"]

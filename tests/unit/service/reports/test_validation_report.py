@@ -105,7 +105,7 @@ def test_the_page_of_a_test_leads_with_its_worst_figures_and_what_they_do_not_pr
     assert "AP, the worst pose 0.05" in first
     assert re.search(r"Largest error in the work space 0\.05\d\d? mm at 20 other configurations", first)
     assert "RP, the worst pose" in first
-    assert re.search(r"Commanded poses, mm P1 \(\d+ -?\d+ \d+\), P2", text)
+    assert re.search(r"Commanded poses \[mm\] P1 \(\d+ -?\d+ \d+\), P2", text)
     for hash in ("5e" * 32, "0d" * 32, "d0" * 32):
         assert hash in text
 

@@ -90,9 +90,9 @@ export class Gauge {
 
   #length(sample, step) {
     const texts = this.#texts;
-    if (sample.length_mm !== null) return texts.say("length.mm", { length: texts.number(sample.length_mm, 3) });
+    if (sample.length_mm !== null) return texts.units.length(sample.length_mm, texts);
     if (sample.deviation_mm !== null && step?.kind === "initialise")
-      return texts.say("length.mm", { length: texts.signed(sample.deviation_mm, 3) });
+      return texts.units.difference(sample.deviation_mm, texts);
     return texts.say("length.none");
   }
 
@@ -100,8 +100,8 @@ export class Gauge {
     const texts = this.#texts;
     const expected_mm = step?.expected_mm ?? step?.nominal_mm;
     if (sample.length_mm === null || !expected_mm) return "";
-    const deviation = texts.signed(sample.length_mm - expected_mm, 3);
-    return texts.say("length.deviation", { deviation, expected: texts.number(expected_mm, 3) });
+    const deviation = texts.units.signed(sample.length_mm - expected_mm, texts);
+    return texts.say("length.deviation", { deviation, expected: texts.units.number(expected_mm, texts) });
   }
 
   #advice(sample, step, old) {

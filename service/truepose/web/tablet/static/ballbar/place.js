@@ -16,16 +16,22 @@ function turn_deg([first, second]) {
   return (Math.round((Math.atan2(y, x) * FULL_DEG) / (2 * Math.PI)) + FULL_DEG) % FULL_DEG;
 }
 
+// As a tape measure shows it: millimetres, or hundredths of an inch.
+function whole(value_mm, texts) {
+  const { value, digits } = texts.units.shown(value_mm, "mm", 0);
+  return digits === 0 ? texts.whole(value) : texts.number(value, digits);
+}
+
 // The arm begins at the robot's base, however it stands.
 export function placeInNumbers(scene, texts) {
   const cups = scene.points.filter((point) => point.kind === "cup");
   if (cups.length < 2 || !scene.arm_mm.length) return [];
   const head = element("tr", {}, ...HEADS.map((key) => element("th", { scope: "col" }, texts.say(key))));
-  const cell = (value) => element("td", {}, texts.whole(value));
+  const cell = (value) => element("td", {}, whole(value, texts));
   const row = ({ name, values }) => element("tr", {}, element("th", { scope: "row" }, name), ...values.map(cell));
   const rows = cups.map((cup) => row(numbers(cup, scene.arm_mm[0])));
   const table = element("table", { class: "place" }, element("thead", {}, head), element("tbody", {}, ...rows));
   const [first, second] = cups.map((cup) => cup.name);
-  const said = texts.say("place.numbers", { first, second, turn: turn_deg(cups) });
+  const said = texts.say("place.numbers", { first, second, unit: texts.units.symbol("mm"), turn: texts.units.quantity(turn_deg(cups), "°", 0, texts) });
   return [table, element("p", { class: "place-words" }, said)];
 }

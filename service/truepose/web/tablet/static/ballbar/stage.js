@@ -24,7 +24,7 @@ function nameBlocks(points) {
 function doubtInWords({ step, suspicion }, texts) {
   const pair = suspicion.suspected && pairInWords(suspicion.suspected);
   const asked = step.points ? pairInWords(step.points) : texts.say("initialise.names");
-  const expected = suspicion.expected_mm !== null && texts.number(suspicion.expected_mm, 3);
+  const expected = suspicion.expected_mm !== null && texts.units.length(suspicion.expected_mm, texts);
   const said = { pair, asked, expected };
   const keys = {
     same_pair: pair ? "doubt.same_pair" : "doubt.same_pair_unknown",
@@ -36,7 +36,7 @@ function doubtInWords({ step, suspicion }, texts) {
     same_bars: "doubt.same_bars",
     unlikely: expected ? "doubt.unlikely" : "doubt.unlikely_plain",
   };
-  const read = { pair: asked, length: texts.number(suspicion.length_mm, 3) };
+  const read = { pair: asked, length: texts.units.length(suspicion.length_mm, texts) };
   return [texts.say("doubt.asked", read), texts.say(keys[suspicion.kind], said)];
 }
 
@@ -99,7 +99,7 @@ export class Stage {
     const { panel } = this.#at;
     const { session, steps } = model;
     const scene = sceneNow(model);
-    const shown = [screen, session?.step?.id, texts.language, session?.suspicion?.kind, session?.ballbar_attached, session?.reason, model.up].join();
+    const shown = [screen, session?.step?.id, texts.language, texts.units.name, session?.suspicion?.kind, session?.ballbar_attached, session?.reason, model.up].join();
     const why = RESTS.includes(screen) ? reasonInWords(session.reason, texts) : null;
     const placing = screen === "place_base" && scene !== null;
     showIf(panel, ["planned", "move", "doubt", ...ENDS].includes(screen) || why !== null || placing);
@@ -147,7 +147,7 @@ export class Stage {
     if (!stored) return write(last, session ? texts.say("stored.none") : "");
     const step = stepsById.get(stored.step_id);
     const what = step?.points ? pairInWords(step.points) : texts.say("initialise.names");
-    const length = texts.say("length.mm", { length: texts.number(stored.length_mm, 3) });
+    const length = texts.units.length(stored.length_mm, texts);
     return write(last, texts.say(storedNow ? "stored.now" : "stored.last", { what, length }));
   }
 }

@@ -71,6 +71,7 @@ export class Page {
     const at = this.at;
     document.addEventListener("keydown", oneTapAKey);
     at.language.addEventListener("change", () => this.#speak(at.language.value));
+    at.units.addEventListener("click", () => (this.texts.units.switch(), this.dialogues.again(), this.draw()));
     at.mute.addEventListener("click", () => ((this.tablet.muted = !this.tablet.muted), this.draw()));
     at.person.addEventListener("click", () => this.askName());
     at["take-over"].addEventListener("click", () => this.dialogues.takeOver(this.model.session.acting?.person, () => this.act("hand_over")));

@@ -1,5 +1,6 @@
 // The one catalogue of what the pages say, and numbers and times as each language writes them.
 
+import { Units } from "/static/units.js";
 import { answerTo, ask } from "./api.js";
 
 const KEPT = "truepose.language";
@@ -22,6 +23,7 @@ export class Texts {
   #rooms;
 
   constructor(storage, rooms, preferred) {
+    this.units = new Units();
     this.#storage = storage;
     this.#rooms = rooms;
     const wanted = storage.get(KEPT) ?? preferred.slice(0, 2).toLowerCase();

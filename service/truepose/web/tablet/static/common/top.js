@@ -44,6 +44,7 @@ export class Top {
   #showTablet(tablet, texts) {
     write(this.#at.person, tablet.person ?? texts.say("name.none"));
     this.#at.person.setAttribute("aria-label", texts.say("name.change", { person: tablet.person ?? texts.say("name.none") }));
+    write(this.#at.units, texts.units.symbol("mm"));
     const { mute } = this.#at;
     if (mute.dataset.muted !== String(tablet.muted)) mute.replaceChildren(buttonShape(tablet.muted ? "silent" : "sound"));
     mute.dataset.muted = tablet.muted;

@@ -59,13 +59,13 @@ export function sight(scene, texts, units) {
 
 function betterInWords({ better, instrument_mm }, texts, units) {
   const [x, y, z] = better.position_mm.map((value, i) => units.signed(value - instrument_mm[i], texts, "coarse"));
-  return texts.say("placing.better", { x, y, z, unit: units.unit(texts), seen: better.configurations });
+  return texts.say("placing.better", { x, y, z, unit: units.symbol("mm"), seen: better.configurations });
 }
 
 // Each fixed nest: where the certificate has it, what was read, how it scatters.
 export function nestTable({ nests, placed }, reading, texts, units) {
   const heads = ["nests.nest", "nests.expected", "nests.read", "nests.delta", "nests.scatter"];
-  const head = element("tr", {}, ...heads.map((key) => element("th", { scope: "col" }, texts.say(key, { unit: units.unit(texts) }))));
+  const head = element("tr", {}, ...heads.map((key) => element("th", { scope: "col" }, texts.say(key, { unit: units.symbol("mm") }))));
   const rows = nests.map((nest) => {
     const expected = nest.expected_mm.map((value) => units.number(value, texts, "coarse")).join("  ");
     const delta = nest.delta_mm === null ? "" : units.small(Math.hypot(...nest.delta_mm), texts);

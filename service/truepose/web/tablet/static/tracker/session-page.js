@@ -10,7 +10,6 @@ import { Page } from "../common/page.js";
 import { Storage } from "../common/tablet.js";
 import { Texts } from "../common/texts.js";
 import { Top } from "../common/top.js";
-import { Units } from "../common/units.js";
 import { OFFERS } from "./offers.js";
 import { MOVING, onlyNow, screenOf, seen, subjectOf } from "./situation.js";
 import { Stage } from "./stage.js";
@@ -36,7 +35,6 @@ class SessionPage extends Page {
   constructor(texts, storage) {
     const path = `/api/v1/sessions/${document.body.dataset.session}/guide`;
     super(texts, storage, { path, onlyNow });
-    this.units = new Units(storage);
     Object.assign(this.model, { sheet: null, scene: null, devices: [], outlook: null, placed: false, measuredNow: false });
     this.#furnish();
   }
@@ -50,15 +48,13 @@ class SessionPage extends Page {
     this.dialogues = new Dialogues(at.dialogue, this.texts);
     this.dock = new Dock(at.dock, (act) => this.#tapped(act));
     this.actions = new Actions(at.actions, OFFERS, { tapped: (act) => this.#offered(act), settled: () => this.draw() });
-    at.units.addEventListener("click", () => (this.units.switch(), this.draw()));
   }
 
   show() {
     const { session } = this.model;
     const screen = screenOf(session, this.model);
     this.top.show(this.model, this.texts);
-    write(this.at.units, this.units.unit(this.texts));
-    this.stage.show(screen, this.model, this.texts, this.units);
+    this.stage.show(screen, this.model, this.texts, this.texts.units);
     this.dock.show(this.model, this.texts);
     this.caution.show(MOVING.includes(screen), session, this.texts);
     this.actions.show(screen, this.model, this.texts);
@@ -172,7 +168,7 @@ class SessionPage extends Page {
   #showWatch() {
     const { session, sample, up, opened } = this.model;
     const searching = ["warm-up", "world-frame"].includes(session?.step?.kind);
-    this.watch.show(sample, { texts: this.texts, units: this.units, up: up || !opened, searching });
+    this.watch.show(sample, { texts: this.texts, units: this.texts.units, up: up || !opened, searching });
     const still = sample && !sample.is_moving && !this.at.watch.hidden ? sample : null;
     this.sound.state(still?.state === "within" ? "in_range" : null);
     if (still?.distance_mm && still.state !== "within") this.#tone(still);

@@ -42,7 +42,7 @@ export class Table {
   }
 
   #build(points, texts, units) {
-    const unit = units.unit(texts);
+    const unit = units.symbol("mm");
     const gauges = points.some((point) => point.reading_mm.length > 0) || points.every((point) => point.expected_mm === null);
     const columns = gauges ? gaugeColumns(texts, units) : pointColumns(texts, units);
     const head = element("tr", {}, ...columns.map(({ head, kind }) => element("th", { scope: "col", class: kind }, head)));
