@@ -1,5 +1,6 @@
 """A test from its form to its result, as a person with a tablet does it."""
 
+import time
 from dataclasses import replace
 
 import numpy as np
@@ -97,7 +98,9 @@ def test_another_tracker_is_accepted_by_the_number_that_a_person_types(service, 
     with tablet.expect_request("**/confirm") as asked:
         tablet.get_by_role("button", name="The cell is clear: go on").click()
 
-    assert asked.value.post_data_json == {"person": "Ada Byron", "prompt_id": 5, "accept_serial_number": "42"}
+    said = asked.value.post_data_json
+    assert said.pop("pressed_at_s") <= time.monotonic()
+    assert said == {"person": "Ada Byron", "prompt_id": 5, "accept_serial_number": "42"}
 
 
 def test_where_no_tracker_is_questioned_no_number_is_asked(service, tablet):
