@@ -50,6 +50,7 @@ class Settings:
     simulated_seed: int = 0
     simulated_faults: Path | None = None  # what goes wrong in the simulated cell, and when
     allowed_hosts: tuple[str, ...] = ()  # names beside loopback and `host` under which it may be asked
+    proxies: tuple[str, ...] = ()  # addresses whose X-Forwarded-For says who asks
     backups: BackupPlan | None = None
     log_file: Path | None = None  # of JSON lines; None: beside the database
     log_level: LogLevel = LogLevel.INFO
@@ -60,7 +61,7 @@ class Settings:
     @property
     def reached_from_here_alone(self) -> bool:
         """Whether only this computer reaches the service: on loopback, behind no proxy."""
-        return not self.allowed_hosts and _is_loopback(self.host)
+        return not self.allowed_hosts and not self.proxies and _is_loopback(self.host)
 
 
 def _is_loopback(host: str) -> bool:

@@ -3,6 +3,7 @@
 import asyncio
 import contextlib
 import dataclasses
+import functools
 from collections.abc import AsyncIterator, Callable, Coroutine, Sequence
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
@@ -56,6 +57,7 @@ from truepose.storage.work.listing import WorkList
 from truepose.web.application import Application, create_application
 from truepose.web.context import Context, Endpoint
 from truepose.web.door.hosts import AllowedHosts
+from truepose.web.door.proxies import Proxies
 from truepose_drivers.api import Clock, DriverPlugin
 from truepose_drivers.registry import DriverRegistry, load_registry
 
@@ -82,9 +84,12 @@ def create_app(
     ------
     UnusableHostError
         The settings allow what is no name of a host.
+    UnusableProxyError
+        The settings take the word of what can be no proxy.
     """
-    hosts = allowed_hosts(settings)
-    return create_application(program_version(), lambda: open_context(settings, registry, perform), hosts)
+    hosts, proxies = allowed_hosts(settings), Proxies(settings.proxies)
+    opened = functools.partial(open_context, settings, registry, perform)
+    return create_application(program_version(), opened, hosts, proxies)
 
 
 def allowed_hosts(settings: Settings) -> AllowedHosts:

@@ -10,7 +10,7 @@ from truepose.settings import Settings
 
 _OPEN: Final = (
     "--no-accounts lets in whoever reaches the service, so it is for this computer alone: leave "
-    "out --host and --allowed-host, or leave out --no-accounts."
+    "out --host, --allowed-host and --behind-proxy, or leave out --no-accounts."
 )
 _HALF: Final = "TLS needs both: --tls-certificate FILE and --tls-key FILE."
 

@@ -29,7 +29,8 @@ from truepose.settings import Settings
 from truepose.storage.connection.address import database_file
 from truepose.web.application import create_application
 from truepose.web.context import Context
-from truepose.web.door.errors import UnusableHostError
+from truepose.web.door.errors import DoorError
+from truepose.web.door.proxies import Proxies
 from truepose.words.error_codes import code_of
 from truepose_drivers.errors import DriverError
 
@@ -45,8 +46,8 @@ _QUEUE: Final = 4096  # connections that wait in the system to be taken up; beyo
 def serve(settings: Settings) -> int:
     """Serve until interrupted and return the exit status; prints one JSON line with `url` when ready.
 
-    A start that fails writes one sentence to standard error: status 2 for a cell file, a scenario or an
-    allowed host that cannot be used, 3 for a database, a port or a simulated cell that cannot.
+    A start that fails writes one sentence to standard error: status 2 for a cell file, a scenario, an
+    allowed host or a proxy that cannot be used, 3 for a database, a port or a simulated cell that cannot.
     """
     try:
         require_safe(settings)
@@ -57,7 +58,7 @@ def serve(settings: Settings) -> int:
             asyncio.run(_serve(settings, lambda: lost.lines))
     except KeyboardInterrupt:  # before the service was ready and took care of signals itself
         return 0
-    except (ExchangeError, ScenarioRefusedError, UnsafeStartError, UnusableHostError) as error:
+    except (ExchangeError, ScenarioRefusedError, UnsafeStartError, DoorError) as error:
         return _refuse(error, _UNUSABLE_INPUT)
     except (TrueposeError, DriverError) as error:
         return _refuse(error, _SERVICE_FAILED)
@@ -78,18 +79,20 @@ def _refuse(error: Exception, status: int) -> int:
 
 
 async def _serve(settings: Settings, lines_lost: Callable[[], int]) -> None:
-    hosts = allowed_hosts(settings)
+    hosts, proxies = allowed_hosts(settings), Proxies(settings.proxies)
     # The port first: a service that nobody can reach must not hold the database or start a cell.
     with _listening(settings.host, settings.port) as listener:
-        census = Census(Limits(connection_limit()))
+        census = Census(Limits(connection_limit()), proxies.includes)
         async with open_context(settings, lines_lost=lines_lost) as context, looked_after(census):
             config = uvicorn.Config(
-                create_application(program_version(), lambda: contextlib.nullcontext(context), hosts),
+                create_application(
+                    program_version(), lambda: contextlib.nullcontext(context), hosts, proxies
+                ),
                 # The server calls it like the class that it wants.
                 http=functools.partial(WatchedProtocol, census),  # type: ignore[arg-type]
                 ws="none",
                 backlog=_AT_ONCE,
-                proxy_headers=False,  # whoever asks could say anything in them
+                proxy_headers=False,  # the door judges whose word counts
                 server_header=False,
                 access_log=False,
                 log_config=None,

@@ -91,6 +91,14 @@ def serve_command(
             "https://NAME behind a proxy with TLS. May be repeated.",
         ),
     ] = None,
+    behind_proxy: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="ADDRESS",
+            help="Address or network that a proxy asks from: its X-Forwarded-For says who asks. "
+            "May be repeated.",
+        ),
+    ] = None,
     tls_certificate: Annotated[
         Path | None, typer.Option(help="PEM file of a certificate: the service speaks TLS itself.")
     ] = None,
@@ -127,6 +135,7 @@ def serve_command(
             host=host,
             port=port,
             allowed_hosts=tuple(allowed_host or ()),
+            proxies=tuple(behind_proxy or ()),
             cell_file=cell,
             simulated_faults=faults,
             backups=None if backup_to is None else BackupPlan(backup_to, backup_every, backup_keep),

@@ -26,6 +26,7 @@ from truepose.web.calibration import (
 from truepose.web.context import Context
 from truepose.web.door.hosts import AllowedHosts
 from truepose.web.door.middleware import Door
+from truepose.web.door.proxies import Proxies
 from truepose.web.examples import add_examples
 from truepose.web.healthiness import routes as health
 from truepose.web.measurement import (
@@ -105,22 +106,28 @@ _DESCRIPTION: Final = (
 class _Guarded(FastAPI):
     """Has its door before everything, the framework's own answer to a failure included."""
 
-    def __init__(self, hosts: AllowedHosts, **options: Any) -> None:
+    def __init__(self, hosts: AllowedHosts, proxies: Proxies, **options: Any) -> None:
         super().__init__(**options)
         self._hosts = hosts
+        self._proxies = proxies
         self.state.metrics = Metrics()
 
     def build_middleware_stack(self) -> ASGIApp:
-        return Observed(Door(super().build_middleware_stack(), self._hosts), self.state.metrics)
+        door = Door(super().build_middleware_stack(), self._hosts, self._proxies)
+        return Observed(door, self.state.metrics)
 
 
 def create_application(
-    version: str, open_context: OpenContext, hosts: AllowedHosts | None = None
+    version: str,
+    open_context: OpenContext,
+    hosts: AllowedHosts | None = None,
+    proxies: Proxies | None = None,
 ) -> Application:
     """Return the application; it opens its context when it starts and closes it when it ends.
 
-    It answers requests for `hosts` alone; where none are given, for those of loopback. Raises
-    MissingRightError where nobody has said who may ask for one of its operations.
+    It answers requests for `hosts` alone; where none are given, for those of loopback. Who asks is who has
+    the connection, and behind one of `proxies` whom that tells. Raises MissingRightError where nobody has
+    said who may ask for one of its operations.
     """
 
     @contextlib.asynccontextmanager
@@ -132,6 +139,7 @@ def create_application(
 
     app = _Guarded(
         hosts or AllowedHosts(),
+        proxies or Proxies(),
         title="truepose",
         version=version,
         description=_DESCRIPTION,

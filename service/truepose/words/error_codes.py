@@ -116,6 +116,7 @@ _CODES: Final = {
     "NotReady": "TP-7006",
     "UnsafeStartError": "TP-7007",
     "MissingRightError": "TP-7008",
+    "UnusableProxyError": "TP-7009",
     "DemoError": "TP-7010",
     "ProgramFailed": "TP-9001",
 }

@@ -10,6 +10,7 @@ from tests.browser.windows import PORTRAIT, without_complaint
 from tests.integration.web.listening import listening
 from truepose.web.door.hosts import AllowedHosts
 from truepose.web.door.middleware import Door
+from truepose.web.door.proxies import Proxies
 
 _UNREACHED = "Failed to load resource"  # Chromium's own word where nobody answers
 
@@ -21,7 +22,7 @@ def desk():
 
 def served(desk):
     """Serve a desk as the service does, within a context that gives its URL."""
-    return listening(Door(desk.application(), AllowedHosts()))
+    return listening(Door(desk.application(), AllowedHosts(), Proxies()))
 
 
 @pytest.fixture

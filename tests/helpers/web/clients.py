@@ -10,8 +10,9 @@ from truepose.app import create_app
 ENDED = {"succeeded", "failed"}
 
 
-def client_of(app):
-    return httpx.AsyncClient(transport=httpx.ASGITransport(app), base_url="http://localhost", timeout=60)
+def client_of(app, peer="127.0.0.1"):
+    transport = httpx.ASGITransport(app, client=(peer, 50123))
+    return httpx.AsyncClient(transport=transport, base_url="http://localhost", timeout=60)
 
 
 @contextlib.asynccontextmanager

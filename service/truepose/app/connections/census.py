@@ -9,7 +9,7 @@ import contextlib
 import ipaddress
 import logging
 from collections import Counter
-from collections.abc import AsyncIterator, Collection
+from collections.abc import AsyncIterator, Callable, Collection
 from dataclasses import dataclass
 from typing import Any, Final, Protocol
 
@@ -25,7 +25,7 @@ class Limits:
     """What connections may be and do."""
 
     connections: int
-    per_peer: int = 256  # of another computer; what loopback brings may be everybody, through a proxy
+    per_peer: int = 256  # of another computer
     head_s: float = 8.0  # until the head of a request is complete
     body_s: float = 300.0  # until its body is
     body_bytes_per_s: float = 16 * 1024
@@ -54,8 +54,9 @@ class Connection(Protocol):
 class Census:
     """Counts connections and closes those that are too many or too slow."""
 
-    def __init__(self, limits: Limits) -> None:
+    def __init__(self, limits: Limits, is_proxy: Callable[[str], bool] = lambda peer: False) -> None:
         self.limits = limits
+        self._is_proxy = is_proxy  # brings everybody, as loopback may
         self._all: set[Connection] = set()
         self._of_peer: Counter[str] = Counter()
         self._closed: Counter[str] = Counter()
@@ -67,11 +68,14 @@ class Census:
         """Take a connection up, closing others or it where there are too many."""
         self._all.add(newcomer)
         self._of_peer[newcomer.peer] += 1
-        if self._of_peer[newcomer.peer] > self.limits.per_peer and not _is_loopback(newcomer.peer):
+        if self._of_peer[newcomer.peer] > self.limits.per_peer and not self._is_shared(newcomer.peer):
             own = [connection for connection in self._all if connection.peer == newcomer.peer]
             self._make_room(own, newcomer)
         elif len(self._all) > self.limits.connections:
             self._make_room(self._all, newcomer)
+
+    def _is_shared(self, peer: str) -> bool:
+        return _is_loopback(peer) or self._is_proxy(peer)
 
     def leave(self, connection: Connection) -> None:
         """Forget a connection; one that is not known is none."""

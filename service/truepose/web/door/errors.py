@@ -1,7 +1,8 @@
 """Errors of the door.
 
 DoorError
-└── UnusableHostError   what should be allowed is no name of a host
+├── UnusableHostError    what should be allowed is no name of a host
+└── UnusableProxyError   what should be a proxy is no address, or is everybody
 """
 
 from truepose.domain.errors import TrueposeError
@@ -13,3 +14,7 @@ class DoorError(TrueposeError):
 
 class UnusableHostError(DoorError):
     """What should be allowed is no name of a host."""
+
+
+class UnusableProxyError(DoorError):
+    """What should be a proxy is no address, or is everybody."""

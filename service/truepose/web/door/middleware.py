@@ -8,6 +8,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from truepose.web.door.admission import Asked, Refusal, judge
 from truepose.web.door.headers import with_protection
 from truepose.web.door.hosts import AllowedHosts
+from truepose.web.door.proxies import Proxies
 from truepose.web.problems import problem_response
 from truepose.words.error_codes import code_named
 
@@ -17,9 +18,10 @@ _POLICY_VIOLATION = 1008  # of the WebSocket protocol
 class Door:
     """ASGI middleware: refuses whom we do not know, and protects every answer."""
 
-    def __init__(self, app: ASGIApp, hosts: AllowedHosts) -> None:
+    def __init__(self, app: ASGIApp, hosts: AllowedHosts, proxies: Proxies) -> None:
         self._app = app
         self._hosts = hosts
+        self._proxies = proxies
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Answer a request, or pass it on."""
@@ -31,7 +33,11 @@ class Door:
             await send({"type": "websocket.close", "code": _POLICY_VIOLATION})
 
     async def _request(self, scope: Scope, receive: Receive, send: Send) -> None:
-        verdict = judge(Asked(scope["method"], scope["path"], scope["headers"]), self._hosts)
+        asked = Asked(scope["method"], scope["path"], scope["headers"])
+        if scope.get("client"):
+            peer, port = scope["client"]
+            scope["client"] = (self._proxies.who_asks(peer, asked.all(b"x-forwarded-for")), port)
+        verdict = judge(asked, self._hosts)
         if isinstance(verdict, Refusal):
             # Without the headers: the address of a problem must not be made of a Host that is none.
             request = Request({**scope, "headers": []})

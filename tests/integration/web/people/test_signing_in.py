@@ -1,5 +1,6 @@
 """Signing in, standing before a shared tablet, and showing once more who it is."""
 
+import dataclasses
 import time
 
 import pytest
@@ -327,3 +328,39 @@ async def test_a_token_is_never_more_than_its_owner(ada):
     made = (await ada.post("/api/v1/tokens", json=wanted | {"role": "viewer"})).json()
     assert made["token"]["owner"] == "Vera Rubin"
     assert made["secret"] not in (await ada.get("/api/v1/tokens")).text
+
+
+@pytest.fixture
+async def proxied(settings, bench):
+    """A service of people behind a proxy at 192.168.1.2."""
+    app = create_app(dataclasses.replace(settings, proxies=("192.168.1.2",)), bench.registry())
+    async with app.router.lifespan_context(app):
+        yield app
+
+
+async def guessed(app, peer, forwarded):
+    """Return how many of eight guesses at unlike names are looked at."""
+    async with client_of(app, peer) as opened:
+        opened.headers.update(ORIGIN | {"X-Forwarded-For": forwarded})
+        wrong = [{"name": f"Person {k}", "password": "not this one"} for k in range(8)]
+        replies = [await opened.post("/api/v1/sign-ins", json=one) for one in wrong]
+    return [reply.status_code for reply in replies].count(401)
+
+
+async def test_behind_a_proxy_each_guesses_for_themselves(proxied):
+    async with client_of(proxied) as opened:
+        await first(opened)
+
+    assert await guessed(proxied, "192.168.1.2", "203.0.113.1") == GUESSES
+    assert await guessed(proxied, "192.168.1.2", "203.0.113.1") == 0
+    assert await guessed(proxied, "192.168.1.2", "203.0.113.2") == GUESSES  # the shop still signs in
+    assert await guessed(proxied, "192.168.1.2", "198.51.100.1, 203.0.113.2") == 0  # another name of the same
+
+
+async def test_past_the_proxy_nobody_guesses_under_other_addresses(proxied):
+    async with client_of(proxied) as opened:
+        await first(opened)
+
+    looked_at = [await guessed(proxied, "203.0.113.7", f"198.51.100.{k}") for k in range(3)]
+
+    assert looked_at == [GUESSES, 0, 0]

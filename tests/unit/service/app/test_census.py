@@ -33,6 +33,18 @@ def cut(connections):
     return [number for number, connection in enumerate(connections) if connection.is_cut]
 
 
+def test_of_a_proxy_more_get_in_than_of_another_computer():
+    of_proxy = [FakeConnection(peer="192.168.1.2") for _ in range(4)]
+    of_other = [FakeConnection(peer="192.168.1.3") for _ in range(4)]
+    census = Census(Limits(16, 2), lambda peer: peer == "192.168.1.2")
+
+    for connection in (*of_proxy, *of_other):
+        census.admit(connection)
+
+    assert cut(of_proxy) == []
+    assert len(cut(of_other)) == 2
+
+
 def test_a_newcomer_gets_in_and_the_one_that_waited_longest_goes():
     waiting = [FakeConnection(since_s) for since_s in (3.0, 1.0, 2.0, 4.0)]
     newcomer = FakeConnection(5.0)
