@@ -1,6 +1,8 @@
 """The command that makes a campaign of points from other software. Heavy imports wait until it runs."""
 
+import dataclasses
 from collections.abc import Sequence
+from datetime import date, datetime
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -13,6 +15,7 @@ from truepose.domain.errors import ConfigurationError
 from truepose.words.catalogue import english
 
 if TYPE_CHECKING:
+    from truepose.exchange.brought.choices import Choices
     from truepose.exchange.brought.understood import Understood
     from truepose.exchange.point_lists.joined import Joined
 
@@ -61,6 +64,12 @@ def import_command(
     nest_u_mm: Annotated[
         float | None, typer.Option("--nest-u-mm", min=0.0, help="Standard uncertainty of these centres [mm].")
     ] = None,
+    measured_on: Annotated[
+        datetime | None,
+        typer.Option(
+            "--measured-on", formats=["%Y-%m-%d"], metavar="YYYY-MM-DD", help="Day of the readings."
+        ),
+    ] = None,
     accept_changes: Annotated[
         bool,
         typer.Option("--accept-changes", help="Of a table: make the changes of convention that are offered."),
@@ -73,19 +82,23 @@ def import_command(
 
     Of a table columns, units and robot are guessed and told: truepose import readings.csv --out mine
     """
+    from truepose.exchange.brought.choices import Choices
     from truepose.exchange.campaigns.folder import write_campaign
     from truepose.exchange.point_lists.importing import Stated, import_points
 
     if out.exists() and any(out.iterdir()):
         raise ConfigurationError(f"{out} is not empty: name another folder.")
+    day = None if measured_on is None else measured_on.date()
     if joints is None:
-        return _import_table(points, out, robot, u_mm, accept_changes=accept_changes, json=json)
+        choices = Choices(robot=robot, u_mm=u_mm, measured_on=day, undated=True)
+        return _import_table(points, out, choices, accept_changes=accept_changes, json=json)
     if robot is None:
         raise ConfigurationError("A list of points does not say its robot: name it with --robot.")
     centres = [_centre(text) for text in nest or ()]
     stated = Stated(robot, unit and unit.value, u_mm, names, centres, nest_u_mm)
     campaign, found = import_points(points, joints, stated)
-    write_campaign(campaign, out)
+    write_campaign(dataclasses.replace(campaign, measured_on=day), out)
+    _remark_undated(day)
     if json:
         left = {"points": list(found.points_alone), "lines": list(found.rows_alone)}
         print_json({"campaign": str(out), "readings": len(found), "left_over": left})
@@ -94,19 +107,16 @@ def import_command(
     return 0
 
 
-def _import_table(
-    path: Path, out: Path, robot: str | None, u_mm: float | None, *, accept_changes: bool, json: bool
-) -> int:
-    from truepose.exchange.brought.choices import Choices
+def _import_table(path: Path, out: Path, choices: "Choices", *, accept_changes: bool, json: bool) -> int:
     from truepose.exchange.brought.table_files import read_tables, told
     from truepose.exchange.campaigns.folder import write_campaign
 
-    choices = Choices(robot=robot, u_mm=u_mm, undated=True)
     found = read_tables(path, choices, accept_changes=accept_changes)
     remark(map(english, told(found.understood)))
     if found.campaign is None:
         raise ConfigurationError(_what_is_missing(found.understood))
     write_campaign(found.campaign, out)
+    _remark_undated(found.campaign.measured_on)
     if json:
         print_json({
             "campaign": str(out),
@@ -116,6 +126,11 @@ def _import_table(
     else:
         print_lines([f"{out}: {found.understood.readings} readings of {found.campaign.robot.name}."])
     return 0
+
+
+def _remark_undated(day: date | None) -> None:
+    if day is None:
+        remark(["Nobody said the day of the readings; --measured-on says it, for a robot seen over months."])
 
 
 def _what_is_missing(understood: "Understood") -> str:

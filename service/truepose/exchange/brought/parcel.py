@@ -1,5 +1,6 @@
 """Files as they were brought: archives opened, each file told by its name and its first words."""
 
+import contextlib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import PurePosixPath
@@ -10,9 +11,10 @@ from truepose.exchange.brought.choices import Choices
 from truepose.exchange.brought.sheet import Sheet, read_sheet
 from truepose.exchange.brought.text import decoded, lines_of
 from truepose.exchange.brought.understood import Kind
+from truepose.exchange.brought.workbook import is_workbook, read_workbook
 from truepose.exchange.campaigns.folder import DESCRIPTION
 from truepose.exchange.campaigns.zip_file import read_zip_files
-from truepose.exchange.errors import InputFileError, UnsafeArchiveError
+from truepose.exchange.errors import InputFileError, UnreadableFileError, UnsafeArchiveError
 from truepose.exchange.robots.files import is_robot_file
 
 MOST_FILES: Final = 200
@@ -33,18 +35,30 @@ class Piece:
 
 
 def unpacked(files: Mapping[str, bytes]) -> dict[str, bytes]:
-    """Return files by their plain names, those of archives too; raises InputFileError."""
+    """Return files by their plain names, those of archives and sheets of workbooks too.
+
+    Raises InputFileError.
+    """
     found: dict[str, bytes] = {}
     for path, data in files.items():
         inside = read_zip_files(data, path) if _is_archive(path, data) else {path: data}
         for member, content in inside.items():
             if not _hidden(member):
-                found[_free_name(_plain(member), found)] = content
+                found |= _tables_of(_free_name(_plain(member), found), content, found)
     if len(found) > MOST_FILES:
         raise UnsafeArchiveError(
             f"{len(found)} files are more than the {MOST_FILES} that are read", file="upload"
         )
     return found
+
+
+def _tables_of(name: str, data: bytes, taken: Mapping[str, bytes]) -> dict[str, bytes]:
+    """Return the sheets of a workbook as files of their own; of another file, or a damaged one, itself."""
+    sheets: dict[str, bytes] = {}
+    with contextlib.suppress(UnreadableFileError):  # `pieces` says why
+        for title, text in read_workbook(data, name).items() if is_workbook(name, data) else ():
+            sheets[_free_name(title, {**taken, **sheets})] = text
+    return sheets or {name: data}
 
 
 def _is_archive(path: str, data: bytes) -> bool:
@@ -81,9 +95,11 @@ def _piece(name: str, data: bytes, choices: Choices) -> Piece:
         return Piece(name, with_edits(name, data, edits), "description")
     if is_robot_file(name):
         return Piece(name, data, "robot")
-    if PurePosixPath(name).suffix.lower() not in _TABLES:
-        return Piece(name, data, "other", why_not=said("bring.file.other"))
     try:
+        if is_workbook(name, data):
+            read_workbook(data, name)
+        if PurePosixPath(name).suffix.lower() not in _TABLES:
+            return Piece(name, data, "other", why_not=said("bring.file.other"))
         return Piece(name, data, "table", read_sheet(name, data, edits))
     except InputFileError as error:
         return Piece(name, data, "other", why_not=str(error), fault=error)

@@ -2,11 +2,13 @@
 
 import csv
 import json
+from datetime import date, datetime
 
 import numpy as np
 import pytest
 
 from tests.helpers.checkout import CHECKOUT
+from tests.helpers.exchange.workbooks import workbook
 from tests.unit.service.exchange.brought.tables import plain, readings, table
 from truepose.cli.imports import LengthUnit, import_command
 from truepose.domain.errors import ConfigurationError
@@ -47,6 +49,33 @@ def test_the_campaign_has_the_readings_as_they_were(exported, capsys):
     said = capsys.readouterr().out
     assert "28 points at their joint angles" in said
     assert "left out: P999." in said
+
+
+def test_the_day_is_kept_where_somebody_says_it_and_asked_for_where_nobody_does(exported, capsys):
+    (exported / "readings.csv").write_bytes(plain())
+
+    imported(exported, measured_on=datetime(2026, 3, 3))
+    import_command(exported / "readings.csv", out=exported / "table", measured_on=datetime(2026, 3, 4))
+    dated = capsys.readouterr().err
+    imported(exported, "undated")
+
+    days = [read_campaign(exported / name).measured_on for name in ("mine", "table", "undated")]
+    assert days == [date(2026, 3, 3), date(2026, 3, 4), None]
+    assert "--measured-on" not in dated
+    assert "--measured-on" in capsys.readouterr().err
+
+
+def test_a_workbook_is_imported_as_its_table_is(exported):
+    joints, nest, places = readings()
+    numbers = np.column_stack([np.arange(len(nest)), joints, nest, places, np.full(len(nest), 0.02)])
+    names = ["pose", *(f"J{k} [deg]" for k in range(1, 7)), "nest", "x [mm]", "y [mm]", "z [mm]", "u [mm]"]
+    rows = [names, *(list(map(float, row)) for row in numbers)]
+    (exported / "readings.xlsx").write_bytes(workbook({"Tabelle1": rows}))
+
+    assert import_command(exported / "readings.xlsx", out=exported / "mine") == 0
+
+    # A campaign is written with five decimals.
+    assert read_campaign(exported / "mine").calibration.position_mm == pytest.approx(places, abs=1e-5)
 
 
 def test_without_centres_every_nest_that_is_named_is_unknown(exported):

@@ -1,0 +1,266 @@
+"""Sheets of a workbook (Office Open XML, ISO/IEC 29500-1) as text: each becomes a table of its own.
+
+Only what cells hold is read. A formula counts as what it last came to; hidden sheets, pictures and looks are
+passed over. A line of the text is a row of the sheet, so that a fault is found again in the program it is of.
+"""
+
+import re
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+from datetime import UTC, datetime, timedelta
+from pathlib import PurePosixPath
+from typing import Final
+from xml.parsers import expat
+
+from truepose.exchange.campaigns.zip_file import read_zip_files
+from truepose.exchange.errors import UnreadableFileError
+from truepose.exchange.tables.rows import MOST_COLUMNS, MOST_ROWS
+
+SUFFIXES: Final = frozenset({".xlsx", ".xlsm"})
+_MOST_CELLS: Final = 4_000_000
+_BOOK: Final = "xl/workbook.xml"
+_CELL: Final = re.compile(r"([A-Z]{1,3})([1-9][0-9]{0,6})", re.ASCII)
+_TITLE: Final = re.compile(r"[^\w \-.]+")
+_BUILT_IN_DATES: Final = frozenset({*range(14, 23), *range(27, 37), 45, 46, 47, *range(50, 59)})  # 18.8.30
+_NOT_OF_DATES: Final = re.compile(r'"[^"]*"|\\.|\[[^\]]*\]|General', re.IGNORECASE)
+_OF_DATES: Final = re.compile(r"[dmyhs]", re.IGNORECASE)
+_DAY_0: Final = datetime(1899, 12, 30, tzinfo=UTC)
+_DAYS_OF_1904: Final = 1462  # books of old Macintoshes count from there
+_LAST_DAY: Final = 2_958_465  # 9999-12-31
+
+
+@dataclass(slots=True)
+class _Book:
+    """What all sheets of a workbook share."""
+
+    parts: Mapping[str, bytes]
+    name: str
+    texts: list[str] = field(default_factory=list)
+    dated: list[bool] = field(default_factory=list)  # by style
+    from_1904: bool = False
+
+
+def is_workbook(path: str, data: bytes) -> bool:
+    """Whether a file is a workbook that is read here."""
+    return PurePosixPath(path).suffix.lower() in SUFFIXES and data.startswith(b"PK")
+
+
+def read_workbook(data: bytes, name: str) -> dict[str, bytes]:
+    """Return the visible sheets of a workbook that hold anything, as text with tabs, by their names.
+
+    Raises
+    ------
+    UnreadableFileError
+        It is no workbook, is damaged or locked, or has more cells than are read.
+    UnsafeArchiveError
+        No honest program writes it.
+    """
+    book = _Book(read_zip_files(data, name), name)
+    if _BOOK not in book.parts:
+        raise UnreadableFileError("this is not a workbook; save the sheet as CSV and bring that", file=name)
+    book.texts = list(_shared_texts(book))
+    book.dated = list(_dated_styles(book))
+    found = {title: _text(_rows(book, part)) for title, part in _sheets(book)}
+    stem = PurePosixPath(name).stem
+    return {f"{stem} ({title}).txt": text for title, text in found.items() if text.strip()}
+
+
+def _sheets(book: _Book) -> list[tuple[str, str]]:
+    """Return title and part of each visible sheet, in the order of the book."""
+    related: dict[str, str] = {}
+    sheets: list[tuple[str, str]] = []
+
+    def relation(tag: str, said: Mapping[str, str]) -> None:
+        if tag == "Relationship":
+            related[said.get("Id", "")] = said.get("Target", "")
+
+    def sheet(tag: str, said: Mapping[str, str]) -> None:
+        if tag == "workbookPr":
+            book.from_1904 = said.get("date1904") in {"1", "true"}
+        if tag == "sheet" and said.get("state", "visible") == "visible":
+            target = related.get(said.get("id", ""), "").lstrip("/")
+            part = target if target.startswith("xl/") else f"xl/{target}"
+            if part.startswith("xl/worksheets/"):  # others are charts
+                sheets.append((_TITLE.sub("_", said.get("name", ""))[:60], part))
+
+    _read(book, "xl/_rels/workbook.xml.rels", relation)
+    _read(book, _BOOK, sheet)
+    return sheets
+
+
+def _shared_texts(book: _Book) -> Iterator[str]:
+    told: list[list[str]] = []
+    within = [False, False]  # a text, its reading in another script
+
+    def begin(tag: str, said: Mapping[str, str]) -> None:
+        if tag == "si":
+            told.append([])
+        if tag in {"t", "rPh"}:
+            within[tag == "rPh"] = True
+
+    def end(tag: str) -> None:
+        if tag in {"t", "rPh"}:
+            within[tag == "rPh"] = False
+
+    def letters(text: str) -> None:
+        if within == [True, False] and told:
+            told[-1].append(text)
+
+    if "xl/sharedStrings.xml" in book.parts:
+        _read(book, "xl/sharedStrings.xml", begin, end, letters)
+    return ("".join(parts) for parts in told)
+
+
+def _dated_styles(book: _Book) -> Iterator[bool]:
+    """Return for each style whether numbers in it are days."""
+    forms: dict[str, bool] = {}
+    used: list[str] = []
+    counting = [False]
+
+    def begin(tag: str, said: Mapping[str, str]) -> None:
+        if tag == "numFmt":
+            forms[said.get("numFmtId", "")] = _is_of_dates(said.get("formatCode", ""))
+        counting[0] = counting[0] or tag == "cellXfs"
+        if tag == "xf" and counting[0]:
+            used.append(said.get("numFmtId", "0"))
+
+    def end(tag: str) -> None:
+        counting[0] = counting[0] and tag != "cellXfs"
+
+    if "xl/styles.xml" in book.parts:
+        _read(book, "xl/styles.xml", begin, end)
+    return (forms.get(one, one.isdecimal() and int(one) in _BUILT_IN_DATES) for one in used)
+
+
+def _is_of_dates(code: str) -> bool:
+    return _OF_DATES.search(_NOT_OF_DATES.sub("", code.split(";")[0])) is not None
+
+
+class _Cells:
+    """Collects the cells of a sheet while its part is read."""
+
+    def __init__(self, book: _Book) -> None:
+        self.rows: dict[int, dict[int, str]] = {}
+        self._book = book
+        self._place = (0, 0)
+        self._said: Mapping[str, str] = {}
+        self._value: list[str] = []
+        self._formula = self._within = False
+        self._left = _MOST_CELLS
+
+    def begin(self, tag: str, said: Mapping[str, str]) -> None:
+        if tag == "row":
+            self._place = (int(said.get("r", self._place[0] + 1)), 0)
+        elif tag == "c":
+            self._place = self._placed(said.get("r"))
+            self._said, self._value, self._formula = said, [], False
+        self._formula = self._formula or tag == "f"
+        self._within = tag in {"v", "t"}
+
+    def letters(self, text: str) -> None:
+        if self._within:
+            self._value.append(text)
+
+    def end(self, tag: str) -> None:
+        self._within = False
+        if tag == "c":
+            self._keep("".join(self._value))
+
+    def _placed(self, told: str | None) -> tuple[int, int]:
+        found = None if told is None else _CELL.fullmatch(told)
+        row, column = self._place[0], self._place[1] + 1
+        if found is not None:
+            row, column = int(found[2]), _column(found[1])
+        return row, column
+
+    def _keep(self, value: str) -> None:
+        row, column = self._place
+        if not value:
+            if self._formula:
+                raise self._refused(
+                    "a formula has come to nothing yet; open the book in its program and save it"
+                )
+            return
+        self._left -= 1
+        if row > MOST_ROWS or column > MOST_COLUMNS or self._left < 0:
+            raise self._refused("the sheet has more cells than are read")
+        self.rows.setdefault(row, {})[column] = _shown(self._book, self._said, value)
+
+    def _refused(self, sentence: str) -> UnreadableFileError:
+        return UnreadableFileError(sentence, file=self._book.name, line=self._place[0])
+
+
+def _column(letters: str) -> int:
+    number = 0
+    for letter in letters:
+        number = 26 * number + ord(letter) - ord("A") + 1
+    return number
+
+
+def _shown(book: _Book, said: Mapping[str, str], value: str) -> str:
+    """Return a cell as text: days as dates, all else as it is written."""
+    kind, style = said.get("t", "n"), int(said.get("s", "0"))
+    if kind == "s":
+        value = book.texts[int(value)]
+    elif kind == "n" and style < len(book.dated) and book.dated[style]:
+        value = _date(float(value) + (_DAYS_OF_1904 if book.from_1904 else 0))
+    return " ".join(value.split())
+
+
+def _date(days: float) -> str:
+    if not 0 <= days <= _LAST_DAY:
+        return str(days)
+    moment = _DAY_0 + timedelta(milliseconds=round(days * 86_400_000))
+    text = moment.replace(tzinfo=None).isoformat(timespec="milliseconds").removesuffix(".000")
+    if days < 1:
+        return text.partition("T")[2]
+    return text.removesuffix("T00:00:00")
+
+
+def _rows(book: _Book, part: str) -> list[list[str]]:
+    """Return the rows of a sheet from its first one, with empty cells where there are none."""
+    cells = _Cells(book)
+    try:
+        _read(book, part, cells.begin, cells.end, cells.letters)
+    except (ValueError, IndexError) as error:
+        raise UnreadableFileError(f"a cell of {part} cannot be read ({error})", file=book.name) from error
+    rows = [cells.rows.get(number, {}) for number in range(1, max(cells.rows, default=0) + 1)]
+    return [[row.get(column, "") for column in range(1, max(row, default=0) + 1)] for row in rows]
+
+
+def _text(rows: list[list[str]]) -> bytes:
+    return "\n".join("\t".join(map(_quoted, row)) for row in rows).encode()
+
+
+def _quoted(cell: str) -> str:
+    return '"' + cell.replace('"', '""') + '"' if cell.startswith('"') else cell
+
+
+def _read(
+    book: _Book,
+    part: str,
+    begin: Callable[[str, Mapping[str, str]], None],
+    end: Callable[[str], None] = lambda tag: None,
+    letters: Callable[[str], None] = lambda text: None,
+) -> None:
+    """Read a part of a workbook, its names without their namespaces."""
+    if part not in book.parts:
+        raise UnreadableFileError(f"the workbook has no part {part}", file=book.name)
+
+    def refuse(*_: object) -> None:  # no spreadsheet declares anything, and entities could grow without end
+        raise UnreadableFileError(f"{part} is not as a spreadsheet writes it", file=book.name)
+
+    parser = expat.ParserCreate(namespace_separator=" ")
+    parser.buffer_text = True
+    parser.StartDoctypeDeclHandler = refuse
+    parser.StartElementHandler = lambda tag, said: begin(_bare(tag), {_bare(k): v for k, v in said.items()})
+    parser.EndElementHandler = lambda tag: end(_bare(tag))
+    parser.CharacterDataHandler = letters
+    try:
+        parser.Parse(book.parts[part], True)
+    except expat.ExpatError as error:
+        raise UnreadableFileError(f"{part} of the workbook is damaged ({error})", file=book.name) from error
+
+
+def _bare(tag: str) -> str:
+    return tag.rpartition(" ")[2]
