@@ -58,6 +58,14 @@ class AddedStops:
 
 
 @dataclass(frozen=True, slots=True)
+class AdditionRecord:
+    """Stops that were added, and when."""
+
+    recorded_at: str
+    added: AddedStops
+
+
+@dataclass(frozen=True, slots=True)
 class StateChange:
     """One step in the life of a session."""
 

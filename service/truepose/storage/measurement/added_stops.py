@@ -2,13 +2,13 @@
 
 from typing import Any
 
-from sqlalchemy import Connection, select
+from sqlalchemy import Connection, Row, select
 
 from truepose.domain.session import PlannedStop
 from truepose.storage.database import Database
 from truepose.storage.documents import from_document, to_document
 from truepose.storage.events import add_event
-from truepose.storage.records import AddedStops, RequestKey
+from truepose.storage.records import AddedStops, AdditionRecord, RequestKey
 from truepose.storage.request_keys import answered, once
 from truepose.storage.rows import add_row
 from truepose.storage.tables import added_stops
@@ -45,6 +45,17 @@ def stops_added_to(connection: Connection, session_id: int) -> tuple[PlannedStop
     return tuple(stop for document in connection.scalars(query) for stop in _stops(document))
 
 
+def additions_to(connection: Connection, session_id: int) -> list[AdditionRecord]:
+    """Return who added what to a session, in the order of adding."""
+    table = added_stops
+    query = select(table).where(table.c.session_id == session_id).order_by(table.c.id)
+    return [AdditionRecord(row.recorded_at, _addition(row)) for row in connection.execute(query)]
+
+
+def _addition(row: Row[Any]) -> AddedStops:
+    return AddedStops(row.session_id, row.person, _stops(row.document), row.diagnosis_id)
+
+
 def _stops(document: list[Any]) -> tuple[PlannedStop, ...]:
     return tuple(from_document(PlannedStop, entry) for entry in document)
 
@@ -69,4 +80,4 @@ def _answered(connection: Connection, key: RequestKey) -> AddedStops | None:
     if number is None:
         return None
     row = connection.execute(select(added_stops).where(added_stops.c.id == number)).one()
-    return AddedStops(row.session_id, row.person, _stops(row.document), row.diagnosis_id)
+    return _addition(row)

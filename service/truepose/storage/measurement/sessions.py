@@ -23,10 +23,10 @@ from truepose.storage.database import Database
 from truepose.storage.documents import from_document, to_document
 from truepose.storage.errors import ConflictError, NotFoundError
 from truepose.storage.events import add_event
-from truepose.storage.measurement.added_stops import stops_added_to
+from truepose.storage.measurement.added_stops import additions_to, stops_added_to
 from truepose.storage.measurement.counted_poses import measured_poses, skipped_poses
 from truepose.storage.numbered import NumberedRecords
-from truepose.storage.records import RequestKey, SessionRecord, SessionSetup, StateChange
+from truepose.storage.records import AdditionRecord, RequestKey, SessionRecord, SessionSetup, StateChange
 from truepose.storage.request_keys import answered, once
 from truepose.storage.rows import add_row
 from truepose.storage.tables import (
@@ -187,6 +187,10 @@ class SessionRepository(NumberedRecords[SessionRecord]):
         query = select(table).where(table.c.session_id == session_id).order_by(table.c.id)
         rows = await self._database.read(lambda c: c.execute(query).all())
         return [StateChange(r.recorded_at, SessionState(r.state), r.reason, r.person) for r in rows]
+
+    async def additions(self, session_id: int) -> list[AdditionRecord]:
+        """Return who added configurations to the plan, oldest first."""
+        return await self._database.read(lambda c: additions_to(c, session_id))
 
     async def skipped(self, session_id: int) -> list[StopSkipped]:
         """Return what was not measured, oldest first."""

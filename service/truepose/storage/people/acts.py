@@ -62,6 +62,11 @@ class ActRepository:
         query = _found(search).order_by(acts.c.id.desc()).limit(limit)
         return await self._read(query if before is None else query.where(acts.c.id < before))
 
+    async def with_reason(self, operation: str, resource: str) -> list[ActRecord]:
+        """Return the acts of an operation on a resource that succeeded and gave a reason, oldest first."""
+        done = (acts.c.operation == operation) & (acts.c.resource == resource) & (acts.c.status < 400)
+        return await self._read(select(acts).where(done, acts.c.reason.is_not(None)).order_by(acts.c.id))
+
     async def count(self, search: str = "") -> int:
         """Return in how many acts `search` stands."""
         query = select(func.count()).select_from(_found(search).subquery())

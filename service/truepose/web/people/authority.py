@@ -20,6 +20,7 @@ from truepose.web.problems import problems
 from truepose.web.requests.parameters import Id
 
 router = APIRouter(prefix="/sessions", tags=["people"])
+TAKEN_FROM: Final = "taken over from "  # the reason of such an act, before the name of who had it
 _SHOWN_FIRST: Final = LETS_MOVE | {ActName.HAND_OVER}
 
 
@@ -64,6 +65,7 @@ async def claim_authority(here: Here, asker: Asker, id: Id, wanted: AuthorityReq
     if wanted.take_over:
         if not _is_fresh(here, asker):
             raise FreshSignInNeededError
+        _give_reason(here.people.leases.of(id), asker)
         return _reply(here, here.people.leases.take_over(id, asker), asker)
     return _reply(here, here.people.leases.claim(id, asker), asker)
 
@@ -73,6 +75,12 @@ async def give_up_authority(here: Here, asker: Asker, id: Id) -> None:
     """Leave the authority over a session to whoever acts next."""
     await here.sessions.get(id)
     here.people.leases.give_up(id, asker)
+
+
+def _give_reason(held: Lease | None, asker: Caller) -> None:
+    """Put on record from whom the authority is taken; to go on having it is no event."""
+    if held is not None and not held.is_of(asker):
+        asking().reason = f"{TAKEN_FROM}{held.person}"
 
 
 def _goes_on(here: Context, session_id: int, act: ActName) -> bool:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from truepose.domain.certificates import Closing
 from truepose.domain.sentences import Sentence, said
 from truepose.web.context import Context
+from truepose.web.reports.acts import acts_of_session
 from truepose.web.results.origins import origin_of
 from truepose.web.results.traces import session_conditions
 from truepose.web.visiting.moments import moment
@@ -22,7 +23,7 @@ async def conditions_of_sessions(
     """Return the conditions of the first session, with the periods, acts and closings of all."""
     each = [await session_conditions(here, await origin_of(here, number), words) for number in numbers]
     closings = [await here.closings.of_session(number) for number in numbers]
-    events = [event for number in numbers for event in await _events(here, number)]
+    events = [event for number in numbers for event in await acts_of_session(here, number, words)]
     first = each[0]
     return replace(
         first,
@@ -66,19 +67,6 @@ def closing_sentence(closing: Closing | None) -> Sentence:
         return said("closing.calibrated", person=person, day=day)
     faults = tuple(one.fault for one in closing.overridden)
     return said("closing.overridden", person=person, day=day, faults=faults, reason=closing.reason)
-
-
-async def _events(here: Context, number: int) -> "list[Event]":
-    from truepose.reports.conditions import Event
-
-    return [
-        Event(
-            moment(one.recorded_at),
-            one.person or "",
-            said("event.session", number=number, state=one.state.value.replace("_", " "), reason=one.reason),
-        )
-        for one in await here.sessions.states(number)
-    ]
 
 
 def _closed(closings: Sequence[Closing | None]) -> "Iterator[Event]":

@@ -10,10 +10,13 @@ from tests.helpers.web.routes import asked
 from tests.integration.web.bench import session_request
 from tests.integration.web.people.conftest import ORIGIN, PASSWORD, PIN, peopled
 from truepose.domain.accounts import Role
+from truepose.domain.sentences import leading_key
 from truepose.operation.people.accounts import Chosen
 from truepose.operation.people.leases import LEASE_S
 from truepose.web.people.gate import Gate
 from truepose.web.people.operations import operations_of
+from truepose.web.reports.acts import acts_of_session
+from truepose.words.catalogue import IN_ENGLISH
 
 SESSIONS = "/api/v1/sessions"
 FRESH = "urn:truepose:problem:fresh-sign-in"
@@ -113,6 +116,20 @@ async def test_one_acts_and_another_takes_over_by_saying_so(ada, alan, started):
     assert (await alan.get(f"{path}/authority")).json()["person"] == "Ada Byron"
     assert (await alan.post(f"{path}/confirm", json={"prompt_id": prompt})).status_code == 409
     assert (await ada.post(f"{path}/confirm", json={"prompt_id": prompt})).status_code == 202
+
+
+async def test_from_whom_the_authority_was_taken_stands_on_reports(house, ada, started):
+    path, _ = started
+    number = int(path.rsplit("/", 1)[1])
+
+    for _ in range(2):  # to go on having it is no event
+        await ada.put(f"{path}/authority", json={"take_over": True})
+    events = await acts_of_session(house.app.state.context, number, IN_ENGLISH)
+
+    taken = [one for one in events if leading_key(one.what) == "event.taken_over"]
+    assert [(one.person, IN_ENGLISH.spoken(one.what)) for one in taken] == [
+        ("Ada Byron", "Took the authority over the session from Alan Turing.")
+    ]
 
 
 async def test_the_authority_ends_where_nobody_renews_it(house, ada, alan, started, monkeypatch):

@@ -147,6 +147,8 @@ async def test_a_session_passes_or_not_on_its_first_page_and_closing_it_is_a_rev
     assert "revision 2" in closed
     assert "Reason given: Checked on the bar." in closed
     assert "Not closed yet" in older
+    assert "Confirmations: 1; after 1 of them the arm moved." in closed
+    assert closed.index("Confirmations") < closed.index("Head of the chain of all records")
 
 
 async def test_a_session_for_an_identification_has_no_report_of_its_own(client, until):
