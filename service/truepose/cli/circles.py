@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Final
 
 import typer
 
-from truepose.cli.files import Json, Language, ReportFile, require_folders
+from truepose.cli.files import Json, Language, LimitMm, ReportFile, require_folders, require_limit
 from truepose.cli.output import print_json, print_lines, print_tables, remark
 from truepose.domain.errors import ConfigurationError
 from truepose.words.catalogue import ENGLISH, catalogue, english
@@ -23,23 +23,26 @@ _NESTS: Final = range(1, 10)  # where no model says which there are
 def circles_command(
     points: Annotated[Path, typer.Argument(help="Measured points: one joint turned at a time (CSV).")],
     robot: Annotated[str, typer.Option(help="Shipped robot, robot or cell file, scenario, or model file.")],
+    limit_mm: LimitMm = None,
     report: ReportFile = None,
     language: Language = ENGLISH,
     json: Json = False,
 ) -> int:
     """Say what each joint errs by, turned alone; status 1 where a joint's readings give no circle.
 
-    Example: truepose circles circles.csv --robot abb-irb-120 --report circles.html
+    Example: truepose circles circles.csv --robot abb-irb-120 --limit-mm 0.2 --report circles.html
     """
     from truepose.judgement.circle.judged import circle_test
 
     require_folders(report)
+    require_limit(limit_mm)
     subject, readings = _read(points, robot)
     test = circle_test(readings)
     if report is not None:
         from truepose.reports.circles.report import write_circle_report
+        from truepose.reports.front.held_to_limit import Limit
 
-        write_circle_report(report, test, subject.name, catalogue(language))
+        write_circle_report(report, test, subject.name, catalogue(language), Limit(limit_mm))
     _print(test, subject, language, as_json=json)
     return 1 if test.joints_without else 0
 

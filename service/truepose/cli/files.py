@@ -1,6 +1,7 @@
 """What the commands on campaign folders share: names of effects, campaigns in, files out."""
 
 import contextlib
+import math
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -33,6 +34,7 @@ Language = Annotated[
 ReportFile = Annotated[
     Path | None, typer.Option(help="Write a self-contained report here: .html, or .pdf to print and sign.")
 ]
+LimitMm = Annotated[float | None, typer.Option(help="Largest error that passes.")]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON document and nothing else.")]
 
 
@@ -46,6 +48,12 @@ def effect_names(effects: str) -> tuple[str, ...] | None:
             "--effects names no effect: give `auto`, or names separated by commas, e.g. base,geometry."
         )
     return names
+
+
+def require_limit(limit_mm: float | None) -> None:
+    """Refuse a limit that nothing can be held against."""
+    if limit_mm is not None and not 0.0 < limit_mm < math.inf:
+        raise ConfigurationError(f"--limit-mm {limit_mm:g}: give the largest error that passes, above 0 mm.")
 
 
 def require_folders(*files: Path | None) -> None:

@@ -5,7 +5,15 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from truepose.cli.files import CampaignPath, Json, Language, ReportFile, require_folders
+from truepose.cli.files import (
+    CampaignPath,
+    Json,
+    Language,
+    LimitMm,
+    ReportFile,
+    require_folders,
+    require_limit,
+)
 from truepose.cli.output import print_json, print_lines, print_tables, remark
 from truepose.domain.errors import ConfigurationError
 from truepose.words.catalogue import ENGLISH, catalogue
@@ -20,6 +28,7 @@ def sphere_command(
     model: Annotated[
         list[Path] | None, typer.Option(help="Model file; may be given again, its name is the file's.")
     ] = None,
+    limit_mm: LimitMm = None,
     report: ReportFile = None,
     language: Language = ENGLISH,
     json: Json = False,
@@ -32,14 +41,16 @@ def sphere_command(
     from truepose.judgement.sphere.judged import sphere_test
 
     require_folders(report)
+    require_limit(limit_mm)
     measured, words = read_campaign_at(campaign), catalogue(language)
     remark(map(words.spoken, measured.ignored))
     test = sphere_test(measured, _models(model or []))
     if report is not None:
+        from truepose.reports.front.held_to_limit import Limit
         from truepose.reports.spheres.report import write_sphere_report
 
-        simulated = bool(measured.simulated)
-        write_sphere_report(report, test, measured.robot.name, words, simulated=simulated)
+        robot, simulated = measured.robot.name, bool(measured.simulated)
+        write_sphere_report(report, test, robot, words, Limit(limit_mm), simulated=simulated)
     _print(test, measured.robot.name, language, as_json=json)
     return 0 if test.is_complete else 1
 

@@ -1,15 +1,13 @@
 """The command that judges a model. Heavy imports wait until it runs."""
 
-import math
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from truepose.cli.files import Json, Language, ReportFile, require_folders
+from truepose.cli.files import Json, Language, LimitMm, ReportFile, require_folders, require_limit
 from truepose.cli.output import print_json, print_tables, remark
-from truepose.domain.errors import ConfigurationError
 from truepose.words.catalogue import ENGLISH, Catalogue, catalogue
 
 if TYPE_CHECKING:
@@ -30,7 +28,7 @@ class Rule(StrEnum):
 def validate_command(
     model: Annotated[Path, typer.Argument(help="Model file.")],
     points: Annotated[Path, typer.Argument(help="Measured rows that the model was not made from.")],
-    limit_mm: Annotated[float | None, typer.Option(help="Largest error that passes.")] = None,
+    limit_mm: LimitMm = None,
     decision_rule: Annotated[
         Rule, typer.Option(help="Count the uncertainty of the readings (ISO 14253-1), or not.")
     ] = Rule.GUARD_BAND,
@@ -60,7 +58,7 @@ def validate_command(
     from truepose.reports import ValidationInput, write_validation_report
     from truepose.reports.conditions import Instrument, ReportConditions
 
-    _require_length(limit_mm)
+    require_limit(limit_mm)
     require_folders(report)
     words = catalogue(language)
     identified, readings = _read(model, points, words)
@@ -83,11 +81,6 @@ def validate_command(
         write_validation_report(report, judged)
     _show(answer, test, words, as_json=json)
     return 0 if answer.passed else 1
-
-
-def _require_length(limit_mm: float | None) -> None:
-    if limit_mm is not None and not 0.0 < limit_mm < math.inf:
-        raise ConfigurationError(f"--limit-mm {limit_mm:g}: give the largest error that passes, above 0 mm.")
 
 
 def _read(model: Path, points: Path, words: Catalogue) -> "tuple[Model, Readings]":

@@ -5,6 +5,7 @@ nonconformity where it lies beyond the limit by more than that; in between nothi
 is 1.65 standard uncertainties: 95 % of a normal distribution, one-sided.
 """
 
+from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
@@ -12,6 +13,7 @@ import numpy as np
 from truepose.domain.arrays import FloatArray
 from truepose.domain.validation import Decision, DecisionRule, Verdict
 from truepose.identification.verdict.judge import Judged
+from truepose.judgement.figure import Figure
 from truepose.judgement.uncertainty import PICOMETRES, Known
 
 _COVERAGE: Final = 1.65
@@ -38,6 +40,17 @@ def decide(judged: Judged, known: Known, limit_mm: float, rule: DecisionRule) ->
     """
     errors = np.linalg.norm(judged.identified_mm, axis=1)
     guard = np.zeros_like(errors) if rule == "simple" else _COVERAGE * _uncertainty_mm(judged, known, errors)
+    return _decision(errors, guard, limit_mm, rule)
+
+
+def decide_figures(figures: Sequence[Figure], limit_mm: float, rule: DecisionRule) -> Decision:
+    """Decide whether all of n >= 1 figures stay within a limit, whatever their sign; rules as `decide`."""
+    sizes = np.array([abs(one.value) for one in figures])
+    u = np.array([one.standard_uncertainty for one in figures])
+    return _decision(sizes, np.zeros_like(u) if rule == "simple" else _COVERAGE * u, limit_mm, rule)
+
+
+def _decision(errors: FloatArray, guard: FloatArray, limit_mm: float, rule: DecisionRule) -> Decision:
     beyond, within = errors - guard, errors + guard
     if beyond.max() > limit_mm:
         return _decided("does not conform", beyond, errors, guard, limit_mm, rule)

@@ -11,14 +11,19 @@ from truepose.reports.circles.sentences import (
     circle_sentences,
     withheld_sentences,
 )
+from truepose.reports.conditions import ReportConditions
 from truepose.reports.figures.tangential import tangential_figure
+from truepose.reports.front.held_to_limit import NO_LIMIT, Limit, circles_front
+from truepose.reports.front.page import front_page
 from truepose.reports.imprint import Imprint
 from truepose.reports.pages import rendered, write_page
 from truepose.reports.traced import Traced, traced_context
 from truepose.words.catalogue import IN_ENGLISH, Catalogue
 
 
-def write_circle_report(path: Path, test: CircleTest, robot: str, words: Catalogue = IN_ENGLISH) -> None:
+def write_circle_report(
+    path: Path, test: CircleTest, robot: str, words: Catalogue = IN_ENGLISH, limit: Limit = NO_LIMIT
+) -> None:
     """Write the report of a circle test as one self-contained HTML file, a figure for each circle.
 
     Raises
@@ -26,7 +31,8 @@ def write_circle_report(path: Path, test: CircleTest, robot: str, words: Catalog
     UnwritableReportError
         The file cannot be written.
     """
-    given = _context(test, words) | {"robot": robot, "imprint": Imprint(robot)}
+    front = front_page(circles_front(test, robot, limit, words), ReportConditions(), words)
+    given = _context(test, words) | {"robot": robot, "imprint": Imprint(robot), "front": front}
     write_page(path, "circles.html", simulated=False, traced=None, **given)
 
 

@@ -1,12 +1,14 @@
 """What stands on the first page of each kind of report."""
 
+from typing import Final
+
 from markupsafe import Markup
 
 from truepose.correction.proof.verdict import Proof
 from truepose.domain.diagnosis import Diagnosis
 from truepose.domain.results import Identification, NominalAndIdentified, Statistics
 from truepose.domain.sentences import together
-from truepose.domain.validation import Validation
+from truepose.domain.validation import Decision, Validation
 from truepose.reports.cause_words import verdict_words
 from truepose.reports.front.bars import error_bars
 from truepose.reports.front.page import Front, OneFigure, graded, text_of
@@ -17,7 +19,7 @@ from truepose.reports.uncertainty.judged import judging_figures
 from truepose.reports.validation.sentences import decision_sentence, verdict_sentence
 from truepose.words.catalogue import Catalogue
 
-_DECIDED = {
+DECIDED: Final = {
     "conforms": ("front.passed", True),
     "does not conform": ("front.failed", False),
     "cannot be decided": ("front.undecided", None),
@@ -102,17 +104,20 @@ def proof_front(proof: Proof, robot: str, words: Catalogue) -> Front:
 
 def _validation_verdict(found: Validation) -> tuple[str, bool | None]:
     if found.decision is not None:
-        return _DECIDED[found.decision.verdict]
+        return DECIDED[found.decision.verdict]
     if found.limit_mm is None:
         return ("front.as_claimed", True) if found.passed else ("front.not_as_claimed", False)
     return ("front.passed", True) if found.passed else ("front.failed", False)
 
 
 def _rule(found: Validation, words: Catalogue) -> str:
-    if found.limit_mm is None or found.decision is None:
-        return words.say("front.no_limit")
-    key = "front.rule.simple" if found.decision.rule == "simple" else "front.rule.guard_band"
-    return words.say(key, limit_mm=found.limit_mm)
+    return words.say("front.no_limit") if found.decision is None else applied_rule(found.decision, words)
+
+
+def applied_rule(decision: Decision, words: Catalogue) -> str:
+    """Return the limit, and how the uncertainty was counted."""
+    key = "front.rule.simple" if decision.rule == "simple" else "front.rule.guard_band"
+    return words.say(key, limit_mm=decision.limit_mm)
 
 
 def _largest(found: Validation, words: Catalogue) -> OneFigure:

@@ -71,7 +71,7 @@ def _measured(conditions: ReportConditions, words: Catalogue) -> str:
 
 def graded(good: bool | None) -> str:
     """Return the look of a verdict; None: it could not be decided."""
-    return "not_answered" if good is None else "consistent" if good else "unexplained"
+    return "not_answered" if good is None else "consistent" if good else "failed"
 
 
 def text_of(text: Text | None, words: Catalogue) -> str:

@@ -4,8 +4,11 @@ from pathlib import Path
 
 from markupsafe import Markup
 
-from truepose.judgement.sphere.judged import SphereTest
+from truepose.judgement.sphere.judged import NOMINAL, SphereTest
+from truepose.reports.conditions import ReportConditions
 from truepose.reports.figures.radial import radial_figure
+from truepose.reports.front.held_to_limit import NO_LIMIT, Limit, sphere_front
+from truepose.reports.front.page import front_page
 from truepose.reports.imprint import Imprint
 from truepose.reports.pages import rendered, write_page
 from truepose.reports.spheres.sentences import (
@@ -20,7 +23,13 @@ from truepose.words.catalogue import IN_ENGLISH, Catalogue
 
 
 def write_sphere_report(
-    path: Path, test: SphereTest, robot: str, words: Catalogue = IN_ENGLISH, *, simulated: bool = False
+    path: Path,
+    test: SphereTest,
+    robot: str,
+    words: Catalogue = IN_ENGLISH,
+    limit: Limit = NO_LIMIT,
+    *,
+    simulated: bool = False,
 ) -> None:
     """Write the report of a sphere test as one self-contained HTML file, a figure for each ball.
 
@@ -29,7 +38,10 @@ def write_sphere_report(
     UnwritableReportError
         The file cannot be written.
     """
-    given = _context(test, words) | {"robot": robot, "imprint": Imprint(robot)}
+    best = test.order[0][0] if test.order else NOMINAL  # which the arm would be commanded by
+    page = sphere_front(test, robot, best, limit, words)
+    front = front_page(page, ReportConditions(simulated=simulated), words)
+    given = _context(test, words) | {"robot": robot, "imprint": Imprint(robot), "front": front}
     write_page(path, "spheres.html", simulated=simulated, traced=None, **given)
 
 

@@ -17,8 +17,8 @@ from truepose.sequencing.ballbar.plan import step_ids
 from truepose.storage.people.acts import ActRecord
 from truepose.storage.records import AdditionRecord, LedgerRecord, StateChange
 from truepose.web.context import Context
-from truepose.web.moments import moment
 from truepose.web.people.authority import TAKEN_FROM
+from truepose.web.visiting.moments import moment
 from truepose.words.catalogue import Catalogue
 
 if TYPE_CHECKING:

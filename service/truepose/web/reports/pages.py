@@ -17,9 +17,12 @@ from truepose.web.problems import status_of
 from truepose.web.reports.kinds import ReportRow
 from truepose.web.reports.making import report_of
 from truepose.web.reports.registry import KINDS
+from truepose.web.reports.sessions import SESSION
 from truepose.web.requests.parameters import number_of
 from truepose.web.results.choices import Chosen
 from truepose.web.results.kinds import Choice
+from truepose.web.results.origins import origin_of
+from truepose.web.results.registry import kind_of
 from truepose.web.schemas.base import NUMBER_LIMIT
 from truepose.web.visiting.visits import Visit, Visited
 from truepose.words.catalogue import Catalogue
@@ -98,8 +101,17 @@ async def report_page(
         simulated=_SIMULATED in record.page,
         content=content_of(record.page),
         revisions=revisions,
+        limited=await _is_limited(visit.here, record.subject),
         query=_asked(visit),
     )
+
+
+async def _is_limited(here: Context, subject: ReportSubject) -> bool:
+    """Whether the reader may set a limit for what a report is of."""
+    if subject.kind != SESSION.name:
+        return False
+    kind = kind_of(await origin_of(here, subject.id))
+    return kind is not None and kind.limited
 
 
 async def _record(visit: Visit, kind: str, id: str, choice: Choice, revision: int | None) -> ReportRecord:

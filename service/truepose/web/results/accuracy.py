@@ -113,6 +113,7 @@ POSE_TEST = ResultKind(
     is_pose_test,
     _content,
     judges=True,
+    limited=True,
     form=_form,
     first_page=_first_page,
 )
@@ -122,5 +123,6 @@ ACCURACY = ResultKind(
     lambda origin: origin.record.role == "validation",
     _content,
     judges=True,
+    limited=True,
     first_page=_first_page,
 )

@@ -72,6 +72,7 @@ class ResultKind:
     title: str  # key of the catalogue
     is_of: Callable[[Origin], bool]
     content: Content
-    judges: bool = False  # a model that the reader may choose, against a limit
+    judges: bool = False  # a model that the reader may choose
+    limited: bool = False  # held against a limit that the reader may set
     form: Callable[[Context], Form] | None = field(default=None)  # None: planned elsewhere
     first_page: "FirstPage | None" = None  # of its report; None: its content says it all

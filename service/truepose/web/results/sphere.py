@@ -16,6 +16,7 @@ from truepose.words.catalogue import Catalogue
 
 if TYPE_CHECKING:
     from truepose.judgement.sphere.judged import SphereTest
+    from truepose.reports.front.page import Front
 
 _METHOD: Final = "sphere"
 _PLACEMENT: Final = (
@@ -37,7 +38,7 @@ async def sphere_of(here: Context, session_id: int, model_ids: Sequence[int]) ->
 
     view = await here.ballbar_sessions.view(session_id)
     numbers = dict.fromkeys([*model_ids, *([view.plan.model_id] if view.plan.model_id else [])])
-    models = {f"model {number}": (await here.results.model(number)).model for number in numbers}
+    models = {_named(number): (await here.results.model(number)).model for number in numbers}
     campaign = await here.ballbar_sessions.campaign(session_id)
     test = await asyncio.to_thread(sphere_test, campaign, models)
     return replace(test, skipped=view.situation.progress.skipped_poses), campaign.robot.name
@@ -53,6 +54,20 @@ async def _content(here: Context, origin: Origin, choice: Choice, words: Catalog
     judged = await here.results.model(models[0]) if models else None
     ending = await traced(here, origin, shown, judged, words)
     return await asyncio.to_thread(sphere_content, test, ending, words)
+
+
+async def _first_page(here: Context, origin: Origin, choice: Choice, words: Catalogue) -> "Front":
+    from truepose.judgement.sphere.judged import NOMINAL
+    from truepose.reports.front.held_to_limit import Limit, sphere_front
+
+    models = await _models(here, origin, choice)
+    test, robot = await sphere_of(here, origin.record.id, models)
+    judged = _named(models[0]) if models else NOMINAL
+    return sphere_front(test, robot, judged, Limit(choice.limit_mm, choice.rule), words)
+
+
+def _named(model_id: int) -> str:
+    return f"model {model_id}"
 
 
 async def _models(here: Context, origin: Origin, choice: Choice) -> list[int]:
@@ -77,5 +92,12 @@ def _form(here: Context) -> Form:
 
 
 SPHERE = ResultKind(
-    "sphere", "plan_test.sphere", lambda origin: origin.method == _METHOD, _content, form=_form
+    "sphere",
+    "plan_test.sphere",
+    lambda origin: origin.method == _METHOD,
+    _content,
+    judges=True,
+    limited=True,
+    form=_form,
+    first_page=_first_page,
 )

@@ -42,7 +42,7 @@ def front(**changes):
     ("verdict", "word", "look"),
     [
         ("conforms", "PASSED", "consistent"),
-        ("does not conform", "NOT PASSED", "unexplained"),
+        ("does not conform", "NOT PASSED", "failed"),
         ("cannot be decided", "CANNOT BE DECIDED", "not_answered"),
     ],
 )

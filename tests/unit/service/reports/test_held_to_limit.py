@@ -1,0 +1,100 @@
+"""The first page of circle and sphere tests: passed or not by a limit, and neither where none was set."""
+
+from dataclasses import replace
+
+import pytest
+
+from tests.helpers.ballbar.spheres import longer, sphere_campaign
+from tests.helpers.domain.circles import read_on, there_and_back, turned
+from tests.helpers.domain.robots import IRB_120
+from tests.helpers.web.pages import Page
+from truepose.domain.sentences import said
+from truepose.judgement.circle.judged import CircleTest, WithheldCircle, circle_test
+from truepose.judgement.figure import Figure
+from truepose.judgement.sphere.judged import sphere_test
+from truepose.reports.front.figure_bars import figure_bars
+from truepose.reports.front.held_to_limit import NO_LIMIT, Limit, circles_front, sphere_front
+from truepose.words.catalogue import IN_ENGLISH
+
+FAR = Limit(10.0)
+
+
+@pytest.fixture(scope="module")
+def circles():
+    """A joint that turns by a thousandth too far."""
+    asked = turned(2, there_and_back(-40, 40, 4))
+    return circle_test(read_on(IRB_120, asked, true_rad=1.001 * asked, scatter_mm=0.005))
+
+
+@pytest.fixture(scope="module")
+def sphere():
+    return sphere_test(sphere_campaign(longer(), per_nest=12))
+
+
+def of_circles(test, limit):
+    return circles_front(test, "IRB 120", limit, IN_ENGLISH)
+
+
+def test_without_a_limit_neither_passes_and_both_say_how_to_set_one(circles, sphere):
+    for front in (
+        of_circles(circles, NO_LIMIT),
+        sphere_front(sphere, "IRB 120", "nominal", NO_LIMIT, IN_ENGLISH),
+    ):
+        assert (front.word, front.look) == ("NO LIMIT WAS SET", "not_answered")
+        assert "Judge anew" in front.rule
+        assert front.figure.value.endswith(" mm")
+
+
+def test_the_largest_error_of_a_joint_is_held_against_the_limit(circles):
+    size = circles.circles[0].tangential_range_mm
+    guard = 1.65 * size.standard_uncertainty
+    words = [
+        of_circles(circles, Limit(limit)).word
+        for limit in (size.value + 1.01 * guard, size.value, size.value - 1.01 * guard)
+    ]
+
+    assert words == ["PASSED", "CANNOT BE DECIDED", "NOT PASSED"]
+    assert of_circles(circles, Limit(size.value + 1e-6, "simple")).word == "PASSED"
+
+
+def test_a_joint_that_was_not_judged_cannot_pass(circles):
+    test = replace(circles, withheld=(WithheldCircle(5, 1, said("circles.none")),))
+
+    front = of_circles(test, FAR)
+
+    assert front.word == "CANNOT BE DECIDED"
+    assert "Joint 5, nest 1: Its readings are in one place" in front.sentence
+    assert of_circles(test, Limit(0.001)).word == "NOT PASSED"
+
+
+def test_of_nothing_there_is_neither_figure_nor_picture():
+    front = of_circles(CircleTest((), ()), FAR)
+
+    assert (front.word, front.look) == ("NOTHING TO JUDGE", "not_answered")
+    assert (front.figure, front.picture, front.caption) == (None, None, "")
+
+
+def test_lengths_about_the_taught_ball_are_held_against_the_limit(sphere):
+    taught = sphere.spheres[0].of("nominal", taught=True).whole.max_mm
+    passed = sphere_front(sphere, "IRB 120", "nominal", FAR, IN_ENGLISH)
+    failed = sphere_front(sphere, "IRB 120", "nominal", Limit(taught.value / 2.0), IN_ENGLISH)
+
+    assert (passed.word, failed.word) == ("PASSED", "NOT PASSED")
+    assert passed.figure.value.startswith(f"{taught.value:.2f}"[:4])
+    assert "guard band by ISO 14253-1" in passed.rule
+
+
+def test_stops_that_were_skipped_leave_it_open(sphere):
+    front = sphere_front(replace(sphere, skipped=3), "IRB 120", "nominal", FAR, IN_ENGLISH)
+
+    assert front.word == "CANNOT BE DECIDED"
+    assert "3 stops were skipped" in front.sentence
+
+
+def test_bars_are_ranked_on_one_scale_with_their_intervals():
+    page = Page(str(figure_bars([("a", Figure(0.1, 0.01)), ("b", Figure(-0.2, 0.02))], 0.4, IN_ENGLISH)))
+    widths = [float(one["width"]) for tag, one in page.elements if tag == "rect"]
+
+    assert widths[0] == pytest.approx(2.0 * widths[1], abs=0.1)
+    assert page.text.index("b") < page.text.index("a")
+    assert "limit 0.4 mm" in page.text
