@@ -10,6 +10,7 @@ from markupsafe import Markup
 from truepose.domain.arrays import FloatArray
 from truepose.domain.diagnosis import Confidence, Dependence, Diagnosis, NextMeasurement
 from truepose.domain.results import Model
+from truepose.domain.sentences import Text
 from truepose.exchange.models.document import file_factor, file_unit
 from truepose.reports.cause_words import causes_listed, printed_unit, verdict_words
 from truepose.reports.causes_found.cause_map import MapCell, cause_map
@@ -29,6 +30,13 @@ from truepose.reports.pages import rendered
 from truepose.reports.paper import write_report_text
 from truepose.reports.parameters.meanings import meaning
 from truepose.reports.rounding import MISSING, fixed, rounded, uncertainty, with_minus
+from truepose.reports.seen.diagnoses import (
+    curve_sentence,
+    gains_sentence,
+    map_sentence,
+    places_sentence,
+)
+from truepose.reports.seen.errors import errors_sentence
 from truepose.words.catalogue import ENGLISH, IN_ENGLISH, Catalogue, catalogue
 
 _HELD_OUT = {
@@ -57,6 +65,7 @@ class DependenceBlock:
     dependence: Dependence
     name: str
     curve: CurveFigure | None
+    seen: Text = ""  # what the curve shows
 
 
 @dataclass(frozen=True, slots=True)
@@ -127,6 +136,7 @@ def _context(report: DiagnosisInput) -> dict[str, object]:
         "small": blocks[counted:],
         **_map(diagnosis, words),
         "gains": gains(diagnosis.all_findings, words),
+        "gains_seen": gains_sentence(diagnosis.all_findings, words),
         "dependences": _dependences(diagnosis, words),
         "described": described_rows(diagnosis.remaining.described, words),
         "added_words": _added_words(diagnosis, words),
@@ -165,7 +175,12 @@ def _map(diagnosis: Diagnosis, words: Catalogue) -> dict[str, object]:
     if found is None:
         return {"map": None}
     rows = tuple(_map_row(cell, words) for cell in found.cells)
-    return {"map": map_picture(found, words), "map_rows": rows, "map_rivals": bool(found.links)}
+    return {
+        "map": map_picture(found, words),
+        "map_rows": rows,
+        "map_rivals": bool(found.links),
+        "map_seen": map_sentence(found),
+    }
 
 
 def _map_row(cell: MapCell, words: Catalogue) -> tuple[str, str, str, str]:
@@ -201,7 +216,13 @@ def _errors(diagnosis: Diagnosis, words: Catalogue) -> dict[str, object]:
     if not known.any():
         return {"histogram": None, "beyond": 0, "maps": None}
     picture, beyond = comparison(before_mm[known], after_mm[known], after.noise_mm, words)
-    return {"histogram": picture, "beyond": beyond, "maps": error_maps(errors, words)}
+    return {
+        "histogram": picture,
+        "histogram_seen": errors_sentence(before_mm[known], after_mm[known]),
+        "beyond": beyond,
+        "maps": error_maps(errors, words),
+        "maps_seen": places_sentence(errors),
+    }
 
 
 def _norms(errors_mm: FloatArray) -> FloatArray:
@@ -218,7 +239,7 @@ def _dependence(number: int, dependence: Dependence, words: Catalogue) -> Depend
     if dependence.curve is None:
         return DependenceBlock(dependence, name, None)
     curve = residual_curve(dependence.curve, f"left-{number}", of_cause=False, words=words)
-    return DependenceBlock(dependence, name, curve)
+    return DependenceBlock(dependence, name, curve, curve_sentence(dependence.curve))
 
 
 def _proposal(measurement: NextMeasurement, words: Catalogue) -> Proposal:

@@ -23,6 +23,7 @@ from truepose.reports.front.kinds import identification_front
 from truepose.reports.front.page import front_page
 from truepose.reports.headline import headline
 from truepose.reports.imprint import imprint_of
+from truepose.reports.observability.shown import observability_context
 from truepose.reports.pages import rendered
 from truepose.reports.paper import write_report_text
 from truepose.reports.parameters.rows import parameter_rows
@@ -112,6 +113,7 @@ def _context(report: ReportInput) -> dict[str, object]:
         else tuple(truth_row(p, words) for p in report.truth.parameters),
         **_evidence(shown, identification, words),
         **_correlation(identification, words),
+        **observability_context(identification.parameters, identification.not_identifiable, words),
     )
 
 

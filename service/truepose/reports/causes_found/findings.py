@@ -9,6 +9,7 @@ from markupsafe import Markup
 
 from truepose.domain.causes import Cause, Detail
 from truepose.domain.diagnosis import Diagnosis, Finding, Gain, Worth
+from truepose.domain.sentences import Text
 from truepose.effects.cells import amplitude_of
 from truepose.effects.ports import Trait
 from truepose.effects.registry import effects_with
@@ -26,6 +27,7 @@ from truepose.reports.causes_found.look_alikes import Alternatives, alternatives
 from truepose.reports.figures.residual_curve import CurveFigure, residual_curve
 from truepose.reports.figures.spectrum import spectrum_picture
 from truepose.reports.rounding import interval, millimetres, p_value, with_minus, with_uncertainty
+from truepose.reports.seen.diagnoses import curve_sentence, spectrum_sentence
 from truepose.words.catalogue import IN_ENGLISH, Catalogue
 
 _COVERAGE_95 = 1.96  # of a normal distribution
@@ -46,7 +48,9 @@ class FindingBlock:
     confidence_word: str
     confidence: str  # what the word means here
     curve: CurveFigure | None
+    curve_seen: Text
     spectrum: Markup | None
+    spectrum_seen: Text
     alternatives: Alternatives
 
 
@@ -69,7 +73,9 @@ def _block(number: int, finding: Finding, diagnosis: Diagnosis, words: Catalogue
         confidence_word=confidence_word(finding.confidence, words),
         confidence=confidence_meaning(finding, words),
         curve=_curve(number, finding, words),
+        curve_seen="" if finding.curve is None else curve_sentence(finding.curve),
         spectrum=_spectrum(number, finding, words),
+        spectrum_seen="" if finding.spectrum is None else spectrum_sentence(finding.spectrum),
         alternatives=alternatives(finding, diagnosis, words),
     )
 

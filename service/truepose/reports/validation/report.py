@@ -21,6 +21,7 @@ from truepose.reports.figures.place_errors import place_errors
 from truepose.reports.front.kinds import validation_front
 from truepose.reports.front.page import front_page
 from truepose.reports.imprint import imprint_of
+from truepose.reports.observability.shown import observability_context
 from truepose.reports.pages import rendered
 from truepose.reports.paper import write_report_text
 from truepose.reports.seen.errors import distances_sentence
@@ -114,6 +115,7 @@ def _context(report: ValidationInput) -> dict[str, object]:
         **_traced(report, words),
         "conditions": conditions,
         "condition_rows": stated_conditions(test, conditions, words),
+        **observability_context(report.model.parameters, (), words),
     }
 
 

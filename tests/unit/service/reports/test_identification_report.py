@@ -59,7 +59,7 @@ def test_a_plain_campaign_gives_a_complete_report(plain_report):
         "Method",
     ):
         assert heading in page.text
-    assert sum(tag == "svg" for tag, _ in page.elements) == 8  # two of them on the first page
+    assert sum(tag == "svg" for tag, _ in page.elements) == 9  # two of them on the first page
     assert "truepose 0." in page.text
 
 

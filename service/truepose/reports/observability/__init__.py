@@ -1,0 +1,1 @@
+"""How well a measurement determines each parameter: a picture, and a sentence."""
