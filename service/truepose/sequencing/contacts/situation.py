@@ -10,10 +10,10 @@ from typing import TypeAlias
 
 from truepose.domain.contacts import ContactPlan, ContactStop
 from truepose.domain.ledger import LedgerEntry
-from truepose.domain.session import Progress, SessionState, stop_id
+from truepose.domain.session import Progress, stop_id
 from truepose.sequencing.contacts.questions import Question
 from truepose.sequencing.contacts.record import OPEN, ContactRecord
-from truepose.sequencing.engine.states import ASKS
+from truepose.sequencing.engine.by_itself import RunsByItself
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,25 +45,13 @@ Step: TypeAlias = Question | Open | Visit
 
 
 @dataclass(frozen=True, slots=True)
-class ContactSituation:
+class ContactSituation(RunsByItself):
     """Where a session stands."""
 
-    state: SessionState
-    reason: str  # why this state was entered; of a person who is waited for: the question
     step: Step | None  # the present one; None: nothing is left to do
     left: tuple[ContactStop, ...]  # neither measured nor skipped
     failures: int
     progress: Progress
-
-    @property
-    def busy(self) -> bool:
-        """Whether the present step is done, as soon as nothing forbids it."""
-        return self.state is SessionState.RUNNING
-
-    @property
-    def question(self) -> str | None:
-        """What a person is asked to confirm, or why the session waits."""
-        return self.reason if self.state in ASKS else None
 
 
 def situation(plan: ContactPlan, entries: Iterable[LedgerEntry]) -> ContactSituation:

@@ -10,9 +10,9 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 from truepose.domain.ledger import LedgerEntry
-from truepose.domain.session import PlannedStop, Progress, Registration, SessionPlan, SessionState
+from truepose.domain.session import PlannedStop, Progress, Registration, SessionPlan
+from truepose.sequencing.engine.by_itself import RunsByItself
 from truepose.sequencing.engine.identities import KnownDevice, same_number
-from truepose.sequencing.engine.states import ASKS
 from truepose.sequencing.tracker import plans
 from truepose.sequencing.tracker.state_so_far import TrackerRecord
 from truepose.sequencing.tracker.steps import Step, StepKind
@@ -20,11 +20,9 @@ from truepose.sequencing.tracker.world_frame.warming import warmth
 
 
 @dataclass(frozen=True, slots=True)
-class TrackerSituation:
+class TrackerSituation(RunsByItself):
     """Where a session stands."""
 
-    state: SessionState
-    reason: str  # why this state was entered; of a person who is waited for: the question
     step: Step | None  # the present one; None: nothing is left to do
     left: tuple[PlannedStop, ...]  # neither measured nor skipped
     unasked: tuple[PlannedStop, ...]  # of them: those to which nobody has let the arm go
@@ -37,16 +35,6 @@ class TrackerSituation:
     since_first_s: float  # cell time from the first reading to the last line
     settled: bool  # what is left was left out, since drift has become slow
     progress: Progress
-
-    @property
-    def busy(self) -> bool:
-        """Whether the present step is done, as soon as nothing forbids it."""
-        return self.state is SessionState.RUNNING
-
-    @property
-    def question(self) -> str | None:
-        """What a person is asked to confirm, or why the session waits."""
-        return self.reason if self.state in ASKS else None
 
 
 def situation(plan: SessionPlan, n_fixed_nests: int, entries: Iterable[LedgerEntry]) -> TrackerSituation:

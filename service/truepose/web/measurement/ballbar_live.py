@@ -11,12 +11,9 @@ from fastapi import APIRouter
 from fastapi.responses import StreamingResponse
 
 from truepose.sequencing.ballbar.measuring.live import LiveSample
-from truepose.web.context import Context, Here
-from truepose.web.events import Seconds
+from truepose.web.context import Context
 from truepose.web.measurement.ballbar_replies import ballbar_session_reply
-from truepose.web.measurement.live_stream import TabletName, stream_examples, streamed
-from truepose.web.problems import problems
-from truepose.web.requests.parameters import Id
+from truepose.web.measurement.live_stream import Following, live_responses
 
 router = APIRouter(prefix="/ballbar-sessions", tags=["ballbar sessions"])
 _SAMPLE: Final = {
@@ -34,26 +31,18 @@ _SAMPLE: Final = {
     "why_not": None,
     "let_go": True,
 }
+_LIVE: Final = live_responses(_SAMPLE, "Samples and situations as they come.", 404, 422, 503)
 
 
-@router.get(
-    "/{id}/live",
-    response_class=StreamingResponse,
-    responses={
-        200: {"description": "Samples and situations as they come.", "content": stream_examples(_SAMPLE)},
-        **problems(404, 422, 503),
-    },
-)
-async def follow_ballbar_session(
-    here: Here, id: Id, tablet: TabletName, stop_after_s: Seconds = None
-) -> StreamingResponse:
+@router.get("/{id}/live", response_class=StreamingResponse, responses=_LIVE)
+async def follow_ballbar_session(following: Following) -> StreamingResponse:
     """Follow a session: `sample` is the newest value of the ballbar, `situation` the session as it changes.
 
     The stream begins with the session as it is; a comment each second shows that the service lives.
     """
+    here, id = following.here, following.session_id
     await here.ballbar_sessions.view(id)
-    watching = here.session_desk.watching.by(id, tablet)
-    return streamed(here, watching, _situations(here, id), _samples(here, id), stop_after_s)
+    return following.streamed(_situations(here, id), _samples(here, id))
 
 
 async def _situations(here: Context, id: int) -> AsyncIterator[str]:

@@ -9,8 +9,7 @@ from fastapi.responses import StreamingResponse
 
 from truepose.sequencing.tracker.watching import Sighting
 from truepose.web.context import Context, Here
-from truepose.web.events import Seconds
-from truepose.web.measurement.live_stream import TabletName, stream_examples, streamed
+from truepose.web.measurement.live_stream import Following, live_responses
 from truepose.web.people.authority import require_authority
 from truepose.web.problems import problems
 from truepose.web.requests.parameters import Id, RequiredKey
@@ -43,6 +42,7 @@ _SAMPLE: Final = {
     "is_seen": True,
     "is_moving": False,
 }
+_LIVE: Final = live_responses(_SAMPLE, "Looks and situations as they come.", 404, 409, 422, 503)
 
 
 @router.get("/guide", responses=_READ)
@@ -83,24 +83,15 @@ async def press_button_of_session(
     return GuideActReply(sentence=answer.sentence, entry=answer.entry, session=session)
 
 
-@router.get(
-    "/guide/live",
-    response_class=StreamingResponse,
-    responses={
-        200: {"description": "Looks and situations as they come.", "content": stream_examples(_SAMPLE)},
-        **_READ,
-    },
-)
-async def follow_guide(
-    here: Here, id: Id, tablet: TabletName, stop_after_s: Seconds = None
-) -> StreamingResponse:
+@router.get("/guide/live", response_class=StreamingResponse, responses=_LIVE)
+async def follow_guide(following: Following) -> StreamingResponse:
     """Follow a session: `sample` is where the reflector is, `situation` the session as it changes.
 
     The stream begins with the session as it is; a comment each second shows that the service lives.
     """
+    here, id = following.here, following.session_id
     await here.guided_sessions.guide(id)
-    watching = here.session_desk.watching.by(id, tablet)
-    return streamed(here, watching, _situations(here, id), _samples(here, id), stop_after_s)
+    return following.streamed(_situations(here, id), _samples(here, id))
 
 
 async def _situations(here: Context, id: int) -> AsyncIterator[str]:

@@ -8,14 +8,18 @@ import contextlib
 import json
 from collections.abc import AsyncIterator, Mapping
 from contextlib import AbstractContextManager
+from dataclasses import dataclass
 from typing import Annotated, Any, Final
 
-from fastapi import Query
+from fastapi import Depends, Query
 from fastapi.responses import StreamingResponse
 from pydantic import AfterValidator
 
 from truepose.domain.people import NAME_PATTERN, tidy_name
-from truepose.web.context import Context
+from truepose.web.context import Context, Here
+from truepose.web.events import Seconds
+from truepose.web.problems import problems
+from truepose.web.requests.parameters import Id
 from truepose.web.schemas.streams import EVENT_STREAM, stream_content
 
 _HEARTBEAT_S: Final = 1.0  # a page tells a person within two seconds that the link is gone
@@ -32,22 +36,34 @@ TabletName = Annotated[
 ]
 
 
-def stream_examples(sample: Mapping[str, object]) -> dict[str, Any]:
-    """Return what documents a stream of such samples."""
-    return stream_content(f"event: sample\ndata: {json.dumps(sample)}\n\n")
+def live_responses(sample: Mapping[str, object], told: str, *refused: int) -> dict[int | str, dict[str, Any]]:
+    """Return what documents a stream of such samples, and the problems that it may be refused with."""
+    content = stream_content(f"event: sample\ndata: {json.dumps(sample)}\n\n")
+    return {200: {"description": told, "content": content}, **problems(*refused)}
 
 
-def streamed(
-    here: Context,
-    watching: AbstractContextManager[None],
-    situations: AsyncIterator[str],
-    samples: AsyncIterator[str],
-    stop_after_s: float | None,
-) -> StreamingResponse:
-    """Return the answer that sends situations and samples, as JSON, while `watching` counts the tablet."""
-    headers = {"Cache-Control": "no-store", "X-Accel-Buffering": "no"}
-    stream = _stream(here, watching, situations, samples, stop_after_s)
-    return StreamingResponse(stream, media_type=EVENT_STREAM, headers=headers)
+@dataclass(frozen=True, slots=True)
+class Follower:
+    """A tablet that follows a session, for as long as it wants."""
+
+    here: Context
+    session_id: int
+    tablet: str
+    stop_after_s: float | None = None
+
+    def streamed(self, situations: AsyncIterator[str], samples: AsyncIterator[str]) -> StreamingResponse:
+        """Return the answer that sends situations and samples, as JSON, while the tablet is counted."""
+        headers = {"Cache-Control": "no-store", "X-Accel-Buffering": "no"}
+        watching = self.here.session_desk.watching.by(self.session_id, self.tablet)
+        stream = _stream(self.here, watching, situations, samples, self.stop_after_s)
+        return StreamingResponse(stream, media_type=EVENT_STREAM, headers=headers)
+
+
+def _follower(here: Here, id: Id, tablet: TabletName, stop_after_s: Seconds = None) -> Follower:
+    return Follower(here, id, tablet, stop_after_s)
+
+
+Following = Annotated[Follower, Depends(_follower)]
 
 
 class _Mailbox:

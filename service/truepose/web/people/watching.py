@@ -13,6 +13,7 @@ from truepose.storage.people.credentials import CredentialKind, CredentialRecord
 from truepose.web.context import Context, Here
 from truepose.web.measurement.ballbar_live import follow_ballbar_session
 from truepose.web.measurement.guides import follow_guide
+from truepose.web.measurement.live_stream import Follower
 from truepose.web.people.asking import Asker
 from truepose.web.people.schemas import (
     NewWatchLinkReply,
@@ -88,7 +89,8 @@ async def follow_watched(here: Here, request: Request, secret: str) -> Response:
 async def _followed(here: Context, record: CredentialRecord) -> AsyncIterator[Any]:
     session = await here.sessions.get(record.document["session_id"])
     follow = follow_ballbar_session if session.role == "ballbar" else follow_guide
-    return aiter((await follow(here, session.id, f"watch link {record.id}")).body_iterator)
+    screen = Follower(here, session.id, f"watch link {record.id}")
+    return aiter((await follow(screen)).body_iterator)
 
 
 async def _while_it_lasts(here: Context, secret: str, chunks: AsyncIterator[Any]) -> AsyncIterator[Any]:

@@ -12,7 +12,7 @@ from truepose.domain.errors import TrueposeError
 from truepose.domain.results import Model
 from truepose.exchange.exports.formats import FORMATS, Format, export
 from truepose.storage.errors import NotFoundError
-from truepose.storage.records import ModelRecord
+from truepose.storage.records import IdentificationRecord, ModelRecord, ValidationRecord
 from truepose.storage.work.items import WorkKind
 from truepose.web.records.trail import missing, trail_of
 from truepose.web.reports.making import drawn
@@ -31,23 +31,27 @@ R = TypeVar("R")
 @router.get("/identifications/{id}", response_class=HTMLResponse)
 async def identification_page(visit: Visited, id: str) -> HTMLResponse:
     """Show an identification as its report."""
-    record = await _found(id, visit.here.results.identification)
-    if record is None:
-        return missing(visit)
-    content = await _content(visit, "identification", record.id)
-    trail = await trail_of(visit, WorkKind.IDENTIFICATION, record.id)
-    return visit.page("identification.html", record=record, content=content, trail=trail)
+    return await _report_page(visit, id, visit.here.results.identification, WorkKind.IDENTIFICATION)
 
 
 @router.get("/validations/{id}", response_class=HTMLResponse)
 async def validation_page(visit: Visited, id: str) -> HTMLResponse:
     """Show a validation as its report."""
-    record = await _found(id, visit.here.results.validation)
+    return await _report_page(visit, id, visit.here.results.validation, WorkKind.VALIDATION)
+
+
+async def _report_page(
+    visit: Visit,
+    id: str,
+    get: Callable[[int], Awaitable[IdentificationRecord | ValidationRecord]],
+    kind: WorkKind,
+) -> HTMLResponse:
+    record = await _found(id, get)
     if record is None:
         return missing(visit)
-    content = await _content(visit, "validation", record.id)
-    trail = await trail_of(visit, WorkKind.VALIDATION, record.id)
-    return visit.page("validation.html", record=record, content=content, trail=trail)
+    content = await _content(visit, kind.value, record.id)
+    trail = await trail_of(visit, kind, record.id)
+    return visit.page(f"{kind.value}.html", record=record, content=content, trail=trail)
 
 
 @router.get("/models/{id}", response_class=HTMLResponse)
