@@ -24,6 +24,12 @@ LOOK = """() => {
   const box = (node) => [node.innerText.trim(), Math.round(node.getBoundingClientRect().height)];
   const buttons = [...document.querySelectorAll('button, a.main, a.home')].filter(seen);
   const drawn = (svg) => seen(svg.parentNode) && svg.children.length > 0;
+  const covered = (node) => {
+    const { left, right, top, bottom } = node.getBoundingClientRect();
+    const y = (top + bottom) / 2;
+    const seen = [left + 2, (left + right) / 2, right - 2].map((x) => document.elementFromPoint(x, y));
+    return seen.some((found) => !found?.closest('#caution'));
+  };
   const inside = (node) => node.closest('#actions, #dock');
   return {
     screen: document.body.dataset.screen,
@@ -31,6 +37,7 @@ LOOK = """() => {
     other: buttons.filter((node) => !inside(node)).map(box),
     pictures: [...document.querySelectorAll('.board svg')].filter((svg) => svg.getClientRects().length &&
     svg.children.length).length, wide: document.documentElement.scrollWidth - innerWidth,
+    covered: [...document.querySelectorAll('#caution:not([hidden]) *')].filter(covered).length,
   };
 }"""
 
@@ -137,6 +144,7 @@ def test_a_session_is_walked_through_on_the_page_alone(chromium, url, bench, end
         verbs = [name.replace("Resume", "Pause") for name, _ in look["main"]][-6:]
         assert verbs == VERBS, screen
         assert look["wide"] <= 0, screen
+        assert look["covered"] == 0, screen  # that only the emergency stop stops the arm at once
     assert {
         screen: look["pictures"] for screen, look in seen.items() if screen != "finished"
     } == dict.fromkeys(["who", "place", "ask", "warm", "measure", "paused"], 1)

@@ -4,14 +4,14 @@ import { showIf, write } from "./elements.js";
 import { actsHere, hasEnded } from "./situation.js";
 import { buttonShape } from "./shapes.js";
 
-// Where nobody is in the cell no tablet holds the session: `acting` is missing there.
+// Where nobody is in the cell no tablet holds the session: `acting` is missing there. `watching` counts this page too.
 function who({ acting, watching }, tablet, texts) {
-  const watched = texts.say("who.watching", { count: watching });
-  if (acting === undefined) return watched;
+  const others = watching > 1 ? texts.say("who.watching", { count: watching - 1 }) : "";
+  if (acting === undefined) return others;
   const acts = !acting ? texts.say("who.nobody")
     : acting.tablet === tablet ? texts.say("who.acts_here")
     : texts.say("who.acts", { person: acting.person });
-  return `${acts} · ${watched}`;
+  return others ? `${acts} · ${others}` : acts;
 }
 
 export class Top {
