@@ -64,6 +64,7 @@ _IN_WORDS: Final = {  # of patterns
     KEY: "A key consists of letters, digits and signs of ASCII, without blanks",
 }
 FRESH_SIGN_IN: Final = "fresh-sign-in"  # that is solved by showing once more who it is
+SIGN_IN: Final = "sign-in"  # that is solved by signing in
 _NAME: Final = "name"  # the kind of problem that another person's name solves
 _KINDS: Final[Mapping[type[Exception], str]] = {  # of problems that somebody can solve at once
     PersonMissingError: _NAME,

@@ -23,7 +23,7 @@ from truepose.storage.people.acts import PersonsAct
 from truepose.web.people.asking import Asking, begin
 from truepose.web.people.operations import Operation, asked_operation
 from truepose.web.people.rights import FRESH, LEAST, Anybody, may
-from truepose.web.problems import FRESH_SIGN_IN, problem_response
+from truepose.web.problems import FRESH_SIGN_IN, SIGN_IN, problem_response
 
 COOKIE: Final = "truepose_sign_in"
 SECURE_COOKIE: Final = f"__Host-{COOKIE}"  # browsers take it over TLS only, for this host and all paths
@@ -31,7 +31,7 @@ _BEARER: Final = re.compile(r"bearer +([A-Za-z0-9_-]{43})", re.ASCII | re.IGNORE
 _SECRET: Final = re.compile(r"[A-Za-z0-9_-]{43}", re.ASCII)
 _READING: Final = frozenset({"GET", "HEAD", "OPTIONS"})
 _REFUSED: Final = frozenset({HTTPStatus.UNAUTHORIZED, HTTPStatus.FORBIDDEN, HTTPStatus.TOO_MANY_REQUESTS})
-_SIGN_IN: Final = (
+_SIGN_IN_FIRST: Final = (
     "Sign in first: in a browser at /sign-in, as a program with a token (Authorization: Bearer ...)."
 )
 
@@ -126,7 +126,8 @@ def _refusal(
     if caller.role is None:
         if _shows_page(scope, operation):
             return RedirectResponse(_sign_in_address(request), HTTPStatus.SEE_OTHER)
-        return problem_response(request, HTTPStatus.UNAUTHORIZED, _SIGN_IN, {"WWW-Authenticate": "Bearer"})
+        headers = {"WWW-Authenticate": "Bearer"}
+        return problem_response(request, HTTPStatus.UNAUTHORIZED, _SIGN_IN_FIRST, headers, kind=SIGN_IN)
     if not may(caller.role, name):
         if _shows_page(scope, operation):
             return RedirectResponse(f"/not-yours?page={quote(scope['path'])}", HTTPStatus.SEE_OTHER)

@@ -1,7 +1,9 @@
 // The forms of signing in, of choosing a password, of people and of programs.
 
 import { answered, filled, onSubmit } from "./api.js";
+import { inPage } from "./page-part.js";
 import { ours } from "./person.js";
+import { holdControls } from "./shell.js";
 
 const form = (id) => document.getElementById(id);
 
@@ -49,6 +51,11 @@ function enter(here) {
   onSubmit(here, async (say) => {
     const entered = await sent(here, "/api/v1/people", said(here, "name", "role"));
     say(filled(here.dataset.link, { name: entered.person.name, link: linkOf(entered) }));
+    here.reset();
+    await Promise.all([inPage("#listed"), inPage("#owner")]);
+    const listed = document.querySelector("#listed");
+    holdControls(listed);
+    changes(listed);
   });
 }
 
@@ -81,6 +88,12 @@ async function change(control) {
   }
 }
 
+function changes(root) {
+  for (const control of root.querySelectorAll("[data-change]")) {
+    control.addEventListener(control.matches("select") ? "change" : "click", () => change(control));
+  }
+}
+
 const FORMS = {
   "sign-in": signIn,
   first: (here) => choose(here, "/api/v1/first-person", ["name", "password", "pin"]),
@@ -90,6 +103,4 @@ const FORMS = {
   token,
 };
 for (const [id, begin] of Object.entries(FORMS)) if (form(id)) begin(form(id));
-for (const control of document.querySelectorAll("[data-change]")) {
-  control.addEventListener(control.matches("select") ? "change" : "click", () => change(control));
-}
+changes(document);

@@ -1,7 +1,7 @@
 // Who stands before this browser: somebody else by PIN or badge, the same person once more, or nobody.
 
 const PRESENT = "/api/v1/sign-ins/present";
-const FRESH = "urn:truepose:problem:fresh-sign-in";
+const PROBLEM = "urn:truepose:problem:";
 const template = document.querySelector("#person-dialogue");
 export const signedInAs = template?.dataset.name || null; // null: nobody is asked who they are
 
@@ -19,11 +19,15 @@ async function sent(path, method, body) {
 class Dialogue {
   #dialog = template.content.firstElementChild.cloneNode(true);
   #pin = this.#dialog.querySelector(".pin");
-  #who = {};
+  #who;
+  #proof;
   #answer = null;
 
-  constructor(title, path) {
+  // `proof`: "pin" (or the password in its place), or "password" alone.
+  constructor(title, path, { who = {}, proof = "pin" } = {}) {
     this.path = path;
+    this.#who = who;
+    this.#proof = proof;
     const heading = this.#dialog.querySelector("h2");
     heading.textContent = heading.dataset[title];
     document.body.append(this.#dialog);
@@ -41,12 +45,20 @@ class Dialogue {
     badge.closest("label").hidden = !people;
     this.#dialog.querySelector(".instead").hidden = Boolean(people);
     this.#dialog.querySelector(".names").replaceChildren(...(people ?? []).map((name) => this.#name(name)));
-    if (!people) this.#askPin("");
+    if (!people) this.#askPin(this.#who.name ?? "");
+    if (this.#proof === "password") this.#askPasswordAlone();
     this.#dialog.showModal();
-    (people ? badge : pin).focus();
+    (people ? badge : this.#field(this.#proof)).focus();
     return new Promise((resolve) => {
       this.#dialog.addEventListener("close", () => (this.#dialog.remove(), resolve(this.#answer)));
     });
+  }
+
+  #askPasswordAlone() {
+    for (const key of this.#dialog.querySelectorAll("[data-key]")) key.hidden = key.dataset.key !== "ok";
+    this.#field("pin").closest("label").hidden = true;
+    const said = this.#dialog.querySelector(".instead span");
+    said.textContent = said.dataset.alone;
   }
 
   #field(name) {
@@ -64,7 +76,7 @@ class Dialogue {
     this.#field("badge").closest("label").hidden = true;
     this.#dialog.querySelector(".chosen").textContent = name;
     this.#pin.hidden = false;
-    this.#field("pin").focus();
+    this.#field(this.#proof).focus();
   }
 
   #type(key) {
@@ -98,11 +110,21 @@ export async function switchPerson() {
   return new Dialogue("switch", `${PRESENT}/person`).ask(people);
 }
 
-// What is said of a refusal: where it asks for a PIN, that is asked for first. Nothing is repeated by itself: after
-// the PIN a person presses once more, which is the second confirmation.
-export async function refusal(problem) {
-  if (problem?.type !== FRESH || !template) return problem?.detail ?? "";
-  return (await showAgain()) ? template.dataset.once : problem.detail;
+// A sign-in that has ended is begun again in place: what stands on the page stays.
+const signInAgain = () => new Dialogue("ended", "/api/v1/sign-ins", { who: { name: signedInAs }, proof: "password" }).ask(null);
+
+const SOLVED = { "fresh-sign-in": [showAgain, "once"], "sign-in": [signInAgain, "back"] };
+let asking = null; // one question at a time, however many requests were refused
+
+// What is said of a refusal: where it asks who it is, that is asked first. Nothing is repeated by itself: afterwards
+// a person presses once more, which is the second confirmation. `solved`: they may, at once. What a page looks at by
+// itself asks nobody.
+export async function refusal(problem, method = "GET") {
+  const [ask, then] = SOLVED[problem?.type?.replace(PROBLEM, "")] ?? [];
+  if (!ask || !signedInAs || method === "GET") return { sentence: problem?.detail ?? "", solved: false };
+  asking ??= ask().finally(() => (asking = null));
+  const solved = Boolean(await asking);
+  return { sentence: solved ? template.dataset[then] : problem.detail, solved };
 }
 
 // Whoever is signed in need not say their name: the service takes no other.

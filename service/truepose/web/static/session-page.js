@@ -85,7 +85,7 @@ function follow(place) {
   });
   place.querySelector("button").addEventListener("click", async () => {
     const [taken, problem] = await authority.takeOver();
-    if (!taken) say((await refusal(problem)) || unreachable, true);
+    if (!taken) say((await refusal(problem, "POST")).sentence || unreachable, true);
   });
   authority.keep();
 }

@@ -11,9 +11,11 @@ const AGAIN_MS = 1000;
 export class Unreached extends Error {}
 
 export class Refused extends Error {
-  constructor(status, problem) {
+  // `solved`: whoever was refused has shown since that they may, and presses once more.
+  constructor(status, problem, solved = false) {
     super(problem?.detail ?? "");
     this.status = status;
+    this.solved = solved;
     this.ofName = problem?.type === "urn:truepose:problem:name";
   }
 }
@@ -36,8 +38,9 @@ async function reached(path, request, patience_ms) {
 export async function ask(path, request = {}, patience_ms = PATIENCE_MS) {
   const [reply, answer] = await reached(path, request, patience_ms);
   if (GATEWAY.includes(reply.status)) throw new Unreached(String(reply.status));
-  if (!reply.ok) throw new Refused(reply.status, { ...answer, detail: await refusal(answer) });
-  return answer;
+  if (reply.ok) return answer;
+  const { sentence, solved } = await refusal(answer, request.method);
+  throw new Refused(reply.status, { ...answer, detail: sentence }, solved);
 }
 
 // Reads until the service has said something: a request that failed is no answer, nor is "not now".

@@ -169,6 +169,7 @@ export class Page {
   async #dropped(tap, error) {
     await this.refresh().catch(() => null);
     if (error.ofName) return this.askName(error.message);
+    if (error.solved) return this.say(error.message);
     const name = this.texts.say(ACTS[tap.act]);
     const gone = tap.step_id !== null && this.isGone(tap);
     if (gone) return this.say(this.texts.say("queue.dropped", { tap: name, step: this.stepInWords(tap.step_id) }));
