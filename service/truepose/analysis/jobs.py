@@ -13,6 +13,7 @@ from truepose.analysis.workers.tasks import (
     ContactPlanTask,
     DiagnoseTask,
     IdentifyTask,
+    RepeatTask,
     SessionPlanTask,
     Task,
     ValidateTask,
@@ -32,6 +33,11 @@ from truepose.storage.records import CampaignRecord, JobKind, JobState, RequestK
 
 CheckPlan = Callable[[Any], Awaitable[str]]  # of the plan that its task makes
 _MOST_FILES: Final = 4  # of 16 MB at most each
+_PLANNED_BY: Final = {
+    SessionPlan: JobKind.PLAN,
+    BallbarPlan: JobKind.BALLBAR_PLAN,
+    ContactPlan: JobKind.CONTACT_PLAN,
+}
 
 
 class JobDesk:
@@ -176,6 +182,26 @@ class JobDesk:
         request = {"name": name, "role": "ballbar" if of_bar else "contacts", **task.asked}
         kind = JobKind.BALLBAR_PLAN if of_bar else JobKind.CONTACT_PLAN
         work = Work(kind, request, task.work_count, load, store)
+        return await self._queue.add(work, key, sender)
+
+    async def repeat(
+        self,
+        name: str,
+        task: RepeatTask,
+        check: CheckPlan,
+        key: RequestKey | None = None,
+        sender: str = "",
+    ) -> int:
+        """Queue a session with the plan of an earlier one and return the job's number; `check` as above."""
+
+        async def load() -> Task:
+            return task
+
+        async def store(job_id: int, plan: SessionPlan | BallbarPlan | ContactPlan) -> int:
+            return await self._results.keep_plan(job_id, name, task.setup, plan, await check(plan))
+
+        kind = _PLANNED_BY[type(task.plan)]
+        work = Work(kind, {**task.asked, "name": name}, 0, load, store)
         return await self._queue.add(work, key, sender)
 
     async def correct(

@@ -12,6 +12,7 @@ from fastapi.routing import APIRoute
 from starlette.types import ASGIApp
 
 from truepose.web import events, jobs, pages, problems
+from truepose.web.again import routes as again
 from truepose.web.calibration import (
     campaigns,
     corrections,
@@ -64,6 +65,7 @@ _RESOURCES: Final = (
     devices,
     robots,
     sessions,
+    again,
     closings,
     session_spaces,
     promises,

@@ -12,6 +12,7 @@ from fastapi import APIRouter
 from fastapi.responses import FileResponse, HTMLResponse, Response
 from starlette.exceptions import HTTPException
 
+from truepose.web.again import page as again_page
 from truepose.web.calibration import bring_pages, correction_pages
 from truepose.web.places import cell_page, error_pages, fault_pages, robot_pages, work_page
 from truepose.web.records import campaign_page, diagnosis_pages, job_page, plan_page, result_pages
@@ -31,7 +32,7 @@ router.include_router(closing_pages.router)
 router.include_router(checklists.router)
 router.include_router(bring_pages.router)
 router.include_router(fault_pages.router)
-for room in (cell_page, work_page, job_page, campaign_page, result_pages):
+for room in (cell_page, work_page, job_page, campaign_page, result_pages, again_page):
     router.include_router(room.router)
 router.include_router(packages.router)
 router.include_router(robot_pages.router)

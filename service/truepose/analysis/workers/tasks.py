@@ -4,7 +4,7 @@ The imports inside the functions are the point: scipy takes most of a second, an
 imports this module for the task classes, must not wait for it.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -176,6 +176,20 @@ class PosePlanTask:
 
 
 @dataclass(frozen=True, slots=True)
+class RepeatTask:
+    """Take over the plan of an earlier session as it is, for the cell of now."""
+
+    setup: SessionSetup
+    plan: SessionPlan | BallbarPlan | ContactPlan
+    asked: Mapping[str, Any]  # of the job that planned the earlier one: it says what kind of test it is
+
+    def perform(self, report: Report) -> SessionPlan | BallbarPlan | ContactPlan:
+        """Return the plan."""
+        report(0.0, "taking over the plan")
+        return self.plan
+
+
+@dataclass(frozen=True, slots=True)
 class BallbarPlanTask:
     """Choose the poses of a ballbar session, and where the base fixture goes unless `frames` say so."""
 
@@ -279,6 +293,7 @@ Task: TypeAlias = (
     | SessionPlanTask
     | BallbarPlanTask
     | ContactPlanTask
+    | RepeatTask
     | PrecalibrateTask
     | ReadCampaignTask
     | ReadBroughtTask

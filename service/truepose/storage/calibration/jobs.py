@@ -88,7 +88,7 @@ class JobRepository(NumberedRecords[JobRecord]):
             select(work_count.label("work_count"), began.c.recorded_at.label("since"), ended.c.recorded_at)
             .join(began, (began.c.job_id == jobs.c.id) & (began.c.state == JobState.RUNNING.value))
             .join(ended, (ended.c.job_id == jobs.c.id) & (ended.c.state == JobState.SUCCEEDED.value))
-            .where(jobs.c.kind == kind.value, work_count.is_not(None))
+            .where(jobs.c.kind == kind.value, work_count > 0)  # a plan that was taken over teaches nothing
             .order_by(jobs.c.id.desc())
             .limit(count)
         )

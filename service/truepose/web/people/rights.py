@@ -29,7 +29,7 @@ _BY_LEAST: Final[Mapping[Role | Anybody, str]] = {
         openapi get_metrics api_page cell_page work_page reports_page errors_page error_page
         robot_page campaign_page identification_page validation_page model_page job_page closing_page
         report_page report_pdf report_file checklist_view checklist_pdf get_session_space
-        sessions_page session_page result_page operator_page new_session_page
+        sessions_page session_page result_page operator_page new_session_page again_page
         get_identification_space get_validation_space get_diagnosis_space
         corrections_page correction_page diagnoses_page diagnosis_page plan_page faults_page
         list_cells get_cell list_devices get_device list_robots get_robot
@@ -49,7 +49,8 @@ _BY_LEAST: Final[Mapping[Role | Anybody, str]] = {
     """,
     Role.OPERATOR: """
         plan_session start_session confirm_session resume_session add_configurations
-        plan_ballbar_session plan_contact_session connect_device disconnect_device use_hands
+        plan_ballbar_session plan_contact_session plan_session_again connect_device
+        disconnect_device use_hands
         make_campaign upload_campaign identify_campaign validate_model diagnose_campaign diagnose_session
         start_draft add_draft_file correct_draft remove_draft_file remove_draft make_campaign_of_draft
         cancel_job claim_authority give_up_authority list_watch_links make_watch_link revoke_watch_link
@@ -64,7 +65,7 @@ _BY_LEAST: Final[Mapping[Role | Anybody, str]] = {
 }
 # What a program may do beside looking: it plans, brings data and has them computed.
 _DEVICES: Final = """
-    plan_session plan_ballbar_session plan_contact_session make_campaign upload_campaign
+    plan_session plan_ballbar_session plan_contact_session plan_session_again make_campaign upload_campaign
     identify_campaign validate_model diagnose_campaign diagnose_session correct_file cancel_job
     start_draft add_draft_file correct_draft remove_draft_file remove_draft make_campaign_of_draft
 """

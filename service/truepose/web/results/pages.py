@@ -12,7 +12,7 @@ from truepose.domain.errors import TrueposeError
 from truepose.domain.session import SessionState
 from truepose.sequencing.engine.states import has_ended
 from truepose.storage.errors import NotFoundError
-from truepose.storage.records import ModelRecord
+from truepose.storage.records import ModelRecord, SessionRecord
 from truepose.storage.work.items import WorkKind
 from truepose.web.context import Context
 from truepose.web.problems import status_of
@@ -28,6 +28,7 @@ from truepose.words.catalogue import Catalogue
 
 router = APIRouter(prefix="/sessions", include_in_schema=False)
 _SHOWN: Final = 50
+_OFFERED: Final = 6  # to be planned as last time
 _STATES: Final = {
     SessionState.PLANNED: "session.planned",
     SessionState.RUNNING: "session.running",
@@ -71,7 +72,15 @@ async def new_session_page(visit: Visited, wanted: WantedModel = None) -> HTMLRe
     """Show a form for each kind of session that is planned from a page; `wanted` is the model to prove."""
     models = await models_of(visit.here, visit.here.cell.robot.name)
     forms = [(kind, kind.form(visit.here)) for kind in KINDS if kind.form is not None]
-    return visit.page("new_session.html", forms=forms, models=models, wanted=wanted)
+    recent = await _measured_before(visit.here)
+    return visit.page("new_session.html", forms=forms, models=models, wanted=wanted, recent=recent)
+
+
+async def _measured_before(here: Context) -> list[SessionRecord]:
+    """Return the latest sessions that may be planned once more, each name once."""
+    found = [one for one in await here.sessions.newest(_SHOWN) if one.state is SessionState.FINISHED]
+    by_name = {one.name: one for one in reversed(found)}
+    return sorted(by_name.values(), key=lambda one: -one.id)[:_OFFERED]
 
 
 @router.get("/{id}", response_class=HTMLResponse)

@@ -37,6 +37,7 @@ class JobRequestReply(Reply):
         "from how long earlier jobs took, the time is foreseen.",
     )
     proves_model_id: int | None = Field(None, description="Of the plan of a proof move.")
+    repeats_session_id: int | None = Field(None, description="Whose plan it takes over.")
     method: str | None = Field(None, description="Of the plan of a test: `circles`, `iso9283`, `sphere`.")
     test: str | None = Field(None, description="Of the plan of ISO 9283: `poses`, `directions`, `drift`.")
     file: str | None = Field(None, description="Name of what is corrected.")

@@ -1,0 +1,151 @@
+"""How the plan of an earlier session becomes one of today: the same stops, or as many chosen anew."""
+
+import asyncio
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any, TypeAlias
+
+from truepose.analysis.workers.tasks import PlanTask, RepeatTask
+from truepose.domain.ballbar import BallbarPlan
+from truepose.domain.cell import Cell
+from truepose.domain.contacts import ContactPlan
+from truepose.domain.session import SessionPlan
+from truepose.operation.ballbar.plans import BallbarWish, kit_of
+from truepose.operation.ballbar.plans import judged as judged_by_bar
+from truepose.operation.ballbar.worker_tasks import plan_task
+from truepose.operation.tracker.plans import judged
+from truepose.storage.errors import ConflictError
+from truepose.storage.records import RequestKey, SessionRecord, SessionSetup
+from truepose.web.context import Context
+from truepose.web.results.origins import origin_of
+from truepose.web.schemas.measurement.again import RepeatRequest
+
+AnyPlan: TypeAlias = SessionPlan | BallbarPlan | ContactPlan
+
+
+@dataclass(frozen=True, slots=True)
+class Template:
+    """A session that may be planned once more."""
+
+    record: SessionRecord
+    then: SessionSetup
+    plan: AnyPlan
+    asked: Mapping[str, Any]  # of the job that planned it; empty where its stops were given
+
+    @property
+    def is_test(self) -> bool:
+        """Whether its stops belong together by a rule of their own, and are not chosen anew."""
+        return "method" in self.asked or "proves_model_id" in self.asked or self.record.test is not None
+
+    @property
+    def can_be_chosen_anew(self) -> bool:
+        """Whether as many other stops would do as well."""
+        return not self.is_test and not isinstance(self.plan, ContactPlan)
+
+    @property
+    def configurations(self) -> int:
+        """How many places are measured, revisits not counted."""
+        if isinstance(self.plan, SessionPlan):
+            return sum(stop.repeat_of is None for stop in self.plan.stops)
+        if isinstance(self.plan, BallbarPlan):
+            return sum(len(placement.poses) for placement in self.plan.placements)
+        return len(self.plan.stops)
+
+
+async def template_of(here: Context, session_id: int) -> Template:
+    """Return a session as a template; raises NotFoundError."""
+    origin = await origin_of(here, session_id)
+    plan: AnyPlan
+    match origin.record.role:
+        case "ballbar":
+            plan = await here.sessions.ballbar_plan(session_id)
+        case "contacts":
+            plan = await here.sessions.contact_plan(session_id)
+        case _:
+            plan = await here.sessions.plan(session_id)
+    return Template(origin.record, await here.sessions.setup(session_id), plan, origin.asked)
+
+
+async def plan_again(
+    here: Context, template: Template, wanted: RepeatRequest, key: RequestKey | None, sender: str
+) -> int:
+    """Queue the session and return the job's number; raises ConflictError where it is of another robot."""
+    _require_same_robot(template, here.cell)
+    setup = SessionSetup(_cell(here.cell, template.plan), wanted.attachment or template.then.attachment)
+    if wanted.poses == "same":
+        return await _same(here, template, setup, wanted.name, key, sender)
+    return await _anew(here, template, setup, wanted.name, key, sender)
+
+
+def _require_same_robot(template: Template, now: Cell) -> None:
+    then = template.then.cell.robot.name
+    if then != now.robot.name:
+        raise ConflictError(
+            f"Session {template.record.id} was of {then}, and this cell has {now.robot.name}: its plan is of "
+            "no use here."
+        )
+
+
+def _cell(now: Cell, plan: AnyPlan) -> Cell:
+    """Return the cell of now, with as many cups of the ballbar's base as were measured from."""
+    if not isinstance(plan, BallbarPlan) or now.ballbar is None:
+        return now
+    cups = len(plan.placements[0].cups_mm)
+    return replace(now, ballbar=replace(now.ballbar, base_points=3 if cups == 3 else 4))
+
+
+async def _same(
+    here: Context, template: Template, setup: SessionSetup, name: str, key: RequestKey | None, sender: str
+) -> int:
+    plan = template.plan
+    if isinstance(plan, SessionPlan):
+        plan = _of_today(plan, setup.cell)
+
+    async def check(again: Any) -> str:
+        return await _what_to_watch(here, setup, again)
+
+    asked = {**template.asked, "role": template.record.role, "repeats_session_id": template.record.id}
+    return await here.job_desk.repeat(name, RepeatTask(setup, plan, asked), check, key, sender)
+
+
+def _of_today(plan: SessionPlan, cell: Cell) -> SessionPlan:
+    """Return a plan with the limits that the cell file states now."""
+    return replace(
+        plan,
+        tool_speed_mm_s=cell.limits.tool_speed_mm_s,
+        orientation_speed_rad_s=cell.limits.orientation_speed_rad_s,
+        reference_limit_mm=cell.limits.reference_mm,
+        measures="points" if cell.camera is None else "poses",
+    )
+
+
+async def _what_to_watch(here: Context, setup: SessionSetup, plan: AnyPlan) -> str:
+    """Return what to watch on the ways of a plan; raises PlanRefusedError where the cell cannot do it now."""
+    if isinstance(plan, ContactPlan):
+        return await here.contact_sessions.what_to_watch(setup, plan)
+    if isinstance(plan, BallbarPlan):
+        await here.ballbar_sessions.require_possible(setup, plan)
+        return await asyncio.to_thread(judged_by_bar, setup.cell, plan, kit_of(setup))
+    return await asyncio.to_thread(judged, setup.cell, plan)
+
+
+async def _anew(
+    here: Context, template: Template, setup: SessionSetup, name: str, key: RequestKey | None, sender: str
+) -> int:
+    """Queue the choice of as many stops; the number of the session then is their seed."""
+    plan, n, seed = template.plan, template.configurations, template.record.id
+    if isinstance(plan, ContactPlan) or not template.can_be_chosen_anew:
+        raise ConflictError(
+            f"The stops of session {template.record.id} belong together: take the same ones again."
+        )
+    if isinstance(plan, BallbarPlan):
+        frames = tuple(placement.frame for placement in plan.placements)
+        bar = plan_task(setup, BallbarWish(frames=frames, poses=n, seed=seed))
+
+        async def check(chosen: BallbarPlan) -> str:
+            await here.ballbar_sessions.require_possible(setup, chosen)
+            return ""  # the chooser keeps the ways clear
+
+        return await here.job_desk.plan_checked(name, bar, check, key, sender)
+    empty = replace(_of_today(plan, setup.cell), stops=())
+    return await here.job_desk.plan(name, PlanTask(setup, empty, n, seed), key, sender=sender)

@@ -1,0 +1,130 @@
+"""A plan used again: what it takes over, what is said to be different, and what is refused."""
+
+import asyncio
+import re
+
+import pytest
+
+from tests.helpers.web.clients import served
+from tests.integration.web.ballbar_bench import BALLBAR, SESSIONS, WANTED
+from tests.integration.web.bench import CELL, session_request
+
+
+@pytest.fixture
+def worker():
+    """Work in this process: to take a plan over is no work."""
+
+    async def here(task, told):
+        return await asyncio.to_thread(task.perform, lambda *_: None)
+
+    return here
+
+
+@pytest.fixture
+def settings(settings):
+    settings.cell_file.write_text(CELL + BALLBAR)
+    return settings
+
+
+async def planned(client, path, wanted):
+    answer = await client.post(path, json=wanted)
+    assert answer.status_code == 201, answer.text
+    return answer.json()["id"]
+
+
+async def again(client, until, number, **wanted):
+    asked = await client.post(f"/api/v1/sessions/{number}/again", json={"name": "November", **wanted})
+    assert asked.status_code == 202, asked.text
+    job = await until(asked.headers["Location"], "state", "succeeded", "failed")
+    assert job["state"] == "succeeded", job["message"]
+    return int(job["result_url"].rsplit("/", 1)[1])
+
+
+async def test_the_same_stops_are_planned_once_more_and_nothing_moves(client, until):
+    first = await planned(client, "/api/v1/sessions", session_request(n=4, settle_s=7.5))
+
+    second = await again(client, until, first, attachment=2)
+
+    plans = [(await client.get(f"/api/v1/sessions/{number}/plan")).json() for number in (first, second)]
+    assert plans[0] == plans[1]
+    shown = (await client.get(f"/api/v1/sessions/{second}")).json()
+    assert (shown["name"], shown["state"], shown["role"]) == ("November", "planned", "calibration")
+
+
+async def test_a_ballbar_session_keeps_its_placements_and_legs(client, until):
+    first = await planned(client, SESSIONS, WANTED)
+
+    second = await again(client, until, first)
+
+    steps = [(await client.get(f"{SESSIONS}/{number}/steps")).json()["steps"] for number in (first, second)]
+    assert steps[0] == steps[1]
+
+
+async def test_a_test_stays_the_test_it_was(client, until):
+    asked = await client.post(
+        "/api/v1/sessions",
+        json=session_request(role="validation", plan={"method": "iso9283", "cycles": 2, "test": "poses"}),
+    )
+    job = await until(asked.headers["Location"], "state", "succeeded", "failed")
+    first = int(job["result_url"].rsplit("/", 1)[1])
+
+    second = await again(client, until, first)
+
+    titles = [
+        re.search(r'class="under">[^<]*', (await client.get(f"/sessions/{n}")).text) for n in (first, second)
+    ]
+    assert [title[0].split("·")[1] for title in titles] == [" Test of ISO 9283 "] * 2
+    refused = await client.post(f"/api/v1/sessions/{first}/again", json={"name": "x", "poses": "anew"})
+    assert refused.status_code == 409
+    assert "belong together" in refused.json()["detail"]
+
+
+async def test_where_the_cell_is_the_same_nothing_is_said_to_differ(client):
+    first = await planned(client, "/api/v1/sessions", session_request(n=3))
+
+    page = (await client.get(f"/sessions/{first}/again")).text
+
+    assert "The cell file says what it said then" in page
+    assert "stated otherwise" not in page
+    assert f'href="/sessions/{first}"' in page
+
+
+async def test_what_changed_since_is_said_before_anything_is_planned(settings, bench, worker):
+    async with served(settings, bench.registry(), worker) as client:
+        first = await planned(client, "/api/v1/sessions", session_request(n=3))
+    expired = CELL.replace(
+        'certificate = "report 7"', 'certificate = "report 7"\ncertificate_expires = 2020-01-31'
+    )
+    settings.cell_file.write_text(expired.replace("[2600.0,", "[2500.0,"))
+
+    async with served(settings, bench.registry(), worker) as client:
+        page = (await client.get(f"/sessions/{first}/again")).text
+
+    for sentence in ("Devices are stated otherwise", "tracker is stated to stand elsewhere", "2020-01-31"):
+        assert sentence in page
+    assert "The robot has another serial number" not in page
+
+
+async def test_a_plan_of_another_robot_is_refused(settings, bench, worker):
+    async with served(settings, bench.registry(), worker) as client:
+        first = await planned(client, "/api/v1/sessions", session_request(n=3))
+    settings.cell_file.write_text(CELL.replace("abb-irb-120", "fanuc-lr-mate-200ic"))
+
+    async with served(settings, bench.registry(), worker) as client:
+        refused = await client.post(f"/api/v1/sessions/{first}/again", json={"name": "x"})
+        page = (await client.get(f"/sessions/{first}/again")).text
+
+    assert refused.status_code == 409
+    assert "no use here" in refused.json()["detail"] and "no use here" in page
+    assert "data-asks" not in page
+
+
+@pytest.mark.parametrize("number", ["99", "x"])
+async def test_what_there_was_not_cannot_be_used_again(client, number):
+    assert (await client.get(f"/sessions/{number}/again")).status_code == 404
+
+
+async def test_only_what_was_measured_is_offered(client):
+    await planned(client, "/api/v1/sessions", session_request(n=3))
+
+    assert 'id="again"' not in (await client.get("/sessions/new")).text
