@@ -41,7 +41,7 @@ def confidence_word(confidence: Confidence, words: Catalogue) -> str:
 
 def cause_words(cause: Cause, words: Catalogue = IN_ENGLISH) -> str:
     """Return a cause as words, e.g. "joint gain, joint 2"."""
-    return ", ".join(filter(None, (words.effect(cause.effect), words.name(cause.subject))))
+    return words.between.join(filter(None, (words.effect(cause.effect), words.name(cause.subject))))
 
 
 def causes_listed(causes: tuple[Cause, ...], words: Catalogue = IN_ENGLISH) -> str:

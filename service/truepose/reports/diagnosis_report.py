@@ -187,7 +187,7 @@ def _map_row(cell: MapCell, words: Catalogue) -> tuple[str, str, str, str]:
     """Return a cell as where, over what, share, and what is told there."""
     findings = [words.say("map.row.finding", number=number) for number in cell.findings]
     rivals = [words.say("map.row.rival", number=number) for number in cell.rival_of]
-    told = ", ".join([*findings, *rivals] or [words.say("map.described")])
+    told = words.between.join([*findings, *rivals] or [words.say("map.described")])
     return words.name(cell.where), words.name(cell.over), share_text(cell.share) or MISSING, told
 
 

@@ -9,12 +9,14 @@ from pathlib import Path
 from typing import Any, Final
 
 from truepose.domain.sentences import Sentence, Text, Value
+from truepose.words.heard import Patterns
 from truepose.words.units import KEPT, Printed, Units, blank
 
 _FOLDER: Final = Path(__file__).parent
 ENGLISH: Final = "en"  # the language of documents, records and the API
 LANGUAGES: Final = tuple(sorted(path.parent.name for path in _FOLDER.glob("*/names.json")))
 TABLET: Final = "tablet"  # its pages fill in their texts themselves
+STORED: Final = "stored"  # sentences that the service keeps in English
 TRACKER_TABLET: Final = "tracker_tablet"  # what those of tracker sessions say besides
 _NAMES: Final = "names"
 _APART: Final = (TABLET, TRACKER_TABLET, _NAMES)
@@ -37,6 +39,11 @@ class Catalogue:
         return "-".join((self.language, *(("x", *self.units.tokens) if self.units.tokens else ())))
 
     @property
+    def between(self) -> str:
+        """What stands between the names of a list."""
+        return self._texts["list.commas"]
+
+    @property
     def units_named(self) -> str:
         """The units of lengths, angles and temperatures."""
         return self.listed([self.units.conversion(unit).symbol for unit in ("mm", "deg", "°C")], "commas")
@@ -48,7 +55,7 @@ class Catalogue:
 
     @cached_property
     def _names(self) -> "Names":
-        return Names(_read(texts_file(self.language, _NAMES)))
+        return Names(_read(texts_file(self.language, _NAMES)), self.between)
 
     def say(self, key: str, **values: Value) -> str:
         """Return the text of a key, filled in."""
@@ -62,6 +69,16 @@ class Catalogue:
         if isinstance(text, str):
             return text
         return self._formatter.vformat(self._texts.get(text.key, text.key), (), dict(text.values))
+
+    def heard(self, text: str) -> list[tuple[str, str]]:
+        """Return the sentences of a text that the service keeps in English, each with its language."""
+        if self.tag == ENGLISH:
+            return [(text, ENGLISH)] if text else []
+        pieces = _patterns().pieces(text)
+        return [
+            (piece, ENGLISH) if isinstance(piece, str) else (self.spoken(piece), self.language)
+            for piece in pieces
+        ]
 
     def name(self, name: str, form: str = "") -> str:
         """Return what a place, a variable, a shape or another name of documents is called here."""
@@ -84,7 +101,8 @@ class Catalogue:
 class Names:
     """Names of documents in the words of a language: whole names, or patterns such as `joint {n}`."""
 
-    def __init__(self, table: Mapping[str, str | Mapping[str, str]]) -> None:
+    def __init__(self, table: Mapping[str, str | Mapping[str, str]], between: str = ", ") -> None:
+        self._between = between
         self._plain = {name: _formed(words) for name, words in table.items() if "{" not in name}
         self._patterns = [(_pattern(name), _formed(words)) for name, words in table.items() if "{" in name]
 
@@ -98,7 +116,7 @@ class Names:
         if found is not None:
             return found(form)
         parts = [self._found(part) for part in name.split(", ")]
-        return ", ".join(part(form) for part in parts if part) if all(parts) else name
+        return self._between.join(part(form) for part in parts if part) if all(parts) else name
 
     def _found(self, name: str) -> Callable[[str], str] | None:
         if name in self._plain:
@@ -154,6 +172,11 @@ def catalogue(tag: str) -> Catalogue:
     """Return the catalogue of one of `LANGUAGES`, or of a tag that says in which units it is read."""
     language, _, units = tag.partition("-x-")
     return Catalogue(language, Units.of(units.split("-")))
+
+
+@cache
+def _patterns() -> Patterns:
+    return Patterns.of(_read(texts_file(ENGLISH, STORED)))
 
 
 IN_ENGLISH: Final = catalogue(ENGLISH)

@@ -7,6 +7,8 @@ import pytest
 from tests.browser.pages.looks import LOOKS, Traffic, sticking_out, too_small, violations
 from tests.browser.pages.shop import open_shop, pages
 from tests.browser.windows import without_complaint
+from tests.helpers.kept_sentences import KEPT
+from truepose.words.catalogue import catalogue
 
 TABLET, PHONE = {"width": 1180, "height": 820}, {"width": 390, "height": 844}
 HEAVIEST = 400_000  # bytes
@@ -56,3 +58,19 @@ def test_units_are_chosen_once_for_the_pages_and_the_tablets(chromium, shop):
         assert chosen.all_text_contents() == ["inch", "degrees", "°F"]
         page.goto(f"{shop}/operator/3")
         page.locator("#units").get_by_text("in", exact=True).wait_for()
+
+
+@pytest.mark.parametrize("language", ["de", "ja"])
+def test_a_tablet_hears_what_the_service_keeps_as_its_pages_do(chromium, shop, language):
+    hear = """async ([language, texts]) => {
+      const { Stored } = await import("/static/stored.js");
+      const stored = await Stored.load(language);
+      return texts.map((text) => stored.pieces(text).map((piece) => [piece.text, piece.lang]));
+    }"""
+    with opened(chromium, shop, "/errors") as (page, _):
+        heard = page.evaluate(hear, [language, list(KEPT)])
+
+    for text, pieces in zip(KEPT, heard, strict=True):
+        expected = [list(piece) for piece in catalogue(language).heard(text)]
+        assert [lang for _, lang in pieces] == [lang for _, lang in expected], text
+        assert ["".join(one.split()) for one, _ in pieces] == ["".join(one.split()) for one, _ in expected]

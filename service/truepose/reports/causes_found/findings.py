@@ -136,7 +136,7 @@ def _details(details: tuple[Detail, ...], words: Catalogue) -> Iterator[tuple[st
     for first, end in pairwise([*ways, len(details)]):
         name, value, unit = _detail(details[first], words)
         told = (" ".join(filter(None, _detail(detail, words))) for detail in details[first + 1 : end])
-        yield f"{name} {value} {unit}".rstrip(), ", ".join(told), ""
+        yield f"{name} {value} {unit}".rstrip(), words.between.join(told), ""
 
 
 def _detail(detail: Detail, words: Catalogue) -> tuple[str, str, str]:

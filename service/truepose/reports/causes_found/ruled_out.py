@@ -63,7 +63,7 @@ def _phrase(noun: str, rest: str, all_numbers: list[str], words: Catalogue) -> s
     more = len(numbers) - _MOST_NAMED
     listed = words.name(f"{noun}s {', '.join(numbers[:_MOST_NAMED])}")
     further = words.say("ruled_out.more", number=more) if more > 0 else ""
-    return listed + further + "".join(f", {words.name(part)}" for part in rest.split(", ")[1:])
+    return listed + further + "".join(f"{words.between}{words.name(part)}" for part in rest.split(", ")[1:])
 
 
 def _smallest(group: list[RuledOut], words: Catalogue) -> str:

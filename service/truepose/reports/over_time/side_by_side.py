@@ -43,7 +43,7 @@ def verdict_sentence(found: TwoModels, words: Catalogue) -> str:
     changed = [change for change in found.changes if change.significant]
     if changed:
         first = sorted(changed, key=_deviation, reverse=True)[:_NAMED]
-        names = ", ".join(change.name for change in first)
+        names = words.between.join(change.name for change in first)
         counts = {"number": len(changed), "total": len(found.changes)}
         return words.say("side.changed", **counts, names=names, p=p_value(found.p_value))
     key = "side.together" if found.p_value < 0.05 else "side.unchanged"

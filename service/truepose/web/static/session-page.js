@@ -3,6 +3,7 @@
 import { answered, filled, post } from "./api.js";
 import { Authority } from "./authority.js";
 import { refusal } from "./person.js";
+import { Stored } from "./stored.js";
 import { now_s } from "./service-time.js";
 
 const POLL_MS = 1000;
@@ -17,9 +18,15 @@ let shown = null;
 
 person.value = sessionStorage.getItem("person") ?? person.value;
 
+const stored = await Stored.load(document.documentElement.lang);
+
+// A sentence of the service, in the language of the page as far as it is known.
 function write(node, text) {
-  node.textContent = text ?? "";
-  node.hidden = !text;
+  const kept = text ?? "";
+  node.hidden = !kept;
+  if (node.dataset.kept === kept) return;
+  node.dataset.kept = kept;
+  node.replaceChildren(...stored.pieces(kept).flatMap((piece) => [Object.assign(document.createElement("span"), { textContent: piece.text, lang: piece.lang }), " "]));
 }
 
 function show(session) {

@@ -15,7 +15,7 @@ from starlette.exceptions import HTTPException
 from truepose.storage.errors import NotFoundError
 from truepose.web.context import Context
 from truepose.web.visiting.visits import Visited
-from truepose.words.catalogue import LANGUAGES, TABLET, TRACKER_TABLET, texts_file
+from truepose.words.catalogue import LANGUAGES, STORED, TABLET, TRACKER_TABLET, texts_file
 
 router = APIRouter(include_in_schema=False)
 _HERE: Final = Path(__file__).parent
@@ -24,7 +24,7 @@ _TYPES: Final = {".js": "text/javascript", ".css": "text/css", ".json": "applica
 _FILES: Final = {path.relative_to(_STATIC).as_posix(): path for path in _STATIC.glob("*/*.*")}
 _TEXTS: Final = {
     f"{room}/{language}.json": texts_file(language, texts)
-    for room, texts in (("common", TABLET), ("tracker", TRACKER_TABLET))
+    for room, texts in (("common", TABLET), ("tracker", TRACKER_TABLET), ("stored", STORED))
     for language in LANGUAGES
 }
 # A tablet asks again each time, and is told that nothing has changed: pages and texts never mix versions.

@@ -109,7 +109,7 @@ export class Stage {
     else if (screen === "planned") showOverview(panel, session, steps, texts);
     else if (screen === "move") panel.replaceChildren(...this.#checks(model, texts));
     else if (screen === "doubt") panel.replaceChildren(...doubtInWords(session, texts).map((text) => element("p", {}, text)));
-    else if (why) panel.replaceChildren(element("p", { class: "reason", lang: why.lang }, why.text));
+    else if (why) panel.replaceChildren(why);
     else if (placing) panel.replaceChildren(...placeInNumbers(scene, texts));
     else panel.replaceChildren();
   }

@@ -1,5 +1,6 @@
 // The one catalogue of what the pages say, and numbers and times as each language writes them.
 
+import { Stored } from "/static/stored.js";
 import { Units } from "/static/units.js";
 import { answerTo, ask } from "./api.js";
 
@@ -53,6 +54,12 @@ export class Texts {
 
   say(key, values = {}) {
     return this.#filled(this.#catalogues[this.language][key], values);
+  }
+
+  // The sentences of a text that the service keeps in English, each { text, lang }.
+  pieces(text) {
+    const known = Object.entries(this.#catalogues[RECORDS]).filter(([key]) => key.startsWith("stored."));
+    return new Stored(Object.fromEntries(known), this.#catalogues[this.language], this.language).pieces(text);
   }
 
   record(key) {

@@ -62,8 +62,7 @@ export class Stage {
 
   #parts(screen, model, texts, units) {
     const { session, sheet, scene, outlook, sample } = model;
-    const why = session && whyInWords(screen, session, texts);
-    const asked = why && element("p", { class: "reason", lang: why.lang }, why.text);
+    const asked = session && whyInWords(screen, session, texts);
     const drift = sheet && driftInWords(sheet.looks, texts, units);
     const ended = ENDS.includes(screen) && sheet;
     const shown = {

@@ -79,7 +79,7 @@ function pointColumns(texts, units) {
     { head: texts.say("table.distance"), kind: "distances", cell: (point) => maybe(point.distance_mm, fine) },
     { head: texts.say("table.rms"), kind: "scatters", cell: (point) => scatter(point, texts, units) },
     { head: texts.say("table.readings"), kind: "passes", cell: (point) => (point.readings ? String(point.readings) : "") },
-    { head: texts.say("table.state"), cell: (point) => point.reason || texts.say(STATUS[point.status]) },
+    { head: texts.say("table.state"), cell: (point) => texts.pieces(point.reason ?? "").map(({ text }) => text).join(" ") || texts.say(STATUS[point.status]) },
   ];
 }
 
@@ -93,6 +93,6 @@ function gaugeColumns(texts, units) {
   return [
     { head: texts.say("table.number") },
     { head: texts.say("table.gauges"), kind: "distances", cell: (point) => point.reading_mm.map((value) => units.signed(value, texts)).join("  ") },
-    { head: texts.say("table.state"), cell: (point) => point.reason || texts.say(STATUS[point.status]) },
+    { head: texts.say("table.state"), cell: (point) => texts.pieces(point.reason ?? "").map(({ text }) => text).join(" ") || texts.say(STATUS[point.status]) },
   ];
 }
