@@ -44,6 +44,11 @@ class Catalogue:
         return self._texts["list.commas"]
 
     @property
+    def stop(self) -> str:
+        """What ends a sentence."""
+        return self._texts["list.stop"]
+
+    @property
     def units_named(self) -> str:
         """The units of lengths, angles and temperatures."""
         return self.listed([self.units.conversion(unit).symbol for unit in ("mm", "deg", "°C")], "commas")

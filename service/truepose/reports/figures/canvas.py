@@ -10,7 +10,7 @@ import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from functools import partial
+from functools import cache, partial
 from textwrap import shorten, wrap
 from typing import Any, Final
 
@@ -20,6 +20,7 @@ from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
+from matplotlib.font_manager import fontManager
 from matplotlib.ticker import FuncFormatter, Locator, LogLocator, MaxNLocator, NullLocator
 
 from truepose.reports.figures.joined_shapes import joined_shapes
@@ -64,10 +65,16 @@ _MARKS: Final = 5  # of an axis in another unit, at most
 _MARKS_OF_DECADES: Final = 18
 _LONGEST_UNIT = 16  # letters
 _PIXELS_PER_IN: Final = 150  # of a matrix, which is drawn as pixels within the SVG
+_EAST_ASIAN: Final = (
+    "Noto Sans CJK SC",
+    "Noto Sans CJK JP",
+    "Noto Sans SC",
+    "WenQuanYi Micro Hei",
+    "IPAGothic",
+)
 _STYLE = {
     "svg.fonttype": "none",  # text stays text: readable by machines, and in the font of the page
     "svg.hashsalt": "truepose",  # the same figure gives the same ids
-    "font.family": "sans-serif",
     "font.size": 9.0,
     "axes.grid": True,
     "axes.axisbelow": True,
@@ -79,6 +86,13 @@ _STYLE = {
 }
 
 
+@cache
+def _families() -> list[str]:
+    """Return the fonts that text is measured in: the first has no Chinese and no Japanese letters."""
+    there = {font.name for font in fontManager.ttflist}
+    return ["DejaVu Sans", *(name for name in _EAST_ASIAN if name in there)]
+
+
 @contextmanager
 def page_style() -> Iterator[None]:
     """Draw in the style of the page within this block; one thread at a time."""
@@ -88,7 +102,7 @@ def page_style() -> Iterator[None]:
 
 @contextmanager
 def _style(colours: Colours) -> Iterator[None]:
-    settings = _STYLE | _coloured(colours)
+    settings = _STYLE | {"font.family": _families()} | _coloured(colours)
     with _SETTINGS, mpl.rc_context(settings):  # type: ignore[arg-type]  # its stub wants literal keys
         yield
 

@@ -98,7 +98,7 @@ def _picture(
                 _arrows(axes, points[:, [across, up]], errors[:, [across, up]], colour)
             else:
                 _dots(axes, points[:, [across, up]], errors[:, 0] / max(large_mm, 1e-9), colour)
-            axes.set_title(f"{name}, {words.say(view)}")
+            axes.set_title(words.between.join((name, words.say(view))))
         grid[row][0].set_ylabel(f"{'xyz'[up]} [{shown.symbol}]")
     for axes in grid[1]:
         axes.set_xlabel(f"x [{shown.symbol}]")

@@ -130,5 +130,5 @@ async def _report(
         written_at=moment(record.recorded_at),
         notes=campaign.summary.notes,
     )
-    named = f"{campaign.name}, {measured_words(record.measured_at, words)}"
+    named = words.between.join((campaign.name, measured_words(record.measured_at, words)))
     return DiagnosisInput(diagnosis, named, conditions, words.tag)

@@ -53,7 +53,7 @@ async def _asked(here: Context, number: int, words: Catalogue) -> "ChecklistInpu
     record, setup = await here.sessions.get(number), await here.sessions.setup(number)
     plan = await _plan(here, record.role, number)
     minutes = await asyncio.to_thread(_minutes, plan, setup.cell)
-    name = f"{record.name}, {words.say('page.the_session', number=number)}"
+    name = words.between.join((record.name, words.say("page.the_session", number=number)))
     return ChecklistInput(
         setup.cell.robot.name,
         name,

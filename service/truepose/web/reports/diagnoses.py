@@ -47,7 +47,7 @@ async def _drawable(here: Context, number: int, choice: Choice, words: Catalogue
     if record.model_id is not None:
         diagnosis = replace(diagnosis, model=(await here.results.model(record.model_id)).model)
     campaign = await here.campaigns.get(record.campaign_id)
-    named = f"{campaign.name}, {measured_words(record.measured_at, words)}"
+    named = words.between.join((campaign.name, measured_words(record.measured_at, words)))
     return Drawable(
         diagnosis_document(diagnosis),
         lambda spoken: _conditions(here, record, spoken),

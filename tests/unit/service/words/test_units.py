@@ -115,3 +115,9 @@ def test_no_text_names_a_unit_behind_a_number_that_it_does_not_convert(language)
 def _outside(text):
     """Return a text without what blanks say of themselves."""
     return re.sub(r"\{[^}]*\|[^}]*\}", "", text)
+
+
+@pytest.mark.parametrize("language", LANGUAGES)
+def test_each_number_of_a_list_knows_the_unit_that_stands_behind_the_last(language):
+    for key, text in catalogue(f"{language}-x-inch-rad-f")._texts.items():
+        assert not re.search(r"\{\w+:[^}|]*\df\}[,、 ]+\{[^}]*\|", text), key
