@@ -84,6 +84,14 @@ def test_the_length_is_shown_to_the_micrometre_with_what_it_is_off(desk, tablet)
     expect(tablet.locator("#deviation")).to_have_text("\u22120.770 from 300.420")
 
 
+def test_the_length_is_in_inches_for_whoever_chose_them_and_no_coarser(desk, tablet):
+    desk.sample = sample("in_range", 299.65)
+    tablet.get_by_role("button", name="Unit of length").click()
+    expect(tablet.locator("#length")).to_have_text("11.79724 in")
+    tablet.get_by_role("button", name="Unit of length").click()
+    expect(tablet.locator("#length")).to_have_text("299.650 mm")
+
+
 @pytest.mark.parametrize(("state", "said"), [("out_low", "balls are closer"), ("out_high", "farther apart")])
 def test_out_of_range_is_explained_and_skipping_is_offered_with_its_reason(desk, tablet, state, said):
     in_state(tablet, desk, state)

@@ -280,7 +280,7 @@ def test_why_nothing_goes_on_is_said_in_the_language_of_the_page(desk, chromium,
         page.goto(f"{url}/operator/3")
 
         expect(page.locator("#panel .reason")).to_have_text(said)
-        expect(page.locator("#panel .reason")).to_have_attribute("lang", lang)
+        expect(page.locator("#panel .reason span")).to_have_attribute("lang", lang)
 
 
 def test_a_pause_needs_no_reason_below_its_title(desk, tablet):

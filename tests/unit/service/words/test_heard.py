@@ -49,7 +49,7 @@ def test_in_english_a_text_is_as_it_was_kept(kept):
 
 
 def test_sentences_are_heard_one_by_one_and_within_each_other():
-    assert said("de", f"Stop was pressed. {CLEAR}").startswith("Stopp wurde gedrückt. Der Roboter")
+    assert said("de", f"Stop was pressed. {CLEAR}").startswith("STOPP wurde gedrückt. Der Roboter")
     assert "Der Messwert streut um 0.123 mm" in said("de", KEPT[5])
     assert "Es ist die 3. in Folge." in said("de", KEPT[5])
 

@@ -1,6 +1,7 @@
 // The steps listed beforehand: what will be done, how many readings, how long.
 
 import { element } from "../common/elements.js";
+import { inWords } from "../common/reasons.js";
 import { READ } from "./situation.js";
 import { pairInWords, stepInWords } from "./words.js";
 
@@ -36,7 +37,7 @@ function amounts(steps, texts) {
   const counted = (count, one, many) => (count === 1 ? texts.say(one) : texts.say(many, { count }));
   const said = [counted(steps.length, "overview.step", "overview.steps")];
   if (readings) said.push(counted(readings, "overview.reading", "overview.readings"));
-  return said.join(", ");
+  return texts.list(said);
 }
 
 function card({ of, steps }, texts) {
@@ -68,8 +69,8 @@ function measuredLater({ config, attempt }, steps) {
 
 function leftOut({ of, steps }, texts) {
   const named = steps.filter((step) => step.points).map((step) => pairInWords(step.points));
-  const what = `${texts.say(HEADS[of.head], of)}: ${named.join(", ") || stepInWords(steps[0], texts)}`;
-  return element("li", {}, element("b", {}, what), element("span", {}, steps[0].text));
+  const what = `${texts.say(HEADS[of.head], of)}: ${texts.list(named) || stepInWords(steps[0], texts)}`;
+  return element("li", {}, element("b", {}, what), element("span", {}, ...inWords(steps[0].text ?? "", texts)));
 }
 
 // What became of it: how much was measured, what was left out and why.

@@ -10,7 +10,7 @@ function where({ step, state }, texts) {
   if (step.leg_number) said.push(texts.say("top.leg", { config: step.config, leg: step.leg_number, legs: step.leg_count }));
   else if (step.config !== null) said.push(texts.say("top.pose", { config: step.config }));
   if (step.attempt > 1) said.push(texts.say("top.again", { attempt: step.attempt }));
-  return said.join(", ");
+  return texts.list(said);
 }
 
 function progress(session, texts) {

@@ -19,6 +19,7 @@ function choosable() {
 
 export class Texts {
   #catalogues = {};
+  #stored = {};
   #chosen = null;
   #storage;
   #rooms;
@@ -58,8 +59,13 @@ export class Texts {
 
   // The sentences of a text that the service keeps in English, each { text, lang }.
   pieces(text) {
-    const known = Object.entries(this.#catalogues[RECORDS]).filter(([key]) => key.startsWith("stored."));
-    return new Stored(Object.fromEntries(known), this.#catalogues[this.language], this.language).pieces(text);
+    const known = () => Object.fromEntries(Object.entries(this.#catalogues[RECORDS]).filter(([key]) => key.startsWith("stored.")));
+    this.#stored[this.language] ??= new Stored(known(), this.#catalogues[this.language], this.language);
+    return this.#stored[this.language].pieces(text);
+  }
+
+  list(values) {
+    return values.join(this.say("list.between"));
   }
 
   record(key) {

@@ -51,7 +51,7 @@ export function sight(scene, texts, units) {
   const blind = scene.fixed_nests.filter((nest) => nest.hidden);
   return [
     element("p", { class: `verdict ${hidden.length || blind.length ? "not" : "good"}` }, texts.say("placing.seen", { seen, all: scene.stops.length })),
-    ...whys.map(([why, configs]) => element("p", {}, texts.say(HIDDEN[why], { configs: configs.join(", ") }))),
+    ...whys.map(([why, configs]) => element("p", {}, texts.say(HIDDEN[why], { configs: texts.list(configs) }))),
     ...blind.map((nest) => element("p", {}, texts.say(HIDDEN[nest.hidden], { configs: nest.name }))),
     scene.better ? element("p", { class: "advise" }, betterInWords(scene, texts, units)) : element("p", {}, texts.say("placing.good_enough")),
     element("p", { class: "quiet" }, texts.say("placing.limits")),

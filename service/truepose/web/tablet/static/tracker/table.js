@@ -66,6 +66,11 @@ export class Table {
   }
 }
 
+// Why it is as it is, where there is a reason.
+function state({ reason, status }, texts) {
+  return reason ? texts.pieces(reason).map(({ text }) => text).join(" ") : texts.say(STATUS[status]);
+}
+
 function pointColumns(texts, units) {
   const three = (values, format) => (values ? values.map(format).join("  ") : "");
   const maybe = (value, format) => (value === null ? "" : format(value));
@@ -79,7 +84,7 @@ function pointColumns(texts, units) {
     { head: texts.say("table.distance"), kind: "distances", cell: (point) => maybe(point.distance_mm, fine) },
     { head: texts.say("table.rms"), kind: "scatters", cell: (point) => scatter(point, texts, units) },
     { head: texts.say("table.readings"), kind: "passes", cell: (point) => (point.readings ? String(point.readings) : "") },
-    { head: texts.say("table.state"), cell: (point) => texts.pieces(point.reason ?? "").map(({ text }) => text).join(" ") || texts.say(STATUS[point.status]) },
+    { head: texts.say("table.state"), cell: (point) => state(point, texts) },
   ];
 }
 
@@ -93,6 +98,6 @@ function gaugeColumns(texts, units) {
   return [
     { head: texts.say("table.number") },
     { head: texts.say("table.gauges"), kind: "distances", cell: (point) => point.reading_mm.map((value) => units.signed(value, texts)).join("  ") },
-    { head: texts.say("table.state"), cell: (point) => texts.pieces(point.reason ?? "").map(({ text }) => text).join(" ") || texts.say(STATUS[point.status]) },
+    { head: texts.say("table.state"), cell: (point) => state(point, texts) },
   ];
 }
