@@ -9,7 +9,7 @@ from urllib.parse import quote
 import httpx
 from fastapi.responses import HTMLResponse
 
-from tests.helpers.web.routes import paths_answering
+from tests.helpers.web.routes import paths_answering, routes_alone
 from tests.integration.web.ballbar_bench import BALLBAR, WANTED
 from tests.integration.web.bench import CELL, Bench
 from tests.integration.web.listening import listening
@@ -17,7 +17,6 @@ from truepose.analysis.workers.uploads import Uploads
 from truepose.app import create_app
 from truepose.demo.night.earlier import earlier_schemas, write_earlier
 from truepose.settings import Settings
-from truepose.web.application import create_application
 
 TARGETS = "target,x_mm,y_mm,z_mm,qw,qx,qy,qz\n1,350,0,400,0,0,1,0\n2,350,50,400,0,0,1,0\n"
 ROBOT = "ABB IRB 120"
@@ -36,7 +35,7 @@ OF_LINKS = {"/first-person/{secret}", "/watch/{secret}", "/welcome/{secret}"}
 
 def pages():
     """Return the address of every page that the application has, each kind of record once."""
-    application = create_application("test", contextlib.nullcontext)
+    application = routes_alone()
     found = []
     for path in sorted(paths_answering(application, HTMLResponse) - OF_PEOPLE - OF_LINKS):
         place = re.compile(r"{.*}")

@@ -1,10 +1,25 @@
 """Every route of an application, however it was put together, and requests as no client sends them."""
 
+import contextlib
+import functools
 import json
 import re
 from dataclasses import dataclass
 
+from truepose.web.application import create_application
+
 METHODS = ("GET", "HEAD", "OPTIONS", "POST", "PUT", "PATCH", "DELETE", "TRACE")
+
+
+@functools.cache
+def routes_alone():
+    """Return an application with all routes and no service behind them, made once in a process."""
+    return create_application("test", contextlib.nullcontext)
+
+
+def document():
+    """Return what describes the API; it takes a second once, too long while modules are imported."""
+    return routes_alone().openapi()
 
 
 def _routes_of(app):
@@ -20,7 +35,13 @@ def _routes_of(app):
 
 def paths_of(app):
     """Return the templates of all paths: of the API, of pages, of files that are not in the document."""
-    return sorted({*app.openapi()["paths"], *(route.path for route in _routes_of(app))})
+    return sorted({route.path for route in _routes_of(app)})
+
+
+def operations_of(app):
+    """Return the methods and path templates of the API, as the document has them."""
+    of_api = [route for route in _routes_of(app) if getattr(route, "include_in_schema", False)]
+    return sorted((method.lower(), route.path) for route in of_api for method in route.methods)
 
 
 def paths_answering(app, kind):

@@ -1,19 +1,17 @@
 """Who goes first: what stops the robot, however many look, stream or send slowly."""
 
 import asyncio
-import contextlib
 import re
 
 import httpx
 import pytest
 from fastapi.responses import StreamingResponse
 
-from tests.helpers.web.routes import paths_answering, paths_of
-from truepose.web.application import create_application
+from tests.helpers.web.routes import paths_answering, paths_of, routes_alone
 from truepose.web.requests import lanes
 from truepose.web.requests.lanes import Lanes
 
-APP = create_application("test", contextlib.nullcontext)
+APP = routes_alone()
 PAUSE, LOOK = "/api/v1/sessions/1/pause", "/api/v1/sessions"
 
 

@@ -12,23 +12,21 @@ from hypothesis.errors import Unsatisfiable
 from schemathesis import GenerationMode
 from schemathesis.specs.openapi.checks import positive_data_acceptance
 
+from tests.helpers.web import routes
+from tests.helpers.web.routes import operations_of, routes_alone
 from tests.integration.web.bench import CELL, Bench
 from tests.integration.web.listening import listening
 from truepose.analysis.workers.promising import PromiseTask
 from truepose.app import create_app
 from truepose.settings import Settings
-from truepose.web.application import create_application
 
-DOCUMENT = create_application("test", contextlib.nullcontext).openapi()
 # Streams do not end by themselves; `test_events.py` and `test_ballbar_live.py` are about them.
 STREAMS = [
     "/api/v1/events",
     "/api/v1/ballbar-sessions/{id}/live",
     "/api/v1/sessions/{id}/guide/live",
 ]
-OPERATIONS = [
-    (method, path) for path, methods in DOCUMENT["paths"].items() for method in methods if path not in STREAMS
-]
+OPERATIONS = [(method, path) for method, path in operations_of(routes_alone()) if path not in STREAMS]
 UPLOADS = {("post", "/api/v1/campaigns"), ("post", "/api/v1/models/{id}/corrections")}
 ENOUGH = 6  # of each kind, each operation, each run; `make interface-report` tries as many as are asked for
 
@@ -37,6 +35,11 @@ async def never_done(task, told):
     if isinstance(task, PromiseTask):  # is waited for
         return await asyncio.to_thread(task.perform, lambda fraction, doing: None)
     return await asyncio.sleep(3600)
+
+
+@pytest.fixture(scope="module")
+def document():
+    return routes.document()
 
 
 @pytest.fixture(scope="module")
@@ -82,7 +85,13 @@ def fields(schema, found):
     return found
 
 
-def test_every_number_that_is_a_quantity_names_its_unit():
+def test_the_document_has_every_operation(document):
+    listed = {(method, path) for path, methods in document["paths"].items() for method in methods}
+
+    assert listed == {*OPERATIONS, *(("get", stream) for stream in STREAMS)}
+
+
+def test_every_number_that_is_a_quantity_names_its_unit(document):
     counts = re.compile(
         r"^(id|\w+_id|\w+_ids|n|config|next_config|nest|face|sign|joint|joints|direction|samples|port|status|seed|attachment"
         r"|supersedes|superseded_by|repeat_of|done|skipped|planned|measured|configurations?|observations"
@@ -119,7 +128,7 @@ def test_every_number_that_is_a_quantity_names_its_unit():
 
     numeric = {
         name
-        for name, field in fields(DOCUMENT["components"]["schemas"], {}).items()
+        for name, field in fields(document["components"]["schemas"], {}).items()
         if {"number", "integer"} & types_of(field)
     }
 
@@ -135,8 +144,8 @@ def types_of(field):
 
 
 @pytest.mark.parametrize(("method", "path"), [*OPERATIONS, *(("get", stream) for stream in STREAMS)])
-def test_every_operation_lists_its_problems_and_says_what_it_does(method, path):
-    operation = DOCUMENT["paths"][path][method]
+def test_every_operation_lists_its_problems_and_says_what_it_does(document, method, path):
+    operation = document["paths"][path][method]
 
     assert operation["description"]
     for status, reply in operation["responses"].items():
@@ -157,18 +166,18 @@ BEGINS_WITH_A_VERB = re.compile(
 )
 
 
-def test_every_operation_has_a_name_of_its_own_that_begins_with_what_it_does():
-    every = [operation for methods in DOCUMENT["paths"].values() for operation in methods.values()]
+def test_every_operation_has_a_name_of_its_own_that_begins_with_what_it_does(document):
+    every = [operation for methods in document["paths"].values() for operation in methods.values()]
     names = [operation["operationId"] for operation in every]
 
     assert sorted(set(names)) == sorted(names)
     assert [name for name in names if not BEGINS_WITH_A_VERB.fullmatch(name)] == []
 
 
-def test_every_list_says_how_long_it_is():
+def test_every_list_says_how_long_it_is(document):
     listed = {
         operation["operationId"]: "Total-Count" in answer.get("headers", {})
-        for methods in DOCUMENT["paths"].values()
+        for methods in document["paths"].values()
         for operation in methods.values()
         for answer in [operation["responses"].get("200", {})]
         if answer.get("content", {}).get("application/json", {}).get("schema", {}).get("type") == "array"
@@ -178,35 +187,37 @@ def test_every_list_says_how_long_it_is():
     assert [name for name, says in listed.items() if not says] == []
 
 
-def contents_in_json():
-    for methods in DOCUMENT["paths"].values():
+def contents_in_json(document):
+    for methods in document["paths"].values():
         for operation in methods.values():
             for holder in (operation.get("requestBody", {}), *operation["responses"].values()):
                 if "application/json" in holder.get("content", {}):
                     yield operation["operationId"], holder["content"]["application/json"]
 
 
-def test_every_body_and_every_reply_in_json_has_an_example_that_fits():
-    shown = list(contents_in_json())
+def test_every_body_and_every_reply_in_json_has_an_example_that_fits(document):
+    shown = list(contents_in_json(document))
 
     assert [name for name, content in shown if "example" not in content] == []
-    assert [name for name, content in shown if not fits(content["schema"], content["example"])] == []
+    assert [
+        name for name, content in shown if not fits(document, content["schema"], content["example"])
+    ] == []
 
 
-def fits(schema, example):
-    return jsonschema_rs.is_valid({**schema, "components": DOCUMENT["components"]}, example)
+def fits(document, schema, example):
+    return jsonschema_rs.is_valid({**schema, "components": document["components"]}, example)
 
 
-def test_an_example_that_does_not_fit_is_found():
+def test_an_example_that_does_not_fit_is_found(document):
     problem = {"$ref": "#/components/schemas/Problem"}
 
-    assert not fits(problem, {"status": "404"})
+    assert not fits(document, problem, {"status": "404"})
 
 
-def test_no_parameter_is_said_to_be_null():
+def test_no_parameter_is_said_to_be_null(document):
     parameters = [
         parameter
-        for methods in DOCUMENT["paths"].values()
+        for methods in document["paths"].values()
         for operation in methods.values()
         for parameter in operation.get("parameters", [])
     ]

@@ -1,21 +1,19 @@
 """Every role at every operation and every page: who may is let through, everybody else is not."""
 
-import contextlib
 import itertools
 import re
 
 import pytest
 import pytest_asyncio
 
-from tests.helpers.web.routes import asked
+from tests.helpers.web.routes import asked, routes_alone
 from truepose.domain.accounts import Role
-from truepose.web.application import create_application
 from truepose.web.people.gate import Gate
 from truepose.web.people.operations import operations_of
 from truepose.web.people.rights import LEAST, Anybody, MissingRightError, may, require_complete
 
 in_one_loop = pytest.mark.asyncio(loop_scope="module")
-OPERATIONS = operations_of(create_application("test", contextlib.nullcontext).routes)
+OPERATIONS = operations_of(routes_alone().routes)
 HOST = ("host", "localhost")
 ROLES = [None, *Role]
 # What is let through is not done: what the gate passes on ends here.
