@@ -3,6 +3,8 @@
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
+# What is installed beside the service: `dev` to work on it; `dev,docs` also what the site of its guide is built with.
+EXTRAS ?= dev
 TRUEPOSE_DATA ?=
 export TRUEPOSE_DATA
 
@@ -12,8 +14,8 @@ setup: $(VENV)/.installed
 
 $(VENV)/.installed: pyproject.toml $(wildcard service/packages/*)
 	$(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-compile --editable '.[dev]'
-	touch $@
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-compile --editable '.[$(EXTRAS)]'
+	touch $@ $(if $(findstring docs,$(EXTRAS)),$(VENV)/.docs)
 
 demo: setup
 	$(BIN)/truepose demo --out out/demo
