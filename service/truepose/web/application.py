@@ -3,12 +3,11 @@
 import contextlib
 from collections.abc import AsyncIterator, Callable
 from contextlib import AbstractAsyncContextManager
-from functools import cache
 from typing import Any, Final, TypeAlias
 
-from fastapi import APIRouter, Depends, FastAPI
+from fastapi import FastAPI
 from fastapi.openapi.utils import get_openapi
-from fastapi.routing import APIRoute
+from starlette.routing import BaseRoute
 from starlette.types import ASGIApp
 
 from truepose.web import events, jobs, pages, problems
@@ -55,7 +54,7 @@ from truepose.web.people.pages import router as pages_of_people
 from truepose.web.people.rights import require_complete
 from truepose.web.requests.lanes import Lanes
 from truepose.web.requests.limits import RequestLimits
-from truepose.web.requests.queries import drop_null_of_parameters, only_known_parameters
+from truepose.web.requests.queries import drop_null_of_parameters
 from truepose.web.tablet import routes as tablet
 
 Application: TypeAlias = FastAPI
@@ -152,7 +151,7 @@ def create_application(
         redirect_slashes=False,
         strict_content_type=False,  # `RequestLimits` answers 415 with a sentence
     )
-    app.router.routes += _resources().routes
+    app.router.routes += _routes()
     problems.install(app)
     app.add_middleware(Lanes)
     app.add_middleware(RequestLimits)
@@ -163,25 +162,11 @@ def create_application(
     return app
 
 
-@cache
-def _resources() -> APIRouter:
+def _routes() -> list[BaseRoute]:
     """Return all routes; they keep nothing of an application, so that every one of a process has the same."""
-    api = APIRouter(
-        prefix="/api/v1",
-        dependencies=[Depends(only_known_parameters)],
-        responses=problems.problems(401, 403, 422),
-    )
-    for resource in _RESOURCES:
-        api.include_router(resource.router)
-    every = APIRouter(generate_unique_id_function=_operation_id)
-    for router in (health.router, metrics.router, api, pages.router, pages_of_people, tablet.router):
-        every.include_router(router)
-    return every
-
-
-def _operation_id(route: APIRoute) -> str:
-    """Return what programs call an operation: the name of its function, as `start_session`."""
-    return route.name
+    of_api = [resource.router for resource in _RESOURCES]
+    routers = (health.router, metrics.router, *of_api, pages.router, pages_of_people, tablet.router)
+    return [route for router in routers for route in router.routes]
 
 
 def _complete_openapi(app: FastAPI) -> None:

@@ -7,16 +7,17 @@ from collections.abc import AsyncIterator
 from dataclasses import dataclass
 from typing import Annotated, Final
 
-from fastapi import APIRouter, Header, Query
+from fastapi import Header, Query
 from fastapi.responses import StreamingResponse
 
 from truepose.storage.records import EventRecord, Page
 from truepose.web.context import Context, Here
 from truepose.web.problems import problems
+from truepose.web.resources import resource
 from truepose.web.schemas.base import NUMBER_LIMIT
 from truepose.web.schemas.streams import EVENT_STREAM, stream_content
 
-router = APIRouter(prefix="/events", tags=["events"])
+router = resource("/events", tags=["events"])
 _BATCH: Final = 200
 _HEARTBEAT_S: Final = 15.0  # proxies drop a connection on which nothing was said for half a minute or so
 _EXAMPLE: Final = (

@@ -1,15 +1,16 @@
 """Jobs: watch and cancel."""
 
-from fastapi import APIRouter, Response, status
+from fastapi import Response, status
 
 from truepose.storage.records import JobRecord
 from truepose.web.context import Context, Here
 from truepose.web.problems import problems
 from truepose.web.requests.paging import Paged, listing
 from truepose.web.requests.parameters import RESPOND_ASYNC, Id
+from truepose.web.resources import resource
 from truepose.web.schemas.jobs import JobReply, job_reply
 
-router = APIRouter(prefix="/jobs", tags=["jobs"])
+router = resource("/jobs", tags=["jobs"])
 
 
 @router.get("", responses=listing(422, 503))

@@ -23,20 +23,12 @@ from truepose.web.visiting import packages
 from truepose.web.visiting.visits import Visited
 
 router = APIRouter(include_in_schema=False)
-router.include_router(diagnosis_pages.router)
-router.include_router(plan_page.router)
-router.include_router(session_pages.router)
-router.include_router(correction_pages.router)
-router.include_router(report_pages.router)
-router.include_router(closing_pages.router)
-router.include_router(checklists.router)
-router.include_router(bring_pages.router)
-router.include_router(fault_pages.router)
-for room in (cell_page, work_page, job_page, campaign_page, result_pages, again_page):
-    router.include_router(room.router)
-router.include_router(packages.router)
-router.include_router(robot_pages.router)
-router.include_router(error_pages.router)
+for room in (
+    *(diagnosis_pages, plan_page, session_pages, correction_pages, report_pages, closing_pages, checklists),
+    *(bring_pages, fault_pages, cell_page, work_page, job_page, campaign_page, result_pages),
+    *(again_page, packages, robot_pages, error_pages),
+):
+    router.routes += room.router.routes  # `web/resources.py` says why
 _MEDIA: Final = {".css": "text/css", ".js": "text/javascript"}
 _STATIC: Final = Path(__file__).parent / "static"
 

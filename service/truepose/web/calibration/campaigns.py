@@ -7,7 +7,7 @@ from datetime import date
 from pathlib import PurePath
 from typing import Annotated, Any, Final
 
-from fastapi import APIRouter, HTTPException, Query, Request, Response, status
+from fastapi import HTTPException, Query, Request, Response, status
 from fastapi.exceptions import RequestValidationError
 from pydantic import TypeAdapter, ValidationError
 from starlette.datastructures import UploadFile
@@ -17,6 +17,7 @@ from truepose.web.problems import problems
 from truepose.web.requests.paging import Paged, listing
 from truepose.web.requests.parameters import Id, IdempotencyKey, OptionalKey, request_key
 from truepose.web.requests.presence import while_present
+from truepose.web.resources import resource
 from truepose.web.schemas.base import VISIBLE, Day
 from truepose.web.schemas.calibration.campaigns import (
     CampaignReply,
@@ -25,7 +26,7 @@ from truepose.web.schemas.calibration.campaigns import (
     campaign_reply,
 )
 
-router = APIRouter(tags=["campaigns"])
+router = resource(tags=["campaigns"])
 _DAY_READER: Final = TypeAdapter(Day)
 _RECEIVING_S = 60.0  # 16 MB at 2 Mbit/s
 _BINARY = {"type": "string", "format": "binary", "description": "Zip of the campaign folder."}

@@ -7,7 +7,7 @@ from pathlib import PureWindowsPath
 from typing import Annotated, Any, Final, Literal, get_args
 from urllib.parse import quote
 
-from fastapi import APIRouter, HTTPException, Query, Request, Response, status
+from fastapi import HTTPException, Query, Request, Response, status
 from fastapi.exceptions import RequestValidationError
 from starlette.datastructures import UploadFile
 
@@ -23,6 +23,7 @@ from truepose.web.problems import problems
 from truepose.web.requests.paging import Paged, listing
 from truepose.web.requests.parameters import Id, IdempotencyKey, Sender, request_key
 from truepose.web.requests.presence import while_present
+from truepose.web.resources import resource
 from truepose.web.schemas.calibration.corrections import (
     CorrectionReply,
     TargetReply,
@@ -31,7 +32,7 @@ from truepose.web.schemas.calibration.corrections import (
 )
 from truepose.web.schemas.jobs import JobReply
 
-router = APIRouter(tags=["corrections"])
+router = resource(tags=["corrections"])
 _RECEIVING_S: Final = 60.0  # 16 MB at 2 Mbit/s
 _MOST_FILES: Final = 20
 _LONGEST_NAME: Final = 200

@@ -2,7 +2,7 @@
 
 from typing import Annotated
 
-from fastapi import APIRouter, Query, Response, status
+from fastapi import Query, Response, status
 
 from truepose.analysis.comparison import compare_over_time
 from truepose.effects.registry import chosen_effects
@@ -12,6 +12,7 @@ from truepose.web.jobs import queued
 from truepose.web.problems import problems
 from truepose.web.requests.paging import Paged, listing
 from truepose.web.requests.parameters import Id, OptionalKey, Sender
+from truepose.web.resources import resource
 from truepose.web.schemas.calibration.comparisons import ComparisonReply, comparison_reply
 from truepose.web.schemas.calibration.diagnoses import (
     DiagnosisReply,
@@ -23,7 +24,7 @@ from truepose.web.schemas.calibration.diagnoses import (
 )
 from truepose.web.schemas.jobs import JobReply
 
-router = APIRouter(tags=["diagnoses"])
+router = resource(tags=["diagnoses"])
 _ASKED = problems(400, 404, 409, 413, 415, 422, 503)
 RobotName = Annotated[
     str,

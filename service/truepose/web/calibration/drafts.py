@@ -3,12 +3,13 @@
 import asyncio
 from typing import Annotated, Final
 
-from fastapi import APIRouter, HTTPException, Query, Request, Response, status
+from fastapi import HTTPException, Query, Request, Response, status
 
 from truepose.web.context import Here
 from truepose.web.problems import problems
 from truepose.web.requests.paging import Counted, listing
 from truepose.web.requests.parameters import Id
+from truepose.web.resources import resource
 from truepose.web.schemas.base import NUMBER_LIMIT, VISIBLE
 from truepose.web.schemas.calibration.drafts import (
     DraftReply,
@@ -20,7 +21,7 @@ from truepose.web.schemas.calibration.drafts import (
     understood_reply,
 )
 
-router = APIRouter(prefix="/drafts", tags=["drafts"])
+router = resource("/drafts", tags=["drafts"])
 _RECEIVING_S: Final = 300.0  # 64 MB at 2 Mbit/s
 _BODY: Final = {
     "requestBody": {

@@ -1,6 +1,6 @@
 """Identifications: ask for one, read the answer."""
 
-from fastapi import APIRouter, Response, status
+from fastapi import Response, status
 
 from truepose.effects.registry import chosen_effects
 from truepose.web.context import Here
@@ -8,6 +8,7 @@ from truepose.web.jobs import queued
 from truepose.web.problems import problems
 from truepose.web.requests.paging import Paged, listing
 from truepose.web.requests.parameters import Id, OptionalKey, Sender
+from truepose.web.resources import resource
 from truepose.web.schemas.calibration.results import (
     IdentificationReply,
     IdentificationRequest,
@@ -15,7 +16,7 @@ from truepose.web.schemas.calibration.results import (
 )
 from truepose.web.schemas.jobs import JobReply
 
-router = APIRouter(prefix="/identifications", tags=["identifications"])
+router = resource("/identifications", tags=["identifications"])
 
 
 @router.post("", status_code=status.HTTP_202_ACCEPTED, responses=problems(400, 404, 409, 413, 415, 422, 503))

@@ -3,7 +3,7 @@
 import asyncio
 from typing import Annotated, Final
 
-from fastapi import APIRouter, Query, Response
+from fastapi import Query, Response
 
 from truepose.exchange.exports.formats import Format, export
 from truepose.exchange.models.file import model_text
@@ -11,9 +11,10 @@ from truepose.web.context import Here
 from truepose.web.problems import problems
 from truepose.web.requests.paging import Paged, listing
 from truepose.web.requests.parameters import Id
+from truepose.web.resources import resource
 from truepose.web.schemas.calibration.results import ModelReply, model_reply
 
-router = APIRouter(prefix="/models", tags=["models"])
+router = resource("/models", tags=["models"])
 _MEDIA: Final[dict[Format, tuple[str, str]]] = {  # media type, and how the file is called
     "urdf": ("application/xml", "model-{id}.urdf"),
     "ros": ("application/yaml", "model-{id}-calibrated_kinematics.yaml"),

@@ -1,15 +1,14 @@
 """Robots that are shipped with the program; a campaign brings its own table and is bound to none of them."""
 
-from fastapi import APIRouter
-
 from truepose.exchange.robots.shipped import list_robots as shipped_robots
 from truepose.exchange.robots.shipped import load_robot
 from truepose.web.problems import problems
 from truepose.web.requests.paging import Counted, listing
 from truepose.web.requests.parameters import Name
+from truepose.web.resources import resource
 from truepose.web.schemas.cells import RobotReply, robot_reply
 
-router = APIRouter(prefix="/robots", tags=["robots"])
+router = resource("/robots", tags=["robots"])
 
 
 @router.get("", responses=listing(422))

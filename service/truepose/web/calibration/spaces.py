@@ -2,17 +2,16 @@
 
 import asyncio
 
-from fastapi import APIRouter
-
 from truepose.analysis.workers.tasks import judging_or_own, stored_campaign
 from truepose.domain.results import Model
 from truepose.storage.errors import NotFoundError
 from truepose.web.context import Context, Here
 from truepose.web.problems import problems
 from truepose.web.requests.parameters import Id
+from truepose.web.resources import resource
 from truepose.web.schemas.calibration.spaces import SpaceReply, space_reply
 
-router = APIRouter(tags=["spaces"])
+router = resource(tags=["spaces"])
 _READ = problems(404, 409, 422, 503)
 
 

@@ -1,16 +1,17 @@
 """Validations: a model judged on readings that it was not made from."""
 
-from fastapi import APIRouter, Response, status
+from fastapi import Response, status
 
 from truepose.web.context import Here
 from truepose.web.jobs import queued
 from truepose.web.problems import problems
 from truepose.web.requests.paging import Paged, listing
 from truepose.web.requests.parameters import Id, OptionalKey, Sender
+from truepose.web.resources import resource
 from truepose.web.schemas.calibration.results import ValidationReply, ValidationRequest, validation_reply
 from truepose.web.schemas.jobs import JobReply
 
-router = APIRouter(prefix="/validations", tags=["validations"])
+router = resource("/validations", tags=["validations"])
 
 
 @router.post("", status_code=status.HTTP_202_ACCEPTED, responses=problems(400, 404, 409, 413, 415, 422, 503))

@@ -3,19 +3,20 @@
 from http import HTTPStatus
 from typing import Any
 
-from fastapi import APIRouter, Response
+from fastapi import Response
 
 from truepose.storage.connection.library import FAULTY as SQLITE_FAULTY
 from truepose.storage.connection.library import VERSION as SQLITE_VERSION
 from truepose.web.context import Context
 from truepose.web.healthiness.checks import Check, checks, worst
 from truepose.web.problems import problem_response, problems
+from truepose.web.resources import outside_the_api
 from truepose.web.schemas.health import CheckReply, Health, IntegrityReply
 from truepose.web.visiting.visits import Visit, Visited
 from truepose.words.catalogue import english
 from truepose.words.error_codes import code_named
 
-router = APIRouter(tags=["health"])
+router = outside_the_api(tags=["health"])
 _HTML = "text/html"
 _SIGN_IN = "Something is amiss; sign in to see what."
 

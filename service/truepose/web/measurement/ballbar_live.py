@@ -7,15 +7,15 @@ import json
 from collections.abc import AsyncIterator
 from typing import Final
 
-from fastapi import APIRouter
 from fastapi.responses import StreamingResponse
 
 from truepose.sequencing.ballbar.measuring.live import LiveSample
 from truepose.web.context import Context
 from truepose.web.measurement.ballbar_replies import ballbar_session_reply
 from truepose.web.measurement.live_stream import Following, live_responses
+from truepose.web.resources import resource
 
-router = APIRouter(prefix="/ballbar-sessions", tags=["ballbar sessions"])
+router = resource("/ballbar-sessions", tags=["ballbar sessions"])
 _SAMPLE: Final = {
     "time_s": 812.35,
     "length_mm": 300.4213,

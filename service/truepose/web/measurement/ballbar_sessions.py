@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from fastapi import APIRouter, Request, Response, status
+from fastapi import Request, Response, status
 
 from truepose.domain.ballbar import BallbarPlan
 from truepose.operation.ballbar.plans import BallbarWish, kit_of
@@ -17,6 +17,7 @@ from truepose.web.problems import problems
 from truepose.web.requests.paging import Paged, listing
 from truepose.web.requests.parameters import Id, Later, OptionalKey, RequiredKey, Sender
 from truepose.web.requests.presence import while_present
+from truepose.web.resources import resource
 from truepose.web.schemas.jobs import JobReply
 from truepose.web.schemas.measurement.ballbar_requests import (
     ActRequest,
@@ -32,7 +33,7 @@ from truepose.web.schemas.measurement.ballbar_sessions import (
     StepsReply,
 )
 
-router = APIRouter(prefix="/ballbar-sessions", tags=["ballbar sessions"])
+router = resource("/ballbar-sessions", tags=["ballbar sessions"])
 _READ = problems(404, 422, 503)
 _ACT = problems(400, 404, 409, 413, 415, 422, 503)
 

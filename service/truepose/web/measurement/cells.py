@@ -1,14 +1,15 @@
 """Cells: this service has one."""
 
-from fastapi import APIRouter, HTTPException
+from fastapi import HTTPException
 
 from truepose.web.context import Here
 from truepose.web.problems import problems
 from truepose.web.requests.paging import Counted, listing
 from truepose.web.requests.parameters import Name
+from truepose.web.resources import resource
 from truepose.web.schemas.cells import CellReply, cell_reply
 
-router = APIRouter(prefix="/cells", tags=["cells"])
+router = resource("/cells", tags=["cells"])
 
 
 @router.get("", responses=listing(422, 503))

@@ -1,14 +1,15 @@
 """Closing sessions: as calibrated, on certificates that held or by a named person for a reason."""
 
-from fastapi import APIRouter, status
+from fastapi import status
 
 from truepose.domain.certificates import Closing
 from truepose.web.context import Here
 from truepose.web.problems import problems
 from truepose.web.requests.parameters import Id
+from truepose.web.resources import resource
 from truepose.web.schemas.measurement.closings import ClosingReply, ClosingRequest, closing_reply, open_reply
 
-router = APIRouter(prefix="/sessions", tags=["sessions"])
+router = resource("/sessions", tags=["sessions"])
 
 
 @router.get("/{id}/closing", responses=problems(404, 422, 503))

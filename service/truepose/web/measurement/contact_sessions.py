@@ -2,7 +2,7 @@
 
 import asyncio
 
-from fastapi import APIRouter, Response, status
+from fastapi import Response, status
 
 from truepose.analysis.contacts import taken_of
 from truepose.analysis.workers.tasks import ContactPlanTask
@@ -16,6 +16,7 @@ from truepose.web.measurement.sessions import get_session
 from truepose.web.problems import problems
 from truepose.web.requests.paging import Counted, listing
 from truepose.web.requests.parameters import Id, Later, OptionalKey, Sender
+from truepose.web.resources import resource
 from truepose.web.schemas.jobs import JobReply
 from truepose.web.schemas.measurement.contact_sessions import (
     ContactPlanReply,
@@ -26,7 +27,7 @@ from truepose.web.schemas.measurement.contact_sessions import (
 )
 from truepose.web.schemas.measurement.sessions import SessionDetailReply
 
-router = APIRouter(prefix="/contact-sessions", tags=["sessions of closed loops"])
+router = resource("/contact-sessions", tags=["sessions of closed loops"])
 _READ = problems(404, 422, 503)
 
 

@@ -1,14 +1,13 @@
 """Devices of the cell: state, connect, disconnect."""
 
-from fastapi import APIRouter
-
 from truepose.web.context import Here
 from truepose.web.problems import problems
 from truepose.web.requests.paging import Counted, listing
 from truepose.web.requests.parameters import Name
+from truepose.web.resources import resource
 from truepose.web.schemas.cells import DeviceReply, device_reply
 
-router = APIRouter(prefix="/devices", tags=["devices"])
+router = resource("/devices", tags=["devices"])
 
 
 @router.get("", responses=listing(422))

@@ -4,7 +4,6 @@ import json
 from collections.abc import AsyncIterator
 from typing import Final
 
-from fastapi import APIRouter
 from fastapi.responses import StreamingResponse
 
 from truepose.sequencing.tracker.watching import Sighting
@@ -13,6 +12,7 @@ from truepose.web.measurement.live_stream import Following, live_responses
 from truepose.web.people.authority import require_authority
 from truepose.web.problems import problems
 from truepose.web.requests.parameters import Id, RequiredKey
+from truepose.web.resources import resource
 from truepose.web.schemas.measurement.guides import (
     GuideActReply,
     GuideActRequest,
@@ -26,7 +26,7 @@ from truepose.web.schemas.measurement.guides import (
     sheet_reply,
 )
 
-router = APIRouter(prefix="/sessions/{id}", tags=["sessions"])
+router = resource("/sessions/{id}", tags=["sessions"])
 _READ: Final = problems(404, 409, 422, 503)
 _ACT: Final = problems(400, 404, 409, 413, 415, 422, 503)
 _SAMPLE: Final = {

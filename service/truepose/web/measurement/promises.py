@@ -3,7 +3,7 @@
 import asyncio
 from typing import TYPE_CHECKING, Annotated
 
-from fastapi import APIRouter, HTTPException, Query, Request
+from fastapi import HTTPException, Query, Request
 
 from truepose.analysis.assembly import MeasuredSession
 from truepose.analysis.measured import measured_session
@@ -14,11 +14,12 @@ from truepose.web.context import Context, Here
 from truepose.web.problems import problems
 from truepose.web.requests.parameters import Id, Name
 from truepose.web.requests.presence import while_present
+from truepose.web.resources import resource
 
 if TYPE_CHECKING:
     from truepose.analysis.promises import Promised
 
-router = APIRouter()
+router = resource()
 Number = Annotated[
     int | None,
     Query(ge=1, le=1000, description="Configurations to measure; by default the knee of the curve says."),

@@ -2,17 +2,18 @@
 
 from typing import Annotated
 
-from fastapi import APIRouter, Query
+from fastapi import Query
 
 from truepose.storage.records import ReadingKind
 from truepose.web.context import Here
 from truepose.web.problems import problems
 from truepose.web.requests.paging import Paged, listing
 from truepose.web.requests.parameters import Id
+from truepose.web.resources import resource
 from truepose.web.schemas.base import NUMBER_LIMIT
 from truepose.web.schemas.measurement.readings import ReadingReply, reading_reply
 
-router = APIRouter(tags=["readings"])
+router = resource(tags=["readings"])
 OfKind = Annotated[ReadingKind | None, Query(description="Only of this kind.")]
 Superseded = Annotated[bool, Query(description="False: only readings that count.")]
 OfSession = Annotated[int | None, Query(ge=1, le=NUMBER_LIMIT, description="Only of this session.")]

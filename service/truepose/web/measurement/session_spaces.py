@@ -4,8 +4,6 @@ import asyncio
 from collections import defaultdict
 from typing import TYPE_CHECKING, Final
 
-from fastapi import APIRouter
-
 from truepose.analysis.contacts import taken_of
 from truepose.domain.ballbar import StepKind
 from truepose.domain.cell import Cell
@@ -14,12 +12,13 @@ from truepose.storage.records import SessionRecord
 from truepose.web.context import Context, Here
 from truepose.web.problems import problems
 from truepose.web.requests.parameters import Id
+from truepose.web.resources import resource
 from truepose.web.schemas.calibration.spaces import PlanSpaceReply, StopState, plan_space_reply
 
 if TYPE_CHECKING:
     from truepose.reports.spaces.plan import Place
 
-router = APIRouter(prefix="/sessions", tags=["spaces"])
+router = resource("/sessions", tags=["spaces"])
 _MOST: Final = 120  # stops, of which a picture is still read
 
 

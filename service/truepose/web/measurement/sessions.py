@@ -5,7 +5,7 @@ import math
 from dataclasses import replace
 from typing import Annotated
 
-from fastapi import APIRouter, Body, Response, status
+from fastapi import Body, Response, status
 
 from truepose.analysis.measured import circles_by_session, proof_by_session
 from truepose.analysis.workers.tasks import PlanTask
@@ -27,6 +27,7 @@ from truepose.web.problems import problems
 from truepose.web.requests.paging import Paged, listing
 from truepose.web.requests.parameters import Id, ModelId, ModelIds, OptionalKey, Sender
 from truepose.web.requests.pressed import under_way_s
+from truepose.web.resources import resource
 from truepose.web.results.accuracy import accuracy_of
 from truepose.web.results.choices import Chosen
 from truepose.web.results.origins import origin_of
@@ -59,7 +60,7 @@ from truepose.web.schemas.measurement.sessions import (
     planned,
 )
 
-router = APIRouter(prefix="/sessions", tags=["sessions"])
+router = resource("/sessions", tags=["sessions"])
 _READ = problems(404, 422, 503)
 _ACT = problems(400, 404, 409, 413, 415, 422, 503)
 Anybody = Annotated[RequestOfPerson | None, Body()]

@@ -1,10 +1,11 @@
 """The faults of a simulated cell: what may go wrong, what does, and what has."""
 
-from fastapi import APIRouter, status
+from fastapi import status
 
 from truepose.web.context import Here
 from truepose.web.problems import problems
 from truepose.web.requests.parameters import Id
+from truepose.web.resources import resource
 from truepose.web.schemas.measurement.faults import (
     EndFaultRequest,
     FaultGivenReply,
@@ -13,7 +14,7 @@ from truepose.web.schemas.measurement.faults import (
     faults_reply,
 )
 
-router = APIRouter(prefix="/simulated-faults", tags=["simulated faults"])
+router = resource("/simulated-faults", tags=["simulated faults"])
 _ACT = problems(400, 409, 413, 415, 422, 503)
 
 

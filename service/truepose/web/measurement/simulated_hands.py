@@ -1,14 +1,15 @@
 """The hands of a simulated cell: what a demonstration has the person do."""
 
-from fastapi import APIRouter, status
+from fastapi import status
 
 from truepose.operation.simulated_hands import ACTIONS
 from truepose.web.context import Here
 from truepose.web.problems import problems
+from truepose.web.resources import resource
 from truepose.web.schemas.measurement.ballbar_requests import HandsRequest
 from truepose.web.schemas.measurement.ballbar_scene import HandsReply
 
-router = APIRouter(prefix="/simulated-hands", tags=["simulated hands"])
+router = resource("/simulated-hands", tags=["simulated hands"])
 
 
 @router.get("")

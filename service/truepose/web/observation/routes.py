@@ -1,12 +1,13 @@
 """The figures of the service, for Prometheus."""
 
-from fastapi import APIRouter, Request
+from fastapi import Request
 from fastapi.responses import PlainTextResponse, Response
 
 from truepose.web.context import Here
 from truepose.web.observation.metrics import MEDIA_TYPE
+from truepose.web.resources import outside_the_api
 
-router = APIRouter(tags=["health"])
+router = outside_the_api(tags=["health"])
 
 
 @router.get("/metrics", response_class=PlainTextResponse)

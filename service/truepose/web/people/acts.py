@@ -4,16 +4,17 @@ import json
 from collections.abc import AsyncIterator
 from typing import Annotated, Final
 
-from fastapi import APIRouter, Query
+from fastapi import Query
 from fastapi.responses import Response, StreamingResponse
 
 from truepose.storage.records import Page
 from truepose.web.context import Context, Here
 from truepose.web.people.schemas import ActOfPersonReply, ActsReply
 from truepose.web.problems import problems
+from truepose.web.resources import resource
 from truepose.web.schemas.base import NUMBER_LIMIT
 
-router = APIRouter(prefix="/audit", tags=["people"])
+router = resource("/audit", tags=["people"])
 _TOGETHER: Final = 500
 _LINES: Final = {"application/jsonl": {"schema": {"type": "string"}}}
 Search = Annotated[

@@ -5,7 +5,7 @@ Programs are not hindered by it: they answer for what they do by themselves. Hal
 
 from typing import Final
 
-from fastapi import APIRouter, status
+from fastapi import status
 
 from truepose.domain.accounts import Role, reaches
 from truepose.domain.session import SessionState
@@ -18,8 +18,9 @@ from truepose.web.people.asking import Asker, asking
 from truepose.web.people.schemas import AuthorityReply, AuthorityRequest
 from truepose.web.problems import problems
 from truepose.web.requests.parameters import Id
+from truepose.web.resources import resource
 
-router = APIRouter(prefix="/sessions", tags=["people"])
+router = resource("/sessions", tags=["people"])
 TAKEN_FROM: Final = "taken over from "  # the reason of such an act, before the name of who had it
 _SHOWN_FIRST: Final = LETS_MOVE | {ActName.HAND_OVER}
 

@@ -1,7 +1,7 @@
 """Which operation a request asks for, before anything of it is read."""
 
 import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -29,19 +29,10 @@ def operations_of(routes: Iterable[Any]) -> tuple[Operation, ...]:
             getattr(route, "response_class", None) is HTMLResponse,
             route.path_regex,
         )
-        for route in _leaves(routes)
+        for route in routes
     )
 
 
 def asked_operation(operations: Sequence[Operation], method: str, path: str) -> Operation | None:
     """Return what is asked for; None where there is no such thing."""
     return next((o for o in operations if method in o.methods and o.matches.match(path)), None)
-
-
-def _leaves(routes: Iterable[Any]) -> Iterator[Any]:
-    for route in routes:
-        inner = getattr(route, "effective_candidates", None)  # of a router within a router
-        if inner is None:
-            yield route
-        else:
-            yield from _leaves(inner())

@@ -14,7 +14,7 @@ from truepose.web.people.people import listed_people, listed_tokens
 from truepose.web.visiting.visits import Visited
 
 router = APIRouter(include_in_schema=False)
-router.include_router(watching.pages)
+router.routes += watching.pages.routes
 _SHOWN: Final = 100
 
 

@@ -1,6 +1,6 @@
 """People and programs that are let in: for administrators."""
 
-from fastapi import APIRouter, status
+from fastapi import status
 
 from truepose.domain.accounts import Person
 from truepose.operation.people.errors import UnknownPersonError
@@ -20,8 +20,9 @@ from truepose.web.people.schemas import (
 )
 from truepose.web.problems import problems
 from truepose.web.requests.parameters import Id
+from truepose.web.resources import resource
 
-router = APIRouter(tags=["people"])
+router = resource(tags=["people"])
 _CHANGE = problems(400, 404, 409, 413, 415, 422, 503)
 _REVOKE = problems(404, 409, 422, 503)
 _HOURS_A_DAY = 24

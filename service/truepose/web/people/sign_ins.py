@@ -1,6 +1,6 @@
 """Signing in and out, and showing once more who it is."""
 
-from fastapi import APIRouter, Request, Response, status
+from fastapi import Request, Response, status
 
 from truepose.domain.accounts import Person
 from truepose.operation.people.errors import SignInRefusedError
@@ -21,8 +21,9 @@ from truepose.web.people.schemas import (
     chosen_of,
 )
 from truepose.web.problems import problems
+from truepose.web.resources import resource
 
-router = APIRouter(tags=["people"])
+router = resource(tags=["people"])
 _SECRETS = problems(400, 401, 409, 413, 415, 422, 429, 503)
 _DAY_S = 24 * 3600
 

@@ -23,9 +23,10 @@ from truepose.web.people.schemas import (
 )
 from truepose.web.problems import problem_response, problems
 from truepose.web.requests.parameters import Id
+from truepose.web.resources import resource
 from truepose.web.visiting.visits import Visited
 
-router = APIRouter(tags=["people"])
+router = resource(tags=["people"])
 pages = APIRouter(include_in_schema=False)
 _MODULE_PX: Final = 8
 _OVER: Final = "This link shows nothing any more: it has ended, or was taken back."
