@@ -8,10 +8,12 @@ import pytest
 from alembic import command
 from alembic.autogenerate import compare_metadata
 from alembic.runtime.migration import MigrationContext
+from alembic.script import ScriptDirectory
 from sqlalchemy import create_engine, inspect, text
 
 from truepose.storage.connection.library import LIBRARY
-from truepose.storage.connection.schema import migration_config, newest_revision
+from truepose.storage.connection.migrating import migration_config
+from truepose.storage.connection.schema import newest_revision, revisions
 from truepose.storage.database import Database
 from truepose.storage.errors import (
     DatabaseAddressError,
@@ -167,6 +169,12 @@ def test_every_migration_goes_up_and_down_again(tmp_path):
     assert left == {"alembic_version"}
 
 
+def test_the_names_of_the_files_tell_every_schema_in_its_order():
+    steps = ScriptDirectory.from_config(migration_config()).walk_revisions()  # the newest first
+
+    assert [step.revision for step in steps] == list(reversed(revisions()))
+
+
 def test_the_tables_are_what_the_migrations_make(tmp_path):
     engine = create_engine(f"sqlite:///{tmp_path}/fresh.sqlite3")
     config = migration_config()
@@ -193,7 +201,7 @@ def test_every_table_is_append_only(database):
 
 def test_a_database_of_the_newest_schema_is_opened_without_migrations(database_url, monkeypatch):
     Database(database_url).close()
-    monkeypatch.setattr("truepose.storage.connection.schema.command.upgrade", None)
+    monkeypatch.setattr("truepose.storage.connection.migrating.upgrade", None)
 
     again = Database(database_url)
     again.close()

@@ -3,31 +3,24 @@
 from functools import cache
 from pathlib import Path
 
-from alembic import command
-from alembic.config import Config
-from alembic.runtime.migration import MigrationContext
-from alembic.script import ScriptDirectory
-from sqlalchemy import Connection, inspect
+from sqlalchemy import Connection, inspect, text
 
 from truepose.storage import migrations
 from truepose.storage.errors import ForeignDatabaseError, NewerSchemaError
 
-
-def migration_config() -> Config:
-    """Return alembic's settings, with the folder of the migrations."""
-    config = Config()
-    config.set_main_option("script_location", str(Path(migrations.__file__).parent).replace("%", "%%"))
-    return config
+MIGRATIONS = Path(migrations.__file__).parent
 
 
 @cache
-def _script() -> ScriptDirectory:
-    return ScriptDirectory.from_config(migration_config())
+def revisions() -> tuple[str, ...]:
+    """Return every schema that this version of the program knows, the newest last, by the names of files."""
+    files = (MIGRATIONS / "versions").glob("[0-9]*.py")
+    return tuple(sorted(file.name.split("_")[0] for file in files))
 
 
 def newest_revision() -> str:
     """Return the schema that this version of the program writes."""
-    return str(_script().get_current_head())
+    return revisions()[-1]
 
 
 def bring_up_to_date(connection: Connection, where: str) -> str:
@@ -40,18 +33,20 @@ def bring_up_to_date(connection: Connection, where: str) -> str:
     ForeignDatabaseError
         The database holds tables of another program.
     """
-    current = MigrationContext.configure(connection).get_current_revision()
+    tables = inspect(connection).get_table_names()
+    marked = "alembic_version" in tables
+    current = connection.scalar(text("SELECT version_num FROM alembic_version")) if marked else None
     if current == newest_revision():
         return current
-    known = {revision.revision for revision in _script().walk_revisions()}
-    if current is None and inspect(connection).get_table_names():
+    if current is None and [table for table in tables if table != "alembic_version"]:
         raise ForeignDatabaseError(f"{where} holds another program's tables; choose another file.")
-    if current is not None and current not in known:
+    if current is not None and current not in revisions():
         raise NewerSchemaError(
             f"{where} has schema {current}, this version of truepose knows up to {newest_revision()}; "
             "start the newer version that wrote it, or choose another file."
         )
-    config = migration_config()
-    config.attributes["connection"] = connection
-    command.upgrade(config, "head")
+    # A tenth of the start of a service, which finds its database as it left it.
+    from truepose.storage.connection.migrating import upgrade
+
+    upgrade(connection)
     return newest_revision()

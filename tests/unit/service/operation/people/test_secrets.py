@@ -3,7 +3,8 @@
 from datetime import UTC, datetime, timedelta
 
 import pytest
-from argon2 import Type, extract_parameters
+from argon2 import PasswordHasher, Type, extract_parameters
+from argon2.exceptions import VerifyMismatchError
 
 from truepose.domain.accounts import Role, lesser, reaches
 from truepose.operation.people.errors import TooManyGuessesError
@@ -25,6 +26,11 @@ def test_what_somebody_chose_is_kept_as_argon2id_of_19_mib_in_two_passes():
     for kept in (chosen_hash("on the looms of Lyon"), NOBODYS, badge_hash("0007421993", [])):
         made = extract_parameters(kept)
         assert (made.type, made.memory_cost >= 19 * 1024, made.time_cost >= 2) == (Type.ID, True, True)
+
+
+def test_who_is_unknown_is_compared_with_a_hash_and_not_turned_away_before():
+    with pytest.raises(VerifyMismatchError):  # what is no hash at all is InvalidHashError, at once
+        PasswordHasher().verify(NOBODYS, "caf\u00e9 au lait")
 
 
 def test_a_secret_is_that_one_and_no_other_however_it_was_typed():
