@@ -1,16 +1,17 @@
 """A session planned as an earlier one: its stops, or as many chosen anew, in the cell of today."""
 
-from fastapi import APIRouter, Response, status
+from fastapi import Response, status
 
 from truepose.web.again.planning import plan_again, template_of
 from truepose.web.context import Here
 from truepose.web.jobs import queued
 from truepose.web.problems import problems
 from truepose.web.requests.parameters import Id, OptionalKey, Sender
+from truepose.web.resources import resource
 from truepose.web.schemas.jobs import JobReply
 from truepose.web.schemas.measurement.again import RepeatRequest
 
-router = APIRouter(prefix="/sessions", tags=["sessions"])
+router = resource("/sessions", tags=["sessions"])
 
 
 @router.post(
