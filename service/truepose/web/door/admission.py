@@ -19,7 +19,7 @@ Headers: TypeAlias = Sequence[tuple[bytes, bytes]]
 PAGES: Final = re.compile(
     r"/|/docs|/work|/operator(/[^/]+)?|/diagnoses(/[^/]+)?|/corrections(/[^/]+)?|/plan|/faults|/errors(/[^/]+)?"
     r"|/(?:jobs|campaigns|identifications|validations|models|robots)/[^/]+"
-    r"|/sessions(/[^/]+(/result|/closing|/checklist)?)?|/reports(/[^/]+/[^/.]+)?"
+    r"|/sessions(/[^/]+(/result|/closing|/checklist|/again)?)?|/reports(/[^/]+/[^/.]+)?"
     r"|/bring(/[^/]+)?|/sign-in|/first-person/[^/]+|/welcome/[^/]+|/account|/not-yours|/people|/audit|/watch/[^/]+"
 )
 _READING: Final = frozenset({"GET", "HEAD", "OPTIONS"})
