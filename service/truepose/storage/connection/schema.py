@@ -35,7 +35,9 @@ def bring_up_to_date(connection: Connection, where: str) -> str:
     """
     tables = inspect(connection).get_table_names()
     marked = "alembic_version" in tables
-    current = connection.scalar(text("SELECT version_num FROM alembic_version")) if marked else None
+    current: str | None = (
+        connection.scalar(text("SELECT version_num FROM alembic_version")) if marked else None
+    )
     if current == newest_revision():
         return current
     if current is None and [table for table in tables if table != "alembic_version"]:
