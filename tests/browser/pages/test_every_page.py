@@ -3,6 +3,7 @@
 import contextlib
 
 import pytest
+from playwright.sync_api import expect
 
 from tests.browser.pages.looks import LOOKS, Traffic, sticking_out, too_small, violations
 from tests.browser.pages.shop import open_shop, pages
@@ -55,7 +56,7 @@ def test_units_are_chosen_once_for_the_pages_and_the_tablets(chromium, shop):
         page.locator(".menu:not(.person) summary").click()
         page.get_by_role("link", name="°F").click()
         chosen = page.locator("[aria-labelledby=menu-units] [aria-current]")
-        assert chosen.all_text_contents() == ["inch", "degrees", "°F"]
+        expect(chosen).to_have_text(["inch", "degrees", "°F"])
         page.goto(f"{shop}/operator/3")
         page.locator("#units").get_by_text("in", exact=True).wait_for()
 

@@ -20,6 +20,8 @@ export class Stored {
   #mine;
   #language;
 
+  static NONE = new Stored({}, {}, RECORDS); // knows no sentence
+
   // `english` and `mine`: texts by key, in the language of records and in the reader's.
   constructor(english, mine, language) {
     this.#patterns = Object.entries(english).sort(([, a], [, b]) => plain(b) - plain(a)).map(pattern);
@@ -29,6 +31,7 @@ export class Stored {
 
   // Both from the service; where they cannot be had now, everything stays as it is.
   static async load(language) {
+    if (language === RECORDS) return Stored.NONE;
     const texts = (of) => fetch(`/static/tablet/stored/${of}.json`).then((reply) => reply.json());
     const [english, mine] = await Promise.all([RECORDS, language].map(texts)).catch(() => [{}, {}]);
     return new Stored(english, mine, language);
@@ -36,6 +39,7 @@ export class Stored {
 
   // Returns the sentences of a text, each { text, lang }.
   pieces(text) {
+    if (!this.#patterns.length) return text ? [{ text, lang: RECORDS }] : [];
     const ends = [...text.matchAll(END)].map(({ index }) => index);
     const after = (end) => end + (text.slice(end).length - text.slice(end).trimStart().length);
     const found = [];

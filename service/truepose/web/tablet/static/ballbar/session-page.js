@@ -212,4 +212,4 @@ class SessionPage extends Page {
 }
 
 const storage = new Storage();
-new SessionPage(await Texts.load(storage, ["common", "stored"]), storage).open();
+new SessionPage(await Texts.load(storage), storage).open();

@@ -99,7 +99,7 @@ export class Stage {
     const { panel } = this.#at;
     const { session, steps } = model;
     const scene = sceneNow(model);
-    const shown = [screen, session?.step?.id, texts.language, texts.units.name, session?.suspicion?.kind, session?.ballbar_attached, session?.reason, model.up].join();
+    const shown = [screen, session?.step?.id, texts.spoken, texts.units.name, session?.suspicion?.kind, session?.ballbar_attached, session?.reason, model.up].join();
     const why = RESTS.includes(screen) ? reasonInWords(session.reason, texts) : null;
     const placing = screen === "place_base" && scene !== null;
     showIf(panel, ["planned", "move", "doubt", ...ENDS].includes(screen) || why !== null || placing);

@@ -54,6 +54,7 @@ export class Page {
       sample: (sample) => this.sampled(sample),
       situation: (session) => this.accept(session),
     });
+    this.texts.heard = () => this.draw();
     this.#listen();
   }
 

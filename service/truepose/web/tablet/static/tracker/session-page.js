@@ -187,4 +187,4 @@ class SessionPage extends Page {
 }
 
 const storage = new Storage();
-new SessionPage(await Texts.load(storage, ["common", "tracker", "stored"]), storage).open();
+new SessionPage(await Texts.load(storage, ["common", "tracker"]), storage).open();

@@ -23,7 +23,7 @@ export class Table {
   }
 
   show(points, active, { texts, units }) {
-    const shown = JSON.stringify([points, texts.language, units.name]);
+    const shown = JSON.stringify([points, texts.spoken, units.name]);
     if (shown !== this.#shown) this.#build(points, texts, units);
     this.#shown = shown;
     for (const [config, row] of this.#rows) {
