@@ -83,11 +83,11 @@ class Service:
         return path
 
     def diagnosed(self, session, answer):
-        """Diagnose a session and return the address of the page."""
+        """Diagnose a session and return the address of the page, drawn to its end."""
         self._worker.answer = answer
         job = self.post(f"{session}/diagnosis", {}).headers["Location"]
         page = self.until(job, "state", "succeeded")["result_url"].removeprefix("/api/v1")
-        return self.url + page
+        return f"{self.url}{page}?whole=true"
 
 
 @pytest.fixture

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from typing import Any, TypeVar, cast
 
+from truepose.analysis.kept import KeptDrawings
 from truepose.analysis.workers.drawing import DrawTask
 from truepose.analysis.workers.process import Perform
 from truepose.analysis.workers.turns import Turns
@@ -14,7 +15,8 @@ A = TypeVar("A", str, bytes)
 class DrawingDesk:
     """Has reports drawn and printed."""
 
-    def __init__(self, perform: Perform) -> None:
+    def __init__(self, perform: Perform, kept: KeptDrawings) -> None:
+        self.kept = kept
         self._perform = perform
         self._turns = Turns("reports", at_once=1, waiting=8, patience_s=60.0)
 

@@ -13,6 +13,7 @@ from truepose.analysis.campaigns import CampaignDesk
 from truepose.analysis.drafts import DraftDesk
 from truepose.analysis.drawing import DrawingDesk
 from truepose.analysis.jobs import JobDesk
+from truepose.analysis.kept import KeptDrawings
 from truepose.analysis.promising import PromiseDesk
 from truepose.analysis.workers.process import Perform, perform_in_worker
 from truepose.analysis.workers.uploads import Uploads
@@ -45,6 +46,7 @@ from truepose.storage.calibration.reports import ReportRepository
 from truepose.storage.calibration.results import ResultRepository
 from truepose.storage.database import Database
 from truepose.storage.drafts import DraftFolder
+from truepose.storage.drawn import DrawnFolder
 from truepose.storage.events import EventRepository
 from truepose.storage.integrity.guard import Guard
 from truepose.storage.measurement.added_stops import AddedStopsRepository
@@ -148,6 +150,7 @@ async def open_context(
         await context.job_desk.mark_interrupted(_RESTARTED)
         stack.push_async_callback(context.job_desk.close)
         stack.push_async_callback(context.session_desk.close)
+        stack.push_async_callback(context.drawing_desk.kept.close)
         stack.callback(stop_streams, context)
         _beside(stack, Guard(database).follow(), "storage guard")
         if backups is not None:
@@ -335,7 +338,7 @@ def _context(
         guided_sessions=GuidedSessions(tracker_sessions, contact_sessions, readings, Outlooks(perform)),
         hands_desk=HandsDesk(rack, ballbar_sessions.frame_of),
         faults_desk=FaultsDesk(None if simulation is None else simulation.ask_of_faults, present),
-        drawing_desk=DrawingDesk(perform),
+        drawing_desk=DrawingDesk(perform, KeptDrawings(DrawnFolder.beside(database.file))),
         promise_desk=PromiseDesk(perform),
         closing_desk=ClosingDesk(sessions, closings, rack, present),
         job_desk=job_desk,

@@ -7,6 +7,7 @@ from typing import Any, Final, TypeAlias
 
 from fastapi import FastAPI
 from fastapi.openapi.utils import get_openapi
+from starlette.middleware.gzip import DEFAULT_EXCLUDED_CONTENT_TYPES, GZipMiddleware
 from starlette.routing import BaseRoute
 from starlette.types import ASGIApp
 
@@ -91,6 +92,7 @@ _RESOURCES: Final = (
     drafts,
     events,
 )
+_AS_IT_IS: Final = (*DEFAULT_EXCLUDED_CONTENT_TYPES, "application/pdf", "application/octet-stream")
 _DESCRIPTION: Final = (
     "Measures industrial robots, identifies what their nominal model gets wrong, validates the result, "
     "and names the causes of what is left. Every quantity names its unit; angles are in degrees. Errors "
@@ -158,6 +160,8 @@ def create_application(
     operations = operations_of(app.routes)
     require_complete(operation.name for operation in operations)
     app.add_middleware(Gate, operations=operations)
+    # Outermost, so that refusals are compressed as well; streams and what is packed already are left alone.
+    app.add_middleware(GZipMiddleware, minimum_size=1024, compresslevel=5, exclude_content_types=_AS_IT_IS)
     _complete_openapi(app)
     return app
 

@@ -8,12 +8,13 @@ from http import HTTPStatus
 from pathlib import Path
 from typing import Any, Final
 
-from fastapi import APIRouter
-from fastapi.responses import FileResponse, HTMLResponse, Response
+from fastapi import APIRouter, Request
+from fastapi.responses import HTMLResponse, Response
 from starlette.exceptions import HTTPException
 
 from truepose.web.again import page as again_page
 from truepose.web.calibration import bring_pages, correction_pages
+from truepose.web.files import sent
 from truepose.web.places import cell_page, error_pages, fault_pages, robot_pages, work_page
 from truepose.web.records import campaign_page, diagnosis_pages, job_page, plan_page, result_pages
 from truepose.web.reports import checklists, closing_pages
@@ -42,29 +43,27 @@ async def api_page(visit: Visited) -> HTMLResponse:
 
 
 @router.get("/static/report.css", response_class=Response)
-async def report_style() -> Response:
+async def report_style(request: Request) -> Response:
     """Send the style of reports, which a report in a file carries within it."""
     from truepose.reports import page_styles
 
-    return Response(page_styles(), media_type=_MEDIA[".css"])
+    return sent(request, page_styles().encode(), _MEDIA[".css"])
 
 
 @router.get("/static/tokens.css", response_class=Response)
-async def colours() -> Response:
+async def colours(request: Request) -> Response:
     """Send the colours of everything that is shown."""
     from truepose.reports import page_tokens
 
-    return Response(page_tokens(), media_type=_MEDIA[".css"])
+    return sent(request, page_tokens().encode(), _MEDIA[".css"])
 
 
-@router.get("/static/{name}", response_class=FileResponse)
-async def static_file(name: str) -> FileResponse:
+@router.get("/static/{name}", response_class=Response)
+async def static_file(request: Request, name: str) -> Response:
     """Send a style or a script of the plain pages and of what stands around reports."""
     if name not in {path.name for path in _STATIC.iterdir() if path.is_file()}:  # one segment of the path
         raise HTTPException(HTTPStatus.NOT_FOUND)
-    # A browser asks again each time and is told that nothing has changed: pages never mix versions.
-    headers = {"Cache-Control": "no-cache"}
-    return FileResponse(_STATIC / name, media_type=_MEDIA[Path(name).suffix], headers=headers)
+    return sent(request, (_STATIC / name).read_bytes(), _MEDIA[Path(name).suffix])
 
 
 def _operations(document: dict[str, Any]) -> Any:

@@ -19,6 +19,8 @@ from truepose.domain.errors import TrueposeError
 from truepose.domain.results import Model
 from truepose.storage.records import DiagnosisRecord
 from truepose.web.context import Context
+from truepose.web.drawn import Whole, drawn_part
+from truepose.web.visiting.rendering import rendered
 from truepose.web.schemas.base import NUMBER_LIMIT
 from truepose.web.visiting.visits import Visit, Visited
 
@@ -42,7 +44,12 @@ class Pair:
 
 @router.get("/{name}", response_class=HTMLResponse)
 async def robot_page(
-    visit: Visited, name: str, serial_number: Serial = None, earlier: Chosen = None, later: Chosen = None
+    visit: Visited,
+    name: str,
+    serial_number: Serial = None,
+    earlier: Chosen = None,
+    later: Chosen = None,
+    whole: Whole = False,
 ) -> HTMLResponse:
     """Show what changed on a robot: causes, errors, temperatures, and two results side by side."""
     records = await visit.here.diagnoses.of_robot(name, serial_number)
@@ -58,9 +65,10 @@ async def robot_page(
         return visit.page("which_robot.html", **shown)
     counting, causes = compare_over_time(name, records[-_MOST:])
     pair = _pair(counting, earlier, later)
-    content, why = await _content(visit, counting, causes, pair)
+    of = f"robot {name} {_moments(counting)} {pair and _moments((pair.earlier, pair.later))}"
+    told = await drawn_part(visit, of, lambda: _told(visit, counting, causes, pair), whole=whole)
     choices = [record for record in counting if record.model_id is not None]
-    return visit.page("robot.html", **shown, content=content, why=why, choices=choices, pair=pair)
+    return visit.page("robot.html", **shown, told=told, choices=choices, pair=pair)
 
 
 def _pair(records: Sequence[DiagnosisRecord], earlier: int | None, later: int | None) -> Pair | None:
@@ -70,6 +78,17 @@ def _pair(records: Sequence[DiagnosisRecord], earlier: int | None, later: int | 
         return None
     ends = list(known.values())
     return Pair(known.get(earlier or 0, ends[0]), known.get(later or 0, ends[-1]))
+
+
+def _moments(records: Sequence[DiagnosisRecord]) -> list[tuple[int, str]]:
+    return [(record.id, record.recorded_at) for record in records]
+
+
+async def _told(
+    visit: Visit, records: Sequence[DiagnosisRecord], causes: tuple[CauseOverTime, ...], pair: Pair | None
+) -> str:
+    content, why = await _content(visit, records, causes, pair)
+    return rendered("robot_told.html", content=content, why=why, say=visit.words.say)
 
 
 async def _content(

@@ -17,6 +17,7 @@ from truepose.storage.errors import NotFoundError
 from truepose.storage.records import CampaignRecord, DiagnosisRecord, SessionRecord
 from truepose.storage.work.items import WorkKind
 from truepose.web.context import Context
+from truepose.web.drawn import Whole, drawn_part
 from truepose.web.records.trail import missing, trail_of
 from truepose.web.requests.parameters import number_of
 from truepose.web.visiting.moments import moment
@@ -54,7 +55,7 @@ async def diagnoses_page(visit: Visited) -> HTMLResponse:
 
 
 @router.get("/diagnoses/{id}", response_class=HTMLResponse)
-async def diagnosis_page(visit: Visited, id: str) -> HTMLResponse:
+async def diagnosis_page(visit: Visited, id: str, whole: Whole = False) -> HTMLResponse:
     """Show a diagnosis as its report."""
     from truepose.reports import diagnosis_content
 
@@ -66,8 +67,9 @@ async def diagnosis_page(visit: Visited, id: str) -> HTMLResponse:
     report = await _report(here, record, campaign, visit.words)
     actions = await _actions(here, record, campaign)
     trail = await trail_of(visit, WorkKind.DIAGNOSIS, record.id)
+    of = f"diagnosis {record.id} {record.recorded_at} {report.campaign} {report.conditions}"
     # Drawing takes a second or two; a session under way must not wait for it.
-    content = await asyncio.to_thread(diagnosis_content, report)
+    content = await drawn_part(visit, of, lambda: asyncio.to_thread(diagnosis_content, report), whole=whole)
     return visit.page(
         "diagnosis.html",
         record=record,

@@ -1,6 +1,7 @@
 """What a plan promises, for people: sentences, the curve, the table behind it."""
 
 import asyncio
+import json
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -8,8 +9,10 @@ from fastapi import APIRouter
 from fastapi.responses import HTMLResponse
 from markupsafe import Markup
 
+from truepose.storage.documents import to_document
+from truepose.web.drawn import Whole, drawn_part
 from truepose.web.measurement.promises import Number, minutes_for
-from truepose.web.requests.presence import while_present
+from truepose.web.visiting.rendering import rendered
 from truepose.web.visiting.visits import Visited
 from truepose.words.catalogue import Catalogue
 
@@ -31,12 +34,21 @@ class Shown:
 
 
 @router.get("/plan", response_class=HTMLResponse)
-async def plan_page(visit: Visited, n: Number = None) -> HTMLResponse:
+async def plan_page(visit: Visited, n: Number = None, whole: Whole = False) -> HTMLResponse:
     """Show what n configurations promise in this cell."""
-    promising = visit.here.promise_desk.promise(visit.here.cell, n)
-    promised = await while_present(visit.request, promising)
-    shown = await asyncio.to_thread(_shown, promised, visit.words)
-    return visit.page("plan.html", shown=shown)
+    cell = visit.here.cell
+
+    async def draw() -> str:
+        promised = await visit.here.promise_desk.promise(cell, n)
+        return await asyncio.to_thread(_told, promised, visit.words)
+
+    told = await drawn_part(visit, f"plan {n} {json.dumps(to_document(cell))}", draw, whole=whole)
+    return visit.page("plan.html", told=told, n=n)
+
+
+def _told(promised: "Promised", words: Catalogue) -> str:
+    shown = _shown(promised, words)
+    return rendered("plan_told.html", shown=shown, say=words.say)
 
 
 def _shown(promised: "Promised", words: Catalogue) -> Shown:

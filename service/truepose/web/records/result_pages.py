@@ -14,10 +14,12 @@ from truepose.exchange.exports.formats import FORMATS, Format, export
 from truepose.storage.errors import NotFoundError
 from truepose.storage.records import IdentificationRecord, ModelRecord, ValidationRecord
 from truepose.storage.work.items import WorkKind
+from truepose.web.drawn import Whole, drawn_part
 from truepose.web.records.trail import missing, trail_of
-from truepose.web.reports.making import drawn
+from truepose.web.reports.making import drawn_as_report
 from truepose.web.reports.registry import KINDS
 from truepose.web.requests.parameters import number_of
+from truepose.web.visiting.rendering import rendered
 from truepose.web.visiting.visits import Visit, Visited
 from truepose.words.catalogue import Catalogue
 
@@ -29,40 +31,39 @@ R = TypeVar("R")
 
 
 @router.get("/identifications/{id}", response_class=HTMLResponse)
-async def identification_page(visit: Visited, id: str) -> HTMLResponse:
+async def identification_page(visit: Visited, id: str, whole: Whole = False) -> HTMLResponse:
     """Show an identification as its report."""
-    return await _report_page(visit, id, visit.here.results.identification, WorkKind.IDENTIFICATION)
+    record = await _found(id, visit.here.results.identification)
+    return await _report_page(visit, record, WorkKind.IDENTIFICATION, whole=whole)
 
 
 @router.get("/validations/{id}", response_class=HTMLResponse)
-async def validation_page(visit: Visited, id: str) -> HTMLResponse:
+async def validation_page(visit: Visited, id: str, whole: Whole = False) -> HTMLResponse:
     """Show a validation as its report."""
-    return await _report_page(visit, id, visit.here.results.validation, WorkKind.VALIDATION)
+    record = await _found(id, visit.here.results.validation)
+    return await _report_page(visit, record, WorkKind.VALIDATION, whole=whole)
 
 
 async def _report_page(
-    visit: Visit,
-    id: str,
-    get: Callable[[int], Awaitable[IdentificationRecord | ValidationRecord]],
-    kind: WorkKind,
+    visit: Visit, record: IdentificationRecord | ValidationRecord | None, kind: WorkKind, *, whole: bool
 ) -> HTMLResponse:
-    record = await _found(id, get)
     if record is None:
         return missing(visit)
-    content = await _content(visit, kind.value, record.id)
+    content = await drawn_as_report(visit, KINDS[kind.value], record.id, whole=whole)
     trail = await trail_of(visit, kind, record.id)
     return visit.page(f"{kind.value}.html", record=record, content=content, trail=trail)
 
 
 @router.get("/models/{id}", response_class=HTMLResponse)
-async def model_page(visit: Visited, id: str) -> HTMLResponse:
+async def model_page(visit: Visited, id: str, whole: Whole = False) -> HTMLResponse:
     """Show a model: what it says of the robot, and the forms in which it can be taken."""
     record = await _found(id, visit.here.results.model)
     if record is None:
         return missing(visit)
-    shown = await asyncio.to_thread(_model, record, visit.words)
+    of = f"model {record.id} {record.recorded_at}"
+    told = await drawn_part(visit, of, lambda: asyncio.to_thread(_told, record, visit.words), whole=whole)
     trail = await trail_of(visit, WorkKind.MODEL, record.id)
-    return visit.page("model.html", record=record, shown=shown, trail=trail)
+    return visit.page("model.html", record=record, told=told, trail=trail)
 
 
 async def _found(id: str, get: Callable[[int], Awaitable[R]]) -> R | None:
@@ -76,13 +77,6 @@ async def _found(id: str, get: Callable[[int], Awaitable[R]]) -> R | None:
         return None
 
 
-async def _content(visit: Visit, kind: str, number: int) -> "Markup":
-    """Return what a report of a result says; it is kept nowhere."""
-    from truepose.reports.pages import content_of
-
-    return content_of(await drawn(visit.here, KINDS[kind], number, visit.words))
-
-
 @dataclass(frozen=True, slots=True)
 class ShownModel:
     """What the page shows of a model."""
@@ -91,6 +85,11 @@ class ShownModel:
     effects: tuple[str, ...]
     exports: tuple[tuple[Format, str], ...]  # and why the model has no such form; empty: it has
     correlation: "Markup | None"
+
+
+def _told(record: ModelRecord, words: Catalogue) -> str:
+    shown = _model(record, words)
+    return rendered("model_told.html", record=record, shown=shown, say=words.say)
 
 
 def _model(record: ModelRecord, words: Catalogue) -> ShownModel:

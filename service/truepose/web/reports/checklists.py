@@ -12,6 +12,7 @@ from truepose.domain.cell import Cell
 from truepose.domain.contacts import ContactPlan
 from truepose.domain.session import SessionPlan
 from truepose.web.context import Context
+from truepose.web.drawn import printed
 from truepose.web.requests.parameters import Id
 from truepose.web.visiting.visits import Visited
 from truepose.words.catalogue import Catalogue
@@ -38,12 +39,9 @@ async def checklist_view(visit: Visited, id: Id) -> HTMLResponse:
 async def checklist_pdf(visit: Visited, id: Id) -> Response:
     """Send the same as a PDF."""
     from truepose.reports.checklists.page import checklist_page
-    from truepose.reports.paper import pdf_of
 
     page = await asyncio.to_thread(checklist_page, await _asked(visit.here, id, visit.words))
-    body = await visit.here.drawing_desk.draw(pdf_of, str(page))
-    named = {"Content-Disposition": f'inline; filename="checklist-{id}.pdf"'}
-    return Response(body, media_type="application/pdf", headers=named)
+    return await printed(visit, str(page), f"checklist-{id}.pdf")
 
 
 async def _asked(here: Context, number: int, words: Catalogue) -> "ChecklistInput":

@@ -1,16 +1,25 @@
 """A report is made once for each content: asked for again, the page that was made is shown."""
 
+import asyncio
 import hashlib
 from dataclasses import replace
 from datetime import UTC, datetime
+from typing import TYPE_CHECKING
 
 from truepose.storage.calibration.reports import ReportRecord, ReportSubject
 from truepose.storage.errors import NotFoundError
 from truepose.web.context import Context
+from truepose.web.drawn import drawn_part
 from truepose.web.reports.kinds import Drawable, ReportKind
 from truepose.web.results.kinds import Choice
 from truepose.web.visiting.moments import moment
+from truepose.web.visiting.visits import Visit
 from truepose.words.catalogue import IN_ENGLISH, Catalogue
+
+if TYPE_CHECKING:
+    from markupsafe import Markup
+
+    from truepose.reports.conditions import ReportConditions
 
 
 async def report_of(
@@ -28,10 +37,19 @@ async def report_of(
     return await here.reports.get(subject, revision, words.tag)
 
 
-async def drawn(here: Context, kind: ReportKind, number: int, words: Catalogue) -> str:
-    """Return the report of a result as a page that is kept nowhere."""
+async def drawn_as_report(visit: Visit, kind: ReportKind, number: int, *, whole: bool) -> "Markup | None":
+    """Return what a report of a result says, for its page; it is no revision. None while it is drawn."""
+    from truepose.reports.pages import content_of
+
+    here, words = visit.here, visit.words
     drawable = await kind.drawable(here, number, Choice(), words)
-    return await here.drawing_desk.draw(drawable.draw, drawable.of(await drawable.conditions(words)))
+    conditions = await drawable.conditions(words)
+
+    async def draw() -> str:
+        return content_of(await here.drawing_desk.draw(drawable.draw, drawable.of(conditions)))
+
+    stated = await asyncio.to_thread(_hash, drawable.document, conditions)
+    return await drawn_part(visit, f"{kind.name} {number} {stated}", draw, whole=whole)
 
 
 async def _made(
@@ -47,8 +65,12 @@ async def _made(
 
 async def _stated(drawable: Drawable) -> str:
     """Return a hash of all that a report states, but for the moment when it is made."""
-    conditions = replace(await drawable.conditions(IN_ENGLISH), written_at="")
-    return hashlib.sha256(repr((drawable.document, conditions)).encode()).hexdigest()
+    return await asyncio.to_thread(_hash, drawable.document, await drawable.conditions(IN_ENGLISH))
+
+
+def _hash(document: object, conditions: "ReportConditions") -> str:
+    stated = repr((document, replace(conditions, written_at="")))
+    return hashlib.sha256(stated.encode()).hexdigest()
 
 
 def _numbered(kind: ReportKind, number: int, revision: int, words: Catalogue) -> str:

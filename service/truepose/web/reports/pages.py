@@ -13,6 +13,7 @@ from truepose.domain.errors import TrueposeError
 from truepose.storage.calibration.reports import ReportRecord, ReportSubject
 from truepose.storage.errors import NotFoundError
 from truepose.web.context import Context
+from truepose.web.drawn import printed
 from truepose.web.problems import status_of
 from truepose.web.reports.kinds import ReportRow
 from truepose.web.reports.making import report_of
@@ -56,15 +57,12 @@ async def report_pdf(
     visit: Visited, kind: str, id: str, choice: Chosen, revision: Revision = None
 ) -> Response:
     """Send a report as a PDF."""
-    from truepose.reports.paper import pdf_of
-
     try:
         record = await _record(visit, kind, id, choice, revision)
-        body = await visit.here.drawing_desk.draw(pdf_of, record.page)
+        name = f"{kind}-{id}-revision-{record.revision}.pdf"
+        return await printed(visit, record.page, name)
     except TrueposeError as error:
         return _refused(visit, error)
-    name = f"{kind}-{id}-revision-{record.revision}.pdf"
-    return Response(body, media_type="application/pdf", headers=_as_file(name))
 
 
 @router.get("/{kind}/{id}.html")
@@ -142,7 +140,3 @@ def _asked(visit: Visit) -> str:
     """Return what the address chose, for the addresses of the same report in other forms."""
     query = visit.request.url.query
     return f"?{query}" if query else ""
-
-
-def _as_file(name: str) -> dict[str, str]:
-    return {"Content-Disposition": f'inline; filename="{name}"'}

@@ -29,7 +29,7 @@ _STREAMS: Final = re.compile(
     r"|/watch/[^/]+/live"
 )
 _DRAWN: Final = re.compile(
-    r"/diagnoses/[^/]+|/corrections/[^/]+|/reports/[^/]+/[^/]+|/plan|/sessions/[^/]+/result"
+    r"/corrections/[^/]+|/reports/[^/]+/[^/]+|/sessions/[^/]+/result"
     r"|/api/v1/cells/[^/]+/plan|/api/v1/sessions/[^/]+/(promise|proof|circles|sphere|accuracy|guide/outlook)"
 )
 

@@ -35,7 +35,7 @@ export function holdControls(root) {
 holdControls(document);
 
 // What is wider than a phone is reached by keys as well, also once a tablet was turned.
-function letKeysScroll() {
+export function letKeysScroll() {
   for (const wide of document.querySelectorAll(".table, .picture, pre")) {
     if (wide.scrollWidth > wide.clientWidth) wide.tabIndex = 0;
   }

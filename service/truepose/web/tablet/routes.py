@@ -8,12 +8,13 @@ from http import HTTPStatus
 from pathlib import Path
 from typing import Final
 
-from fastapi import APIRouter
-from fastapi.responses import FileResponse, HTMLResponse, Response
+from fastapi import APIRouter, Request
+from fastapi.responses import HTMLResponse, Response
 from starlette.exceptions import HTTPException
 
 from truepose.storage.errors import NotFoundError
 from truepose.web.context import Context
+from truepose.web.files import sent
 from truepose.web.visiting.visits import Visited
 from truepose.words.catalogue import LANGUAGES, STORED, TABLET, TRACKER_TABLET, texts_file
 
@@ -27,8 +28,6 @@ _TEXTS: Final = {
     for room, texts in (("common", TABLET), ("tracker", TRACKER_TABLET), ("stored", STORED))
     for language in LANGUAGES
 }
-# A tablet asks again each time, and is told that nothing has changed: pages and texts never mix versions.
-_HEADERS: Final = {"Cache-Control": "no-cache"}
 
 
 @router.get("/operator", response_class=HTMLResponse)
@@ -53,9 +52,9 @@ async def _template_of(here: Context, id: int) -> str:
 
 
 @router.get("/static/tablet/{name:path}", response_class=Response)
-async def tablet_file(name: str) -> Response:
+async def tablet_file(request: Request, name: str) -> Response:
     """Send a module, the style or the texts of one language."""
     file = (_FILES | _TEXTS).get(name)
     if file is None:
         raise HTTPException(HTTPStatus.NOT_FOUND)
-    return FileResponse(file, media_type=_TYPES[file.suffix], headers=_HEADERS)
+    return sent(request, file.read_bytes(), _TYPES[file.suffix])

@@ -55,7 +55,7 @@ async def test_a_stored_diagnosis_is_shown_as_its_report(client, diagnosed, endi
     answer = ENDINGS[ending]()
     number = await diagnosed(answer)
 
-    reply = await client.get(f"/diagnoses/{number}")
+    reply = await client.get(f"/diagnoses/{number}?whole=true")
 
     assert reply.status_code == 200
     assert reply.headers["content-type"] == "text/html; charset=utf-8"
@@ -95,7 +95,8 @@ async def test_a_stored_diagnosis_is_shown_in_the_language_asked_for(
     number = await diagnosed(spoken())
 
     for path in ("/diagnoses", f"/diagnoses/{number}"):
-        reply = await client.get(f"{path}{address}", headers={"Accept-Language": accepted})
+        whole = f"{path}{address or '?'}&whole=true"
+        reply = await client.get(whole, headers={"Accept-Language": accepted})
         assert told in reply.text
         assert f'<html lang="{language}">' in reply.text
         assert reply.headers["Content-Language"] == language
@@ -168,7 +169,7 @@ async def test_without_any_the_list_says_how_to_ask_for_one(client):
 
 @pytest.mark.parametrize("number", ["7", "0", "seven", "9" * 40, "٣"])
 async def test_a_number_that_there_is_not_gets_a_page_that_says_so(client, number):
-    reply = await client.get(f"/diagnoses/{number}")
+    reply = await client.get(f"/diagnoses/{number}?whole=true")
 
     assert reply.status_code == 404
     assert "There is nothing at this address" in reply.text
@@ -177,7 +178,7 @@ async def test_a_number_that_there_is_not_gets_a_page_that_says_so(client, numbe
 async def test_a_simulated_campaign_says_so_on_a_service_that_is_not(client, diagnosed):
     number = await diagnosed(consistent(), simulated=True)
 
-    text = (await client.get(f"/diagnoses/{number}")).text
+    text = (await client.get(f"/diagnoses/{number}?whole=true")).text
 
     assert 0 < text.index("SIMULATED.") < text.index('class="message"')
     assert "SIMULATED</strong>" in (await client.get("/diagnoses")).text
@@ -188,7 +189,7 @@ async def test_uploaded_readings_are_not_called_simulated_by_a_service_whose_cel
     here = app.state.context
     app.state.context = replace(here, cell=replace(here.cell, simulated=SimulatedCell("irb120-tilted", 0)))
 
-    text = (await client.get(f"/diagnoses/{number}")).text
+    text = (await client.get(f"/diagnoses/{number}?whole=true")).text
     listed = (await client.get("/diagnoses")).text
 
     assert "SIMULATED" not in text + listed
@@ -199,7 +200,7 @@ async def test_uploaded_readings_are_not_called_simulated_by_a_service_whose_cel
 async def test_text_of_others_stays_text(client, diagnosed):
     number = await diagnosed(replace(consistent(), message=HOSTILE, robot=HOSTILE))
 
-    texts = [(await client.get(path)).text for path in ("/diagnoses", f"/diagnoses/{number}")]
+    texts = [(await client.get(path)).text for path in ("/diagnoses", f"/diagnoses/{number}?whole=true")]
 
     assert not any("<script>alert" in text for text in texts)
 
@@ -213,14 +214,14 @@ async def test_pages_are_no_part_of_the_api(client):
 async def test_a_day_is_shown_as_a_day_and_a_time_to_the_minute(client, diagnosed):
     number = await diagnosed(consistent(), "2026-03-03")
 
-    assert "measured 2026-03-03 \N{MIDDLE DOT}" in (await client.get(f"/diagnoses/{number}")).text
+    assert "measured 2026-03-03 \N{MIDDLE DOT}" in (await client.get(f"/diagnoses/{number}?whole=true")).text
     assert measured_words("2026-03-03T09:12:33.125+00:00") == "measured 2026-03-03 09:12 UTC"
 
 
 async def test_readings_of_which_nobody_said_when_are_not_of_the_day_of_their_upload(client, diagnosed):
     number = await diagnosed(consistent())
 
-    texts = [(await client.get(path)).text for path in ("/diagnoses", f"/diagnoses/{number}")]
+    texts = [(await client.get(path)).text for path in ("/diagnoses", f"/diagnoses/{number}?whole=true")]
 
     assert all("day not stated" in text for text in texts)
     assert not any("measured 20" in text for text in texts)
@@ -229,13 +230,13 @@ async def test_readings_of_which_nobody_said_when_are_not_of_the_day_of_their_up
 async def test_a_day_in_the_description_of_an_upload_is_the_day_of_its_readings(client, diagnosed):
     number = await diagnosed(consistent(), measured_on_in_file=date(2025, 11, 3))
 
-    assert "measured 2025-11-03" in (await client.get(f"/diagnoses/{number}")).text
+    assert "measured 2025-11-03" in (await client.get(f"/diagnoses/{number}?whole=true")).text
 
 
 async def test_an_uploaded_campaign_has_no_session_to_measure_more_in(client, diagnosed):
     number = await diagnosed(two_findings())
 
-    text = (await client.get(f"/diagnoses/{number}")).text
+    text = (await client.get(f"/diagnoses/{number}?whole=true")).text
 
     assert "Measure these next" not in text
     assert "measure-next.js" not in text
@@ -244,7 +245,9 @@ async def test_an_uploaded_campaign_has_no_session_to_measure_more_in(client, di
 async def test_the_page_leads_to_its_document_and_to_the_robot_over_time(client, diagnosed):
     number = await diagnosed(replace(two_findings(), robot=make_campaign().robot.name))
 
-    links = re.findall(r'href="(/api/v1/diagnoses[^"]*)"', (await client.get(f"/diagnoses/{number}")).text)
+    links = re.findall(
+        r'href="(/api/v1/diagnoses[^"]*)"', (await client.get(f"/diagnoses/{number}?whole=true")).text
+    )
 
     assert len(links) == 2
     assert [(await client.get(link.replace("&amp;", "&"))).status_code for link in links] == [200, 200]

@@ -61,7 +61,7 @@ _WAY = {"/sessions/1", "/campaigns/1", "/identifications/1", "/models/1", "/vali
 async def test_a_record_says_what_it_is_and_leads_to_what_it_came_of_and_what_came_of_it(
     client, path, shown, way
 ):
-    reply = await client.get(path)
+    reply = await client.get(path, params={"whole": "true"})
 
     assert reply.status_code == 200
     assert shown in Page(reply.text).text
@@ -81,7 +81,7 @@ async def test_a_diagnosis_leads_to_the_correction_with_its_model(client):
 
 
 async def test_a_model_is_taken_along_in_the_formats_that_hold_it_and_the_page_says_why_not_in_others(client):
-    reply = await client.get("/models/1")
+    reply = await client.get("/models/1?whole=true")
     offered = {href for href in links(reply) if href.startswith("/api/v1/models/1/exports/")}
     answers = {
         form: await client.get(f"/api/v1/models/1/exports/{form}")

@@ -42,7 +42,7 @@ async def test_a_cause_that_grew_is_the_first_thing_on_the_page(client, diagnose
     await diagnosed("2026-02-03", 0.021)
     await diagnosed("2026-09-14", 0.047)
 
-    answer = await client.get(f"/robots/{_ROBOT}")
+    answer = await client.get(f"/robots/{_ROBOT}?whole=true")
 
     assert answer.status_code == 200
     page = answer.text
@@ -55,7 +55,7 @@ async def test_a_robot_that_did_not_change_says_so(client, diagnosed):
     await diagnosed("2026-02-03", 0.021)
     await diagnosed("2026-09-14", 0.022)
 
-    page = (await client.get(f"/robots/{_ROBOT}")).text
+    page = (await client.get(f"/robots/{_ROBOT}?whole=true")).text
 
     assert "No cause grew beyond chance: 2 measurements in 7 months." in page
     assert "Nothing says that the robot changed" in page
@@ -65,7 +65,7 @@ async def test_a_robot_that_did_not_change_says_so(client, diagnosed):
 async def test_two_measurements_are_chosen_for_comparison(client, diagnosed):
     numbers = [await diagnosed(f"2026-0{month}-01", 0.02) for month in (1, 4, 7)]
 
-    page = (await client.get(f"/robots/{_ROBOT}?earlier={numbers[1]}&later={numbers[2]}")).text
+    page = (await client.get(f"/robots/{_ROBOT}?earlier={numbers[1]}&later={numbers[2]}&whole=true")).text
 
     chosen = [line for line in page.splitlines() if "selected" in line]
     assert [f'value="{number}" selected' in line for number, line in zip(numbers[1:], chosen, strict=True)]

@@ -44,20 +44,44 @@ async def test_a_session_that_has_measured_nothing_promises_what_its_cell_does(c
     assert promise["n"] == 20
 
 
-async def test_the_page_shows_sentences_the_curve_and_every_number(client):
-    reply = await client.get("/plan?n=30")
+class SlowHand:
+    """Works nothing out before it may."""
 
-    assert reply.status_code == 200
-    assert "30 configurations promise a mean error of" in reply.text
-    assert "<svg" in reply.text
-    assert 'href="/plan?n=50"' in reply.text
-    assert "*30" in reply.text
-    assert "The star marks what is planned" in reply.text
-    assert "knee: ten more gain less than a tenth" in reply.text  # where it is not what is planned
+    def __init__(self):
+        self.may = asyncio.Event()
+
+    async def __call__(self, task, told):
+        await self.may.wait()
+        return await asyncio.to_thread(task.perform, lambda *_: None)
+
+
+class TestAPageThatTakesItsTime:
+    @pytest.fixture
+    def worker(self):
+        return SlowHand()
+
+    async def test_its_text_is_there_at_once_and_then_sentences_the_curve_and_every_number(
+        self, client, worker
+    ):
+        early = await client.get("/plan?n=30")
+        worker.may.set()
+        whole = await client.get("/plan?n=30&whole=true")
+        again = await client.get("/plan?n=30&whole=true")
+
+        assert "The accuracy after calibration" in early.text
+        assert 'aria-busy="true"' in early.text
+        assert "/static/drawn.js" in early.text
+        assert "30 configurations promise a mean error of" in whole.text
+        assert "<svg" in whole.text
+        assert 'href="/plan?n=50"' in whole.text
+        assert "*30" in whole.text
+        assert "The star marks what is planned" in whole.text
+        assert "knee: ten more gain less than a tenth" in whole.text  # where it is not what is planned
+        assert again.text == whole.text
 
 
 async def test_the_page_speaks_french_where_it_is_asked_to(client):
-    text = (await client.get("/plan?language=fr&n=30")).text
+    text = (await client.get("/plan?language=fr&n=30&whole=true")).text
 
     assert '<html lang="fr">' in text
     assert "promettent une erreur moyenne" in text

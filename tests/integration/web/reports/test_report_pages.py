@@ -107,6 +107,19 @@ async def test_the_file_and_the_pdf_are_of_the_page(client, diagnosed):
     assert "<link" not in file.text
 
 
+async def test_a_pdf_is_printed_once_and_sent_once(client, diagnosed, worker):
+    address = f"/reports/diagnosis/{await diagnosed()}.pdf"
+
+    first = await client.get(address)
+    again = await client.get(address)
+    known = await client.get(address, headers={"If-None-Match": first.headers["ETag"]})
+
+    assert worker.drawn == 2  # the report, and its PDF
+    assert again.content == first.content
+    assert not first.headers["ETag"].startswith("W/")
+    assert (known.status_code, known.content) == (304, b"")
+
+
 @pytest.mark.parametrize("path", ["/diagnosis/99", "/nothing/1", "/diagnosis/x", "/validation/1?revision=7"])
 @pytest.mark.parametrize("form", ["", ".pdf"])
 async def test_what_there_is_not_is_said_on_a_page(client, path, form):

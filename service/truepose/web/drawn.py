@@ -1,0 +1,37 @@
+"""Parts of pages that take seconds to draw: drawn once, and the rest of a page is there at once."""
+
+import asyncio
+from typing import Annotated, Final
+
+from fastapi import Query
+from fastapi.responses import Response
+from markupsafe import Markup
+
+from truepose.analysis.kept import Draw
+from truepose.storage.drawn import drawn_of
+from truepose.web.files import sent
+from truepose.web.visiting.visits import Visit
+
+_AT_ONCE_S: Final = 0.3  # that a page waits for what is quick to draw
+Whole = Annotated[bool, Query(description="Answer once everything of the page is drawn.")]
+
+
+async def drawn_part(visit: Visit, of: str, draw: Draw, *, whole: bool) -> Markup | None:
+    """Return a part of a page; None while it is being drawn, unless the whole page was asked for.
+
+    `of` is all that the part follows from beside the language. Raises what `draw` raises.
+    """
+    drawing = visit.here.drawing_desk.kept.drawing(f"{visit.words.language}\n{of}", draw)
+    await asyncio.wait({drawing}, timeout=None if whole else _AT_ONCE_S)
+    return Markup(drawing.result().body.decode()) if drawing.done() else None
+
+
+async def printed(visit: Visit, page: str, name: str) -> Response:
+    """Return a page as a PDF of that name; raises what a worker may raise."""
+    from truepose.reports.paper import pdf_of
+
+    of = f"pdf {drawn_of(page.encode()).sha256}"
+    desk = visit.here.drawing_desk
+    drawn = await desk.kept.drawn(of, lambda: desk.draw(pdf_of, page))
+    named = {"Content-Disposition": f'inline; filename="{name}"'}
+    return sent(visit.request, drawn.body, "application/pdf", named)
