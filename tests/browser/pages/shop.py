@@ -11,7 +11,7 @@ from fastapi.responses import HTMLResponse
 
 from tests.helpers.web.routes import paths_answering, routes_alone
 from tests.integration.web.ballbar_bench import BALLBAR, WANTED
-from tests.integration.web.bench import CELL, Bench
+from tests.integration.web.bench import CELL, Bench, session_request
 from tests.integration.web.listening import listening
 from truepose.analysis.workers.uploads import Uploads
 from truepose.app import create_app
@@ -23,14 +23,23 @@ ROBOT = "ABB IRB 120"
 # What stands in a page's address beside the number of a record; where nothing does, the number is 1.
 PARTS = {
     "/errors/{code}": ["TP-1001"],
-    "/operator/{id}": ["3"],
+    "/operator/{id}": ["3", "4", "5"],  # by ballbar, by gauge, by tracker
     "/reports/{kind}/{id}": ["identification/1", "validation/1", "diagnosis/1"],
     "/robots/{name}": [quote(ROBOT)],
     "/sessions/{id}/result": ["2"],
 }
-# Pages of a person who has signed in, and of links that are given once: this shop knows nobody.
+# Pages of people and of links that are given once are in `house`: this shop knows nobody.
 OF_PEOPLE = {"/account", "/audit", "/people", "/not-yours", "/sign-in"}
 OF_LINKS = {"/first-person/{secret}", "/watch/{secret}", "/welcome/{secret}"}
+WIRE = {
+    "name": "one wire",
+    "targets": [{"kind": "wire", "place_mm": [600, -400, 0], "zero_mm": 600, "zero_is_certified": False}],
+    "nest": 2,
+    "stops": 6,
+    "stroke_mm": 400,
+    "margin_mm": 20,
+    "reading_u_mm": 0.02,
+}
 
 
 def pages():
@@ -57,7 +66,8 @@ def open_shop(folder):
     where = Settings(database_url=f"sqlite:///{file}", cell_file=folder / "cell.toml")
     application = create_app(where, Bench().registry(), here)
     with listening(application) as url, httpx.Client(base_url=url, timeout=60, trust_env=False) as client:
-        client.post("/api/v1/ballbar-sessions", json=WANTED).raise_for_status()
+        for kind, wanted in (("ballbar-", WANTED), ("contact-", WIRE), ("", session_request(12))):
+            client.post(f"/api/v1/{kind}sessions", json=wanted).raise_for_status()
         application.state.context.campaign_desk.uploads = Uploads(here)
         client.post("/api/v1/drafts", json={"example": True}).raise_for_status()
         sent = client.post("/api/v1/models/1/corrections", files={"file": ("targets.csv", TARGETS)})

@@ -24,6 +24,7 @@ from truepose.web.people.schemas import (
 from truepose.web.problems import problem_response, problems
 from truepose.web.requests.parameters import Id
 from truepose.web.resources import resource
+from truepose.web.results.states import state_words
 from truepose.web.visiting.visits import Visited
 
 router = resource(tags=["people"])
@@ -74,7 +75,7 @@ async def watch_page(visit: Visited, secret: str) -> HTMLResponse:
     if record is None:
         return visit.page("people/link_over.html", HTTPStatus.UNAUTHORIZED)
     session = await visit.here.sessions.get(record.document["session_id"])
-    return visit.page("people/watch.html", session=session)
+    return visit.page("people/watch.html", session=session, states=state_words(visit.words))
 
 
 @pages.get("/watch/{secret}/live", response_class=StreamingResponse)

@@ -23,23 +23,13 @@ from truepose.web.results.kinds import Choice, Origin, ResultKind
 from truepose.web.results.models import models_of
 from truepose.web.results.origins import origin_of, origins_of
 from truepose.web.results.registry import KINDS, kind_of
+from truepose.web.results.states import STATES, state_words
 from truepose.web.visiting.visits import Visited
 from truepose.words.catalogue import Catalogue
 
 router = APIRouter(prefix="/sessions", include_in_schema=False)
 _SHOWN: Final = 50
 _OFFERED: Final = 6  # to be planned as last time
-_STATES: Final = {
-    SessionState.PLANNED: "session.planned",
-    SessionState.RUNNING: "session.running",
-    SessionState.PAUSING: "session.pausing",
-    SessionState.PAUSED: "session.paused",
-    SessionState.AWAITING_CONFIRMATION: "session.awaiting_confirmation",
-    SessionState.ABORTING: "session.aborting",
-    SessionState.ABORTED: "session.aborted",
-    SessionState.FINISHED: "session.finished",
-    SessionState.FAILED: "session.failed",
-}
 _ROLES: Final = {
     "calibration": "session.calibration",
     "validation": "session.validation",
@@ -93,9 +83,12 @@ async def session_page(visit: Visited, id: str) -> Response:
     if record.role == "ballbar" and not has_ended(record.state):
         return RedirectResponse(f"/operator/{record.id}")
     trail = await trail_of(visit, WorkKind.SESSION, record.id)
-    states = {state.value: visit.words.say(key) for state, key in _STATES.items()}
     return visit.page(
-        "session_page.html", row=_row(origin), states=states, trail=trail, ended=has_ended(record.state)
+        "session_page.html",
+        row=_row(origin),
+        states=state_words(visit.words),
+        trail=trail,
+        ended=has_ended(record.state),
     )
 
 
@@ -143,7 +136,7 @@ async def _shown(here: Context, row: Row, choice: Choice, words: Catalogue) -> S
 def _row(origin: Origin) -> Row:
     kind, record = kind_of(origin), origin.record
     title = _ROLES[record.role] if kind is None else kind.title
-    return Row(origin, kind, title, _STATES[record.state], kind is not None and record.measured > 0)
+    return Row(origin, kind, title, STATES[record.state], kind is not None and record.measured > 0)
 
 
 async def _origin(here: Context, id: str) -> Origin | None:

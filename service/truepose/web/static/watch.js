@@ -9,6 +9,7 @@ const OVER = 401;
 const at = Object.fromEntries([...document.querySelectorAll("[id]")].map((node) => [node.id, node]));
 const words = document.body.dataset;
 const units = new Units();
+const states = JSON.parse(words.states);
 let heard_ms = performance.now();
 let [attempt, began_ms] = [null, 0];
 
@@ -25,7 +26,7 @@ function sample({ length_mm, distance_mm, state }) {
 }
 
 function situation({ question, reason, state, progress, step }) {
-  write(at.doing, question ?? reason);
+  write(at.doing, question || reason || states[state]);
   const names = step?.points?.join("  ") ?? "";
   write(at.state, names);
   const done = progress?.readings ?? progress?.done;
