@@ -14,13 +14,13 @@ from starlette.exceptions import HTTPException
 
 from truepose.web.again import page as again_page
 from truepose.web.calibration import bring_pages, correction_pages
-from truepose.web.files import sent
 from truepose.web.places import cell_page, error_pages, fault_pages, robot_pages, work_page
 from truepose.web.records import campaign_page, diagnosis_pages, job_page, plan_page, result_pages
 from truepose.web.reports import checklists, closing_pages
 from truepose.web.reports import pages as report_pages
 from truepose.web.results import pages as session_pages
 from truepose.web.visiting import packages
+from truepose.web.visiting.files import sent
 from truepose.web.visiting.visits import Visited
 
 router = APIRouter(include_in_schema=False)

@@ -102,7 +102,7 @@ def test_a_tablet_hears_what_the_service_keeps_as_its_pages_do(chromium, shop, l
       const stored = await Stored.load(language);
       return texts.map((text) => stored.pieces(text).map((piece) => [piece.text, piece.lang]));
     }"""
-    with opened(chromium, shop, "/errors") as (page, _):
+    with opened(chromium, shop, shop + "/errors") as (page, _):
         heard = page.evaluate(hear, [language, list(KEPT)])
 
     for text, pieces in zip(KEPT, heard, strict=True):

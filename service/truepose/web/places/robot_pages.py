@@ -19,9 +19,9 @@ from truepose.domain.errors import TrueposeError
 from truepose.domain.results import Model
 from truepose.storage.records import DiagnosisRecord
 from truepose.web.context import Context
-from truepose.web.drawn import Whole, drawn_part
-from truepose.web.visiting.rendering import rendered
 from truepose.web.schemas.base import NUMBER_LIMIT
+from truepose.web.visiting.drawn import Whole, drawn_part
+from truepose.web.visiting.rendering import rendered
 from truepose.web.visiting.visits import Visit, Visited
 
 if TYPE_CHECKING:
@@ -88,7 +88,7 @@ async def _told(
     visit: Visit, records: Sequence[DiagnosisRecord], causes: tuple[CauseOverTime, ...], pair: Pair | None
 ) -> str:
     content, why = await _content(visit, records, causes, pair)
-    return rendered("robot_told.html", content=content, why=why, say=visit.words.say)
+    return rendered("robot_told.html", content=content, why=why, words=visit.words, say=visit.words.say)
 
 
 async def _content(

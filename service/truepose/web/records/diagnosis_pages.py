@@ -17,9 +17,9 @@ from truepose.storage.errors import NotFoundError
 from truepose.storage.records import CampaignRecord, DiagnosisRecord, SessionRecord
 from truepose.storage.work.items import WorkKind
 from truepose.web.context import Context
-from truepose.web.drawn import Whole, drawn_part
 from truepose.web.records.trail import missing, trail_of
 from truepose.web.requests.parameters import number_of
+from truepose.web.visiting.drawn import Whole, drawn_part
 from truepose.web.visiting.moments import moment
 from truepose.web.visiting.visits import Visited
 from truepose.words.catalogue import IN_ENGLISH, Catalogue

@@ -10,8 +10,8 @@ from fastapi.responses import HTMLResponse
 from markupsafe import Markup
 
 from truepose.storage.documents import to_document
-from truepose.web.drawn import Whole, drawn_part
 from truepose.web.measurement.promises import Number, minutes_for
+from truepose.web.visiting.drawn import Whole, drawn_part
 from truepose.web.visiting.rendering import rendered
 from truepose.web.visiting.visits import Visited
 from truepose.words.catalogue import Catalogue
@@ -48,7 +48,7 @@ async def plan_page(visit: Visited, n: Number = None, whole: Whole = False) -> H
 
 def _told(promised: "Promised", words: Catalogue) -> str:
     shown = _shown(promised, words)
-    return rendered("plan_told.html", shown=shown, say=words.say)
+    return rendered("plan_told.html", shown=shown, words=words, say=words.say)
 
 
 def _shown(promised: "Promised", words: Catalogue) -> Shown:

@@ -14,11 +14,11 @@ from truepose.exchange.exports.formats import FORMATS, Format, export
 from truepose.storage.errors import NotFoundError
 from truepose.storage.records import IdentificationRecord, ModelRecord, ValidationRecord
 from truepose.storage.work.items import WorkKind
-from truepose.web.drawn import Whole, drawn_part
 from truepose.web.records.trail import missing, trail_of
 from truepose.web.reports.making import drawn_as_report
 from truepose.web.reports.registry import KINDS
 from truepose.web.requests.parameters import number_of
+from truepose.web.visiting.drawn import Whole, drawn_part
 from truepose.web.visiting.rendering import rendered
 from truepose.web.visiting.visits import Visit, Visited
 from truepose.words.catalogue import Catalogue
@@ -89,7 +89,7 @@ class ShownModel:
 
 def _told(record: ModelRecord, words: Catalogue) -> str:
     shown = _model(record, words)
-    return rendered("model_told.html", record=record, shown=shown, say=words.say)
+    return rendered("model_told.html", record=record, shown=shown, words=words, say=words.say)
 
 
 def _model(record: ModelRecord, words: Catalogue) -> ShownModel:

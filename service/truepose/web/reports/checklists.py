@@ -12,8 +12,8 @@ from truepose.domain.cell import Cell
 from truepose.domain.contacts import ContactPlan
 from truepose.domain.session import SessionPlan
 from truepose.web.context import Context
-from truepose.web.drawn import printed
 from truepose.web.requests.parameters import Id
+from truepose.web.visiting.drawn import printed
 from truepose.web.visiting.visits import Visited
 from truepose.words.catalogue import Catalogue
 

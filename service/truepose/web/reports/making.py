@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 from truepose.storage.calibration.reports import ReportRecord, ReportSubject
 from truepose.storage.errors import NotFoundError
 from truepose.web.context import Context
-from truepose.web.drawn import drawn_part
 from truepose.web.reports.kinds import Drawable, ReportKind
 from truepose.web.results.kinds import Choice
+from truepose.web.visiting.drawn import drawn_part
 from truepose.web.visiting.moments import moment
 from truepose.web.visiting.visits import Visit
 from truepose.words.catalogue import IN_ENGLISH, Catalogue

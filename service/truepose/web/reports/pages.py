@@ -13,7 +13,6 @@ from truepose.domain.errors import TrueposeError
 from truepose.storage.calibration.reports import ReportRecord, ReportSubject
 from truepose.storage.errors import NotFoundError
 from truepose.web.context import Context
-from truepose.web.drawn import printed
 from truepose.web.problems import status_of
 from truepose.web.reports.kinds import ReportRow
 from truepose.web.reports.making import report_of
@@ -25,6 +24,7 @@ from truepose.web.results.kinds import Choice
 from truepose.web.results.origins import origin_of
 from truepose.web.results.registry import kind_of
 from truepose.web.schemas.base import NUMBER_LIMIT
+from truepose.web.visiting.drawn import printed
 from truepose.web.visiting.visits import Visit, Visited
 from truepose.words.catalogue import Catalogue
 

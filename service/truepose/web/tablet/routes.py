@@ -14,7 +14,7 @@ from starlette.exceptions import HTTPException
 
 from truepose.storage.errors import NotFoundError
 from truepose.web.context import Context
-from truepose.web.files import sent
+from truepose.web.visiting.files import sent
 from truepose.web.visiting.visits import Visited
 from truepose.words.catalogue import LANGUAGES, STORED, TABLET, TRACKER_TABLET, texts_file
 

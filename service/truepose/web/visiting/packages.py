@@ -8,7 +8,7 @@ from fastapi import APIRouter, Request
 from fastapi.responses import Response
 from starlette.exceptions import HTTPException
 
-from truepose.web.files import sent
+from truepose.web.visiting.files import sent
 
 router = APIRouter(include_in_schema=False)
 _SCRIPT: Final = "text/javascript"

@@ -9,7 +9,7 @@ from markupsafe import Markup
 
 from truepose.analysis.kept import Draw
 from truepose.storage.drawn import drawn_of
-from truepose.web.files import sent
+from truepose.web.visiting.files import sent
 from truepose.web.visiting.visits import Visit
 
 _AT_ONCE_S: Final = 0.3  # that a page waits for what is quick to draw
@@ -19,9 +19,9 @@ Whole = Annotated[bool, Query(description="Answer once everything of the page is
 async def drawn_part(visit: Visit, of: str, draw: Draw, *, whole: bool) -> Markup | None:
     """Return a part of a page; None while it is being drawn, unless the whole page was asked for.
 
-    `of` is all that the part follows from beside the language. Raises what `draw` raises.
+    `of` is all that the part follows from beside language and units. Raises what `draw` raises.
     """
-    drawing = visit.here.drawing_desk.kept.drawing(f"{visit.words.language}\n{of}", draw)
+    drawing = visit.here.drawing_desk.kept.drawing(f"{visit.words.tag}\n{of}", draw)
     await asyncio.wait({drawing}, timeout=None if whole else _AT_ONCE_S)
     return Markup(drawing.result().body.decode()) if drawing.done() else None
 
