@@ -8,6 +8,7 @@ import pytest
 from tests.helpers.web.clients import served
 from tests.integration.web.ballbar_bench import BALLBAR, SESSIONS, WANTED
 from tests.integration.web.bench import CELL, session_request
+from tests.integration.web.measurement.test_contact_sessions import WIRE
 
 
 @pytest.fixture
@@ -58,6 +59,29 @@ async def test_a_ballbar_session_keeps_its_placements_and_legs(client, until):
 
     steps = [(await client.get(f"{SESSIONS}/{number}/steps")).json()["steps"] for number in (first, second)]
     assert steps[0] == steps[1]
+
+
+async def test_a_session_of_closed_loops_keeps_its_targets_and_stops(client, until):
+    first = await planned(client, "/api/v1/contact-sessions", WIRE)
+
+    second = await again(client, until, first)
+
+    plans = [
+        (await client.get(f"/api/v1/contact-sessions/{number}/plan")).json() for number in (first, second)
+    ]
+    assert plans[0] == plans[1]
+    assert (await client.get(f"/sessions/{second}/again")).status_code == 200
+
+
+async def test_as_many_stops_are_chosen_anew_where_they_belong_to_no_test(client, until):
+    first = await planned(client, "/api/v1/sessions", session_request(n=3))
+
+    second = await again(client, until, first, poses="anew")
+
+    stops = [(await client.get(f"/api/v1/sessions/{n}/plan")).json()["stops"] for n in (first, second)]
+    chosen = [stop for stop in stops[1] if stop["repeat_of"] is None]
+    assert len(chosen) == 3
+    assert all(stop["joints_deg"] not in [one["joints_deg"] for one in stops[0]] for stop in chosen)
 
 
 async def test_a_test_stays_the_test_it_was(client, until):
