@@ -239,7 +239,7 @@ def _dependence(number: int, dependence: Dependence, words: Catalogue) -> Depend
     if dependence.curve is None:
         return DependenceBlock(dependence, name, None)
     curve = residual_curve(dependence.curve, f"left-{number}", of_cause=False, words=words)
-    return DependenceBlock(dependence, name, curve, curve_sentence(dependence.curve))
+    return DependenceBlock(dependence, name, curve, curve_sentence(dependence.curve, words))
 
 
 def _proposal(measurement: NextMeasurement, words: Catalogue) -> Proposal:

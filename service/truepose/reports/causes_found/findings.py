@@ -73,7 +73,7 @@ def _block(number: int, finding: Finding, diagnosis: Diagnosis, words: Catalogue
         confidence_word=confidence_word(finding.confidence, words),
         confidence=confidence_meaning(finding, words),
         curve=_curve(number, finding, words),
-        curve_seen="" if finding.curve is None else curve_sentence(finding.curve),
+        curve_seen="" if finding.curve is None else curve_sentence(finding.curve, words),
         spectrum=_spectrum(number, finding, words),
         spectrum_seen="" if finding.spectrum is None else spectrum_sentence(finding.spectrum),
         alternatives=alternatives(finding, diagnosis, words),

@@ -33,7 +33,7 @@ def figure_bars(named: Sequence[tuple[str, Figure]], limit_mm: float | None, wor
     longest = max([abs(one.value) + 2.0 * one.standard_uncertainty for _, one in named] + [limit_mm or 0.0])
     scale = _WIDTH / (longest or 1.0)
     ranked = sorted(named, key=lambda one: abs(one[1].value), reverse=True)
-    bars = [_bar(name, one, _TOP + _ROW * row, scale) for row, (name, one) in enumerate(ranked)]
+    bars = [_bar(name, one, _TOP + _ROW * row, scale, words) for row, (name, one) in enumerate(ranked)]
     return rendered(
         "figure_bars.html",
         bars=bars,
@@ -45,7 +45,8 @@ def figure_bars(named: Sequence[tuple[str, Figure]], limit_mm: float | None, wor
     )
 
 
-def _bar(name: str, figure: Figure, y: int, scale: float) -> FigureBar:
+def _bar(name: str, figure: Figure, y: int, scale: float, words: Catalogue) -> FigureBar:
     size, u = abs(figure.value), figure.standard_uncertainty
     ends = (max(size - 2.0 * u, 0.0) * scale, (size + 2.0 * u) * scale)
-    return FigureBar(name, y, size * scale, *ends, rounded(size, 2.0 * u))
+    text = words.units.quantity(rounded(size, 2.0 * u, "mm"), "mm")
+    return FigureBar(name, y, size * scale, *ends, text)

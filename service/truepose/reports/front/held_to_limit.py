@@ -14,7 +14,7 @@ from truepose.reports.circles.sentences import withheld_sentences
 from truepose.reports.front.figure_bars import figure_bars
 from truepose.reports.front.kinds import DECIDED, applied_rule
 from truepose.reports.front.page import Front, OneFigure, graded
-from truepose.reports.rounding import rounded, uncertainty
+from truepose.reports.rounding import rounded, uncertainty_mm
 from truepose.reports.spheres.sentences import model_name
 from truepose.words.catalogue import Catalogue
 
@@ -118,20 +118,20 @@ def _verdict(tested: _Tested, decision: Decision | None) -> tuple[str, bool | No
 def _sentence(tested: _Tested, decision: Decision | None, name: str, worst: Figure | None) -> Text:
     if worst is None:
         return tested.lacks
-    size = rounded(abs(worst.value), worst.standard_uncertainty)
-    largest = said(tested.of.largest, value=size, u=uncertainty(worst.standard_uncertainty), where=name)
+    size = rounded(abs(worst.value), worst.standard_uncertainty, "mm")
+    largest = said(tested.of.largest, value=size, u=uncertainty_mm(worst.standard_uncertainty), where=name)
     return together(largest, "" if decision is None else _judged(decision), tested.lacks)
 
 
 def _judged(decision: Decision) -> Text:
-    return said("front.guard", guard=uncertainty(decision.guard_mm)) if decision.guard_mm else ""
+    return said("front.guard", guard=uncertainty_mm(decision.guard_mm)) if decision.guard_mm else ""
 
 
 def _figure(tested: _Tested, name: str, worst: Figure, words: Catalogue) -> OneFigure:
     expanded = 2.0 * worst.standard_uncertainty
-    value = rounded(abs(worst.value), expanded)
+    value = rounded(abs(worst.value), expanded, "mm")
     return OneFigure(
         words.say(tested.of.name),
-        f"{value} mm",
-        words.say("front.at_with", where=name, u=uncertainty(expanded)),
+        words.units.quantity(value, "mm"),
+        words.say("front.at_with", where=name, u=uncertainty_mm(expanded)),
     )

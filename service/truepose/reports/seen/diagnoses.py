@@ -33,7 +33,7 @@ def map_sentence(found: CauseMap) -> Text:
     return said(key, percent=100.0 * most.share, where=most.where, over=most.over, others=others)
 
 
-def curve_sentence(curve: Curve) -> Text:
+def curve_sentence(curve: Curve, words: Catalogue) -> Text:
     """Return how far the line goes, and what it explains: of readings that were never fitted where there are.
 
     The chance is that of an F test with two degrees of freedom, as in `seen.joints`.
@@ -48,11 +48,10 @@ def curve_sentence(curve: Curve) -> Text:
     left = _share_left(curve, points, known)
     if left >= 1.0 or left ** (n / 2.0) > _CHANCE:
         return said("seen.curve.nothing")
-    travel = float(np.ptp(curve.line))
+    travel, unit = float(np.ptp(curve.line)), printed_unit(curve.quantity_unit)
     return said(
         "seen.curve.follows" if unseen is None else "seen.curve.follows_unseen",
-        travel=rounded(travel, travel / 10.0),
-        unit=printed_unit(curve.quantity_unit),
+        travel=words.units.quantity(rounded(travel, travel / 10.0, unit), unit),
         percent=100.0 * (1.0 - left),
         readings=n,
     )
@@ -74,7 +73,9 @@ def spectrum_sentence(spectrum: Spectrum) -> Text:
     at = int(np.argmax(np.where(seen, spectrum.amplitude_deg, 0.0)))
     others = int(seen.sum()) - 1
     key = "seen.spectrum.several" if others else "seen.spectrum.one"
-    amplitude = rounded(float(spectrum.amplitude_deg[at]), float(spectrum.standard_uncertainty_deg[at]))
+    amplitude = rounded(
+        float(spectrum.amplitude_deg[at]), float(spectrum.standard_uncertainty_deg[at]), "deg"
+    )
     return said(key, order=float(spectrum.order[at]), amplitude=amplitude, others=others)
 
 

@@ -28,6 +28,7 @@ from truepose.reports.seen.errors import distances_sentence
 from truepose.reports.seen.judged import seen_by
 from truepose.reports.traced import Traced, traced_context, with_temperature
 from truepose.reports.turns import turns_rows
+from truepose.reports.uncertainty.deciding import deciding_budget
 from truepose.reports.validation.pose_test_rows import (
     drift_sentences,
     pose_test_cards,
@@ -116,6 +117,7 @@ def _context(report: ValidationInput) -> dict[str, object]:
         "conditions": conditions,
         "condition_rows": stated_conditions(test, conditions, words),
         **observability_context(report.model.parameters, (), words),
+        "deciding": deciding_budget(shown, report.model, found.decision, conditions),
     }
 
 

@@ -11,6 +11,10 @@ from tests.helpers.identification.synthetic import NESTS, configurations
 from truepose.domain.campaign import PointReadings, Stops
 from truepose.domain.results import NestCentre
 from truepose.domain.robot import FramePlacement
+from truepose.identification import judge
+from truepose.judgement.deciding import deciding_reading
+from truepose.judgement.decision import decide
+from truepose.judgement.uncertainty import known
 from truepose.judgement.validation import validate
 from truepose.kinematics.chain import nominal_chain
 
@@ -94,3 +98,38 @@ def test_only_the_uncertainty_along_the_error_counts():
     found = validate(_MODEL, points, limit_mm=0.21).decision
 
     assert (found.verdict, found.guard_mm) == ("conforms", pytest.approx(1.65e-3, rel=1e-6))
+
+
+def deciding(errors_mm, u_mm, error_mm=None, **known_as):
+    judged = judge(_MODEL, readings(np.array(errors_mm), np.array(u_mm)), 0.0)
+    return deciding_reading(judged, replace(known(_MODEL, judged), **known_as), error_mm)
+
+
+def test_the_reading_that_decides_has_the_uncertainty_of_its_guard_band():
+    errors, u = (0.05, 0.2, 0.19), (0.01, 0.01, 0.03)
+    judged = judge(_MODEL, readings(np.array(errors), np.array(u)), 0.0)
+    found = decide(judged, known(_MODEL, judged), 0.2, "guard band")
+
+    reading = deciding(errors, u, found.error_mm)
+
+    assert reading.config == 2  # the less known one, though its error is not the largest
+    assert 1.65 * reading.combined_u_mm == pytest.approx(found.guard_mm)
+    assert deciding(errors, u).config == 1
+
+
+def test_what_the_placement_adds_is_told_apart_from_the_reading():
+    motion = np.zeros((1, 3, 3))
+    motion[0, :, 0] = 1.0  # all places move along x
+
+    reading = deciding((0.05, 0.2, 0.1), (0.01,) * 3, motion=motion, placement=np.array([[0.0009]]))
+
+    assert reading.reading_u_mm == pytest.approx(0.01)
+    assert reading.placement_u_mm == pytest.approx(0.03)
+    assert reading.combined_u_mm == pytest.approx(np.hypot(0.01, 0.03))
+
+
+def test_of_no_error_the_uncertainty_is_along_the_worst_way():
+    reading = deciding((0.0,) * 3, (0.01,) * 3)
+
+    assert reading.error_mm == pytest.approx(0.0, abs=1e-9)
+    assert reading.combined_u_mm == pytest.approx(0.01)

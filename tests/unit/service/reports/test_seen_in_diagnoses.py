@@ -48,15 +48,15 @@ def curve(n, planted, *, unseen=None, seed=3):
 
 
 def test_readings_on_the_line_are_told_with_what_it_takes_off():
-    text = english(curve_sentence(curve(200, 1.0)))
+    text = english(curve_sentence(curve(200, 1.0), IN_ENGLISH))
 
     assert "it goes 0.0600 deg from lowest to highest" in text
     assert int(text.split("takes ")[1].split(" %")[0]) == pytest.approx(82, abs=4)  # 4.5 / 5.5
 
 
 def test_noise_beside_the_line_is_nothing():
-    assert leading_key(curve_sentence(curve(200, 0.0))) == "seen.curve.nothing"
-    assert leading_key(curve_sentence(curve(8, 1.0))) == "seen.curve.few"
+    assert leading_key(curve_sentence(curve(200, 0.0), IN_ENGLISH)) == "seen.curve.nothing"
+    assert leading_key(curve_sentence(curve(8, 1.0), IN_ENGLISH)) == "seen.curve.few"
 
 
 def test_readings_that_were_never_fitted_are_asked_first():
@@ -64,7 +64,7 @@ def test_readings_that_were_never_fitted_are_asked_first():
     follows, other = curve(100, 1.0, seed=4), curve(100, 0.0, seed=5)
     unseen = [CurvePoints(one.x, one.residual, one.standard_uncertainty) for one in (follows, other)]
 
-    told = [leading_key(curve_sentence(replace(own, unseen=points))) for points in unseen]
+    told = [leading_key(curve_sentence(replace(own, unseen=points), IN_ENGLISH)) for points in unseen]
 
     assert told == ["seen.curve.follows_unseen", "seen.curve.nothing"]
 

@@ -14,6 +14,7 @@ from truepose.domain.campaign import PointReadings, Stops
 from truepose.domain.results import NestCentre
 from truepose.domain.robot import FramePlacement
 from truepose.exchange.results.iso9283 import accuracy_document, pose_test_document
+from truepose.identification import judge
 from truepose.identification.model.zone import measured_zone
 from truepose.judgement.iso9283.judged import pose_test
 from truepose.judgement.iso9283.plan import Cube, plan_poses
@@ -24,6 +25,7 @@ from truepose.reports.audit import Audit
 from truepose.reports.conditions import Instrument
 from truepose.reports.rounding import millimetres, rounded, uncertainty
 from truepose.reports.terminal.validation import pose_test_summary, validation_summary
+from truepose.reports.uncertainty.deciding import deciding_budget
 from truepose.reports.validation.pose_test_rows import pose_test_rows
 from truepose.reports.validation.report import validation_content
 
@@ -248,3 +250,36 @@ def test_a_test_of_drift_is_drawn_with_what_its_hours_tell(tmp_path, hours, said
     assert f"one pose, {20 * hours + 10} visits in {2 * hours + 1} groups" in text
     document = pose_test_document(test)["drift"]
     assert (len(document["curve"]), document["settled"]) == (2 * hours + 1, not withheld)
+
+
+def budget_of(points, **how):
+    found = validate(_MODEL, points, **how)
+    judged = judge(_MODEL, points, _MODEL.repeatability_mm)
+    return found, deciding_budget(judged, _MODEL, found.decision, ReportConditions())
+
+
+def test_the_budget_of_a_decision_is_what_its_guard_band_is_made_of(points):
+    found, budget = budget_of(points, limit_mm=0.2)
+
+    assert budget.guard_mm == found.decision.guard_mm == pytest.approx(1.65 * budget.combined_mm)
+    assert sum(part.share or 0.0 for part in budget.parts) == pytest.approx(1.0)
+    assert [part.u_mm is None for part in budget.parts] == [False, False, True, True, True]
+
+
+def test_without_a_limit_the_budget_is_of_the_largest_error_and_has_no_guard_band(points):
+    found, budget = budget_of(points)
+
+    assert budget.guard_mm is None
+    assert budget.combined_mm == pytest.approx(found.uncertainty.position.identified.max_mm, abs=1e-8)
+    assert budget_of(points, limit_mm=0.2, rule="simple")[1].guard_mm is None
+
+
+def test_the_budget_of_the_decision_is_printed(tmp_path, points):
+    found, budget = budget_of(points, limit_mm=0.2)
+    path = tmp_path / "report.html"
+    write_validation_report(path, ValidationInput(found, _MODEL, points))
+
+    text = Page(path.read_text(encoding="utf-8")).text
+
+    assert "Uncertainty behind the decision" in text
+    assert uncertainty(budget.guard_mm) in text
