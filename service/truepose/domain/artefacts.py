@@ -1,6 +1,14 @@
 """Artefacts with their paper: what is certified, by whom, until when; and what a ballbar comes with."""
 
 from dataclasses import dataclass, field
+from typing import Final
+
+REFERENCE_C: Final = 20.0  # at which lengths are certified, ISO 1
+
+
+def length_at(length_mm: float, expansion_per_k: float, celsius: float) -> float:
+    """Return the length of an artefact at a temperature [mm], from its length at 20 °C."""
+    return length_mm * (1.0 + expansion_per_k * (celsius - REFERENCE_C))
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,6 +29,7 @@ class Bars:
     calibrator_mm: float  # length of the calibrator at 20 degrees
     calibrator_u_mm: float
     bars_mm: tuple[float, ...]  # what the person screws on
+    expansion_per_k: float | None = None  # of the calibrator; None: nobody said it
 
 
 @dataclass(frozen=True, slots=True)

@@ -53,6 +53,7 @@ class Conditions:
     load: str = ""
     warm_up: str = ""
     notes: tuple[str, ...] = ()
+    part_temperature_c: float | None = None  # of arm and artefact, where somebody measured it
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,6 +63,7 @@ class CertifiedLength:
     fixed_nests: tuple[int, int]  # 1-based
     length_mm: float
     standard_uncertainty_mm: float
+    expansion_per_k: float | None = None  # of what holds the nests; None: nobody said it
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,6 +11,7 @@ import numpy as np
 from truepose.domain.campaign import Stops
 from truepose.domain.cell import Artefact
 from truepose.domain.sentences import Sentence, Text, said
+from truepose.reports.certified_lengths import LengthOfDay, length_sentence
 from truepose.words.catalogue import IN_ENGLISH, Catalogue
 
 NOT_STATED = "not_stated"  # a key of the catalogue
@@ -66,6 +67,9 @@ class ReportConditions:
     settle_s: float | None = None
     measure_s: float | None = None
     temperature_c: tuple[float, float] | None = None  # lowest, highest of the air; None: from the readings
+    instrument_temperature_c: tuple[float, float] | None = None  # at the ballbar
+    part_temperature_c: float | None = None  # of arm and artefact
+    lengths: tuple[LengthOfDay, ...] = ()  # certified, as they were then
     sessions: tuple[Period, ...] = ()
     two_face_mm: float | None = None  # half the difference between the faces
     registration_rms_mm: float | None = None
@@ -98,11 +102,22 @@ def condition_rows(conditions: ReportConditions, words: Catalogue = IN_ENGLISH) 
     yield say("conditions.orientation_speed"), _quantity(conditions.orientation_speed_rad_s, "rad/s", words)
     yield say("conditions.settling"), _quantity(conditions.settle_s, "s", words)
     yield say("conditions.duration"), _quantity(conditions.measure_s, "s", words)
-    yield say("conditions.temperature"), _range(conditions.temperature_c, words)
+    yield from _warmth(conditions, words)
     yield say("conditions.two_face"), _quantity(conditions.two_face_mm, "mm", words)
     yield say("conditions.registration"), _quantity(conditions.registration_rms_mm, "mm", words)
     yield say("conditions.scale"), words.spoken(scale_sentence(conditions))
     yield say("conditions.person"), conditions.person or unstated
+
+
+def _warmth(conditions: ReportConditions, words: Catalogue) -> Iterator[tuple[str, str]]:
+    """Yield temperatures, and what certified lengths were then."""
+    yield words.say("conditions.temperature"), _range(conditions.temperature_c, words)
+    if conditions.instrument_temperature_c is not None:
+        at_bar = _range(conditions.instrument_temperature_c, words)
+        yield words.say("conditions.temperature.ballbar"), at_bar
+    yield words.say("conditions.temperature.part"), _quantity(conditions.part_temperature_c, "°C", words)
+    for length in conditions.lengths:
+        yield words.say("lengths.of", what=length.of), words.spoken(length_sentence(length))
 
 
 def scale_sentence(conditions: ReportConditions) -> Sentence:

@@ -204,7 +204,7 @@ def _named_campaign(model: Model | None) -> str:
 def _stated(conditions: ReportConditions, words: Catalogue) -> Iterator[tuple[str, str]]:
     """Yield what somebody stated: a diagnosis rests on the readings, and what nobody said has no row here."""
     silent = dict(condition_rows(ReportConditions(), words))
-    return ((name, text) for name, text in condition_rows(conditions, words) if text != silent[name])
+    return ((name, text) for name, text in condition_rows(conditions, words) if text != silent.get(name))
 
 
 def _errors(diagnosis: Diagnosis, words: Catalogue) -> dict[str, object]:

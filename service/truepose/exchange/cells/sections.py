@@ -79,6 +79,8 @@ def _defaulted(default: object, forms: Mapping[str, Form]) -> list[Key]:
 
 
 _LENGTH: Final = number(above=0.0)
+_CELSIUS: Final = number(least=-50.0)
+_EXPANSION: Final = Key("expansion_per_k", "expansion_per_k", number(above=-1e-4), absent=None)
 _PAPER: Final = _defaulted(
     Artefact(""),
     {"name": TEXT, "serial_number": TEXT, "certificate": TEXT, "certificate_expires": Form(_read_date)},
@@ -86,13 +88,17 @@ _PAPER: Final = _defaulted(
 ARTEFACT: Final = _sealed(Artefact, _PAPER)
 TOOL: Final = _sealed(Artefact, _PAPER, extra={"mass_kg", "cog_mm"})
 CONDITIONS: Final = _sealed(
-    Conditions, _defaulted(Conditions(), {"load": TEXT, "warm_up": TEXT, "notes": each(TEXT)})
+    Conditions,
+    _defaulted(
+        Conditions(), {"load": TEXT, "warm_up": TEXT, "notes": each(TEXT), "part_temperature_c": _CELSIUS}
+    ),
 )
 _BARS: Final = _sealed(
     Bars,
     [
         *(Key(name, name, _LENGTH) for name in ("nominal_mm", "calibrator_mm", "calibrator_u_mm")),
         Key("bars_mm", "bars_mm", each(_LENGTH), absent=()),
+        _EXPANSION,
     ],
 )
 _KIT_LENGTHS: Final = ("range_mm", "reading_u_mm", "uncertified_u_mm", "zero_u_mm", "setup_u_mm")
@@ -129,6 +135,7 @@ def certified_length(n_fixed_nests: int) -> Form:
         Key("fixed_nests", "fixed_nests", Form(pair)),
         Key("length_mm", "length_mm", _LENGTH),
         Key("u_mm", "standard_uncertainty_mm", _LENGTH),
+        _EXPANSION,
     ]
     return _sealed(CertifiedLength, keys)
 

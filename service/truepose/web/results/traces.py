@@ -9,10 +9,11 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from pydantic import BaseModel
 
-from truepose.domain.artefacts import Artefact
+from truepose.domain.artefacts import Artefact, BallbarKit
 from truepose.domain.ballbar import BallbarPlan
 from truepose.domain.cell import Cell
 from truepose.domain.identities import IdentityTaken
+from truepose.domain.sentences import said
 from truepose.domain.session import SessionPlan, SessionState
 from truepose.exchange.models.file import model_text
 from truepose.storage.records import ModelRecord, SessionSetup, StateChange
@@ -23,6 +24,7 @@ from truepose.words.catalogue import Catalogue
 
 if TYPE_CHECKING:
     from truepose.reports.audit import Audit
+    from truepose.reports.certified_lengths import LengthOfDay
     from truepose.reports.conditions import Instrument, ReportConditions
     from truepose.reports.traced import Traced
 
@@ -89,6 +91,7 @@ async def session_conditions(here: Context, origin: Origin, words: Catalogue) ->
         load=cell.conditions.load,
         warm_up=cell.conditions.warm_up,
         temperature_c=await _temperatures(here, number),
+        part_temperature_c=cell.conditions.part_temperature_c,
         sessions=(Period(origin.record.name, _began(states), moment(origin.record.state_since)),),
         two_face_mm=None if registration is None else registration.two_face_mm,
         registration_rms_mm=None if registration is None else registration.rms_mm,
@@ -96,7 +99,34 @@ async def session_conditions(here: Context, origin: Origin, words: Catalogue) ->
         scale_standard_uncertainty=None if registration is None else registration.scale_standard_uncertainty,
         notes=tuple(await here.sessions.notes(number)),
     )
-    return await _with_plan(here, origin, stated, words)
+    return await _with_plan(here, origin, replace(stated, **await _lengths(here, origin, stated)), words)
+
+
+async def _lengths(here: Context, origin: Origin, stated: "ReportConditions") -> dict[str, Any]:
+    """Return what certified lengths the session rests on, and at which temperatures they were used."""
+    cell = (await here.sessions.setup(origin.record.id)).cell
+    if origin.record.role != "ballbar":
+        return {"lengths": tuple(_between_nests(cell, stated.temperature_c))}
+    at_bar = await _temperatures_at_bar(here, origin.record.id)
+    return {"instrument_temperature_c": at_bar, "lengths": tuple(_calibrators(cell, at_bar))}
+
+
+def _between_nests(cell: Cell, warmth: tuple[float, float] | None) -> "Iterator[LengthOfDay]":
+    from truepose.reports.certified_lengths import LengthOfDay
+
+    for one in cell.certified_lengths:
+        first, second = one.fixed_nests
+        between = said("lengths.between_nests", first=first, second=second)
+        yield LengthOfDay(between, one.length_mm, one.standard_uncertainty_mm, one.expansion_per_k, warmth)
+
+
+def _calibrators(cell: Cell, warmth: tuple[float, float] | None) -> "Iterator[LengthOfDay]":
+    from truepose.reports.certified_lengths import LengthOfDay
+
+    kit = cell.ballbar or BallbarKit()
+    for bars in dict.fromkeys((kit.tool_bars, kit.base_bars)):
+        of = said("lengths.calibrator", name=kit.calibrator.name, nominal_mm=bars.nominal_mm)
+        yield LengthOfDay(of, bars.calibrator_mm, bars.calibrator_u_mm, bars.expansion_per_k, warmth)
 
 
 async def _with_plan(
@@ -162,5 +192,12 @@ def _approach(offset_rad: float | None, words: Catalogue) -> str:
 
 async def _temperatures(here: Context, session_id: int) -> tuple[float, float] | None:
     taken = [point.temperature_c for point in await here.readings.points(session_id)]
+    known = [celsius for celsius in taken if np.isfinite(celsius)]
+    return (min(known), max(known)) if known else None
+
+
+async def _temperatures_at_bar(here: Context, session_id: int) -> tuple[float, float] | None:
+    lines = await here.session_desk.ledger.whole(session_id)
+    taken = [line.entry.length.temperature_c for line in lines if line.entry.length is not None]
     known = [celsius for celsius in taken if np.isfinite(celsius)]
     return (min(known), max(known)) if known else None

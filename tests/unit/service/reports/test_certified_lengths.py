@@ -1,0 +1,48 @@
+"""What a report says of certified lengths: at 20 °C, and at the temperature of the day where known."""
+
+from dataclasses import replace
+
+import pytest
+
+from truepose.domain.artefacts import length_at
+from truepose.reports.certified_lengths import LengthOfDay, length_sentence
+from truepose.reports.conditions import ReportConditions, condition_rows
+from truepose.words.catalogue import IN_ENGLISH
+
+STEEL = LengthOfDay("calibrator", 300.0012, 0.0004, 1.15e-5, (21.0, 23.0))
+
+
+def told(length):
+    return IN_ENGLISH.spoken(length_sentence(length))
+
+
+@pytest.mark.parametrize(("celsius", "length_mm"), [(20.0, 300.0), (22.0, 300.0069), (18.0, 299.9931)])
+def test_steel_grows_from_20_degrees_on(celsius, length_mm):
+    assert length_at(300.0, 1.15e-5, celsius) == pytest.approx(length_mm, abs=1e-9)
+
+
+def test_the_length_of_the_day_stands_beside_the_certified_one():
+    assert told(STEEL) == (
+        "300.00120 mm at 20 °C (u 0.00040 mm); at the 21.0 to 23.0 °C of the day 300.00465 to 300.01155 mm, "
+        "0.0104 mm from what the readings count, its length at 20 °C"
+    )
+
+
+def test_what_is_not_known_is_not_computed():
+    assert told(replace(STEEL, temperature_c=None)).endswith("no temperature was read while it was used")
+    assert told(replace(STEEL, expansion_per_k=None)).endswith("because its expansion is not stated")
+
+
+def test_conditions_state_temperatures_of_air_ballbar_and_part():
+    silent = dict(condition_rows(ReportConditions()))
+    stated = dict(
+        condition_rows(
+            ReportConditions(instrument_temperature_c=(21.0, 22.0), part_temperature_c=21.4, lengths=(STEEL,))
+        )
+    )
+
+    assert silent["Temperature of arm and artefact"] == "not stated"
+    assert "Temperature at the ballbar" not in silent
+    assert stated["Temperature of arm and artefact"] == "21.4 °C"
+    assert stated["Temperature at the ballbar"] == "21.0 to 22.0 °C"
+    assert stated["Certified length: calibrator"].startswith("300.00120 mm at 20 °C")
