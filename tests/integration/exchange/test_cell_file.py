@@ -362,6 +362,19 @@ def test_the_ballbar_of_the_example_is_read_whole(tmp_path):
     assert (kit.range_mm, kit.setup_u_mm) == (1.0, 0.01)
 
 
+def test_expansions_and_the_temperature_of_the_part_are_read_where_they_are_stated(tmp_path):
+    warm = REAL.replace("length_mm = 1000.003", "length_mm = 1000.003\nexpansion_per_k = 1.15e-5")
+    warm = warm.replace("calibrator_u_mm = 0.0004", "calibrator_u_mm = 0.0004\nexpansion_per_k = 0.0")
+    warm = warm.replace("[conditions]", "[conditions]\npart_temperature_c = 21.4")
+    stated, silent = read(tmp_path, warm), read(tmp_path, REAL)
+
+    assert stated.certified_lengths[0].expansion_per_k == 1.15e-5
+    assert stated.ballbar.base_bars.expansion_per_k == 0.0
+    assert stated.conditions.part_temperature_c == 21.4
+    assert silent.certified_lengths[0].expansion_per_k is None
+    assert silent.conditions.part_temperature_c is None
+
+
 def test_a_simulated_cell_has_a_ballbar_and_a_real_one_only_if_it_says_so(tmp_path):
     device = 'robot = "abb-irb-120"\n[[device]]\nname = "robot"\ndriver = "abb_open_abb"\nhost = "x"\n'
 

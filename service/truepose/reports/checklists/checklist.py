@@ -11,6 +11,7 @@ from truepose.domain.session import SessionPlan
 from truepose.planning.promise.plan import PromisedPlan
 
 _TRACKER: Final = ("check.tracker.warm", "check.tracker.nests", "check.tracker.reflector")
+_CAMERA: Final = ("check.camera.warm", "check.camera.artefact")
 _BALLBAR: Final = ("check.ballbar.calibrator", "check.ballbar.tool", "check.ballbar.ball")
 _CONTACTS: Final = ("check.contacts.targets", "check.contacts.zero")
 _ALWAYS: Final = ("check.clear", "check.stop")
@@ -49,7 +50,8 @@ def checklist_of(plan: PromisedPlan | SessionPlan | BallbarPlan | ContactPlan) -
     """Return what a plan asks for."""
     match plan:
         case SessionPlan():
-            return Checklist((*_TRACKER, *_ALWAYS), tuple(_of_session(plan)))
+            before = _CAMERA if plan.measures == "poses" else _TRACKER
+            return Checklist((*before, *_ALWAYS), tuple(_of_session(plan)))
         case BallbarPlan():
             return _of_ballbar(plan)
         case ContactPlan():

@@ -29,6 +29,7 @@ _BY_LEAST: Final[Mapping[Role | Anybody, str]] = {
         openapi get_metrics api_page cell_page work_page reports_page errors_page error_page
         robot_page campaign_page identification_page validation_page model_page job_page closing_page
         report_page report_pdf report_file checklist_view checklist_pdf get_session_space
+        plan_checklist_view plan_checklist_pdf
         sessions_page session_page result_page operator_page new_session_page again_page
         get_identification_space get_validation_space get_diagnosis_space
         corrections_page correction_page diagnoses_page diagnosis_page plan_page faults_page

@@ -1,4 +1,4 @@
-"""The checklist of a planned session, on the screen and to print."""
+"""The checklist of a session, or of what a plan promises before one: on the screen and to print."""
 
 import asyncio
 from typing import TYPE_CHECKING
@@ -11,10 +11,13 @@ from truepose.domain.ballbar import BallbarPlan
 from truepose.domain.cell import Cell
 from truepose.domain.contacts import ContactPlan
 from truepose.domain.session import SessionPlan
+from truepose.storage.records import SessionRecord
 from truepose.web.context import Context
+from truepose.web.measurement.promises import Number, minutes_for
 from truepose.web.requests.parameters import Id
+from truepose.web.requests.presence import while_present
 from truepose.web.visiting.drawn import printed
-from truepose.web.visiting.visits import Visited
+from truepose.web.visiting.visits import Visit, Visited
 from truepose.words.catalogue import Catalogue
 
 if TYPE_CHECKING:
@@ -27,21 +30,69 @@ _SECONDS_PER_MINUTE = 60.0
 @router.get("/sessions/{id}/checklist", response_class=HTMLResponse)
 async def checklist_view(visit: Visited, id: Id) -> HTMLResponse:
     """Show what a session asks for, stop by stop."""
-    from truepose.reports.checklists.page import checklist_page
-    from truepose.reports.pages import content_of
-
     record, asked = await visit.here.sessions.get(id), await _asked(visit.here, id, visit.words)
-    content = content_of(await asyncio.to_thread(checklist_page, asked))
-    return visit.page("checklist_view.html", record=record, content=content)
+    return await _shown(visit, asked, f"/sessions/{id}/checklist.pdf", record=record)
 
 
 @router.get("/sessions/{id}/checklist.pdf")
 async def checklist_pdf(visit: Visited, id: Id) -> Response:
     """Send the same as a PDF."""
+    return await _printed(visit, await _asked(visit.here, id, visit.words), f"checklist-{id}")
+
+
+@router.get("/plan/checklist", response_class=HTMLResponse)
+async def plan_checklist_view(visit: Visited, n: Number = None) -> HTMLResponse:
+    """Show what a plan of n configurations asks for, before there is a session."""
+    asked = await _promised(visit, n)
+    number = len(asked.checklist.stops)
+    to_print = f"/plan/checklist.pdf?n={number}"
+    return await _shown(visit, asked, to_print, record=None, planned=number)
+
+
+@router.get("/plan/checklist.pdf")
+async def plan_checklist_pdf(visit: Visited, n: Number = None) -> Response:
+    """Send the same as a PDF."""
+    return await _printed(visit, await _promised(visit, n), "checklist-of-a-plan")
+
+
+async def _shown(
+    visit: Visit, asked: "ChecklistInput", to_print: str, *, record: SessionRecord | None, planned: int = 0
+) -> HTMLResponse:
+    from truepose.reports.checklists.page import checklist_page
+    from truepose.reports.pages import content_of
+
+    content = content_of(await asyncio.to_thread(checklist_page, asked))
+    return visit.page(
+        "checklist_view.html",
+        content=content,
+        name=asked.name,
+        to_print=to_print,
+        record=record,
+        planned=planned,
+    )
+
+
+async def _printed(visit: Visit, asked: "ChecklistInput", name: str) -> Response:
     from truepose.reports.checklists.page import checklist_page
 
-    page = await asyncio.to_thread(checklist_page, await _asked(visit.here, id, visit.words))
-    return await printed(visit, str(page), f"checklist-{id}.pdf")
+    page = await asyncio.to_thread(checklist_page, asked)
+    return await printed(visit, str(page), f"{name}.pdf")
+
+
+async def _promised(visit: Visit, n: int | None) -> "ChecklistInput":
+    from truepose.reports.checklists.checklist import checklist_of
+    from truepose.reports.checklists.page import ChecklistInput
+
+    here, words = visit.here, visit.words
+    promised = await while_present(visit.request, here.promise_desk.promise(here.cell, n))
+    return ChecklistInput(
+        here.cell.robot.name,
+        words.say("page.plan"),
+        checklist_of(promised.plan),
+        await asyncio.to_thread(minutes_for, promised),
+        simulated=here.simulated,
+        language=words.tag,
+    )
 
 
 async def _asked(here: Context, number: int, words: Catalogue) -> "ChecklistInput":

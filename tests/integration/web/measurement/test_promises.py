@@ -91,3 +91,11 @@ async def test_the_page_speaks_french_where_it_is_asked_to(client):
 
 async def test_the_start_page_leads_there(client):
     assert 'href="/plan"' in (await client.get("/")).text
+
+
+async def test_what_a_plan_promises_has_a_checklist_before_there_is_a_session(client):
+    shown, printed = await client.get("/plan/checklist?n=20"), await client.get("/plan/checklist.pdf?n=20")
+
+    assert shown.text.count('<td><span class="box">') == 20
+    assert 'href="/plan/checklist.pdf?n=20"' in shown.text
+    assert printed.content.startswith(b"%PDF-")

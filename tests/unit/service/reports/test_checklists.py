@@ -2,6 +2,7 @@
 
 import math
 import re
+from dataclasses import replace
 
 import pytest
 
@@ -35,6 +36,14 @@ def test_a_tracker_plan_lists_every_stop_with_nest_joints_and_time():
     first = f"{math.degrees(TRACKER.stops[0].joints_rad[0]):.2f}".replace("-", "\N{MINUS SIGN}")
     assert first in Page(rows_of(page)[0]).text
     assert "<svg" not in page
+
+
+def test_a_camera_has_no_reflectors_to_look_after():
+    camera = page_of(replace(TRACKER, measures="poses"))
+
+    assert "The camera is on and warm" in camera
+    assert "reflector" not in camera
+    assert "reflector" in page_of(TRACKER)
 
 
 def test_a_ballbar_plan_has_a_box_for_each_leg_and_a_picture_of_each_order():

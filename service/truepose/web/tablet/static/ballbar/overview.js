@@ -56,6 +56,7 @@ export function showOverview(panel, session, steps, texts) {
   const cards = grouped(steps).map((found) => card(found, texts));
   panel.replaceChildren(
     element("p", { class: "facts" }, texts.say("overview.facts", facts)),
+    element("a", { class: "main plain link-button", href: `/sessions/${session.id}/checklist` }, texts.say("overview.checklist")),
     element("div", { class: "groups" }, ...cards),
   );
   cards.forEach((one, index) => { one.open = opened[index] === true; });

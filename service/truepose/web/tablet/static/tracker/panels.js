@@ -18,7 +18,8 @@ export function whoAndWhat({ session, devices, tablet }, texts) {
     ...devices.filter((device) => used(device, session)).map((device) => deviceLine(device, texts)),
     line(texts.say("who_what.plan"), texts.say("who_what.configurations", { planned: session.progress.planned }), session.warm_up ? texts.say("who_what.warm_up") : null),
   ];
-  return [element("dl", { class: "facts-list" }, ...facts)];
+  const checklist = element("a", { class: "main plain link-button", href: `/sessions/${session.id}/checklist` }, texts.say("overview.checklist"));
+  return [element("dl", { class: "facts-list" }, ...facts), checklist];
 }
 
 // What a session with a tracker uses is not the ballbar, nor the other way round.
