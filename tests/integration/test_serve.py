@@ -22,6 +22,7 @@ from truepose.app import serve
 from truepose.app.server import _listening, _url
 from truepose.settings import Settings
 from truepose.storage.database import Database
+from truepose.storage.people.machine import service_of
 from truepose.words.error_codes import CODES
 
 CODED = re.compile(r" \[(TP-\d{4})\]\n$")
@@ -185,11 +186,15 @@ def test_a_signal_ends_it_in_order_and_the_simulated_cell_with_it(service, datab
     url = url_of(service)
     (cell,) = httpx.get(f"{url}/api/v1/cells").json()
     port = cell["endpoints"][0]["port"]
+    database = Path(database_url.removeprefix("sqlite:///"))
+    told = service_of(database)
 
     service.send_signal(number)
     status, out, err = ended(service)
 
     assert (status, out) == (0, ""), err
+    assert told.url == url
+    assert service_of(database) is None  # commands of this machine ask nobody any more
     assert "Traceback" not in err
     with pytest.raises(ConnectionRefusedError):
         socket.create_connection(("127.0.0.1", port), timeout=1)

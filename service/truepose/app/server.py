@@ -27,6 +27,7 @@ from truepose.effects.registry import unusable_causes
 from truepose.exchange.errors import ExchangeError
 from truepose.settings import Settings
 from truepose.storage.connection.address import database_file
+from truepose.storage.people.machine import ReachedService, told_beside
 from truepose.web.application import create_application
 from truepose.web.context import Context
 from truepose.web.door.errors import DoorError
@@ -101,7 +102,10 @@ async def _serve(settings: Settings, lines_lost: Callable[[], int]) -> None:
             )
             url = _url(listener, speak_tls(config, settings))
             server = _Server(config, _said(context, url), lambda: stop_streams(context))
-            with _ended_by_signals(server):
+            with (
+                _ended_by_signals(server),
+                told_beside(context.database.file, _reached(context, url, settings)),
+            ):
                 telling = asyncio.create_task(keep_telling(), name="service manager")
                 try:
                     await server.serve([listener])
@@ -184,6 +188,13 @@ def _said(context: Context, url: str) -> dict[str, str]:
     # Not through the log, which is kept.
     sys.stderr.write(f"Nobody is entered yet. The first person, an administrator, enters here: {link}\n")
     return {"url": url, "first_person": link}
+
+
+def _reached(context: Context, url: str, settings: Settings) -> ReachedService:
+    """Return how commands of this machine reach the service."""
+    certificate = settings.tls_certificate
+    shown = None if certificate is None else str(certificate.resolve())
+    return ReachedService(url, context.people.accounts.machine_secret, shown)
 
 
 def _url(listener: socket.socket, scheme: str) -> str:

@@ -1,8 +1,6 @@
-"""Commands on people and tokens, for the administrator of the machine; the service must not be running."""
+"""Commands on people and tokens, for the administrator of the machine."""
 
-import asyncio
-from collections.abc import Awaitable, Callable
-from typing import TYPE_CHECKING, Annotated, TypeVar
+from typing import Annotated
 
 import typer
 
@@ -10,11 +8,6 @@ from truepose.cli.files import Json
 from truepose.cli.output import print_json, print_lines
 from truepose.domain.accounts import Role
 
-if TYPE_CHECKING:
-    from truepose.operation.people.accounts import Accounts
-
-T = TypeVar("T")
-_BY = "the administrator of the machine"
 Name = Annotated[str, typer.Argument(help="Name of the person.")]
 Database = Annotated[
     str | None, typer.Option(help="URL of the SQLite database; by default the one in the user's data folder.")
@@ -27,7 +20,10 @@ def list_command(database: Database = None, json: Json = False) -> int:
 
     Example: truepose people list --json
     """
-    people = _with_accounts(database, _listed)
+    from truepose.cli.administration import administration
+
+    with administration(database) as here:
+        people = here.people()
     if json:
         print_json({"people": people})
     else:
@@ -42,11 +38,11 @@ def add_command(
 
     The first one has to be an administrator. Example: truepose people add "Ada Byron" --role administrator
     """
+    from truepose.cli.administration import administration
 
-    async def add(accounts: "Accounts") -> str:
-        return await accounts.link(await accounts.enter_by_machine(name, role, _BY), _BY)
-
-    return _tell_link(name, _with_accounts(database, add), json)
+    with administration(database) as here:
+        link = here.add(name, role)
+    return _tell_link(name, link, json)
 
 
 def link_command(name: Name, database: Database = None, json: Json = False) -> int:
@@ -54,11 +50,11 @@ def link_command(name: Name, database: Database = None, json: Json = False) -> i
 
     Example: truepose people link "Ada Byron"
     """
+    from truepose.cli.administration import administration
 
-    async def link(accounts: "Accounts") -> str:
-        return await accounts.link(accounts.register.require(name), _BY)
-
-    return _tell_link(name, _with_accounts(database, link), json)
+    with administration(database) as here:
+        link = here.link(name)
+    return _tell_link(name, link, json)
 
 
 def role_command(
@@ -68,11 +64,10 @@ def role_command(
 
     Example: truepose people role "Grace Hopper" metrologist
     """
+    from truepose.cli.administration import administration
 
-    async def change(accounts: "Accounts") -> None:
-        await accounts.register.change_role(accounts.register.require(name), role, _BY)
-
-    _with_accounts(database, change)
+    with administration(database) as here:
+        here.change_role(name, role)
     print_lines([f"{name}: {role}"])
     return 0
 
@@ -82,11 +77,10 @@ def remove_command(name: Name, database: Database = None) -> int:
 
     Example: truepose people remove "Grace Hopper"
     """
+    from truepose.cli.administration import administration
 
-    async def remove(accounts: "Accounts") -> None:
-        await accounts.register.remove(accounts.register.require(name), _BY)
-
-    _with_accounts(database, remove)
+    with administration(database) as here:
+        here.remove(name)
     print_lines([f"{name} is let in no more."])
     return 0
 
@@ -103,12 +97,10 @@ def token_command(
 
     Example: truepose people token "Ada Byron" --name "line 3" --role device --days 365
     """
+    from truepose.cli.administration import administration
 
-    async def make(accounts: "Accounts") -> str:
-        person = accounts.register.require(owner)
-        return (await accounts.make_token(person, name, role, days, _BY))[1]
-
-    secret = _with_accounts(database, make)
+    with administration(database) as here:
+        secret = here.token(owner, name, role, days)
     if json:
         print_json({"name": name, "owner": owner, "role": role.value, "secret": secret})
     else:
@@ -116,7 +108,7 @@ def token_command(
     return 0
 
 
-HELP = "Says who is let in, people and programs; the service must not be running."
+HELP = "Says who is let in, people and programs; a service may be running."
 COMMANDS = {
     "list": list_command,
     "add": add_command,
@@ -127,35 +119,9 @@ COMMANDS = {
 }
 
 
-async def _listed(accounts: "Accounts") -> list[dict[str, str]]:
-    people = (person for person in accounts.register.people if person.active)
-    return [{"name": person.name, "role": person.role.value} for person in people]
-
-
-def _tell_link(name: str, secret: str, json: bool) -> int:
-    path = f"/welcome/{secret}"
+def _tell_link(name: str, path: str, json: bool) -> int:
     if json:
         print_json({"name": name, "link": path})
     else:
         print_lines([f"{name} chooses a password here, once: {path} (behind the address of the service)"])
     return 0
-
-
-def _with_accounts(database: str | None, work: "Callable[[Accounts], Awaitable[T]]") -> T:
-    """Do something with the accounts of a database that no service has open."""
-    from truepose.operation.people.accounts import Accounts
-    from truepose.operation.people.register import Register
-    from truepose.settings import default_database_url
-    from truepose.storage.database import Database as OpenDatabase
-    from truepose.storage.people.credentials import CredentialRepository
-
-    async def working() -> T:
-        opened = await asyncio.to_thread(OpenDatabase, database or default_database_url())
-        try:
-            register = Register(CredentialRepository(opened))
-            await register.load()
-            return await work(Accounts(register))
-        finally:
-            await asyncio.to_thread(opened.close)
-
-    return asyncio.run(working())

@@ -21,6 +21,7 @@ class Role(StrEnum):
     DEVICE = "device"  # a program: looks, plans, brings data
 
 
+MACHINE: Final = "the administrator of the machine"  # who may read the database's own files
 _LADDER: Final = (Role.VIEWER, Role.OPERATOR, Role.METROLOGIST, Role.ADMINISTRATOR)
 
 

@@ -10,11 +10,11 @@ import re
 from dataclasses import dataclass
 from typing import Final
 
-from truepose.domain.accounts import Person, Role, lesser, reaches
+from truepose.domain.accounts import MACHINE, Person, Role, lesser, reaches
 from truepose.operation.people.errors import AccountRefusedError, SignInRefusedError
 from truepose.operation.people.guesses import Guesses
 from truepose.operation.people.hashes import badge_hash, chosen_hash, fingerprint, new_secret
-from truepose.operation.people.register import EVERYBODY, NOBODY, Caller, Register
+from truepose.operation.people.register import EVERYBODY, NOBODY, OF_MACHINE, Caller, Register
 from truepose.operation.people.sign_ins import SignedIn, SignIns
 from truepose.storage.people.credentials import CredentialKind, CredentialRecord, NewCredential
 
@@ -57,6 +57,7 @@ class Accounts:
         self._alone = alone
         self._first = asyncio.Lock()
         self.first_secret = new_secret()
+        self.machine_secret = new_secret()  # for commands of this machine, as long as the service runs
 
     @property
     def nobody_entered(self) -> bool:
@@ -75,6 +76,8 @@ class Accounts:
 
     def caller_of(self, cookie: str | None, token: str | None) -> Caller:
         """Return who asks; NOBODY where a secret opens nothing, or where two say different things."""
+        if token is not None and hmac.compare_digest(token.encode(), self.machine_secret.encode()):
+            return OF_MACHINE if cookie is None else NOBODY
         if self.are_open:
             return EVERYBODY
         if token is not None:
@@ -112,14 +115,17 @@ class Accounts:
             raise AccountRefusedError(
                 "Enter the first person first: an administrator, who enters the others."
             )
-        person = await self.register.enter(name, role, by)
-        return person, await self.link(person, by)
+        return await self._entered(name, role, by)
 
-    async def enter_by_machine(self, name: str, role: Role, by: str) -> Person:
-        """Enter somebody from the machine's own command line, the first person too."""
+    async def enter_by_machine(self, name: str, role: Role) -> tuple[Person, str]:
+        """Enter somebody from the machine's own command line, the first person too; as `enter`."""
         if self.nobody_entered and role is not Role.ADMINISTRATOR:
             raise AccountRefusedError("The first person has to be an administrator, who enters the others.")
-        return await self.register.enter(name, role, by)
+        return await self._entered(name, role, MACHINE)
+
+    async def _entered(self, name: str, role: Role, by: str) -> tuple[Person, str]:
+        person = await self.register.enter(name, role, by)
+        return person, await self.link(person, by)
 
     async def link(self, person: Person, by: str) -> str:
         """Return the secret of a link that lets somebody choose a password, once."""

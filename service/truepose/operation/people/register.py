@@ -6,7 +6,7 @@ No other process writes to the database of a running service, so a request is ju
 import asyncio
 from dataclasses import dataclass, replace
 
-from truepose.domain.accounts import Person, Role, same_person
+from truepose.domain.accounts import MACHINE, Person, Role, same_person
 from truepose.domain.people import fault_of_name, tidy_name
 from truepose.operation.people.errors import AccountRefusedError, UnknownPersonError
 from truepose.operation.people.steady_time import SteadyTime
@@ -30,10 +30,12 @@ class Caller:
     sign_in: int | None = None  # number of the credential
     token: int | None = None
     everybody: bool = False  # the service is open: nobody is asked who they are
+    machine: bool = False  # a command of the machine's administrator, who says who is let in
 
 
 NOBODY = Caller()
 EVERYBODY = Caller(everybody=True)
+OF_MACHINE = Caller(MACHINE, Role.ADMINISTRATOR, machine=True)
 
 
 class Register:

@@ -22,7 +22,7 @@ from truepose.operation.people.register import NOBODY, Caller
 from truepose.storage.people.acts import PersonsAct
 from truepose.web.people.asking import Asking, begin
 from truepose.web.people.operations import Operation, asked_operation
-from truepose.web.people.rights import FRESH, LEAST, Anybody, may
+from truepose.web.people.rights import FRESH, LEAST, OF_MACHINE, Anybody, may
 from truepose.web.problems import FRESH_SIGN_IN, SIGN_IN, problem_response
 
 COOKIE: Final = "truepose_sign_in"
@@ -98,14 +98,19 @@ def _caller(scope: Scope, accounts: Accounts) -> Caller:
     cookies = _cookies(scope)
     told = [value for name, value in scope["headers"] if name == b"authorization"]
     if accounts.are_open:
-        return accounts.caller_of(None, None)
+        return accounts.caller_of(None, _bearer(told[0]) if len(told) == 1 else None)
     if len(cookies) > 1 or len(told) > 1:
         return NOBODY
     cookie = next(iter(cookies), None)
     if not told:
         return accounts.caller_of(cookie, None) if cookie is None or _SECRET.fullmatch(cookie) else NOBODY
-    bearer = _BEARER.fullmatch(told[0].decode("latin-1").strip())
-    return NOBODY if bearer is None else accounts.caller_of(cookie, bearer[1])
+    bearer = _bearer(told[0])
+    return NOBODY if bearer is None else accounts.caller_of(cookie, bearer)
+
+
+def _bearer(told: bytes) -> str | None:
+    found = _BEARER.fullmatch(told.decode("latin-1").strip())
+    return None if found is None else found[1]
 
 
 def _cookies(scope: Scope) -> list[str]:
@@ -128,7 +133,7 @@ def _refusal(
             return RedirectResponse(_sign_in_address(request), HTTPStatus.SEE_OTHER)
         headers = {"WWW-Authenticate": "Bearer"}
         return problem_response(request, HTTPStatus.UNAUTHORIZED, _SIGN_IN_FIRST, headers, kind=SIGN_IN)
-    if not may(caller.role, name):
+    if not may(caller.role, name) or (caller.machine and name not in OF_MACHINE):
         if _shows_page(scope, operation):
             return RedirectResponse(f"/not-yours?page={quote(scope['path'])}", HTTPStatus.SEE_OTHER)
         return problem_response(request, HTTPStatus.FORBIDDEN, _not_for(caller, name))

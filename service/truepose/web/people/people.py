@@ -38,7 +38,11 @@ async def list_people(here: Here) -> PeopleReply:
 @router.post("/people", status_code=status.HTTP_201_CREATED, responses=_CHANGE)
 async def enter_person(here: Here, asker: Asker, wanted: EnterRequest) -> EnteredReply:
     """Enter somebody; they choose their password by the link in the answer."""
-    person, secret = await here.people.accounts.enter(wanted.name, wanted.role, asker.name or _OF_MACHINE)
+    accounts = here.people.accounts
+    if asker.machine:
+        person, secret = await accounts.enter_by_machine(wanted.name, wanted.role)
+    else:
+        person, secret = await accounts.enter(wanted.name, wanted.role, asker.name or _OF_MACHINE)
     return EnteredReply(person=_reply(here, person), link=f"/welcome/{secret}")
 
 

@@ -73,6 +73,16 @@ _DEVICES: Final = """
 # After these an arm may move, or a calibration counts: whoever asks shows once more that it is them.
 FRESH: Final = frozenset({"start_session", "confirm_session", "resume_session", "close_session"})
 
+# What commands of the machine's administrator ask for; the arm is none of their business.
+OF_MACHINE: Final = frozenset({
+    "list_people",
+    "enter_person",
+    "change_role",
+    "remove_person",
+    "make_link",
+    "make_token",
+})
+
 _OF_DEVICES: Final = frozenset(_DEVICES.split())
 LEAST: Final[Mapping[str, Role | Anybody]] = {
     name: least for least, names in _BY_LEAST.items() for name in names.split()
