@@ -38,6 +38,9 @@ checks.positive_data_acceptance.enabled = false
 """
 
 
+PATIENCE_S = 120
+
+
 class Worker(FakeWorker):
     """Answers at once what makes records; of the rest what is asked is the interface, not the numerics."""
 
@@ -98,7 +101,8 @@ def ask_everything(folder, manner, out, options):
     headers = {"Authorization": f"Bearer {administrator(database)}"} if manner.signed_in else {}
     where = Settings(database_url=database, cell_file=folder / "cell.toml")
     with listening(create_app(where, Bench().registry(), Worker())) as url:
-        with httpx.Client(base_url=f"{url}/api/v1", headers=headers) as http:
+        with httpx.Client(base_url=f"{url}/api/v1", headers=headers, timeout=PATIENCE_S) as http:
+            http.get(f"{url}/openapi.json").raise_for_status()  # on a busy computer it takes a while to make
             furnish(http)
         command = [sys.executable, "-m", "schemathesis.cli", f"--config-file={settings}"]
         command += ["run", f"{url}/openapi.json", *options, f"--report-dir={out}"]

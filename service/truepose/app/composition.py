@@ -4,6 +4,7 @@ import asyncio
 import contextlib
 import dataclasses
 import functools
+import logging
 from collections.abc import AsyncIterator, Callable, Coroutine, Sequence
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
@@ -37,6 +38,7 @@ from truepose.operation.simulated_faults import FaultsDesk
 from truepose.operation.simulated_hands import HandsDesk
 from truepose.operation.tracker.sessions import TrackerSessions
 from truepose.settings import Settings
+from truepose.storage.backup.restoring import put_ready_in_place
 from truepose.storage.backup.schedule import BackupSchedule
 from truepose.storage.calibration.campaigns import CampaignRepository
 from truepose.storage.calibration.corrections import CorrectionRepository
@@ -44,6 +46,7 @@ from truepose.storage.calibration.diagnoses import DiagnosisRepository
 from truepose.storage.calibration.jobs import JobRepository
 from truepose.storage.calibration.reports import ReportRepository
 from truepose.storage.calibration.results import ResultRepository
+from truepose.storage.connection.address import database_file
 from truepose.storage.database import Database
 from truepose.storage.drafts import DraftFolder
 from truepose.storage.drawn import DrawnFolder
@@ -63,6 +66,7 @@ from truepose.web.door.proxies import Proxies
 from truepose_drivers.api import Clock, DriverPlugin
 from truepose_drivers.registry import DriverRegistry, load_registry
 
+_LOG: Final = logging.getLogger(__name__)
 _REAL_CLOCK: Final = "monotonic_clock"
 _NOT_DEVICES: Final = {"clock", "truth"}  # endpoints that no session measures with
 _TOOL_FILE: Final = "tool_file"  # option of a driver that brings the artefact's definition to its camera
@@ -92,6 +96,15 @@ def create_app(
     hosts, proxies = allowed_hosts(settings), Proxies(settings.proxies)
     opened = functools.partial(open_context, settings, registry, perform)
     return create_application(program_version(), opened, hosts, proxies)
+
+
+def _restore(database: Path) -> None:
+    """Begin with the copy that 'truepose restore' has laid ready, if it has."""
+    found = put_ready_in_place(database)
+    if found is not None:
+        head, kept = found
+        before = "" if kept is None else f"; what was there is kept as {kept}"
+        _LOG.warning("%s: %d records restored, chain head %s%s", database, head.links, head.text, before)
 
 
 def allowed_hosts(settings: Settings) -> AllowedHosts:
@@ -134,6 +147,7 @@ async def open_context(
     async with contextlib.AsyncExitStack() as stack:
         cell = _cell(settings)
         present = _present(cell, settings)
+        await asyncio.to_thread(_restore, database_file(settings.database_url))
         database = await asyncio.to_thread(Database, settings.database_url)
         stack.callback(database.close)
         state = database.file.with_name(f"{database.file.name}.cell.json")

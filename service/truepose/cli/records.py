@@ -93,24 +93,32 @@ def restore_command(
     replace: Annotated[
         bool, typer.Option("--replace", help="Put aside the database that is there, and keep it.")
     ] = False,
+    at_next_start: Annotated[
+        bool,
+        typer.Option(
+            "--at-next-start", help="The service may run; it begins with the copy at its next start."
+        ),
+    ] = False,
     json: Json = False,
 ) -> int:
-    """Put a copy in the place of the database, whose service has to be stopped first.
+    """Put a copy in the place of the database, or lay it ready for the next start of a service that runs.
 
     Every record of the copy is verified before anything is touched. Status 3: a service has the database.
 
-    Example: truepose restore backups/monday.sqlite3 --database sqlite:///cell.db --replace
+    Example: truepose restore backups/monday.sqlite3 --database sqlite:///cell.db --replace --at-next-start
     """
     from truepose.cli.output import remark
     from truepose.storage.backup.restoring import restore
     from truepose.storage.errors import DatabaseInUseError
 
     target = _database(database)
+    if at_next_start:
+        return _lay_ready(file, target, replace=replace, json=json)
     try:
         with shown_progress() as told:
             head, aside = restore(file, target, told, replace=replace)
     except DatabaseInUseError as error:
-        remark([str(error)])
+        remark([f"{error} Or let it run: --at-next-start verifies the copy now and puts it in place then."])
         return _SERVICE_FAILED
     kept = None if aside is None else str(aside)
     if json:
@@ -118,6 +126,22 @@ def restore_command(
     else:
         before = "" if kept is None else f" What was there is kept as {kept}."
         print_lines([f"{target}: {head.links} records restored. Chain head {head.text}.{before}"])
+    return 0
+
+
+def _lay_ready(file: Path, target: Path, *, replace: bool, json: bool) -> int:
+    from truepose.storage.backup.restoring import lay_ready
+
+    with shown_progress() as told:
+        head, ready = lay_ready(file, target, told, replace=replace)
+    if json:
+        waits = {"database": str(target), "records": head.links, "head": head.text, "waits": str(ready)}
+        print_json(waits)
+    else:
+        print_lines([
+            f"{ready}: {head.links} records, verified. Chain head {head.text}. Restart the service: it "
+            "begins with them and keeps what it has until then beside it. To call that off, delete this file."
+        ])
     return 0
 
 

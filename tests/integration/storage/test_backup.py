@@ -9,9 +9,12 @@ import sys
 import pytest
 
 from tests.helpers.domain.tracker_sessions import make_plan, make_point, make_setup, point_taken
+from tests.helpers.web.clients import served
+from tests.integration.web.bench import CELL, Bench
+from truepose.settings import Settings
 from truepose.storage.backup import copying
 from truepose.storage.backup.copying import back_up
-from truepose.storage.backup.restoring import restore
+from truepose.storage.backup.restoring import lay_ready, put_ready_in_place, restore
 from truepose.storage.connection.library import LIBRARY
 from truepose.storage.database import Database
 from truepose.storage.errors import BackupError, DatabaseAddressError, DatabaseInUseError, DatabaseUsedError
@@ -160,6 +163,67 @@ async def test_a_database_in_use_is_not_replaced(database, copy):
     assert names(database.file) == ["first"]
 
 
+async def test_beside_a_service_a_copy_is_laid_ready_for_the_next(database_url, copy):
+    database = Database(database_url)
+    await add(database, "first")
+    back_up(database.file, copy)
+    await add(database, "second")
+
+    with pytest.raises(DatabaseUsedError, match="holds records already"):
+        lay_ready(copy, database.file)
+    head, _ = lay_ready(copy, database.file, replace=True)
+    with pytest.raises(DatabaseInUseError):
+        put_ready_in_place(database.file)
+    await add(database, "third")
+    database.close()
+    restored, kept = put_ready_in_place(database.file)
+
+    assert restored == head
+    assert names(database.file) == ["first"]
+    assert names(kept) == ["first", "second", "third"]
+    assert verify_left(database.file).findings == verify_left(kept).findings == ()
+    assert put_ready_in_place(database.file) is None  # once
+
+
+def test_where_nothing_is_laid_ready_nothing_is_put_anywhere(left, tmp_path):
+    assert put_ready_in_place(left) is None
+    assert put_ready_in_place(tmp_path / "fresh.sqlite3") is None
+    assert names(left) == ["first", "second"]
+    assert not (tmp_path / "fresh.sqlite3").exists()
+
+
+def test_a_start_that_was_cut_between_two_steps_is_gone_on_with(left, copy):
+    _, ready = lay_ready(copy, left, replace=True)
+    for part in ("", "-wal", "-shm", ".seal"):  # put aside, and then the current went
+        left.with_name(f"{left.name}{part}").unlink(missing_ok=True)
+
+    _, kept = put_ready_in_place(left)
+
+    assert (names(left), kept, ready.exists()) == (["first"], None, False)
+
+
+def test_what_was_spoiled_since_it_was_laid_ready_keeps_the_service_from_starting(left, copy):
+    _, ready = lay_ready(copy, left, replace=True)
+    ready.write_bytes(ready.read_bytes()[:20_000])
+
+    with pytest.raises(BackupError):
+        put_ready_in_place(left)
+
+    assert names(left) == ["first", "second"]
+
+
+async def test_a_service_begins_with_what_was_laid_ready(left, copy, database_url, caplog):
+    lay_ready(copy, left, replace=True)
+    (left.parent / "cell.toml").write_text(CELL)
+    settings = Settings(database_url, cell_file=left.parent / "cell.toml")
+
+    async with served(settings, Bench().registry()) as client:
+        listed = (await client.get("/api/v1/sessions")).json()
+
+    assert [one["name"] for one in listed] == ["first"]
+    assert "records restored" in caplog.text and "is kept as" in caplog.text
+
+
 def test_a_copy_that_was_changed_is_not_restored(left, copy, tmp_path):
     with LIBRARY.connect(copy) as changed:
         changed.executescript("DROP TRIGGER sessions_no_update; UPDATE sessions SET name = 'other';")
@@ -185,5 +249,7 @@ async def test_the_commands_copy_restore_and_verify(database, database_url, copy
 
     assert (made.returncode, json.loads(made.stdout)["head"]) == (0, head), made.stderr
     assert (refused.returncode, refused.stdout) == (3, "")
-    assert "in use" in refused.stderr
+    assert "in use" in refused.stderr and "--at-next-start" in refused.stderr
+    laid = truepose("restore", copy, "--database", database_url, "--replace", "--at-next-start", "--json")
+    assert json.loads(laid.stdout)["waits"] == f"{database.file}.to-restore", laid.stderr
     assert (verified.returncode, f"Chain head {head}" in verified.stdout) == (0, True), verified.stdout

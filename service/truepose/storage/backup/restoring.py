@@ -1,7 +1,11 @@
-"""A copy is put back: verified first, never over a database that is in use, the one before kept aside."""
+"""A copy is put back: verified first, never over a database that is in use, the one before kept aside.
+
+Beside a running service a copy can be laid ready: that one goes on as it is, and the next begins with it.
+"""
 
 import contextlib
 import shutil
+from collections.abc import Iterator
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Final
@@ -12,10 +16,11 @@ from truepose.storage.connection.lock import ServiceLock
 from truepose.storage.connection.place import sync_folder
 from truepose.storage.errors import BackupError, DatabaseUsedError
 from truepose.storage.integrity.arrival import verify_left
-from truepose.storage.integrity.head import Head
+from truepose.storage.integrity.head import Head, newest_head
 from truepose.storage.integrity.verification import Verdict, opened
 
 ASIDE: Final = "before-restore"
+READY: Final = "to-restore"
 _PARTS: Final = ("", "-wal", "-shm", ".seal")
 _VERIFYING: Final = 0.7  # of the time that everything takes
 
@@ -39,17 +44,67 @@ def restore(
     head = _require_whole(verify_left(copy, lambda share: told(_VERIFYING * share, "verifying")), copy)
     lock = ServiceLock(database)  # makes an empty file where there is none
     try:
-        used = _has_records(database)
-        if used and not replace:
-            raise DatabaseUsedError(
-                f"{database} holds records already; '--replace' puts them aside and restores the copy."
-            )
+        used = _require_allowed(database, replace)
         told(_VERIFYING, "copying")
-        return head, _put_in_place(copy, database, head, used)
+        with _copied(copy, database.with_name(f"{database.name}.restored"), head) as fresh:
+            return head, _put_in_place(fresh, database, used)
     except (OSError, LIBRARY.DatabaseError) as error:
         raise BackupError(f"{copy} cannot be restored to {database} ({error}).") from error
     finally:
         lock.release()
+
+
+def lay_ready(
+    copy: Path, database: Path, told: Told = lambda share, doing: None, *, replace: bool = False
+) -> tuple[Head, Path]:
+    """Lay a copy ready for the next start of the service; returns the head of its chain, and where it lies.
+
+    Raises as `restore`, but also beside a service that has the database.
+    """
+    head = _require_whole(verify_left(copy, lambda share: told(_VERIFYING * share, "verifying")), copy)
+    ready = database.with_name(f"{database.name}.{READY}")
+    try:
+        if database.exists():
+            _require_allowed(database, replace)
+        told(_VERIFYING, "copying")
+        with _copied(copy, database.with_name(f"{ready.name}.part"), head) as fresh:
+            fresh.replace(ready)
+            sync_folder(ready.parent)
+    except (OSError, LIBRARY.DatabaseError) as error:
+        raise BackupError(f"{copy} cannot be laid ready for {database} ({error}).") from error
+    return head, ready
+
+
+def put_ready_in_place(database: Path) -> tuple[Head, Path | None] | None:
+    """Put what was laid ready in the place of a database; None where nothing was, else as `restore`.
+
+    Raises BackupError where it is not whole any more, DatabaseInUseError.
+    """
+    ready = database.with_name(f"{database.name}.{READY}")
+    if not ready.exists():
+        return None
+    lock = ServiceLock(database)
+    try:
+        with contextlib.closing(opened(ready)) as laid:
+            head = newest_head(laid)
+        require_copy(ready, head)
+        return head, _put_in_place(ready, database, _has_records(database))
+    except (OSError, LIBRARY.DatabaseError) as error:
+        raise BackupError(
+            f"{ready} was to be restored and cannot be ({error}); delete it to go on with what there is."
+        ) from error
+    finally:
+        lock.release()
+
+
+def _require_allowed(database: Path, replace: bool) -> bool:
+    """Return whether there are records to put aside; raises DatabaseUsedError where that is not allowed."""
+    used = _has_records(database)
+    if used and not replace:
+        raise DatabaseUsedError(
+            f"{database} holds records already; '--replace' puts them aside and restores the copy."
+        )
+    return used
 
 
 def _require_whole(verdict: Verdict, copy: Path) -> Head:
@@ -67,19 +122,24 @@ def _has_records(database: Path) -> bool:
     return True
 
 
-def _put_in_place(copy: Path, database: Path, head: Head, used: bool) -> Path | None:
-    fresh = database.with_name(f"{database.name}.restored")
+@contextlib.contextmanager
+def _copied(copy: Path, fresh: Path, head: Head) -> Iterator[Path]:
+    """Yield a copy of a copy, which is taken from there or goes."""
     fresh.unlink(missing_ok=True)
     try:
         copy_database(copy, fresh, lambda share: None)
         require_copy(fresh, head)
-        aside = _put_aside(database) if used else None
-        for part in _PARTS[1:]:
-            database.with_name(f"{database.name}{part}").unlink(missing_ok=True)
-        fresh.replace(database)
-        sync_folder(database.parent)
+        yield fresh
     finally:
         fresh.unlink(missing_ok=True)
+
+
+def _put_in_place(fresh: Path, database: Path, used: bool) -> Path | None:
+    aside = _put_aside(database) if used else None
+    for part in _PARTS[1:]:
+        database.with_name(f"{database.name}{part}").unlink(missing_ok=True)
+    fresh.replace(database)
+    sync_folder(database.parent)
     return aside
 
 

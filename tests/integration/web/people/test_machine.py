@@ -80,7 +80,9 @@ async def test_the_machines_secret_says_who_is_let_in_and_nothing_else(app):
     assert entered.status_code == 201
     assert refused == [403] * 4
     assert other.status_code == 401
-    assert ("enter_person", MACHINE) in [(act.operation, act.person) for act in (record.act for record in acts)]
+    assert ("enter_person", MACHINE) in [
+        (act.operation, act.person) for act in (record.act for record in acts)
+    ]
 
 
 def test_a_service_that_says_nothing_of_itself_is_in_the_way(settings, bench):
