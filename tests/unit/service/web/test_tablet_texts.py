@@ -6,7 +6,6 @@ from pathlib import Path
 
 import pytest
 
-import truepose.sequencing
 import truepose.web.tablet
 from truepose.words.catalogue import LANGUAGES as SPOKEN
 from truepose.words.catalogue import TABLET, TRACKER_TABLET, texts_file
@@ -27,13 +26,6 @@ USED = set(re.findall(r'"([a-z_]+\.[a-z_]+)"', CODE)) | set(
     re.findall(r'data-(?:text|label)="([^"]+)"', PAGES)
 )
 KEPT_BY_THE_TABLET = {f"truepose.{name}" for name in ("language", "tablet", "person", "muted", "units")}
-
-
-REASONS = (HERE / "static" / "common" / "reasons.js").read_text("utf-8")
-SAID_BY_THE_SERVICE = re.findall(r'^  "(.+?)":', REASONS, re.M)
-SEQUENCING = "".join(
-    path.read_text("utf-8") for path in Path(truepose.sequencing.__file__).parent.rglob("*.py")
-)
 
 
 def blanks(text):
@@ -70,8 +62,3 @@ def test_french_keeps_its_spaces_before_high_punctuation():
     loose = [text for text in LANGUAGES["fr"].values() if re.search(r"[^\u00a0\d][:;!?»]", text)]
 
     assert loose == []
-
-
-@pytest.mark.parametrize("sentence", SAID_BY_THE_SERVICE)
-def test_what_the_page_translates_is_what_the_service_says(sentence):
-    assert f'"{sentence}"' in SEQUENCING
