@@ -31,7 +31,7 @@ from truepose_drivers.kuka_variable_proxy.protocol.variables import (
     following,
 )
 
-VECTORS = json.loads((Path(__file__).parents[3] / "vectors" / "kuka_variable_proxy.json").read_text())
+VECTORS = json.loads((Path(__file__).parents[4] / "vectors" / "kuka_variable_proxy.json").read_text())
 AXES = VECTORS["axes"]
 
 

@@ -33,7 +33,7 @@ from truepose_drivers.fanuc_mappdk.protocol import (
     require,
 )
 
-DIALOGUE = json.loads((Path(__file__).parents[3] / "vectors" / "mappdk_dialogue.json").read_text())
+DIALOGUE = json.loads((Path(__file__).parents[4] / "vectors" / "mappdk_dialogue.json").read_text())
 JOINTS = b"0:j=   0.000,j= -20.500,j= 130.250,j=-180.000,j=  45.000,j=  -0.010,j=none,j=none,j=none"
 
 anything = st.floats(-3600.0, 3600.0)

@@ -13,7 +13,7 @@ from truepose_drivers.api import MotionLimits
 from truepose_drivers.arms.joint_counting import JointCounting
 from truepose_drivers.arms.pace import Pace
 
-ROWS = json.loads((Path(__file__).parents[3] / "vectors" / "fanuc_orientations.json").read_text())["rows"]
+ROWS = json.loads((Path(__file__).parents[4] / "vectors" / "fanuc_orientations.json").read_text())["rows"]
 ALPHA_DEG = (0.0, -90.0, 0.0, -90.0, 90.0, -90.0)  # of the shipped table of the LR Mate 200iC
 OFFSET_DEG = (0.0, -90.0, 0.0, 0.0, 0.0, 0.0)
 LIMITS = MotionLimits(500.0, math.radians(20.0))

@@ -6,12 +6,23 @@ from dataclasses import replace
 
 import pytest
 
+from tests.unit.drivers.robots.abb.open_abb_server import (
+    FAST,
+    HANG_UP,
+    LIMITS,
+    OURS,
+    PLAIN_TOOL,
+    QUICK,
+    TARGET,
+    FakeController,
+    FixedClock,
+    codes,
+    connected_robot,
+)
 from truepose_drivers.abb_open_abb.driver import PLUGIN, OpenAbbRobot, TimeOuts
 from truepose_drivers.abb_open_abb.joint_log import JointLog
 from truepose_drivers.abb_open_abb.protocol import (
-    REPLY_RESOLUTION_DEG,
     LogLine,
-    decode_request,
     encode_log_line,
 )
 from truepose_drivers.api import MotionGuard, MotionLimits, RobotController
@@ -27,64 +38,6 @@ from truepose_drivers.errors import (
 from truepose_drivers.transports.memory import MemoryEnd, MemoryLink
 
 pytestmark = pytest.mark.simulated_time
-
-QUICK = TimeOuts(connect_s=0.05, retry_s=0.01, reply_s=0.05, motion_s=0.05, rest_of_reply_s=0.01)
-# The longest motion of the driver's argument takes 2e4 / 1e6 s = 0.02 s at this speed.
-FAST = MotionLimits(tool_speed_mm_s=1e6, orientation_speed_rad_s=1e3)
-HANG_UP = None
-TARGET = (0.1, -0.2, 0.3, 0.0, math.pi / 4, -1.0)
-
-
-class FakeController:
-    """Replies from a table and records the requests as text."""
-
-    def __init__(self, **replies: object) -> None:
-        self.replies: dict[int, object] = {0: "0 1 ", 2: "2 1 ", 6: "6 1 ", 7: "7 1 ", 8: "8 1 ", 9: "9 1 "}
-        self.replies |= {4: "4 1 10.00 -20.55 30.00 0.00 45.00 -0.01", 98: "98 1 120-1*6.08*IRB 120"}
-        self.replies |= {int(code.removeprefix("code_")): reply for code, reply in replies.items()}
-        self.requests: list[str] = []
-
-    async def serve(self, end: MemoryEnd) -> None:
-        pending = b""
-        while data := await end.receive():
-            pending += data
-            if b"#" not in pending:
-                continue
-            self.requests.append(pending.decode())
-            reply = self.replies.get(decode_request(pending).code, "")
-            pending = b""
-            if reply is HANG_UP:
-                return
-            if reply:
-                await self.say(end, str(reply))
-
-    async def say(self, end: MemoryEnd, reply: str) -> None:
-        await end.send(reply.encode())
-
-
-async def connected_robot(fake: FakeController, chunk_bytes: int = 4096) -> OpenAbbRobot:
-    robot = OpenAbbRobot(MemoryLink(fake.serve, chunk_bytes=chunk_bytes), FixedClock(), time_outs=QUICK)
-    await robot.connect()
-    fake.requests.clear()
-    return robot
-
-
-class FixedClock:
-    async def now_s(self) -> float:
-        return 7.25
-
-    async def sleep(self, duration_s: float) -> None:
-        raise AssertionError("a robot driver never sleeps in cell time")
-
-
-def codes(fake: FakeController) -> list[str]:
-    """What was asked, in order; a ping looks for the end of a reply."""
-    return [request.split()[0] for request in fake.requests]
-
-
-PLAIN_TOOL = ["6 0.0 0.0 0.0 1 0 0 0 #", "7 0 0 0 1 0 0 0 #"]
-LIMITS = ["6", "7", "8", "9"]
-OURS = {"code_98": "98 1 120-1*6.08*IRB 120*truepose 3", "code_95": "95 1 "}
 
 
 async def test_a_stock_server_is_sent_short_pieces_and_nothing_that_it_does_not_know():
@@ -200,176 +153,6 @@ async def test_the_first_motion_of_a_connection_never_runs_with_a_fly_by_zone():
     await robot.move_joints(TARGET)
 
     assert [request.split()[0] for request in fake.requests] == [*LIMITS, "2", "2"]
-
-
-@pytest.mark.parametrize("chunk_bytes", [1, 5, 4096])
-async def test_joints_survive_any_split_of_the_stream(chunk_bytes):
-    robot = await connected_robot(FakeController(), chunk_bytes)
-
-    reading = await robot.read_joints()
-
-    assert tuple(map(math.degrees, reading.joints_rad)) == pytest.approx((10, -20.55, 30, 0, 45, -0.01))
-    assert math.degrees(reading.resolution_rad) == pytest.approx(REPLY_RESOLUTION_DEG)
-    assert reading.time_s == 7.25
-
-
-@pytest.mark.parametrize("chunk_bytes", [1, 4096])
-async def test_whole_degrees_may_come_without_decimals(chunk_bytes):
-    robot = await connected_robot(FakeController(code_4="4 1 10 -20.5 30 0 45 90"), chunk_bytes)
-
-    reading = await robot.read_joints()
-
-    assert tuple(map(math.degrees, reading.joints_rad)) == pytest.approx((10, -20.5, 30, 0, 45, 90))
-
-
-@pytest.mark.parametrize("chunk_bytes", [1, 4096])
-async def test_a_server_that_gives_more_decimals_is_read_to_its_own_resolution(chunk_bytes):
-    fake = FakeController(code_4="4 1 10.12345 -20.55000 30 0.1 45.00000 90.12345")
-    robot = await connected_robot(fake, chunk_bytes)
-
-    reading = await robot.read_joints()
-
-    assert math.degrees(reading.joints_rad[5]) == pytest.approx(90.12345, abs=1e-9)
-    assert math.degrees(reading.resolution_rad) == pytest.approx(1e-5)
-
-
-@pytest.mark.parametrize(
-    ("begun", "rest", "last_deg"),
-    [
-        ("4 1 10.00 -20.55 30.00 0.00 45.00 -0.0", "1", -0.01),
-        ("4 1 10.00 -20.55 30.00 0.00 45.00 9", "0.12", 90.12),
-        ("4 1 10 20 30 0 45 1", "80.25", 180.25),
-        ("4 1 0 0 0 0 0 10.12", "345", 10.12345),
-        ("4 1 10.00 -20.55 30.00 0.00 45.00 9", "1.00 ", 91.0),
-    ],
-)
-async def test_a_line_that_stalls_inside_a_number_ends_none(begun, rest, last_deg):
-    class Stalling(FakeController):
-        async def say(self, end: MemoryEnd, reply: str) -> None:
-            if reply.startswith(begun):
-                await end.send(begun.encode())
-                await asyncio.sleep(0.05)  # longer than the driver waits for the rest of a reply
-                reply = rest
-            await end.send(reply.encode())
-
-    robot = OpenAbbRobot(MemoryLink(Stalling(code_4=begun + rest).serve), FixedClock())
-    await robot.connect()
-
-    assert math.degrees((await robot.read_joints()).joints_rad[5]) == pytest.approx(last_deg)
-    await robot.close()
-
-
-STATED = "10.00 -20.55 30.00 0.00 45.00 -0.01"
-
-
-@pytest.mark.parametrize(
-    "bad",
-    [
-        "10.00 -20.55 30.00 0.00 45.00 -0.0",  # a digit lost at the end
-        "10.00 -20.55 30.00 0.00 45.00 -0",
-        "10.00 -20.555 30.00 0.00 45.00 -0.01",  # one came twice
-    ],
-)
-async def test_digits_that_were_lost_or_came_twice_are_found_by_asking_again(bad):
-    said = iter([STATED, STATED, bad, STATED])
-    fake = FakeController()
-    fake.replies[4] = Said(lambda: f"4 1 {next(said)}")
-    robot = await connected_robot(fake)
-
-    for _ in range(2):
-        reading = await robot.read_joints()
-        assert math.degrees(reading.joints_rad[1]) == pytest.approx(-20.55)
-        assert math.degrees(reading.joints_rad[5]) == pytest.approx(-0.01)
-
-
-async def test_joints_of_which_nobody_can_tell_whether_they_are_whole_close_the_link():
-    said = iter(["10 20 30 0 45 9", "10 20 30 0 45 90"])
-    fake = FakeController()
-    fake.replies[4] = Said(lambda: f"4 1 {next(said)}")
-    robot = await connected_robot(fake)
-
-    with pytest.raises(RemoteProtocolError, match="lost or came twice"):
-        await robot.read_joints()
-    assert not robot.connected
-
-
-class Said:
-    """A reply that is another one each time."""
-
-    def __init__(self, text) -> None:
-        self._text = text
-
-    def __str__(self) -> str:
-        return self._text()
-
-
-async def test_a_reply_whose_end_cannot_be_told_is_none_where_the_ping_stays_without_reply():
-    fake = FakeController(code_4="4 1 10 20 30 0 45 90")
-    robot = await connected_robot(fake)
-    fake.replies[0] = ""
-
-    with pytest.raises(NoReplyError, match="does not end its reply"):
-        await robot.read_joints()
-    assert not robot.connected
-
-
-@pytest.mark.parametrize(
-    "reply",
-    [
-        "4 1 10.00 -20.55 30.00 0.00 45.00 -0.01 7.00",
-        "4 1 10.00 -20.55 30.00 0.00 45.00 3600.01",
-        "4 1 10.00 -20.55 30.00 0.00 45.00 9E+09",
-        "4 1 10.00 -20.55 nan 0.00 45.00 -0.01",
-        "4 7 10.00 -20.55 30.00 0.00 45.00 -0.01",
-        "4 1 10.00 -20.55 30.00 0.00 45.00 -0.014 1 10.00 -20.55 30.00 0.00 45.00 -0.01",
-    ],
-)
-async def test_joints_that_are_none_close_the_link(reply):
-    robot = await connected_robot(FakeController(code_4=reply))
-
-    with pytest.raises(RemoteProtocolError):
-        await robot.read_joints()
-    assert not robot.connected
-
-
-async def test_a_reply_that_goes_on_is_none_to_a_motion():
-    robot = await connected_robot(FakeController(code_8="8 1 9 1 "))
-
-    with pytest.raises(RemoteProtocolError, match="goes on with"):
-        await robot.set_limits(FAST)
-    assert not robot.connected
-
-
-async def test_a_reply_without_its_trailing_space_is_taken():
-    robot = await connected_robot(FakeController(code_2="2 1", code_8="8 1", code_9="9 1\r\n"))
-    await robot.set_limits(FAST)
-
-    await robot.move_joints(TARGET)
-
-
-@pytest.mark.parametrize("chunk_bytes", [1, 7, 16, 4096])
-async def test_an_identity_is_read_to_its_end_whatever_the_line_does_to_it(chunk_bytes):
-    fake = FakeController(code_98="98 1 120-500123*6.08.01*IRB 120-3/0.6")
-    robot = await connected_robot(fake, chunk_bytes)
-
-    assert (await robot.identify()).model == "IRB 120-3/0.6"
-
-
-async def test_the_identity_names_serial_version_and_type():
-    robot = await connected_robot(FakeController(code_98="98 1 120-500123*6.08.01*IRB 120-3/0.6"))
-
-    identity = await robot.identify()
-
-    assert (identity.manufacturer, identity.model) == ("ABB", "IRB 120-3/0.6")
-    assert (identity.serial, identity.firmware) == ("120-500123", "6.08.01")
-
-
-async def test_an_identity_that_lacks_fields_says_unknown():
-    robot = await connected_robot(FakeController(code_98="98 1 120-500123"))
-
-    identity = await robot.identify()
-
-    assert (identity.serial, identity.firmware, identity.model) == ("120-500123", "unknown", "unknown")
 
 
 async def test_a_refused_target_is_named_in_degrees():

@@ -23,7 +23,7 @@ from truepose_drivers.abb_egm.protocol import (
     encode_robot,
 )
 
-VECTORS = json.loads((Path(__file__).parents[3] / "vectors" / "egm_messages.json").read_text())
+VECTORS = json.loads((Path(__file__).parents[4] / "vectors" / "egm_messages.json").read_text())
 MEASURED, PLANNED = (10.5, -20.25, 30.125, 0.0, 45.0, -0.001), (11.0, -20.0, 30.0, 0.0, 45.0, 0.0)
 FRAME = RobotFrame(12, 3456, MEASURED, PLANNED, Motors.ON, Rapid.RUNNING)
 

@@ -26,7 +26,7 @@ from truepose_drivers.abb_open_abb.protocol import (
     reply_numbers,
 )
 
-DIALOGUE = json.loads((Path(__file__).parents[3] / "vectors" / "open_abb_dialogue.json").read_text())
+DIALOGUE = json.loads((Path(__file__).parents[4] / "vectors" / "open_abb_dialogue.json").read_text())
 
 anything = st.floats(-3600.0, 3600.0)
 

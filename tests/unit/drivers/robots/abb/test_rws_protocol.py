@@ -31,7 +31,7 @@ from truepose_drivers.abb_rws.protocol.http import (
 from truepose_drivers.abb_rws.protocol.program import Order, Progress, Report, decode_order, decode_report
 from truepose_drivers.abb_rws.protocol.rapid import array_text, number_text, numbers, single
 
-VECTORS = json.loads((Path(__file__).parents[3] / "vectors" / "rws_dialogue.json").read_text())
+VECTORS = json.loads((Path(__file__).parents[4] / "vectors" / "rws_dialogue.json").read_text())
 LOGIN = Login("Default User", "robotics")
 CHALLENGE = Challenge(VECTORS["realm"], VECTORS["nonce"])
 LOGGED_IN = [row for row in VECTORS["requests"] if "Authorization" in row["text"]]

@@ -48,7 +48,7 @@ from truepose_drivers.universal_robots.protocol.packets import (
 )
 from truepose_drivers.universal_robots.protocol.recipes import Recipe, agreed_recipe
 
-DIALOGUE = json.loads((Path(__file__).parents[3] / "vectors" / "ur_rtde_dialogue.json").read_text())
+DIALOGUE = json.loads((Path(__file__).parents[4] / "vectors" / "ur_rtde_dialogue.json").read_text())
 STATE = {name: (1.0,) * (6 if kind == "VECTOR6D" else 1) for name, kind in OUTPUTS.items()}
 
 

@@ -35,7 +35,7 @@ from truepose_drivers.fanuc_rmi.protocol.packets import (
     encode,
 )
 
-DIALOGUE = json.loads((Path(__file__).parents[3] / "vectors" / "fanuc_rmi_dialogue.json").read_text())
+DIALOGUE = json.loads((Path(__file__).parents[4] / "vectors" / "fanuc_rmi_dialogue.json").read_text())
 REPLIES = {name: decode(text.encode()) for name, text in DIALOGUE["replies"].items()}
 THEIR_MOTION = DIALOGUE["requests"][5]
 anything = st.floats(-3600.0, 3600.0)

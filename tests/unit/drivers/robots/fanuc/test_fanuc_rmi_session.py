@@ -1,0 +1,204 @@
+"""Sessions of the Remote Motion Interface: begun, lost, ended by others."""
+
+import asyncio
+
+import pytest
+
+from tests.unit.drivers.robots.fanuc.rmi_controller import (
+    SILENT,
+    TARGET,
+    FakeController,
+    FixedClock,
+    connected,
+    robot_of,
+)
+from truepose_drivers.errors import (
+    ConnectFailedError,
+    ConnectionLostError,
+    NoReplyError,
+    RemoteProtocolError,
+)
+from truepose_drivers.fanuc_rmi.driver import RmiRobot
+from truepose_drivers.fanuc_rmi.protocol.messages import (
+    Session,
+    encode_axes,
+    reply,
+    session,
+)
+from truepose_drivers.fanuc_rmi.protocol.packets import encode
+from truepose_drivers.transports.memory import MemoryLink
+
+
+async def test_whoever_closes_says_so():
+    fake = FakeController()
+    robot = await connected(fake)
+
+    await robot.close()
+    await robot.close()
+
+    assert fake.told.count("FRC_Disconnect") == 1
+
+
+async def test_an_end_that_is_reported_elsewhere_is_none():
+    robot = await connected(FakeController(FRC_JointMotionJRep=lambda packet: encode(reply(packet))))
+
+    with pytest.raises(RemoteProtocolError, match=r"30\.000 deg off"):
+        await robot.move_joints(TARGET)
+    assert not robot.connected
+
+
+async def test_the_end_of_another_motion_is_none():
+    other = b'{"Instruction": "FRC_JointMotionJRep", "ErrorID": 0, "SequenceID": 77}\r\n'
+    robot = await connected(FakeController(FRC_JointMotionJRep=other))
+
+    with pytest.raises(RemoteProtocolError, match="not asked"):
+        await robot.move_joints(TARGET)
+    assert not robot.connected
+
+
+async def test_joints_that_are_stated_again_are_asked_for_again():
+    fake = FakeController()
+    robot = await connected(fake)
+    tags = iter([5000, 5000, 5001])
+    fake.replies["FRC_ReadJointAngles"] = lambda packet: encode(
+        reply(packet, fields={"TimeTag": next(tags), "JointAngle": encode_axes(fake.axes_deg)})
+    )
+
+    await robot.read_joints()
+    await robot.read_joints()
+
+    assert list(tags) == []
+
+
+async def test_a_frozen_controller_is_a_lost_one():
+    fake = FakeController()
+    robot = await connected(fake)
+    fake.replies["FRC_ReadJointAngles"] = lambda packet: encode(
+        reply(packet, fields={"TimeTag": 5000, "JointAngle": encode_axes(fake.axes_deg)})
+    )
+    await robot.read_joints()
+
+    with pytest.raises(NoReplyError, match="repeats itself"):
+        await robot.read_joints()
+    assert not robot.connected
+
+
+async def test_older_joints_are_no_reading():
+    fake = FakeController()
+    robot = await connected(fake)
+    await robot.read_joints()
+    fake.time_ms -= 100
+
+    with pytest.raises(RemoteProtocolError, match="older"):
+        await robot.read_joints()
+    assert not robot.connected
+
+
+@pytest.mark.parametrize(
+    "said",
+    [
+        b"SSH-2.0-x\r\n",
+        b'{"Command": "FRC_GetStatus", "ErrorID": 0}\r\n',
+        b'{"Command": "FRC_ReadJointAngles"}\r\n',
+        b'{"Command": "FRC_ReadJointAngles", "ErrorID": 0, "TimeTag": 1, "JointAngle": {"J1": 1}}\r\n',
+        b"x" * 3000,
+    ],
+)
+async def test_nonsense_closes_the_session(said):
+    fake = FakeController()
+    robot = await connected(fake)
+    fake.replies["FRC_ReadJointAngles"] = said
+
+    with pytest.raises(RemoteProtocolError):
+        await robot.read_joints()
+    assert not robot.connected
+
+
+async def test_what_was_not_asked_is_noticed_before_the_next_question():
+    fake = FakeController()
+    robot = await connected(fake)
+    await fake.ends[-1].send(b'{"Command": "FRC_ReadJointAngles", "ErrorID": 0}\r\n')
+
+    with pytest.raises(RemoteProtocolError, match="not asked"):
+        await robot.read_joints()
+
+
+async def test_a_controller_that_ends_the_session_is_a_lost_one():
+    fake = FakeController()
+    robot = await connected(fake)
+    await fake.ends[-1].send(encode(session(Session.TERMINATE)))
+
+    with pytest.raises(ConnectionLostError, match="hour"):
+        await robot.read_joints()
+    assert not robot.connected
+
+
+async def test_a_fault_between_two_motions_has_the_controller_initialised_anew():
+    fake = FakeController()
+    robot = await connected(fake)
+    await robot.move_joints(TARGET)
+    await fake.ends[-1].send(encode(session(Session.SYSTEM_FAULT, SequenceID=1)))
+    await fake.ends[-1].send(encode(session(Session.ASCII_READY)))
+
+    await robot.move_joints(TARGET)
+
+    assert fake.told.count("FRC_Initialize") == 2
+
+
+async def test_another_client_is_waited_for_and_then_named():
+    fake = FakeController(greeting=b'{"Communication": "FRC_Connect", "ErrorID": 2556954}\r\n')
+    begun_s = asyncio.get_running_loop().time()
+
+    with pytest.raises(ConnectFailedError, match="another program"):
+        await robot_of(fake).connect()
+
+    assert 3.0 <= asyncio.get_running_loop().time() - begun_s < 5.0
+
+
+async def test_a_second_port_that_says_nothing_is_another_clients():
+    with pytest.raises(ConnectFailedError, match="no other program"):
+        await robot_of(FakeController(FRC_ReadJointAngles=SILENT)).connect()
+
+
+async def test_a_controller_that_lets_in_after_a_while_is_connected():
+    fake = FakeController(greeting=b'{"Communication": "FRC_Connect", "ErrorID": 2556954}\r\n')
+    robot = robot_of(fake)
+
+    connecting = asyncio.create_task(robot.connect())
+    await asyncio.sleep(2.7)
+    del fake.replies["greeting"]
+    await connecting
+
+    assert robot.connected
+
+
+async def test_nobody_at_the_address_is_said_at_once():
+    robot = RmiRobot(lambda port: MemoryLink(None), FixedClock())
+    begun_s = asyncio.get_running_loop().time()
+
+    with pytest.raises(ConnectFailedError):
+        await robot.connect()
+    assert asyncio.get_running_loop().time() == begun_s
+
+
+@pytest.mark.parametrize("greeting", [b"SSH-2.0-OpenSSH\r\n", b'{"Command": "Unknown", "ErrorID": 1}\r\n'])
+async def test_another_greeting_is_no_robot(greeting):
+    robot = robot_of(FakeController(greeting=greeting))
+
+    with pytest.raises(RemoteProtocolError):
+        await robot.connect()
+    assert not robot.connected
+
+
+async def test_it_moves_again_after_connecting_again():
+    fake = FakeController()
+    robot = await connected(fake)
+    await robot.move_joints(TARGET)
+    fake.ends[-1].close()
+    with pytest.raises(ConnectionLostError):
+        await robot.read_joints()
+
+    await robot.connect()
+    await robot.move_joints(TARGET)
+
+    assert fake.told.count("FRC_Initialize") == 2

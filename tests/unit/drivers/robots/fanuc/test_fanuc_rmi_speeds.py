@@ -1,0 +1,139 @@
+"""How fast and in which pieces an arm is moved over the Remote Motion Interface."""
+
+import asyncio
+import math
+
+import pytest
+
+from tests.unit.drivers.robots.fanuc.rmi_controller import (
+    TARGET,
+    FakeController,
+    connected,
+    refusal,
+    replace_status,
+)
+from truepose_drivers.api import MotionLimits
+from truepose_drivers.errors import (
+    DeviceRefusedError,
+    TargetRefusedError,
+)
+from truepose_drivers.fanuc_rmi.protocol import refusals
+from truepose_drivers.fanuc_rmi.protocol.messages import (
+    reply,
+)
+from truepose_drivers.fanuc_rmi.protocol.packets import encode
+
+
+async def test_no_piece_takes_longer_than_it_may_go_on_alone():
+    fake = FakeController()
+    robot = await connected(fake)
+    await robot.set_limits(MotionLimits(1e5, math.radians(20.0)))
+
+    await robot.move_joints((math.pi / 2, 0.0, 0.0, 0.0, 0.0, 0.0))
+
+    assert {packet.fields["Speed"] for packet in fake.motions} == {5}
+    assert "FRC_SetOverRide" not in fake.told  # 17.5 of 350 deg/s: within 20 deg/s
+    steps = [packet.fields["JointAngle"]["J1"] for packet in fake.motions]
+    assert len(steps) == math.ceil(90.0 / 17.5 / 0.8)
+    assert max(b - a for a, b in zip([0.0, *steps], steps, strict=False)) <= 17.5 * 0.8
+    assert steps[-1] == pytest.approx(90.0)
+
+
+async def test_a_low_override_makes_pieces_shorter():
+    fake = FakeController()
+    fake.status = replace_status(fake.status, override_percent=10)
+    robot = await connected(fake)
+    await robot.set_limits(MotionLimits(1e5, math.radians(20.0)))
+
+    await robot.move_joints((math.pi / 2, 0.0, 0.0, 0.0, 0.0, 0.0))
+
+    assert len(fake.motions) == math.ceil(90.0 / 1.75 / 0.8)
+
+
+async def test_an_override_that_somebody_lowers_on_the_way_makes_the_pieces_shorter_from_there():
+    fake = FakeController()
+    robot = await connected(fake)
+    await robot.set_limits(MotionLimits(1e5, math.radians(20.0)))
+
+    moving = asyncio.create_task(robot.move_joints((math.pi / 2, 0.0, 0.0, 0.0, 0.0, 0.0)))
+    while len(fake.motions) < 2:
+        await asyncio.sleep(0)
+    before = len(fake.motions)
+    fake.status = replace_status(fake.status, override_percent=50)
+    await moving
+
+    ends = [packet.fields["JointAngle"]["J1"] for packet in fake.motions]
+    steps = [b - a for a, b in zip([0.0, *ends], ends, strict=False)]
+    assert min(steps[:before]) > 17.5 * 0.4
+    assert max(steps[before + 1 :]) <= 17.5 * 0.5 * 0.8 + 1e-9
+    assert ends[-1] == pytest.approx(90.0)
+
+
+async def test_an_override_that_somebody_raises_keeps_no_motion_above_its_limits_and_is_left_to_them():
+    fake = FakeController()
+    fake.status = replace_status(fake.status, override_percent=80)
+    robot = await connected(fake)
+    await robot.set_limits(MotionLimits(1e5, math.radians(2.0)))
+
+    moving = asyncio.create_task(robot.move_joints((math.pi / 2, 0.0, 0.0, 0.0, 0.0, 0.0)))
+    while len(fake.motions) < 2:
+        await asyncio.sleep(0)
+    fake.status = replace_status(fake.status, override_percent=100)
+    await moving
+
+    assert fake.overrides == [57, 57, 100]  # 2.0 of 3.5 deg/s, once more, and what somebody had set
+
+
+async def test_an_override_that_makes_a_motion_endless_is_refused():
+    fake = FakeController()
+    fake.status = replace_status(fake.status, override_percent=1)
+    robot = await connected(fake)
+    await robot.set_limits(MotionLimits(1e5, math.radians(4.0)))
+
+    with pytest.raises(DeviceRefusedError, match="override"):
+        await robot.move_joints((math.pi, 0.0, 0.0, 0.0, 0.0, 0.0))
+    assert fake.motions == []
+
+
+async def test_a_limit_below_the_slowest_share_is_kept_by_a_lower_override_for_so_long():
+    fake = FakeController()
+    robot = await connected(fake)
+    await robot.set_limits(MotionLimits(1e5, math.radians(2.0)))
+
+    await robot.move_joints((math.pi / 2, 0.0, 0.0, 0.0, 0.0, 0.0))
+
+    assert {packet.fields["Speed"] for packet in fake.motions} == {1}
+    assert fake.overrides == [57, 100]  # 2.0 of 3.5 deg/s
+    assert len(fake.motions) == math.ceil(90.0 / (3.5 * 0.57) / 0.8)
+    assert fake.told.index("FRC_SetOverRide") < fake.told.index("FRC_JointMotionJRep")
+
+
+async def test_an_override_that_the_driver_lowered_comes_back_after_a_refusal():
+    fake = FakeController(FRC_JointMotionJRep=refusal(refusals.BAD_POSITION_DATA))
+    robot = await connected(fake)
+    await robot.set_limits(MotionLimits(1e5, math.radians(2.0)))
+
+    with pytest.raises(TargetRefusedError):
+        await robot.move_joints((math.pi / 2, 0.0, 0.0, 0.0, 0.0, 0.0))
+
+    assert fake.overrides == [57, 100]
+
+
+async def test_an_override_that_is_not_kept_moves_nothing():
+    fake = FakeController(FRC_SetOverRide=lambda packet: encode(reply(packet)))
+    robot = await connected(fake)
+    await robot.set_limits(MotionLimits(1e5, math.radians(2.0)))
+
+    with pytest.raises(DeviceRefusedError, match="override of 57 %"):
+        await robot.move_joints((math.pi / 2, 0.0, 0.0, 0.0, 0.0, 0.0))
+    assert fake.motions == []
+
+
+async def test_a_limit_that_no_speed_keeps_is_refused():
+    fake = FakeController()
+    robot = await connected(fake)
+    await robot.set_limits(MotionLimits(0.01, math.radians(3.0)))
+
+    with pytest.raises(DeviceRefusedError, match="no speed as low"):
+        await robot.move_joints(TARGET)
+    assert fake.motions == []
