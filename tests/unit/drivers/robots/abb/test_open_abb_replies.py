@@ -22,6 +22,8 @@ from truepose_drivers.errors import (
 )
 from truepose_drivers.transports.memory import MemoryEnd, MemoryLink
 
+pytestmark = pytest.mark.simulated_time
+
 
 @pytest.mark.parametrize("chunk_bytes", [1, 5, 4096])
 async def test_joints_survive_any_split_of_the_stream(chunk_bytes):

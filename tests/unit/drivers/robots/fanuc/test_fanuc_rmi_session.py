@@ -28,6 +28,8 @@ from truepose_drivers.fanuc_rmi.protocol.messages import (
 from truepose_drivers.fanuc_rmi.protocol.packets import encode
 from truepose_drivers.transports.memory import MemoryLink
 
+pytestmark = pytest.mark.simulated_time
+
 
 async def test_whoever_closes_says_so():
     fake = FakeController()

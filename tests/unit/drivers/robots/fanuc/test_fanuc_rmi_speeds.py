@@ -23,6 +23,8 @@ from truepose_drivers.fanuc_rmi.protocol.messages import (
 )
 from truepose_drivers.fanuc_rmi.protocol.packets import encode
 
+pytestmark = pytest.mark.simulated_time
+
 
 async def test_no_piece_takes_longer_than_it_may_go_on_alone():
     fake = FakeController()
