@@ -17,6 +17,7 @@ class Asking:
     address: str = ""
     reason: str | None = None  # why, as the body says
     about: str | None = None  # the person whom it is about, where nobody is signed in yet
+    renews: bool = False  # keeps what the same person has already: no event
 
 
 _ASKING: Final[ContextVar[Asking | None]] = ContextVar("asking", default=None)

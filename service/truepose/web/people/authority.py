@@ -63,10 +63,12 @@ async def claim_authority(here: Here, asker: Asker, id: Id, wanted: AuthorityReq
     await here.sessions.get(id)
     if asker.everybody or asker.sign_in is None:
         return _reply(here, None, asker)
+    held = here.people.leases.of(id)
+    asking().renews = held is not None and held.is_of(asker)
     if wanted.take_over:
         if not _is_fresh(here, asker):
             raise FreshSignInNeededError
-        _give_reason(here.people.leases.of(id), asker)
+        _give_reason(held, asker)
         return _reply(here, here.people.leases.take_over(id, asker), asker)
     return _reply(here, here.people.leases.claim(id, asker), asker)
 

@@ -160,7 +160,7 @@ def _not_for(caller: Caller, operation: str | None) -> str:
 def _record(scope: Scope, operation: Operation | None, asked: Asking, status: int, here: Any) -> None:
     """Put on record what changed something or was refused, and who signed in."""
     refused = status in _REFUSED
-    if scope["method"] in _READING and not refused:
+    if (scope["method"] in _READING or asked.renews) and not refused:
         return
     if refused and not _is_told(here.people.refusals, asked):
         return

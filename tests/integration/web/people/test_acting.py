@@ -144,6 +144,17 @@ async def test_the_authority_ends_where_nobody_renews_it(house, ada, alan, start
     assert (await ada.post(f"{path}/confirm", json={"prompt_id": prompt})).status_code == 202
 
 
+async def test_to_go_on_having_the_authority_is_no_act(house, ada, alan, started):
+    path, _ = started
+
+    for _ in range(3):  # as an open page does every few seconds
+        await alan.put(f"{path}/authority", json={})
+    await ada.put(f"{path}/authority", json={})  # refused
+
+    claimed = [(act.person, act.status) for act in await acts_of(house) if act.operation == "claim_authority"]
+    assert claimed == [("Ada Byron", 409)]
+
+
 async def test_who_only_looks_at_a_stranger_s_tablet_takes_nothing_over(house, started):
     path, _ = started
     async with await house.browser(Role.ADMINISTRATOR, fresh=False) as stale:
