@@ -19,6 +19,7 @@ from truepose.identification.model.estimates import nominal_estimate
 from truepose.identification.model.evaluation import Targets, evaluate
 from truepose.identification.model.same_robot import require_same_robot
 from truepose.planning.tracker.session_plans import plan_validation
+from truepose.planning.work_volume.candidates import have_room_to_approach
 from truepose.planning.work_volume.work_space import WorkSpace
 
 
@@ -56,8 +57,8 @@ def plan_proof(space: WorkSpace, template: SessionPlan, model: Model, n: int, se
     model : Model
         That is to be proved.
     n : int
-        Number of targets; each is visited twice. Targets that the model cannot correct within the limits
-        are left out.
+        Number of targets; each is visited twice. Targets that the model cannot correct within the limits,
+        or whose correction leaves no room to approach it, are left out.
     seed : int
 
     Raises
@@ -73,9 +74,12 @@ def plan_proof(space: WorkSpace, template: SessionPlan, model: Model, n: int, se
     joints, nest = np.array([stop.joints_rad for stop in drawn]), np.array([stop.nest for stop in drawn])
     stops = Stops(np.arange(n), joints, direction=approach_directions(joints, template.approach_offset_rad))
     pairs = pairs_of(model, stops, nest)
-    if not pairs.solved.any():
+    # A stop at the edge of its range may be corrected to where its approach begins beyond a limit.
+    reached = pairs.solved.copy()
+    reached[reached] = have_room_to_approach(approached, pairs.corrected_rad[reached])
+    if not reached.any():
         raise ConfigurationError("Not one of the targets can be corrected: the model is not of this robot.")
-    return replace(template, stops=tuple(_visits(pairs.taken(np.flatnonzero(pairs.solved)))))
+    return replace(template, stops=tuple(_visits(pairs.taken(np.flatnonzero(reached)))))
 
 
 def approach_directions(joints_rad: FloatArray, offset_rad: float | None) -> IntArray | None:

@@ -102,7 +102,7 @@ def judge(space: WorkSpace, joints_rad: FloatArray, rng: np.random.Generator) ->
     """
     chain = nominal_chain(space, joints_rad)
     feasible = is_seen(space, cosines_to_tracker(space, chain).max(axis=0))
-    feasible[feasible] = _have_room(space, joints_rad[feasible])
+    feasible[feasible] = have_room_to_approach(space, joints_rad[feasible])
     cosines = cosines_in_sight(space, chain, feasible)
     shuffled = rng.permutation(len(cosines))
     best = shuffled[np.argmax(cosines[shuffled], axis=0)]
@@ -110,7 +110,7 @@ def judge(space: WorkSpace, joints_rad: FloatArray, rng: np.random.Generator) ->
     return feasible, (best + 1).astype(np.int64)
 
 
-def _have_room(space: WorkSpace, joints_rad: FloatArray) -> BoolArray:
+def have_room_to_approach(space: WorkSpace, joints_rad: FloatArray) -> BoolArray:
     """Whether the arm may be at configurations (n, J), and where it approaches them from."""
     room = has_room(space, joints_rad, nominal_chain(space, joints_rad))
     if space.approach_offset_rad is not None:
