@@ -36,19 +36,19 @@ class Shown:
 @router.get("/plan", response_class=HTMLResponse)
 async def plan_page(visit: Visited, n: Number = None, whole: Whole = False) -> HTMLResponse:
     """Show what n configurations promise in this cell."""
-    cell = visit.here.cell
+    cell, plans = visit.here.cell, visit.may("plan_session")
 
     async def draw() -> str:
         promised = await visit.here.promise_desk.promise(cell, n)
-        return await asyncio.to_thread(_told, promised, visit.words)
+        return await asyncio.to_thread(_told, promised, visit.words, plans=plans)
 
-    told = await drawn_part(visit, f"plan {n} {json.dumps(to_document(cell))}", draw, whole=whole)
+    told = await drawn_part(visit, f"plan {n} {plans} {json.dumps(to_document(cell))}", draw, whole=whole)
     return visit.page("plan.html", told=told, n=n)
 
 
-def _told(promised: "Promised", words: Catalogue) -> str:
+def _told(promised: "Promised", words: Catalogue, *, plans: bool) -> str:
     shown = _shown(promised, words)
-    return rendered("plan_told.html", shown=shown, words=words, say=words.say)
+    return rendered("plan_told.html", shown=shown, plans=plans, words=words, say=words.say)
 
 
 def _shown(promised: "Promised", words: Catalogue) -> Shown:
