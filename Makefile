@@ -72,6 +72,7 @@ hardening-report: setup
 	$(BIN)/python -m tests.studies.durable_writes --out out/hardening
 	$(BIN)/python -m tests.studies.ready_again --readings 1000000 --out out/hardening
 	$(BIN)/python -m tests.studies.session_overhead --out out/hardening
+	$(BIN)/python -m tests.studies.cuts --out out/hardening
 
 pages-report: setup
 	$(BIN)/python -m tests.studies.pages --out out/pages

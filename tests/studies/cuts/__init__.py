@@ -1,0 +1,1 @@
+"""A tablet's network is cut while somebody taps."""
