@@ -78,11 +78,13 @@ def backup_command(
             "bytes": made.size_bytes,
             "records": made.head.links,
             "head": made.head.text,
+            "drafts": made.drafts,
         })
     else:
+        beside = f" {made.drafts} drafts lie beside it." if made.drafts else ""
         print_lines([
             f"{made.file}: {made.head.links} records, {made.size_bytes / 1e6:.1f} MB, verified. "
-            f"Chain head {made.head.text}."
+            f"Chain head {made.head.text}.{beside}"
         ])
     return 0
 
@@ -108,6 +110,7 @@ def restore_command(
     Example: truepose restore backups/monday.sqlite3 --database sqlite:///cell.db --replace --at-next-start
     """
     from truepose.cli.output import remark
+    from truepose.storage.backup.drafts import restore_drafts
     from truepose.storage.backup.restoring import restore
     from truepose.storage.errors import DatabaseInUseError
 
@@ -120,12 +123,20 @@ def restore_command(
     except DatabaseInUseError as error:
         remark([f"{error} Or let it run: --at-next-start verifies the copy now and puts it in place then."])
         return _SERVICE_FAILED
+    drafts = restore_drafts(file, target)
     kept = None if aside is None else str(aside)
     if json:
-        print_json({"database": str(target), "records": head.links, "head": head.text, "kept": kept})
+        print_json({
+            "database": str(target),
+            "records": head.links,
+            "head": head.text,
+            "kept": kept,
+            "drafts": drafts,
+        })
     else:
         before = "" if kept is None else f" What was there is kept as {kept}."
-        print_lines([f"{target}: {head.links} records restored. Chain head {head.text}.{before}"])
+        brought = f" {drafts} drafts are back." if drafts else ""
+        print_lines([f"{target}: {head.links} records restored. Chain head {head.text}.{before}{brought}"])
     return 0
 
 

@@ -23,7 +23,7 @@ MOST_BYTES: Final = 64 * 2**20  # of a draft
 MOST_FILES: Final = 200
 MOST_DRAFTS: Final = 20
 KEPT: Final = timedelta(days=14)  # after the last change: a shift, a weekend, a week of holidays
-_STATE: Final = "draft.json"
+STATE: Final = "draft.json"
 _WHAT: Final = "draft"
 
 
@@ -76,7 +76,7 @@ class DraftFolder:
         """Make an empty draft; raises ConflictError where too many are kept."""
         with self._lock, _told_of_disk():
             self._expire()
-            numbers = self._numbers()
+            numbers = self.numbers()
             if len(numbers) >= MOST_DRAFTS:
                 raise ConflictError(f"{MOST_DRAFTS} drafts are kept already; throw one away first.")
             now = _now()
@@ -88,7 +88,7 @@ class DraftFolder:
     def get(self, number: int) -> Draft:
         """Return a draft; raises NotFoundError."""
         try:
-            document = json.loads((self._place(number) / _STATE).read_bytes())
+            document = json.loads((self._place(number) / STATE).read_bytes())
         except (FileNotFoundError, NotADirectoryError) as error:
             raise NotFoundError(_WHAT, number) from error
         except (OSError, ValueError) as error:
@@ -99,7 +99,7 @@ class DraftFolder:
         """Return all drafts, the latest first."""
         with self._lock, _told_of_disk():
             self._expire()
-            drafts = [self.get(number) for number in self._numbers()]
+            drafts = [self.get(number) for number in self.numbers()]
         return tuple(sorted(drafts, key=lambda draft: draft.id, reverse=True))
 
     def remove(self, number: int) -> None:
@@ -159,10 +159,20 @@ class DraftFolder:
                 self.path(number, one.number).unlink(missing_ok=True)
             return kept
 
+    def put_back(self, member: str, data: bytes) -> None:
+        """Write a file of a draft that was kept elsewhere, by its path in this folder."""
+        place = self._folder / member
+        with self._lock, _told_of_disk():
+            place.parent.mkdir(parents=True, exist_ok=True)
+            with place.open("wb") as file:
+                file.write(data)
+                _flush(file)
+
     def _place(self, number: int) -> Path:
         return self._folder / str(int(number))
 
-    def _numbers(self) -> list[int]:
+    def numbers(self) -> list[int]:
+        """Return the numbers of all drafts, of those too that have ended and were not looked for since."""
         if not self._folder.is_dir():
             return []
         return sorted(int(path.name) for path in self._folder.iterdir() if path.name.isdecimal())
@@ -178,16 +188,16 @@ class DraftFolder:
 
     def _write(self, draft: Draft) -> Draft:
         place = self._place(draft.id)
-        part = place / f"{_STATE}.part"
+        part = place / f"{STATE}.part"
         with part.open("wb") as file:
             file.write(json.dumps(to_document(draft)).encode())
             _flush(file)
-        os.replace(part, place / _STATE)
+        os.replace(part, place / STATE)
         return draft
 
     def _expire(self) -> None:
         oldest = (datetime.now(UTC) - KEPT).isoformat(timespec="seconds")
-        for number in self._numbers():
+        for number in self.numbers():
             try:
                 ended = self.get(number).changed_at < oldest
             except NotFoundError:  # its creation was cut short

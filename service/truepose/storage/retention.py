@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
+from truepose.storage.backup.drafts import drafts_beside
 from truepose.storage.backup.schedule import copies_in
 
 _DAY_S: Final = 86400.0
@@ -66,3 +67,5 @@ def _left_behind(database: Path, now_s: float) -> Iterator[tuple[Path, str]]:
 def _surplus_copies(folder: Path, keep: int) -> Iterator[tuple[Path, str]]:
     for _, file in copies_in(folder)[:-keep]:
         yield file, f"copy, older than the {keep} that are kept"
+        if drafts_beside(file).exists():
+            yield drafts_beside(file), "drafts of such a copy"

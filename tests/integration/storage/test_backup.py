@@ -5,6 +5,7 @@ import json
 import os
 import subprocess
 import sys
+import zipfile
 
 import pytest
 
@@ -14,9 +15,11 @@ from tests.integration.web.bench import CELL, Bench
 from truepose.settings import Settings
 from truepose.storage.backup import copying
 from truepose.storage.backup.copying import back_up
+from truepose.storage.backup.drafts import drafts_beside, restore_drafts
 from truepose.storage.backup.restoring import lay_ready, put_ready_in_place, restore
 from truepose.storage.connection.library import LIBRARY
 from truepose.storage.database import Database
+from truepose.storage.drafts import DraftFolder
 from truepose.storage.errors import BackupError, DatabaseAddressError, DatabaseInUseError, DatabaseUsedError
 from truepose.storage.integrity.arrival import verify_left
 from truepose.storage.measurement.ledger import LedgerRepository
@@ -222,6 +225,66 @@ async def test_a_service_begins_with_what_was_laid_ready(left, copy, database_ur
 
     assert [one["name"] for one in listed] == ["first"]
     assert "records restored" in caplog.text and "is kept as" in caplog.text
+
+
+@pytest.fixture
+def drafts(left):
+    """Two drafts, one with a file, beside a database."""
+    folder = DraftFolder.beside(left)
+    number = folder.create().id
+    with folder.receiving(number) as incoming:
+        incoming.write(b"q1;x\n1;2\n")
+        incoming.keep("left arm/points.csv")
+    folder.keep_choices(number, {"robot": "abb-irb-120"})
+    folder.create()
+    return folder
+
+
+def test_drafts_lie_beside_a_copy_and_come_back_with_it(left, drafts, copy, tmp_path):
+    made = back_up(left, copy, replace=True)
+    fresh = tmp_path / "fresh" / "cell.sqlite3"
+    restore(copy, fresh)
+
+    assert (made.drafts, restore_drafts(copy, fresh)) == (2, 2)
+
+    back = DraftFolder.beside(fresh)
+    assert back.all() == drafts.all()
+    assert back.path(1, 1).read_bytes() == b"q1;x\n1;2\n"
+
+
+def test_drafts_that_are_there_stay(left, drafts, copy):
+    back_up(left, copy, replace=True)
+    drafts.remove(2)
+
+    assert restore_drafts(copy, left) == 0
+    assert drafts.numbers() == [1]
+
+
+def test_without_drafts_nothing_lies_beside_a_copy_and_none_of_before(left, drafts, copy):
+    back_up(left, copy, replace=True)
+    drafts.remove(1)
+    drafts.remove(2)
+
+    made = back_up(left, copy, replace=True)
+
+    assert (made.drafts, [file.name for file in copy.parent.iterdir()]) == (0, [copy.name])
+    assert restore_drafts(copy, left) == 0
+
+
+def test_of_an_archive_only_drafts_are_put_back(left, copy, tmp_path):
+    with zipfile.ZipFile(drafts_beside(copy), "w") as archive:
+        for name in ("../escape.file", "1/../../escape.file", "/1/1.file", "1/draft.json.part", "x/1.file"):
+            archive.writestr(name, b"x")
+
+    assert restore_drafts(copy, tmp_path / "fresh.sqlite3") == 0
+    assert not list(tmp_path.rglob("*escape*"))
+
+
+def test_a_damaged_archive_of_drafts_is_one_sentence(left, copy):
+    drafts_beside(copy).write_bytes(b"PK")
+
+    with pytest.raises(BackupError, match="the records are"):
+        restore_drafts(copy, left)
 
 
 def test_a_copy_that_was_changed_is_not_restored(left, copy, tmp_path):

@@ -5,6 +5,7 @@ import pytest
 from tests.helpers.domain.tracker_sessions import make_plan, make_setup
 from truepose.storage.backup.plan import BackupPlan
 from truepose.storage.backup.schedule import BackupSchedule
+from truepose.storage.drafts import DraftFolder
 from truepose.storage.integrity.arrival import verify_left
 from truepose.storage.measurement.sessions import SessionRepository
 
@@ -56,6 +57,22 @@ async def test_the_oldest_copies_make_room_and_nothing_else_does(schedule, day):
     assert copies(schedule) == [
         "by-hand.sqlite3",
         "truepose-20270117T080000Z.sqlite3",
+        "truepose-20270118T080000Z.sqlite3",
+    ]
+
+
+async def test_drafts_go_with_the_copy_that_they_lie_beside(database, schedule, day):
+    drafts = DraftFolder.beside(database.file)
+    drafts.create()
+    for _ in range(3):
+        await schedule.make_if_due()
+        day.now_s += DAY_S
+    drafts.remove(1)
+    await schedule.make_if_due()
+
+    assert copies(schedule) == [
+        "truepose-20270117T080000Z.sqlite3",
+        "truepose-20270117T080000Z.sqlite3.drafts.zip",
         "truepose-20270118T080000Z.sqlite3",
     ]
 

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
+from truepose.storage.backup.drafts import copy_drafts
 from truepose.storage.connection.library import LIBRARY
 from truepose.storage.connection.place import sync_folder
 from truepose.storage.errors import BackupError, DatabaseAddressError
@@ -31,6 +32,7 @@ class Backup:
     file: Path
     size_bytes: int
     head: Head  # of the chain in it
+    drafts: int  # that lie beside it
 
 
 def back_up(
@@ -59,10 +61,11 @@ def back_up(
             require_copy(part, head)
             part.replace(target)
             sync_folder(target.parent)
+            drafts = copy_drafts(database, target)
     except (OSError, LIBRARY.DatabaseError) as error:
         raise BackupError(f"{database} cannot be copied to {target} ({error}); nothing was kept.") from error
     told(1.0, "verified")
-    return Backup(target, target.stat().st_size, head)
+    return Backup(target, target.stat().st_size, head, drafts)
 
 
 def copy_database(database: Path, target: Path, told: Callable[[float], None]) -> Head:

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Final
 
 from truepose.storage.backup.copying import back_up
+from truepose.storage.backup.drafts import drafts_beside
 from truepose.storage.backup.plan import BackupPlan
 from truepose.storage.errors import StorageError
 
@@ -61,6 +62,7 @@ class BackupSchedule:
         _LOG.info("%s: a copy of %d records, verified", made.file, made.head.links)
         for _, file in copies_in(self.plan.folder)[: -self.plan.keep]:
             file.unlink(missing_ok=True)
+            drafts_beside(file).unlink(missing_ok=True)
             _LOG.info("%s: an older copy than the %d that are kept was removed", file, self.plan.keep)
 
 

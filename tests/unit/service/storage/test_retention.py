@@ -61,11 +61,15 @@ def test_what_an_interrupted_copy_left_may_go_when_no_copy_is_under_way(database
 def test_surplus_copies_may_go_the_oldest_first_and_files_by_hand_stay(database, tmp_path):
     for day in (1, 2, 3):
         make(tmp_path / "copies" / f"truepose-2026010{day}T000000Z.sqlite3", 3)
+        make(tmp_path / "copies" / f"truepose-2026010{day}T000000Z.sqlite3.drafts.zip", 3)
     make(tmp_path / "copies" / "by-hand.sqlite3", 500)
 
     found = told(database, copies=tmp_path / "copies", keep_copies=2)
 
-    assert [one.file.name for one in found] == ["truepose-20260101T000000Z.sqlite3"]
+    assert [one.file.name for one in found] == [
+        "truepose-20260101T000000Z.sqlite3",
+        "truepose-20260101T000000Z.sqlite3.drafts.zip",
+    ]
 
 
 def test_what_may_go_goes_when_it_is_dropped_and_not_before(database, tmp_path):
