@@ -25,7 +25,8 @@ router = resource("/drafts", tags=["drafts"])
 _RECEIVING_S: Final = 300.0  # 64 MB at 2 Mbit/s
 _BODY: Final = {
     "requestBody": {
-        "required": True,
+        "description": "The bytes of the file; without any it is an empty one, as folders have them.",
+        "required": False,
         "content": {"application/octet-stream": {"schema": {"type": "string", "format": "binary"}}},
     }
 }
