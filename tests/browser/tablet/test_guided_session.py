@@ -1,7 +1,6 @@
 """A session that runs by itself, on the real page of the real service: its steps, its verbs, mishaps."""
 
 import contextlib
-import time
 
 import httpx
 import pytest
@@ -188,11 +187,9 @@ def test_a_session_is_taken_up_at_the_same_step_after_a_restart(chromium, tmp_pa
             first.close()
             moves = bench.robot.moves
             with serving(tmp_path, bench) as second:
-                began_s = time.monotonic()
                 wire.leads_to(second)
                 wire.heal()
                 on(page, "ask")
-                waited_s = time.monotonic() - began_s
                 after = guide(second, id)
                 assert after["progress"]["done"] in {
                     before["progress"]["done"],
@@ -203,7 +200,6 @@ def test_a_session_is_taken_up_at_the_same_step_after_a_restart(chromium, tmp_pa
                 bench.clock.pace = 60
                 held(page)
                 on(page, "finished")
-                assert waited_s < 10  # of 4 s that are wanted, on a machine that does other things too
                 assert guide(second, id)["progress"]["done"] == 6
 
 

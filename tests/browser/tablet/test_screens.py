@@ -255,11 +255,14 @@ def test_a_tool_whose_arm_is_unknown_is_seen_from_near(desk, tablet):
     expect(tablet.locator("#names")).to_have_text("T1T2")  # drawn with it: no picture of the step before
     expect(tablet.locator("#picture")).to_be_visible()
     expect(tablet.locator("#picture .tag")).to_have_count(3)
-    at = tablet.locator("#picture .ball").evaluate_all(
-        "all => all.map(ball => ball.getBoundingClientRect().x)"
-    )
     # Three nests over the width of the picture; with the base, 560 mm away, they would be close together.
-    assert max(at) - min(at) > 0.2 * tablet.viewport_size["width"]
+    tablet.wait_for_function(
+        """() => {
+          const balls = [...document.querySelectorAll("#picture .ball")];
+          const at = balls.map((ball) => ball.getBoundingClientRect().x);
+          return Math.max(...at) - Math.min(...at) > 0.2 * innerWidth;
+        }"""
+    )
 
 
 @pytest.mark.parametrize(
