@@ -242,6 +242,15 @@ def test_what_could_not_be_read_is_read_again(desk, chromium, url):
     assert not missing
 
 
+def test_an_answer_that_was_cut_off_is_none(desk, chromium, url):
+    with a_tablet(chromium, url) as page:
+        cut_off = {"status": 200, "content_type": "application/json", "body": '{"simul'}
+        page.route("**/simulated-hands", lambda route: route.fulfill(**cut_off), times=1)
+        page.goto(f"{url}/operator/3")
+
+        page.locator("[data-hand=asked]").wait_for(timeout=PATIENCE_MS)
+
+
 def test_no_is_an_answer(desk, chromium, url):
     desk.simulated = False
     asked = []

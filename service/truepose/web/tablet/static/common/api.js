@@ -26,13 +26,16 @@ async function reached(path, request, patience_ms) {
   try {
     const reply = await fetch(path, { cache: "no-store", ...request, signal: patience.signal });
     if (!request.cache) hear(reply); // what was kept here tells the time of then
-    return [reply, reply.status === 204 ? null : await reply.json().catch(() => null)];
+    return [reply, reply.status === 204 ? null : await bodyOf(reply)];
   } catch (error) {
     throw new Unreached(error.message);
   } finally {
     clearTimeout(timer);
   }
 }
+
+// What was cut off on its way is no answer, whatever its head said. A refusal may come as somebody else's page.
+const bodyOf = (reply) => reply.json().catch((error) => (reply.ok ? Promise.reject(error) : null));
 
 // `patience_ms` null: as long as it takes.
 export async function ask(path, request = {}, patience_ms = PATIENCE_MS) {
