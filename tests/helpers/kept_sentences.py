@@ -14,4 +14,5 @@ KEPT = (
     "its line of sight, then resume.",
     "Gauge 2 is not touched: it shows -0.123 mm, and 4 mm either way of its zero are used.",
     "The database could not be written for a while (disk full); nothing is missing. " + CLEAR,
+    "While measuring configuration 7: " * 24 + "no answer",  # each in the one before
 )

@@ -48,10 +48,11 @@ export class Stored {
     let unknown = 0;
     while (begin < text.length) {
       const later = ends.filter((end) => end > begin);
-      const end = later.findLast((one) => this.#said(text.slice(begin, one)) !== null);
+      let said = null; // kept: what is in a sentence may be sentences, and to say them twice would double at each depth
+      const end = later.findLast((one) => (said = this.#said(text.slice(begin, one))) !== null);
       if (end !== undefined) {
         add(unknown, begin);
-        found.push({ text: this.#said(text.slice(begin, end)), lang: this.#language });
+        found.push({ text: said, lang: this.#language });
       }
       begin = after(end ?? later[0]);
       if (end !== undefined) unknown = begin;
