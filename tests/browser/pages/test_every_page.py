@@ -95,6 +95,25 @@ def test_units_are_chosen_once_for_the_pages_and_the_tablets(chromium, shop):
         page.locator("#units").get_by_text("in", exact=True).wait_for()
 
 
+def test_a_part_that_is_not_drawn_is_asked_for_again_and_a_refusal_is_said(chromium, shop):
+    address = f"{shop}/models/1"
+    whole = httpx.get(f"{address}?whole=true", trust_env=False).text
+    waits = '<p role="status"></p><script type="module" src="/static/drawn.js"></script>'
+    early = whole.replace('<div id="drawn">', f'<div id="drawn" data-drawing data-unreachable="">{waits}')
+    answers = iter([(503, "Others draw."), (409, "Its readings are gone.")])
+
+    def refuse(route):
+        status, detail = next(answers)
+        route.fulfill(status=status, json={"detail": detail})
+
+    with chromium.one(shop, TABLET) as page:
+        page.route(address, lambda route: route.fulfill(body=early, content_type="text/html"))
+        page.route(f"{address}?whole=true", refuse)
+        page.goto(address)
+
+        expect(page.locator("[data-drawing] [role=status]")).to_have_text("Its readings are gone.")
+
+
 @pytest.mark.parametrize("language", ["de", "ja"])
 def test_a_tablet_hears_what_the_service_keeps_as_its_pages_do(chromium, shop, language):
     hear = """async ([language, texts]) => {

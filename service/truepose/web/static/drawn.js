@@ -1,24 +1,22 @@
 // What is being drawn while the page is read comes in its place once it is there.
 
-import { refusal } from "./person.js";
+import { answerTo } from "./api.js";
+import { inPage } from "./page-part.js";
 import { letKeysScroll } from "./shell.js";
 
 const part = document.querySelector("[data-drawing]");
+const whole = new URL(location.href);
+whole.searchParams.set("whole", "true");
 
-async function whole() {
-  const address = new URL(location.href);
-  address.searchParams.set("whole", "true");
-  const reply = await fetch(address, { headers: { Accept: "text/html" } }).catch(() => null);
-  if (!reply) throw new Error(part.dataset.unreachable);
-  if (!reply.ok) throw new Error(await refusal(await reply.json()));
-  return new DOMParser().parseFromString(await reply.text(), "text/html").getElementById("drawn");
+function say(sentence) {
+  const said = part.querySelector("[role=status]");
+  said.className = "warning";
+  said.textContent = sentence;
 }
 
 try {
-  part.replaceWith(await whole());
+  await answerTo(() => inPage("#drawn", part.dataset.unreachable, whole), say);
   letKeysScroll();
 } catch (error) {
-  const said = part.querySelector("[role=status]");
-  said.className = "warning";
-  said.textContent = error.message;
+  say(error.message);
 }
