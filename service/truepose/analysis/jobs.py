@@ -140,13 +140,6 @@ class JobDesk:
         sender: str = "",
     ) -> int:
         """Queue the choice of a session's configurations and return the job's number."""
-
-        async def load() -> Task:
-            return task
-
-        async def store(job_id: int, plan: SessionPlan) -> int:
-            return await self._results.keep_plan(job_id, name, task.setup, plan)
-
         request: dict[str, Any] = {
             "name": name,
             "role": task.template.role,
@@ -154,8 +147,7 @@ class JobDesk:
         }
         if proved_id is not None:
             request["proves_model_id"] = proved_id
-        work = Work(JobKind.PLAN, request, task.work_count, load, store)
-        return await self._queue.add(work, key, sender)
+        return await self._plan(JobKind.PLAN, request, task, _chosen_clear, key, sender)
 
     async def plan_checked(
         self,
@@ -170,19 +162,10 @@ class JobDesk:
         `check` returns what to watch in what was chosen. It raises where the cell cannot do that; the job
         then fails with that sentence.
         """
-
-        async def load() -> Task:
-            return task
-
-        async def store(job_id: int, plan: BallbarPlan | ContactPlan) -> int:
-            notice = await check(plan)
-            return await self._results.keep_plan(job_id, name, task.setup, plan, notice)
-
         of_bar = isinstance(task, BallbarPlanTask)
         request = {"name": name, "role": "ballbar" if of_bar else "contacts", **task.asked}
         kind = JobKind.BALLBAR_PLAN if of_bar else JobKind.CONTACT_PLAN
-        work = Work(kind, request, task.work_count, load, store)
-        return await self._queue.add(work, key, sender)
+        return await self._plan(kind, request, task, check, key, sender)
 
     async def repeat(
         self,
@@ -193,16 +176,28 @@ class JobDesk:
         sender: str = "",
     ) -> int:
         """Queue a session with the plan of an earlier one and return the job's number; `check` as above."""
+        request = {**task.asked, "name": name}
+        return await self._plan(_PLANNED_BY[type(task.plan)], request, task, check, key, sender)
+
+    async def _plan(
+        self,
+        kind: JobKind,
+        request: dict[str, Any],
+        task: SessionPlanTask | BallbarPlanTask | ContactPlanTask | RepeatTask,
+        check: CheckPlan,
+        key: RequestKey | None,
+        sender: str,
+    ) -> int:
+        """Queue what makes the plan of a session, whose name is in the request."""
 
         async def load() -> Task:
             return task
 
         async def store(job_id: int, plan: SessionPlan | BallbarPlan | ContactPlan) -> int:
-            return await self._results.keep_plan(job_id, name, task.setup, plan, await check(plan))
+            notice = await check(plan)
+            return await self._results.keep_plan(job_id, request["name"], task.setup, plan, notice)
 
-        kind = _PLANNED_BY[type(task.plan)]
-        work = Work(kind, {**task.asked, "name": name}, 0, load, store)
-        return await self._queue.add(work, key, sender)
+        return await self._queue.add(Work(kind, request, task.work_count, load, store), key, sender)
 
     async def correct(
         self,
@@ -261,6 +256,10 @@ class JobDesk:
         """End all workers and say so in the records of their jobs."""
         await self._queue.close()
         await self.mark_interrupted("The service was stopped before the job ended; start it again.")
+
+
+async def _chosen_clear(plan: SessionPlan) -> str:
+    return ""  # the chooser keeps the ways clear
 
 
 def _calibration_readings(campaign: CampaignRecord) -> int:

@@ -183,6 +183,11 @@ class RepeatTask:
     plan: SessionPlan | BallbarPlan | ContactPlan
     asked: Mapping[str, Any]  # of the job that planned the earlier one: it says what kind of test it is
 
+    @property
+    def work_count(self) -> int:
+        """Nothing is chosen."""
+        return 0
+
     def perform(self, report: Report) -> SessionPlan | BallbarPlan | ContactPlan:
         """Return the plan."""
         report(0.0, "taking over the plan")

@@ -12,11 +12,11 @@ from truepose.domain.contacts import ContactPlan
 from truepose.domain.session import SessionPlan
 from truepose.operation.ballbar.plans import BallbarWish, kit_of
 from truepose.operation.ballbar.plans import judged as judged_by_bar
-from truepose.operation.ballbar.worker_tasks import plan_task
 from truepose.operation.tracker.plans import judged
 from truepose.storage.errors import ConflictError
 from truepose.storage.records import RequestKey, SessionRecord, SessionSetup
 from truepose.web.context import Context
+from truepose.web.measurement.ballbar_sessions import queue_plan
 from truepose.web.results.origins import origin_of
 from truepose.web.schemas.measurement.again import RepeatRequest
 
@@ -140,12 +140,7 @@ async def _anew(
         )
     if isinstance(plan, BallbarPlan):
         frames = tuple(placement.frame for placement in plan.placements)
-        bar = plan_task(setup, BallbarWish(frames=frames, poses=n, seed=seed))
-
-        async def check(chosen: BallbarPlan) -> str:
-            await here.ballbar_sessions.require_possible(setup, chosen)
-            return ""  # the chooser keeps the ways clear
-
-        return await here.job_desk.plan_checked(name, bar, check, key, sender)
+        wish = BallbarWish(frames=frames, poses=n, seed=seed)
+        return await queue_plan(here, name, setup, wish, key, sender)
     empty = replace(_of_today(plan, setup.cell), stops=())
     return await here.job_desk.plan(name, PlanTask(setup, empty, n, seed), key, sender=sender)

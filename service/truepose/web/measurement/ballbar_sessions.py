@@ -73,7 +73,7 @@ async def plan_ballbar_session(
     setup = SessionSetup(replace(here.cell, ballbar=kit))
     wish = await _wish(here, wanted)
     if later and wish.given is None:
-        number = await _queue(here, wanted.name, setup, wish, key, sender)
+        number = await queue_plan(here, wanted.name, setup, wish, key, sender)
         return await queued_as_preferred(here, number, response)
     planning = here.ballbar_sessions.plan(wanted.name, setup, wish, key)
     number = await while_present(request, planning)
@@ -81,9 +81,11 @@ async def plan_ballbar_session(
     return ballbar_session_reply(await here.ballbar_sessions.view(number))
 
 
-async def _queue(
+async def queue_plan(
     here: Context, name: str, setup: SessionSetup, wish: BallbarWish, key: RequestKey | None, sender: str
 ) -> int:
+    """Queue the choice of a session's poses and return the job's number."""
+
     async def check(plan: BallbarPlan) -> str:
         await here.ballbar_sessions.require_possible(setup, plan)
         return ""  # the chooser keeps the ways clear
