@@ -12,6 +12,7 @@ from fastapi.responses import HTMLResponse
 from tests.helpers.web.routes import paths_answering, routes_alone
 from tests.integration.web.ballbar_bench import BALLBAR, WANTED
 from tests.integration.web.bench import CELL, Bench, session_request
+from tests.integration.web.contact_bench import WIRE
 from tests.integration.web.listening import listening
 from truepose.analysis.workers.uploads import Uploads
 from truepose.app import create_app
@@ -31,15 +32,6 @@ PARTS = {
 # Pages of people and of links that are given once are in `house`: this shop knows nobody.
 OF_PEOPLE = {"/account", "/audit", "/people", "/not-yours", "/sign-in"}
 OF_LINKS = {"/first-person/{secret}", "/watch/{secret}", "/welcome/{secret}"}
-WIRE = {
-    "name": "one wire",
-    "targets": [{"kind": "wire", "place_mm": [600, -400, 0], "zero_mm": 600, "zero_is_certified": False}],
-    "nest": 2,
-    "stops": 6,
-    "stroke_mm": 400,
-    "margin_mm": 20,
-    "reading_u_mm": 0.02,
-}
 
 
 def pages():

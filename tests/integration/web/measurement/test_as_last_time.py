@@ -8,7 +8,7 @@ import pytest
 from tests.helpers.web.clients import served
 from tests.integration.web.ballbar_bench import BALLBAR, SESSIONS, WANTED
 from tests.integration.web.bench import CELL, session_request
-from tests.integration.web.measurement.test_contact_sessions import WIRE
+from tests.integration.web.contact_bench import WIRE
 
 
 @pytest.fixture

@@ -5,20 +5,10 @@ import asyncio
 import pytest
 
 from tests.integration.web.bench import CELL, FakeLink
+from tests.integration.web.contact_bench import GAUGE, WIRE
 from truepose.settings import Settings
 from truepose_drivers.api import BallbarReading, DriverPlugin
 from truepose_drivers.registry import DriverRegistry
-
-GAUGE = '[[device]]\nname = "wire"\ndriver = "fake_gauge"\nserial_number = "W-1"\n'
-WIRE = {
-    "name": "one wire",
-    "targets": [{"kind": "wire", "place_mm": [600, -400, 0], "zero_mm": 600, "zero_is_certified": False}],
-    "nest": 2,
-    "stops": 6,
-    "stroke_mm": 400,
-    "margin_mm": 20,
-    "reading_u_mm": 0.02,
-}
 
 
 class FakeWire(FakeLink):

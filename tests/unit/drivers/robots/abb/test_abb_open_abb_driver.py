@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import pytest
 
+from tests.unit.drivers.robots import absurd
 from tests.unit.drivers.robots.abb.open_abb_server import (
     FAST,
     HANG_UP,
@@ -199,9 +200,7 @@ async def test_it_moves_again_after_connecting_again():
     assert robot.connected
 
 
-@pytest.mark.parametrize(
-    "target", [(0.0,) * 5, (0.0,) * 7, (), (float("nan"),) * 6, (float("inf"), 0, 0, 0, 0, 0), (100.0,) * 6]
-)
+@pytest.mark.parametrize("target", absurd.TARGETS)
 async def test_an_absurd_target_never_reaches_the_robot(target):
     fake = FakeController()
     robot = await connected_robot(fake)
@@ -212,15 +211,12 @@ async def test_an_absurd_target_never_reaches_the_robot(target):
     assert fake.requests == []
 
 
-@pytest.mark.parametrize("speed", [0.0, -1.0, float("nan"), float("inf")])
+@pytest.mark.parametrize("speed", absurd.SPEEDS)
 async def test_an_absurd_speed_never_reaches_the_robot(speed):
     fake = FakeController()
     robot = await connected_robot(fake)
 
-    with pytest.raises(ConfigurationError, match="speed"):
-        await robot.set_limits(MotionLimits(tool_speed_mm_s=speed))
-    with pytest.raises(ConfigurationError, match="speed"):
-        await robot.set_limits(MotionLimits(orientation_speed_rad_s=speed))
+    await absurd.refuses_speed(robot, speed)
 
     assert fake.requests == []
 

@@ -1,5 +1,6 @@
 """A controller with the Remote Motion Interface that lives in memory, and the driver that speaks to it."""
 
+import asyncio
 import math
 
 from truepose_drivers.api import MotionLimits
@@ -112,3 +113,12 @@ async def connected(fake, **time_outs):
     await robot.connect()
     await robot.set_limits(FAST)
     return robot
+
+
+async def begun(robot, fake, degrees_per_s):
+    """Return a motion in pieces, of which the second is under way."""
+    await robot.set_limits(MotionLimits(1e5, math.radians(degrees_per_s)))
+    moving = asyncio.create_task(robot.move_joints((math.pi / 2, 0.0, 0.0, 0.0, 0.0, 0.0)))
+    while len(fake.motions) < 2:
+        await asyncio.sleep(0)
+    return moving

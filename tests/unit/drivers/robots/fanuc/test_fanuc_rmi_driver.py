@@ -5,11 +5,13 @@ import math
 
 import pytest
 
+from tests.unit.drivers.robots import absurd
 from tests.unit.drivers.robots.fanuc.rmi_controller import (
     SHOWN_DEG,
     SILENT,
     TARGET,
     FakeController,
+    begun,
     connected,
     refusal,
     replace_status,
@@ -135,11 +137,8 @@ async def test_an_arm_in_a_persons_hands_is_not_moved(change, words):
 async def test_a_fault_between_two_pieces_ends_the_motion():
     fake = FakeController()
     robot = await connected(fake)
-    await robot.set_limits(MotionLimits(1e5, math.radians(20.0)))
 
-    moving = asyncio.create_task(robot.move_joints((math.pi / 2, 0.0, 0.0, 0.0, 0.0, 0.0)))
-    while len(fake.motions) < 2:
-        await asyncio.sleep(0)
+    moving = await begun(robot, fake, 20.0)
     await fake.ends[-1].send(encode(session(Session.SYSTEM_FAULT, SequenceID=2)))
 
     with pytest.raises(NotInitialisedError, match="stopped on its way"):
@@ -302,9 +301,7 @@ async def test_the_interface_tells_its_version_only():
     assert identity.firmware == "RMI 9.0"
 
 
-@pytest.mark.parametrize(
-    "target", [(0.0,) * 5, (0.0,) * 7, (), (float("nan"),) * 6, (float("inf"), 0, 0, 0, 0, 0), (100.0,) * 6]
-)
+@pytest.mark.parametrize("target", absurd.TARGETS)
 async def test_an_absurd_target_never_reaches_the_robot(target):
     fake = FakeController()
     robot = await connected(fake)
@@ -315,14 +312,11 @@ async def test_an_absurd_target_never_reaches_the_robot(target):
     assert fake.told == ["FRC_ReadJointAngles"]
 
 
-@pytest.mark.parametrize("speed", [0.0, -1.0, float("nan"), float("inf")])
+@pytest.mark.parametrize("speed", absurd.SPEEDS)
 async def test_an_absurd_speed_is_refused(speed):
     robot = robot_of(FakeController())
 
-    with pytest.raises(ConfigurationError, match="speed"):
-        await robot.set_limits(MotionLimits(tool_speed_mm_s=speed))
-    with pytest.raises(ConfigurationError, match="speed"):
-        await robot.set_limits(MotionLimits(orientation_speed_rad_s=speed))
+    await absurd.refuses_speed(robot, speed)
 
 
 @pytest.mark.parametrize(

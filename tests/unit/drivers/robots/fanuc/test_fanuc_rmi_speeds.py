@@ -1,6 +1,5 @@
 """How fast and in which pieces an arm is moved over the Remote Motion Interface."""
 
-import asyncio
 import math
 
 import pytest
@@ -8,6 +7,7 @@ import pytest
 from tests.unit.drivers.robots.fanuc.rmi_controller import (
     TARGET,
     FakeController,
+    begun,
     connected,
     refusal,
     replace_status,
@@ -55,11 +55,8 @@ async def test_a_low_override_makes_pieces_shorter():
 async def test_an_override_that_somebody_lowers_on_the_way_makes_the_pieces_shorter_from_there():
     fake = FakeController()
     robot = await connected(fake)
-    await robot.set_limits(MotionLimits(1e5, math.radians(20.0)))
 
-    moving = asyncio.create_task(robot.move_joints((math.pi / 2, 0.0, 0.0, 0.0, 0.0, 0.0)))
-    while len(fake.motions) < 2:
-        await asyncio.sleep(0)
+    moving = await begun(robot, fake, 20.0)
     before = len(fake.motions)
     fake.status = replace_status(fake.status, override_percent=50)
     await moving
@@ -75,11 +72,8 @@ async def test_an_override_that_somebody_raises_keeps_no_motion_above_its_limits
     fake = FakeController()
     fake.status = replace_status(fake.status, override_percent=80)
     robot = await connected(fake)
-    await robot.set_limits(MotionLimits(1e5, math.radians(2.0)))
 
-    moving = asyncio.create_task(robot.move_joints((math.pi / 2, 0.0, 0.0, 0.0, 0.0, 0.0)))
-    while len(fake.motions) < 2:
-        await asyncio.sleep(0)
+    moving = await begun(robot, fake, 2.0)
     fake.status = replace_status(fake.status, override_percent=100)
     await moving
 

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import pytest
 
+from tests.unit.drivers.robots import absurd
 from truepose_drivers.api import MotionGuard, MotionLimits, RobotController
 from truepose_drivers.errors import (
     ConfigurationError,
@@ -435,9 +436,7 @@ async def test_two_motions_at_once_go_one_after_the_other():
     assert decode_axes(fake.variables["$AXIS_ACT"])[:6] == (0.0,) * 6
 
 
-@pytest.mark.parametrize(
-    "target", [(0.0,) * 5, (0.0,) * 7, (), (float("nan"),) * 6, (float("inf"), 0, 0, 0, 0, 0), (100.0,) * 6]
-)
+@pytest.mark.parametrize("target", absurd.TARGETS)
 async def test_an_absurd_target_never_reaches_the_robot(target):
     fake = FakeController()
     robot = await connected(fake)
@@ -448,14 +447,11 @@ async def test_an_absurd_target_never_reaches_the_robot(target):
     assert fake.written == []
 
 
-@pytest.mark.parametrize("speed", [0.0, -1.0, float("nan"), float("inf")])
+@pytest.mark.parametrize("speed", absurd.SPEEDS)
 async def test_an_absurd_speed_is_refused(speed):
     robot = KukaRobot(MemoryLink(None), FixedClock())
 
-    with pytest.raises(ConfigurationError, match="speed"):
-        await robot.set_limits(MotionLimits(tool_speed_mm_s=speed))
-    with pytest.raises(ConfigurationError, match="speed"):
-        await robot.set_limits(MotionLimits(orientation_speed_rad_s=speed))
+    await absurd.refuses_speed(robot, speed)
 
 
 @pytest.mark.parametrize(
