@@ -23,7 +23,9 @@ HEARD = """async (answers) => {
         pytest.param([(10, 100), (20, 105)], [100, 110], id="an answer that was late changes nothing"),
         pytest.param([(10, 95), (11, 101)], [95, 101], id="a quicker one mends a late one"),
         pytest.param([(10, 5000), (40, 20)], [5000, 20], id="a host that was started anew has another clock"),
-        pytest.param([(0, 100), (600, 699.5)], [100, 699.5], id="a tablet's clock that runs fast is followed"),
+        pytest.param(
+            [(0, 100), (600, 699.5)], [100, 699.5], id="a tablet's clock that runs fast is followed"
+        ),
     ],
 )
 def test_it_is_the_time_of_the_quickest_answer_and_never_later(service, tablet, answers, times):

@@ -8,7 +8,7 @@ from playwright.sync_api import expect
 
 from tests.browser.windows import without_complaint
 from tests.integration.web.bench import session_request, stops
-from truepose.domain.session import PlannedStop, SessionPlan
+from truepose.domain.measurement.session import PlannedStop, SessionPlan
 
 
 def planned(n=3):

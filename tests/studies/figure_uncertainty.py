@@ -16,9 +16,9 @@ from typing import Final
 
 import numpy as np
 
-from truepose.domain.campaign import Campaign, PointReadings
-from truepose.domain.results import Model
-from truepose.domain.validation import FigureUncertainty, Validation
+from truepose.domain.measurement.campaign import Campaign, PointReadings
+from truepose.domain.results.identification import Model
+from truepose.domain.results.validation import FigureUncertainty, Validation
 from truepose.exchange.campaigns.folder import read_campaign
 from truepose.identification import identify, judge
 from truepose.judgement.uncertainty import known

@@ -19,7 +19,7 @@ from tests.helpers.ballbar.cells import domain_cell
 from tests.studies.running import from_command_line
 from tests.unit.service.sequencing.tracker.fakes import FakeCell, make_plan
 from tests.unit.service.sequencing.tracker.operators import PatientOperator
-from truepose.domain.session import SessionPlan, SessionState
+from truepose.domain.measurement.session import SessionPlan, SessionState
 from truepose.operation.session_ledger import SessionLedger
 from truepose.sequencing.tracker.runner import TrackerRunner
 from truepose.storage.database import Database

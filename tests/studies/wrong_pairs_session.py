@@ -9,7 +9,7 @@ from tests.helpers.ballbar.sessions import make_length
 from tests.studies.wrong_pairs_cell import KIT, NOMINAL_MM, RANGE_MM, Gauge, in_range
 from truepose.analysis.ballbar.assembly import Counting, LegKept, SetupKept, SideKept, Standing
 from truepose.analysis.ballbar.precalibration import precalibrate
-from truepose.domain.ballbar import ArrivalTaken, Leg, PlannedPose, PoseForecast
+from truepose.domain.measurement.ballbar import ArrivalTaken, Leg, PlannedPose, PoseForecast
 from truepose.judgement.ball_pairs.accounts import begin
 from truepose.judgement.ball_pairs.early import judge_early
 from truepose.judgement.ball_pairs.judge import judge_leg, judge_pose

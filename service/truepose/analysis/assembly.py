@@ -9,9 +9,9 @@ import numpy as np
 
 from truepose.analysis.errors import NothingMeasuredError, SessionsDifferError
 from truepose.domain.arrays import FloatArray, IntArray
-from truepose.domain.campaign import Campaign, FixedNestReadings, PointReadings, Stops
+from truepose.domain.measurement.campaign import Campaign, FixedNestReadings, PointReadings, Stops
+from truepose.domain.measurement.session import FixedNestTaken, PointTaken, Registration
 from truepose.domain.robot import WorldRegistration
-from truepose.domain.session import FixedNestTaken, PointTaken, Registration
 from truepose.storage.records import SessionSetup
 
 

@@ -3,7 +3,7 @@
 from collections.abc import Sized
 from typing import Final
 
-from truepose.domain.campaign import Campaign
+from truepose.domain.measurement.campaign import Campaign
 from truepose.storage.records import CampaignSummary
 from truepose.words.catalogue import english
 

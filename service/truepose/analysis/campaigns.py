@@ -12,8 +12,8 @@ from truepose.analysis.errors import RoleError
 from truepose.analysis.measured import measured_session
 from truepose.analysis.workers.tasks import stored_campaign
 from truepose.analysis.workers.uploads import Uploads
-from truepose.domain.campaign import Campaign
-from truepose.domain.session import SessionRole
+from truepose.domain.measurement.campaign import Campaign
+from truepose.domain.measurement.session import SessionRole
 from truepose.exchange.campaigns.zip_file import write_campaign_zip
 from truepose.storage.calibration.campaigns import CampaignRepository, NewCampaign
 from truepose.storage.columns import pack

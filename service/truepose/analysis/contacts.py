@@ -6,9 +6,9 @@ from dataclasses import replace
 import numpy as np
 
 from truepose.analysis.errors import NothingMeasuredError, SessionsDifferError
-from truepose.domain.campaign import NO_AXIS, Campaign, ContactReadings, Stops, TargetDistances
-from truepose.domain.contacts import ContactPlan, ContactTaken, TargetDistance
-from truepose.domain.ledger import EntryKind, LedgerEntry
+from truepose.domain.measurement.campaign import NO_AXIS, Campaign, ContactReadings, Stops, TargetDistances
+from truepose.domain.measurement.contacts import ContactPlan, ContactTaken, TargetDistance
+from truepose.domain.measurement.ledger import EntryKind, LedgerEntry
 from truepose.storage.records import SessionSetup
 
 

@@ -18,12 +18,12 @@ from truepose.analysis.workers.tasks import (
     Task,
     ValidateTask,
 )
-from truepose.domain.ballbar import BallbarPlan
-from truepose.domain.contacts import ContactPlan
-from truepose.domain.diagnosis import Diagnosis
-from truepose.domain.results import Identification
-from truepose.domain.session import SessionPlan
-from truepose.domain.validation import Validation
+from truepose.domain.measurement.ballbar import BallbarPlan
+from truepose.domain.measurement.contacts import ContactPlan
+from truepose.domain.measurement.session import SessionPlan
+from truepose.domain.results.diagnosis import Diagnosis
+from truepose.domain.results.identification import Identification
+from truepose.domain.results.validation import Validation
 from truepose.storage.calibration.campaigns import CampaignRepository
 from truepose.storage.calibration.corrections import CorrectionRepository, NewCorrection
 from truepose.storage.calibration.diagnoses import DiagnosisRepository

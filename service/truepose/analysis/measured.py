@@ -6,9 +6,9 @@ from dataclasses import dataclass, replace
 from truepose.analysis.assembly import MeasuredSession, point_readings
 from truepose.analysis.errors import NothingMeasuredError
 from truepose.correction.proof.verdict import Proof, proof_of
-from truepose.domain.campaign import PointReadings
-from truepose.domain.results import Model, NominalAndIdentified
-from truepose.domain.validation import DecisionRule, Validation
+from truepose.domain.measurement.campaign import PointReadings
+from truepose.domain.results.identification import Model, NominalAndIdentified
+from truepose.domain.results.validation import DecisionRule, Validation
 from truepose.judgement.circle.judged import CircleTest, circle_test
 from truepose.judgement.iso9283.judged import PoseTest, pose_test
 from truepose.judgement.validation import validate

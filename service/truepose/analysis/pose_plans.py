@@ -7,10 +7,10 @@ import numpy as np
 
 from truepose.analysis.usual_poses import Wish, usual_poses
 from truepose.domain.arrays import FloatArray
-from truepose.domain.cell import Cell, Vector
+from truepose.domain.cell.description import Cell, Vector
 from truepose.domain.errors import ConfigurationError
+from truepose.domain.measurement.session import SessionPlan
 from truepose.domain.robot import Robot
-from truepose.domain.session import SessionPlan
 from truepose.judgement.iso9283.direction_plan import plan_directions
 from truepose.judgement.iso9283.drift_plan import drift_session
 from truepose.judgement.iso9283.plan import Cube, PosePlan, plan_poses

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from truepose.analysis.assembly import MeasuredSession, assemble_campaign
-from truepose.domain.cell import Cell
+from truepose.domain.cell.description import Cell
 from truepose.identification import identify
 from truepose.identification.model.stops import sites
 from truepose.planning.promise.plan import PromisedPlan

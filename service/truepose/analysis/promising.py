@@ -6,7 +6,7 @@ from truepose.analysis.assembly import MeasuredSession
 from truepose.analysis.workers.process import Perform
 from truepose.analysis.workers.promising import PromiseTask
 from truepose.analysis.workers.turns import Turns
-from truepose.domain.cell import Cell
+from truepose.domain.cell.description import Cell
 
 if TYPE_CHECKING:
     from truepose.analysis.promises import Promised

@@ -20,7 +20,7 @@ from truepose.analysis.workers.process import Perform, perform_in_worker
 from truepose.analysis.workers.uploads import Uploads
 from truepose.app.errors import ScenarioRefusedError, StartError
 from truepose.app.simulation import Simulation, running_simulation
-from truepose.domain.cell import Cell, DeviceEntry
+from truepose.domain.cell.description import Cell, DeviceEntry
 from truepose.exchange.cells.file import read_cell, simulated_cell
 from truepose.operation.ballbar.sessions import BallbarSessions
 from truepose.operation.ballbar.worker_tasks import BallbarWork

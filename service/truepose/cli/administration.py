@@ -8,7 +8,7 @@ from collections.abc import Awaitable, Callable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from truepose.domain.accounts import MACHINE, Role
+from truepose.domain.people.accounts import MACHINE, Role
 from truepose.operation.people.errors import AccountRefusedError, UnknownPersonError
 
 if TYPE_CHECKING:
@@ -175,7 +175,7 @@ class _ThroughService(Administration):
         return entered
 
     def _number(self, name: str) -> int:
-        from truepose.domain.accounts import same_person
+        from truepose.domain.people.accounts import same_person
 
         found = next((one["id"] for one in self._entered() if same_person(one["name"], name)), None)
         if found is None:

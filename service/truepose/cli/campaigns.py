@@ -21,8 +21,8 @@ from truepose.domain.sentences import Sentence, said
 from truepose.words.catalogue import ENGLISH, Catalogue, catalogue
 
 if TYPE_CHECKING:
-    from truepose.domain.campaign import Campaign
-    from truepose.domain.results import Identification
+    from truepose.domain.measurement.campaign import Campaign
+    from truepose.domain.results.identification import Identification
     from truepose.exchange.json_text import Json as JsonValue
 
 

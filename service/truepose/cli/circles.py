@@ -13,7 +13,7 @@ from truepose.words.catalogue import ENGLISH, catalogue, english
 if TYPE_CHECKING:
     from collections.abc import Collection
 
-    from truepose.domain.campaign import PointReadings
+    from truepose.domain.measurement.campaign import PointReadings
     from truepose.domain.robot import Robot
     from truepose.judgement.circle.judged import CircleTest
 
@@ -48,7 +48,7 @@ def circles_command(
 
 
 def _read(points: Path, given: str) -> "tuple[Robot, PointReadings]":
-    from truepose.domain.campaign import PointReadings
+    from truepose.domain.measurement.campaign import PointReadings
     from truepose.exchange.tables.files import read_validation_file
 
     robot, nests = _robot(given)

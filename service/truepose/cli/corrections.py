@@ -15,7 +15,7 @@ from truepose.domain.errors import ConfigurationError
 from truepose.words.catalogue import ENGLISH, catalogue
 
 if TYPE_CHECKING:
-    from truepose.domain.results import Model
+    from truepose.domain.results.identification import Model
     from truepose.exchange.corrections.asked import Asked
     from truepose.exchange.corrections.files import Answer
 

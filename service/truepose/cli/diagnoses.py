@@ -19,8 +19,8 @@ from truepose.cli.output import print_json, print_lines, print_tables, remark, s
 from truepose.words.catalogue import ENGLISH, Catalogue, catalogue
 
 if TYPE_CHECKING:
-    from truepose.domain.campaign import Campaign
-    from truepose.domain.diagnosis import Diagnosis
+    from truepose.domain.measurement.campaign import Campaign
+    from truepose.domain.results.diagnosis import Diagnosis
 
 
 def diagnose_command(

@@ -4,8 +4,8 @@ from collections.abc import Iterator
 
 from rich.table import Table
 
-from truepose.domain.diagnosis import Diagnosis, Finding, Gain, NextMeasurement, Remaining
-from truepose.domain.results import Statistics
+from truepose.domain.results.diagnosis import Diagnosis, Finding, Gain, NextMeasurement, Remaining
+from truepose.domain.results.identification import Statistics
 from truepose.domain.sentences import Text
 from truepose.reports.cause_words import (
     causes_listed,

@@ -13,7 +13,7 @@ from truepose.domain.errors import ConfigurationError
 from truepose.words.catalogue import LANGUAGES
 
 if TYPE_CHECKING:
-    from truepose.domain.campaign import Campaign
+    from truepose.domain.measurement.campaign import Campaign
 
 
 def _spoken(language: str) -> str:

@@ -6,7 +6,7 @@ import typer
 
 from truepose.cli.files import Json
 from truepose.cli.output import print_json, print_lines
-from truepose.domain.accounts import Role
+from truepose.domain.people.accounts import Role
 
 Name = Annotated[str, typer.Argument(help="Name of the person.")]
 Database = Annotated[

@@ -13,7 +13,7 @@ from truepose.domain.errors import ConfigurationError
 from truepose.words.catalogue import ENGLISH, catalogue, english
 
 if TYPE_CHECKING:
-    from truepose.domain.keep_outs import KeepOuts
+    from truepose.domain.cell.keep_outs import KeepOuts
     from truepose.domain.robot import Nest, Robot
     from truepose.planning.loops.stands import LoopWish
     from truepose.planning.promise.plan import PromisedPlan
@@ -123,7 +123,7 @@ class _Asked:
 
     def keep_outs(self) -> "KeepOuts":
         """Return the keep-out volumes of a file, none without one."""
-        from truepose.domain.keep_outs import KeepOuts
+        from truepose.domain.cell.keep_outs import KeepOuts
         from truepose.exchange.cells.keep_outs import read_keep_out_file
 
         return KeepOuts() if self.keep_out is None else read_keep_out_file(self.keep_out)
@@ -206,7 +206,7 @@ def _of_campaign(asked: _Asked) -> "Subject":
 
 
 def _for_ballbar(asked: _Asked, discrepancy_mm: float | None) -> _Made:
-    from truepose.domain.artefacts import BallbarKit
+    from truepose.domain.cell.artefacts import BallbarKit
     from truepose.exchange.cells.given import cell_given
     from truepose.planning.promise.ballbar import promised_ballbar_session, session_plan
     from truepose.planning.promise.spread import Discrepancy

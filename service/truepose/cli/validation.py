@@ -11,9 +11,9 @@ from truepose.cli.output import print_json, print_tables, remark
 from truepose.words.catalogue import ENGLISH, Catalogue, catalogue
 
 if TYPE_CHECKING:
-    from truepose.domain.campaign import Readings
-    from truepose.domain.results import Model
-    from truepose.domain.validation import DecisionRule, Validation
+    from truepose.domain.measurement.campaign import Readings
+    from truepose.domain.results.identification import Model
+    from truepose.domain.results.validation import DecisionRule, Validation
     from truepose.exchange.json_text import Json as JsonValue
     from truepose.judgement.iso9283.judged import PoseTest
 

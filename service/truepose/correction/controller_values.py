@@ -19,7 +19,7 @@ from truepose.correction.zone_errors import (
 from truepose.correction.zone_fit import nearest_arm
 from truepose.domain.arrays import FloatArray
 from truepose.domain.errors import UnsuitableModelError
-from truepose.domain.results import Model, NestCentre
+from truepose.domain.results.identification import Model, NestCentre
 from truepose.domain.robot import FramePlacement
 from truepose.effects.base.base_frame import NAME as BASE
 from truepose.effects.links.geometry import JointOffset

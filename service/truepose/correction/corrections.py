@@ -11,7 +11,7 @@ from truepose.correction.inverse import Attained
 from truepose.correction.limits import beyond, turned_within
 from truepose.correction.starts import NominalArm
 from truepose.domain.arrays import BoolArray, FloatArray, IntArray, Table
-from truepose.domain.results import Model
+from truepose.domain.results.identification import Model
 from truepose.domain.robot import Robot
 from truepose.identification.model.estimates import Estimate
 from truepose.identification.model.evaluation import Targets, evaluate

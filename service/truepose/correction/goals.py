@@ -6,8 +6,8 @@ from typing import Final
 import numpy as np
 
 from truepose.domain.arrays import FloatArray, IntArray, Table
-from truepose.domain.campaign import Stops
 from truepose.domain.errors import ConfigurationError
+from truepose.domain.measurement.campaign import Stops
 
 FLANGE: Final = 0  # number of the "nest" that is the origin of the last frame
 _ORTHONORMAL: Final = 1e-6  # what a turn of 1 urad changes

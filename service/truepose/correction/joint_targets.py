@@ -15,9 +15,9 @@ from truepose.correction.goals import FLANGE, Goals
 from truepose.correction.inverse import Attained, attain, merged, replaced
 from truepose.correction.starts import NominalArm, attain_branch
 from truepose.domain.arrays import BoolArray, FloatArray, IntArray
-from truepose.domain.campaign import Stops
-from truepose.domain.last_moves import told_moves
-from truepose.domain.results import Model
+from truepose.domain.measurement.campaign import Stops
+from truepose.domain.measurement.last_moves import told_moves
+from truepose.domain.results.identification import Model
 from truepose.identification.model.estimates import Estimate, check_targets, identified_estimate
 from truepose.identification.model.evaluation import Targets
 from truepose.kinematics.chain import nominal_chain

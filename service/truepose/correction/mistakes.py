@@ -14,7 +14,7 @@ from truepose.correction.goals import Goals
 from truepose.correction.joint_targets import numbered_nests, with_flange
 from truepose.correction.starts import NominalArm
 from truepose.domain.arrays import BoolArray, FloatArray
-from truepose.domain.results import Model
+from truepose.domain.results.identification import Model
 from truepose.domain.sentences import Sentence, said
 from truepose.identification.model.estimates import identified_estimate
 from truepose.identification.model.zone import beyond_zone_mm

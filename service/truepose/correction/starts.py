@@ -13,7 +13,7 @@ import numpy as np
 from truepose.correction.goals import Goals
 from truepose.correction.inverse import Attained, attain, merged
 from truepose.domain.arrays import FloatArray, IntArray
-from truepose.domain.campaign import Stops
+from truepose.domain.measurement.campaign import Stops
 from truepose.identification.model.estimates import Estimate
 from truepose.identification.model.evaluation import Targets, evaluate, nest_centres
 from truepose.kinematics.chain import nominal_chain

@@ -8,7 +8,7 @@ import numpy as np
 
 from truepose.correction.corrections import Corrections
 from truepose.domain.arrays import FloatArray
-from truepose.domain.corrections import CorrectionTotals
+from truepose.domain.results.corrections import CorrectionTotals
 
 MOST_NAMED: Final = 100
 FAR_RAD: Final = float(

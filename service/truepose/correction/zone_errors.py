@@ -7,8 +7,8 @@ from typing import Final
 import numpy as np
 
 from truepose.domain.arrays import FloatArray, IntArray
-from truepose.domain.campaign import Stops
-from truepose.domain.results import Model
+from truepose.domain.measurement.campaign import Stops
+from truepose.domain.results.identification import Model
 from truepose.domain.robot import JointRange
 from truepose.identification.model.estimates import identified_estimate, nominal_estimate
 from truepose.identification.model.evaluation import Targets, evaluate

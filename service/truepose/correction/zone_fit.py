@@ -11,8 +11,8 @@ from typing import Final
 import numpy as np
 
 from truepose.correction.zone_errors import placed
-from truepose.domain.campaign import Campaign, PointReadings
-from truepose.domain.results import Model
+from truepose.domain.measurement.campaign import Campaign, PointReadings
+from truepose.domain.results.identification import Model
 from truepose.domain.robot import Nest
 from truepose.identification.fit.robust import RobustFit, fit
 from truepose.identification.model.evaluation import Targets

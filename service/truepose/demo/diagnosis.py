@@ -14,7 +14,7 @@ from typing import Any
 from truepose.demo.cell.opened import DATABASE
 from truepose.demo.cell.run import CellRun
 from truepose.demo.report import DIAGNOSIS_REPORT, report_conditions
-from truepose.domain.diagnosis import Diagnosis
+from truepose.domain.results.diagnosis import Diagnosis
 from truepose.exchange.cells.file import simulated_cell
 from truepose.reports import DiagnosisInput, write_diagnosis_report
 from truepose.storage.calibration.diagnoses import DiagnosisRepository

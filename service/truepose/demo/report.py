@@ -8,7 +8,7 @@ from typing import Any, Final
 from truepose.demo.cell.client import PERSON
 from truepose.demo.cell.run import SessionRecords
 from truepose.demo.truth_comparison import JudgedRun
-from truepose.domain.cell import Cell
+from truepose.domain.cell.description import Cell
 from truepose.domain.sentences import said
 from truepose.exchange.cells.file import simulated_cell
 from truepose.reports import (

@@ -14,8 +14,8 @@ from dataclasses import dataclass, replace
 from truepose.demo.cell.run import CellRun
 from truepose.demo.cell.truth import TrueReadings
 from truepose.domain.arrays import FloatArray
-from truepose.domain.campaign import Campaign, PointReadings
-from truepose.domain.results import Identification, Model, Parameter, Statistics
+from truepose.domain.measurement.campaign import Campaign, PointReadings
+from truepose.domain.results.identification import Identification, Model, Parameter, Statistics
 from truepose.domain.robot import Nest
 from truepose.exchange.models.document import file_factor, file_unit
 from truepose.identification import identify, predict

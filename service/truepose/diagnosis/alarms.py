@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from truepose.diagnosis.history import CauseOverTime, Change, DatedDiagnosis, Sighting, Sign
-from truepose.domain.diagnosis import Confidence, Diagnosis
+from truepose.domain.results.diagnosis import Confidence, Diagnosis
 
 _BAND: Final = 1.96  # standard uncertainties of 95 %
 

@@ -29,9 +29,9 @@ from truepose.diagnosis.screening.rivals import Weighed, weighed
 from truepose.diagnosis.screening.selection import Choice, Propose, Selected, refitted
 from truepose.diagnosis.sentences import first_line, noise_of, remaining_sentence
 from truepose.diagnosis.start import NUISANCE, Start
-from truepose.domain.campaign import Campaign
-from truepose.domain.causes import Cause
-from truepose.domain.diagnosis import (
+from truepose.domain.measurement.campaign import Campaign
+from truepose.domain.results.causes import Cause
+from truepose.domain.results.diagnosis import (
     Confidence,
     Dependence,
     Diagnosis,
@@ -40,7 +40,7 @@ from truepose.domain.diagnosis import (
     Verdict,
     WorstPoint,
 )
-from truepose.domain.results import Model
+from truepose.domain.results.identification import Model
 from truepose.domain.sentences import Text, said, together
 from truepose.effects.causes import Candidate, Scene, Shown
 from truepose.effects.cells import cell_of, named_cell, of_instrument

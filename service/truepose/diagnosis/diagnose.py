@@ -10,9 +10,9 @@ from truepose.diagnosis.screening.jump_moments import with_exact_moments
 from truepose.diagnosis.screening.line_orders import with_lines_between
 from truepose.diagnosis.screening.selection import chosen, select
 from truepose.diagnosis.start import Start, stands, started
-from truepose.domain.campaign import Campaign
-from truepose.domain.diagnosis import Diagnosis
-from truepose.domain.last_moves import with_last_moves
+from truepose.domain.measurement.campaign import Campaign
+from truepose.domain.measurement.last_moves import with_last_moves
+from truepose.domain.results.diagnosis import Diagnosis
 from truepose.domain.sentences import together
 from truepose.effects.causes import Candidate, Scene
 from truepose.effects.readings.label_swap import NAME as LABEL_SWAP

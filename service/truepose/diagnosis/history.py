@@ -19,7 +19,7 @@ from itertools import pairwise
 from typing import Final
 
 from truepose.diagnosis.curves.amplitudes import SHARED, Amplitude, Key, Variant, amplitudes_of
-from truepose.domain.diagnosis import Confidence, Diagnosis
+from truepose.domain.results.diagnosis import Confidence, Diagnosis
 from truepose.effects.cells import named_cell
 from truepose.effects.readings.label_swap import NAME as LABEL_SWAP
 from truepose.judgement.multiplicity import holm

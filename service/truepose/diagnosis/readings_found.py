@@ -12,8 +12,8 @@ from truepose.diagnosis.readings.gathered import gathered
 from truepose.diagnosis.screening.selection import Selected
 from truepose.diagnosis.start import Start
 from truepose.domain.arrays import BoolArray
-from truepose.domain.causes import Cause
-from truepose.domain.diagnosis import Confidence, Finding, Gain
+from truepose.domain.results.causes import Cause
+from truepose.domain.results.diagnosis import Confidence, Finding, Gain
 from truepose.domain.sentences import together
 from truepose.effects.causes import Candidate, Fitted, Shown
 from truepose.effects.cells import cell_of

@@ -1,9 +1,9 @@
 """Sentences: what an operator reads first, and what is left; their words are in the catalogue."""
 
 from truepose.diagnosis.evidence.structure_left import Left
-from truepose.domain.causes import Cause
-from truepose.domain.diagnosis import Finding, Noise, Remaining, Verdict
-from truepose.domain.results import Statistics
+from truepose.domain.results.causes import Cause
+from truepose.domain.results.diagnosis import Finding, Noise, Remaining, Verdict
+from truepose.domain.results.identification import Statistics
 from truepose.domain.sentences import Sentence, Text, leading_key, said, together
 from truepose.effects.ports import Trait
 from truepose.effects.registry import effects_with

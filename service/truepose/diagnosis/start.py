@@ -8,8 +8,8 @@ from truepose.diagnosis.circumstances import scene_of
 from truepose.diagnosis.readings.angle_steps import AngleSteps, telling_steps, with_steps
 from truepose.diagnosis.readings.gathered import gathered
 from truepose.diagnosis.readings.single_readings import swapped_labels
-from truepose.domain.campaign import Campaign, PointReadings
-from truepose.domain.results import Status
+from truepose.domain.measurement.campaign import Campaign, PointReadings
+from truepose.domain.results.identification import Status
 from truepose.domain.sentences import Text, together
 from truepose.effects.causes import Scene
 from truepose.effects.ports import Trait

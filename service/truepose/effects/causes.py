@@ -11,8 +11,8 @@ from typing import Literal, NamedTuple, Protocol, TypeAlias
 import numpy as np
 
 from truepose.domain.arrays import FloatArray, IntArray
-from truepose.domain.campaign import Stops
-from truepose.domain.causes import Detail, Shape
+from truepose.domain.measurement.campaign import Stops
+from truepose.domain.results.causes import Detail, Shape
 from truepose.domain.sentences import Text, said
 from truepose.effects.ports import Effect, ParameterSpec, Setting
 from truepose.kinematics.chain import Chain

@@ -5,7 +5,7 @@ What has no trade name says it itself: its subject is its cell.
 
 from typing import NamedTuple, get_args
 
-from truepose.domain.causes import Cause, Shape
+from truepose.domain.results.causes import Cause, Shape
 from truepose.effects.causes import Candidate, CellRow, Drawn
 from truepose.effects.installed import INSTALLED
 from truepose.effects.unnamed.cause import NAME as UNNAMED

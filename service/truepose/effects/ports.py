@@ -5,8 +5,8 @@ from enum import StrEnum
 from typing import Literal, NamedTuple, Protocol, runtime_checkable
 
 from truepose.domain.arrays import FloatArray, IntArray
-from truepose.domain.campaign import Stops
-from truepose.domain.results import NotIdentifiable, Unit
+from truepose.domain.measurement.campaign import Stops
+from truepose.domain.results.identification import NotIdentifiable, Unit
 from truepose.domain.robot import Robot
 from truepose.kinematics.chain import Chain
 

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from functools import cache
 
 from truepose.domain.errors import ConfigurationError, UnknownEffectError
-from truepose.domain.results import NotIdentifiable
+from truepose.domain.results.identification import NotIdentifiable
 from truepose.effects.base.base_compliance import BaseCompliance
 from truepose.effects.base.base_drift import BaseDrift
 from truepose.effects.base.base_frame import Base

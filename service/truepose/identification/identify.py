@@ -5,8 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from truepose.domain.campaign import Campaign
-from truepose.domain.results import (
+from truepose.domain.measurement.campaign import Campaign
+from truepose.domain.results.identification import (
     Counts,
     Identification,
     Model,

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
-from truepose.domain.campaign import Campaign
-from truepose.domain.results import Anchor, Model, NestCentre, Parameter
+from truepose.domain.measurement.campaign import Campaign
+from truepose.domain.results.identification import Anchor, Model, NestCentre, Parameter
 from truepose.domain.robot import FramePlacement
 from truepose.identification.fit.robust import RobustFit
 from truepose.identification.model.anchors import LEG_OFFSET, anchor_name

@@ -13,9 +13,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from truepose.domain.arrays import FloatArray, IntArray
-from truepose.domain.campaign import Campaign, CupSetups, FixtureLengths, LegReadings, PointReadings
 from truepose.domain.errors import ConfigurationError, UnderdeterminedError
-from truepose.domain.results import Anchor, Identification
+from truepose.domain.measurement.campaign import (
+    Campaign,
+    CupSetups,
+    FixtureLengths,
+    LegReadings,
+    PointReadings,
+)
+from truepose.domain.results.identification import Anchor, Identification
 from truepose.identification.identify import identify
 from truepose.identification.observations.fixture import TOOL_PLACEMENT
 from truepose.identification.problem.setting import known_placement

@@ -3,8 +3,8 @@
 from collections.abc import Iterator
 from typing import Final
 
-from truepose.domain.campaign import Readings, Stops
-from truepose.domain.results import Model
+from truepose.domain.measurement.campaign import Readings, Stops
+from truepose.domain.results.identification import Model
 from truepose.domain.sentences import Sentence, Text, said, together
 from truepose.effects.base.base_frame import NAME as BASE
 from truepose.identification import unpredictable, unpredictable_readings

@@ -11,7 +11,7 @@ from typing import Final
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
-from truepose.domain.validation import Decision, DecisionRule, Verdict
+from truepose.domain.results.validation import Decision, DecisionRule, Verdict
 from truepose.identification.verdict.judge import Judged
 from truepose.judgement.figure import Figure
 from truepose.judgement.uncertainty import PICOMETRES, Known

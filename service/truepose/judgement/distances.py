@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from truepose.domain.results import NominalAndIdentified, Statistics
-from truepose.domain.validation import DistanceErrors, SignedErrors
+from truepose.domain.results.identification import NominalAndIdentified, Statistics
+from truepose.domain.results.validation import DistanceErrors, SignedErrors
 from truepose.identification.verdict.judge import Judged
 from truepose.judgement.pairs import PairErrors, pair_errors
 

@@ -17,7 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 from truepose.domain.arrays import FloatArray, IntArray
-from truepose.domain.validation import Histogram
+from truepose.domain.results.validation import Histogram
 
 SingleArray: TypeAlias = npt.NDArray[np.float32]
 

@@ -6,8 +6,8 @@ from typing import Final
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
-from truepose.domain.results import MeasuredZone, Model
-from truepose.domain.validation import BranchErrors, ErrorsByPlace, Shell
+from truepose.domain.results.identification import MeasuredZone, Model
+from truepose.domain.results.validation import BranchErrors, ErrorsByPlace, Shell
 from truepose.identification.model.zone import DIRECTIONS
 from truepose.identification.verdict.judge import Judged
 from truepose.kinematics.chain import Chain

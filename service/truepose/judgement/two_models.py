@@ -14,9 +14,9 @@ from typing import Final
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
-from truepose.domain.campaign import Readings
 from truepose.domain.errors import ConfigurationError
-from truepose.domain.results import Model, Parameter, Statistics, Unit
+from truepose.domain.measurement.campaign import Readings
+from truepose.domain.results.identification import Model, Parameter, Statistics, Unit
 from truepose.effects.ports import Trait
 from truepose.effects.registry import effects_with
 from truepose.identification import judge, predict

@@ -23,8 +23,8 @@ from typing import Final
 import numpy as np
 
 from truepose.domain.arrays import BoolArray, FloatArray, IntArray
-from truepose.domain.results import Model, Statistics
-from truepose.domain.validation import FigureUncertainty, UncertaintyPair, ValidationUncertainty
+from truepose.domain.results.identification import Model, Statistics
+from truepose.domain.results.validation import FigureUncertainty, UncertaintyPair, ValidationUncertainty
 from truepose.identification.verdict.judge import Judged
 from truepose.identification.verdict.relative import aligned_errors, rigid_motions
 from truepose.judgement.distances import Distances

@@ -1,9 +1,9 @@
 """A model judged by readings that it was not made from: whether it keeps what it claims."""
 
-from truepose.domain.campaign import Readings
 from truepose.domain.errors import ConfigurationError
-from truepose.domain.results import Model, NominalAndIdentified
-from truepose.domain.validation import DecisionRule, Validation
+from truepose.domain.measurement.campaign import Readings
+from truepose.domain.results.identification import Model, NominalAndIdentified
+from truepose.domain.results.validation import DecisionRule, Validation
 from truepose.identification import judge
 from truepose.identification.verdict.relative import relative_errors
 from truepose.identification.verdict.turns import turn_errors

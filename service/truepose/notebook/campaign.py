@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Literal, get_args, overload
 
 import numpy as np
 
-from truepose.domain import campaign as domain
 from truepose.domain.errors import ConfigurationError
+from truepose.domain.measurement import campaign as domain
 from truepose.effects.registry import unusable_causes
 from truepose.exchange.campaigns.arrays import campaign_from_arrays
 from truepose.exchange.campaigns.folder import campaign_files, write_campaign
@@ -50,7 +50,7 @@ class Campaign:
 
     Attributes
     ----------
-    data : truepose.domain.campaign.Campaign
+    data : truepose.domain.measurement.campaign.Campaign
         The tables as arrays, angles in rad: `data.calibration.position_mm` has the shape (n, 3),
         `data.calibration.stops.joints_rad` (n, J).
 

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from truepose.domain.campaign import PointReadings
 from truepose.domain.errors import ConfigurationError
+from truepose.domain.measurement.campaign import PointReadings
 from truepose.domain.robot import Robot
 from truepose.exchange.json_text import Json
 from truepose.exchange.results.circles import circle_document

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from truepose.diagnosis.diagnose import diagnose as diagnose_campaign
-from truepose.domain import diagnosis as domain
 from truepose.domain.errors import ConfigurationError
-from truepose.domain.results import NominalAndIdentified
+from truepose.domain.results import diagnosis as domain
+from truepose.domain.results.identification import NominalAndIdentified
 from truepose.exchange.json_text import Json
 from truepose.exchange.results.diagnosis import diagnosis_document
 from truepose.notebook import html
@@ -37,7 +37,7 @@ class Diagnosis:
 
     Attributes
     ----------
-    answer : truepose.domain.diagnosis.Diagnosis
+    answer : truepose.domain.results.diagnosis.Diagnosis
         Everything that was found; `answer.findings` with their curves, the most important first.
 
     Examples

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from truepose.domain import campaign as measured
-from truepose.domain import results as domain
+from truepose.domain.measurement import campaign as measured
+from truepose.domain.results import identification as domain
 from truepose.exchange.json_text import Json
 from truepose.exchange.results.identification import identification_document
 from truepose.identification import identify as identify_campaign
@@ -29,9 +29,9 @@ class Identification:
 
     Attributes
     ----------
-    answer : truepose.domain.results.Identification
+    answer : truepose.domain.results.identification.Identification
         Everything that was found, in mm and rad.
-    campaign : truepose.domain.campaign.Campaign
+    campaign : truepose.domain.measurement.campaign.Campaign
         What it was found from.
 
     Examples

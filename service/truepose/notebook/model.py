@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from truepose.domain import results as domain
+from truepose.domain.results import identification as domain
 from truepose.exchange.json_text import Json
 from truepose.exchange.models.document import model_document
 from truepose.exchange.models.file import read_model as read_model_file
@@ -24,7 +24,7 @@ class Model:
 
     Attributes
     ----------
-    data : truepose.domain.results.Model
+    data : truepose.domain.results.identification.Model
         Parameters in mm, rad, N·mm; `data.covariance` has the shape (P, P).
 
     Examples

@@ -9,7 +9,7 @@ import numpy as np
 
 from truepose.domain.arrays import FloatArray, IntArray
 from truepose.domain.errors import ConfigurationError
-from truepose.domain.session import SessionPlan
+from truepose.domain.measurement.session import SessionPlan
 from truepose.exchange.cells.given import cell_given
 from truepose.exchange.tables.stops import NO_REPEAT, joint_names
 from truepose.notebook import html

@@ -7,7 +7,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from truepose.domain.campaign import Campaign
+from truepose.domain.measurement.campaign import Campaign
 from truepose.domain.robot import Robot
 from truepose.exchange.robots.campaign_keys import campaign_keys, named_robot, without_masses
 from truepose.notebook.tables import Table, columns_of

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from truepose.domain.campaign import Campaign as CampaignData
 from truepose.domain.errors import ConfigurationError
+from truepose.domain.measurement.campaign import Campaign as CampaignData
 from truepose.exchange.json_text import Json
 from truepose.exchange.results.spheres import sphere_document
 from truepose.judgement.sphere.judged import NOMINAL, SphereTest, sphere_test

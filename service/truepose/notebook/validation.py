@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Literal
 
 from markupsafe import Markup
 
-from truepose.domain import results
-from truepose.domain import validation as domain
-from truepose.domain.campaign import Readings
 from truepose.domain.errors import ConfigurationError
+from truepose.domain.measurement.campaign import Readings
+from truepose.domain.results import identification as results
+from truepose.domain.results import validation as domain
 from truepose.exchange.json_text import Json
 from truepose.exchange.results.iso9283 import pose_test_document
 from truepose.exchange.results.statistics import statistics_document
@@ -40,7 +40,7 @@ class Validation:
 
     Attributes
     ----------
-    answer : truepose.domain.validation.Validation
+    answer : truepose.domain.results.validation.Validation
         Statistics of the errors [mm].
     remarks : tuple of str
         What was ignored in the table, and what the judgement does not contain.

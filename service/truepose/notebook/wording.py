@@ -4,8 +4,8 @@ from collections.abc import Iterable, Iterator
 
 from markupsafe import Markup
 
-from truepose.domain.diagnosis import Finding
-from truepose.domain.results import NominalAndIdentified, Parameter, Statistics
+from truepose.domain.results.diagnosis import Finding
+from truepose.domain.results.identification import NominalAndIdentified, Parameter, Statistics
 from truepose.exchange.models.document import file_factor, file_unit
 from truepose.notebook import html
 from truepose.reports.cause_words import printed_unit

@@ -3,10 +3,10 @@
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Final
 
-from truepose.domain.artefacts import Artefact
-from truepose.domain.cell import Cell, DeviceEntry
-from truepose.domain.certificates import Paper
-from truepose.domain.identities import IdentityOf, IdentityTaken
+from truepose.domain.cell.artefacts import Artefact
+from truepose.domain.cell.certificates import Paper
+from truepose.domain.cell.description import Cell, DeviceEntry
+from truepose.domain.measurement.identities import IdentityOf, IdentityTaken
 from truepose.sequencing.engine.identities import same_number
 
 _ROLES: Final[Mapping[IdentityOf, str]] = {"tracker": "laser tracker", "ballbar": "ballbar"}

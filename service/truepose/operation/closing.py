@@ -4,8 +4,8 @@ from collections.abc import Iterable
 from dataclasses import replace
 from datetime import UTC, date, datetime
 
-from truepose.domain.certificates import Closing, JudgedPaper, judged_papers
-from truepose.domain.session import SessionState
+from truepose.domain.cell.certificates import Closing, JudgedPaper, judged_papers
+from truepose.domain.measurement.session import SessionState
 from truepose.operation.certificates import papers_of_session
 from truepose.operation.devices import Rack
 from truepose.operation.errors import CertificateError

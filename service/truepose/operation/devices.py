@@ -5,8 +5,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import cast
 
-from truepose.domain.cell import DeviceEntry
-from truepose.domain.identities import IdentityOf
+from truepose.domain.cell.description import DeviceEntry
+from truepose.domain.measurement.identities import IdentityOf
 from truepose.operation.errors import DeviceInUseError, MissingDeviceError, UnknownDeviceError
 from truepose.sequencing.engine.identities import same_number, told
 from truepose.sequencing.engine.identity_check import Expected

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from typing import Final
 
-from truepose.domain.cell import Cell
+from truepose.domain.cell.description import Cell
 from truepose.domain.sentences import Sentence, said
 
 _DIFFERS: Final = {  # part of a cell: key of what is said where it is stated otherwise

@@ -9,7 +9,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import TypeAlias
 
-from truepose.domain.cell import Cell, CellLimits
+from truepose.domain.cell.description import Cell, CellLimits
 from truepose.domain.errors import TrueposeError
 from truepose.domain.robot import JointRange
 from truepose.operation.errors import CellChangedError

@@ -5,8 +5,8 @@ from abc import ABC, abstractmethod
 from typing import TYPE_CHECKING, Any, Final, Generic, TypeVar, cast
 
 from truepose.domain.errors import RecordRefusedError
-from truepose.domain.ledger import Control
-from truepose.domain.session import SessionState
+from truepose.domain.measurement.ledger import Control
+from truepose.domain.measurement.session import SessionState
 from truepose.operation.session_ledger import SessionLedger
 from truepose.sequencing.engine.acts import Act, ActName
 from truepose.sequencing.engine.runner import SessionRunner

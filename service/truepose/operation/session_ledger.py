@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from truepose.domain.ledger import LedgerEntry
+from truepose.domain.measurement.ledger import LedgerEntry
 from truepose.storage.measurement.ledger import LedgerRepository
 from truepose.storage.records import LedgerRecord
 

@@ -12,9 +12,9 @@ from dataclasses import dataclass, replace
 from typing import Any, Final
 
 from truepose.domain.errors import RecordRefusedError, TrueposeError
-from truepose.domain.ledger import Control, EntryKind, LedgerEntry
-from truepose.domain.people import readable_name
-from truepose.domain.session import SessionState
+from truepose.domain.measurement.ledger import Control, EntryKind, LedgerEntry
+from truepose.domain.measurement.session import SessionState
+from truepose.domain.people.names import readable_name
 from truepose.operation.devices import Rack
 from truepose.operation.errors import DeviceInUseError
 from truepose.operation.followers import Watching

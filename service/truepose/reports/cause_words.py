@@ -2,8 +2,8 @@
 
 from dataclasses import dataclass
 
-from truepose.domain.causes import Cause
-from truepose.domain.diagnosis import Confidence, Finding, Gain, Verdict, Worth
+from truepose.domain.results.causes import Cause
+from truepose.domain.results.diagnosis import Confidence, Finding, Gain, Verdict, Worth
 from truepose.reports.rounding import millimetres, with_uncertainty
 from truepose.words.catalogue import IN_ENGLISH, Catalogue
 

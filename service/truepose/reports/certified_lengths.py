@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from truepose.domain.artefacts import length_at
+from truepose.domain.cell.artefacts import length_at
 from truepose.domain.sentences import Sentence, Text, said
 from truepose.reports.rounding import millimetres, rounded, uncertainty_mm
 

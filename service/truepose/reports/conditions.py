@@ -8,8 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from truepose.domain.campaign import Stops
-from truepose.domain.cell import Artefact
+from truepose.domain.cell.description import Artefact
+from truepose.domain.measurement.campaign import Stops
 from truepose.domain.sentences import Sentence, Text, said
 from truepose.reports.certified_lengths import LengthOfDay, length_sentence
 from truepose.words.catalogue import IN_ENGLISH, Catalogue

@@ -4,7 +4,7 @@ import math
 from collections.abc import Iterator, Sequence
 from typing import Final
 
-from truepose.domain.corrections import CorrectionTotals, LeftAlone
+from truepose.domain.results.corrections import CorrectionTotals, LeftAlone
 from truepose.domain.sentences import Sentence, said
 
 _MOST_SAID: Final = 10

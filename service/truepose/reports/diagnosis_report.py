@@ -8,8 +8,8 @@ import numpy as np
 from markupsafe import Markup
 
 from truepose.domain.arrays import FloatArray
-from truepose.domain.diagnosis import Confidence, Dependence, Diagnosis, NextMeasurement
-from truepose.domain.results import Model
+from truepose.domain.results.diagnosis import Confidence, Dependence, Diagnosis, NextMeasurement
+from truepose.domain.results.identification import Model
 from truepose.domain.sentences import Text
 from truepose.exchange.models.document import file_factor, file_unit
 from truepose.reports.cause_words import causes_listed, printed_unit, verdict_words

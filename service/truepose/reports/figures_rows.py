@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from truepose.domain.results import Identification, NominalAndIdentified
+from truepose.domain.results.identification import Identification, NominalAndIdentified
 from truepose.domain.sentences import Sentence, said
 from truepose.identification.verdict.judge import Judged
 from truepose.reports.uncertainty.judged import FAR_OUT, without_far_out

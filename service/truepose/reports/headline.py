@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Final
 
-from truepose.domain.results import Identification, NominalAndIdentified, Statistics, Status
+from truepose.domain.results.identification import Identification, NominalAndIdentified, Statistics, Status
 from truepose.domain.sentences import Sentence, Text, said, together
 from truepose.identification.verdict.judge import Judged
 from truepose.reports.conditions import NOT_STATED

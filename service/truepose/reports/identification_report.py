@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 from markupsafe import Markup
 
-from truepose.domain.campaign import Campaign, Stops
-from truepose.domain.results import Identification
+from truepose.domain.measurement.campaign import Campaign, Stops
+from truepose.domain.results.identification import Identification
 from truepose.domain.sentences import Text
 from truepose.identification.verdict.judge import Judged
 from truepose.judgement.places import distance_from_axis_1

@@ -5,7 +5,7 @@ from typing import Final
 
 from rich.table import Table
 
-from truepose.domain.results import NotIdentifiable
+from truepose.domain.results.identification import NotIdentifiable
 from truepose.domain.sentences import Sentence, said
 from truepose.planning.promise.curve import STEP, gains_mm
 from truepose.planning.promise.plan import PromisedPlan

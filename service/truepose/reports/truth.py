@@ -3,7 +3,7 @@
 import math
 from dataclasses import dataclass
 
-from truepose.domain.results import Statistics
+from truepose.domain.results.identification import Statistics
 from truepose.domain.sentences import Text
 from truepose.reports.rounding import MISSING, rounded, uncertainty
 from truepose.words.catalogue import IN_ENGLISH, Catalogue

@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING
 
 from rich.table import Table
 
-from truepose.domain.results import Identification, TurnPair, TurnStatistics
+from truepose.domain.results.identification import Identification, TurnPair, TurnStatistics
 from truepose.reports.rounding import fixed
 from truepose.reports.terminal.errors import error_table
 from truepose.words.catalogue import IN_ENGLISH, Catalogue
 
 if TYPE_CHECKING:
-    from truepose.domain.validation import Validation
+    from truepose.domain.results.validation import Validation
 
 
 @dataclass(frozen=True, slots=True)

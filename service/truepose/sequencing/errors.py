@@ -16,7 +16,7 @@ SequencingError
 """
 
 from truepose.domain.errors import TrueposeError
-from truepose.domain.identities import IdentityTaken
+from truepose.domain.measurement.identities import IdentityTaken
 
 
 class SequencingError(TrueposeError):

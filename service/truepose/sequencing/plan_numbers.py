@@ -2,9 +2,9 @@
 
 from math import inf
 
-from truepose.domain.ballbar import BallbarPlan
-from truepose.domain.contacts import ContactPlan
-from truepose.domain.session import SessionPlan
+from truepose.domain.measurement.ballbar import BallbarPlan
+from truepose.domain.measurement.contacts import ContactPlan
+from truepose.domain.measurement.session import SessionPlan
 from truepose.sequencing.errors import PlanRefusedError
 
 

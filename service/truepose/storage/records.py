@@ -4,13 +4,19 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any, Literal
 
-from truepose.domain.cell import Cell
-from truepose.domain.corrections import FileCorrection
-from truepose.domain.diagnosis import Diagnosis
-from truepose.domain.ledger import LedgerEntry
-from truepose.domain.results import Identification, Model
-from truepose.domain.session import FixedNestTaken, PlannedStop, PointTaken, SessionRole, SessionState
-from truepose.domain.validation import Validation
+from truepose.domain.cell.description import Cell
+from truepose.domain.measurement.ledger import LedgerEntry
+from truepose.domain.measurement.session import (
+    FixedNestTaken,
+    PlannedStop,
+    PointTaken,
+    SessionRole,
+    SessionState,
+)
+from truepose.domain.results.corrections import FileCorrection
+from truepose.domain.results.diagnosis import Diagnosis
+from truepose.domain.results.identification import Identification, Model
+from truepose.domain.results.validation import Validation
 
 ReadingKind = Literal["point", "fixed_nest"]
 

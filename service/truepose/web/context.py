@@ -12,7 +12,7 @@ from truepose.analysis.drafts import DraftDesk
 from truepose.analysis.drawing import DrawingDesk
 from truepose.analysis.jobs import JobDesk
 from truepose.analysis.promising import PromiseDesk
-from truepose.domain.cell import Cell
+from truepose.domain.cell.description import Cell
 from truepose.operation.ballbar.sessions import BallbarSessions
 from truepose.operation.closing import ClosingDesk
 from truepose.operation.contacts.sessions import ContactSessions

@@ -22,7 +22,7 @@ from truepose.analysis.errors import (
     SessionsDifferError,
 )
 from truepose.domain.errors import RecordRefusedError, TrueposeError, UnsuitableModelError
-from truepose.domain.people import NAME_PATTERN
+from truepose.domain.people.names import NAME_PATTERN
 from truepose.exchange.errors import InputFileError, UnknownRobotError
 from truepose.operation.errors import (
     CellChangedError,

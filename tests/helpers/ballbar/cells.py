@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from truepose.domain.cell import Cell
+from truepose.domain.cell.description import Cell
 from truepose.domain.robot import FramePlacement
 from truepose.exchange.robots.shipped import load_robot_with_tool
 from truepose.planning.ballbar.clear_ways.bodies import BallbarCell

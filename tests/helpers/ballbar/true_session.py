@@ -7,7 +7,7 @@ import numpy as np
 
 from tests.helpers.ballbar.sessions import make_length
 from truepose.analysis.ballbar.assembly import Counting, LegKept, SetupKept, SideKept, Standing
-from truepose.domain.ballbar import ArrivalTaken, BallbarPlan
+from truepose.domain.measurement.ballbar import ArrivalTaken, BallbarPlan
 from truepose.kinematics.chain import forward, nominal_values
 
 READING_U_MM = 0.0016  # of a reading with its zero, as the kit states them

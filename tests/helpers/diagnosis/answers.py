@@ -3,8 +3,8 @@
 import numpy as np
 
 from tests.helpers.domain.builders import make_model, make_parameter, make_statistics
-from truepose.domain.causes import Cause, Detail, Spectrum
-from truepose.domain.diagnosis import (
+from truepose.domain.results.causes import Cause, Detail, Spectrum
+from truepose.domain.results.diagnosis import (
     Confidence,
     Curve,
     CurvePoints,

@@ -4,8 +4,8 @@ import numpy as np
 
 from tests.helpers.diagnosis import answers as diagnoses
 from tests.helpers.domain.builders import make_model, make_parameter
-from truepose.domain.causes import Cause, Detail
-from truepose.domain.diagnosis import (
+from truepose.domain.results.causes import Cause, Detail
+from truepose.domain.results.diagnosis import (
     Confidence,
     Dependence,
     Gain,
@@ -16,7 +16,7 @@ from truepose.domain.diagnosis import (
     RuledOut,
     Verdict,
 )
-from truepose.domain.results import Statistics
+from truepose.domain.results.identification import Statistics
 
 NOISE_MM = 0.02
 NOTHING_LEFT = Remaining(False, (), "What is left looks like the stated noise.")

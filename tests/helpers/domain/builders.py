@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from truepose.domain.campaign import (
+from truepose.domain.measurement.campaign import (
     NO_AXIS,
     Campaign,
     ContactReadings,
@@ -17,7 +17,8 @@ from truepose.domain.campaign import (
     Stops,
     TargetDistances,
 )
-from truepose.domain.results import (
+from truepose.domain.measurement.targets import Target, TargetKind
+from truepose.domain.results.identification import (
     Counts,
     Identification,
     Model,
@@ -28,7 +29,6 @@ from truepose.domain.results import (
     Status,
 )
 from truepose.domain.robot import FixedNest, FramePlacement, JointRow, LinkMass, Nest, Robot
-from truepose.domain.targets import Target, TargetKind
 
 ELBOW = (
     JointRow(0.0, 0.0, 0.0, 300.0),

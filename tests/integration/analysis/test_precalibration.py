@@ -9,7 +9,7 @@ from tests.helpers.ballbar.cells import ballbar_cell, domain_cell, fixture_befor
 from tests.helpers.ballbar.true_session import TrueArm, measured_session
 from truepose.analysis.ballbar.precalibration import precalibrate
 from truepose.analysis.errors import NothingMeasuredError
-from truepose.domain.artefacts import BallbarKit
+from truepose.domain.cell.artefacts import BallbarKit
 from truepose.planning.ballbar.plan import plan_at
 from truepose.storage.records import SessionSetup
 

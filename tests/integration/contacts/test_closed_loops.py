@@ -9,9 +9,9 @@ from tests.unit.service.sequencing.tracker.fakes import ListLedger
 from tests.unit.service.sequencing.tracker.operators import PatientOperator
 from truepose.analysis.contacts import contact_campaign, judged_by_contacts, taken_of
 from truepose.analysis.errors import NothingMeasuredError, SessionsDifferError
-from truepose.domain.contacts import ContactPlan, ContactTaken, TargetDistance
-from truepose.domain.session import SessionState
-from truepose.domain.targets import Target, TargetKind
+from truepose.domain.measurement.contacts import ContactPlan, ContactTaken, TargetDistance
+from truepose.domain.measurement.session import SessionState
+from truepose.domain.measurement.targets import Target, TargetKind
 from truepose.exchange.campaigns.zip_file import read_campaign_zip, write_campaign_zip
 from truepose.exchange.cells.given import cell_given
 from truepose.identification.identify import identify

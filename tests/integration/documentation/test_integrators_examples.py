@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from tests.helpers.diagnosis.point_scenes import telling_scene
-from truepose.domain.campaign import Campaign, PointReadings, Stops
+from truepose.domain.measurement.campaign import Campaign, PointReadings, Stops
 from truepose.effects.causes import Fitted
 from truepose.effects.registry import EFFECTS
 from truepose.exchange.cells.file import read_cell

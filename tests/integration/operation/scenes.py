@@ -1,7 +1,7 @@
 """What surrounds a desk: a real database, fake devices, and the runners that were made."""
 
 from tests.integration.web.bench import Bench
-from truepose.domain.cell import DeviceEntry
+from truepose.domain.cell.description import DeviceEntry
 from truepose.operation.devices import MountedDevice, Rack
 from truepose.storage.measurement.ledger import LedgerRepository
 from truepose.storage.measurement.sessions import SessionRepository

@@ -10,9 +10,9 @@ from tests.helpers.ballbar.sessions import make_ballbar_plan, measured
 from tests.helpers.domain.tracker_sessions import entered
 from tests.integration.operation.scenes import Surroundings
 from tests.integration.web.bench import Bench
-from truepose.domain.artefacts import BallbarKit
-from truepose.domain.ledger import EntryKind, LedgerEntry
-from truepose.domain.session import SessionState
+from truepose.domain.cell.artefacts import BallbarKit
+from truepose.domain.measurement.ledger import EntryKind, LedgerEntry
+from truepose.domain.measurement.session import SessionState
 from truepose.operation.ballbar.plans import BallbarWish
 from truepose.operation.ballbar.sessions import NOBODY_RUNS, BallbarSessions
 from truepose.operation.devices import Rack

@@ -9,7 +9,7 @@ from tests.helpers.ballbar.cells import domain_cell
 from tests.helpers.domain.tracker_sessions import entered
 from tests.integration.operation.scenes import Surroundings
 from truepose.domain.errors import RecordRefusedError
-from truepose.domain.session import PlannedStop, SessionPlan, SessionState
+from truepose.domain.measurement.session import PlannedStop, SessionPlan, SessionState
 from truepose.operation.sessions import SessionDesk
 from truepose.operation.tracker.sessions import TrackerSessions
 from truepose.sequencing.errors import NotNowError

@@ -7,9 +7,9 @@ from sqlalchemy import text
 
 from tests.helpers.ballbar.sessions import LEGS, make_ballbar_plan, measured, moved, skipped
 from tests.helpers.domain.tracker_sessions import make_plan, make_setup
-from truepose.domain.ballbar import PoseForecast, PreCalibration, Suspicion
-from truepose.domain.ledger import Control, EntryKind, LedgerEntry
-from truepose.domain.session import SessionState
+from truepose.domain.measurement.ballbar import PoseForecast, PreCalibration, Suspicion
+from truepose.domain.measurement.ledger import Control, EntryKind, LedgerEntry
+from truepose.domain.measurement.session import SessionState
 from truepose.storage.connection.library import LIBRARY
 from truepose.storage.errors import ConflictError, KeyReusedError
 from truepose.storage.events import EventRepository

@@ -5,7 +5,7 @@ import pytest
 
 from tests.helpers.domain.tracker_sessions import make_setup
 from tests.unit.service.sequencing.ballbar.sessions import Story, found, make_plan, make_pose
-from truepose.domain.ledger import EntryKind
+from truepose.domain.measurement.ledger import EntryKind
 from truepose.sequencing.ballbar.plan import step_ids
 from truepose.storage.measurement.ledger import LedgerRepository
 from truepose.storage.measurement.sessions import SessionRepository

@@ -7,7 +7,7 @@ import pytest
 
 from tests.integration.storage.test_migration_of_models import ask, migrate
 from tests.integration.web.calibration.stored_models import store_model
-from truepose.domain.corrections import CorrectedTargets, CorrectionTotals, FileCorrection
+from truepose.domain.results.corrections import CorrectedTargets, CorrectionTotals, FileCorrection
 from truepose.storage.calibration.campaigns import CampaignRepository
 from truepose.storage.calibration.corrections import CorrectionRepository, NewCorrection
 from truepose.storage.calibration.jobs import JobRepository

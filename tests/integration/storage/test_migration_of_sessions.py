@@ -14,8 +14,8 @@ from tests.integration.storage.test_migration_of_models import ask, migrate
 from tests.unit.service.sequencing.tracker.fakes import FakeCell
 from tests.unit.service.sequencing.tracker.operators import PatientOperator
 from truepose.analysis.assembly import MeasuredSession, assemble_campaign
-from truepose.domain.ledger import Control, EntryKind
-from truepose.domain.session import SessionState
+from truepose.domain.measurement.ledger import Control, EntryKind
+from truepose.domain.measurement.session import SessionState
 from truepose.operation.session_ledger import SessionLedger
 from truepose.sequencing.tracker.runner import TrackerRunner
 from truepose.sequencing.tracker.situation import situation

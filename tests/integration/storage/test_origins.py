@@ -8,8 +8,8 @@ from tests.helpers.ballbar.sessions import make_ballbar_plan, measured
 from tests.helpers.diagnosis.answers import make_diagnosis
 from tests.helpers.domain.builders import make_identification, make_model
 from tests.helpers.domain.tracker_sessions import make_plan, make_setup
-from truepose.domain.cell import SimulatedCell
-from truepose.domain.ledger import EntryKind, LedgerEntry
+from truepose.domain.cell.description import SimulatedCell
+from truepose.domain.measurement.ledger import EntryKind, LedgerEntry
 from truepose.storage.calibration.campaigns import CampaignRepository, NewCampaign
 from truepose.storage.calibration.diagnoses import DiagnosisRepository
 from truepose.storage.calibration.jobs import JobRepository

@@ -3,7 +3,7 @@
 import pytest
 
 from tests.integration.storage.test_migration_of_models import ask, migrate
-from truepose.domain.accounts import Person, Role
+from truepose.domain.people.accounts import Person, Role
 from truepose.storage.calibration.jobs import JobRepository
 from truepose.storage.database import Database
 from truepose.storage.integrity.verification import verify

@@ -19,8 +19,8 @@ from tests.helpers.domain.tracker_sessions import (
     make_setup,
     point_taken,
 )
-from truepose.domain.ledger import EntryKind, LedgerEntry
-from truepose.domain.session import PlannedStop, Progress, SessionState, StopSkipped
+from truepose.domain.measurement.ledger import EntryKind, LedgerEntry
+from truepose.domain.measurement.session import PlannedStop, Progress, SessionState, StopSkipped
 from truepose.storage.calibration.jobs import JobRepository
 from truepose.storage.calibration.results import ResultRepository
 from truepose.storage.errors import ConflictError, KeyReusedError, NotFoundError

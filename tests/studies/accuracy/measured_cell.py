@@ -20,17 +20,17 @@ from truepose.correction.proof.verdict import Proof, proof_of
 from truepose.demo.cell.truth import CellEndpoint, cell_endpoint
 from truepose.demo.errors import ServiceFailedError
 from truepose.domain.arrays import FloatArray
-from truepose.domain.campaign import Campaign, PointReadings
-from truepose.domain.cell import Cell, SimulatedCell
-from truepose.domain.ledger import LedgerEntry
-from truepose.domain.results import Identification
-from truepose.domain.robot import Nest, WorldRegistration
-from truepose.domain.session import (
+from truepose.domain.cell.description import Cell, SimulatedCell
+from truepose.domain.measurement.campaign import Campaign, PointReadings
+from truepose.domain.measurement.ledger import LedgerEntry
+from truepose.domain.measurement.session import (
     PointTaken,
     Registration,
     SessionPlan,
     SessionState,
 )
+from truepose.domain.results.identification import Identification
+from truepose.domain.robot import Nest, WorldRegistration
 from truepose.exchange.cells.file import simulated_cell
 from truepose.identification import identify
 from truepose.planning.tracker.session_plans import plan_calibration, plan_validation

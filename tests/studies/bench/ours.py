@@ -14,8 +14,8 @@ from scipy.spatial.distance import pdist
 from tests.studies.bench.timing import Timing, timed
 from truepose.correction import Goals, correct
 from truepose.correction.starts import attain_branch
-from truepose.domain.campaign import Campaign, PointReadings, Stops
-from truepose.domain.results import Model, Parameter
+from truepose.domain.measurement.campaign import Campaign, PointReadings, Stops
+from truepose.domain.results.identification import Model, Parameter
 from truepose.domain.robot import FramePlacement
 from truepose.exchange.campaigns.folder import write_campaign
 from truepose.exchange.robots.shipped import load_robot_with_tool

@@ -6,8 +6,8 @@ import numpy as np
 
 from tests.studies.camera.setups import RIGID, Setup, true_nests_mm
 from truepose.domain.arrays import FloatArray, IntArray
-from truepose.domain.campaign import Stops
-from truepose.domain.results import Model
+from truepose.domain.measurement.campaign import Stops
+from truepose.domain.results.identification import Model
 from truepose.effects.tool.tool_certificate import NAME as CERTIFICATE
 from truepose.effects.tool.tool_certificate import certificate_specs
 from truepose.identification import predict

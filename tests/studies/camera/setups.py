@@ -11,9 +11,9 @@ from typing import Final
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
-from truepose.domain.campaign import Campaign, PointReadings, Stops
-from truepose.domain.cell import Camera
-from truepose.domain.cell import Cell as CellFile
+from truepose.domain.cell.description import Camera
+from truepose.domain.cell.description import Cell as CellFile
+from truepose.domain.measurement.campaign import Campaign, PointReadings, Stops
 from truepose.exchange.cells.file import simulated_cell
 from truepose.kinematics.frames import quaternion_from_rotation
 from truepose.planning.tracker.session_plans import plan_calibration

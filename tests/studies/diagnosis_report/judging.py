@@ -4,8 +4,8 @@ import math
 from dataclasses import dataclass, replace
 
 from tests.studies.diagnosis_report.planting import Planted
-from truepose.domain.causes import Cause
-from truepose.domain.diagnosis import Diagnosis, Finding, Verdict
+from truepose.domain.results.causes import Cause
+from truepose.domain.results.diagnosis import Diagnosis, Finding, Verdict
 from truepose.effects.causes import Candidate
 from truepose.effects.cells import cell_of
 from truepose.effects.unnamed.cause import NAME as UNNAMED

@@ -12,8 +12,8 @@ from tests.studies.diagnosis_report.judging import Outcome
 from tests.studies.diagnosis_report.trials import Trial, run_trials
 from truepose.demo.cell.client import Told
 from truepose.diagnosis.diagnose import diagnose
-from truepose.domain.campaign import Campaign
-from truepose.domain.diagnosis import Diagnosis
+from truepose.domain.measurement.campaign import Campaign
+from truepose.domain.results.diagnosis import Diagnosis
 
 # A campaign keeps one core busy; numpy's own threads on top of one process a core only get in the way.
 _THREADS: Final = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")

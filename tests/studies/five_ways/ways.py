@@ -12,7 +12,7 @@ from tests.studies.ballbar_report.plans import plan_document
 from tests.studies.camera.setups import FLAT, TRACKER, measured, planned, setup
 from tests.studies.loops.held_out import Truth
 from tests.studies.loops.recorded import truth_of
-from truepose.domain.campaign import Campaign
+from truepose.domain.measurement.campaign import Campaign
 from truepose.exchange.campaigns.folder import read_campaign
 from truepose.exchange.cells.file import simulated_cell
 from truepose.planning.ballbar.plan import ballbar_plan

@@ -8,8 +8,8 @@ import numpy as np
 
 from tests.studies.loops.held_out import HeldOut, held_out
 from tests.studies.loops.recorded import truth_of
-from truepose.domain.campaign import TargetDistances
-from truepose.domain.targets import Target, TargetKind
+from truepose.domain.measurement.campaign import TargetDistances
+from truepose.domain.measurement.targets import Target, TargetKind
 from truepose.exchange.campaigns.folder import read_campaign
 from truepose.exchange.cells.file import simulated_cell
 from truepose.planning.loops.plan import promised_loop

@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 
 from tests.studies.loops.held_out import HeldOut, Truth, held_out
-from truepose.domain.campaign import Stops
+from truepose.domain.measurement.campaign import Stops
 from truepose.exchange.campaigns.folder import read_campaign
 from truepose_simulators.cell.true_cell import Cell
 from truepose_simulators.recording import Stops as RecordedStops

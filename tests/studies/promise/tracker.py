@@ -9,8 +9,8 @@ import numpy as np
 
 from tests.studies.promise.kept import Kept, kept
 from truepose.domain.arrays import FloatArray, IntArray
-from truepose.domain.campaign import Campaign, Stops
-from truepose.domain.results import Model
+from truepose.domain.measurement.campaign import Campaign, Stops
+from truepose.domain.results.identification import Model
 from truepose.exchange.campaigns.folder import read_campaign
 from truepose.exchange.cells.file import simulated_cell
 from truepose.identification import identify, predict

@@ -22,8 +22,8 @@ from tests.studies.sphere.calibrated_arms import (
     calibrated,
     sphere_campaign,
 )
-from truepose.domain.ballbar import BallbarPlan, SphereWish
-from truepose.domain.results import Model
+from truepose.domain.measurement.ballbar import BallbarPlan, SphereWish
+from truepose.domain.results.identification import Model
 from truepose.domain.robot import FramePlacement
 from truepose.exchange.robots.shipped import load_robot
 from truepose.judgement.sphere.errors import SphereFigures

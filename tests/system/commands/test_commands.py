@@ -17,7 +17,7 @@ import pytest
 
 from tests.helpers.identification.synthetic import configurations, measured, nominal_campaign
 from truepose.cli import main
-from truepose.domain.campaign import PointReadings, Stops
+from truepose.domain.measurement.campaign import PointReadings, Stops
 from truepose.exchange.campaigns.folder import write_campaign
 from truepose.exchange.models.file import read_model
 from truepose.exchange.tables.points import point_text

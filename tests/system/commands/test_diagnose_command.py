@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from tests.helpers.identification.synthetic import measured, nominal_campaign
-from truepose.domain.campaign import Campaign
+from truepose.domain.measurement.campaign import Campaign
 from truepose.exchange.campaigns.folder import write_campaign
 
 TRUEPOSE = Path(sys.executable).with_name("truepose")

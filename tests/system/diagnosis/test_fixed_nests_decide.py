@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from truepose.diagnosis.diagnose import diagnose
-from truepose.domain.diagnosis import Confidence
+from truepose.domain.results.diagnosis import Confidence
 from truepose.domain.sentences import said
 from truepose.exchange.campaigns.folder import read_campaign
 from truepose.words.catalogue import english

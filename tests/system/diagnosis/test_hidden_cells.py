@@ -8,7 +8,7 @@ import pytest
 
 from tests.helpers.diagnosis.hidden_causes import recorded
 from truepose.diagnosis.diagnose import diagnose
-from truepose.domain.diagnosis import Verdict
+from truepose.domain.results.diagnosis import Verdict
 from truepose.words.catalogue import english
 from truepose_simulators.physics.effects.effect import Deflection
 from truepose_simulators.physics.rigid import move

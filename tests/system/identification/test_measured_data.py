@@ -2,7 +2,7 @@
 
 import pytest
 
-from truepose.domain.results import Status
+from truepose.domain.results.identification import Status
 from truepose.exchange.campaigns.folder import read_campaign
 from truepose.identification import identify
 from truepose.words.catalogue import english

@@ -17,9 +17,9 @@ import pytest
 
 from tests.unit.service.sequencing.ballbar.fakes import Bench, turns
 from tests.unit.service.sequencing.ballbar.sessions import LEGS, joints, make_plan, make_sphere_plan
-from truepose.domain.ballbar import BallbarPlan, StepKind
-from truepose.domain.ledger import EntryKind, LedgerEntry
-from truepose.domain.session import SessionState
+from truepose.domain.measurement.ballbar import BallbarPlan, StepKind
+from truepose.domain.measurement.ledger import EntryKind, LedgerEntry
+from truepose.domain.measurement.session import SessionState
 from truepose.sequencing.ballbar.acts import Answer
 from truepose.sequencing.ballbar.plan import step_ids
 from truepose.sequencing.ballbar.state_so_far import READINGS

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from tests.helpers.domain import asking
 from tests.unit.service.sequencing.tracker.fakes import FakeCell, ListLedger, make_plan
 from tests.unit.service.sequencing.tracker.operators import PatientOperator
-from truepose.domain.session import SessionState
+from truepose.domain.measurement.session import SessionState
 from truepose.sequencing.engine.motion.interlocks import MAX_STATE_AGE_S
 from truepose.sequencing.engine.states import has_ended
 from truepose.sequencing.errors import NotNowError

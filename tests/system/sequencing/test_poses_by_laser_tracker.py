@@ -8,9 +8,9 @@ import numpy as np
 
 from tests.system.session_bench import Bench, bench
 from tests.unit.service.sequencing.tracker.operators import PatientOperator
-from truepose.domain.cell import Camera
+from truepose.domain.cell.description import Camera
+from truepose.domain.measurement.session import SessionState
 from truepose.domain.robot import Nest
-from truepose.domain.session import SessionState
 from truepose.kinematics.artefact import centre
 from truepose.kinematics.frames import (
     rigid_alignment,

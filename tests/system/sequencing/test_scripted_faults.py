@@ -11,7 +11,7 @@ import pytest
 
 from tests.system.session_bench import bench
 from tests.unit.service.sequencing.tracker.operators import PatientOperator
-from truepose.domain.session import SessionState
+from truepose.domain.measurement.session import SessionState
 from truepose.planning.tracker.session_plans import plan_validation
 from truepose.sequencing.engine.prompts import CELL_CLEAR
 from truepose.sequencing.tracker.runner import TrackerRunner

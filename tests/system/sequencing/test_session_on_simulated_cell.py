@@ -9,7 +9,7 @@ import pytest
 
 from tests.system.session_bench import Bench, bench
 from tests.unit.service.sequencing.tracker.operators import PatientOperator
-from truepose.domain.session import SessionState
+from truepose.domain.measurement.session import SessionState
 from truepose.planning.tracker.session_plans import plan_calibration, plan_validation
 from truepose.sequencing.tracker.runner import TrackerRunner
 from truepose_drivers.abb_open_abb.driver import OpenAbbRobot, TimeOuts

@@ -12,7 +12,7 @@ import pytest
 
 from tests.system.session_bench import bench
 from tests.unit.service.sequencing.tracker.operators import PatientOperator
-from truepose.domain.campaign import Stops
+from truepose.domain.measurement.campaign import Stops
 from truepose.exchange.models.file import read_model
 from truepose.exchange.tables.files import read_points_to_predict
 from truepose.identification import predict

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from truepose.analysis.errors import NothingMeasuredError
-from truepose.domain.artefacts import Artefact, BallbarKit
-from truepose.domain.ballbar import ArrivalTaken, Leg, LengthTaken
-from truepose.domain.campaign import Campaign, CupSetups, FixtureLengths, LegReadings, Stops
+from truepose.domain.cell.artefacts import Artefact, BallbarKit
+from truepose.domain.measurement.ballbar import ArrivalTaken, Leg, LengthTaken
+from truepose.domain.measurement.campaign import Campaign, CupSetups, FixtureLengths, LegReadings, Stops
 from truepose.storage.records import SessionSetup
 
 _TOOL = 0  # placement of the tool's triangle in a campaign

@@ -10,8 +10,8 @@ import numpy as np
 
 from truepose.analysis.ballbar.assembly import Counting, LegKept
 from truepose.domain.arrays import FloatArray
-from truepose.domain.artefacts import BallbarKit
-from truepose.domain.ballbar import PlannedPose, PoseForecast
+from truepose.domain.cell.artefacts import BallbarKit
+from truepose.domain.measurement.ballbar import PlannedPose, PoseForecast
 from truepose.judgement.ball_pairs.accounts import Accounts, begin
 from truepose.judgement.ball_pairs.early import refuted_stops
 from truepose.planning.ballbar.lengths.aiming import Lengths

@@ -14,10 +14,10 @@ from typing import Final
 import numpy as np
 
 from truepose.domain.arrays import FloatArray, IntArray
-from truepose.domain.artefacts import BallbarKit
-from truepose.domain.ballbar import BallbarPlan, Leg, PlannedPlacement, PlannedPose, PoseForecast
-from truepose.domain.campaign import Stops
-from truepose.domain.results import Model
+from truepose.domain.cell.artefacts import BallbarKit
+from truepose.domain.measurement.ballbar import BallbarPlan, Leg, PlannedPlacement, PlannedPose, PoseForecast
+from truepose.domain.measurement.campaign import Stops
+from truepose.domain.results.identification import Model
 from truepose.identification.model.estimates import structure_of, values_of
 from truepose.identification.model.evaluation import Targets, evaluate
 from truepose.planning.ballbar.lengths.aiming import Lengths

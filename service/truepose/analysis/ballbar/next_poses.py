@@ -13,7 +13,7 @@ import numpy as np
 from truepose.analysis.ballbar.assembly import Counting, Standing
 from truepose.analysis.ballbar.early_forecasts import EarlyForeseen
 from truepose.analysis.ballbar.forecasts import Foreseen
-from truepose.domain.ballbar import BallbarPlan, PlannedPlacement, PlannedPose
+from truepose.domain.measurement.ballbar import BallbarPlan, PlannedPlacement, PlannedPose
 from truepose.planning.ballbar.clear_ways.bodies import BallbarCell
 from truepose.planning.ballbar.fixture import BaseFixture
 from truepose.planning.ballbar.lengths.again import aimed_again, coded_or_kept

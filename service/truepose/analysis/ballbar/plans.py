@@ -1,8 +1,8 @@
 """The plan of a ballbar session: where the base fixture goes, and which poses are measured there."""
 
 from truepose.analysis.workers.tasks import BallbarPlanTask
-from truepose.domain.artefacts import BallbarKit
-from truepose.domain.ballbar import BallbarPlan
+from truepose.domain.cell.artefacts import BallbarKit
+from truepose.domain.measurement.ballbar import BallbarPlan
 from truepose.planning.ballbar.fixture import base_fixture
 from truepose.planning.ballbar.plan import ballbar_cell, ballbar_plan, plan_at
 from truepose.planning.ballbar.sphere import plan_sphere

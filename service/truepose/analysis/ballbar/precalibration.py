@@ -12,9 +12,9 @@ from truepose.analysis.ballbar.early_forecasts import EarlyForeseen
 from truepose.analysis.ballbar.forecasts import Foreseen
 from truepose.analysis.ballbar.next_poses import next_poses
 from truepose.analysis.errors import NothingMeasuredError
-from truepose.domain.artefacts import BallbarKit
-from truepose.domain.ballbar import BallbarPlan, PlannedPose, PoseForecast, PreCalibration
-from truepose.domain.results import Identification, Status
+from truepose.domain.cell.artefacts import BallbarKit
+from truepose.domain.measurement.ballbar import BallbarPlan, PlannedPose, PoseForecast, PreCalibration
+from truepose.domain.results.identification import Identification, Status
 from truepose.identification import identify
 from truepose.judgement.ball_pairs.judge import judge_pose
 from truepose.planning.ballbar.lengths.beforehand import known_beforehand

@@ -9,8 +9,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final, TypeAlias
 
-from truepose.domain.corrections import CorrectedTargets, FileCorrection
-from truepose.domain.results import Model
+from truepose.domain.results.corrections import CorrectedTargets, FileCorrection
+from truepose.domain.results.identification import Model
 from truepose.exchange.corrections.asked import Asked
 from truepose.storage.columns import pack
 

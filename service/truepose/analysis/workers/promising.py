@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from truepose.analysis.assembly import MeasuredSession
-from truepose.domain.cell import Cell
+from truepose.domain.cell.description import Cell
 
 if TYPE_CHECKING:
     from truepose.analysis.promises import Promised

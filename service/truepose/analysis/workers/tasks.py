@@ -15,14 +15,14 @@ from truepose.analysis.workers.correcting import CheckFileTask, CorrectFileTask,
 from truepose.analysis.workers.drawing import DrawTask
 from truepose.analysis.workers.outlook import Outlook, OutlookTask
 from truepose.analysis.workers.promising import PromiseTask
-from truepose.domain.ballbar import BallbarPlan, PreCalibration, SphereWish
-from truepose.domain.campaign import Campaign, Readings
-from truepose.domain.contacts import ContactPlan
-from truepose.domain.diagnosis import Diagnosis
-from truepose.domain.results import Identification, Model
+from truepose.domain.measurement.ballbar import BallbarPlan, PreCalibration, SphereWish
+from truepose.domain.measurement.campaign import Campaign, Readings
+from truepose.domain.measurement.contacts import ContactPlan
+from truepose.domain.measurement.session import SessionPlan, Turn
+from truepose.domain.results.diagnosis import Diagnosis
+from truepose.domain.results.identification import Identification, Model
+from truepose.domain.results.validation import Validation
 from truepose.domain.robot import FramePlacement
-from truepose.domain.session import SessionPlan, Turn
-from truepose.domain.validation import Validation
 from truepose.storage.columns import is_packed, pack, unpack
 from truepose.storage.records import CampaignSummary, SessionSetup
 

@@ -11,10 +11,10 @@ import numpy as np
 from truepose.correction.goals import Goals
 from truepose.correction.joint_targets import correct
 from truepose.domain.arrays import BoolArray, FloatArray, IntArray, Table
-from truepose.domain.campaign import Stops
 from truepose.domain.errors import ConfigurationError
-from truepose.domain.results import Model
-from truepose.domain.session import PlannedStop, SessionPlan
+from truepose.domain.measurement.campaign import Stops
+from truepose.domain.measurement.session import PlannedStop, SessionPlan
+from truepose.domain.results.identification import Model
 from truepose.identification.model.estimates import nominal_estimate
 from truepose.identification.model.evaluation import Targets, evaluate
 from truepose.identification.model.same_robot import require_same_robot

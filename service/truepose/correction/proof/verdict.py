@@ -8,9 +8,9 @@ import numpy as np
 
 from truepose.correction.proof.pairs import pairs_of
 from truepose.domain.arrays import FloatArray, IntArray
-from truepose.domain.campaign import PointReadings
 from truepose.domain.errors import ConfigurationError
-from truepose.domain.results import Model, Statistics
+from truepose.domain.measurement.campaign import PointReadings
+from truepose.domain.results.identification import Model, Statistics
 from truepose.domain.sentences import Sentence, said
 from truepose.identification.model.estimates import identified_estimate, structure_of
 from truepose.identification.model.evaluation import State, Targets, evaluate

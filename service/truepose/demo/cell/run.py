@@ -16,9 +16,9 @@ from truepose.demo.cell.truth import TrueReadings, cell_endpoint
 from truepose.demo.cell.truth_of_poses import shown_artefact, true_poses
 from truepose.demo.errors import TruthUnknownError
 from truepose.demo.progress import RunProgress
-from truepose.domain.campaign import Campaign
-from truepose.domain.cell import Cell
-from truepose.domain.results import Model
+from truepose.domain.cell.description import Cell
+from truepose.domain.measurement.campaign import Campaign
+from truepose.domain.results.identification import Model
 from truepose.exchange.campaigns.folder import write_campaign
 from truepose.exchange.campaigns.zip_file import read_campaign_zip
 from truepose.exchange.cells.file import simulated_cell

@@ -14,7 +14,7 @@ import numpy as np
 
 from truepose.demo.errors import TruthUnknownError
 from truepose.domain.arrays import FloatArray
-from truepose.domain.campaign import PointReadings, Stops
+from truepose.domain.measurement.campaign import PointReadings, Stops
 
 _LONGEST_LINE_BYTES: Final = 1 << 26  # an answer holds thousands of positions
 _ANSWER_S: Final = 60.0

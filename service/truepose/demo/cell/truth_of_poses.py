@@ -10,8 +10,8 @@ import numpy as np
 
 from truepose.demo.cell.truth import CellEndpoint, TrueReadings
 from truepose.domain.arrays import FloatArray
-from truepose.domain.campaign import PointReadings, Stops
-from truepose.domain.cell import Camera, Cell
+from truepose.domain.cell.description import Camera, Cell
+from truepose.domain.measurement.campaign import PointReadings, Stops
 from truepose.kinematics.frames import quaternion_from_rotation, rigid_alignment
 from truepose.sequencing.tracker.instruments.poses import stated_place
 

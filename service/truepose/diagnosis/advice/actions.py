@@ -7,7 +7,7 @@ variables and shapes.
 from dataclasses import dataclass
 from typing import Final
 
-from truepose.domain.causes import Cause
+from truepose.domain.results.causes import Cause
 from truepose.domain.sentences import Sentence, said
 from truepose.effects.cells import named_cell, words_of
 

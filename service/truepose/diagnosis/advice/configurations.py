@@ -7,7 +7,7 @@ import numpy as np
 from truepose.diagnosis.screening.selection import Selected
 from truepose.diagnosis.start import Start
 from truepose.domain.arrays import FloatArray
-from truepose.domain.campaign import Stops
+from truepose.domain.measurement.campaign import Stops
 from truepose.identification.model.evaluation import State, Targets, evaluate, rows_of
 from truepose.kinematics.chain import Chain, forward, nominal_values
 from truepose.kinematics.gravity import moment_regressor

@@ -32,8 +32,8 @@ from truepose.diagnosis.screening.selection import Selected
 from truepose.diagnosis.sentences import spoken
 from truepose.diagnosis.start import Start
 from truepose.domain.arrays import FloatArray
-from truepose.domain.causes import Cause
-from truepose.domain.diagnosis import Finding, NextMeasurement
+from truepose.domain.results.causes import Cause
+from truepose.domain.results.diagnosis import Finding, NextMeasurement
 from truepose.domain.sentences import Sentence, Value, said, together
 from truepose.effects.causes import Candidate
 from truepose.effects.joints.joint_harmonics import ONE_PERIOD_FROM

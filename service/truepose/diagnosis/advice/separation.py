@@ -27,7 +27,7 @@ from truepose.diagnosis.screening.groups import names_of
 from truepose.diagnosis.screening.normal_equations import products_of
 from truepose.diagnosis.screening.selection import Selected
 from truepose.domain.arrays import FloatArray
-from truepose.domain.causes import Cause
+from truepose.domain.results.causes import Cause
 from truepose.effects.causes import Candidate
 from truepose.identification.fit.robust import RobustFit
 from truepose.identification.model.derivatives import position_jacobian

@@ -4,8 +4,8 @@ import re
 from dataclasses import dataclass, replace
 from typing import Final
 
-from truepose.domain.causes import Detail
-from truepose.domain.diagnosis import Confidence, Diagnosis, Finding
+from truepose.domain.results.causes import Detail
+from truepose.domain.results.diagnosis import Confidence, Diagnosis, Finding
 
 SHARED: Final = {"joint": "joints", "link": "links"}  # subjects when more than two share a cause
 

@@ -24,8 +24,8 @@ from truepose.diagnosis.evidence.sensitivities import (
 from truepose.diagnosis.screening.groups import names_of
 from truepose.diagnosis.screening.selection import Selected
 from truepose.domain.arrays import FloatArray
-from truepose.domain.campaign import Stops
-from truepose.domain.diagnosis import Curve
+from truepose.domain.measurement.campaign import Stops
+from truepose.domain.results.diagnosis import Curve
 from truepose.effects.causes import Candidate, Scene
 from truepose.effects.cells import cell_of
 from truepose.effects.joints.joint_harmonics import is_whole, order_of_wave

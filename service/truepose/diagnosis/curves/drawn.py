@@ -20,7 +20,7 @@ from truepose.diagnosis.evidence.sensitivities import Seen, of_body, of_joint, s
 from truepose.diagnosis.evidence.structure_left import Depends
 from truepose.diagnosis.screening.selection import Selected
 from truepose.domain.arrays import FloatArray
-from truepose.domain.diagnosis import Curve
+from truepose.domain.results.diagnosis import Curve
 from truepose.effects.causes import Candidate, Scene
 from truepose.effects.cells import drawn_as
 from truepose.identification.distributions import WITHIN_95

@@ -3,7 +3,7 @@
 from truepose.diagnosis.evidence.sensitivities import values_of
 from truepose.diagnosis.screening.groups import names_of
 from truepose.diagnosis.screening.selection import Selected
-from truepose.domain.causes import Spectrum
+from truepose.domain.results.causes import Spectrum
 from truepose.effects.causes import Candidate, Fitted
 from truepose.effects.joints.joint_harmonics import NAME as HARMONICS
 from truepose.effects.joints.joint_harmonics import spectrum

@@ -9,7 +9,7 @@ from truepose.diagnosis.curves.drawn import finding_curve
 from truepose.diagnosis.evidence.held_out import validation_block
 from truepose.diagnosis.screening.selection import Selected
 from truepose.diagnosis.start import Start
-from truepose.domain.diagnosis import Curve, CurvePoints
+from truepose.domain.results.diagnosis import Curve, CurvePoints
 from truepose.effects.causes import Candidate, Scene
 from truepose.effects.cells import drawn_as
 from truepose.identification.observations.blocks import linearise_blocks

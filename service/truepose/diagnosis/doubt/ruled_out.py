@@ -8,8 +8,8 @@ import numpy as np
 from truepose.diagnosis.doubt.upper_limits import upper_limits_mm
 from truepose.diagnosis.screening.explained import Screened, screen
 from truepose.diagnosis.screening.selection import LEVEL, Selected
-from truepose.domain.causes import Cause
-from truepose.domain.diagnosis import RuledOut
+from truepose.domain.results.causes import Cause
+from truepose.domain.results.diagnosis import RuledOut
 from truepose.domain.sentences import said
 from truepose.effects.causes import Scene
 from truepose.effects.registry import CAUSES

@@ -1,6 +1,6 @@
 """Small findings: they are there and stay in the model, but the robot would hardly err less without them."""
 
-from truepose.domain.diagnosis import Finding
+from truepose.domain.results.diagnosis import Finding
 
 _SMALL = 0.02  # of the held-out error
 

@@ -14,8 +14,8 @@ from truepose.diagnosis.evidence.structure_left import Left, left_by
 from truepose.diagnosis.screening.groups import Group, grouped
 from truepose.diagnosis.screening.selection import Propose, Selected, reselected
 from truepose.diagnosis.start import Start
-from truepose.domain.causes import Cause
-from truepose.domain.diagnosis import Gain
+from truepose.domain.results.causes import Cause
+from truepose.domain.results.diagnosis import Gain
 from truepose.domain.sentences import Sentence, Text, said
 
 # Of what is wrong: findings that explain less, beside what nothing explains, are not claimed.

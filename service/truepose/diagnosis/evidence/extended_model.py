@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from truepose.diagnosis.evidence.sensitivities import worth_of
 from truepose.diagnosis.screening.groups import names_of
 from truepose.diagnosis.screening.selection import Selected
-from truepose.domain.diagnosis import Described
+from truepose.domain.results.diagnosis import Described
 from truepose.effects.causes import Candidate
 from truepose.effects.cells import cell_of
 from truepose.identification.fit.robust import RobustFit

@@ -5,7 +5,7 @@ from functools import lru_cache
 import numpy as np
 
 from truepose.domain.arrays import FloatArray, IntArray
-from truepose.domain.diagnosis import Gain
+from truepose.domain.results.diagnosis import Gain
 
 _RESAMPLED = 1000  # 25 of them lie beyond either end of the interval
 

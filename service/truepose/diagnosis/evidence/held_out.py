@@ -14,8 +14,8 @@ from truepose.diagnosis.evidence.gains import gain_of
 from truepose.diagnosis.screening.groups import names_of
 from truepose.diagnosis.screening.selection import Choice, Selected
 from truepose.domain.arrays import FloatArray, IntArray
-from truepose.domain.campaign import Campaign
-from truepose.domain.diagnosis import Gain, HeldOutErrors
+from truepose.domain.measurement.campaign import Campaign
+from truepose.domain.results.diagnosis import Gain, HeldOutErrors
 from truepose.effects.causes import Candidate
 from truepose.effects.cells import cell_of, of_legs
 from truepose.identification.distributions import chi2_median

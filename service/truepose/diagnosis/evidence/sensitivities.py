@@ -13,7 +13,7 @@ import numpy as np
 from truepose.diagnosis.screening.groups import names_of
 from truepose.diagnosis.screening.selection import Selected
 from truepose.domain.arrays import BoolArray, FloatArray
-from truepose.domain.diagnosis import Worth
+from truepose.domain.results.diagnosis import Worth
 from truepose.effects.causes import Candidate, Fitted, Scene, Shown
 from truepose.effects.ports import ParameterSpec, Port, PortKind, Term, motion_port
 from truepose.effects.registry import CAUSES

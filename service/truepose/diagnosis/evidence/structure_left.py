@@ -17,8 +17,8 @@ from truepose.diagnosis.screening.selection import LEVEL, Selected
 from truepose.diagnosis.screening.smooth_families import Family
 from truepose.diagnosis.start import Start
 from truepose.domain.arrays import FloatArray
-from truepose.domain.causes import Cause
-from truepose.domain.diagnosis import Gain, WorstPoint
+from truepose.domain.results.causes import Cause
+from truepose.domain.results.diagnosis import Gain, WorstPoint
 from truepose.effects.causes import Candidate
 from truepose.effects.joints.joint_harmonics import NAME as HARMONICS
 from truepose.effects.names import joint_of_subject

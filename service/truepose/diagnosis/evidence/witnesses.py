@@ -5,7 +5,7 @@ a joint over time may be that. Such a finding is not certain, and the same of th
 """
 
 from truepose.diagnosis.screening.selection import Selected
-from truepose.domain.causes import Cause
+from truepose.domain.results.causes import Cause
 from truepose.effects.cells import Cell, cell_of
 from truepose.identification.fit.robust import RobustFit
 

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
-from truepose.domain.campaign import Campaign, PointReadings
+from truepose.domain.measurement.campaign import Campaign, PointReadings
 from truepose.effects.ports import ParameterSpec, Port, PortKind, Term
 from truepose.identification.fit.robust import RobustFit
 from truepose.identification.model.evaluation import Targets, evaluate

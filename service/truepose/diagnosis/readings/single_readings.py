@@ -16,7 +16,7 @@ from scipy.special import gammaln
 
 from truepose.diagnosis.distributions import chi2_log_density
 from truepose.domain.arrays import BoolArray, FloatArray, IntArray
-from truepose.domain.campaign import PointReadings
+from truepose.domain.measurement.campaign import PointReadings
 from truepose.identification.fit.robust import RobustFit
 from truepose.identification.model.evaluation import Targets, evaluate
 

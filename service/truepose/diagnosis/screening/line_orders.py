@@ -17,7 +17,7 @@ from truepose.diagnosis.screening.explained import screen
 from truepose.diagnosis.screening.groups import names_of
 from truepose.diagnosis.screening.selection import Propose, Selected, reselected
 from truepose.domain.arrays import FloatArray
-from truepose.domain.causes import Detail
+from truepose.domain.results.causes import Detail
 from truepose.effects.causes import Candidate, Scene
 from truepose.effects.joints.joint_harmonics import NAME as HARMONICS
 from truepose.effects.joints.joint_harmonics import is_whole, orders, wave_specs

@@ -11,7 +11,7 @@ import numpy as np
 from truepose.diagnosis.screening.explained import screen
 from truepose.diagnosis.screening.groups import names_of
 from truepose.diagnosis.screening.selection import Selected
-from truepose.domain.causes import Cause
+from truepose.domain.results.causes import Cause
 from truepose.effects.causes import Candidate
 from truepose.effects.cells import Cell, cell_of
 from truepose.effects.unnamed.cause import NAME as UNNAMED

@@ -1,6 +1,6 @@
 """Where the robot stands: six parameters of its base in the world."""
 
-from truepose.domain.results import NotIdentifiable
+from truepose.domain.results.identification import NotIdentifiable
 from truepose.domain.sentences import said
 from truepose.effects.ports import NOTHING, Need, ParameterSpec, Port, PortKind, Rows, Setting, Term, Trait
 

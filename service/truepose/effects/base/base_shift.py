@@ -5,7 +5,7 @@ The shift is that of the base's own origin, along the base's axes.
 
 import numpy as np
 
-from truepose.domain.causes import Detail
+from truepose.domain.results.causes import Detail
 from truepose.domain.sentences import Text, said, together
 from truepose.effects.causes import Candidate, Fitted, Scene, Shown, varied
 from truepose.effects.ports import Need, ParameterSpec, Rows, Setting, Term, Trait, motion_port

@@ -7,7 +7,7 @@ Where the direction is unknown the joint is taken to stand in the middle of its 
 import numpy as np
 
 from truepose.domain.arrays import FloatArray, IntArray
-from truepose.domain.causes import Detail
+from truepose.domain.results.causes import Detail
 from truepose.domain.sentences import Text, said
 from truepose.effects.causes import FEWEST_TOGETHER, Candidate, Fitted, Scene, Shown
 from truepose.effects.names import joint_name, joint_of, joint_subject

@@ -10,7 +10,7 @@ Source: thesis of A. Nubiola, 2014, annex I.
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
-from truepose.domain.results import NotIdentifiable
+from truepose.domain.results.identification import NotIdentifiable
 from truepose.domain.sentences import Text, said
 from truepose.effects.causes import SPRING, Candidate, Fitted, Scene, Shown, norm_with_uncertainty
 from truepose.effects.names import joint_name, joint_of, joint_subject

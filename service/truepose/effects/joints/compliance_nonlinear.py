@@ -8,7 +8,7 @@ gears behave so (T. D. Tuttle, W. P. Seering, IEEE Trans. Robotics and Automatio
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
-from truepose.domain.causes import Detail
+from truepose.domain.results.causes import Detail
 from truepose.domain.sentences import Text, said
 from truepose.effects.causes import FEWEST_TOGETHER, Candidate, Fitted, Limits, Scene, Shown
 from truepose.effects.joints.compliance import VISIBLE_RAD, compliance_prior, known_torque

@@ -6,7 +6,7 @@ The moved joint turns by coupling times the angle of the source, both as the con
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
-from truepose.domain.causes import Detail
+from truepose.domain.results.causes import Detail
 from truepose.domain.sentences import Text, said
 from truepose.effects.causes import Candidate, Fitted, Scene, Shown
 from truepose.effects.names import joint_subject

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from truepose.domain.arrays import BoolArray, FloatArray, IntArray
-from truepose.domain.causes import Detail, Spectrum
+from truepose.domain.results.causes import Detail, Spectrum
 from truepose.domain.sentences import Sentence, Text, said
 from truepose.effects.causes import (
     Candidate,

@@ -8,7 +8,7 @@ Source: S. A. Hayati, Proc. 22nd IEEE Conf. Decision and Control, 1983, 1477-148
 
 import numpy as np
 
-from truepose.domain.causes import Detail
+from truepose.domain.results.causes import Detail
 from truepose.domain.sentences import Text, said
 from truepose.effects.causes import Candidate, Fitted, Scene, Shown, norm_with_uncertainty
 from truepose.effects.links.geometry import ANGLE_WIDTH_RAD, is_parallel_to_previous, link_terms

@@ -10,7 +10,7 @@ from functools import cache
 
 import numpy as np
 
-from truepose.domain.results import NotIdentifiable
+from truepose.domain.results.identification import NotIdentifiable
 from truepose.domain.robot import Robot
 from truepose.domain.sentences import said
 from truepose.effects.names import joint_name, joint_of

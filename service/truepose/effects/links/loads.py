@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
-from truepose.domain.causes import Detail
+from truepose.domain.results.causes import Detail
 from truepose.domain.robot import LinkMass, Robot
 from truepose.domain.sentences import Text, said
 from truepose.effects.causes import Fitted, Limits, Scene

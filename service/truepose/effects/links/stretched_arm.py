@@ -3,7 +3,7 @@
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
-from truepose.domain.campaign import Stops
+from truepose.domain.measurement.campaign import Stops
 from truepose.domain.robot import Robot
 from truepose.effects.ports import Rows, known_frames
 from truepose.kinematics.chain import nominal_chain

@@ -7,7 +7,7 @@ temperature of lengths (ISO 1). The tool and the table under the base keep their
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
-from truepose.domain.campaign import Stops
+from truepose.domain.measurement.campaign import Stops
 from truepose.domain.sentences import Text, said
 from truepose.effects.causes import Candidate, Fitted, Limits, Scene, Shown
 from truepose.effects.ports import Need, ParameterSpec, Port, PortKind, Rows, Setting, Term

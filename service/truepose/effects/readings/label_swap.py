@@ -6,7 +6,7 @@ the readings of the two nests that are swapped as the one value of what was fitt
 
 import numpy as np
 
-from truepose.domain.causes import Detail
+from truepose.domain.results.causes import Detail
 from truepose.domain.sentences import Text, said
 from truepose.effects.causes import Candidate, Fitted, Scene, Shown
 from truepose.effects.ports import Trait

@@ -6,7 +6,7 @@ as the one value of what was fitted.
 
 import numpy as np
 
-from truepose.domain.causes import Detail
+from truepose.domain.results.causes import Detail
 from truepose.domain.sentences import Text, said
 from truepose.effects.causes import Candidate, Fitted, Scene, Shown
 from truepose.effects.ports import Trait

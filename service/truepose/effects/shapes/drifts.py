@@ -13,7 +13,7 @@ from collections.abc import Callable
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
-from truepose.domain.causes import Detail
+from truepose.domain.results.causes import Detail
 from truepose.domain.sentences import Sentence, said
 from truepose.effects.causes import Candidate, Fitted, Scene, Shown
 from truepose.effects.ports import ParameterSpec, Port, Rows, Term

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from truepose.domain.arrays import BoolArray, FloatArray
-from truepose.domain.campaign import Stops
+from truepose.domain.measurement.campaign import Stops
 from truepose.effects.ports import Port, Rows, Term
 from truepose.effects.shapes.rigid_motion import split_motion
 from truepose.effects.shapes.times import moments_s

@@ -6,8 +6,8 @@ from typing import NamedTuple
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
-from truepose.domain.causes import Detail
-from truepose.domain.results import Unit
+from truepose.domain.results.causes import Detail
+from truepose.domain.results.identification import Unit
 from truepose.effects.causes import Fitted, norm_with_uncertainty
 from truepose.effects.ports import ParameterSpec
 

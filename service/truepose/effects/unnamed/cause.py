@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from truepose.domain.causes import Detail
+from truepose.domain.results.causes import Detail
 from truepose.domain.sentences import Text, said, together
 from truepose.effects.causes import Candidate, Fitted, Scene, Shown, norm_with_uncertainty
 from truepose.effects.ports import NOTHING, Need, ParameterSpec, Rows, Setting, Term, Trait

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from truepose.domain.arrays import FloatArray
-from truepose.domain.causes import Shape
-from truepose.domain.results import Unit
+from truepose.domain.results.causes import Shape
+from truepose.domain.results.identification import Unit
 from truepose.domain.sentences import Text
 from truepose.effects.causes import Limits, Scene
 from truepose.effects.ports import NOTHING, Need, Port, Rows

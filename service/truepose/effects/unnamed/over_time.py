@@ -3,7 +3,7 @@
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
-from truepose.domain.results import Unit
+from truepose.domain.results.identification import Unit
 from truepose.domain.sentences import Sentence, said
 from truepose.effects.causes import Scene, varied
 from truepose.effects.names import joint_subject

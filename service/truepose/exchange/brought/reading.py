@@ -7,7 +7,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from truepose.domain.campaign import Campaign
+from truepose.domain.measurement.campaign import Campaign
 from truepose.domain.robot import Robot
 from truepose.domain.sentences import said
 from truepose.exchange.brought import faults

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import Final
 
-from truepose.domain.campaign import Campaign
+from truepose.domain.measurement.campaign import Campaign
 from truepose.exchange.campaigns.description import FORMAT, read_description
 from truepose.exchange.campaigns.folder import with_tables
 from truepose.exchange.document import Node

@@ -14,7 +14,7 @@ from datetime import date
 
 import numpy as np
 
-from truepose.domain.campaign import Campaign
+from truepose.domain.measurement.campaign import Campaign
 from truepose.domain.robot import FixedNest, Nest, Robot, WorldRegistration
 from truepose.domain.sentences import Sentence, said
 from truepose.exchange.campaigns.origin import read_day, read_simulated

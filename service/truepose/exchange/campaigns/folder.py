@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
-from truepose.domain.campaign import Campaign, PointReadings
+from truepose.domain.measurement.campaign import Campaign, PointReadings
 from truepose.domain.sentences import Sentence, said
 from truepose.exchange.campaigns.description import Description, description_document, read_description
 from truepose.exchange.document import json_document

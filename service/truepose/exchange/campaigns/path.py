@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from truepose.domain.campaign import Campaign
+from truepose.domain.measurement.campaign import Campaign
 from truepose.exchange.campaigns.folder import read_campaign
 from truepose.exchange.campaigns.zip_file import read_campaign_zip
 from truepose.exchange.input_file import read_bytes

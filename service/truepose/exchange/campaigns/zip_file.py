@@ -12,7 +12,7 @@ from collections.abc import Callable, Mapping
 from pathlib import PurePosixPath
 from typing import TypeVar
 
-from truepose.domain.campaign import Campaign
+from truepose.domain.measurement.campaign import Campaign
 from truepose.exchange.campaigns.folder import (
     DESCRIPTION,
     GREATEST_DESCRIPTION_BYTES,

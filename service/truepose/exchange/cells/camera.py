@@ -11,7 +11,7 @@ from typing import Final
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
-from truepose.domain.cell import Camera, Cell, Vector
+from truepose.domain.cell.description import Camera, Cell, Vector
 from truepose.domain.robot import Nest
 from truepose.exchange.cells.sections import read_cone, refuse_unlisted
 from truepose.exchange.document import Node

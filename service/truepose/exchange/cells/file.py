@@ -6,7 +6,7 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Final
 
-from truepose.domain.cell import Cell, CellLimits, Conditions, SimulatedCell
+from truepose.domain.cell.description import Cell, CellLimits, Conditions, SimulatedCell
 from truepose.domain.robot import FramePlacement, LinkMass, Nest, Robot
 from truepose.exchange.cells.camera import before_camera
 from truepose.exchange.cells.sections import (

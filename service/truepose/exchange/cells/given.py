@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from truepose.domain.cell import Cell
+from truepose.domain.cell.description import Cell
 from truepose.exchange.cells.file import SCENARIO_PREFIXES, cell_on_usual_table, read_cell, simulated_cell
 from truepose.exchange.document import toml_document
 from truepose.exchange.errors import UnknownRobotError

@@ -21,7 +21,7 @@ outward = [0.0, -1.0, 0.0]
 from pathlib import Path
 from typing import Final
 
-from truepose.domain.keep_outs import Box, Cylinder, HalfSpace, KeepOut, KeepOuts, Vector, keep_outs_of
+from truepose.domain.cell.keep_outs import Box, Cylinder, HalfSpace, KeepOut, KeepOuts, Vector, keep_outs_of
 from truepose.exchange.document import Node, file_document
 
 KEY: Final = "keep_out"

@@ -3,7 +3,7 @@
 import json
 from collections.abc import Iterable, Mapping
 
-from truepose.domain.cell import Detail
+from truepose.domain.cell.description import Detail
 
 
 def scenario_text(base: str, kind: str, tables: Iterable[Mapping[str, Detail]]) -> str:

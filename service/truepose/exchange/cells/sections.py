@@ -5,8 +5,8 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from datetime import date
 from typing import Any, Final, TypeVar
 
-from truepose.domain.artefacts import Artefact, BallbarKit, Bars
-from truepose.domain.cell import (
+from truepose.domain.cell.artefacts import Artefact, BallbarKit, Bars
+from truepose.domain.cell.description import (
     CellLimits,
     CertifiedLength,
     Conditions,
@@ -15,7 +15,7 @@ from truepose.domain.cell import (
     PlantedEffect,
     SimulatedCell,
 )
-from truepose.domain.people import announced_as, fault_of_name, tidy_name
+from truepose.domain.people.names import announced_as, fault_of_name, tidy_name
 from truepose.domain.robot import FixedNest, JointRange, Robot
 from truepose.exchange.cells.keep_outs import KEY as KEEP_OUT
 from truepose.exchange.cells.keep_outs import read_keep_outs

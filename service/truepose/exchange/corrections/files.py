@@ -16,9 +16,9 @@ from truepose.correction import (
     meant_by_joints,
 )
 from truepose.domain.arrays import IntArray
-from truepose.domain.corrections import LeftAlone
 from truepose.domain.errors import ConfigurationError
-from truepose.domain.results import Model
+from truepose.domain.results.corrections import LeftAlone
+from truepose.domain.results.identification import Model
 from truepose.domain.sentences import Sentence
 from truepose.exchange.corrections.asked import Asked
 from truepose.exchange.errors import UnreadableFileError

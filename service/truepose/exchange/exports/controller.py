@@ -5,7 +5,7 @@ from collections.abc import Iterator
 
 from truepose.correction.controller_values import ControllerValues
 from truepose.correction.zone_errors import ZoneError
-from truepose.domain.results import Model
+from truepose.domain.results.identification import Model
 from truepose.domain.sentences import Sentence, said
 from truepose.exchange.exports.dhm_table import placement_words, point_words
 from truepose.words.catalogue import english

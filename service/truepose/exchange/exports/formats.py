@@ -7,7 +7,7 @@ from typing import Final, Literal, get_args
 
 from truepose.correction.controller_values import ControllerValues, controller_values
 from truepose.domain.errors import ConfigurationError
-from truepose.domain.results import Model
+from truepose.domain.results.identification import Model
 from truepose.domain.sentences import Sentence
 from truepose.exchange.exports.calibrated_kinematics import kinematics_remarks, kinematics_text
 from truepose.exchange.exports.controller import controller_remarks, values_text

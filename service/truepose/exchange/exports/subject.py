@@ -8,7 +8,7 @@ from typing import Final
 from truepose.correction.zone_errors import ZoneError, nominal_error, rigid_error, zone_targets
 from truepose.correction.zone_fit import nearest_arm
 from truepose.domain.errors import UnsuitableModelError
-from truepose.domain.results import Model
+from truepose.domain.results.identification import Model
 from truepose.domain.sentences import Sentence, said
 from truepose.identification.model.rigid import RigidArm, rigid_arm
 

@@ -12,9 +12,17 @@ from typing import Final, get_args
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
-from truepose.domain.results import Anchor, MeasuredZone, Model, NestCentre, Parameter, Shortfall, Unit
+from truepose.domain.measurement.targets import Target, TargetKind
+from truepose.domain.results.identification import (
+    Anchor,
+    MeasuredZone,
+    Model,
+    NestCentre,
+    Parameter,
+    Shortfall,
+    Unit,
+)
 from truepose.domain.robot import JointRange, Robot
-from truepose.domain.targets import Target, TargetKind
 from truepose.exchange.document import Node
 from truepose.exchange.errors import NewerVersionError, UnreadableFileError
 from truepose.exchange.json_text import Json, number_or_null

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from truepose.domain.results import Model
+from truepose.domain.results.identification import Model
 from truepose.exchange.document import json_document
 from truepose.exchange.input_file import read_bytes
 from truepose.exchange.json_text import render_json

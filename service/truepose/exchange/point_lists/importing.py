@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
-from truepose.domain.campaign import Campaign
+from truepose.domain.measurement.campaign import Campaign
 from truepose.exchange.campaigns.arrays import campaign_from_arrays
 from truepose.exchange.document import Node, file_document
 from truepose.exchange.input_file import read_bytes

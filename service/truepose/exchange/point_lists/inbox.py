@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
-from truepose.domain.campaign import Campaign
+from truepose.domain.measurement.campaign import Campaign
 from truepose.exchange.campaigns.folder import DESCRIPTION
 from truepose.exchange.campaigns.path import read_campaign_at
 from truepose.exchange.point_lists.importing import STATED, import_points, read_stated

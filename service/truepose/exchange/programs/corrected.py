@@ -16,9 +16,9 @@ import numpy as np
 
 from truepose.correction import ANY_BRANCH, FLANGE, Corrections, Goals, correct, in_world, tool_nests_mm
 from truepose.domain.arrays import FloatArray, IntArray
-from truepose.domain.campaign import Stops
-from truepose.domain.corrections import LeftAlone
-from truepose.domain.results import Model
+from truepose.domain.measurement.campaign import Stops
+from truepose.domain.results.corrections import LeftAlone
+from truepose.domain.results.identification import Model
 from truepose.domain.sentences import Sentence, said
 from truepose.exchange.programs.branches import branch_of_words
 from truepose.exchange.programs.coupled_joints import can_be_coupled, from_horizontal, uncoupled

@@ -9,7 +9,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Final
 
-from truepose.domain.corrections import LeftAlone
+from truepose.domain.results.corrections import LeftAlone
 from truepose.domain.sentences import Sentence, Text, said
 from truepose.exchange.programs.program import (
     Configuration,

@@ -8,8 +8,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Final, Literal, TypeAlias
 
-from truepose.domain.corrections import LeftAlone
 from truepose.domain.errors import ConfigurationError
+from truepose.domain.results.corrections import LeftAlone
 from truepose.domain.sentences import Sentence, Text
 
 Triple: TypeAlias = tuple[float, float, float]

@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from itertools import accumulate
 from typing import Final, NoReturn
 
-from truepose.domain.corrections import place
+from truepose.domain.results.corrections import place
 from truepose.domain.sentences import Sentence
 from truepose.exchange.errors import BadValueError, InputFileError, UnreadableFileError
 from truepose.exchange.plausible import limits_of

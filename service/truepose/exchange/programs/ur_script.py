@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
-from truepose.domain.corrections import place
+from truepose.domain.results.corrections import place
 from truepose.domain.sentences import Sentence, said
 from truepose.exchange.programs.draft import ARC, CHOSEN, COMPUTED, ELSEWHERE, Draft
 from truepose.exchange.programs.forms import JOINT_RADIANS, METRES, ROTATION_VECTOR

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 
 from pydantic import Field
 
-from truepose.domain.corrections import CorrectionTotals, LeftAlone
+from truepose.domain.results.corrections import CorrectionTotals, LeftAlone
 from truepose.exchange.json_text import Json
 from truepose.exchange.outgoing import Quantity
 from truepose.exchange.results.document_base import Document, Spoken

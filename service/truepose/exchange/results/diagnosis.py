@@ -7,8 +7,8 @@ from typing import Annotated
 
 from pydantic import AliasChoices, BeforeValidator, Field
 
-from truepose.domain.causes import Shape
-from truepose.domain.diagnosis import Confidence, Diagnosis, HeldOut, HeldOutErrors, Verdict
+from truepose.domain.results.causes import Shape
+from truepose.domain.results.diagnosis import Confidence, Diagnosis, HeldOut, HeldOutErrors, Verdict
 from truepose.exchange.json_text import Json
 from truepose.exchange.outgoing import Quantities, Quantity
 from truepose.exchange.results.document_base import Document, Spoken

@@ -4,7 +4,13 @@ from typing import Literal, Self
 
 from pydantic import Field, model_validator
 
-from truepose.domain.results import Identification, NominalAndIdentified, Parameter, Status, TurnPair
+from truepose.domain.results.identification import (
+    Identification,
+    NominalAndIdentified,
+    Parameter,
+    Status,
+    TurnPair,
+)
 from truepose.exchange.json_text import Json
 from truepose.exchange.models.document import in_file_units
 from truepose.exchange.outgoing import Quantity

@@ -5,7 +5,7 @@ from typing import Literal, Self
 
 from pydantic import Field
 
-from truepose.domain.validation import Validation
+from truepose.domain.results.validation import Validation
 from truepose.exchange.json_text import Json
 from truepose.exchange.models.document import file_factor, file_unit
 from truepose.exchange.outgoing import Quantities, Quantity

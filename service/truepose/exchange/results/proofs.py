@@ -3,7 +3,7 @@
 from pydantic import Field
 
 from truepose.correction.proof.verdict import Proof
-from truepose.domain.results import Statistics
+from truepose.domain.results.identification import Statistics
 from truepose.exchange.outgoing import Quantities, Quantity
 from truepose.exchange.results.document_base import Document
 from truepose.exchange.results.statistics import StatisticsDocument

@@ -4,7 +4,7 @@ import math
 
 from pydantic import Field, model_validator
 
-from truepose.domain.results import Statistics, TurnStatistics
+from truepose.domain.results.identification import Statistics, TurnStatistics
 from truepose.exchange.json_text import Json
 from truepose.exchange.outgoing import Quantity
 from truepose.exchange.results.document_base import Document

@@ -4,8 +4,8 @@ from typing import Literal
 
 from pydantic import AliasChoices, Field, model_validator
 
-from truepose.domain.results import NominalAndIdentified
-from truepose.domain.validation import DecisionRule, ErrorsByPlace, Shell, Validation, Verdict
+from truepose.domain.results.identification import NominalAndIdentified
+from truepose.domain.results.validation import DecisionRule, ErrorsByPlace, Shell, Validation, Verdict
 from truepose.exchange.json_text import Json
 from truepose.exchange.outgoing import Quantity
 from truepose.exchange.results.document_base import Document

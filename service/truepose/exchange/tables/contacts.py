@@ -6,9 +6,9 @@ from collections.abc import Collection, Sequence
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
-from truepose.domain.campaign import NO_AXIS, ContactReadings, TargetDistances
+from truepose.domain.measurement.campaign import NO_AXIS, ContactReadings, TargetDistances
+from truepose.domain.measurement.targets import CENTRES, SEEN_ALONG_AXES, Target, TargetKind, Vector
 from truepose.domain.sentences import Sentence
-from truepose.domain.targets import CENTRES, SEEN_ALONG_AXES, Target, TargetKind, Vector
 from truepose.exchange.errors import MissingEntryError
 from truepose.exchange.tables.fields import (
     LENGTH,

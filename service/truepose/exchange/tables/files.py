@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 
 from truepose.domain.arrays import FloatArray, IntArray
-from truepose.domain.campaign import Readings, Stops
+from truepose.domain.measurement.campaign import Readings, Stops
+from truepose.domain.measurement.targets import Target
 from truepose.domain.sentences import Sentence
-from truepose.domain.targets import Target
 from truepose.exchange.input_file import read_bytes
 from truepose.exchange.tables.contacts import contact_columns, read_contact_table
 from truepose.exchange.tables.fields import LENGTH, Field, columns_of, table_text

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from truepose.domain.campaign import CupReadings, CupSetups, FixtureLengths, LegReadings
+from truepose.domain.measurement.campaign import CupReadings, CupSetups, FixtureLengths, LegReadings
 from truepose.domain.sentences import Sentence, said
 from truepose.exchange.tables.fields import LENGTH, Field, columns_of, read_fields, table_text, written_fields
 from truepose.exchange.tables.points import POSITION_FIELD, UNCERTAINTY_FIELD, ignored_columns

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
-from truepose.domain.campaign import Stops
+from truepose.domain.measurement.campaign import Stops
 from truepose.exchange.tables.fields import Field, table_text
 from truepose.exchange.tables.stops import stop_cells
 from truepose.exchange.tables.table import Column

@@ -6,7 +6,7 @@ from collections.abc import Collection, Sequence
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
-from truepose.domain.campaign import FixedNestReadings, PointReadings, Stops
+from truepose.domain.measurement.campaign import FixedNestReadings, PointReadings, Stops
 from truepose.domain.sentences import Sentence, said
 from truepose.exchange.errors import MissingEntryError
 from truepose.exchange.tables.fields import (

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from truepose.domain.campaign import Stops
+from truepose.domain.measurement.campaign import Stops
 from truepose.exchange.tables.fields import (
     ANGLE,
     TEMPERATURE,

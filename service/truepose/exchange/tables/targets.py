@@ -9,7 +9,7 @@ import numpy as np
 
 from truepose.correction import ANY_BRANCH, FLANGE, Corrections, Goals
 from truepose.domain.arrays import FloatArray, IntArray
-from truepose.domain.campaign import Stops
+from truepose.domain.measurement.campaign import Stops
 from truepose.domain.sentences import Sentence
 from truepose.exchange.tables.fields import ANGLE, Field, columns_of, read_fields, table_text
 from truepose.exchange.tables.points import (

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
-from truepose.domain.campaign import Campaign, FixedNestReadings
+from truepose.domain.measurement.campaign import Campaign, FixedNestReadings
 from truepose.domain.robot import FixedNest, WorldRegistration
 from truepose.effects.tool.tool_certificate import moves
 from truepose.identification.fit.robust import RobustFit

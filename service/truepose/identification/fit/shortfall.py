@@ -27,7 +27,7 @@ from typing import Final, NamedTuple, Self
 import numpy as np
 
 from truepose.domain.arrays import FloatArray, IntArray
-from truepose.domain.results import Parameter, Shortfall
+from truepose.domain.results.identification import Parameter, Shortfall
 from truepose.effects.joints.backlash import NAME as BACKLASH
 from truepose.effects.joints.backlash import from_both_sides
 from truepose.effects.joints.compliance import NAME as COMPLIANCE

@@ -20,7 +20,7 @@ from dataclasses import replace
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
-from truepose.domain.campaign import Stops
+from truepose.domain.measurement.campaign import Stops
 from truepose.domain.sentences import Sentence, said
 from truepose.effects.registry import goes_on
 from truepose.effects.shapes.times import SECONDS_PER_HOUR

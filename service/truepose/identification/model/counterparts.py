@@ -3,7 +3,7 @@
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
-from truepose.domain.targets import Target
+from truepose.domain.measurement.targets import Target
 from truepose.identification.model.anchors import LEG_OWNER
 from truepose.identification.model.structure import Structure
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from truepose.domain.arrays import FloatArray
 from truepose.domain.errors import ConfigurationError
-from truepose.domain.results import Anchor, Model, NestCentre, Parameter
+from truepose.domain.results.identification import Anchor, Model, NestCentre, Parameter
 from truepose.effects.ports import ParameterSpec
 from truepose.identification.model.anchors import LEG_OFFSET, LEG_OWNER, anchor_name
 from truepose.identification.model.counterparts import TARGET_OWNER

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from truepose.domain.arrays import FloatArray, IntArray, Table
-from truepose.domain.campaign import Stops
+from truepose.domain.measurement.campaign import Stops
 from truepose.effects.ports import Port, PortKind, Rows, Term, known_frames
 from truepose.effects.registry import needs_of
 from truepose.identification.model.structure import Structure, base_axes

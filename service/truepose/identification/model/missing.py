@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from truepose.domain.arrays import BoolArray, FloatArray, IntArray
-from truepose.domain.campaign import Stops
+from truepose.domain.measurement.campaign import Stops
 from truepose.domain.robot import Robot
 from truepose.domain.sentences import Sentence, said
 from truepose.effects.ports import Need, Trait

@@ -3,9 +3,9 @@
 import numpy as np
 
 from truepose.domain.arrays import FloatArray, IntArray
-from truepose.domain.campaign import Stops
-from truepose.domain.last_moves import told_moves
-from truepose.domain.results import Model
+from truepose.domain.measurement.campaign import Stops
+from truepose.domain.measurement.last_moves import told_moves
+from truepose.domain.results.identification import Model
 from truepose.domain.sentences import Sentence
 from truepose.identification.model.beyond import held, held_variance
 from truepose.identification.model.derivatives import (

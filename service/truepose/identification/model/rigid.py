@@ -13,8 +13,8 @@ from typing import Final
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
-from truepose.domain.campaign import Stops
-from truepose.domain.results import Model, NestCentre, Parameter
+from truepose.domain.measurement.campaign import Stops
+from truepose.domain.results.identification import Model, NestCentre, Parameter
 from truepose.domain.robot import FramePlacement, JointRow, Robot
 from truepose.effects.ports import Port, PortKind, Term
 from truepose.identification.model.counterparts import COUNTERPARTS

@@ -6,7 +6,7 @@ import numpy as np
 
 from truepose.domain.arrays import FloatArray
 from truepose.domain.errors import ConfigurationError
-from truepose.domain.results import Model
+from truepose.domain.results.identification import Model
 from truepose.domain.robot import JointRow, Robot
 
 _SAME_ROW: Final = 1e-6  # mm or rad: files round tables no further

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from truepose.domain.arrays import FloatArray, IntArray
-from truepose.domain.results import Model, Parameter, Shortfall
+from truepose.domain.results.identification import Model, Parameter, Shortfall
 from truepose.effects.ports import ParameterSpec, PortKind, Rows
 from truepose.effects.registry import effect_named
 from truepose.identification.model.derivatives import mean_variance

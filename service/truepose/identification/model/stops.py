@@ -5,7 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from truepose.domain.arrays import IntArray
-from truepose.domain.campaign import Stops
+from truepose.domain.measurement.campaign import Stops
 
 
 def each_nest(stops: Stops, nests: IntArray) -> tuple[Stops, IntArray]:

@@ -8,8 +8,8 @@ from math import cos, sin
 import numpy as np
 
 from truepose.domain.arrays import FloatArray, IntArray
+from truepose.domain.measurement.targets import Target
 from truepose.domain.robot import Robot
-from truepose.domain.targets import Target
 from truepose.effects.ports import ParameterSpec, Trait
 from truepose.effects.registry import effects_with
 from truepose.kinematics.frames import rotation_xyz

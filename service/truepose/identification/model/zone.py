@@ -10,7 +10,7 @@ from typing import Final
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
-from truepose.domain.results import MeasuredZone
+from truepose.domain.results.identification import MeasuredZone
 from truepose.domain.robot import JointRange, Robot
 from truepose.kinematics.chain import nominal_chain
 

@@ -14,7 +14,7 @@ from typing import ClassVar
 import numpy as np
 
 from truepose.domain.arrays import BoolArray, FloatArray, IntArray
-from truepose.domain.campaign import Campaign, Stops
+from truepose.domain.measurement.campaign import Campaign, Stops
 from truepose.effects.instruments.fixed_nests import NAME, place_name, reference_specs
 from truepose.effects.shapes.rigid_motion import COMPONENTS
 from truepose.identification.model.derivatives import seen_jacobian

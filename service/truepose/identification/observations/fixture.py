@@ -13,7 +13,7 @@ from typing import ClassVar, Self
 import numpy as np
 
 from truepose.domain.arrays import FloatArray, IntArray
-from truepose.domain.campaign import CupSetups, FixtureLengths, Stops
+from truepose.domain.measurement.campaign import CupSetups, FixtureLengths, Stops
 from truepose.domain.robot import Robot
 from truepose.effects.ports import PortKind
 from truepose.identification.model.anchors import anchor_places, first_anchor

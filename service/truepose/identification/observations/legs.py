@@ -6,8 +6,8 @@ from typing import ClassVar
 import numpy as np
 
 from truepose.domain.arrays import FloatArray, IntArray
-from truepose.domain.campaign import LegReadings
 from truepose.domain.errors import ConfigurationError
+from truepose.domain.measurement.campaign import LegReadings
 from truepose.identification.model.anchors import LEG_OFFSET, anchor_places, first_anchor
 from truepose.identification.model.evaluation import State, Targets
 from truepose.identification.model.lengths import excess_mm, foot_gradient, length_jacobian, moved_feet

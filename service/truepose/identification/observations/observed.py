@@ -1,6 +1,6 @@
 """The readings of a campaign as observations: the one place that asks which kind they are."""
 
-from truepose.domain.campaign import LegReadings, PointReadings, Readings
+from truepose.domain.measurement.campaign import LegReadings, PointReadings, Readings
 from truepose.identification.model.structure import Structure
 from truepose.identification.observations.blocks import Block
 from truepose.identification.observations.contacts.block import contact_block

@@ -6,7 +6,7 @@ from typing import ClassVar
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
-from truepose.domain.campaign import PointReadings
+from truepose.domain.measurement.campaign import PointReadings
 from truepose.identification.model.derivatives import rotation_jacobian
 from truepose.identification.model.evaluation import State, Targets
 from truepose.identification.model.structure import Structure

@@ -6,7 +6,7 @@ from typing import ClassVar, Self
 import numpy as np
 
 from truepose.domain.arrays import FloatArray, IntArray, Table
-from truepose.domain.campaign import PointReadings
+from truepose.domain.measurement.campaign import PointReadings
 from truepose.identification.model.derivatives import position_jacobian
 from truepose.identification.model.evaluation import State, Targets
 from truepose.identification.model.structure import Structure

@@ -5,8 +5,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
-from truepose.domain.campaign import Campaign, ContactReadings, LegReadings, PointReadings, Quantity, Stops
 from truepose.domain.errors import ConfigurationError
+from truepose.domain.measurement.campaign import (
+    Campaign,
+    ContactReadings,
+    LegReadings,
+    PointReadings,
+    Quantity,
+    Stops,
+)
 from truepose.effects.base.base_frame import NAME as BASE
 from truepose.effects.ports import Setting, Trait
 from truepose.effects.registry import automatic_in, effects_with

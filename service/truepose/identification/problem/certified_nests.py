@@ -3,7 +3,7 @@
 import numpy as np
 
 from truepose.domain.arrays import FloatArray, IntArray
-from truepose.domain.campaign import Campaign, FixtureLengths
+from truepose.domain.measurement.campaign import Campaign, FixtureLengths
 from truepose.effects.tool.tool_certificate import NAME as TOOL_CERTIFICATE
 from truepose.effects.tool.tool_certificate import certificate_specs
 from truepose.identification.distributions import chi2_limit

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from truepose.domain.arrays import BoolArray, FloatArray, IntArray
-from truepose.domain.targets import SEEN_ALONG_AXES, Target, TargetKind
+from truepose.domain.measurement.targets import SEEN_ALONG_AXES, Target, TargetKind
 from truepose.identification.observations.contacts.against import Probe, sensor_axes
 from truepose.identification.observations.contacts.kinds import KINDS
 from truepose.identification.problem.leg_placement import attachments

@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
-from truepose.domain.campaign import Campaign, ContactReadings
 from truepose.domain.errors import ConfigurationError
+from truepose.domain.measurement.campaign import Campaign, ContactReadings
+from truepose.domain.measurement.targets import Target
 from truepose.domain.robot import FramePlacement
-from truepose.domain.targets import Target
 from truepose.effects.base.base_frame import NAME as BASE
 from truepose.effects.ports import Setting
 from truepose.identification.model.counterparts import TARGET_OWNER, target_prefix

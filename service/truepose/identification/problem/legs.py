@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 
 from truepose.domain.arrays import FloatArray, IntArray
-from truepose.domain.campaign import Campaign, LegReadings
 from truepose.domain.errors import ConfigurationError
+from truepose.domain.measurement.campaign import Campaign, LegReadings
 from truepose.domain.robot import FramePlacement
 from truepose.effects.base.base_frame import NAME as BASE
 from truepose.effects.ports import ParameterSpec, Setting

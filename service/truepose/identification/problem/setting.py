@@ -3,8 +3,8 @@
 import numpy as np
 
 from truepose.domain.arrays import FloatArray, IntArray
-from truepose.domain.campaign import Campaign, Stops
-from truepose.domain.targets import SEEN_ALONG_AXES
+from truepose.domain.measurement.campaign import Campaign, Stops
+from truepose.domain.measurement.targets import SEEN_ALONG_AXES
 from truepose.effects.ports import Setting
 from truepose.identification.problem.placement import Known
 from truepose.kinematics.chain import nominal_chain

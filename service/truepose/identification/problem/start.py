@@ -3,8 +3,8 @@
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
-from truepose.domain.campaign import Campaign
 from truepose.domain.errors import ConfigurationError
+from truepose.domain.measurement.campaign import Campaign
 from truepose.effects.ports import ParameterSpec, Setting, Trait
 from truepose.effects.registry import effect_named, effects_with
 from truepose.effects.tool.tool_nests import NAME as TOOL

@@ -9,7 +9,7 @@ which parameters are seen only together.
 import numpy as np
 
 from truepose.domain.arrays import BoolArray, FloatArray
-from truepose.domain.results import NotIdentifiable
+from truepose.domain.results.identification import NotIdentifiable
 from truepose.domain.sentences import Sentence, said
 from truepose.effects.base.base_frame import PARAMETERS as BASE
 from truepose.effects.ports import Setting, Trait

@@ -8,9 +8,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from truepose.domain.arrays import BoolArray, FloatArray
-from truepose.domain.campaign import Readings, Stops
-from truepose.domain.last_moves import told_moves
-from truepose.domain.results import Model, NominalAndIdentified
+from truepose.domain.measurement.campaign import Readings, Stops
+from truepose.domain.measurement.last_moves import told_moves
+from truepose.domain.results.identification import Model, NominalAndIdentified
 from truepose.domain.sentences import Sentence
 from truepose.identification.model.derivatives import mean_variance, place_jacobian
 from truepose.identification.model.estimates import (

@@ -7,8 +7,8 @@ Neither the cups nor the positions have a part in the identification.
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
-from truepose.domain.campaign import Campaign, CupReadings
-from truepose.domain.results import Anchor, Model, NominalAndIdentified, PositionsJudged
+from truepose.domain.measurement.campaign import Campaign, CupReadings
+from truepose.domain.results.identification import Anchor, Model, NominalAndIdentified, PositionsJudged
 from truepose.identification.model.estimates import identified_anchors
 from truepose.identification.verdict.judge import judge
 from truepose.identification.verdict.statistics import expected_noise_mm, statistics

@@ -3,7 +3,7 @@
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
-from truepose.domain.results import Outlier
+from truepose.domain.results.identification import Outlier
 from truepose.domain.sentences import Sentence, said
 from truepose.identification.fit.robust import RobustFit
 from truepose.identification.model.evaluation import Targets, evaluate

@@ -8,7 +8,7 @@ Applied Regression Analysis, 3rd ed., 1998, section 2.1).
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
-from truepose.domain.results import PureError
+from truepose.domain.results.identification import PureError
 from truepose.identification.distributions import f_exceeded
 from truepose.identification.model.stops import sites
 from truepose.identification.observations.blocks import Block

@@ -10,8 +10,8 @@ from typing import Final
 import numpy as np
 
 from truepose.domain.arrays import FloatArray, IntArray
-from truepose.domain.campaign import Campaign, Quantity, Readings
-from truepose.domain.results import Outlier
+from truepose.domain.measurement.campaign import Campaign, Quantity, Readings
+from truepose.domain.results.identification import Outlier
 from truepose.domain.sentences import Text, said
 from truepose.identification.verdict.conventions import reach_mm
 

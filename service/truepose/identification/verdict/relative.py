@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
-from truepose.domain.results import NominalAndIdentified, Statistics
+from truepose.domain.results.identification import NominalAndIdentified, Statistics
 from truepose.identification.verdict.judge import Judged
 from truepose.identification.verdict.statistics import expected_noise_mm, statistics
 from truepose.kinematics.frames import rigid_alignment

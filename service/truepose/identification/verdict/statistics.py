@@ -3,7 +3,7 @@
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
-from truepose.domain.results import Statistics
+from truepose.domain.results.identification import Statistics
 from truepose.identification.observations.blocks import Block
 from truepose.identification.special_functions import carlson_rg
 

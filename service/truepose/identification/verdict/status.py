@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from truepose.domain.campaign import Campaign, PointReadings
-from truepose.domain.results import Status
+from truepose.domain.measurement.campaign import Campaign, PointReadings
+from truepose.domain.results.identification import Status
 from truepose.domain.sentences import Sentence, said
 from truepose.effects.base.base_frame import WIDTH_MM as BASE_WIDTH_MM
 from truepose.effects.base.base_frame import WIDTH_RAD as BASE_WIDTH_RAD

@@ -5,8 +5,8 @@ import math
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
-from truepose.domain.campaign import PointReadings, Readings
-from truepose.domain.results import Model, TurnPair, TurnStatistics
+from truepose.domain.measurement.campaign import PointReadings, Readings
+from truepose.domain.results.identification import Model, TurnPair, TurnStatistics
 from truepose.identification.model.estimates import Estimate, identified_estimate, nominal_estimate
 from truepose.identification.observations.orientations import OrientationBlock, orientation_block
 from truepose.identification.verdict.statistics import mean_norm

@@ -19,9 +19,9 @@ from typing import Final
 import numpy as np
 
 from truepose.domain.arrays import FloatArray, IntArray
-from truepose.domain.artefacts import BallbarKit
-from truepose.domain.ballbar import Leg
-from truepose.domain.linear_lengths import ArmKind, StopLengths
+from truepose.domain.cell.artefacts import BallbarKit
+from truepose.domain.measurement.ballbar import Leg
+from truepose.domain.measurement.linear_lengths import ArmKind, StopLengths
 from truepose.judgement.ball_pairs.slips import next_slips
 
 _MOST: Final = 250  # accounts, each with a kind of arm

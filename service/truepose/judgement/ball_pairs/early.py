@@ -12,8 +12,8 @@ from typing import Final
 import numpy as np
 
 from truepose.domain.arrays import FloatArray, IntArray
-from truepose.domain.ballbar import Leg, Suspicion, SuspicionKind
-from truepose.domain.linear_lengths import TOLD_APART
+from truepose.domain.measurement.ballbar import Leg, Suspicion, SuspicionKind
+from truepose.domain.measurement.linear_lengths import TOLD_APART
 from truepose.judgement.ball_pairs.accounts import Accounts
 
 _AGAIN: Final = float(np.log(0.02))  # odds above which a person is asked whether a pair is read twice

@@ -13,8 +13,8 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from truepose.domain.arrays import FloatArray, IntArray
-from truepose.domain.ballbar import Leg, PoseForecast, Suspicion, SuspicionKind
 from truepose.domain.errors import ConfigurationError
+from truepose.domain.measurement.ballbar import Leg, PoseForecast, Suspicion, SuspicionKind
 from truepose.judgement.ball_pairs.likelihood import Foreseen, foreseen_by, log_likelihood, nothing_foreseen
 from truepose.judgement.ball_pairs.slips import slips
 

@@ -19,8 +19,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from truepose.domain.arrays import FloatArray, IntArray
-from truepose.domain.ballbar import Leg, PoseForecast
 from truepose.domain.errors import ConfigurationError
+from truepose.domain.measurement.ballbar import Leg, PoseForecast
 
 # One stop in 25 is foreseen half as well as claimed, one in a hundred a quarter.
 _SCALES = ((1.0, 0.95), (2.0, 0.04), (4.0, 0.01))

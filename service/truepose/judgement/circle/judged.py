@@ -6,7 +6,7 @@ from typing import Final
 import numpy as np
 
 from truepose.domain.arrays import FloatArray, IntArray
-from truepose.domain.campaign import PointReadings
+from truepose.domain.measurement.campaign import PointReadings
 from truepose.domain.sentences import Sentence, said
 from truepose.judgement.circle.errors import CircleErrors, errors_about
 from truepose.judgement.circle.fit import Circle, fit_circle

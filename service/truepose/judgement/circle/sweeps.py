@@ -12,8 +12,8 @@ from typing import Final
 import numpy as np
 
 from truepose.domain.arrays import BoolArray, FloatArray, IntArray
-from truepose.domain.campaign import PointReadings
 from truepose.domain.errors import ConfigurationError
+from truepose.domain.measurement.campaign import PointReadings
 
 _FEWEST: Final = 4  # rows of a run; fewer determine no circle
 SAME_ANGLE_RAD: Final = float(np.radians(0.05))  # reported angles are rounded to 0.01 deg, and jitter by it

@@ -11,8 +11,8 @@ from typing import Final
 import numpy as np
 
 from truepose.domain.arrays import BoolArray, IntArray
-from truepose.domain.campaign import PointReadings
 from truepose.domain.errors import ConfigurationError
+from truepose.domain.measurement.campaign import PointReadings
 from truepose.identification.model.stops import sites
 from truepose.judgement.iso9283.directions import POSES as OF_DIRECTIONS
 

@@ -13,8 +13,8 @@ import numpy as np
 
 from truepose.domain.arrays import BoolArray, FloatArray
 from truepose.domain.errors import ConfigurationError
+from truepose.domain.measurement.session import PlannedStop, SessionPlan
 from truepose.domain.robot import Robot
-from truepose.domain.session import PlannedStop, SessionPlan
 from truepose.judgement.iso9283.directions import DIRECTIONS, POSES
 from truepose.judgement.iso9283.plan import PosePlan, joints_in_branches
 from truepose.judgement.iso9283.pose import CYCLES

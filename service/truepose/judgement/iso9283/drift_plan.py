@@ -11,7 +11,7 @@ from typing import Final
 import numpy as np
 
 from truepose.domain.errors import ConfigurationError
-from truepose.domain.session import PlannedStop, SessionPlan, Work
+from truepose.domain.measurement.session import PlannedStop, SessionPlan, Work
 from truepose.judgement.iso9283.drift import LEAST_VISITS
 from truepose.judgement.iso9283.plan import PosePlan
 

@@ -11,9 +11,9 @@ from typing import Final, Literal
 import numpy as np
 
 from truepose.domain.arrays import FloatArray, IntArray
-from truepose.domain.campaign import PointReadings, Readings, Stops
 from truepose.domain.errors import ConfigurationError
-from truepose.domain.results import Model, NominalAndIdentified
+from truepose.domain.measurement.campaign import PointReadings, Readings, Stops
+from truepose.domain.results.identification import Model, NominalAndIdentified
 from truepose.identification.observations.blocks import BlockResult
 from truepose.identification.verdict.judge import judge
 from truepose.judgement.iso9283.characteristics import Characteristic, Performance

@@ -13,8 +13,8 @@ from numpy.typing import ArrayLike
 
 from truepose.domain.arrays import BoolArray, FloatArray
 from truepose.domain.errors import ConfigurationError
+from truepose.domain.measurement.session import PlannedStop, SessionPlan
 from truepose.domain.robot import Robot
-from truepose.domain.session import PlannedStop, SessionPlan
 from truepose.judgement.iso9283.pose import CYCLES, POSES
 from truepose.judgement.iso9283.visits import CommandedPose
 from truepose.kinematics.frames import poses_of

@@ -12,9 +12,9 @@ from typing import Final
 import numpy as np
 
 from truepose.domain.arrays import FloatArray, IntArray
-from truepose.domain.campaign import Campaign, LegReadings, Stops
 from truepose.domain.errors import ConfigurationError
-from truepose.domain.results import Model
+from truepose.domain.measurement.campaign import Campaign, LegReadings, Stops
+from truepose.domain.results.identification import Model
 from truepose.domain.sentences import Sentence, said
 from truepose.identification.model.prediction import predict
 from truepose.identification.observations.fixture import BALL_NEST

@@ -18,8 +18,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
-from truepose.domain.ballbar import Leg
 from truepose.domain.errors import ConfigurationError
+from truepose.domain.measurement.ballbar import Leg
 from truepose.kinematics.pose_device.cascade import sides, solve
 from truepose.kinematics.pose_device.designs import Design, designs
 from truepose.kinematics.pose_device.poses import Pose, pose_of, turn_between

@@ -13,8 +13,8 @@ A. Nubiola, PhD thesis, ETS Montreal, 2014, section 3.2.
 from dataclasses import dataclass
 from itertools import combinations, permutations
 
-from truepose.domain.ballbar import Leg
 from truepose.domain.errors import ConfigurationError
+from truepose.domain.measurement.ballbar import Leg
 
 PATTERN: tuple[Leg, ...] = ((1, 1), (2, 1), (3, 1), (1, 2), (2, 2), (2, 3))  # in the order of the cascade
 

@@ -23,8 +23,8 @@ import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
 from truepose.domain.arrays import FloatArray
-from truepose.domain.ballbar import Leg
 from truepose.domain.errors import ConfigurationError, UnderdeterminedError
+from truepose.domain.measurement.ballbar import Leg
 from truepose.kinematics.frames import rotation_from_vector
 from truepose.kinematics.pose_device.cascade import outward
 from truepose.kinematics.pose_device.legs import Fixtures, linear_legs

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from truepose.domain.arrays import FloatArray, IntArray
-from truepose.domain.ballbar import Leg, PoseForecast
+from truepose.domain.measurement.ballbar import Leg, PoseForecast
 from truepose.kinematics.pose_device.poses import Pose, points_gradient
 
 

@@ -14,7 +14,7 @@ from itertools import combinations, permutations, product
 import numpy as np
 
 from truepose.domain.arrays import FloatArray, IntArray
-from truepose.domain.ballbar import Leg
+from truepose.domain.measurement.ballbar import Leg
 from truepose.kinematics.frames import rigid_alignment
 from truepose.kinematics.pose_device.poses import Pose, pose_of
 from truepose.kinematics.trilateration import tri

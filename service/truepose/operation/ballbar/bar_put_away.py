@@ -6,7 +6,7 @@ at a cell in which they expect no ballbar; so the bar is asked, where there is o
 
 from typing import Final
 
-from truepose.domain.artefacts import BallbarKit
+from truepose.domain.cell.artefacts import BallbarKit
 from truepose.operation.devices import Rack
 from truepose.operation.errors import MissingDeviceError
 from truepose.sequencing.ballbar.measuring.attachment import Evidence

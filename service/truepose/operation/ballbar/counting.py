@@ -4,9 +4,9 @@ from collections.abc import Iterator, Sequence
 from itertools import count
 
 from truepose.analysis.ballbar.assembly import Counting, LegKept, SetupKept, SideKept, Standing
-from truepose.domain.artefacts import BallbarKit
-from truepose.domain.ballbar import ArrivalTaken, BallbarPlan, BallbarStep, StepKind
-from truepose.domain.ledger import EntryKind, LedgerEntry
+from truepose.domain.cell.artefacts import BallbarKit
+from truepose.domain.measurement.ballbar import ArrivalTaken, BallbarPlan, BallbarStep, StepKind
+from truepose.domain.measurement.ledger import EntryKind, LedgerEntry
 from truepose.sequencing.ballbar.plan import step_ids
 from truepose.sequencing.ballbar.situation import Situation, situation
 

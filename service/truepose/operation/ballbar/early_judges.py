@@ -1,7 +1,7 @@
 """What can be seen of wrong connections in a ballbar session, and who judges its lengths."""
 
-from truepose.domain.artefacts import BallbarKit
-from truepose.domain.ballbar import BallbarPlan, Leg, StepKind
+from truepose.domain.cell.artefacts import BallbarKit
+from truepose.domain.measurement.ballbar import BallbarPlan, Leg, StepKind
 from truepose.planning.ballbar.lengths.beforehand import known_beforehand
 from truepose.planning.ballbar.lengths.unseen import unseen_swaps
 from truepose.sequencing.ballbar.doubts.assignments import Judges

@@ -6,10 +6,10 @@ from itertools import pairwise
 
 import numpy as np
 
-from truepose.domain.artefacts import BallbarKit
-from truepose.domain.ballbar import BallbarPlan, BallbarStep, SphereWish
-from truepose.domain.cell import Cell
+from truepose.domain.cell.artefacts import BallbarKit
+from truepose.domain.cell.description import Cell
 from truepose.domain.errors import ConfigurationError
+from truepose.domain.measurement.ballbar import BallbarPlan, BallbarStep, SphereWish
 from truepose.domain.robot import FramePlacement
 from truepose.operation.errors import NoBallbarError
 from truepose.planning.work_volume.cell_bodies import CellBodies, bodies_of, rooms

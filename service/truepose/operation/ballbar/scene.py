@@ -7,8 +7,8 @@ from typing import Final, Literal, TypeAlias
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
-from truepose.domain.ballbar import BallbarStep, PlannedPlacement, StepKind, Vector
-from truepose.domain.cell import Cell
+from truepose.domain.cell.description import Cell
+from truepose.domain.measurement.ballbar import BallbarStep, PlannedPlacement, StepKind, Vector
 from truepose.kinematics.chain import Chain, forward, nominal_values
 from truepose.kinematics.frames import placement_rotation, placement_translation
 from truepose.operation.ballbar.view import BallbarView

@@ -7,11 +7,11 @@ from dataclasses import replace
 from typing import Final, TypeAlias
 
 from truepose.analysis.ballbar.assembly import assemble_ballbar_campaign
-from truepose.domain.ballbar import BallbarPlan
-from truepose.domain.campaign import Campaign
-from truepose.domain.ledger import EntryKind, LedgerEntry
+from truepose.domain.measurement.ballbar import BallbarPlan
+from truepose.domain.measurement.campaign import Campaign
+from truepose.domain.measurement.ledger import EntryKind, LedgerEntry
+from truepose.domain.measurement.session import SessionState
 from truepose.domain.robot import FramePlacement
-from truepose.domain.session import SessionState
 from truepose.operation.ballbar.counting import counting
 from truepose.operation.ballbar.plans import BallbarWish, judged, kit_of
 from truepose.operation.ballbar.view import BallbarView, Fixed, sight_of

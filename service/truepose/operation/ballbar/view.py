@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from truepose.domain.artefacts import BallbarKit
-from truepose.domain.ballbar import BallbarPlan
+from truepose.domain.cell.artefacts import BallbarKit
+from truepose.domain.measurement.ballbar import BallbarPlan
 from truepose.operation.ballbar.plans import kit_of
 from truepose.sequencing.ballbar.situation import Situation
 from truepose.storage.records import SessionSetup

@@ -5,8 +5,8 @@ from typing import Final, cast
 from truepose.analysis.workers.process import Perform
 from truepose.analysis.workers.tasks import BallbarPlanTask, PrecalibrateTask
 from truepose.analysis.workers.turns import Turns
-from truepose.domain.ballbar import BallbarPlan, PreCalibration
-from truepose.domain.ledger import LedgerEntry
+from truepose.domain.measurement.ballbar import BallbarPlan, PreCalibration
+from truepose.domain.measurement.ledger import LedgerEntry
 from truepose.operation.ballbar.counting import counting
 from truepose.operation.ballbar.plans import BallbarWish, kit_of
 from truepose.storage.records import SessionSetup

@@ -7,10 +7,10 @@ from itertools import pairwise
 import numpy as np
 
 from truepose.analysis.contacts import contact_campaign, judged_by_contacts, taken_of
-from truepose.domain.campaign import Campaign
-from truepose.domain.cell import Cell
-from truepose.domain.contacts import ContactPlan, ContactTaken
+from truepose.domain.cell.description import Cell
 from truepose.domain.errors import ConfigurationError
+from truepose.domain.measurement.campaign import Campaign
+from truepose.domain.measurement.contacts import ContactPlan, ContactTaken
 from truepose.operation.ballbar.bar_put_away import require_ballbar_aside
 from truepose.operation.errors import MissingDeviceError
 from truepose.operation.session_kind import AskedSessionKind

@@ -4,10 +4,10 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Final, Literal, TypeAlias
 
-from truepose.domain.contacts import ContactPlan
-from truepose.domain.identities import IdentityTaken
-from truepose.domain.ledger import EntryKind, LedgerEntry
-from truepose.domain.session import Progress, SessionPlan, SessionState, config_of, stop_id
+from truepose.domain.measurement.contacts import ContactPlan
+from truepose.domain.measurement.identities import IdentityTaken
+from truepose.domain.measurement.ledger import EntryKind, LedgerEntry
+from truepose.domain.measurement.session import Progress, SessionPlan, SessionState, config_of, stop_id
 from truepose.sequencing.contacts.questions import Question
 from truepose.sequencing.contacts.record import OPEN, ContactRecord
 from truepose.sequencing.contacts.situation import Open, Visit

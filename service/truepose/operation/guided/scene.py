@@ -12,9 +12,9 @@ from typing import Final, Literal, TypeAlias
 import numpy as np
 
 from truepose.domain.arrays import BoolArray, FloatArray
-from truepose.domain.cell import Cell
-from truepose.domain.contacts import ContactPlan
-from truepose.domain.session import PlannedStop, Registration, Vector
+from truepose.domain.cell.description import Cell
+from truepose.domain.measurement.contacts import ContactPlan
+from truepose.domain.measurement.session import PlannedStop, Registration, Vector
 from truepose.kinematics.chain import Chain
 from truepose.kinematics.frames import placement_translation, rotation_z
 from truepose.operation.guided.guide import Fixed

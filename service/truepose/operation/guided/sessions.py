@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from truepose.analysis.measured import measured_session
 from truepose.analysis.workers.outlook import Outlook
-from truepose.domain.ledger import LedgerEntry
+from truepose.domain.measurement.ledger import LedgerEntry
 from truepose.operation.contacts.sessions import ContactSessions
 from truepose.operation.followers import change
 from truepose.operation.guided.guide import Fixed, Guide, Standing, standing, standing_of

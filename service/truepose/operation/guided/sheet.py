@@ -8,9 +8,9 @@ from typing import Final, Literal, TypeAlias
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
-from truepose.domain.contacts import ContactPlan
-from truepose.domain.ledger import EntryKind, LedgerEntry
-from truepose.domain.session import (
+from truepose.domain.measurement.contacts import ContactPlan
+from truepose.domain.measurement.ledger import EntryKind, LedgerEntry
+from truepose.domain.measurement.session import (
     FixedNestTaken,
     PointTaken,
     Registration,

@@ -3,8 +3,8 @@
 from collections.abc import Iterator
 from datetime import date
 
-from truepose.domain.artefacts import Artefact
-from truepose.domain.cell import Cell
+from truepose.domain.cell.artefacts import Artefact
+from truepose.domain.cell.description import Cell
 
 
 def days_left(cell: Cell, today: date) -> dict[str, int]:

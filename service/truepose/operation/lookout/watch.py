@@ -6,7 +6,7 @@ from collections.abc import Callable
 from datetime import UTC, datetime
 from typing import Final
 
-from truepose.domain.cell import Cell
+from truepose.domain.cell.description import Cell
 from truepose.operation.devices import DeviceStatus, Rack
 from truepose.operation.lookout.certificates import days_left, without_end
 from truepose.operation.lookout.computer import free_bytes, memory_bytes, size_bytes

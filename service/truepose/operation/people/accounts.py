@@ -10,7 +10,7 @@ import re
 from dataclasses import dataclass
 from typing import Final
 
-from truepose.domain.accounts import MACHINE, Person, Role, lesser, reaches
+from truepose.domain.people.accounts import MACHINE, Person, Role, lesser, reaches
 from truepose.operation.people.errors import AccountRefusedError, SignInRefusedError
 from truepose.operation.people.guesses import Guesses
 from truepose.operation.people.hashes import badge_hash, chosen_hash, fingerprint, new_secret

@@ -6,8 +6,8 @@ No other process writes to the database of a running service, so a request is ju
 import asyncio
 from dataclasses import dataclass, replace
 
-from truepose.domain.accounts import MACHINE, Person, Role, same_person
-from truepose.domain.people import fault_of_name, tidy_name
+from truepose.domain.people.accounts import MACHINE, Person, Role, same_person
+from truepose.domain.people.names import fault_of_name, tidy_name
 from truepose.operation.people.errors import AccountRefusedError, UnknownPersonError
 from truepose.operation.people.steady_time import SteadyTime
 from truepose.storage.people.credentials import (

@@ -10,7 +10,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final
 
-from truepose.domain.accounts import Person
+from truepose.domain.people.accounts import Person
 from truepose.operation.people.errors import SignInRefusedError
 from truepose.operation.people.guesses import Guesses
 from truepose.operation.people.hashes import NOBODYS, badge_hash, fingerprint, matches, new_secret

@@ -2,8 +2,8 @@
 
 from collections.abc import Sequence
 
-from truepose.domain.cell import Cell
-from truepose.domain.session import PlannedStop, SessionPlan
+from truepose.domain.cell.description import Cell
+from truepose.domain.measurement.session import PlannedStop, SessionPlan
 from truepose.planning.work_volume.cell_bodies import CellBodies, bodies_of
 from truepose.planning.work_volume.room_at_stops import what_is_in_the_way
 from truepose.planning.work_volume.room_on_ways import Ways, ways_between, what_blocks_a_way, what_to_watch

@@ -5,9 +5,9 @@ from collections.abc import Awaitable, Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
-from truepose.domain.cell import Cell
-from truepose.domain.ledger import LedgerEntry
-from truepose.domain.session import SessionPlan
+from truepose.domain.cell.description import Cell
+from truepose.domain.measurement.ledger import LedgerEntry
+from truepose.domain.measurement.session import SessionPlan
 from truepose.operation.ballbar.bar_put_away import require_ballbar_aside
 from truepose.operation.session_kind import AskedSessionKind
 from truepose.operation.session_ledger import SessionLedger

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from truepose.domain.arrays import FloatArray, IntArray
-from truepose.domain.ballbar import PlannedSetup
+from truepose.domain.measurement.ballbar import PlannedSetup
 from truepose.kinematics.pose_device import Assembly
 from truepose.planning.ballbar.fixture import BaseFixture
 from truepose.planning.ballbar.lengths.information import (

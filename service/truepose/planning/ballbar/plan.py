@@ -7,9 +7,9 @@ from typing import Final
 import numpy as np
 
 from truepose.domain.arrays import FloatArray, IntArray
-from truepose.domain.ballbar import BallbarPlan, PlannedPlacement, PlannedSetup
-from truepose.domain.cell import Cell
+from truepose.domain.cell.description import Cell
 from truepose.domain.errors import ConfigurationError
+from truepose.domain.measurement.ballbar import BallbarPlan, PlannedPlacement, PlannedSetup
 from truepose.planning.ballbar.choice import Candidates, candidates, choose
 from truepose.planning.ballbar.clear_ways.away import away
 from truepose.planning.ballbar.clear_ways.bodies import BallbarCell

@@ -12,7 +12,7 @@ from typing import Final
 import numpy as np
 
 from truepose.domain.arrays import BoolArray, FloatArray, IntArray
-from truepose.domain.ballbar import Leg, PlannedPose
+from truepose.domain.measurement.ballbar import Leg, PlannedPose
 from truepose.kinematics.frames import placement_rotation, placement_translation
 from truepose.kinematics.inverse import BRANCH_NAMES, all_branches, brought_within, has_closed_form
 from truepose.kinematics.pose_device import Assembly, assemblies, measurable

@@ -5,7 +5,7 @@ from typing import Final
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
-from truepose.domain.ballbar import PlannedSetup
+from truepose.domain.measurement.ballbar import PlannedSetup
 from truepose.domain.robot import JointRange
 from truepose.kinematics.frames import (
     poses_of,

@@ -13,9 +13,15 @@ from typing import Final
 import numpy as np
 
 from truepose.domain.arrays import FloatArray, IntArray
-from truepose.domain.ballbar import BallbarPlan, PlannedPlacement, PlannedPose, PlannedSetup, SphereWish
-from truepose.domain.campaign import Stops
 from truepose.domain.errors import ConfigurationError
+from truepose.domain.measurement.ballbar import (
+    BallbarPlan,
+    PlannedPlacement,
+    PlannedPose,
+    PlannedSetup,
+    SphereWish,
+)
+from truepose.domain.measurement.campaign import Stops
 from truepose.identification.model.prediction import predict
 from truepose.identification.model.same_robot import require_same_robot
 from truepose.kinematics.chain import theta_gradient

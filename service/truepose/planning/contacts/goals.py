@@ -5,7 +5,7 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from truepose.domain.arrays import FloatArray, IntArray
-from truepose.domain.targets import Target, TargetKind
+from truepose.domain.measurement.targets import Target, TargetKind
 from truepose.planning.contacts.wish import ContactWish, normal_of, place_of
 
 _CAP_COSINE: Final = 0.25  # of a sphere: the rest is where its stem is

@@ -5,10 +5,10 @@ from typing import Final
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
-from truepose.domain.cell import Cell
-from truepose.domain.contacts import ContactPlan, ContactStop, Joints
-from truepose.domain.session import Vector
-from truepose.domain.targets import SEEN_ALONG_AXES, Target, TargetKind
+from truepose.domain.cell.description import Cell
+from truepose.domain.measurement.contacts import ContactPlan, ContactStop, Joints
+from truepose.domain.measurement.session import Vector
+from truepose.domain.measurement.targets import SEEN_ALONG_AXES, Target, TargetKind
 from truepose.kinematics.chain import Chain, alpha_gradient, theta_gradient
 from truepose.planning.choice_by_exchange import choose_by_exchange
 from truepose.planning.contacts.goals import Goals, draw_goals, groups_of

@@ -5,10 +5,10 @@ from typing import Final
 
 import numpy as np
 
-from truepose.domain.cell import Cell
-from truepose.domain.contacts import Loop
-from truepose.domain.session import Vector
-from truepose.domain.targets import CENTRES, Target, TargetKind
+from truepose.domain.cell.description import Cell
+from truepose.domain.measurement.contacts import Loop
+from truepose.domain.measurement.session import Vector
+from truepose.domain.measurement.targets import CENTRES, Target, TargetKind
 from truepose.planning.contacts.wish import ContactWish
 from truepose.planning.errors import WorkSpaceError
 

@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 
 from truepose.domain.arrays import BoolArray, FloatArray
-from truepose.domain.targets import Target, TargetKind
+from truepose.domain.measurement.targets import Target, TargetKind
 from truepose.planning.contacts.wish import ContactWish, normal_of, place_of
 from truepose.planning.errors import NoWayError
 from truepose.planning.work_volume.candidates import draw_candidates

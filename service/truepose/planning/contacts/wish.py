@@ -5,9 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
-from truepose.domain.contacts import Loop, TargetDistance
-from truepose.domain.session import Role, Vector
-from truepose.domain.targets import Target
+from truepose.domain.measurement.contacts import Loop, TargetDistance
+from truepose.domain.measurement.session import Role, Vector
+from truepose.domain.measurement.targets import Target
 
 _UP = (0.0, 0.0, 1.0)
 

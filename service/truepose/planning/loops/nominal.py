@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from truepose.domain.arrays import FloatArray, IntArray
-from truepose.domain.campaign import NO_AXIS, Campaign, ContactReadings, Stops
-from truepose.domain.targets import SEEN_ALONG_AXES, Target, TargetKind
+from truepose.domain.measurement.campaign import NO_AXIS, Campaign, ContactReadings, Stops
+from truepose.domain.measurement.targets import SEEN_ALONG_AXES, Target, TargetKind
 from truepose.identification.observations.contacts.against import Probe, sensor_axes
 from truepose.identification.observations.contacts.kinds import KINDS
 from truepose.planning.loops.stands import LoopWish, Stands

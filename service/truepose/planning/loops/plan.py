@@ -14,8 +14,8 @@ from typing import Final
 import numpy as np
 
 from truepose.domain.arrays import FloatArray, IntArray
-from truepose.domain.campaign import Stops
-from truepose.domain.results import NotIdentifiable
+from truepose.domain.measurement.campaign import Stops
+from truepose.domain.results.identification import NotIdentifiable
 from truepose.effects.ports import Trait
 from truepose.effects.registry import effects_with
 from truepose.identification.model.derivatives import place_jacobian

@@ -6,9 +6,9 @@ from typing import Final
 import numpy as np
 
 from truepose.domain.arrays import BoolArray, FloatArray, IntArray
-from truepose.domain.campaign import TargetDistances
 from truepose.domain.errors import ConfigurationError
-from truepose.domain.targets import Target, TargetKind
+from truepose.domain.measurement.campaign import TargetDistances
+from truepose.domain.measurement.targets import Target, TargetKind
 from truepose.kinematics.chain import theta_gradient
 from truepose.planning.errors import TooFewCandidatesError
 from truepose.planning.work_volume.candidates import has_room

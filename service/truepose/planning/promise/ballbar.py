@@ -7,12 +7,12 @@ from typing import Final
 import numpy as np
 
 from truepose.domain.arrays import FloatArray, IntArray
-from truepose.domain.artefacts import BallbarKit
-from truepose.domain.ballbar import BallbarPlan, Leg, PlannedPlacement, PlannedPose
-from truepose.domain.cell import Cell
+from truepose.domain.cell.artefacts import BallbarKit
+from truepose.domain.cell.description import Cell
+from truepose.domain.cell.keep_outs import KeepOuts
 from truepose.domain.errors import ConfigurationError
-from truepose.domain.keep_outs import KeepOuts
-from truepose.domain.results import NotIdentifiable
+from truepose.domain.measurement.ballbar import BallbarPlan, Leg, PlannedPlacement, PlannedPose
+from truepose.domain.results.identification import NotIdentifiable
 from truepose.identification.verdict.identifiability import left_open
 from truepose.planning.ballbar.choice import candidates, known_after, of_candidates, stacked_rows
 from truepose.planning.ballbar.fixture import BaseFixture

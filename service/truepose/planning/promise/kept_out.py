@@ -4,8 +4,8 @@ from collections.abc import Callable, Iterable
 from dataclasses import replace
 from typing import Final
 
-from truepose.domain.keep_outs import KeepOuts
-from truepose.domain.results import NotIdentifiable
+from truepose.domain.cell.keep_outs import KeepOuts
+from truepose.domain.results.identification import NotIdentifiable
 from truepose.domain.sentences import said
 
 _MOST_TRIED: Final = 6  # volumes that are left out one by one; another plan is made for each

@@ -21,8 +21,8 @@ from typing import Final
 import numpy as np
 
 from truepose.domain.arrays import FloatArray, IntArray
-from truepose.domain.campaign import Campaign, Stops
-from truepose.domain.results import NotIdentifiable
+from truepose.domain.measurement.campaign import Campaign, Stops
+from truepose.domain.results.identification import NotIdentifiable
 from truepose.domain.robot import FixedNest, Nest
 from truepose.effects.ports import Setting
 from truepose.effects.tool.tool_certificate import moves

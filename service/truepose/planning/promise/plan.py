@@ -5,9 +5,9 @@ from dataclasses import dataclass
 from typing import Final
 
 from truepose.domain.arrays import FloatArray, IntArray
-from truepose.domain.ballbar import Leg
 from truepose.domain.errors import ConfigurationError, UnderdeterminedError
-from truepose.domain.results import NotIdentifiable
+from truepose.domain.measurement.ballbar import Leg
+from truepose.domain.results.identification import NotIdentifiable
 from truepose.planning import observability
 from truepose.planning.ballbar.fixture import BaseFixture
 from truepose.planning.promise.curve import CurvePoint

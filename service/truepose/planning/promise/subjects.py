@@ -5,11 +5,11 @@ from typing import Final
 
 import numpy as np
 
-from truepose.domain.campaign import Campaign, PointReadings
-from truepose.domain.cell import Cell
+from truepose.domain.cell.description import Cell
+from truepose.domain.cell.keep_outs import KeepOuts
 from truepose.domain.errors import ConfigurationError
-from truepose.domain.keep_outs import KeepOuts
-from truepose.domain.results import Model
+from truepose.domain.measurement.campaign import Campaign, PointReadings
+from truepose.domain.results.identification import Model
 from truepose.domain.robot import JointRange, Nest
 from truepose.identification.model.stops import sites
 from truepose.planning.promise.accuracy import TYPICAL as TRACKER

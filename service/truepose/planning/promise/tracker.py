@@ -7,9 +7,9 @@ from typing import Final
 import numpy as np
 
 from truepose.domain.arrays import FloatArray, IntArray
-from truepose.domain.keep_outs import KeepOuts
-from truepose.domain.results import NotIdentifiable
-from truepose.domain.session import PlannedStop, SessionPlan
+from truepose.domain.cell.keep_outs import KeepOuts
+from truepose.domain.measurement.session import PlannedStop, SessionPlan
+from truepose.domain.results.identification import NotIdentifiable
 from truepose.planning.errors import NoWayError, TooFewCandidatesError
 from truepose.planning.promise.curve import CurvePoint, Errors, curve, knee, sizes
 from truepose.planning.promise.kept_out import because_of, parameters_of

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
-from truepose.domain.cell import Cell
-from truepose.domain.session import PlannedStop, SessionPlan
+from truepose.domain.cell.description import Cell
+from truepose.domain.measurement.session import PlannedStop, SessionPlan
 from truepose.planning.errors import WorkSpaceError
 from truepose.planning.work_volume.cell_bodies import are_outside_keep_outs
 from truepose.planning.work_volume.cell_space import space_of_cell

@@ -17,7 +17,7 @@ import numpy as np
 
 from truepose.domain.arrays import BoolArray, FloatArray, IntArray
 from truepose.domain.errors import ConfigurationError
-from truepose.domain.session import PlannedStop, SessionPlan, Turn
+from truepose.domain.measurement.session import PlannedStop, SessionPlan, Turn
 from truepose.planning.work_volume.candidates import has_room
 from truepose.planning.work_volume.cell_bodies import bodies_in
 from truepose.planning.work_volume.room_on_ways import Ways, touching

@@ -7,9 +7,9 @@ from typing import Final
 import numpy as np
 
 from truepose.domain.arrays import FloatArray, IntArray
-from truepose.domain.campaign import Campaign, PointReadings, Stops
-from truepose.domain.cell import Camera
-from truepose.domain.session import PlannedStop, Role, SessionPlan
+from truepose.domain.cell.description import Camera
+from truepose.domain.measurement.campaign import Campaign, PointReadings, Stops
+from truepose.domain.measurement.session import PlannedStop, Role, SessionPlan
 from truepose.identification.model.evaluation import evaluate
 from truepose.identification.problem.build import automatic_effects, build
 from truepose.kinematics.chain import Chain

@@ -13,8 +13,8 @@ from typing import Final
 import numpy as np
 
 from truepose.domain.arrays import BoolArray, FloatArray
-from truepose.domain.cell import Cell
-from truepose.domain.keep_outs import KeepOuts
+from truepose.domain.cell.description import Cell
+from truepose.domain.cell.keep_outs import KeepOuts
 from truepose.domain.robot import FramePlacement, JointRange, Nest, Robot
 from truepose.kinematics.chain import Chain
 from truepose.planning.ballbar.clear_ways.bodies import (

@@ -1,6 +1,6 @@
 """From a cell to the work space in which its configurations are chosen and judged."""
 
-from truepose.domain.cell import Cell
+from truepose.domain.cell.description import Cell
 from truepose.domain.errors import ConfigurationError
 from truepose.domain.robot import JointRange
 from truepose.planning.work_volume.work_space import SEEN_WITHIN_RAD, WorkSpace

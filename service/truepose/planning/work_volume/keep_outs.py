@@ -11,7 +11,7 @@ from typing import Final, assert_never
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
-from truepose.domain.keep_outs import Box, Cylinder, HalfSpace, KeepOut, KeepOuts
+from truepose.domain.cell.keep_outs import Box, Cylinder, HalfSpace, KeepOut, KeepOuts
 from truepose.planning.ballbar.clear_ways.capsules import Capsules
 
 _NARROWINGS: Final = 14  # to a thousandth of a segment: a third of a millimetre of a link

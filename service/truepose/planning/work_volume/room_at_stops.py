@@ -8,7 +8,7 @@ from typing import Final
 
 import numpy as np
 
-from truepose.domain.session import PlaceOf, PlannedStop
+from truepose.domain.measurement.session import PlaceOf, PlannedStop
 from truepose.planning.work_volume.cell_bodies import CellBodies, rooms
 
 THE: Final[dict[PlaceOf, str]] = {

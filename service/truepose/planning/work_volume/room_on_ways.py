@@ -12,7 +12,7 @@ from typing import Final
 import numpy as np
 
 from truepose.domain.arrays import FloatArray, IntArray
-from truepose.domain.session import PlaceOf, PlannedStop
+from truepose.domain.measurement.session import PlaceOf, PlannedStop
 from truepose.planning.work_volume.cell_bodies import CellBodies, rooms
 
 _LOOK_RAD: Final = float(np.radians(2.0))

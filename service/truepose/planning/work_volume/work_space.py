@@ -12,8 +12,8 @@ from typing import Final
 import numpy as np
 
 from truepose.domain.arrays import BoolArray, FloatArray
-from truepose.domain.cell import Camera
-from truepose.domain.keep_outs import KeepOuts
+from truepose.domain.cell.description import Camera
+from truepose.domain.cell.keep_outs import KeepOuts
 from truepose.domain.robot import FramePlacement, JointRange, Nest, Robot
 from truepose.kinematics.chain import Chain, forward, nominal_values
 from truepose.kinematics.frames import placement_rotation, placement_translation

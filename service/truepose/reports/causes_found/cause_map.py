@@ -5,7 +5,7 @@ from collections import defaultdict
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from truepose.domain.diagnosis import Diagnosis, Finding, Worth
+from truepose.domain.results.diagnosis import Diagnosis, Finding, Worth
 from truepose.effects.cells import place_of
 
 Place = tuple[str, str]  # where, over what

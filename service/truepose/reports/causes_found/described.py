@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from truepose.domain.diagnosis import Described, Remaining, Worth
+from truepose.domain.results.diagnosis import Described, Remaining, Worth
 from truepose.reports.cause_words import worth_words
 from truepose.reports.rounding import MISSING, millimetres
 from truepose.words.catalogue import IN_ENGLISH, Catalogue

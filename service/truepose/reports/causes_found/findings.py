@@ -7,8 +7,8 @@ from itertools import pairwise
 
 from markupsafe import Markup
 
-from truepose.domain.causes import Cause, Detail
-from truepose.domain.diagnosis import Diagnosis, Finding, Gain, Worth
+from truepose.domain.results.causes import Cause, Detail
+from truepose.domain.results.diagnosis import Diagnosis, Finding, Gain, Worth
 from truepose.domain.sentences import Text
 from truepose.effects.cells import amplitude_of
 from truepose.effects.ports import Trait

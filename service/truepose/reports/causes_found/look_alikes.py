@@ -3,8 +3,8 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from truepose.domain.causes import Cause
-from truepose.domain.diagnosis import Diagnosis, Finding, NextMeasurement, RuledOut
+from truepose.domain.results.causes import Cause
+from truepose.domain.results.diagnosis import Diagnosis, Finding, NextMeasurement, RuledOut
 from truepose.effects.cells import alike, named_cell, of_legs
 from truepose.effects.unnamed.cause import NAME as UNNAMED
 from truepose.reports.cause_words import cause_words

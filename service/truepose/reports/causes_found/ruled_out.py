@@ -4,7 +4,7 @@ import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from truepose.domain.diagnosis import RuledOut
+from truepose.domain.results.diagnosis import RuledOut
 from truepose.domain.sentences import Text
 from truepose.reports.rounding import MISSING, millimetres, p_value
 from truepose.words.catalogue import IN_ENGLISH, Catalogue

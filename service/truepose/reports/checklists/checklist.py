@@ -4,10 +4,10 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Final
 
-from truepose.domain.ballbar import BallbarPlan, Leg
-from truepose.domain.contacts import ContactPlan
+from truepose.domain.measurement.ballbar import BallbarPlan, Leg
+from truepose.domain.measurement.contacts import ContactPlan
+from truepose.domain.measurement.session import SessionPlan
 from truepose.domain.sentences import Sentence, said
-from truepose.domain.session import SessionPlan
 from truepose.planning.promise.plan import PromisedPlan
 
 _TRACKER: Final = ("check.tracker.warm", "check.tracker.nests", "check.tracker.reflector")

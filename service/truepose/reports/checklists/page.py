@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from markupsafe import Markup
 
-from truepose.domain.ballbar import Leg
+from truepose.domain.measurement.ballbar import Leg
 from truepose.domain.sentences import Text
 from truepose.reports.checklists.checklist import Checklist
 from truepose.reports.imprint import Imprint

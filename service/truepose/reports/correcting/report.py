@@ -5,7 +5,7 @@ from typing import Final
 
 from markupsafe import Markup
 
-from truepose.domain.corrections import CorrectedTargets, FileCorrection
+from truepose.domain.results.corrections import CorrectedTargets, FileCorrection
 from truepose.reports.conditions import ReportConditions
 from truepose.reports.corrected_targets import target_heads, target_rows
 from truepose.reports.corrections import correction_sentences

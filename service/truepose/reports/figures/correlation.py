@@ -5,7 +5,7 @@ from markupsafe import Markup
 from matplotlib.colors import to_rgb
 
 from truepose.domain.arrays import FloatArray
-from truepose.domain.results import Model
+from truepose.domain.results.identification import Model
 from truepose.reports.figures.canvas import new_figure, no_spines, page_style, to_svg
 from truepose.words.catalogue import IN_ENGLISH, Catalogue
 

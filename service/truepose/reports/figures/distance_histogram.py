@@ -5,7 +5,7 @@ from functools import partial
 import numpy as np
 from markupsafe import Markup
 
-from truepose.domain.validation import DistanceErrors, Histogram, SignedErrors
+from truepose.domain.results.validation import DistanceErrors, Histogram, SignedErrors
 from truepose.reports.figures.canvas import Colours, Drawing, marked_in, new_figure, on_page, plain
 from truepose.reports.rounding import millimetres
 from truepose.words.catalogue import IN_ENGLISH, Catalogue

@@ -7,7 +7,7 @@ from markupsafe import Markup
 from matplotlib.axes import Axes
 
 from truepose.domain.arrays import FloatArray
-from truepose.domain.diagnosis import HeldOutErrors
+from truepose.domain.results.diagnosis import HeldOutErrors
 from truepose.reports.figures.canvas import (
     AFTER,
     BEFORE,

@@ -3,8 +3,8 @@
 import numpy as np
 from markupsafe import Markup
 
-from truepose.domain.causes import Cause
-from truepose.domain.diagnosis import Finding
+from truepose.domain.results.causes import Cause
+from truepose.domain.results.diagnosis import Finding
 from truepose.reports.cause_words import cause_words
 from truepose.reports.figures.canvas import AFTER, INK, label, marked_in, new_figure, page_style, to_svg
 from truepose.words.catalogue import IN_ENGLISH, Catalogue

@@ -7,8 +7,8 @@ import numpy as np
 from markupsafe import Markup
 from matplotlib.axes import Axes
 
-from truepose.domain.results import Statistics
-from truepose.domain.validation import ErrorsByPlace, Shell
+from truepose.domain.results.identification import Statistics
+from truepose.domain.results.validation import ErrorsByPlace, Shell
 from truepose.reports.figures.canvas import Colours, Drawing, marked_in, new_figure, on_page, plain
 from truepose.words.catalogue import IN_ENGLISH, Catalogue
 

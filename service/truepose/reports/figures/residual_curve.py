@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
 from truepose.domain.arrays import BoolArray, FloatArray, IntArray
-from truepose.domain.diagnosis import Curve
+from truepose.domain.results.diagnosis import Curve
 from truepose.domain.sentences import Sentence, said, together
 from truepose.reports.cause_words import printed_unit
 from truepose.reports.figures.canvas import Colours, Drawing, label, marked_in, new_figure, on_page, plain

@@ -8,7 +8,7 @@ from markupsafe import Markup
 from matplotlib.axes import Axes
 
 from truepose.domain.arrays import FloatArray
-from truepose.domain.corrections import CorrectedTargets
+from truepose.domain.results.corrections import CorrectedTargets
 from truepose.reports.figures.canvas import AFTER, INK, MUTED, name_axes, new_figure, page_style, to_svg
 from truepose.reports.figures.work_space import exaggeration
 from truepose.words.catalogue import Catalogue

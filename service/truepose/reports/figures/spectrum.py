@@ -3,7 +3,7 @@
 import numpy as np
 from markupsafe import Markup
 
-from truepose.domain.causes import Spectrum
+from truepose.domain.results.causes import Spectrum
 from truepose.effects.joints.joint_harmonics import spoken_order
 from truepose.identification.distributions import WITHIN_95
 from truepose.reports.figures.canvas import AFTER, INK, marked_in, new_figure, page_style, to_svg

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from markupsafe import Markup
 
-from truepose.domain.results import Statistics
+from truepose.domain.results.identification import Statistics
 from truepose.reports.pages import rendered
 from truepose.reports.rounding import millimetres
 from truepose.words.catalogue import Catalogue

@@ -4,8 +4,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
+from truepose.domain.results.validation import Decision, DecisionRule
 from truepose.domain.sentences import Text, said, together
-from truepose.domain.validation import Decision, DecisionRule
 from truepose.judgement.circle.judged import CircleTest
 from truepose.judgement.decision import decide_figures
 from truepose.judgement.figure import Figure

@@ -5,10 +5,10 @@ from typing import Final
 from markupsafe import Markup
 
 from truepose.correction.proof.verdict import Proof
-from truepose.domain.diagnosis import Diagnosis
-from truepose.domain.results import Identification, NominalAndIdentified, Statistics
+from truepose.domain.results.diagnosis import Diagnosis
+from truepose.domain.results.identification import Identification, NominalAndIdentified, Statistics
+from truepose.domain.results.validation import Decision, Validation
 from truepose.domain.sentences import together
-from truepose.domain.validation import Decision, Validation
 from truepose.reports.cause_words import verdict_words
 from truepose.reports.front.bars import error_bars
 from truepose.reports.front.page import Front, OneFigure, graded, text_of

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
-from truepose.domain.results import NotIdentifiable, Parameter
+from truepose.domain.results.identification import NotIdentifiable, Parameter
 from truepose.domain.sentences import Text, said, together
 from truepose.identification.verdict.identifiability import UNDETERMINED
 from truepose.reports.rounding import uncertainty

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from truepose.domain.results import NotIdentifiable, Parameter
+from truepose.domain.results.identification import NotIdentifiable, Parameter
 from truepose.reports.observability.determined import determined, observability_sentence
 from truepose.reports.observability.figure import observability_figure
 from truepose.words.catalogue import Catalogue

@@ -9,7 +9,7 @@ from markupsafe import Markup
 
 from truepose.diagnosis.alarms import Alarm
 from truepose.diagnosis.history import CauseOverTime
-from truepose.domain.results import Statistics
+from truepose.domain.results.identification import Statistics
 from truepose.judgement.two_models import TwoModels
 from truepose.reports.figures.course import Course, course_figure
 from truepose.reports.over_time.causes import causes_shown

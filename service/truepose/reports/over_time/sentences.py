@@ -2,7 +2,7 @@
 
 from truepose.diagnosis.alarms import Alarm, Appeared
 from truepose.diagnosis.history import CauseOverTime, Change, Sign
-from truepose.domain.causes import Cause
+from truepose.domain.results.causes import Cause
 from truepose.reports.cause_words import cause_words, with_unit
 from truepose.reports.rounding import millimetres, p_value
 from truepose.words.catalogue import Catalogue

@@ -6,8 +6,8 @@ from typing import Literal
 
 import numpy as np
 
-from truepose.domain.campaign import Campaign
-from truepose.domain.results import Identification, Model, Parameter
+from truepose.domain.measurement.campaign import Campaign
+from truepose.domain.results.identification import Identification, Model, Parameter
 from truepose.exchange.models.document import file_factor, file_unit
 from truepose.identification.model.structure import base_axes
 from truepose.identification.verdict.identifiability import UNDETERMINED

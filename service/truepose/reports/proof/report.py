@@ -8,8 +8,8 @@ from markupsafe import Markup
 
 from truepose.correction.proof.verdict import Proof, ProofErrors
 from truepose.domain.arrays import FloatArray
-from truepose.domain.diagnosis import HeldOutErrors
-from truepose.domain.results import Statistics
+from truepose.domain.results.diagnosis import HeldOutErrors
+from truepose.domain.results.identification import Statistics
 from truepose.domain.sentences import Sentence
 from truepose.reports.figures.comparison import comparison
 from truepose.reports.figures.error_maps import ErrorMaps, error_maps

@@ -6,8 +6,8 @@ from typing import Final
 import numpy as np
 
 from truepose.domain.arrays import BoolArray
-from truepose.domain.causes import Cause, Spectrum
-from truepose.domain.diagnosis import Curve, CurvePoints, Finding, HeldOutErrors
+from truepose.domain.results.causes import Cause, Spectrum
+from truepose.domain.results.diagnosis import Curve, CurvePoints, Finding, HeldOutErrors
 from truepose.domain.sentences import Sentence, Text, said, together
 from truepose.reports.cause_words import cause_words, printed_unit
 from truepose.reports.causes_found.cause_map import CauseMap

@@ -6,8 +6,8 @@ from typing import Final
 import numpy as np
 
 from truepose.domain.arrays import FloatArray, IntArray
-from truepose.domain.campaign import Readings
-from truepose.domain.results import Model
+from truepose.domain.measurement.campaign import Readings
+from truepose.domain.results.identification import Model
 from truepose.identification.verdict.judge import judge
 from truepose.reports.figures.work_space import exaggeration
 from truepose.reports.spaces.arm import arm_pieces

@@ -7,8 +7,8 @@ from typing import Final, Literal, TypeAlias
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
-from truepose.domain.ballbar import BallbarPlan, Leg
-from truepose.domain.cell import Cell
+from truepose.domain.cell.description import Cell
+from truepose.domain.measurement.ballbar import BallbarPlan, Leg
 from truepose.kinematics.chain import forward, nominal_values
 from truepose.kinematics.frames import placement_rotation, placement_translation
 from truepose.reports.spaces.arm import arm_pieces

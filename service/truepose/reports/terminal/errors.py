@@ -4,12 +4,12 @@ from typing import TYPE_CHECKING
 
 from rich.table import Table
 
-from truepose.domain.results import Identification, NominalAndIdentified, Statistics
+from truepose.domain.results.identification import Identification, NominalAndIdentified, Statistics
 from truepose.reports.rounding import millimetres, uncertainty
 from truepose.words.catalogue import Catalogue
 
 if TYPE_CHECKING:
-    from truepose.domain.validation import FigureUncertainty, UncertaintyPair, Validation
+    from truepose.domain.results.validation import FigureUncertainty, UncertaintyPair, Validation
 
 
 def title_of(judged: "Identification | Validation") -> str:

@@ -7,7 +7,7 @@ from rich.markup import escape
 from rich.table import Table
 from rich.text import Text
 
-from truepose.domain.results import Identification, Outlier
+from truepose.domain.results.identification import Identification, Outlier
 from truepose.exchange.models.document import file_factor, file_unit
 from truepose.reports.figures_rows import figures_rows
 from truepose.reports.parameters.rows import is_held_by_prior

@@ -4,7 +4,7 @@ from rich.console import Group
 from rich.table import Table
 from rich.text import Text
 
-from truepose.domain.validation import Validation, ValidationUncertainty
+from truepose.domain.results.validation import Validation, ValidationUncertainty
 from truepose.judgement.cautions import pose_test_caution
 from truepose.judgement.iso9283.judged import PoseTest
 from truepose.reports.terminal.errors import add_pair, error_table, title_of

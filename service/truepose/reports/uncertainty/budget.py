@@ -14,8 +14,8 @@ from typing import Literal
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
-from truepose.domain.campaign import Campaign
-from truepose.domain.results import Identification, Model, NominalAndIdentified, Statistics
+from truepose.domain.measurement.campaign import Campaign
+from truepose.domain.results.identification import Identification, Model, NominalAndIdentified, Statistics
 from truepose.domain.sentences import Sentence, Text, said
 from truepose.identification.fit.considered import world_registration
 from truepose.identification.model.stops import sites

@@ -4,9 +4,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Literal
 
-from truepose.domain.results import Model
+from truepose.domain.results.identification import Model
+from truepose.domain.results.validation import Decision
 from truepose.domain.sentences import Sentence, Text, said
-from truepose.domain.validation import Decision
 from truepose.identification.verdict.judge import Judged
 from truepose.judgement.deciding import DecidingReading, deciding_reading
 from truepose.judgement.uncertainty import known

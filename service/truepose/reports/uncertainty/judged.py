@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
-from truepose.domain.campaign import Campaign
-from truepose.domain.results import Identification, NominalAndIdentified
+from truepose.domain.measurement.campaign import Campaign
+from truepose.domain.results.identification import Identification, NominalAndIdentified
 from truepose.identification import judge
 from truepose.identification.verdict.judge import Judged
 

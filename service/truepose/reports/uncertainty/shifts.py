@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
-from truepose.domain.results import Model
+from truepose.domain.results.identification import Model
 from truepose.identification.model.estimates import identified_estimate
 from truepose.identification.verdict.judge import Judged
 

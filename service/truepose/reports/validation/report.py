@@ -5,10 +5,10 @@ from pathlib import Path
 
 from markupsafe import Markup
 
-from truepose.domain.campaign import Readings
-from truepose.domain.results import Model
+from truepose.domain.measurement.campaign import Readings
+from truepose.domain.results.identification import Model
+from truepose.domain.results.validation import ErrorsByPlace, Validation
 from truepose.domain.sentences import Sentence, Text
-from truepose.domain.validation import ErrorsByPlace, Validation
 from truepose.identification import judge
 from truepose.judgement.cautions import pose_test_caution
 from truepose.judgement.iso9283.judged import PoseTest

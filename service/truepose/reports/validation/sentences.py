@@ -2,8 +2,8 @@
 
 from typing import Final
 
+from truepose.domain.results.validation import Validation
 from truepose.domain.sentences import Sentence, said
-from truepose.domain.validation import Validation
 from truepose.reports.rounding import millimetres
 
 _DECIDED: Final = {

@@ -8,11 +8,11 @@ import contextlib
 from collections.abc import Awaitable, Callable, Mapping
 from typing import Final, TypeAlias
 
-from truepose.domain.ballbar import StepKind, Suspicion, SuspicionKind
 from truepose.domain.errors import RecordRefusedError
-from truepose.domain.ledger import Control, EntryKind
-from truepose.domain.people import tidy_name
-from truepose.domain.session import SessionState
+from truepose.domain.measurement.ballbar import StepKind, Suspicion, SuspicionKind
+from truepose.domain.measurement.ledger import Control, EntryKind
+from truepose.domain.measurement.session import SessionState
+from truepose.domain.people.names import tidy_name
 from truepose.sequencing.ballbar.acts import Answer
 from truepose.sequencing.ballbar.doubts.assignments import leg_taken_for, legs_to_read_again
 from truepose.sequencing.ballbar.measuring.attachment import NOTHING_KNOWN, STILL_ON

@@ -3,8 +3,8 @@
 from enum import StrEnum
 from typing import Final
 
-from truepose.domain.ballbar import BallbarStep, StepKind
-from truepose.domain.session import SessionState
+from truepose.domain.measurement.ballbar import BallbarStep, StepKind
+from truepose.domain.measurement.session import SessionState
 from truepose.sequencing.ballbar.plan import step_ids
 from truepose.sequencing.ballbar.state_so_far import READINGS
 from truepose.sequencing.engine.acts import ActName

@@ -5,7 +5,7 @@ from typing import Final
 
 import numpy as np
 
-from truepose.domain.ballbar import ArrivalTaken, BallbarPlan
+from truepose.domain.measurement.ballbar import ArrivalTaken, BallbarPlan
 from truepose.sequencing.ballbar.cell import BallbarCell
 from truepose.sequencing.engine.motion.limits import binding_speed
 from truepose_drivers.api import DeviceIdentity, JointReading

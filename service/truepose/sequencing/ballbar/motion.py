@@ -8,8 +8,8 @@ joints and limits, before every segment of the way.
 
 from typing import Final
 
-from truepose.domain.artefacts import BallbarKit
-from truepose.domain.ballbar import ArrivalTaken, BallbarPlan, BallbarStep, StepKind
+from truepose.domain.cell.artefacts import BallbarKit
+from truepose.domain.measurement.ballbar import ArrivalTaken, BallbarPlan, BallbarStep, StepKind
 from truepose.domain.robot import JointRange
 from truepose.sequencing.ballbar.arm_at_rest import RestMonitor, joint_away
 from truepose.sequencing.ballbar.cell import BallbarCell

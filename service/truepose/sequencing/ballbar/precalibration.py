@@ -2,10 +2,10 @@
 
 from typing import Protocol
 
-from truepose.domain.artefacts import BallbarKit
-from truepose.domain.ballbar import BallbarPlan, PreCalibration
+from truepose.domain.cell.artefacts import BallbarKit
 from truepose.domain.errors import TrueposeError
-from truepose.domain.ledger import LedgerEntry
+from truepose.domain.measurement.ballbar import BallbarPlan, PreCalibration
+from truepose.domain.measurement.ledger import LedgerEntry
 from truepose.sequencing.ballbar.plan.dry_run import check_pose
 
 

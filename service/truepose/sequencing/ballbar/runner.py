@@ -14,11 +14,17 @@ import time
 from collections.abc import AsyncIterator, Callable, Coroutine
 from typing import Any, Final
 
-from truepose.domain.artefacts import BallbarKit
-from truepose.domain.ballbar import BallbarPlan, BallbarStep, LengthTaken, PreCalibration, StepKind
+from truepose.domain.cell.artefacts import BallbarKit
 from truepose.domain.errors import RecordRefusedError
-from truepose.domain.ledger import EntryKind, LedgerEntry
-from truepose.domain.session import SessionState
+from truepose.domain.measurement.ballbar import (
+    BallbarPlan,
+    BallbarStep,
+    LengthTaken,
+    PreCalibration,
+    StepKind,
+)
+from truepose.domain.measurement.ledger import EntryKind, LedgerEntry
+from truepose.domain.measurement.session import SessionState
 from truepose.sequencing.ballbar.act_handlers import NEEDS_BALLBAR_OFF, ActHandlers
 from truepose.sequencing.ballbar.arm_at_rest import RestMonitor
 from truepose.sequencing.ballbar.cell import BallbarCell

@@ -10,8 +10,8 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from types import MappingProxyType
 
-from truepose.domain.artefacts import BallbarKit
-from truepose.domain.ballbar import (
+from truepose.domain.cell.artefacts import BallbarKit
+from truepose.domain.measurement.ballbar import (
     ArrivalTaken,
     BallbarPlan,
     BallbarStep,
@@ -20,9 +20,9 @@ from truepose.domain.ballbar import (
     PoseForecast,
     StepKind,
 )
-from truepose.domain.identities import IdentityTaken
-from truepose.domain.ledger import LedgerEntry
-from truepose.domain.session import SessionState
+from truepose.domain.measurement.identities import IdentityTaken
+from truepose.domain.measurement.ledger import LedgerEntry
+from truepose.domain.measurement.session import SessionState
 from truepose.sequencing.ballbar.acts import acts_allowed
 from truepose.sequencing.ballbar.plan import step_ids
 from truepose.sequencing.ballbar.plan.agenda import MAX_ATTEMPTS, Course, forecast_of, steps

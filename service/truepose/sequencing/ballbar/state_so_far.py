@@ -13,9 +13,9 @@ confirmed that it is off.
 from dataclasses import dataclass, field
 from typing import Final, Literal, TypeAlias
 
-from truepose.domain.ballbar import ArrivalTaken, LengthTaken, PreCalibration, StepKind, Suspicion
-from truepose.domain.ledger import Control, EntryKind, LedgerEntry
-from truepose.domain.session import SessionState
+from truepose.domain.measurement.ballbar import ArrivalTaken, LengthTaken, PreCalibration, StepKind, Suspicion
+from truepose.domain.measurement.ledger import Control, EntryKind, LedgerEntry
+from truepose.domain.measurement.session import SessionState
 from truepose.sequencing.ballbar.plan import step_ids
 from truepose.sequencing.engine.state_so_far import ActingTablet, Record
 

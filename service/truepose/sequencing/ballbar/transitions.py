@@ -6,11 +6,11 @@ and `note_failure` take it themselves.
 
 from dataclasses import dataclass
 
-from truepose.domain.artefacts import BallbarKit
-from truepose.domain.ballbar import LengthTaken, StepKind, Suspicion
-from truepose.domain.identities import IdentityTaken
-from truepose.domain.ledger import Control, EntryKind
-from truepose.domain.session import SessionState
+from truepose.domain.cell.artefacts import BallbarKit
+from truepose.domain.measurement.ballbar import LengthTaken, StepKind, Suspicion
+from truepose.domain.measurement.identities import IdentityTaken
+from truepose.domain.measurement.ledger import Control, EntryKind
+from truepose.domain.measurement.session import SessionState
 from truepose.sequencing.ballbar.arm_at_rest import RestMonitor
 from truepose.sequencing.ballbar.doubts.assignments import Judges, doubt
 from truepose.sequencing.ballbar.measuring.readings import Readings

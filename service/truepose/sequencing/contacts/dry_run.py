@@ -5,7 +5,7 @@ from typing import Final
 
 import numpy as np
 
-from truepose.domain.contacts import FREE_PLACES, ContactPlan, ContactStop, Joints
+from truepose.domain.measurement.contacts import FREE_PLACES, ContactPlan, ContactStop, Joints
 from truepose.domain.robot import FramePlacement, JointRange, Robot
 from truepose.sequencing.contacts.situation import Visit, steps
 from truepose.sequencing.engine.motion.interlocks import joint_outside

@@ -4,7 +4,7 @@ from typing import Final
 
 import numpy as np
 
-from truepose.domain.contacts import ContactPlan
+from truepose.domain.measurement.contacts import ContactPlan
 from truepose.sequencing.contacts.cell import GaugeBox
 from truepose.sequencing.engine.identities import same_number, told
 from truepose.sequencing.errors import AttentionNeededError, ReadingRejectedError

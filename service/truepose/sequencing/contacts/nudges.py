@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from truepose.domain.contacts import Joints
+from truepose.domain.measurement.contacts import Joints
+from truepose.domain.measurement.session import Vector
 from truepose.domain.robot import FramePlacement, Robot
-from truepose.domain.session import Vector
 from truepose.kinematics.frames import placement_rotation
 from truepose.kinematics.inverse import all_branches
 from truepose.sequencing.engine.motion.nominal_arm import nominal_chain

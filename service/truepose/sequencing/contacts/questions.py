@@ -3,8 +3,8 @@
 from enum import StrEnum
 from typing import Final
 
-from truepose.domain.contacts import ContactPlan, Loop
-from truepose.domain.targets import Target, TargetKind
+from truepose.domain.measurement.contacts import ContactPlan, Loop
+from truepose.domain.measurement.targets import Target, TargetKind
 from truepose.sequencing.engine.prompts import CELL_CLEAR
 
 

@@ -4,8 +4,8 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import Final
 
-from truepose.domain.ledger import Control, EntryKind, LedgerEntry
-from truepose.domain.session import SessionState, config_of
+from truepose.domain.measurement.ledger import Control, EntryKind, LedgerEntry
+from truepose.domain.measurement.session import SessionState, config_of
 from truepose.sequencing.contacts.questions import Question
 from truepose.sequencing.engine.state_so_far import Record
 from truepose.sequencing.engine.states import ASKS

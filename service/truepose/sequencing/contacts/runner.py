@@ -8,10 +8,10 @@ from collections import deque
 from dataclasses import replace
 from typing import Any, Final
 
-from truepose.domain.contacts import ContactPlan
-from truepose.domain.ledger import EntryKind, LedgerEntry
-from truepose.domain.people import tidy_name
-from truepose.domain.session import Progress, SessionState
+from truepose.domain.measurement.contacts import ContactPlan
+from truepose.domain.measurement.ledger import EntryKind, LedgerEntry
+from truepose.domain.measurement.session import Progress, SessionState
+from truepose.domain.people.names import tidy_name
 from truepose.sequencing.contacts.cell import ContactCell
 from truepose.sequencing.contacts.dry_run import check_plan, motion_limits
 from truepose.sequencing.contacts.gauges import Gauges

@@ -8,9 +8,9 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from truepose.domain.contacts import ContactPlan, ContactStop
-from truepose.domain.ledger import LedgerEntry
-from truepose.domain.session import Progress, stop_id
+from truepose.domain.measurement.contacts import ContactPlan, ContactStop
+from truepose.domain.measurement.ledger import LedgerEntry
+from truepose.domain.measurement.session import Progress, stop_id
 from truepose.sequencing.contacts.questions import Question
 from truepose.sequencing.contacts.record import OPEN, ContactRecord
 from truepose.sequencing.engine.by_itself import RunsByItself

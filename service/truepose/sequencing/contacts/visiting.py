@@ -9,8 +9,8 @@ from typing import Final
 
 import numpy as np
 
-from truepose.domain.contacts import FREE_PLACES, ContactPlan, ContactStop, ContactTaken, Joints
-from truepose.domain.session import Vector
+from truepose.domain.measurement.contacts import FREE_PLACES, ContactPlan, ContactStop, ContactTaken, Joints
+from truepose.domain.measurement.session import Vector
 from truepose.sequencing.contacts.cell import ContactCell
 from truepose.sequencing.contacts.dry_run import motion_limits
 from truepose.sequencing.contacts.gauges import Gauges

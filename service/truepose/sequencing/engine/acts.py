@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Final
 
-from truepose.domain.session import SessionState
+from truepose.domain.measurement.session import SessionState
 
 
 class ActName(StrEnum):

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from truepose.domain.session import SessionState
+from truepose.domain.measurement.session import SessionState
 from truepose.sequencing.engine.states import ASKS
 
 

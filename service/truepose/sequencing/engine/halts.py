@@ -3,8 +3,8 @@
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from truepose.domain.ledger import EntryKind
-from truepose.domain.session import SessionState
+from truepose.domain.measurement.ledger import EntryKind
+from truepose.domain.measurement.session import SessionState
 from truepose.sequencing.engine.acts import HALTS, Act, ActName, ActOutcome
 from truepose.sequencing.engine.logbook import Logbook
 

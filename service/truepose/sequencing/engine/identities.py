@@ -10,7 +10,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import Final
 
-from truepose.domain.identities import IdentityOf, IdentityTaken
+from truepose.domain.measurement.identities import IdentityOf, IdentityTaken
 
 _SAYS_NOTHING: Final = frozenset({"", "unknown"})
 _LOST: Final = {

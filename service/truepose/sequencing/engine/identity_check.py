@@ -4,8 +4,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, TypeAlias
 
-from truepose.domain.identities import IdentityOf, IdentityTaken
-from truepose.domain.ledger import EntryKind
+from truepose.domain.measurement.identities import IdentityOf, IdentityTaken
+from truepose.domain.measurement.ledger import EntryKind
 from truepose.sequencing.engine.identities import judge, sentence
 from truepose.sequencing.engine.logbook import Logbook
 from truepose_drivers.api import DeviceIdentity

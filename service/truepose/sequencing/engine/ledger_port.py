@@ -2,7 +2,7 @@
 
 from typing import Protocol
 
-from truepose.domain.ledger import LedgerEntry
+from truepose.domain.measurement.ledger import LedgerEntry
 
 
 class Ledger(Protocol):

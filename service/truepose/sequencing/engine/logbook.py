@@ -7,9 +7,9 @@ from dataclasses import replace
 from typing import Any, Final, Generic, TypeVar
 
 from truepose.domain.errors import RecordRefusedError
-from truepose.domain.ledger import Control, EntryKind, LedgerEntry
-from truepose.domain.people import tidy_name
-from truepose.domain.session import SessionState
+from truepose.domain.measurement.ledger import Control, EntryKind, LedgerEntry
+from truepose.domain.measurement.session import SessionState
+from truepose.domain.people.names import tidy_name
 from truepose.sequencing.engine.acts import Act, ActOutcome
 from truepose.sequencing.engine.ledger_port import Ledger
 from truepose.sequencing.engine.state_so_far import Record

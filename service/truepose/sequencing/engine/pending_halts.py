@@ -8,7 +8,7 @@ from collections.abc import Awaitable, Callable
 from typing import Any, Protocol
 
 from truepose.domain.errors import RecordRefusedError
-from truepose.domain.session import SessionState
+from truepose.domain.measurement.session import SessionState
 from truepose.sequencing.engine.acts import Act
 from truepose.sequencing.engine.halts import Halts
 from truepose.sequencing.engine.logbook import Logbook

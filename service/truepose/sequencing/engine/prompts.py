@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from typing import Final
 
-from truepose.domain.people import announced_as, fault_of_name, tidy_name
+from truepose.domain.people.names import announced_as, fault_of_name, tidy_name
 from truepose.sequencing.errors import (
     PersonMissingError,
     PersonUnknownError,

@@ -11,7 +11,7 @@ from collections.abc import Coroutine
 from typing import Any, Final, Generic, Protocol, TypeVar
 
 from truepose.domain.errors import RecordRefusedError
-from truepose.domain.session import SessionState
+from truepose.domain.measurement.session import SessionState
 from truepose.sequencing.engine.acts import HALTS, LETS_MOVE, Act, ActName, ActOutcome
 from truepose.sequencing.engine.halts import Halts
 from truepose.sequencing.engine.logbook import Logbook

@@ -4,9 +4,9 @@ from abc import ABC, abstractmethod
 from dataclasses import dataclass, field
 from typing import Final
 
-from truepose.domain.identities import IdentityOf, IdentityTaken
-from truepose.domain.ledger import Control, EntryKind, LedgerEntry
-from truepose.domain.session import SessionState, config_of
+from truepose.domain.measurement.identities import IdentityOf, IdentityTaken
+from truepose.domain.measurement.ledger import Control, EntryKind, LedgerEntry
+from truepose.domain.measurement.session import SessionState, config_of
 from truepose.sequencing.engine.identities import KnownDevice
 from truepose.sequencing.engine.pace import StepTimes
 

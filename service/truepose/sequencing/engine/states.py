@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Final
 
-from truepose.domain.session import SessionState as S
+from truepose.domain.measurement.session import SessionState as S
 from truepose.sequencing.errors import NotNowError
 
 TRANSITIONS: Final[Mapping[S, frozenset[S]]] = MappingProxyType({

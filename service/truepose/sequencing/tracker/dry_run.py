@@ -7,8 +7,8 @@ from typing import Final
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
+from truepose.domain.measurement.session import PlannedStop, SessionPlan
 from truepose.domain.robot import FixedNest, FramePlacement, JointRange, Nest, Robot
-from truepose.domain.session import PlannedStop, SessionPlan
 from truepose.kinematics.frames import vector_from_rotation
 from truepose.planning.work_volume.room_at_stops import THE
 from truepose.planning.work_volume.work_space import WorkSpace, widened

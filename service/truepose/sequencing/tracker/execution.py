@@ -4,9 +4,9 @@ from typing import Final
 
 import numpy as np
 
-from truepose.domain.identities import IdentityOf
-from truepose.domain.ledger import EntryKind
-from truepose.domain.session import SessionPlan, Vector, Work
+from truepose.domain.measurement.identities import IdentityOf
+from truepose.domain.measurement.ledger import EntryKind
+from truepose.domain.measurement.session import SessionPlan, Vector, Work
 from truepose.sequencing.engine.logbook import Logbook
 from truepose.sequencing.engine.motion.arm import Arm
 from truepose.sequencing.engine.motion.limits import binding_speed, speed_sentence

@@ -14,8 +14,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Final
 
-from truepose.domain.ledger import EntryKind
-from truepose.domain.session import SessionPlan, SessionState
+from truepose.domain.measurement.ledger import EntryKind
+from truepose.domain.measurement.session import SessionPlan, SessionState
 from truepose.sequencing.engine.faults import is_interruption
 from truepose.sequencing.engine.prompts import CELL_CLEAR
 from truepose.sequencing.errors import (

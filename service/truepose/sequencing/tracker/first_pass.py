@@ -1,6 +1,6 @@
 """What is said before the first session of a robot: its dry run, and that the arm goes at reduced speed."""
 
-from truepose.domain.session import SessionPlan
+from truepose.domain.measurement.session import SessionPlan
 from truepose.sequencing.engine.motion.limits import binding_speed
 from truepose.sequencing.tracker.cell import SessionCell
 from truepose.sequencing.tracker.dry_run import dry_run

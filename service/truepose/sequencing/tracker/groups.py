@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
-from truepose.domain.session import PointTaken
+from truepose.domain.measurement.session import PointTaken
 from truepose.judgement.iso9283.settling import has_settled
 
 

@@ -1,7 +1,7 @@
 """The devices of a tracker session: asked again and again, questioned where they differ."""
 
-from truepose.domain.identities import IdentityOf, IdentityTaken
-from truepose.domain.ledger import EntryKind
+from truepose.domain.measurement.identities import IdentityOf, IdentityTaken
+from truepose.domain.measurement.ledger import EntryKind
 from truepose.sequencing.engine.identities import accepted, same_number, sentence, told
 from truepose.sequencing.engine.identity_check import IdentityCheck
 from truepose.sequencing.errors import ForeignInstrumentError, ForeignRobotError, NotNowError

@@ -7,7 +7,7 @@ from the same side, 4 s of rest, the world frame from fixed nests.
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
-from truepose.domain.session import PlannedStop, SessionPlan
+from truepose.domain.measurement.session import PlannedStop, SessionPlan
 from truepose.sequencing.tracker.steps import (
     CheckFaces,
     CheckReferences,

@@ -8,8 +8,8 @@ there: whoever asks for it looks at a table, not at the cell.
 from dataclasses import dataclass
 from typing import Final
 
-from truepose.domain.ledger import EntryKind
-from truepose.domain.session import SessionPlan, config_of
+from truepose.domain.measurement.ledger import EntryKind
+from truepose.domain.measurement.session import SessionPlan, config_of
 from truepose.sequencing.engine.acts import Act, ActName
 from truepose.sequencing.errors import NotNowError, ReasonMissingError
 from truepose.sequencing.tracker.state_so_far import TrackerRecord

@@ -12,10 +12,10 @@ from collections.abc import AsyncIterator, Awaitable, Callable, Coroutine, Seque
 from dataclasses import replace
 from typing import Any, Final
 
-from truepose.domain.identities import IdentityTaken
-from truepose.domain.ledger import EntryKind, LedgerEntry
-from truepose.domain.people import tidy_name
-from truepose.domain.session import PlannedStop, Progress, SessionPlan, SessionState
+from truepose.domain.measurement.identities import IdentityTaken
+from truepose.domain.measurement.ledger import EntryKind, LedgerEntry
+from truepose.domain.measurement.session import PlannedStop, Progress, SessionPlan, SessionState
+from truepose.domain.people.names import tidy_name
 from truepose.sequencing.engine.acts import HALTS, Act, ActName, ActOutcome
 from truepose.sequencing.engine.faults import is_interruption
 from truepose.sequencing.engine.halts import Halts

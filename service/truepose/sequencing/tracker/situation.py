@@ -9,8 +9,8 @@ from collections import deque
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
-from truepose.domain.ledger import LedgerEntry
-from truepose.domain.session import PlannedStop, Progress, Registration, SessionPlan
+from truepose.domain.measurement.ledger import LedgerEntry
+from truepose.domain.measurement.session import PlannedStop, Progress, Registration, SessionPlan
 from truepose.sequencing.engine.by_itself import RunsByItself
 from truepose.sequencing.engine.identities import KnownDevice, same_number
 from truepose.sequencing.tracker import plans

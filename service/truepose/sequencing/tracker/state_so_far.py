@@ -7,8 +7,8 @@ their place; of the world frame, the registration, which stays as a guess of whe
 from collections import Counter
 from dataclasses import dataclass, field
 
-from truepose.domain.ledger import Control, EntryKind, LedgerEntry
-from truepose.domain.session import FixedNestTaken, Registration, SessionState, config_of
+from truepose.domain.measurement.ledger import Control, EntryKind, LedgerEntry
+from truepose.domain.measurement.session import FixedNestTaken, Registration, SessionState, config_of
 from truepose.sequencing.engine.state_so_far import Record
 from truepose.sequencing.tracker.groups import Groups
 from truepose.sequencing.tracker.steps import StepKind

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Final, Literal, TypeAlias
 
-from truepose.domain.session import PlannedStop, Work, stop_id
+from truepose.domain.measurement.session import PlannedStop, Work, stop_id
 
 FixedNestPhase: TypeAlias = Literal["warm_up", "registration", "two_face", "reference"]
 

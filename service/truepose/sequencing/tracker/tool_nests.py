@@ -6,8 +6,8 @@ from typing import Final
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
-from truepose.domain.ledger import EntryKind
-from truepose.domain.session import PlannedStop, PointTaken, SessionPlan, Vector, stop_id
+from truepose.domain.measurement.ledger import EntryKind
+from truepose.domain.measurement.session import PlannedStop, PointTaken, SessionPlan, Vector, stop_id
 from truepose.sequencing.engine.logbook import Logbook
 from truepose.sequencing.engine.motion.nominal_arm import nest_in_world
 from truepose.sequencing.errors import ReadingRejectedError

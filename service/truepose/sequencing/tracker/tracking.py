@@ -6,7 +6,7 @@ from typing import Final, Literal
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
-from truepose.domain.session import Registration, Vector
+from truepose.domain.measurement.session import Registration, Vector
 from truepose.sequencing.engine.identities import told
 from truepose.sequencing.errors import ReadingRejectedError
 from truepose.sequencing.tracker.identity_check import TrackerIdentityCheck

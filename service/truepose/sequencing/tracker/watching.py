@@ -14,7 +14,7 @@ from typing import Final, Literal, TypeAlias
 
 import numpy as np
 
-from truepose.domain.session import PlannedStop, SessionPlan, Vector
+from truepose.domain.measurement.session import PlannedStop, SessionPlan, Vector
 from truepose.sequencing.engine.logbook import Logbook
 from truepose.sequencing.engine.motion.nominal_arm import nest_in_world
 from truepose.sequencing.tracker.cell import SessionCell

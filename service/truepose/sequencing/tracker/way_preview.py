@@ -4,7 +4,7 @@ import asyncio
 from collections.abc import Sequence
 from typing import Final
 
-from truepose.domain.session import PlannedStop
+from truepose.domain.measurement.session import PlannedStop
 from truepose.planning.work_volume.room_on_ways import ways_between, what_to_watch
 from truepose.sequencing.tracker.cell import SessionCell
 from truepose_drivers.api import RobotController

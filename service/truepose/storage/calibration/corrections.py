@@ -6,7 +6,7 @@ from typing import Any, Final, TypeVar
 
 from sqlalchemy import Column, Connection, Row, Select, func, select
 
-from truepose.domain.corrections import CorrectedTargets, FileCorrection
+from truepose.domain.results.corrections import CorrectedTargets, FileCorrection
 from truepose.storage.calibration.jobs import add_job_state
 from truepose.storage.calibration.origins import simulated_campaign
 from truepose.storage.columns import unpack

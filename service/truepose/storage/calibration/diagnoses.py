@@ -7,7 +7,7 @@ from typing import Any, Final
 
 from sqlalchemy import Connection, Row, Select, select
 
-from truepose.domain.diagnosis import Diagnosis, Finding
+from truepose.domain.results.diagnosis import Diagnosis, Finding
 from truepose.storage.calibration.jobs import add_job_state
 from truepose.storage.calibration.origins import Origin, simulated_campaign
 from truepose.storage.database import Database

@@ -5,11 +5,11 @@ from typing import Any
 
 from sqlalchemy import Connection, Row, Select, func, select
 
-from truepose.domain.ballbar import BallbarPlan
-from truepose.domain.contacts import ContactPlan
-from truepose.domain.results import Identification, Model
-from truepose.domain.session import SessionPlan
-from truepose.domain.validation import Validation
+from truepose.domain.measurement.ballbar import BallbarPlan
+from truepose.domain.measurement.contacts import ContactPlan
+from truepose.domain.measurement.session import SessionPlan
+from truepose.domain.results.identification import Identification, Model
+from truepose.domain.results.validation import Validation
 from truepose.storage.calibration.jobs import add_job_state
 from truepose.storage.calibration.origins import simulated_campaign
 from truepose.storage.database import Database

@@ -4,7 +4,7 @@ from typing import Any
 
 from sqlalchemy import Connection, Row, select
 
-from truepose.domain.session import PlannedStop
+from truepose.domain.measurement.session import PlannedStop
 from truepose.storage.database import Database
 from truepose.storage.documents import from_document, to_document
 from truepose.storage.events import add_event

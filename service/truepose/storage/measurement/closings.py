@@ -4,7 +4,7 @@ from typing import Any
 
 from sqlalchemy import Connection, Row, select
 
-from truepose.domain.certificates import Closing, JudgedPaper
+from truepose.domain.cell.certificates import Closing, JudgedPaper
 from truepose.storage.database import Database
 from truepose.storage.documents import from_document, to_document
 from truepose.storage.errors import ConflictError

@@ -9,8 +9,14 @@ from typing import Any
 
 from sqlalchemy import Connection, Row, Select, func, select
 
-from truepose.domain.ledger import Control, EntryKind, LedgerEntry
-from truepose.domain.session import FixedNestTaken, PointTaken, SessionState, StopSkipped, config_of
+from truepose.domain.measurement.ledger import Control, EntryKind, LedgerEntry
+from truepose.domain.measurement.session import (
+    FixedNestTaken,
+    PointTaken,
+    SessionState,
+    StopSkipped,
+    config_of,
+)
 from truepose.storage.database import Database
 from truepose.storage.documents import from_document, to_document
 from truepose.storage.errors import KeyReusedError

@@ -7,10 +7,10 @@ from typing import Any, TypeAlias
 
 from sqlalchemy import ColumnElement, Connection, Row, Select, case, exists, func, select
 
-from truepose.domain.ballbar import BallbarPlan
-from truepose.domain.contacts import ContactPlan
-from truepose.domain.identities import IdentityTaken
-from truepose.domain.session import (
+from truepose.domain.measurement.ballbar import BallbarPlan
+from truepose.domain.measurement.contacts import ContactPlan
+from truepose.domain.measurement.identities import IdentityTaken
+from truepose.domain.measurement.session import (
     Progress,
     Registration,
     SessionPlan,

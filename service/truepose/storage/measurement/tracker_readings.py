@@ -9,8 +9,8 @@ from typing import Any
 
 from sqlalchemy import ColumnElement, Connection, Row, Select, and_, exists, or_, select
 
-from truepose.domain.ledger import EntryKind
-from truepose.domain.session import FixedNestTaken, PointTaken
+from truepose.domain.measurement.ledger import EntryKind
+from truepose.domain.measurement.session import FixedNestTaken, PointTaken
 from truepose.storage.database import Database
 from truepose.storage.documents import from_document, to_document
 from truepose.storage.events import add_event

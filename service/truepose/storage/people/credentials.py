@@ -6,7 +6,7 @@ from typing import Any
 
 from sqlalchemy import Connection, Row, func, select
 
-from truepose.domain.accounts import Person, Role
+from truepose.domain.people.accounts import Person, Role
 from truepose.storage.database import Database
 from truepose.storage.rows import add_row
 from truepose.storage.tables import credentials, people, person_states, revocations

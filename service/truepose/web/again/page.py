@@ -7,8 +7,8 @@ from typing import Final
 from fastapi import APIRouter
 from fastapi.responses import HTMLResponse
 
-from truepose.domain.ballbar import BallbarPlan
-from truepose.domain.session import SessionPlan
+from truepose.domain.measurement.ballbar import BallbarPlan
+from truepose.domain.measurement.session import SessionPlan
 from truepose.operation.differences import differences
 from truepose.storage.errors import NotFoundError
 from truepose.storage.records import SessionRecord

@@ -6,10 +6,10 @@ from dataclasses import dataclass, replace
 from typing import Any, TypeAlias
 
 from truepose.analysis.workers.tasks import PlanTask, RepeatTask
-from truepose.domain.ballbar import BallbarPlan
-from truepose.domain.cell import Cell
-from truepose.domain.contacts import ContactPlan
-from truepose.domain.session import SessionPlan
+from truepose.domain.cell.description import Cell
+from truepose.domain.measurement.ballbar import BallbarPlan
+from truepose.domain.measurement.contacts import ContactPlan
+from truepose.domain.measurement.session import SessionPlan
 from truepose.operation.ballbar.plans import BallbarWish, kit_of
 from truepose.operation.ballbar.plans import judged as judged_by_bar
 from truepose.operation.tracker.plans import judged

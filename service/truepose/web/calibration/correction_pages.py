@@ -9,7 +9,7 @@ from fastapi.responses import HTMLResponse
 from markupsafe import Markup
 
 from truepose.analysis.workers.correcting import MOST_TARGETS
-from truepose.domain.corrections import CorrectedTargets
+from truepose.domain.results.corrections import CorrectedTargets
 from truepose.kinematics.inverse import BRANCH_NAMES
 from truepose.storage.errors import NotFoundError
 from truepose.storage.records import CorrectionRecord

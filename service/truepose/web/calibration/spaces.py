@@ -3,7 +3,7 @@
 import asyncio
 
 from truepose.analysis.workers.tasks import judging_or_own, stored_campaign
-from truepose.domain.results import Model
+from truepose.domain.results.identification import Model
 from truepose.storage.errors import NotFoundError
 from truepose.web.context import Context, Here
 from truepose.web.problems import problems

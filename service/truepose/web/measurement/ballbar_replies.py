@@ -1,7 +1,7 @@
 """From ballbar sessions to what travels."""
 
-from truepose.domain.artefacts import Bars
-from truepose.domain.ballbar import (
+from truepose.domain.cell.artefacts import Bars
+from truepose.domain.measurement.ballbar import (
     BallbarStep,
     Leg,
     StepKind,

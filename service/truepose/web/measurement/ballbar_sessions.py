@@ -4,7 +4,7 @@ from dataclasses import replace
 
 from fastapi import Request, Response, status
 
-from truepose.domain.ballbar import BallbarPlan
+from truepose.domain.measurement.ballbar import BallbarPlan
 from truepose.operation.ballbar.plans import BallbarWish, kit_of
 from truepose.operation.ballbar.scene import scene_of
 from truepose.operation.ballbar.worker_tasks import plan_task

@@ -2,7 +2,7 @@
 
 from fastapi import status
 
-from truepose.domain.certificates import Closing
+from truepose.domain.cell.certificates import Closing
 from truepose.web.context import Here
 from truepose.web.problems import problems
 from truepose.web.requests.parameters import Id

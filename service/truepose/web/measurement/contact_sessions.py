@@ -6,7 +6,7 @@ from fastapi import Response, status
 
 from truepose.analysis.contacts import taken_of
 from truepose.analysis.workers.tasks import ContactPlanTask
-from truepose.domain.contacts import ContactPlan
+from truepose.domain.measurement.contacts import ContactPlan
 from truepose.sequencing.contacts.dry_run import minutes_of
 from truepose.sequencing.contacts.questions import Question, asked
 from truepose.storage.records import RequestKey, SessionSetup

@@ -15,7 +15,7 @@ from fastapi import Depends, Query
 from fastapi.responses import StreamingResponse
 from pydantic import AfterValidator
 
-from truepose.domain.people import NAME_PATTERN, tidy_name
+from truepose.domain.people.names import NAME_PATTERN, tidy_name
 from truepose.web.context import Context, Here
 from truepose.web.events import Seconds
 from truepose.web.problems import problems

@@ -7,7 +7,7 @@ from fastapi import HTTPException, Query, Request
 
 from truepose.analysis.assembly import MeasuredSession
 from truepose.analysis.measured import measured_session
-from truepose.domain.cell import Cell
+from truepose.domain.cell.description import Cell
 from truepose.exchange.results.plans import PlanDocument, plan_document
 from truepose.sequencing.tracker.dry_run import minutes_of
 from truepose.web.context import Context, Here

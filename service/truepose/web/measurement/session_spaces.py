@@ -5,8 +5,8 @@ from collections import defaultdict
 from typing import TYPE_CHECKING, Final
 
 from truepose.analysis.contacts import taken_of
-from truepose.domain.ballbar import StepKind
-from truepose.domain.cell import Cell
+from truepose.domain.cell.description import Cell
+from truepose.domain.measurement.ballbar import StepKind
 from truepose.operation.ballbar.view import BallbarView
 from truepose.storage.records import SessionRecord
 from truepose.web.context import Context, Here

@@ -9,7 +9,7 @@ from fastapi import Body, Response, status
 
 from truepose.analysis.measured import circles_by_session, proof_by_session
 from truepose.analysis.workers.tasks import PlanTask
-from truepose.domain.session import Registration, SessionPlan
+from truepose.domain.measurement.session import Registration, SessionPlan
 from truepose.exchange.results.circles import CircleTestDocument, circle_document
 from truepose.exchange.results.iso9283 import AccuracyDocument, accuracy_document
 from truepose.exchange.results.proofs import ProofDocument, proof_document

@@ -7,8 +7,8 @@ from typing import Final
 
 from fastapi import status
 
-from truepose.domain.accounts import Role, reaches
-from truepose.domain.session import SessionState
+from truepose.domain.measurement.session import SessionState
+from truepose.domain.people.accounts import Role, reaches
 from truepose.operation.people.errors import FreshSignInNeededError, NotAllowedError
 from truepose.operation.people.leases import Lease
 from truepose.operation.people.register import Caller

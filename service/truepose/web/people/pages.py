@@ -6,7 +6,7 @@ from typing import Annotated, Final
 from fastapi import APIRouter, Query
 from fastapi.responses import HTMLResponse, RedirectResponse, Response
 
-from truepose.domain.accounts import Role
+from truepose.domain.people.accounts import Role
 from truepose.storage.people.credentials import CredentialKind
 from truepose.web.people import watching
 from truepose.web.people.acts import Before

@@ -2,7 +2,7 @@
 
 from fastapi import status
 
-from truepose.domain.accounts import Person
+from truepose.domain.people.accounts import Person
 from truepose.operation.people.errors import UnknownPersonError
 from truepose.storage.people.credentials import CredentialKind, CredentialRecord
 from truepose.web.context import Context, Here

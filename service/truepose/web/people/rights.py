@@ -7,8 +7,8 @@ from collections.abc import Iterable, Mapping
 from enum import StrEnum
 from typing import Final
 
-from truepose.domain.accounts import Role, reaches
 from truepose.domain.errors import TrueposeError
+from truepose.domain.people.accounts import Role, reaches
 
 
 class Anybody(StrEnum):

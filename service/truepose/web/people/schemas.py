@@ -4,8 +4,8 @@ from typing import Annotated, Any
 
 from pydantic import AfterValidator, Field
 
-from truepose.domain.accounts import Person, Role
-from truepose.domain.people import LONGEST_NAME, NAME_PATTERN, tidy_name
+from truepose.domain.people.accounts import Person, Role
+from truepose.domain.people.names import LONGEST_NAME, NAME_PATTERN, tidy_name
 from truepose.operation.people.accounts import LINK_DAYS, LONGEST_SECRET, SHORTEST_PASSWORD, Chosen
 from truepose.operation.people.leases import LEASE_S
 from truepose.storage.people.acts import ActRecord

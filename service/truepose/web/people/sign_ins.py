@@ -2,7 +2,7 @@
 
 from fastapi import Request, Response, status
 
-from truepose.domain.accounts import Person
+from truepose.domain.people.accounts import Person
 from truepose.operation.people.errors import SignInRefusedError
 from truepose.operation.people.register import Caller
 from truepose.operation.people.sign_ins import LONGEST_DAYS, SignedIn

@@ -5,8 +5,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, Final
 
+from truepose.domain.measurement.session import SessionState
 from truepose.domain.sentences import Sentence, said
-from truepose.domain.session import SessionState
 from truepose.sequencing.engine.states import has_ended
 from truepose.storage.work.items import PROOF, TEST, WorkItem, WorkKind
 from truepose.storage.work.lineage import Lineage

@@ -16,7 +16,7 @@ from truepose.analysis.workers.tasks import judging_or_own, stored_campaign
 from truepose.diagnosis.alarms import alarms
 from truepose.diagnosis.history import CauseOverTime
 from truepose.domain.errors import TrueposeError
-from truepose.domain.results import Model
+from truepose.domain.results.identification import Model
 from truepose.storage.records import DiagnosisRecord
 from truepose.web.context import Context
 from truepose.web.schemas.base import NUMBER_LIMIT

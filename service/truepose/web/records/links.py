@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final
 
-from truepose.domain.session import SessionState
+from truepose.domain.measurement.session import SessionState
 from truepose.storage.records import JobState
 from truepose.storage.work.items import WorkItem, WorkKind
 from truepose.web.visiting.moments import moment

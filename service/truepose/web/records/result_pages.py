@@ -9,7 +9,7 @@ from fastapi import APIRouter
 from fastapi.responses import HTMLResponse
 
 from truepose.domain.errors import TrueposeError
-from truepose.domain.results import Model
+from truepose.domain.results.identification import Model
 from truepose.exchange.exports.formats import FORMATS, Format, export
 from truepose.storage.errors import NotFoundError
 from truepose.storage.records import IdentificationRecord, ModelRecord, ValidationRecord

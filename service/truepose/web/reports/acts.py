@@ -9,10 +9,10 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import TYPE_CHECKING, Final, TypeAlias
 
-from truepose.domain.ballbar import StepKind
-from truepose.domain.ledger import Control, EntryKind, LedgerEntry
+from truepose.domain.measurement.ballbar import StepKind
+from truepose.domain.measurement.ledger import Control, EntryKind, LedgerEntry
+from truepose.domain.measurement.session import SessionState, config_of
 from truepose.domain.sentences import Sentence, Text, said, together
-from truepose.domain.session import SessionState, config_of
 from truepose.sequencing.ballbar.plan import step_ids
 from truepose.storage.people.acts import ActRecord
 from truepose.storage.records import AdditionRecord, LedgerRecord, StateChange

@@ -6,11 +6,11 @@ from typing import TYPE_CHECKING
 from fastapi import APIRouter
 from fastapi.responses import HTMLResponse, Response
 
-from truepose.domain.artefacts import BallbarKit
-from truepose.domain.ballbar import BallbarPlan
-from truepose.domain.cell import Cell
-from truepose.domain.contacts import ContactPlan
-from truepose.domain.session import SessionPlan
+from truepose.domain.cell.artefacts import BallbarKit
+from truepose.domain.cell.description import Cell
+from truepose.domain.measurement.ballbar import BallbarPlan
+from truepose.domain.measurement.contacts import ContactPlan
+from truepose.domain.measurement.session import SessionPlan
 from truepose.storage.records import SessionRecord
 from truepose.web.context import Context
 from truepose.web.measurement.promises import Number, minutes_for

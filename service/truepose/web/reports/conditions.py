@@ -4,7 +4,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from truepose.domain.certificates import Closing
+from truepose.domain.cell.certificates import Closing
 from truepose.domain.sentences import Sentence, said
 from truepose.web.context import Context
 from truepose.web.reports.acts import acts_of_session

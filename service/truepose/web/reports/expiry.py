@@ -3,8 +3,8 @@
 from collections.abc import Iterator
 from datetime import date
 
-from truepose.domain.cell import Cell
-from truepose.domain.certificates import judged_papers
+from truepose.domain.cell.certificates import judged_papers
+from truepose.domain.cell.description import Cell
 from truepose.domain.sentences import Text, said
 from truepose.operation.certificates import papers_of_cell
 

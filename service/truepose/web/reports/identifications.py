@@ -12,7 +12,7 @@ from truepose.web.results.kinds import Choice
 from truepose.words.catalogue import Catalogue
 
 if TYPE_CHECKING:
-    from truepose.domain.results import Identification
+    from truepose.domain.results.identification import Identification
     from truepose.reports.conditions import ReportConditions
 
 

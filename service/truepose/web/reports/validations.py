@@ -12,8 +12,8 @@ from truepose.web.results.kinds import Choice
 from truepose.words.catalogue import Catalogue
 
 if TYPE_CHECKING:
-    from truepose.domain.results import Model
-    from truepose.domain.validation import Validation
+    from truepose.domain.results.identification import Model
+    from truepose.domain.results.validation import Validation
     from truepose.reports.conditions import ReportConditions
 
 

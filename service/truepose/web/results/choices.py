@@ -4,7 +4,7 @@ from typing import Annotated
 
 from fastapi import Depends, Query
 
-from truepose.domain.validation import DecisionRule
+from truepose.domain.results.validation import DecisionRule
 from truepose.web.results.kinds import Choice
 from truepose.web.schemas.base import NUMBER_LIMIT
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 from markupsafe import Markup
 
-from truepose.domain.validation import DecisionRule
+from truepose.domain.results.validation import DecisionRule
 from truepose.storage.records import SessionRecord
 from truepose.web.context import Context
 from truepose.words.catalogue import Catalogue

@@ -9,7 +9,7 @@ from fastapi.responses import HTMLResponse, RedirectResponse, Response
 from markupsafe import Markup
 
 from truepose.domain.errors import TrueposeError
-from truepose.domain.session import SessionState
+from truepose.domain.measurement.session import SessionState
 from truepose.sequencing.engine.states import has_ended
 from truepose.storage.errors import NotFoundError
 from truepose.storage.records import ModelRecord, SessionRecord

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import Final
 
-from truepose.domain.session import SessionState
+from truepose.domain.measurement.session import SessionState
 from truepose.words.catalogue import Catalogue
 
 STATES: Final[Mapping[SessionState, str]] = {  # keys of the catalogue

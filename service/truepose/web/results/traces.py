@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from pydantic import BaseModel
 
-from truepose.domain.artefacts import Artefact, BallbarKit
-from truepose.domain.ballbar import BallbarPlan
-from truepose.domain.cell import Cell
-from truepose.domain.identities import IdentityTaken
+from truepose.domain.cell.artefacts import Artefact, BallbarKit
+from truepose.domain.cell.description import Cell
+from truepose.domain.measurement.ballbar import BallbarPlan
+from truepose.domain.measurement.identities import IdentityTaken
+from truepose.domain.measurement.session import SessionPlan, SessionState
 from truepose.domain.sentences import said
-from truepose.domain.session import SessionPlan, SessionState
 from truepose.exchange.models.file import model_text
 from truepose.storage.records import ModelRecord, SessionSetup, StateChange
 from truepose.web.context import Context

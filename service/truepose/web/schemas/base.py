@@ -11,8 +11,8 @@ from typing import Annotated, Any, TypeVar
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 from pydantic_core import PydanticCustomError
 
-from truepose.domain.accounts import same_person
-from truepose.domain.people import LONGEST_NAME, NAME_PATTERN, tidy_name
+from truepose.domain.people.accounts import same_person
+from truepose.domain.people.names import LONGEST_NAME, NAME_PATTERN, tidy_name
 from truepose.exchange.outgoing import Outgoing
 from truepose.web.people.asking import asking
 

@@ -2,7 +2,7 @@
 
 from pydantic import Field
 
-from truepose.domain.cell import Cell
+from truepose.domain.cell.description import Cell
 from truepose.domain.robot import JointRange, Robot
 from truepose.operation.devices import DeviceStatus
 from truepose.web.context import Endpoint

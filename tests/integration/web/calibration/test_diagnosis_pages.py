@@ -8,7 +8,7 @@ import pytest
 
 from tests.helpers.diagnosis.diagnosed_cells import ENDINGS, consistent, nothing_fitted, two_findings
 from tests.helpers.domain.builders import make_campaign
-from truepose.domain.cell import SimulatedCell
+from truepose.domain.cell.description import SimulatedCell
 from truepose.domain.sentences import said
 from truepose.exchange.campaigns.zip_file import write_campaign_zip
 from truepose.web.records.diagnosis_pages import measured_words

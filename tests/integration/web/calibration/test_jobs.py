@@ -18,8 +18,9 @@ from truepose.analysis.workers.tasks import (
     PosePlanTask,
     stored_campaign,
 )
-from truepose.domain.campaign import Campaign
-from truepose.domain.results import (
+from truepose.domain.measurement.campaign import Campaign
+from truepose.domain.measurement.session import PlannedStop, Turn
+from truepose.domain.results.identification import (
     Counts,
     Identification,
     Model,
@@ -29,9 +30,8 @@ from truepose.domain.results import (
     Statistics,
     Status,
 )
+from truepose.domain.results.validation import Validation
 from truepose.domain.robot import FramePlacement
-from truepose.domain.session import PlannedStop, Turn
-from truepose.domain.validation import Validation
 from truepose.exchange.campaigns.zip_file import write_campaign_zip
 from truepose.storage.records import JobKind
 

@@ -10,7 +10,7 @@ from argon2 import PasswordHasher
 
 from tests.integration.web.bench import CELL, Bench
 from truepose.app import create_app
-from truepose.domain.accounts import Person, Role
+from truepose.domain.people.accounts import Person, Role
 from truepose.operation.people import hashes, sign_ins
 from truepose.settings import Settings
 

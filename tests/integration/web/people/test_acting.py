@@ -9,7 +9,7 @@ from tests.helpers.web.clients import client_of, until
 from tests.helpers.web.routes import asked
 from tests.integration.web.bench import session_request
 from tests.integration.web.people.conftest import ORIGIN, PASSWORD, PIN, peopled
-from truepose.domain.accounts import Role
+from truepose.domain.people.accounts import Role
 from truepose.domain.sentences import leading_key
 from truepose.operation.people.accounts import Chosen
 from truepose.operation.people.leases import LEASE_S

@@ -4,7 +4,7 @@ import pytest
 import pytest_asyncio
 
 from tests.helpers.web.routes import asked
-from truepose.domain.accounts import Role
+from truepose.domain.people.accounts import Role
 from truepose.operation.people.hashes import new_secret
 
 pytestmark = pytest.mark.asyncio(loop_scope="module")

@@ -9,7 +9,7 @@ from tests.helpers.web.clients import client_of
 from tests.integration.web.listening import listening
 from truepose.app import create_app
 from truepose.cli.administration import administration
-from truepose.domain.accounts import MACHINE, Role
+from truepose.domain.people.accounts import MACHINE, Role
 from truepose.operation.people.errors import AccountRefusedError, UnknownPersonError
 from truepose.storage.errors import DatabaseInUseError, StorageUnavailableError
 from truepose.storage.people.machine import ReachedService, service_of, told_beside

@@ -6,7 +6,7 @@ from markupsafe import Markup
 
 from tests.helpers.web.pages import Page
 from tests.integration.web.bench import session_request
-from truepose.domain.accounts import Role
+from truepose.domain.people.accounts import Role
 from truepose.web.records import plan_page
 
 in_one_loop = pytest.mark.asyncio(loop_scope="module")

@@ -7,7 +7,7 @@ import pytest
 import pytest_asyncio
 
 from tests.helpers.web.routes import asked, routes_alone
-from truepose.domain.accounts import Role
+from truepose.domain.people.accounts import Role
 from truepose.web.people.gate import Gate
 from truepose.web.people.operations import operations_of
 from truepose.web.people.rights import LEAST, Anybody, MissingRightError, may, require_complete

@@ -5,8 +5,8 @@ import pytest
 from tests.helpers.diagnosis.answers import make_diagnosis, make_finding, make_wave
 from tests.studies.diagnosis_report.judging import failed, judge
 from tests.studies.diagnosis_report.planting import Planted
-from truepose.domain.causes import Cause
-from truepose.domain.diagnosis import Confidence, Remaining, Verdict
+from truepose.domain.results.causes import Cause
+from truepose.domain.results.diagnosis import Confidence, Remaining, Verdict
 
 WAVE = Planted(
     "joint_harmonics", "joint 6", 0.03, {"order": 2.0}, right={Cause("joint_harmonics", "joint 6"): 0.03}

@@ -13,7 +13,7 @@ from tests.studies.diagnosis_report.cases import (
     pairs_of,
 )
 from tests.studies.diagnosis_report.planting import scaled, scenario_text
-from truepose.domain.causes import Cause
+from truepose.domain.results.causes import Cause
 
 EVERY = (*REALISTIC, *FOR_INFORMATION, *BARELY_VISIBLE)
 

@@ -8,10 +8,10 @@ import pytest
 from tests.helpers.domain.tracker_sessions import make_fixed_nest, make_point, make_setup
 from truepose.analysis.assembly import MeasuredSession, assemble_campaign, judged_by, point_readings
 from truepose.analysis.errors import NothingMeasuredError, SessionsDifferError
-from truepose.domain.campaign import Campaign
-from truepose.domain.cell import Camera, Conditions, DeviceEntry, SimulatedCell
+from truepose.domain.cell.description import Camera, Conditions, DeviceEntry, SimulatedCell
+from truepose.domain.measurement.campaign import Campaign
+from truepose.domain.measurement.session import Registration
 from truepose.domain.robot import FramePlacement
-from truepose.domain.session import Registration
 from truepose.storage.records import SessionSetup
 
 

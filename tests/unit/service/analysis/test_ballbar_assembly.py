@@ -15,9 +15,9 @@ from truepose.analysis.ballbar.assembly import (
     assemble_ballbar_campaign,
 )
 from truepose.analysis.errors import NothingMeasuredError
-from truepose.domain.artefacts import Artefact, BallbarKit
-from truepose.domain.ballbar import ArrivalTaken
-from truepose.domain.cell import SimulatedCell
+from truepose.domain.cell.artefacts import Artefact, BallbarKit
+from truepose.domain.cell.description import SimulatedCell
+from truepose.domain.measurement.ballbar import ArrivalTaken
 from truepose.domain.robot import Nest
 from truepose.exchange.campaigns.zip_file import read_campaign_zip, write_campaign_zip
 

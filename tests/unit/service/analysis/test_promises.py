@@ -6,7 +6,7 @@ import pytest
 from tests.helpers.ballbar.cells import IRB_120, domain_cell
 from truepose.analysis.assembly import MeasuredSession
 from truepose.analysis.promises import promise_of_cell, promise_of_session
-from truepose.domain.session import PointTaken
+from truepose.domain.measurement.session import PointTaken
 from truepose.kinematics.chain import nominal_chain
 from truepose.storage.records import SessionSetup
 

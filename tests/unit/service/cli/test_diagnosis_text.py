@@ -13,7 +13,7 @@ from tests.helpers.diagnosis.answers import (
     make_wave,
 )
 from truepose.cli.diagnosis_text import diagnosis_lines, errors_table
-from truepose.domain.diagnosis import Gain, Remaining
+from truepose.domain.results.diagnosis import Gain, Remaining
 
 
 def test_the_first_line_is_the_message_however_long():

@@ -11,7 +11,7 @@ from tests.helpers.identification.zones import zoned
 from truepose.correction.controller_values import controller_values, three_point_frame
 from truepose.correction.zone_errors import CONFIGURATIONS, zone_targets
 from truepose.domain.errors import ConfigurationError
-from truepose.domain.results import NestCentre
+from truepose.domain.results.identification import NestCentre
 from truepose.identification.model.zone import measured_zone, outside
 from truepose.kinematics.frames import placement_rotation, placement_translation
 

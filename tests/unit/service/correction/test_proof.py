@@ -10,8 +10,8 @@ from tests.helpers.identification.models import model_of, plain_parameters
 from tests.helpers.identification.synthetic import configurations
 from truepose.correction.proof.pairs import pairs_of
 from truepose.correction.proof.verdict import proof_of
-from truepose.domain.campaign import PointReadings, Stops
 from truepose.domain.errors import ConfigurationError
+from truepose.domain.measurement.campaign import PointReadings, Stops
 from truepose.domain.robot import JointRow
 from truepose.exchange.results.proofs import proof_document
 from truepose.identification.model.estimates import structure_of, values_of

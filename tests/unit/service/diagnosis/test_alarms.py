@@ -5,7 +5,7 @@ import pytest
 from tests.helpers.diagnosis.answers import make_diagnosis, make_finding, make_wave
 from truepose.diagnosis.alarms import Appeared, Grown, alarms
 from truepose.diagnosis.history import DatedDiagnosis, compare
-from truepose.domain.diagnosis import Confidence, RuledOut, Worth
+from truepose.domain.results.diagnosis import Confidence, RuledOut, Worth
 
 SPRING, SUMMER, AUTUMN = "2026-03-03", "2026-06-14", "2026-10-02"
 LOOKED_FOR = RuledOut("backlash", "joint 3", "chance", p_value=1.0, upper_limit_mm=0.005)

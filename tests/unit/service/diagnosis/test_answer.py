@@ -13,7 +13,7 @@ from truepose.diagnosis.diagnose import diagnose
 from truepose.diagnosis.doubt.standing import _useless
 from truepose.diagnosis.evidence.gains import gain_of
 from truepose.diagnosis.evidence.held_out import Improvement
-from truepose.domain.diagnosis import Confidence, HeldOutErrors, Verdict
+from truepose.domain.results.diagnosis import Confidence, HeldOutErrors, Verdict
 from truepose.identification.model.prediction import predict
 from truepose.words.catalogue import english
 

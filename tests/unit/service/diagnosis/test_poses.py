@@ -6,8 +6,8 @@ import numpy as np
 
 from tests.helpers.identification.synthetic import configurations, nominal_campaign
 from truepose.diagnosis.diagnose import diagnose
-from truepose.domain.campaign import PointReadings, Stops
-from truepose.domain.diagnosis import Verdict
+from truepose.domain.measurement.campaign import PointReadings, Stops
+from truepose.domain.results.diagnosis import Verdict
 from truepose.domain.robot import Nest
 from truepose.kinematics.artefact import centre, pose_uncertainty
 from truepose.kinematics.chain import forward, nominal_values

@@ -2,7 +2,7 @@ from datetime import date
 
 import pytest
 
-from truepose.domain.certificates import Closing, Paper, judged_papers
+from truepose.domain.cell.certificates import Closing, Paper, judged_papers
 from truepose.words.catalogue import english
 
 TODAY = date(2026, 11, 23)

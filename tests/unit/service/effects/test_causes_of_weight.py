@@ -7,7 +7,7 @@ import pytest
 
 from tests.helpers.diagnosis.point_scenes import START, telling_campaign, telling_scene, without_masses
 from tests.helpers.domain.robots import IRB_120, SEVEN_AXES
-from truepose.domain.campaign import Stops
+from truepose.domain.measurement.campaign import Stops
 from truepose.domain.robot import JointRow, LinkMass, Robot
 from truepose.effects.causes import Fitted
 from truepose.effects.links.link_bending import beams

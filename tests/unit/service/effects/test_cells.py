@@ -6,7 +6,7 @@ from typing import get_args
 import pytest
 
 from tests.helpers.diagnosis.point_scenes import telling_scene
-from truepose.domain.causes import Shape
+from truepose.domain.results.causes import Shape
 from truepose.effects.causes import Candidate
 from truepose.effects.cells import alike, amplitude_of, cell_of, named_cell
 from truepose.effects.registry import CAUSES

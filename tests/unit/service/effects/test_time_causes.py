@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tests.helpers.diagnosis.point_scenes import ORIGIN_S, START, telling_campaign, telling_scene
-from truepose.domain.campaign import Stops
+from truepose.domain.measurement.campaign import Stops
 from truepose.effects.causes import Fitted
 from truepose.effects.ports import PortKind
 from truepose.effects.registry import CAUSES

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from truepose.domain.keep_outs import Box, Cylinder, HalfSpace, KeepOuts
+from truepose.domain.cell.keep_outs import Box, Cylinder, HalfSpace, KeepOuts
 from truepose.exchange.cells.file import read_cell
 from truepose.exchange.cells.keep_outs import read_keep_out_file
 from truepose.exchange.errors import InputFileError

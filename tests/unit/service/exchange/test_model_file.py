@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from tests.helpers.domain.builders import make_model, make_parameter, make_robot
-from truepose.domain.results import Anchor, MeasuredZone, Shortfall, Unit
+from truepose.domain.results.identification import Anchor, MeasuredZone, Shortfall, Unit
 from truepose.domain.robot import JointRange
 from truepose.exchange.errors import (
     BadValueError,

@@ -16,7 +16,7 @@ from tests.helpers.identification.models import (
 )
 from tests.helpers.identification.zones import zoned
 from tests.helpers.kinematics.urdf_frames import frames
-from truepose.domain.campaign import Stops
+from truepose.domain.measurement.campaign import Stops
 from truepose.domain.robot import JointRange
 from truepose.exchange.exports.formats import export
 from truepose.exchange.robots.urdf.reading import urdf_from_text

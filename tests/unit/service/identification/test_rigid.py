@@ -12,7 +12,7 @@ from tests.helpers.identification.models import (
     parameters_of,
     plain_parameters,
 )
-from truepose.domain.campaign import Stops
+from truepose.domain.measurement.campaign import Stops
 from truepose.identification.model.prediction import predict
 from truepose.identification.model.rigid import rigid_arm
 from truepose.kinematics.chain import forward, nominal_values

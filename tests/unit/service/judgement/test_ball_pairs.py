@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 
 from tests.helpers.ballbar.coded_stops import BALLBAR, UNCERTAINTIES, coded_stop
-from truepose.domain.ballbar import PoseForecast
 from truepose.domain.errors import ConfigurationError
+from truepose.domain.measurement.ballbar import PoseForecast
 from truepose.judgement.ball_pairs.judge import judge_leg, judge_pose
 
 PATTERN = ((1, 1), (2, 1), (3, 1), (1, 2), (2, 2), (2, 3))

@@ -4,7 +4,7 @@ import pytest
 
 from tests.helpers.identification.closed_loops import contact_campaign
 from tests.helpers.identification.synthetic import NESTS, nominal_campaign
-from truepose.domain.targets import TargetKind
+from truepose.domain.measurement.targets import TargetKind
 from truepose.identification import identify
 from truepose.judgement.cautions import prediction_cautions, validation_cautions
 from truepose.judgement.validation import validate

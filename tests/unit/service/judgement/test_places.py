@@ -6,8 +6,8 @@ import pytest
 from tests.helpers.domain.robots import IRB_120, SEVEN_AXES
 from tests.helpers.identification.models import model_of
 from tests.helpers.identification.synthetic import NESTS, configurations
-from truepose.domain.campaign import PointReadings, Stops
-from truepose.domain.results import NestCentre
+from truepose.domain.measurement.campaign import PointReadings, Stops
+from truepose.domain.results.identification import NestCentre
 from truepose.domain.robot import FramePlacement
 from truepose.identification.model.zone import measured_zone
 from truepose.judgement.validation import validate

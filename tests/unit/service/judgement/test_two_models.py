@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from tests.helpers.domain.builders import make_model, make_parameter, make_robot
-from truepose.domain.campaign import PointReadings, Stops
 from truepose.domain.errors import ConfigurationError
+from truepose.domain.measurement.campaign import PointReadings, Stops
 from truepose.domain.robot import FramePlacement
 from truepose.identification import predict
 from truepose.judgement.two_models import compare_models

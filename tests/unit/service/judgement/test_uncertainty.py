@@ -8,8 +8,8 @@ import pytest
 from tests.helpers.domain.robots import IRB_120
 from tests.helpers.identification.models import model_of
 from tests.helpers.identification.synthetic import NESTS, configurations, leg_campaign
-from truepose.domain.campaign import PointReadings, Stops
-from truepose.domain.results import NestCentre, Parameter
+from truepose.domain.measurement.campaign import PointReadings, Stops
+from truepose.domain.results.identification import NestCentre, Parameter
 from truepose.domain.robot import FramePlacement
 from truepose.identification import identify, judge
 from truepose.identification.verdict.relative import relative_errors

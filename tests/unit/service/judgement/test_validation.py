@@ -8,9 +8,9 @@ import pytest
 
 from tests.helpers.domain.robots import IRB_120
 from tests.helpers.identification.synthetic import NESTS, configurations
-from truepose.domain.campaign import LegReadings, PointReadings, Stops
 from truepose.domain.errors import ConfigurationError
-from truepose.domain.results import Anchor, Model, NestCentre, Parameter
+from truepose.domain.measurement.campaign import LegReadings, PointReadings, Stops
+from truepose.domain.results.identification import Anchor, Model, NestCentre, Parameter
 from truepose.domain.robot import FramePlacement
 from truepose.judgement.validation import validate
 from truepose.kinematics.chain import nominal_chain

@@ -5,9 +5,9 @@ import pytest
 
 from tests.helpers.ballbar.cells import domain_cell
 from tests.helpers.ballbar.sessions import make_ballbar_plan, measured, moved
-from truepose.domain.artefacts import BallbarKit
-from truepose.domain.ledger import EntryKind, LedgerEntry
-from truepose.domain.session import SessionState
+from truepose.domain.cell.artefacts import BallbarKit
+from truepose.domain.measurement.ledger import EntryKind, LedgerEntry
+from truepose.domain.measurement.session import SessionState
 from truepose.kinematics.chain import forward, nominal_values
 from truepose.operation.ballbar.scene import scene_of
 from truepose.operation.ballbar.view import BallbarView

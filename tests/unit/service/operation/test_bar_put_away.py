@@ -4,8 +4,8 @@ import math
 
 import pytest
 
-from truepose.domain.artefacts import BallbarKit
-from truepose.domain.cell import DeviceEntry
+from truepose.domain.cell.artefacts import BallbarKit
+from truepose.domain.cell.description import DeviceEntry
 from truepose.operation.ballbar.bar_put_away import require_ballbar_aside
 from truepose.operation.devices import MountedDevice, Rack
 from truepose.sequencing.errors import NotNowError

@@ -3,9 +3,9 @@
 from dataclasses import replace
 
 from tests.helpers.domain.tracker_sessions import make_setup
-from truepose.domain.artefacts import Artefact, BallbarKit
-from truepose.domain.cell import DeviceEntry
-from truepose.domain.identities import IdentityTaken
+from truepose.domain.cell.artefacts import Artefact, BallbarKit
+from truepose.domain.cell.description import DeviceEntry
+from truepose.domain.measurement.identities import IdentityTaken
 from truepose.domain.robot import Nest
 from truepose.operation.certificates import papers_of_cell, papers_of_session
 

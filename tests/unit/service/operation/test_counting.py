@@ -1,9 +1,9 @@
 """What counts of a ballbar session: nothing superseded, nothing skipped, nothing confused."""
 
 from tests.helpers.ballbar.sessions import LEGS, make_ballbar_plan, measured, moved, skipped
-from truepose.domain.artefacts import BallbarKit
-from truepose.domain.ballbar import PreCalibration
-from truepose.domain.ledger import EntryKind, LedgerEntry
+from truepose.domain.cell.artefacts import BallbarKit
+from truepose.domain.measurement.ballbar import PreCalibration
+from truepose.domain.measurement.ledger import EntryKind, LedgerEntry
 from truepose.operation.ballbar.counting import counting
 
 PLAN, KIT = make_ballbar_plan(), BallbarKit()

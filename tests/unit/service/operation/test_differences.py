@@ -5,8 +5,8 @@ from dataclasses import replace
 import pytest
 
 from tests.helpers.domain.builders import make_robot
-from truepose.domain.artefacts import Artefact
-from truepose.domain.cell import Cell
+from truepose.domain.cell.artefacts import Artefact
+from truepose.domain.cell.description import Cell
 from truepose.operation.differences import differences
 from truepose.words.catalogue import english
 

@@ -9,9 +9,9 @@ from hypothesis import strategies as st
 
 from tests.unit.service.sequencing.tracker.fakes import FIXED_NESTS, IRB120, NESTS, FakeCell, make_plan
 from tests.unit.service.sequencing.tracker.operators import PatientOperator, run_session
-from truepose.domain.cell import Cell
-from truepose.domain.ledger import Control, EntryKind, LedgerEntry
-from truepose.domain.session import PlannedStop, SessionState, stop_id
+from truepose.domain.cell.description import Cell
+from truepose.domain.measurement.ledger import Control, EntryKind, LedgerEntry
+from truepose.domain.measurement.session import PlannedStop, SessionState, stop_id
 from truepose.operation.guided.guide import Fixed, standing
 from truepose.operation.guided.scene import guided_scene
 from truepose.operation.guided.sheet import sheet_of

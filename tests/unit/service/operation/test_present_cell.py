@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 from tests.helpers.ballbar.cells import domain_cell
-from truepose.domain.cell import SimulatedCell
+from truepose.domain.cell.description import SimulatedCell
 from truepose.operation.present_cell import PresentCell
 from truepose.sequencing.errors import PlanRefusedError
 

@@ -6,8 +6,8 @@ import pytest
 
 from tests.helpers.ballbar.cells import domain_cell
 from truepose.analysis.errors import BusyError
-from truepose.domain.artefacts import BallbarKit
-from truepose.domain.ballbar import BallbarPlan
+from truepose.domain.cell.artefacts import BallbarKit
+from truepose.domain.measurement.ballbar import BallbarPlan
 from truepose.operation.ballbar.plans import BallbarWish
 from truepose.operation.ballbar.worker_tasks import BallbarWork
 from truepose.storage.records import SessionSetup

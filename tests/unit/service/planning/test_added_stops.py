@@ -6,9 +6,9 @@ from dataclasses import replace
 import pytest
 
 from tests.unit.service.sequencing.tracker.fakes import FIXED_NESTS, IRB120, TRACKER_AT
-from truepose.domain.cell import Cell, CellLimits
+from truepose.domain.cell.description import Cell, CellLimits
+from truepose.domain.measurement.session import PlannedStop, SessionPlan
 from truepose.domain.robot import FramePlacement, Nest
-from truepose.domain.session import PlannedStop, SessionPlan
 from truepose.planning.errors import WorkSpaceError
 from truepose.planning.tracker.added_stops import WantedStop, addition
 

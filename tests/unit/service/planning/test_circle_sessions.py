@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from truepose.domain.errors import ConfigurationError
+from truepose.domain.measurement.session import SessionPlan, Turn
 from truepose.domain.robot import JointRange
-from truepose.domain.session import SessionPlan, Turn
 from truepose.exchange.cells.file import simulated_cell
 from truepose.operation.tracker.plans import judged
 from truepose.planning.tracker.circle_sessions import plan_circles

@@ -7,8 +7,8 @@ import pytest
 
 from tests.unit.service.planning.test_candidates import NESTS, SPACE
 from tests.unit.service.planning.test_way_room import CELL, OFFSET, STATED, planned, points_by_hand
-from truepose.domain.keep_outs import Box, Cylinder, HalfSpace, KeepOuts
-from truepose.domain.results import NotIdentifiable
+from truepose.domain.cell.keep_outs import Box, Cylinder, HalfSpace, KeepOuts
+from truepose.domain.results.identification import NotIdentifiable
 from truepose.domain.robot import JointRange
 from truepose.planning.errors import TooFewCandidatesError, WorkSpaceError
 from truepose.planning.promise.kept_out import because_of

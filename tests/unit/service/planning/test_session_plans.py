@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from tests.unit.service.planning.test_candidates import SPACE
+from truepose.domain.measurement.session import PlannedStop, SessionPlan
 from truepose.domain.robot import LinkMass
-from truepose.domain.session import PlannedStop, SessionPlan
 from truepose.planning.observability import observability_o1
 from truepose.planning.tracker.session_plans import (
     choose_calibration,

@@ -9,9 +9,9 @@ from hypothesis import strategies as st
 
 from tests.unit.service.planning.test_candidates import NESTS
 from tests.unit.service.sequencing.tracker.fakes import IRB120
-from truepose.domain.cell import Cell, CellLimits
+from truepose.domain.cell.description import Cell, CellLimits
+from truepose.domain.measurement.session import PlannedStop, SessionPlan
 from truepose.domain.robot import Nest
-from truepose.domain.session import PlannedStop, SessionPlan
 from truepose.exchange.campaigns.folder import read_campaign
 from truepose.planning.work_volume.cell_bodies import bodies_of, rooms
 from truepose.planning.work_volume.room_on_ways import (

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from tests.helpers.domain.builders import make_pair
-from truepose.domain.results import NominalAndIdentified
+from truepose.domain.results.identification import NominalAndIdentified
 from truepose.identification.model.estimates import identified_estimate, nominal_estimate
 from truepose.identification.verdict.judge import judge_estimates
 from truepose.identification.verdict.statistics import statistics

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 
-from truepose.domain.artefacts import length_at
+from truepose.domain.cell.artefacts import length_at
 from truepose.reports.certified_lengths import LengthOfDay, length_sentence
 from truepose.reports.conditions import ReportConditions, condition_rows
 from truepose.words.catalogue import IN_ENGLISH

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from tests.helpers.web.pages import Page
-from truepose.domain.corrections import CorrectedTargets, CorrectionTotals, FileCorrection
+from truepose.domain.results.corrections import CorrectedTargets, CorrectionTotals, FileCorrection
 from truepose.reports.conditions import ReportConditions
 from truepose.reports.correcting.report import CorrectionInput, correction_page
 

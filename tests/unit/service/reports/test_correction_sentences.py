@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from truepose.domain.corrections import CorrectionTotals
+from truepose.domain.results.corrections import CorrectionTotals
 from truepose.reports.corrections import correction_sentences
 from truepose.words.catalogue import english
 

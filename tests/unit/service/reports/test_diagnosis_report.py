@@ -17,8 +17,8 @@ from tests.helpers.diagnosis.diagnosed_cells import (
 )
 from tests.helpers.domain.builders import make_model
 from tests.helpers.web.pages import Page
-from truepose.domain.causes import Cause, Detail
-from truepose.domain.diagnosis import NextMeasurement, RuledOut, Verdict
+from truepose.domain.results.causes import Cause, Detail
+from truepose.domain.results.diagnosis import NextMeasurement, RuledOut, Verdict
 from truepose.reports import DiagnosisInput, ReportConditions, diagnosis_content, write_diagnosis_report
 from truepose.reports.errors import UnwritableReportError
 

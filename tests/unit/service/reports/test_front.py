@@ -7,8 +7,8 @@ import pytest
 from tests.helpers.diagnosis.diagnosed_cells import consistent, nothing_fitted
 from tests.helpers.domain.builders import make_statistics
 from tests.helpers.web.pages import Page
-from truepose.domain.results import NominalAndIdentified
-from truepose.domain.validation import (
+from truepose.domain.results.identification import NominalAndIdentified
+from truepose.domain.results.validation import (
     Decision,
     FigureUncertainty,
     UncertaintyPair,

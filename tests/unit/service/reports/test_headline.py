@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from tests.helpers.domain.builders import make_identification, make_statistics
-from truepose.domain.results import NominalAndIdentified, Status
+from truepose.domain.results.identification import NominalAndIdentified, Status
 from truepose.identification import identify
 from truepose.reports.conditions import ReportConditions
 from truepose.reports.headline import headline

@@ -6,9 +6,9 @@ import pytest
 
 from tests.helpers.domain.builders import make_identification, make_model, make_statistics
 from tests.helpers.web.pages import Page
-from truepose.domain.campaign import LegReadings
-from truepose.domain.cell import Artefact
-from truepose.domain.results import NominalAndIdentified, Outlier, PureError
+from truepose.domain.cell.description import Artefact
+from truepose.domain.measurement.campaign import LegReadings
+from truepose.domain.results.identification import NominalAndIdentified, Outlier, PureError
 from truepose.identification import identify, predict
 from truepose.reports import (
     DiagnosisLink,

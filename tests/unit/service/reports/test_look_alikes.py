@@ -3,8 +3,8 @@ from dataclasses import replace
 import pytest
 
 from tests.helpers.diagnosis.diagnosed_cells import make_diagnosis, make_finding
-from truepose.domain.causes import Cause
-from truepose.domain.diagnosis import NextMeasurement, RuledOut
+from truepose.domain.results.causes import Cause
+from truepose.domain.results.diagnosis import NextMeasurement, RuledOut
 from truepose.reports.causes_found.look_alikes import acts_alike, alternatives
 
 

@@ -10,7 +10,7 @@ from tests.helpers.domain.builders import (
     make_parameter,
     make_robot,
 )
-from truepose.domain.results import NotIdentifiable
+from truepose.domain.results.identification import NotIdentifiable
 from truepose.domain.robot import FramePlacement
 from truepose.effects.ports import Setting
 from truepose.effects.registry import EFFECTS

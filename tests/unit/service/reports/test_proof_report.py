@@ -7,7 +7,7 @@ import pytest
 
 from tests.helpers.web.pages import Page
 from truepose.correction.proof.verdict import Proof, ProofErrors
-from truepose.domain.results import Statistics
+from truepose.domain.results.identification import Statistics
 from truepose.domain.sentences import said
 from truepose.reports.audit import Audit
 from truepose.reports.conditions import ReportConditions

@@ -1,6 +1,6 @@
 from dataclasses import replace
 
-from truepose.domain.diagnosis import RuledOut
+from truepose.domain.results.diagnosis import RuledOut
 from truepose.reports.causes_found.ruled_out import ruled_out_rows, subjects
 
 

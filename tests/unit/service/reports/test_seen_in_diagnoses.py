@@ -7,9 +7,9 @@ import pytest
 
 from tests.helpers.diagnosis.diagnosed_cells import two_findings
 from tests.helpers.web.pages import Page
-from truepose.domain.causes import Spectrum
-from truepose.domain.diagnosis import Curve, CurvePoints, Gain, HeldOutErrors
-from truepose.domain.results import NotIdentifiable, Parameter
+from truepose.domain.results.causes import Spectrum
+from truepose.domain.results.diagnosis import Curve, CurvePoints, Gain, HeldOutErrors
+from truepose.domain.results.identification import NotIdentifiable, Parameter
 from truepose.domain.sentences import leading_key
 from truepose.reports.causes_found.cause_map import CauseMap, MapCell
 from truepose.reports.diagnosis_report import DiagnosisInput, diagnosis_page

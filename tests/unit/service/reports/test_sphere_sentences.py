@@ -6,7 +6,7 @@ import pytest
 
 from tests.helpers.ballbar.spheres import NESTS_MM, longer, sphere_campaign
 from tests.helpers.identification.models import IRB_120, model_of, parameters_of
-from truepose.domain.results import NestCentre
+from truepose.domain.results.identification import NestCentre
 from truepose.exchange.results.spheres import sphere_document
 from truepose.judgement.sphere.judged import sphere_test
 from truepose.reports.spheres.sentences import order_sentences, sphere_rows, sphere_test_sentences

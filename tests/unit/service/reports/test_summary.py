@@ -6,8 +6,8 @@ import pytest
 from rich.console import Console
 
 from tests.helpers.domain.builders import make_identification, make_pair
-from truepose.domain.results import NotIdentifiable, Outlier
-from truepose.domain.validation import Validation
+from truepose.domain.results.identification import NotIdentifiable, Outlier
+from truepose.domain.results.validation import Validation
 from truepose.reports.terminal.identification import figures_table, identification_summary, truth_table
 from truepose.reports.terminal.validation import validation_summary
 from truepose.reports.truth import TrueParameter

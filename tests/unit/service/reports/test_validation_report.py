@@ -10,8 +10,8 @@ from tests.helpers.domain.robots import IRB_120
 from tests.helpers.identification.models import model_of
 from tests.helpers.identification.synthetic import NESTS, configurations
 from tests.helpers.web.pages import Page
-from truepose.domain.campaign import PointReadings, Stops
-from truepose.domain.results import NestCentre
+from truepose.domain.measurement.campaign import PointReadings, Stops
+from truepose.domain.results.identification import NestCentre
 from truepose.domain.robot import FramePlacement
 from truepose.exchange.results.iso9283 import accuracy_document, pose_test_document
 from truepose.identification import judge

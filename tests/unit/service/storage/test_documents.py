@@ -10,12 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.helpers.ballbar.sessions import make_ballbar_plan
-from truepose.domain.ballbar import BallbarPlan, PlannedAway
-from truepose.domain.diagnosis import Noise, Remaining
-from truepose.domain.results import Parameter
-from truepose.domain.robot import FramePlacement, JointRow, Robot
-from truepose.domain.sentences import said, together
-from truepose.domain.session import (
+from truepose.domain.measurement.ballbar import BallbarPlan, PlannedAway
+from truepose.domain.measurement.session import (
     PlannedStop,
     PointTaken,
     Registration,
@@ -23,6 +19,10 @@ from truepose.domain.session import (
     SessionState,
     StopSkipped,
 )
+from truepose.domain.results.diagnosis import Noise, Remaining
+from truepose.domain.results.identification import Parameter
+from truepose.domain.robot import FramePlacement, JointRow, Robot
+from truepose.domain.sentences import said, together
 from truepose.storage.documents import from_document, to_document
 
 

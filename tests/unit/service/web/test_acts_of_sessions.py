@@ -1,9 +1,9 @@
 """What people did in a session, as a report prints it."""
 
-from truepose.domain.ballbar import LengthTaken, Suspicion
-from truepose.domain.identities import IdentityTaken
-from truepose.domain.ledger import Control, EntryKind, LedgerEntry
-from truepose.domain.session import PlannedStop, SessionState
+from truepose.domain.measurement.ballbar import LengthTaken, Suspicion
+from truepose.domain.measurement.identities import IdentityTaken
+from truepose.domain.measurement.ledger import Control, EntryKind, LedgerEntry
+from truepose.domain.measurement.session import PlannedStop, SessionState
 from truepose.storage.people.acts import ActRecord, PersonsAct
 from truepose.storage.records import AddedStops, AdditionRecord, LedgerRecord, StateChange
 from truepose.web.people.authority import TAKEN_FROM

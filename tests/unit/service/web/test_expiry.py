@@ -2,7 +2,7 @@ from dataclasses import replace
 from datetime import date
 
 from tests.helpers.domain.tracker_sessions import make_setup
-from truepose.domain.cell import DeviceEntry
+from truepose.domain.cell.description import DeviceEntry
 from truepose.web.reports.expiry import expiry_warnings
 from truepose.words.catalogue import english
 

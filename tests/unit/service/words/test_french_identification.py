@@ -13,7 +13,7 @@ from tests.helpers.domain.builders import make_identification, make_pair
 from tests.helpers.identification.synthetic import leg_campaign, measured, nominal_campaign, shifted
 from tests.helpers.web.pages import Page
 from tests.helpers.words.english import english_in
-from truepose.domain.results import Outlier, PositionsJudged, PureError, Status
+from truepose.domain.results.identification import Outlier, PositionsJudged, PureError, Status
 from truepose.domain.sentences import said
 from truepose.exchange.tables.points import in_files
 from truepose.identification import identify

@@ -16,7 +16,7 @@ from tests.helpers.words.english import FUNCTION_WORDS, NOUNS, english_in
 from truepose.cli.diagnosis_text import diagnosis_lines
 from truepose.diagnosis.diagnose import diagnose
 from truepose.diagnosis.screening.smooth_families import families
-from truepose.domain.causes import Shape
+from truepose.domain.results.causes import Shape
 from truepose.effects.cells import amplitude_of, cell_of, named_cell, plural_of
 from truepose.effects.registry import CAUSES, EFFECTS
 from truepose.effects.unnamed.table import OWN

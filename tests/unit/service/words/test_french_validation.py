@@ -12,8 +12,8 @@ from tests.helpers.identification.models import model_of
 from tests.helpers.identification.synthetic import NESTS, configurations
 from tests.helpers.web.pages import Page
 from tests.helpers.words.english import english_in
-from truepose.domain.campaign import PointReadings, Stops
-from truepose.domain.results import NestCentre
+from truepose.domain.measurement.campaign import PointReadings, Stops
+from truepose.domain.results.identification import NestCentre
 from truepose.domain.robot import FramePlacement
 from truepose.identification.model.zone import measured_zone
 from truepose.judgement.iso9283.judged import pose_test

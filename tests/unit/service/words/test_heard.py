@@ -9,7 +9,7 @@ import pytest
 
 import truepose
 from tests.helpers.kept_sentences import CLEAR, KEPT, SCATTERS
-from truepose.domain.identities import IdentityTaken
+from truepose.domain.measurement.identities import IdentityTaken
 from truepose.sequencing.engine.halts import ENDED_AT_REST
 from truepose.sequencing.engine.identities import sentence
 from truepose.sequencing.engine.notices import motion_notice

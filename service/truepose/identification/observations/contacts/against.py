@@ -6,7 +6,7 @@ from typing import Protocol
 import numpy as np
 
 from truepose.domain.arrays import FloatArray, IntArray, Table
-from truepose.domain.targets import Target
+from truepose.domain.measurement.targets import Target
 from truepose.effects.ports import ParameterSpec
 
 PLACE_WIDTH_MM = 10.0  # about the start found from the data, as for an unknown base

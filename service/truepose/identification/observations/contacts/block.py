@@ -7,9 +7,9 @@ from typing import ClassVar
 import numpy as np
 
 from truepose.domain.arrays import FloatArray, IntArray
-from truepose.domain.campaign import ContactReadings
 from truepose.domain.errors import ConfigurationError
-from truepose.domain.targets import Target
+from truepose.domain.measurement.campaign import ContactReadings
+from truepose.domain.measurement.targets import Target
 from truepose.effects.ports import PortKind
 from truepose.identification.model.counterparts import indices_of_target
 from truepose.identification.model.derivatives import position_jacobian, rotation_jacobian

@@ -11,7 +11,7 @@ tool; MasterCal, a probe and two spheres).
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
-from truepose.domain.targets import Target
+from truepose.domain.measurement.targets import Target
 from truepose.effects.ports import ParameterSpec
 from truepose.identification.observations.contacts.against import PLACE_WIDTH_MM, Probe, Slope
 

@@ -10,9 +10,9 @@ from typing import ClassVar, Self
 import numpy as np
 
 from truepose.domain.arrays import FloatArray, IntArray
-from truepose.domain.campaign import Stops, TargetDistances
+from truepose.domain.measurement.campaign import Stops, TargetDistances
+from truepose.domain.measurement.targets import Target
 from truepose.domain.robot import Robot
-from truepose.domain.targets import Target
 from truepose.identification.model.counterparts import centre_of, indices_of_target
 from truepose.identification.model.evaluation import State, Targets
 from truepose.identification.model.structure import Structure

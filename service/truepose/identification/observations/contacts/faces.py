@@ -10,7 +10,7 @@ Source: the axis from P meets the plane at P + reading a.
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
-from truepose.domain.targets import Target
+from truepose.domain.measurement.targets import Target
 from truepose.identification.observations.contacts.against import Probe, Slope
 from truepose.identification.observations.contacts.planes import Plane, point_of, tilted
 

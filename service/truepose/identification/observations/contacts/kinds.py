@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import Final
 
-from truepose.domain.targets import TargetKind
+from truepose.domain.measurement.targets import TargetKind
 from truepose.identification.observations.contacts.against import Against
 from truepose.identification.observations.contacts.centres import Centre
 from truepose.identification.observations.contacts.faces import Face

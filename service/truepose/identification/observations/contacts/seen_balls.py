@@ -13,7 +13,7 @@ the tool carries to fixed balls: C. Icli, O. Stepanenko, I. Bonev, Sensors 20, 2
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
-from truepose.domain.targets import Target
+from truepose.domain.measurement.targets import Target
 from truepose.effects.ports import ParameterSpec
 from truepose.identification.observations.contacts.against import PLACE_WIDTH_MM, Probe, Slope
 

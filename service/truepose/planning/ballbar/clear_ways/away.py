@@ -10,7 +10,7 @@ from typing import Final
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
-from truepose.domain.ballbar import PlannedAway
+from truepose.domain.measurement.ballbar import PlannedAway
 from truepose.planning.ballbar.clear_ways.clearance import bodies_at, hands_room_mm
 from truepose.planning.ballbar.clear_ways.short_moves import Stop, Surroundings, is_clear_along, shifted
 from truepose.planning.ballbar.clear_ways.ways import way

@@ -11,8 +11,8 @@ from typing import Final
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
+from truepose.domain.cell.keep_outs import KeepOuts
 from truepose.domain.errors import ConfigurationError
-from truepose.domain.keep_outs import KeepOuts
 from truepose.domain.robot import FramePlacement, JointRange, Robot
 from truepose.kinematics.chain import Chain, forward, nominal_values
 from truepose.kinematics.frames import placement_rotation, placement_translation

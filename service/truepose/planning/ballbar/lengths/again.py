@@ -6,7 +6,7 @@ from typing import Final
 
 import numpy as np
 
-from truepose.domain.ballbar import PlannedPose
+from truepose.domain.measurement.ballbar import PlannedPose
 from truepose.planning.ballbar.clear_ways.bodies import BallbarCell
 from truepose.planning.ballbar.clear_ways.short_moves import Stop, Surroundings
 from truepose.planning.ballbar.clear_ways.tours import tour

@@ -11,8 +11,8 @@ from typing import Final, TypeAlias
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
-from truepose.domain.ballbar import Leg, PlannedPose
 from truepose.domain.errors import ConfigurationError
+from truepose.domain.measurement.ballbar import Leg, PlannedPose
 from truepose.domain.robot import JointRange
 from truepose.planning.ballbar.clear_ways.bodies import BallbarCell, chain_of, nest_places
 from truepose.planning.ballbar.lengths.coding import coded_lengths

@@ -16,11 +16,11 @@ from typing import Final
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
-from truepose.domain.artefacts import BallbarKit
-from truepose.domain.ballbar import BallbarPlan, Leg
-from truepose.domain.cell import Cell
+from truepose.domain.cell.artefacts import BallbarKit
+from truepose.domain.cell.description import Cell
 from truepose.domain.errors import ConfigurationError
-from truepose.domain.linear_lengths import ArmKind, StopLengths
+from truepose.domain.measurement.ballbar import BallbarPlan, Leg
+from truepose.domain.measurement.linear_lengths import ArmKind, StopLengths
 from truepose.kinematics.frames import cross_matrix
 from truepose.planning.ballbar.clear_ways.bodies import BallbarCell, chain_of
 from truepose.planning.ballbar.lengths.information import arm_model

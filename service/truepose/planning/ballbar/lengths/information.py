@@ -19,8 +19,8 @@ from typing import Final
 import numpy as np
 
 from truepose.domain.arrays import BoolArray, FloatArray, IntArray
-from truepose.domain.ballbar import Leg
-from truepose.domain.campaign import Campaign, PointReadings, Stops
+from truepose.domain.measurement.ballbar import Leg
+from truepose.domain.measurement.campaign import Campaign, PointReadings, Stops
 from truepose.domain.robot import Nest
 from truepose.effects.ports import Trait
 from truepose.effects.registry import effects_with

@@ -11,9 +11,9 @@ from typing import Final
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
-from truepose.domain.artefacts import BallbarKit
-from truepose.domain.ballbar import BallbarPlan, PlannedPose
-from truepose.domain.linear_lengths import TOLD_APART, ArmKind, StopLengths
+from truepose.domain.cell.artefacts import BallbarKit
+from truepose.domain.measurement.ballbar import BallbarPlan, PlannedPose
+from truepose.domain.measurement.linear_lengths import TOLD_APART, ArmKind, StopLengths
 from truepose.planning.ballbar.lengths.beforehand import Beforehand
 
 _MOSTLY: Final = 0.5  # share of exchanges that must show in a pose that is not named

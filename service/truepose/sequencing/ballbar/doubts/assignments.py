@@ -4,9 +4,16 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Protocol
 
-from truepose.domain.artefacts import BallbarKit
-from truepose.domain.ballbar import BallbarStep, Leg, LengthTaken, PoseForecast, StepKind, Suspicion
+from truepose.domain.cell.artefacts import BallbarKit
 from truepose.domain.errors import ConfigurationError
+from truepose.domain.measurement.ballbar import (
+    BallbarStep,
+    Leg,
+    LengthTaken,
+    PoseForecast,
+    StepKind,
+    Suspicion,
+)
 from truepose.judgement.ball_pairs.judge import judge_leg, judge_pose
 from truepose.sequencing.ballbar.acts import Answer
 from truepose.sequencing.ballbar.doubts.misplaced import NO_PAIR, calibrator_doubt, contact_doubt

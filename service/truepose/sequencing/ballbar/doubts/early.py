@@ -11,8 +11,15 @@ from typing import Final, TypeAlias
 
 import numpy as np
 
-from truepose.domain.artefacts import BallbarKit
-from truepose.domain.ballbar import BallbarStep, Leg, LengthTaken, PoseForecast, StepKind, Suspicion
+from truepose.domain.cell.artefacts import BallbarKit
+from truepose.domain.measurement.ballbar import (
+    BallbarStep,
+    Leg,
+    LengthTaken,
+    PoseForecast,
+    StepKind,
+    Suspicion,
+)
 from truepose.judgement.ball_pairs.accounts import Accounts, begin
 from truepose.judgement.ball_pairs.early import alike, indistinct, judge_early
 from truepose.planning.ballbar.lengths.beforehand import Beforehand

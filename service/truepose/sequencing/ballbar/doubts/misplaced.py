@@ -7,8 +7,15 @@ much bars are off their nominal length.
 
 from typing import Final
 
-from truepose.domain.artefacts import BallbarKit
-from truepose.domain.ballbar import BallbarStep, Leg, LengthTaken, StepKind, Suspicion, SuspicionKind
+from truepose.domain.cell.artefacts import BallbarKit
+from truepose.domain.measurement.ballbar import (
+    BallbarStep,
+    Leg,
+    LengthTaken,
+    StepKind,
+    Suspicion,
+    SuspicionKind,
+)
 from truepose.sequencing.ballbar.measuring.lengths import bars_of
 from truepose.sequencing.ballbar.plan import step_ids
 from truepose.sequencing.ballbar.situation import Situation

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from truepose.domain.artefacts import Artefact
+from truepose.domain.cell.artefacts import Artefact
 from truepose.sequencing.engine.identities import KnownDevice, same_number
 
 

@@ -4,8 +4,8 @@ import math
 from dataclasses import dataclass
 from typing import Final
 
-from truepose.domain.artefacts import BallbarKit, Bars
-from truepose.domain.ballbar import BallbarStep, LengthTaken, StepKind
+from truepose.domain.cell.artefacts import BallbarKit, Bars
+from truepose.domain.measurement.ballbar import BallbarStep, LengthTaken, StepKind
 from truepose.sequencing.ballbar.measuring.certificates import Papers
 from truepose.sequencing.ballbar.measuring.live import Window
 from truepose.sequencing.ballbar.situation import Situation

@@ -6,8 +6,8 @@ import math
 from collections.abc import AsyncIterator, Callable
 from typing import Final
 
-from truepose.domain.artefacts import BallbarKit
-from truepose.domain.ballbar import BallbarPlan, LengthTaken, StepKind
+from truepose.domain.cell.artefacts import BallbarKit
+from truepose.domain.measurement.ballbar import BallbarPlan, LengthTaken, StepKind
 from truepose.sequencing.ballbar.cell import BallbarCell
 from truepose.sequencing.ballbar.measuring.attachment import Evidence
 from truepose.sequencing.ballbar.measuring.certificates import papers_of

@@ -17,8 +17,8 @@ from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, field
 from typing import Final
 
-from truepose.domain.artefacts import BallbarKit
-from truepose.domain.ballbar import (
+from truepose.domain.cell.artefacts import BallbarKit
+from truepose.domain.measurement.ballbar import (
     BallbarPlan,
     BallbarStep,
     BarSet,

@@ -7,8 +7,8 @@ from typing import Final
 
 import numpy as np
 
-from truepose.domain.artefacts import BallbarKit
-from truepose.domain.ballbar import (
+from truepose.domain.cell.artefacts import BallbarKit
+from truepose.domain.measurement.ballbar import (
     BallbarPlan,
     BallbarStep,
     BallbarTest,

@@ -4,7 +4,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Final
 
-from truepose.domain.ballbar import StepKind
+from truepose.domain.measurement.ballbar import StepKind
 from truepose.sequencing.engine.pace import StepTimes
 
 # One minute per pose of six legs, under one hour for 39 configurations with the set-up: thesis section 3.5.

@@ -5,7 +5,7 @@ tool/side-1-2, placement-1/cup-2/move, placement-1/pose-12/leg-2-3, placement-1/
 
 from typing import Final
 
-from truepose.domain.ballbar import StepKind
+from truepose.domain.measurement.ballbar import StepKind
 
 TOOL: Final = "tool"
 

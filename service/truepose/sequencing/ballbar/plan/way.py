@@ -10,7 +10,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
-from truepose.domain.ballbar import BallbarPlan, BallbarStep, StepKind
+from truepose.domain.measurement.ballbar import BallbarPlan, BallbarStep, StepKind
 
 Joints = tuple[float, ...]
 

@@ -7,8 +7,8 @@ from collections.abc import Awaitable, Callable
 from dataclasses import dataclass
 from typing import Final, TypeAlias
 
+from truepose.domain.measurement.session import SessionState
 from truepose.domain.robot import JointRange
-from truepose.domain.session import SessionState
 from truepose.sequencing.engine.motion.interlocks import (
     MAX_STATE_AGE_S,
     MotionConditions,

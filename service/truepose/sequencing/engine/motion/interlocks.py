@@ -10,8 +10,8 @@ from typing import Final
 
 import numpy as np
 
+from truepose.domain.measurement.session import SessionState
 from truepose.domain.robot import JointRange
-from truepose.domain.session import SessionState
 from truepose.sequencing.engine.states import words
 from truepose_drivers.api import JointReading
 

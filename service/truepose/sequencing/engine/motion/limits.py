@@ -3,10 +3,10 @@
 import math
 from typing import Final
 
-from truepose.domain.ballbar import BallbarPlan
-from truepose.domain.contacts import ContactPlan
+from truepose.domain.measurement.ballbar import BallbarPlan
+from truepose.domain.measurement.contacts import ContactPlan
+from truepose.domain.measurement.session import SessionPlan
 from truepose.domain.robot import JointRange
-from truepose.domain.session import SessionPlan
 from truepose.sequencing.errors import PlanRefusedError
 from truepose_drivers.api import MotionGuard, MotionLimits
 

@@ -3,7 +3,7 @@
 from abc import abstractmethod
 from typing import Final, TypeVar
 
-from truepose.domain.session import SessionState
+from truepose.domain.measurement.session import SessionState
 from truepose.sequencing.engine.acts import Act, ActName
 from truepose.sequencing.engine.motion.arm import Permission
 from truepose.sequencing.engine.prompts import CELL_CLEAR, require_person

@@ -4,7 +4,7 @@ import math
 from collections.abc import Callable
 from typing import cast
 
-from truepose.domain.session import SessionPlan, Vector
+from truepose.domain.measurement.session import SessionPlan, Vector
 from truepose.sequencing.engine.logbook import Logbook
 from truepose.sequencing.errors import PlanRefusedError
 from truepose.sequencing.tracker import steps

@@ -11,9 +11,16 @@ from typing import Final, cast
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
-from truepose.domain.cell import Camera
-from truepose.domain.ledger import EntryKind
-from truepose.domain.session import PlannedStop, PointTaken, Registration, SessionPlan, Vector, stop_id
+from truepose.domain.cell.description import Camera
+from truepose.domain.measurement.ledger import EntryKind
+from truepose.domain.measurement.session import (
+    PlannedStop,
+    PointTaken,
+    Registration,
+    SessionPlan,
+    Vector,
+    stop_id,
+)
 from truepose.kinematics.frames import (
     quaternion_from_rotation,
     rotation_from_quaternion,

@@ -8,8 +8,8 @@ from typing import Final, cast
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
-from truepose.domain.ledger import EntryKind
-from truepose.domain.session import FixedNestTaken, Registration, SessionPlan, Vector
+from truepose.domain.measurement.ledger import EntryKind
+from truepose.domain.measurement.session import FixedNestTaken, Registration, SessionPlan, Vector
 from truepose.sequencing.engine.logbook import Logbook
 from truepose.sequencing.errors import AttentionNeededError
 from truepose.sequencing.tracker.cell import SessionCell

@@ -12,9 +12,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
-from truepose.domain.cell import CertifiedLength
+from truepose.domain.cell.description import CertifiedLength
+from truepose.domain.measurement.session import Registration
 from truepose.domain.robot import FixedNest
-from truepose.domain.session import Registration
 from truepose.kinematics.frames import cross_matrix, rigid_alignment
 from truepose.sequencing.tracker.world_frame.scale import Scale, scale_of_figure, scale_of_lengths
 

@@ -11,8 +11,8 @@ from typing import Final
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
-from truepose.domain.cell import CertifiedLength
-from truepose.domain.session import Registration
+from truepose.domain.cell.description import CertifiedLength
+from truepose.domain.measurement.session import Registration
 
 VERIFIED_BELOW: Final = 5e-5  # standard uncertainty; 0.05 mm at 1 m would spoil every absolute figure
 

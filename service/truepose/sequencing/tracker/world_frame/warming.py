@@ -12,7 +12,7 @@ from typing import Final
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
-from truepose.domain.session import FixedNestTaken, SessionPlan
+from truepose.domain.measurement.session import FixedNestTaken, SessionPlan
 
 AHEAD_S: Final = 300.0  # between two looks at the fixed nests: ten stops of half a minute
 _FEWEST: Final = 8  # rounds; a line through fewer is known too badly for its uncertainty to be believed

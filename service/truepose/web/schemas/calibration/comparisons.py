@@ -8,7 +8,7 @@ from pydantic import Field
 from truepose.analysis.comparison import dated
 from truepose.diagnosis.alarms import Alarm, Appeared, alarms
 from truepose.diagnosis.history import CauseOverTime, Change, Sighting
-from truepose.domain.diagnosis import Confidence
+from truepose.domain.results.diagnosis import Confidence
 from truepose.exchange.outgoing import Quantity
 from truepose.storage.records import DiagnosisRecord
 from truepose.web.schemas.base import RecordId, Reply

@@ -4,7 +4,7 @@ import math
 
 from pydantic import Field
 
-from truepose.domain.corrections import CorrectedTargets
+from truepose.domain.results.corrections import CorrectedTargets
 from truepose.exchange.outgoing import Quantity
 from truepose.exchange.results.corrections import CorrectionDocument, correction_of
 from truepose.storage.records import CorrectionRecord

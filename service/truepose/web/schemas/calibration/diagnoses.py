@@ -4,7 +4,7 @@ from typing import Annotated
 
 from pydantic import Field
 
-from truepose.domain.diagnosis import Confidence, Verdict
+from truepose.domain.results.diagnosis import Confidence, Verdict
 from truepose.exchange.outgoing import Quantity
 from truepose.exchange.results.diagnosis import DiagnosisDocument
 from truepose.exchange.results.document_base import Spoken

@@ -4,7 +4,8 @@ from typing import Annotated, Literal
 
 from pydantic import AfterValidator, BeforeValidator, Field
 
-from truepose.domain.ballbar import (
+from truepose.domain.errors import ConfigurationError
+from truepose.domain.measurement.ballbar import (
     BallbarPlan,
     PlannedAway,
     PlannedPlacement,
@@ -12,9 +13,8 @@ from truepose.domain.ballbar import (
     PlannedSetup,
     SphereWish,
 )
-from truepose.domain.errors import ConfigurationError
-from truepose.domain.people import NAME_PATTERN, tidy_name
-from truepose.domain.results import Model
+from truepose.domain.people.names import NAME_PATTERN, tidy_name
+from truepose.domain.results.identification import Model
 from truepose.domain.robot import FramePlacement
 from truepose.operation.ballbar.plans import BallbarWish
 from truepose.sequencing.ballbar.acts import Answer

@@ -2,9 +2,9 @@
 
 from pydantic import Field
 
-from truepose.domain.ballbar import BarSet, StepKind, SuspicionKind
-from truepose.domain.ledger import EntryKind
-from truepose.domain.session import SessionState
+from truepose.domain.measurement.ballbar import BarSet, StepKind, SuspicionKind
+from truepose.domain.measurement.ledger import EntryKind
+from truepose.domain.measurement.session import SessionState
 from truepose.exchange.outgoing import Quantity
 from truepose.sequencing.ballbar.state_so_far import OutcomeKind
 from truepose.sequencing.engine.acts import ActName

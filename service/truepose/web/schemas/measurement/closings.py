@@ -4,7 +4,7 @@ from typing import Literal
 
 from pydantic import Field
 
-from truepose.domain.certificates import ClosedAs, Closing, JudgedPaper, Standing
+from truepose.domain.cell.certificates import ClosedAs, Closing, JudgedPaper, Standing
 from truepose.web.schemas.base import PersonName, Reply, Request
 
 

@@ -4,9 +4,9 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from truepose.domain.contacts import ContactPlan, Loop, TargetDistance
-from truepose.domain.session import Role
-from truepose.domain.targets import Target, TargetKind
+from truepose.domain.measurement.contacts import ContactPlan, Loop, TargetDistance
+from truepose.domain.measurement.session import Role
+from truepose.domain.measurement.targets import Target, TargetKind
 from truepose.planning.contacts.wish import ContactWish
 from truepose.web.schemas.base import NUMBER_LIMIT, VISIBLE, Number, Reply, Request, example
 from truepose.web.schemas.measurement.sessions import Component, LengthMm

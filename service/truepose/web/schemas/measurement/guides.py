@@ -4,8 +4,8 @@ from typing import Annotated, Literal
 
 from pydantic import AfterValidator, Field
 
-from truepose.domain.people import NAME_PATTERN, tidy_name
-from truepose.domain.session import SessionState
+from truepose.domain.measurement.session import SessionState
+from truepose.domain.people.names import NAME_PATTERN, tidy_name
 from truepose.operation.guided.guide import Guide, Kind, StepName
 from truepose.operation.guided.scene import GuidedScene, WhyHidden
 from truepose.operation.guided.sheet import Sheet, Status

@@ -2,7 +2,7 @@
 
 from pydantic import Field
 
-from truepose.domain.identities import Finding, IdentityOf, IdentityTaken
+from truepose.domain.measurement.identities import Finding, IdentityOf, IdentityTaken
 from truepose.web.schemas.base import Reply
 
 

@@ -2,7 +2,7 @@
 
 from pydantic import Field
 
-from truepose.domain.session import PointTaken
+from truepose.domain.measurement.session import PointTaken
 from truepose.exchange.outgoing import Quantity
 from truepose.storage.records import ReadingKind, ReadingRecord
 from truepose.web.schemas.base import Point, RecordedAt, RecordId, Reply

@@ -5,8 +5,16 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from truepose.analysis.workers.tasks import CirclePlanTask, PosePlanTask
-from truepose.domain.cell import Cell
-from truepose.domain.session import Measured, PlannedStop, Role, SessionPlan, SessionRole, SessionState, Turn
+from truepose.domain.cell.description import Cell
+from truepose.domain.measurement.session import (
+    Measured,
+    PlannedStop,
+    Role,
+    SessionPlan,
+    SessionRole,
+    SessionState,
+    Turn,
+)
 from truepose.storage.records import SessionSetup
 from truepose.web.requests.pressed import PressedAt
 from truepose.web.schemas.base import (

@@ -13,8 +13,8 @@ from truepose.diagnosis.advice.actions import action_for
 from truepose.diagnosis.advice.next_measurements import next_measurements
 from truepose.diagnosis.evidence.structure_left import Depends, Left
 from truepose.diagnosis.readings.single_readings import Tails
-from truepose.domain.causes import Cause
-from truepose.domain.diagnosis import Confidence, Finding
+from truepose.domain.results.causes import Cause
+from truepose.domain.results.diagnosis import Confidence, Finding
 from truepose.domain.robot import JointRange
 from truepose.effects.registry import CAUSES
 from truepose.words.catalogue import english

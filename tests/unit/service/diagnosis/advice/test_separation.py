@@ -7,7 +7,7 @@ from tests.helpers.diagnosis.point_scenes import START
 from tests.helpers.diagnosis.selections import make_selected, make_start
 from truepose.diagnosis.advice.configurations import drawn, measured_ranges
 from truepose.diagnosis.advice.separation import reading_variance, separation
-from truepose.domain.causes import Cause
+from truepose.domain.results.causes import Cause
 from truepose.identification.model.derivatives import position_jacobian
 from truepose.identification.model.trial import candidate_terms, trial_derivatives, tried
 

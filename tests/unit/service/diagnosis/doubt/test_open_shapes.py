@@ -15,8 +15,8 @@ from truepose.diagnosis.diagnose import diagnose
 from truepose.diagnosis.doubt.open_shapes import with_open_shapes
 from truepose.diagnosis.evidence.held_out import Improvement
 from truepose.diagnosis.sentences import first_line, remaining_sentence
-from truepose.domain.diagnosis import HeldOutErrors, Remaining, Verdict, WorstPoint
-from truepose.domain.results import Statistics
+from truepose.domain.results.diagnosis import HeldOutErrors, Remaining, Verdict, WorstPoint
+from truepose.domain.results.identification import Statistics
 from truepose.identification.model.prediction import predict
 from truepose.words.catalogue import english
 

@@ -9,7 +9,7 @@ from tests.helpers.diagnosis.point_scenes import telling_campaign
 from tests.helpers.diagnosis.selections import PRESENT, left_of, make_selected, make_start, planted
 from truepose.diagnosis.evidence.witnesses import accused, speak_against
 from truepose.diagnosis.start import Start, started
-from truepose.domain.causes import Cause
+from truepose.domain.results.causes import Cause
 from truepose.effects.cells import Cell
 from truepose.identification.fit.robust import robust_fit
 from truepose.identification.problem.build import build

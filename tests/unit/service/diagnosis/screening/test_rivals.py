@@ -8,7 +8,7 @@ from tests.helpers.diagnosis.point_scenes import ORIGIN_S
 from tests.helpers.diagnosis.selections import make_selected, make_start
 from truepose.diagnosis.screening.candidates import pooled
 from truepose.diagnosis.screening.rivals import weighed
-from truepose.domain.causes import Cause
+from truepose.domain.results.causes import Cause
 
 GAIN = ("joint_gain", "joint 4")
 SLOW_WAVE = ("joint_harmonics", "joint 4", "wave_4_1_sin")

@@ -9,8 +9,8 @@ import pytest
 from tests.helpers.domain.robots import IRB_120
 from tests.helpers.identification.models import extended, model_of, plain_parameters
 from truepose.correction import tool_nests_mm
-from truepose.domain.campaign import Stops
 from truepose.domain.errors import ConfigurationError
+from truepose.domain.measurement.campaign import Stops
 from truepose.exchange.programs.branches import branch_of_words
 from truepose.exchange.programs.corrected import corrected_program
 from truepose.exchange.programs.formats import read_program

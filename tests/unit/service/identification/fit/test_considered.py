@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 
 from tests.helpers.domain.robots import IRB_120
 from tests.helpers.identification.synthetic import NESTS, nominal_campaign
-from truepose.domain.campaign import FixedNestReadings
+from truepose.domain.measurement.campaign import FixedNestReadings
 from truepose.domain.robot import FixedNest, Nest, WorldRegistration
 from truepose.identification.fit.considered import considered, world_registration
 from truepose.identification.fit.robust import RobustFit, fit

@@ -11,7 +11,7 @@ from scipy.stats import chi2
 from tests.helpers.domain.robots import IRB_120
 from tests.helpers.identification.closed_loops import contact_campaign
 from tests.helpers.identification.synthetic import drawn, measured, nominal_campaign, shifted
-from truepose.domain.targets import TargetKind
+from truepose.domain.measurement.targets import TargetKind
 from truepose.effects.ports import Trait
 from truepose.effects.registry import effects_with
 from truepose.identification.fit.robust import robust_fit, settled

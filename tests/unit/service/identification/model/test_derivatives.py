@@ -7,7 +7,7 @@ import pytest
 
 from tests.helpers.domain.robots import IRB_120, SEVEN_AXES
 from tests.helpers.identification.synthetic import leg_campaign, nominal_campaign
-from truepose.domain.campaign import LegReadings
+from truepose.domain.measurement.campaign import LegReadings
 from truepose.domain.robot import Nest
 from truepose.identification.model.evaluation import evaluate
 from truepose.identification.observations.blocks import linearise_blocks

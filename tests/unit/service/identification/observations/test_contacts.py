@@ -12,7 +12,7 @@ from tests.helpers.identification.closed_loops import (
     contact_campaign,
     with_distance,
 )
-from truepose.domain.targets import SEEN_ALONG_AXES, Target, TargetKind
+from truepose.domain.measurement.targets import SEEN_ALONG_AXES, Target, TargetKind
 from truepose.identification.observations.contacts.against import Probe
 from truepose.identification.observations.contacts.kinds import KINDS
 from truepose.identification.problem.build import build

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tests.helpers.ballbar.campaigns import ballbar_campaign
-from truepose.domain.campaign import CupSetups, LegReadings, Stops
+from truepose.domain.measurement.campaign import CupSetups, LegReadings, Stops
 from truepose.identification import identify
 from truepose.identification.model.anchors import anchor_places
 from truepose.identification.observations.blocks import linearise_blocks

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tests.helpers.identification.synthetic import NESTS, configurations, nominal_campaign
-from truepose.domain.campaign import PointReadings, Stops
+from truepose.domain.measurement.campaign import PointReadings, Stops
 from truepose.domain.robot import Nest
 from truepose.identification import identify, predict
 from truepose.kinematics.artefact import centre, pose_uncertainty

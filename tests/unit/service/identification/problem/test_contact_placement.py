@@ -5,8 +5,8 @@ from functools import cache
 import numpy as np
 import pytest
 
-from truepose.domain.campaign import NO_AXIS
-from truepose.domain.targets import Target, TargetKind
+from truepose.domain.measurement.campaign import NO_AXIS
+from truepose.domain.measurement.targets import Target, TargetKind
 from truepose.identification.observations.contacts.kinds import KINDS
 from truepose.identification.problem.contact_placement import (
     Contacts,

@@ -7,7 +7,7 @@ import pytest
 
 from tests.helpers.identification.synthetic import leg_campaign, measured, nominal_campaign, shifted
 from truepose.diagnosis.diagnose import diagnose
-from truepose.domain.results import Status
+from truepose.domain.results.identification import Status
 from truepose.identification import identify
 from truepose.identification.observations.whitening import whitener
 from truepose.identification.verdict.reach import within_reach

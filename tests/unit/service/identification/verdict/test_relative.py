@@ -13,7 +13,7 @@ from tests.helpers.identification.synthetic import (
     measured,
     nominal_campaign,
 )
-from truepose.domain.campaign import PointReadings, Stops
+from truepose.domain.measurement.campaign import PointReadings, Stops
 from truepose.identification import identify, predict
 from truepose.judgement.validation import validate
 from truepose.kinematics.frames import rotation_from_vector

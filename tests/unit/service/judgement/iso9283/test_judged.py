@@ -8,9 +8,9 @@ import pytest
 from tests.helpers.domain.robots import IRB_120
 from tests.helpers.identification.models import model_of
 from tests.helpers.identification.synthetic import NESTS, configurations
-from truepose.domain.campaign import LegReadings, PointReadings, Stops
 from truepose.domain.errors import ConfigurationError
-from truepose.domain.results import NestCentre
+from truepose.domain.measurement.campaign import LegReadings, PointReadings, Stops
+from truepose.domain.results.identification import NestCentre
 from truepose.domain.robot import FramePlacement
 from truepose.judgement.cautions import pose_test_caution
 from truepose.judgement.iso9283.cycles import find_cycles

@@ -18,7 +18,7 @@ from tests.helpers.ballbar.spheres import (
 )
 from tests.helpers.identification.models import model_of, parameters_of
 from truepose.domain.errors import ConfigurationError
-from truepose.domain.results import NestCentre
+from truepose.domain.results.identification import NestCentre
 from truepose.domain.robot import Nest
 from truepose.judgement.sphere.judged import sphere_test
 from truepose.words.catalogue import english

@@ -6,7 +6,7 @@ import pytest
 from argon2 import PasswordHasher, Type, extract_parameters
 from argon2.exceptions import VerifyMismatchError
 
-from truepose.domain.accounts import Role, lesser, reaches
+from truepose.domain.people.accounts import Role, lesser, reaches
 from truepose.operation.people.errors import TooManyGuessesError
 from truepose.operation.people.guesses import Guesses
 from truepose.operation.people.hashes import (

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from tests.helpers.ballbar.cells import ballbar_cell, domain_cell, fixture_before_the_arm
-from truepose.domain.cell import CellLimits
-from truepose.domain.keep_outs import Box, Cylinder, HalfSpace, KeepOuts
+from truepose.domain.cell.description import CellLimits
+from truepose.domain.cell.keep_outs import Box, Cylinder, HalfSpace, KeepOuts
 from truepose.planning.ballbar.clear_ways.bodies import chain_of
 from truepose.planning.ballbar.clear_ways.short_moves import between
 from truepose.planning.ballbar.placements import Wish, suggest

@@ -8,7 +8,7 @@ import pytest
 from tests.helpers.ballbar.cells import ballbar_cell, domain_cell
 from tests.helpers.ballbar.early_sessions import plan_of
 from tests.helpers.ballbar.true_session import TrueArm
-from truepose.domain.artefacts import BallbarKit
+from truepose.domain.cell.artefacts import BallbarKit
 from truepose.domain.robot import FramePlacement
 from truepose.planning.ballbar.lengths.beforehand import Beforehand, known_beforehand
 

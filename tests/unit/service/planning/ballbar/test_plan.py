@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from tests.helpers.ballbar.cells import ballbar_cell, domain_cell, fixture_before_the_arm, frame
-from truepose.domain.ballbar import BallbarKit, BallbarPlan, Bars
-from truepose.domain.cell import CellLimits
+from truepose.domain.cell.description import CellLimits
 from truepose.domain.errors import ConfigurationError
+from truepose.domain.measurement.ballbar import BallbarKit, BallbarPlan, Bars
 from truepose.planning.ballbar.clear_ways.bodies import chain_of
 from truepose.planning.ballbar.clear_ways.clearance import is_clear
 from truepose.planning.ballbar.clear_ways.short_moves import between

@@ -8,10 +8,10 @@ import pytest
 
 from tests.helpers.ballbar.cells import IRB_120, ballbar_cell, frame
 from tests.helpers.identification.models import model_of, parameters_of
-from truepose.domain.ballbar import SphereWish
-from truepose.domain.campaign import Stops
 from truepose.domain.errors import ConfigurationError
-from truepose.domain.results import NestCentre
+from truepose.domain.measurement.ballbar import SphereWish
+from truepose.domain.measurement.campaign import Stops
+from truepose.domain.results.identification import NestCentre
 from truepose.domain.robot import JointRange
 from truepose.identification.model.prediction import predict
 from truepose.planning.ballbar.clear_ways.bodies import chain_of

@@ -6,9 +6,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from truepose.domain.contacts import TargetDistance
+from truepose.domain.measurement.contacts import TargetDistance
+from truepose.domain.measurement.targets import Target, TargetKind
 from truepose.domain.robot import JointRange
-from truepose.domain.targets import Target, TargetKind
 from truepose.exchange.cells.given import cell_given
 from truepose.kinematics.chain import Chain
 from truepose.planning.contacts.plan import plan_of

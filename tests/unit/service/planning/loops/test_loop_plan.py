@@ -7,9 +7,9 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from truepose.domain.campaign import TargetDistances
 from truepose.domain.errors import ConfigurationError
-from truepose.domain.targets import Target, TargetKind
+from truepose.domain.measurement.campaign import TargetDistances
+from truepose.domain.measurement.targets import Target, TargetKind
 from truepose.exchange.cells.given import cell_given
 from truepose.planning.errors import TooFewCandidatesError
 from truepose.planning.loops.plan import promised_loop

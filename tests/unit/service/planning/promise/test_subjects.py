@@ -7,7 +7,7 @@ import pytest
 
 from tests.helpers.ballbar.cells import IRB_120, domain_cell
 from tests.helpers.identification.synthetic import leg_campaign, measured, nominal_campaign
-from truepose.domain.cell import DeviceEntry, SimulatedCell
+from truepose.domain.cell.description import DeviceEntry, SimulatedCell
 from truepose.domain.errors import ConfigurationError
 from truepose.domain.robot import Nest
 from truepose.exchange.cells.given import cell_given

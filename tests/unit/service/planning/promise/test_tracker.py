@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from tests.unit.service.planning.test_candidates import SPACE
-from truepose.domain.campaign import PointReadings, Stops
 from truepose.domain.errors import ConfigurationError
+from truepose.domain.measurement.campaign import PointReadings, Stops
 from truepose.domain.robot import FixedNest, JointRange
 from truepose.identification.fit.robust import fit
 from truepose.identification.model.evaluation import Targets, evaluate

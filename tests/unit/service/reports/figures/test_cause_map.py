@@ -6,8 +6,8 @@ import xml.etree.ElementTree as ElementTree
 import pytest
 
 from tests.helpers.diagnosis.answers import make_described, make_diagnosis, make_finding, make_rest, make_wave
-from truepose.domain.causes import Cause
-from truepose.domain.diagnosis import Worth
+from truepose.domain.results.causes import Cause
+from truepose.domain.results.diagnosis import Worth
 from truepose.reports.causes_found.cause_map import cause_map
 from truepose.reports.figures.cause_map import map_picture, share_text
 

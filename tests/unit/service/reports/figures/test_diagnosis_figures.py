@@ -7,7 +7,7 @@ import pytest
 
 from tests.helpers.diagnosis.answers import make_spectrum
 from tests.helpers.diagnosis.diagnosed_cells import make_curve, make_errors, make_finding, make_gain_finding
-from truepose.domain.diagnosis import CurvePoints, HeldOutErrors
+from truepose.domain.results.diagnosis import CurvePoints, HeldOutErrors
 from truepose.reports.figures.comparison import comparison
 from truepose.reports.figures.error_maps import error_maps
 from truepose.reports.figures.gains import gains

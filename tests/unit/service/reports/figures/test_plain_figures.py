@@ -12,7 +12,7 @@ from matplotlib.colors import to_hex
 
 from tests.helpers.diagnosis.diagnosed_cells import make_curve
 from tests.helpers.domain.builders import make_pair
-from truepose.domain.validation import (
+from truepose.domain.results.validation import (
     BranchErrors,
     DistanceErrors,
     ErrorsByPlace,

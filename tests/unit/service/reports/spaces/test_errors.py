@@ -5,7 +5,7 @@ import pytest
 
 from tests.helpers.domain.builders import make_model
 from tests.unit.service.reports.conftest import measured, stops_at_random
-from truepose.domain.campaign import PointReadings
+from truepose.domain.measurement.campaign import PointReadings
 from truepose.identification import predict
 from truepose.reports.spaces.errors import error_space
 

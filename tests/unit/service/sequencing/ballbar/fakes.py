@@ -9,11 +9,11 @@ from itertools import count
 from tests.unit.service.sequencing.ballbar.sessions import KIT, found, joints, make_pose
 from tests.unit.service.sequencing.stand_ins import Controller, FiniteDisk
 from tests.unit.service.sequencing.tracker.fakes import IRB120
-from truepose.domain.ballbar import BallbarPlan, PreCalibration, StepKind, Suspicion
 from truepose.domain.errors import RecordRefusedError
-from truepose.domain.ledger import EntryKind, LedgerEntry
+from truepose.domain.measurement.ballbar import BallbarPlan, PreCalibration, StepKind, Suspicion
+from truepose.domain.measurement.ledger import EntryKind, LedgerEntry
+from truepose.domain.measurement.session import SessionState
 from truepose.domain.robot import JointRange
-from truepose.domain.session import SessionState
 from truepose.sequencing.ballbar.cell import BallbarCell
 from truepose.sequencing.ballbar.doubts.assignments import Judges
 from truepose.sequencing.ballbar.plan import step_ids

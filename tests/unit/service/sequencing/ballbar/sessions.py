@@ -3,8 +3,8 @@
 import math
 from dataclasses import replace
 
-from truepose.domain.artefacts import Artefact, BallbarKit
-from truepose.domain.ballbar import (
+from truepose.domain.cell.artefacts import Artefact, BallbarKit
+from truepose.domain.measurement.ballbar import (
     ArrivalTaken,
     BallbarPlan,
     LengthTaken,
@@ -17,9 +17,9 @@ from truepose.domain.ballbar import (
     StepKind,
     Suspicion,
 )
-from truepose.domain.ledger import EntryKind, LedgerEntry
+from truepose.domain.measurement.ledger import EntryKind, LedgerEntry
+from truepose.domain.measurement.session import SessionState
 from truepose.domain.robot import FramePlacement
-from truepose.domain.session import SessionState
 from truepose.sequencing.ballbar.plan import step_ids
 from truepose.sequencing.ballbar.situation import Situation, situation
 from truepose.sequencing.ballbar.state_so_far import READINGS

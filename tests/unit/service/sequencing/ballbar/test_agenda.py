@@ -13,7 +13,7 @@ from tests.unit.service.sequencing.ballbar.sessions import (
     make_sphere_plan,
     without_away,
 )
-from truepose.domain.ballbar import PoseForecast, StepKind
+from truepose.domain.measurement.ballbar import PoseForecast, StepKind
 from truepose.sequencing.ballbar.plan import step_ids
 from truepose.sequencing.ballbar.plan.agenda import Course, steps
 

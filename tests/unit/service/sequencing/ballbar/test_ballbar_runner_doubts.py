@@ -4,9 +4,9 @@ import pytest
 
 from tests.unit.service.sequencing.ballbar.fakes import Bench
 from tests.unit.service.sequencing.ballbar.sessions import LEGS, found, make_plan, make_pose
-from truepose.domain.ballbar import PoseForecast, Suspicion
 from truepose.domain.errors import ConfigurationError
-from truepose.domain.ledger import EntryKind
+from truepose.domain.measurement.ballbar import PoseForecast, Suspicion
+from truepose.domain.measurement.ledger import EntryKind
 from truepose.sequencing.ballbar.doubts.assignments import Judges
 from truepose.sequencing.engine.acts import ActName
 from truepose.sequencing.errors import (

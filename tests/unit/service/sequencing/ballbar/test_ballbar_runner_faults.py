@@ -8,7 +8,7 @@ import pytest
 from tests.unit.service.sequencing.ballbar.fakes import Bench
 from tests.unit.service.sequencing.ballbar.sessions import found, joints, make_plan, make_pose
 from truepose.domain.errors import UnderdeterminedError
-from truepose.domain.session import SessionState
+from truepose.domain.measurement.session import SessionState
 from truepose.sequencing.engine.acts import ActName
 from truepose.sequencing.errors import (
     NotNowError,

@@ -9,8 +9,8 @@ from tests.helpers.ballbar.cells import ballbar_cell
 from tests.helpers.ballbar.early_sessions import KIT, plan_of
 from tests.helpers.ballbar.true_session import TrueArm
 from tests.unit.service.sequencing.ballbar.sessions import Story, length
-from truepose.domain.ballbar import PoseForecast, StepKind
-from truepose.domain.ledger import EntryKind
+from truepose.domain.measurement.ballbar import PoseForecast, StepKind
+from truepose.domain.measurement.ledger import EntryKind
 from truepose.planning.ballbar.lengths.beforehand import Beforehand
 from truepose.sequencing.ballbar.doubts.assignments import Judges, doubt
 from truepose.sequencing.ballbar.doubts.early import EarlyJudge

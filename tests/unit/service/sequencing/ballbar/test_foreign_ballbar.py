@@ -6,9 +6,9 @@ import pytest
 
 from tests.unit.service.sequencing.ballbar.fakes import Bench
 from tests.unit.service.sequencing.ballbar.sessions import KIT, make_plan
-from truepose.domain.ballbar import StepKind
-from truepose.domain.ledger import EntryKind
-from truepose.domain.session import SessionState
+from truepose.domain.measurement.ballbar import StepKind
+from truepose.domain.measurement.ledger import EntryKind
+from truepose.domain.measurement.session import SessionState
 from truepose.sequencing.ballbar.plan import step_ids
 from truepose.sequencing.engine.acts import ActName
 from truepose.sequencing.engine.identity_check import Expected

@@ -8,7 +8,7 @@ from tests.unit.service.sequencing.ballbar.fakes import Bench, turns
 from tests.unit.service.sequencing.ballbar.sessions import make_plan
 from tests.unit.service.sequencing.ballbar.test_slow_disk import begin_motion
 from truepose.domain.errors import RecordRefusedError
-from truepose.domain.session import SessionState
+from truepose.domain.measurement.session import SessionState
 from truepose.sequencing.engine.acts import ActName
 
 PLAN = make_plan((1, 2), precalibrate_after=1, stable_s=0.2, settle_s=0.1)

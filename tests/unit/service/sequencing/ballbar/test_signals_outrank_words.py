@@ -6,8 +6,8 @@ import pytest
 
 from tests.unit.service.sequencing.ballbar.fakes import Bench
 from tests.unit.service.sequencing.ballbar.sessions import joints, make_plan
-from truepose.domain.ledger import EntryKind
-from truepose.domain.session import SessionState
+from truepose.domain.measurement.ledger import EntryKind
+from truepose.domain.measurement.session import SessionState
 from truepose.sequencing.engine.acts import ActName
 from truepose.sequencing.errors import NotNowError, ReasonMissingError
 from truepose_drivers.errors import ConnectionLostError, NoReplyError

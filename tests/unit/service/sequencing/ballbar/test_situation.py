@@ -11,9 +11,9 @@ from tests.unit.service.sequencing.ballbar.sessions import (
     make_sphere_plan,
     without_away,
 )
-from truepose.domain.ballbar import Suspicion
-from truepose.domain.ledger import Control, EntryKind
-from truepose.domain.session import SessionState
+from truepose.domain.measurement.ballbar import Suspicion
+from truepose.domain.measurement.ledger import Control, EntryKind
+from truepose.domain.measurement.session import SessionState
 from truepose.sequencing.ballbar.plan import step_ids
 from truepose.sequencing.ballbar.state_so_far import READINGS
 from truepose.sequencing.engine.acts import ActName

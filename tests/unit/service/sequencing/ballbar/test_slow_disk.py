@@ -6,7 +6,7 @@ import pytest
 
 from tests.unit.service.sequencing.ballbar.fakes import Bench, turns
 from tests.unit.service.sequencing.ballbar.sessions import make_plan
-from truepose.domain.session import SessionState
+from truepose.domain.measurement.session import SessionState
 from truepose.sequencing.engine.acts import Act, ActName
 from truepose.sequencing.errors import NotNowError
 

@@ -5,10 +5,10 @@ import math
 import numpy as np
 
 from tests.unit.service.sequencing.tracker.fakes import IRB120, NESTS, FakeClock, FakeRobot, ListLedger
-from truepose.domain.cell import Cell
-from truepose.domain.contacts import ContactPlan
+from truepose.domain.cell.description import Cell
+from truepose.domain.measurement.contacts import ContactPlan
+from truepose.domain.measurement.targets import Target, TargetKind
 from truepose.domain.robot import FramePlacement
-from truepose.domain.targets import Target, TargetKind
 from truepose.planning.contacts.plan import plan_of
 from truepose.planning.contacts.wish import ContactWish
 from truepose.sequencing.contacts.cell import ContactCell, GaugeBox

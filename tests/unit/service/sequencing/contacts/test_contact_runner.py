@@ -8,8 +8,8 @@ import pytest
 from tests.helpers.domain import asking
 from tests.unit.service.sequencing.contacts.fakes import RADII_MM, Bench, planned
 from tests.unit.service.sequencing.tracker.operators import PatientOperator
+from truepose.domain.measurement.session import SessionState
 from truepose.domain.robot import JointRange
-from truepose.domain.session import SessionState
 from truepose.sequencing.contacts.questions import Question
 from truepose.sequencing.contacts.runner import ContactRunner
 from truepose.sequencing.errors import NotNowError, PersonMissingError, PlanRefusedError

@@ -2,7 +2,7 @@
 
 import pytest
 
-from truepose.domain.identities import IdentityTaken
+from truepose.domain.measurement.identities import IdentityTaken
 from truepose.sequencing.engine.identities import KnownDevice, accepted, judge, known_device, sentence
 
 A, B, C = "390003", "777777", "391111"

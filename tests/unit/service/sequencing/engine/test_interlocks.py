@@ -6,8 +6,8 @@ from itertools import product
 
 import pytest
 
+from truepose.domain.measurement.session import SessionState
 from truepose.domain.robot import JointRange
-from truepose.domain.session import SessionState
 from truepose.sequencing.engine.motion.interlocks import MotionConditions, what_forbids_motion
 from truepose_drivers.api import JointReading
 

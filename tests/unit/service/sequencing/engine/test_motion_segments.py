@@ -9,8 +9,8 @@ import pytest
 from tests.helpers.domain import asking
 from tests.unit.service.sequencing.tracker.fakes import IRB120, FakeCell, FakeClock, FakeRobot, make_plan
 from tests.unit.service.sequencing.tracker.operators import PatientOperator, until
+from truepose.domain.measurement.session import SessionState
 from truepose.domain.robot import FramePlacement, JointRange
-from truepose.domain.session import SessionState
 from truepose.sequencing.engine.motion.arm import Arm, Permission
 from truepose.sequencing.engine.motion.nominal_arm import nominal_chain
 from truepose.sequencing.engine.motion.rest_of_way import rest_of_way

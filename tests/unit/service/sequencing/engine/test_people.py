@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from truepose.domain.people import LONGEST_NAME, NAME_PATTERN, fault_of_name, tidy_name
+from truepose.domain.people.names import LONGEST_NAME, NAME_PATTERN, fault_of_name, tidy_name
 from truepose.sequencing.engine.prompts import require_announced, require_person
 from truepose.sequencing.errors import PersonMissingError, PersonUnknownError
 

@@ -7,8 +7,8 @@ import pytest
 
 from tests.unit.service.sequencing.tracker.fakes import FakeCell, make_plan
 from tests.unit.service.sequencing.tracker.operators import PatientOperator, run_session
+from truepose.domain.measurement.session import SessionState
 from truepose.domain.robot import JointRange
-from truepose.domain.session import SessionState
 from truepose.sequencing.engine.motion.plausible_robot import WatchfulRobot
 from truepose_drivers.api import JointReading
 from truepose_drivers.errors import ImplausibleReadingError

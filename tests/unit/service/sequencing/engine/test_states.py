@@ -2,7 +2,7 @@
 
 import pytest
 
-from truepose.domain.session import SessionState as S
+from truepose.domain.measurement.session import SessionState as S
 from truepose.sequencing.engine.states import TRANSITIONS, after_restart, has_ended, require_transition
 from truepose.sequencing.errors import NotNowError
 

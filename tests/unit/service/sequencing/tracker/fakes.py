@@ -9,10 +9,9 @@ import numpy as np
 from tests.unit.service.sequencing.stand_ins import Controller, FiniteDisk
 from truepose.domain.arrays import FloatArray
 from truepose.domain.errors import RecordRefusedError
-from truepose.domain.identities import IdentityTaken
-from truepose.domain.ledger import EntryKind, LedgerEntry
-from truepose.domain.robot import FixedNest, FramePlacement, JointRange, JointRow, Nest, Robot
-from truepose.domain.session import (
+from truepose.domain.measurement.identities import IdentityTaken
+from truepose.domain.measurement.ledger import EntryKind, LedgerEntry
+from truepose.domain.measurement.session import (
     FixedNestTaken,
     PlannedStop,
     PointTaken,
@@ -23,6 +22,7 @@ from truepose.domain.session import (
     StopSkipped,
     config_of,
 )
+from truepose.domain.robot import FixedNest, FramePlacement, JointRange, JointRow, Nest, Robot
 from truepose.kinematics.frames import rotation_xyz
 from truepose.sequencing.engine.motion.nominal_arm import nest_in_world
 from truepose.sequencing.tracker.cell import SessionCell

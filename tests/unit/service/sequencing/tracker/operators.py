@@ -5,8 +5,8 @@ from collections.abc import Callable
 
 from tests.helpers.domain import asking
 from tests.unit.service.sequencing.tracker.fakes import FakeCell
-from truepose.domain.ledger import LedgerEntry
-from truepose.domain.session import SessionPlan, SessionState
+from truepose.domain.measurement.ledger import LedgerEntry
+from truepose.domain.measurement.session import SessionPlan, SessionState
 from truepose.sequencing.tracker.runner import TrackerRunner
 
 _TURNS_WITHOUT_CHANGE = 2000  # of the event loop; a session that waits longer waits for nobody

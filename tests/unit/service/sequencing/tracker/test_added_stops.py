@@ -9,7 +9,7 @@ import pytest
 from tests.helpers.domain import asking
 from tests.unit.service.sequencing.tracker.fakes import FakeCell, make_plan, make_stop
 from tests.unit.service.sequencing.tracker.operators import PatientOperator, until
-from truepose.domain.session import SessionState
+from truepose.domain.measurement.session import SessionState
 from truepose.sequencing.errors import NotNowError, PlanRefusedError
 from truepose.sequencing.tracker.runner import TrackerRunner
 

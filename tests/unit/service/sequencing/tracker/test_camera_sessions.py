@@ -8,10 +8,10 @@ import pytest
 
 from tests.unit.service.sequencing.tracker.fakes import IRB120, NESTS, FakeCell, make_plan, make_stop
 from tests.unit.service.sequencing.tracker.operators import PatientOperator, run_session
-from truepose.domain.cell import Camera
-from truepose.domain.ledger import EntryKind
+from truepose.domain.cell.description import Camera
+from truepose.domain.measurement.ledger import EntryKind
+from truepose.domain.measurement.session import SessionState
 from truepose.domain.robot import FramePlacement, JointRange, Nest
-from truepose.domain.session import SessionState
 from truepose.kinematics.frames import (
     quaternion_from_rotation,
     rotation_from_quaternion,

@@ -14,8 +14,8 @@ from tests.unit.service.sequencing.tracker.fakes import (
     make_stop,
 )
 from tests.unit.service.sequencing.tracker.operators import run_session
+from truepose.domain.measurement.session import PlannedStop
 from truepose.domain.robot import FixedNest, FramePlacement, JointRange, Nest
-from truepose.domain.session import PlannedStop
 from truepose.sequencing.errors import PlanRefusedError
 from truepose.sequencing.tracker.dry_run import check_plan, dry_run, motion_limits
 from truepose.sequencing.tracker.runner import TrackerRunner

@@ -9,8 +9,8 @@ import pytest
 from tests.helpers.domain import asking
 from tests.unit.service.sequencing.tracker.fakes import NESTS, FakeCell, make_plan
 from tests.unit.service.sequencing.tracker.operators import PatientOperator, run_session, until
-from truepose.domain.ledger import EntryKind
-from truepose.domain.session import PlannedStop, SessionState, Work
+from truepose.domain.measurement.ledger import EntryKind
+from truepose.domain.measurement.session import PlannedStop, SessionState, Work
 from truepose.sequencing.errors import PlanRefusedError
 from truepose.sequencing.tracker.dry_run import dry_run
 from truepose.sequencing.tracker.runner import TrackerRunner

@@ -7,7 +7,7 @@ import pytest
 
 from tests.unit.service.sequencing.tracker.fakes import FIXED_NESTS, TRACKER_AT, FakeCell, make_plan
 from tests.unit.service.sequencing.tracker.operators import PatientOperator, run_session
-from truepose.domain.session import SessionState
+from truepose.domain.measurement.session import SessionState
 from truepose.sequencing.tracker.world_frame.location import AIMED_RADIUS_MM, locate_tracker
 from truepose_drivers.errors import ConnectionLostError, ReflectorNotFoundError
 

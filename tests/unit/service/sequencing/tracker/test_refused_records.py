@@ -9,7 +9,7 @@ from tests.helpers.domain import asking
 from tests.unit.service.sequencing.tracker.fakes import FakeCell, make_plan
 from tests.unit.service.sequencing.tracker.operators import until
 from truepose.domain.errors import RecordRefusedError
-from truepose.domain.session import SessionState
+from truepose.domain.measurement.session import SessionState
 from truepose.sequencing.engine.prompts import CELL_CLEAR
 from truepose.sequencing.errors import NotNowError
 from truepose.sequencing.tracker.runner import TrackerRunner

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from tests.unit.service.sequencing.tracker.fakes import FIXED_NESTS, TRACKER_AT
-from truepose.domain.cell import CertifiedLength
+from truepose.domain.cell.description import CertifiedLength
 from truepose.domain.robot import FixedNest
 from truepose.kinematics.frames import rotation_xyz, vector_from_rotation
 from truepose.sequencing.tracker.world_frame.registration import nest_mean, register, to_tracker, to_world

@@ -7,8 +7,8 @@ import pytest
 from tests.helpers.domain import asking
 from tests.unit.service.sequencing.tracker.fakes import FakeCell, make_plan, make_stop
 from tests.unit.service.sequencing.tracker.operators import until
-from truepose.domain.ledger import EntryKind
-from truepose.domain.session import PlannedStop, SessionState
+from truepose.domain.measurement.ledger import EntryKind
+from truepose.domain.measurement.session import PlannedStop, SessionState
 from truepose.sequencing.engine.acts import Act, ActName
 from truepose.sequencing.errors import NotNowError, PersonMissingError, ReasonMissingError
 from truepose.sequencing.tracker.runner import TrackerRunner

@@ -10,7 +10,7 @@ import pytest
 from tests.helpers.domain import asking
 from tests.unit.service.sequencing.tracker.fakes import IRB120, NESTS, FakeCell, make_plan, make_stop
 from tests.unit.service.sequencing.tracker.operators import PatientOperator, run_session, until
-from truepose.domain.session import SessionState
+from truepose.domain.measurement.session import SessionState
 from truepose.sequencing.engine.motion.nominal_arm import nest_in_world
 from truepose.sequencing.engine.prompts import CELL_CLEAR
 from truepose.sequencing.errors import NotNowError, PersonMissingError

@@ -7,8 +7,8 @@ import pytest
 
 from tests.unit.service.sequencing.tracker.fakes import FakeCell, make_plan
 from tests.unit.service.sequencing.tracker.operators import PatientOperator, run_session, until
-from truepose.domain.ledger import EntryKind, LedgerEntry
-from truepose.domain.session import SessionState
+from truepose.domain.measurement.ledger import EntryKind, LedgerEntry
+from truepose.domain.measurement.session import SessionState
 from truepose.sequencing.tracker.runner import TrackerRunner
 from truepose_drivers.api import Environment
 from truepose_drivers.errors import (

@@ -4,8 +4,8 @@ import pytest
 
 from tests.unit.service.sequencing.tracker.fakes import FakeCell, make_plan
 from tests.unit.service.sequencing.tracker.operators import PatientOperator, run_session
-from truepose.domain.ledger import Control, EntryKind, LedgerEntry
-from truepose.domain.session import SessionState, stop_id
+from truepose.domain.measurement.ledger import Control, EntryKind, LedgerEntry
+from truepose.domain.measurement.session import SessionState, stop_id
 from truepose.sequencing.engine.faults import is_interruption
 from truepose.sequencing.errors import AttentionNeededError, MotionForbiddenError, PlanRefusedError
 from truepose.sequencing.tracker.faults import lines_after

@@ -5,7 +5,7 @@ import pytest
 
 from tests.unit.service.sequencing.tracker.fakes import FakeCell, make_plan
 from tests.unit.service.sequencing.tracker.operators import PatientOperator, run_session
-from truepose.domain.session import FixedNestTaken, SessionState
+from truepose.domain.measurement.session import FixedNestTaken, SessionState
 from truepose.sequencing.tracker.situation import steps
 from truepose.sequencing.tracker.world_frame.warming import AHEAD_S, warmth
 

@@ -8,7 +8,7 @@ import pytest
 from tests.helpers.domain import asking
 from tests.unit.service.sequencing.tracker.fakes import FakeCell, FakeTracker, make_plan
 from tests.unit.service.sequencing.tracker.operators import run_session, until
-from truepose.domain.session import SessionState
+from truepose.domain.measurement.session import SessionState
 from truepose.sequencing.tracker.runner import TrackerRunner
 from truepose_drivers.errors import ConnectionLostError
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Final
 
-from truepose.domain.people import tidy_name
+from truepose.domain.people.names import tidy_name
 
 
 class Role(StrEnum):

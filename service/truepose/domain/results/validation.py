@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Literal
 
-from truepose.domain.results import NominalAndIdentified, TurnPair
+from truepose.domain.results.identification import NominalAndIdentified, TurnPair
 
 _HISTOGRAM_DECIMALS = 9  # widths are whole powers of ten, which binary fractions only nearly are
 DecisionRule = Literal["guard band", "simple"]

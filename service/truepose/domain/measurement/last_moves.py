@@ -10,7 +10,7 @@ from typing import TypeVar
 import numpy as np
 
 from truepose.domain.arrays import BoolArray, FloatArray, IntArray
-from truepose.domain.campaign import Campaign, ContactReadings, LegReadings, PointReadings, Stops
+from truepose.domain.measurement.campaign import Campaign, ContactReadings, LegReadings, PointReadings, Stops
 
 _Readings = TypeVar("_Readings", PointReadings, LegReadings, ContactReadings)
 _AGAINST = 0.02  # share of moves that may go against the stated direction before none is believed

@@ -3,9 +3,9 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
-from truepose.domain.artefacts import Artefact as Artefact
-from truepose.domain.artefacts import BallbarKit
-from truepose.domain.keep_outs import KeepOuts
+from truepose.domain.cell.artefacts import Artefact as Artefact
+from truepose.domain.cell.artefacts import BallbarKit
+from truepose.domain.cell.keep_outs import KeepOuts
 from truepose.domain.robot import FixedNest, FramePlacement, JointRange, Nest, Robot
 
 Vector = tuple[float, float, float]

@@ -7,8 +7,8 @@ from typing import Literal
 import numpy as np
 
 from truepose.domain.arrays import FloatArray, IntArray
-from truepose.domain.causes import Cause, Detail, Shape, Spectrum
-from truepose.domain.results import Model, Statistics
+from truepose.domain.results.causes import Cause, Detail, Shape, Spectrum
+from truepose.domain.results.identification import Model, Statistics
 from truepose.domain.sentences import Text
 
 HeldOut = Literal["validation", "cross_validation"]

@@ -5,9 +5,9 @@ from enum import StrEnum
 from typing import Literal
 
 from truepose.domain.arrays import FloatArray
+from truepose.domain.measurement.targets import Target
 from truepose.domain.robot import FramePlacement, JointRange, Robot
 from truepose.domain.sentences import Text
-from truepose.domain.targets import Target
 
 Unit = Literal[
     "mm",

@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
-from truepose.domain.session import Role, Vector
-from truepose.domain.targets import Target
+from truepose.domain.measurement.session import Role, Vector
+from truepose.domain.measurement.targets import Target
 
 Joints: TypeAlias = tuple[float, ...]
 # What reads. probe: a gauge in the tool whose tip touches spheres and planes. gauges: fixed ones that a ball

@@ -7,9 +7,9 @@ from typing import ClassVar, Literal, TypeAlias
 import numpy as np
 
 from truepose.domain.arrays import FloatArray, IntArray, Table
+from truepose.domain.measurement.targets import Target
 from truepose.domain.robot import FixedNest, FramePlacement, Nest, Robot, WorldRegistration
 from truepose.domain.sentences import Text
-from truepose.domain.targets import Target
 
 Quantity = Literal["position", "length"]  # what the readings of a campaign are of
 NO_AXIS = -1  # of a reading that is along no axis of a sensor

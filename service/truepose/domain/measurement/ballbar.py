@@ -4,10 +4,10 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Literal, TypeAlias
 
-from truepose.domain.artefacts import Artefact as Artefact
-from truepose.domain.artefacts import BallbarKit as BallbarKit
-from truepose.domain.artefacts import Bars as Bars
-from truepose.domain.results import Model
+from truepose.domain.cell.artefacts import Artefact as Artefact
+from truepose.domain.cell.artefacts import BallbarKit as BallbarKit
+from truepose.domain.cell.artefacts import Bars as Bars
+from truepose.domain.results.identification import Model
 from truepose.domain.robot import FramePlacement
 
 Vector: TypeAlias = tuple[float, float, float]

@@ -3,10 +3,16 @@
 from dataclasses import dataclass
 from enum import StrEnum
 
-from truepose.domain.ballbar import ArrivalTaken, LengthTaken, PreCalibration, Suspicion
-from truepose.domain.contacts import ContactTaken
-from truepose.domain.identities import IdentityTaken
-from truepose.domain.session import FixedNestTaken, PointTaken, Progress, Registration, SessionState
+from truepose.domain.measurement.ballbar import ArrivalTaken, LengthTaken, PreCalibration, Suspicion
+from truepose.domain.measurement.contacts import ContactTaken
+from truepose.domain.measurement.identities import IdentityTaken
+from truepose.domain.measurement.session import (
+    FixedNestTaken,
+    PointTaken,
+    Progress,
+    Registration,
+    SessionState,
+)
 
 
 class EntryKind(StrEnum):

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from truepose.domain.arrays import FloatArray
-from truepose.domain.ballbar import Leg
+from truepose.domain.measurement.ballbar import Leg
 
 TOLD_APART: Final = 3.0  # standard uncertainties by which two lengths must differ for a swap to be seen
 

@@ -1,0 +1,1 @@
+"""A cell: what stands in it, the papers of its artefacts, and where nothing may go."""

@@ -1,0 +1,1 @@
+"""People: their names, and who may ask for what."""

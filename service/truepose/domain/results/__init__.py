@@ -1,0 +1,1 @@
+"""What is answered: identifications, validations, diagnoses, corrected targets."""
