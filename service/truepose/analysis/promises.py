@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from truepose.analysis.assembly import MeasuredSession, assemble_campaign
+from truepose.analysis.campaigns.assembly import MeasuredSession, assemble_campaign
 from truepose.domain.cell.description import Cell
 from truepose.identification import identify
 from truepose.identification.model.stops import sites

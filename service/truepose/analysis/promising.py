@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING, Any, cast
 
-from truepose.analysis.assembly import MeasuredSession
+from truepose.analysis.campaigns.assembly import MeasuredSession
 from truepose.analysis.workers.process import Perform
 from truepose.analysis.workers.promising import PromiseTask
 from truepose.analysis.workers.turns import Turns

@@ -10,7 +10,7 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Final, Protocol, runtime_checkable
 
-from truepose.analysis.campaigns import CampaignDesk
+from truepose.analysis.campaigns.stored import CampaignDesk
 from truepose.analysis.drafts import DraftDesk
 from truepose.analysis.drawing import DrawingDesk
 from truepose.analysis.jobs import JobDesk

@@ -1,6 +1,6 @@
 """A diagnosis that asked for more configurations is run again once a session has measured them."""
 
-from truepose.analysis.campaigns import CampaignDesk
+from truepose.analysis.campaigns.stored import CampaignDesk
 from truepose.analysis.jobs import JobDesk
 from truepose.domain.errors import TrueposeError
 from truepose.storage.calibration.campaigns import CampaignRepository

@@ -7,7 +7,7 @@ from typing import Annotated, cast
 
 from fastapi import Depends, Request
 
-from truepose.analysis.campaigns import CampaignDesk
+from truepose.analysis.campaigns.stored import CampaignDesk
 from truepose.analysis.drafts import DraftDesk
 from truepose.analysis.drawing import DrawingDesk
 from truepose.analysis.jobs import JobDesk

@@ -7,7 +7,7 @@ import pytest
 from tests.contract.benches import in_memory
 from tests.unit.service.sequencing.tracker.fakes import ListLedger
 from tests.unit.service.sequencing.tracker.operators import PatientOperator
-from truepose.analysis.contacts import contact_campaign, judged_by_contacts, taken_of
+from truepose.analysis.campaigns.contacts import contact_campaign, judged_by_contacts, taken_of
 from truepose.analysis.errors import NothingMeasuredError, SessionsDifferError
 from truepose.domain.measurement.contacts import ContactPlan, ContactTaken, TargetDistance
 from truepose.domain.measurement.session import SessionState

@@ -13,7 +13,7 @@ import pytest
 from tests.integration.storage.test_migration_of_models import ask, migrate
 from tests.unit.service.sequencing.tracker.fakes import FakeCell
 from tests.unit.service.sequencing.tracker.operators import PatientOperator
-from truepose.analysis.assembly import MeasuredSession, assemble_campaign
+from truepose.analysis.campaigns.assembly import MeasuredSession, assemble_campaign
 from truepose.domain.measurement.ledger import Control, EntryKind
 from truepose.domain.measurement.session import SessionState
 from truepose.operation.session_ledger import SessionLedger

@@ -13,7 +13,7 @@ from typing import cast
 import numpy as np
 
 from tests.helpers.domain import asking
-from truepose.analysis.assembly import point_readings
+from truepose.analysis.campaigns.assembly import point_readings
 from truepose.app.simulation import running_simulation
 from truepose.correction.proof.pairs import plan_proof
 from truepose.correction.proof.verdict import Proof, proof_of

@@ -45,7 +45,7 @@ class ReadBroughtTask:
 
     def perform(self, report: Report) -> BroughtRead:
         """Return what was understood; raises TrueposeError."""
-        from truepose.analysis.campaign_summary import summary_of
+        from truepose.analysis.campaigns.summary import summary_of
         from truepose.exchange.brought.reading import read_brought
         from truepose.exchange.campaigns.zip_file import write_campaign_zip
 

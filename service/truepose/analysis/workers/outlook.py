@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from truepose.analysis.assembly import MeasuredSession
+from truepose.analysis.campaigns.assembly import MeasuredSession
 
 
 @dataclass(frozen=True, slots=True)

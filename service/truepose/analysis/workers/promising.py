@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from truepose.analysis.assembly import MeasuredSession
+from truepose.analysis.campaigns.assembly import MeasuredSession
 from truepose.domain.cell.description import Cell
 
 if TYPE_CHECKING:

@@ -283,7 +283,7 @@ class ReadCampaignTask:
 
     def perform(self, report: Report) -> CampaignRead:
         """Return how much it holds; raises TrueposeError."""
-        from truepose.analysis.campaign_summary import summary_of
+        from truepose.analysis.campaigns.summary import summary_of
         from truepose.exchange.campaigns.zip_file import read_campaign_zip
 
         campaign = read_campaign_zip(self.archive, self.name)

@@ -6,7 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from truepose.analysis.contacts import contact_campaign, judged_by_contacts, taken_of
+from truepose.analysis.campaigns.contacts import contact_campaign, judged_by_contacts, taken_of
 from truepose.domain.cell.description import Cell
 from truepose.domain.errors import ConfigurationError
 from truepose.domain.measurement.campaign import Campaign

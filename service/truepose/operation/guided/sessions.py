@@ -4,7 +4,7 @@ import asyncio
 from collections.abc import AsyncIterator, Sequence
 from dataclasses import replace
 
-from truepose.analysis.measured import measured_session
+from truepose.analysis.campaigns.measured import measured_session
 from truepose.analysis.workers.outlook import Outlook
 from truepose.domain.measurement.ledger import LedgerEntry
 from truepose.operation.contacts.sessions import ContactSessions

@@ -4,7 +4,7 @@ import asyncio
 
 from fastapi import Response, status
 
-from truepose.analysis.contacts import taken_of
+from truepose.analysis.campaigns.contacts import taken_of
 from truepose.analysis.workers.tasks import ContactPlanTask
 from truepose.domain.measurement.contacts import ContactPlan
 from truepose.sequencing.contacts.dry_run import minutes_of

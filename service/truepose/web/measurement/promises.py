@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING, Annotated
 
 from fastapi import HTTPException, Query, Request
 
-from truepose.analysis.assembly import MeasuredSession
-from truepose.analysis.measured import measured_session
+from truepose.analysis.campaigns.assembly import MeasuredSession
+from truepose.analysis.campaigns.measured import measured_session
 from truepose.domain.cell.description import Cell
 from truepose.exchange.results.plans import PlanDocument, plan_document
 from truepose.sequencing.tracker.dry_run import minutes_of

@@ -4,7 +4,7 @@ import asyncio
 from collections import defaultdict
 from typing import TYPE_CHECKING, Final
 
-from truepose.analysis.contacts import taken_of
+from truepose.analysis.campaigns.contacts import taken_of
 from truepose.domain.cell.description import Cell
 from truepose.domain.measurement.ballbar import StepKind
 from truepose.operation.ballbar.view import BallbarView

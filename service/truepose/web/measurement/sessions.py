@@ -7,7 +7,7 @@ from typing import Annotated
 
 from fastapi import Body, Response, status
 
-from truepose.analysis.measured import circles_by_session, proof_by_session
+from truepose.analysis.campaigns.measured import circles_by_session, proof_by_session
 from truepose.analysis.workers.tasks import PlanTask
 from truepose.domain.measurement.session import Registration, SessionPlan
 from truepose.exchange.results.circles import CircleTestDocument, circle_document

@@ -6,7 +6,7 @@ from urllib.parse import urlencode
 
 from markupsafe import Markup
 
-from truepose.analysis.measured import Accuracy, AskedAccuracy, accuracy_by_session
+from truepose.analysis.campaigns.measured import Accuracy, AskedAccuracy, accuracy_by_session
 from truepose.domain.results.identification import Identification, NominalAndIdentified
 from truepose.exchange.results.iso9283 import accuracy_document
 from truepose.storage.records import ModelRecord

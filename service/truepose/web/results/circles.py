@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 from markupsafe import Markup
 
-from truepose.analysis.measured import circles_by_session
+from truepose.analysis.campaigns.measured import circles_by_session
 from truepose.exchange.results.circles import circle_document
 from truepose.web.context import Context
 from truepose.web.results.kinds import Choice, Form, Origin, ResultKind

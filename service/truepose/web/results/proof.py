@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 from markupsafe import Markup
 
-from truepose.analysis.measured import proof_by_session
+from truepose.analysis.campaigns.measured import proof_by_session
 from truepose.domain.sentences import Sentence, said
 from truepose.exchange.results.proofs import proof_document
 from truepose.sequencing.engine.identities import same_number

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tests.helpers.domain.tracker_sessions import make_fixed_nest, make_point, make_setup
-from truepose.analysis.assembly import MeasuredSession, assemble_campaign, judged_by, point_readings
+from truepose.analysis.campaigns.assembly import MeasuredSession, assemble_campaign, judged_by, point_readings
 from truepose.analysis.errors import NothingMeasuredError, SessionsDifferError
 from truepose.domain.cell.description import Camera, Conditions, DeviceEntry, SimulatedCell
 from truepose.domain.measurement.campaign import Campaign

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from tests.helpers.ballbar.cells import IRB_120, domain_cell
-from truepose.analysis.assembly import MeasuredSession
+from truepose.analysis.campaigns.assembly import MeasuredSession
 from truepose.analysis.promises import promise_of_cell, promise_of_session
 from truepose.domain.measurement.session import PointTaken
 from truepose.kinematics.chain import nominal_chain

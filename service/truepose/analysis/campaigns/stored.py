@@ -6,10 +6,10 @@ from dataclasses import replace
 from datetime import date
 from typing import TypeAlias
 
-from truepose.analysis.assembly import assemble_campaign, judged_by
-from truepose.analysis.campaign_summary import summary_of
+from truepose.analysis.campaigns.assembly import assemble_campaign, judged_by
+from truepose.analysis.campaigns.measured import measured_session
+from truepose.analysis.campaigns.summary import summary_of
 from truepose.analysis.errors import RoleError
-from truepose.analysis.measured import measured_session
 from truepose.analysis.workers.tasks import stored_campaign
 from truepose.analysis.workers.uploads import Uploads
 from truepose.domain.measurement.campaign import Campaign

@@ -3,7 +3,7 @@
 import asyncio
 from dataclasses import dataclass, replace
 
-from truepose.analysis.assembly import MeasuredSession, point_readings
+from truepose.analysis.campaigns.assembly import MeasuredSession, point_readings
 from truepose.analysis.errors import NothingMeasuredError
 from truepose.correction.proof.verdict import Proof, proof_of
 from truepose.domain.measurement.campaign import PointReadings

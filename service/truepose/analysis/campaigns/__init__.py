@@ -1,0 +1,1 @@
+"""Campaigns: assembled from sessions or uploads, stored, counted."""
