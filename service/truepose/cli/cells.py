@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from truepose.cli.durations import seconds
+from truepose.cli.administration.durations import seconds
 from truepose.cli.output import remark
 from truepose.settings import LogLevel
 

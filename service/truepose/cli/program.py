@@ -27,29 +27,29 @@ _COMMANDS = {
     "demo": "cells",
     "serve": "cells",
     "simulate": "cells",
-    "identify": "campaigns",
-    "diagnose": "diagnoses",
-    "predict": "campaigns",
-    "validate": "validation",
-    "plan": "plans",
-    "circles": "circles",
-    "sphere": "spheres",
-    "correct": "corrections",
-    "export": "exports",
-    "import": "imports",
-    "watch": "watching",
+    "identify": "calibration.campaigns",
+    "diagnose": "calibration.diagnoses",
+    "predict": "calibration.campaigns",
+    "validate": "calibration.validation",
+    "plan": "calibration.plans",
+    "circles": "calibration.circles",
+    "sphere": "calibration.spheres",
+    "correct": "calibration.corrections",
+    "export": "exchange.exports",
+    "import": "exchange.imports",
+    "watch": "calibration.watching",
     "nightly": "cells",
-    "inspect": "inspection",
-    "verify": "records",
-    "backup": "records",
-    "restore": "records",
-    "retention": "retention",
-    "unit": "deployment",
-    "dashboard": "deployment",
+    "inspect": "exchange.inspection",
+    "verify": "administration.records",
+    "backup": "administration.records",
+    "restore": "administration.records",
+    "retention": "administration.retention",
+    "unit": "administration.deployment",
+    "dashboard": "administration.deployment",
 }
 
 
-_GROUPS = {"people": "people"}  # of commands
+_GROUPS = {"people": "administration.people"}  # of commands
 
 
 def main() -> int:

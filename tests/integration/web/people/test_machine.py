@@ -8,7 +8,7 @@ import pytest
 from tests.helpers.web.clients import client_of
 from tests.integration.web.listening import listening
 from truepose.app import create_app
-from truepose.cli.administration import administration
+from truepose.cli.administration.register import administration
 from truepose.domain.people.accounts import MACHINE, Role
 from truepose.operation.people.errors import AccountRefusedError, UnknownPersonError
 from truepose.storage.errors import DatabaseInUseError, StorageUnavailableError

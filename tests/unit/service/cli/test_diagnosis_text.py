@@ -12,7 +12,7 @@ from tests.helpers.diagnosis.answers import (
     make_unexplained,
     make_wave,
 )
-from truepose.cli.diagnosis_text import diagnosis_lines, errors_table
+from truepose.cli.calibration.diagnosis_text import diagnosis_lines, errors_table
 from truepose.domain.results.diagnosis import Gain, Remaining
 
 

@@ -31,7 +31,7 @@ def test_to_identify_takes_neither_scipy_nor_figures(output):
 
 
 def test_one_command_does_not_import_the_others():
-    assert "truepose.cli.campaigns" in loaded("identify", "--help")
+    assert "truepose.cli.calibration.campaigns" in loaded("identify", "--help")
     assert "truepose.cli.cells" not in loaded("identify", "--help")
 
 

@@ -7,8 +7,8 @@ import shutil
 import pytest
 
 from tests.helpers.checkout import CHECKOUT
-from truepose.cli import watching
-from truepose.cli.watching import watch_command
+from truepose.cli.calibration import watching
+from truepose.cli.calibration.watching import watch_command
 from truepose.domain.errors import ConfigurationError
 from truepose.exchange.errors import BadValueError, MissingFileError
 from truepose.exchange.models.file import read_model

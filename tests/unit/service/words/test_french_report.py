@@ -13,7 +13,7 @@ from tests.helpers.diagnosis.selections import planted
 from tests.helpers.identification.synthetic import configurations
 from tests.helpers.web.pages import Page
 from tests.helpers.words.english import FUNCTION_WORDS, NOUNS, english_in
-from truepose.cli.diagnosis_text import diagnosis_lines
+from truepose.cli.calibration.diagnosis_text import diagnosis_lines
 from truepose.diagnosis.diagnose import diagnose
 from truepose.diagnosis.screening.smooth_families import families
 from truepose.domain.results.causes import Shape

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from truepose.cli.files import Json, Language, LimitMm, ReportFile, require_folders, require_limit
+from truepose.cli.exchange.files import Json, Language, LimitMm, ReportFile, require_folders, require_limit
 from truepose.cli.output import print_json, print_tables, remark
 from truepose.words.catalogue import ENGLISH, Catalogue, catalogue
 

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from truepose.cli.files import (
+from truepose.cli.exchange.files import (
     CampaignPath,
     Json,
     Language,
@@ -104,7 +104,7 @@ def _print(answer: "Diagnosis", words: Catalogue, *, as_json: bool) -> None:
 
         print_json(diagnosis_document(answer))
         return
-    from truepose.cli.diagnosis_text import diagnosis_lines, errors_table
+    from truepose.cli.calibration.diagnosis_text import diagnosis_lines, errors_table
 
     print_lines(diagnosis_lines(answer, words))
     table = errors_table(answer, words)

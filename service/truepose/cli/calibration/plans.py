@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from truepose.cli.files import Json, Language, read_measured, require_folders, writing
+from truepose.cli.exchange.files import Json, Language, read_measured, require_folders, writing
 from truepose.cli.output import print_json, print_lines, print_tables
 from truepose.domain.errors import ConfigurationError
 from truepose.words.catalogue import ENGLISH, catalogue, english

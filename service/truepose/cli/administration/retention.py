@@ -5,9 +5,9 @@ from typing import Annotated
 
 import typer
 
-from truepose.cli.files import Json
+from truepose.cli.administration.records import Url
+from truepose.cli.exchange.files import Json
 from truepose.cli.output import print_json, print_lines
-from truepose.cli.records import Url
 
 
 def retention_command(

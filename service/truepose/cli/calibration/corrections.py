@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, BinaryIO
 
 import typer
 
-from truepose.cli.files import Json, Language, require_folders, writing
+from truepose.cli.exchange.files import Json, Language, require_folders, writing
 from truepose.cli.output import print_json, print_lines, remark, shown_progress
 from truepose.domain.errors import ConfigurationError
 from truepose.words.catalogue import ENGLISH, catalogue

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from truepose.cli.files import (
+from truepose.cli.exchange.files import (
     CampaignPath,
     Json,
     Language,

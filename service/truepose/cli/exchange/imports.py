@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from truepose.cli.files import Json
+from truepose.cli.exchange.files import Json
 from truepose.cli.output import print_json, print_lines, remark
 from truepose.domain.errors import ConfigurationError
 from truepose.words.catalogue import english

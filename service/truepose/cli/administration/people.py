@@ -4,7 +4,7 @@ from typing import Annotated
 
 import typer
 
-from truepose.cli.files import Json
+from truepose.cli.exchange.files import Json
 from truepose.cli.output import print_json, print_lines
 from truepose.domain.people.accounts import Role
 
@@ -20,7 +20,7 @@ def list_command(database: Database = None, json: Json = False) -> int:
 
     Example: truepose people list --json
     """
-    from truepose.cli.administration import administration
+    from truepose.cli.administration.register import administration
 
     with administration(database) as here:
         people = here.people()
@@ -38,7 +38,7 @@ def add_command(
 
     The first one has to be an administrator. Example: truepose people add "Ada Byron" --role administrator
     """
-    from truepose.cli.administration import administration
+    from truepose.cli.administration.register import administration
 
     with administration(database) as here:
         link = here.add(name, role)
@@ -50,7 +50,7 @@ def link_command(name: Name, database: Database = None, json: Json = False) -> i
 
     Example: truepose people link "Ada Byron"
     """
-    from truepose.cli.administration import administration
+    from truepose.cli.administration.register import administration
 
     with administration(database) as here:
         link = here.link(name)
@@ -64,7 +64,7 @@ def role_command(
 
     Example: truepose people role "Grace Hopper" metrologist
     """
-    from truepose.cli.administration import administration
+    from truepose.cli.administration.register import administration
 
     with administration(database) as here:
         here.change_role(name, role)
@@ -77,7 +77,7 @@ def remove_command(name: Name, database: Database = None) -> int:
 
     Example: truepose people remove "Grace Hopper"
     """
-    from truepose.cli.administration import administration
+    from truepose.cli.administration.register import administration
 
     with administration(database) as here:
         here.remove(name)
@@ -97,7 +97,7 @@ def token_command(
 
     Example: truepose people token "Ada Byron" --name "line 3" --role device --days 365
     """
-    from truepose.cli.administration import administration
+    from truepose.cli.administration.register import administration
 
     with administration(database) as here:
         secret = here.token(owner, name, role, days)

@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from truepose.cli.files import Json, Language, require_folders, writing
+from truepose.cli.exchange.files import Json, Language, require_folders, writing
 from truepose.cli.output import print_json, print_lines
 from truepose.words.catalogue import ENGLISH, catalogue
 

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Final
 
 import typer
 
-from truepose.cli.files import Json, Language, LimitMm, ReportFile, require_folders, require_limit
+from truepose.cli.exchange.files import Json, Language, LimitMm, ReportFile, require_folders, require_limit
 from truepose.cli.output import print_json, print_lines, print_tables, remark
 from truepose.domain.errors import ConfigurationError
 from truepose.words.catalogue import ENGLISH, catalogue, english

@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from truepose.cli.files import Json
+from truepose.cli.exchange.files import Json
 from truepose.cli.output import print_json, print_lines, shown_progress
 
 Url = Annotated[

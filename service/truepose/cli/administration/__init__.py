@@ -1,0 +1,1 @@
+"""Commands for whoever keeps the machine: people, the database, the service's own files."""

@@ -1,0 +1,1 @@
+"""Commands on other programs' files, and what commands on files share."""
