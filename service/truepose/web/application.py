@@ -31,8 +31,6 @@ from truepose.web.door.proxies import Proxies
 from truepose.web.examples import add_examples
 from truepose.web.healthiness import routes as health
 from truepose.web.measurement import (
-    ballbar_live,
-    ballbar_sessions,
     cells,
     closings,
     contact_sessions,
@@ -42,9 +40,11 @@ from truepose.web.measurement import (
     readings,
     session_spaces,
     sessions,
-    simulated_faults,
-    simulated_hands,
 )
+from truepose.web.measurement.ballbar import live as ballbar_live
+from truepose.web.measurement.ballbar import sessions as ballbar_sessions
+from truepose.web.measurement.simulated import faults as simulated_faults
+from truepose.web.measurement.simulated import hands as simulated_hands
 from truepose.web.observation import routes as metrics
 from truepose.web.observation.metrics import Metrics
 from truepose.web.observation.requests import Observed

@@ -16,7 +16,7 @@ from truepose.operation.tracker.plans import judged
 from truepose.storage.errors import ConflictError
 from truepose.storage.records import RequestKey, SessionRecord, SessionSetup
 from truepose.web.context import Context
-from truepose.web.measurement.ballbar_sessions import queue_plan
+from truepose.web.measurement.ballbar.sessions import queue_plan
 from truepose.web.results.origins import origin_of
 from truepose.web.schemas.measurement.again import RepeatRequest
 

@@ -11,7 +11,7 @@ from fastapi.responses import HTMLResponse, Response, StreamingResponse
 from truepose.operation.people.errors import UnknownPersonError
 from truepose.storage.people.credentials import CredentialKind, CredentialRecord
 from truepose.web.context import Context, Here
-from truepose.web.measurement.ballbar_live import follow_ballbar_session
+from truepose.web.measurement.ballbar.live import follow_ballbar_session
 from truepose.web.measurement.guides import follow_guide
 from truepose.web.measurement.live_stream import Follower
 from truepose.web.people.asking import Asker

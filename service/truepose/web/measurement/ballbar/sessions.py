@@ -11,7 +11,7 @@ from truepose.operation.ballbar.worker_tasks import plan_task
 from truepose.storage.records import RequestKey, SessionSetup
 from truepose.web.context import Context, Here
 from truepose.web.jobs import queued_as_preferred
-from truepose.web.measurement.ballbar_replies import ballbar_session_reply, entry_reply, steps_reply
+from truepose.web.measurement.ballbar.replies import ballbar_session_reply, entry_reply, steps_reply
 from truepose.web.people.authority import require_authority
 from truepose.web.problems import problems
 from truepose.web.requests.paging import Paged, listing

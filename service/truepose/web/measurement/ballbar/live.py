@@ -11,7 +11,7 @@ from fastapi.responses import StreamingResponse
 
 from truepose.sequencing.ballbar.measuring.live import LiveSample
 from truepose.web.context import Context
-from truepose.web.measurement.ballbar_replies import ballbar_session_reply
+from truepose.web.measurement.ballbar.replies import ballbar_session_reply
 from truepose.web.measurement.live_stream import Following, live_responses
 from truepose.web.resources import resource
 

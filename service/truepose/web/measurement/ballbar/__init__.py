@@ -1,0 +1,1 @@
+"""Ballbar sessions as REST resources: planned, acted upon, followed live."""

@@ -1,0 +1,1 @@
+"""What a simulated cell has on top: faults that may go wrong, and a person's hands."""
