@@ -1,13 +1,13 @@
 """What a night tries, in its order."""
 
-from truepose.demo.night.bad_lines import bad_lines
-from truepose.demo.night.ballbar_cells import BallbarCell
-from truepose.demo.night.calibrated_cells import calibrated_cells
+from truepose.demo.night.cells.ballbar_cells import BallbarCell
+from truepose.demo.night.cells.calibrated_cells import calibrated_cells
+from truepose.demo.night.cells.loop_cells import loop_cells
 from truepose.demo.night.check import NightCase
-from truepose.demo.night.crashes import KilledService
-from truepose.demo.night.faulty_sessions import FaultySession
-from truepose.demo.night.loop_cells import loop_cells
-from truepose.demo.night.planted_causes import planted_causes
+from truepose.demo.night.faults.bad_lines import bad_lines
+from truepose.demo.night.faults.crashes import KilledService
+from truepose.demo.night.faults.faulty_sessions import FaultySession
+from truepose.demo.night.faults.planted_causes import planted_causes
 from truepose.demo.night.upgrades import upgraded_databases
 
 # Accuracy is compared between nights: only the program may change in between, not the robot.

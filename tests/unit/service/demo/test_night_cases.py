@@ -7,9 +7,9 @@ from truepose.demo.errors import SessionHaltedError
 from truepose.demo.night import attended
 from truepose.demo.night.attended import attend
 from truepose.demo.night.cases import night_cases
-from truepose.demo.night.crashes import _Lives
 from truepose.demo.night.earlier import earlier_schemas
-from truepose.demo.night.faulty_sessions import FaultySession, _checks
+from truepose.demo.night.faults.crashes import _Lives
+from truepose.demo.night.faults.faulty_sessions import FaultySession, _checks
 from truepose.demo.night.upgrades import UpgradedDatabase, _moved
 from truepose.exchange.cells.scenario_text import scenario_text
 from truepose_simulators.scenarios.file import load_scenario
@@ -58,7 +58,7 @@ def reading(number, config=1, **more):
 @pytest.fixture(autouse=True)
 def _no_waiting(monkeypatch):
     monkeypatch.setattr(attended, "_LOOK_S", 0.0)
-    monkeypatch.setattr("truepose.demo.night.crashes._STILL_S", 0.0)
+    monkeypatch.setattr("truepose.demo.night.faults.crashes._STILL_S", 0.0)
 
 
 async def test_somebody_confirms_and_resumes_until_it_is_finished():

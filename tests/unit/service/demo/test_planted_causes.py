@@ -4,8 +4,8 @@ from types import SimpleNamespace
 
 import pytest
 
-from truepose.demo.night.calibrated_cells import wavy_gear_case
-from truepose.demo.night.planted_causes import _checks, _Planted, planted_causes
+from truepose.demo.night.cells.calibrated_cells import wavy_gear_case
+from truepose.demo.night.faults.planted_causes import _checks, _Planted, planted_causes
 from truepose_simulators.scenarios.file import load_scenario
 
 WAVE = _Planted("joint_harmonics", "joint 4", 0.04, {"order": 3.0})

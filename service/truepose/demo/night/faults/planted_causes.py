@@ -11,7 +11,7 @@ from typing import Any, Final
 import numpy as np
 
 from truepose.demo.cell.run import CellRequest
-from truepose.demo.night.calibrated_cells import CalibratedCell, found, listed
+from truepose.demo.night.cells.calibrated_cells import CalibratedCell, found, listed
 from truepose.demo.night.check import Check, converged
 from truepose.demo.truth_comparison import JudgedRun
 from truepose.exchange.cells.scenario_text import scenario_text

@@ -8,8 +8,8 @@ from typing import Final
 from truepose.demo.cell.client import ServiceClient
 from truepose.demo.cell.opened import opened_cell
 from truepose.demo.errors import SessionHaltedError
+from truepose.demo.night.cells.judged_session import VALIDATION, judged_by_tracker
 from truepose.demo.night.check import Check
-from truepose.demo.night.judged_session import VALIDATION, judged_by_tracker
 from truepose.demo.progress import RunProgress
 
 _POSES: Final = 20
