@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from datetime import date
 from typing import Any, Final
 
-from truepose.exchange.brought.quantities import Meaning
+from truepose.exchange.brought.guessing.quantities import Meaning
 from truepose.identification.verdict.changes import Change
 
 ROLES: Final = ("calibration", "validation", "legs", "validation_legs", "nothing")

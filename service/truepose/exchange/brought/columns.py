@@ -9,8 +9,8 @@ from typing import Any, Final
 import numpy as np
 import numpy.typing as npt
 
-from truepose.exchange.brought.quantities import LABELS, NOTHING, Meaning
-from truepose.exchange.brought.sheet import Sheet, is_blank, is_number
+from truepose.exchange.brought.files.sheet import Sheet, is_blank, is_number
+from truepose.exchange.brought.guessing.quantities import LABELS, NOTHING, Meaning
 from truepose.exchange.errors import BadValueError, UnreadableFileError
 
 _SIGNS: Final = {"+": 1.0, "-": -1.0, "pos": 1.0, "neg": -1.0, "positive": 1.0, "negative": -1.0}

@@ -4,9 +4,9 @@ from collections.abc import Sequence
 from typing import Final
 
 from truepose.exchange.brought.columns import Brought, BroughtValueError
-from truepose.exchange.brought.parcel import Piece
+from truepose.exchange.brought.files.parcel import Piece
+from truepose.exchange.brought.files.text import cells_of, decoded, lines_of
 from truepose.exchange.brought.tables import Told
-from truepose.exchange.brought.text import cells_of, decoded, lines_of
 from truepose.exchange.brought.understood import Fault, LineShown
 from truepose.exchange.errors import InputFileError
 

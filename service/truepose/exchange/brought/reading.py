@@ -13,7 +13,7 @@ from truepose.domain.sentences import said
 from truepose.exchange.brought import faults
 from truepose.exchange.brought.choices import OWN_ROBOT, Choices
 from truepose.exchange.brought.columns import Brought
-from truepose.exchange.brought.parcel import Piece, pieces, unpacked, with_edits
+from truepose.exchange.brought.files.parcel import Piece, pieces, unpacked, with_edits
 from truepose.exchange.brought.robots import Found, changed, robot_of
 from truepose.exchange.brought.seen import files_seen, notes_on
 from truepose.exchange.brought.stops import scatter_of_revisits_mm

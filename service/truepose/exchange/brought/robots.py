@@ -13,7 +13,7 @@ from truepose.domain.robot import Robot
 from truepose.domain.sentences import Sentence, Text, said
 from truepose.exchange.brought.choices import OWN_ROBOT, Choices
 from truepose.exchange.brought.columns import Brought, Cells
-from truepose.exchange.brought.parcel import Piece
+from truepose.exchange.brought.files.parcel import Piece
 from truepose.exchange.brought.tables import has_positions, joints_of, n_joints, positions_of
 from truepose.exchange.brought.understood import ChangeOffered, RobotSeen
 from truepose.exchange.campaigns.description import described_robot

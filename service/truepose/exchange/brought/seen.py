@@ -5,7 +5,7 @@ from typing import Final
 
 from truepose.domain.sentences import Sentence, said
 from truepose.exchange.brought.columns import labels_of
-from truepose.exchange.brought.parcel import Piece
+from truepose.exchange.brought.files.parcel import Piece
 from truepose.exchange.brought.tables import Told
 from truepose.exchange.brought.understood import ColumnSeen, FileSeen
 

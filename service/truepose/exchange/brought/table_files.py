@@ -7,7 +7,7 @@ from typing import Final
 
 from truepose.domain.sentences import Sentence, said
 from truepose.exchange.brought.choices import Choices
-from truepose.exchange.brought.parcel import MOST_FILES
+from truepose.exchange.brought.files.parcel import MOST_FILES
 from truepose.exchange.brought.reading import Reading, read_brought
 from truepose.exchange.brought.understood import FileSeen, Understood
 from truepose.exchange.errors import UnsafeArchiveError

@@ -11,10 +11,10 @@ from truepose.domain.arrays import FloatArray, IntArray
 from truepose.domain.sentences import Sentence, said
 from truepose.exchange.brought.choices import Choices
 from truepose.exchange.brought.columns import Brought, BroughtValueError, Cells, in_format, joined
-from truepose.exchange.brought.guesses import Guess, guessed
-from truepose.exchange.brought.parcel import Piece
-from truepose.exchange.brought.quantities import Meaning
-from truepose.exchange.brought.sheet import Sheet
+from truepose.exchange.brought.files.parcel import Piece
+from truepose.exchange.brought.files.sheet import Sheet
+from truepose.exchange.brought.guessing.guesses import Guess, guessed
+from truepose.exchange.brought.guessing.quantities import Meaning
 from truepose.exchange.brought.stops import numbered_stops, numbers_its_stops
 from truepose.exchange.errors import BadValueError
 from truepose.exchange.plausible import limits_of

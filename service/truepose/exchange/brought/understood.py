@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
 from truepose.domain.sentences import Sentence, Text
-from truepose.exchange.brought.quantities import Meaning
+from truepose.exchange.brought.guessing.quantities import Meaning
 
 Kind: TypeAlias = Literal["table", "robot", "description", "other"]
 Asked: TypeAlias = Literal["tables", "joints", "readings", "robot", "change", "uncertainty", "day"]

@@ -10,7 +10,7 @@ from fastapi import APIRouter
 from fastapi.responses import HTMLResponse
 
 from truepose.domain.robot import Robot
-from truepose.exchange.brought.quantities import AXES, QUANTITIES, Meaning
+from truepose.exchange.brought.guessing.quantities import AXES, QUANTITIES, Meaning
 from truepose.exchange.brought.understood import FileSeen, Understood
 from truepose.exchange.robots.shipped import list_robots, load_robot
 from truepose.storage.drafts import Draft

@@ -11,7 +11,7 @@ from tests.unit.service.exchange.brought.tables import plain
 from truepose.analysis.drafts import DraftDesk
 from truepose.analysis.workers.uploads import Uploads
 from truepose.exchange.brought.choices import ROLES
-from truepose.exchange.brought.quantities import QUANTITIES
+from truepose.exchange.brought.guessing.quantities import QUANTITIES
 from truepose.identification.verdict.changes import KINDS
 from truepose.storage.drafts import MOST_BYTES, DraftFolder
 from truepose.web.schemas.calibration.drafts import ChangeKind, MeaningRequest, Role

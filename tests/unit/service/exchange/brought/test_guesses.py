@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from tests.unit.service.exchange.brought.tables import plain, readings, table
-from truepose.exchange.brought.guesses import guessed
-from truepose.exchange.brought.sheet import read_sheet
+from truepose.exchange.brought.files.sheet import read_sheet
+from truepose.exchange.brought.guessing.guesses import guessed
 from truepose.words.catalogue import LANGUAGES, catalogue
 
 ANGLES = [f"q{k}_deg" for k in range(1, 7)]

@@ -2,8 +2,8 @@
 
 import pytest
 
-from truepose.exchange.brought.headings import heading, motoman, series
-from truepose.exchange.brought.quantities import MEANS_NOTHING, QUANTITIES, Meaning
+from truepose.exchange.brought.guessing.headings import heading, motoman, series
+from truepose.exchange.brought.guessing.quantities import MEANS_NOTHING, QUANTITIES, Meaning
 
 COLUMNS = [one for one in QUANTITIES.values() if one.column]
 

@@ -17,7 +17,7 @@ from truepose.domain.errors import ConfigurationError
 from truepose.domain.robot import Nest
 from truepose.exchange.brought.choices import Choices, FileChoice, choices_of, merged
 from truepose.exchange.brought.example import example_files
-from truepose.exchange.brought.quantities import Meaning
+from truepose.exchange.brought.guessing.quantities import Meaning
 from truepose.exchange.brought.reading import read_brought
 from truepose.exchange.campaigns.folder import campaign_files
 from truepose.exchange.campaigns.zip_file import write_campaign_zip

@@ -8,8 +8,8 @@ import pytest
 from tests.helpers.exchange.workbooks import workbook
 from tests.unit.service.exchange.brought.tables import plain, readings
 from truepose.exchange.brought.choices import Choices, FileChoice
+from truepose.exchange.brought.files.workbook import is_workbook, read_workbook
 from truepose.exchange.brought.reading import read_brought
-from truepose.exchange.brought.workbook import is_workbook, read_workbook
 from truepose.exchange.errors import UnreadableFileError, UnsafeArchiveError
 
 DAY = Choices(measured_on=date(2026, 3, 3))

@@ -9,9 +9,9 @@ import numpy as np
 
 from truepose.domain.arrays import FloatArray
 from truepose.domain.sentences import Sentence, said
-from truepose.exchange.brought.headings import Heading, heading, motoman, series
-from truepose.exchange.brought.quantities import LABELS, MEANS_NOTHING, NOTHING, QUANTITIES, Meaning
-from truepose.exchange.brought.sheet import Sheet, is_blank, is_number
+from truepose.exchange.brought.files.sheet import Sheet, is_blank, is_number
+from truepose.exchange.brought.guessing.headings import Heading, heading, motoman, series
+from truepose.exchange.brought.guessing.quantities import LABELS, MEANS_NOTHING, NOTHING, QUANTITIES, Meaning
 
 Certainty: TypeAlias = Literal["certain", "likely", "guess"]
 _MOST_RADIANS: Final = 6.6  # a little more than a turn: angles in degrees that stay within it hardly move

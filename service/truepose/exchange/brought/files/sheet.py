@@ -5,7 +5,14 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
-from truepose.exchange.brought.text import cells_of, decimal_mark, decoded, lines_of, separator_of, with_point
+from truepose.exchange.brought.files.text import (
+    cells_of,
+    decimal_mark,
+    decoded,
+    lines_of,
+    separator_of,
+    with_point,
+)
 from truepose.exchange.errors import UnreadableFileError
 from truepose.exchange.tables.rows import MOST_COLUMNS, MOST_ROWS
 

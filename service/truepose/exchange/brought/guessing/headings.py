@@ -5,8 +5,14 @@ import unicodedata
 from dataclasses import dataclass
 from typing import Final
 
-from truepose.exchange.brought.quantities import AXES, MEANS_NOTHING, OF_THE_FORMAT, QUANTITIES, Meaning
-from truepose.exchange.brought.vocabulary import (
+from truepose.exchange.brought.guessing.quantities import (
+    AXES,
+    MEANS_NOTHING,
+    OF_THE_FORMAT,
+    QUANTITIES,
+    Meaning,
+)
+from truepose.exchange.brought.guessing.vocabulary import (
     MEANT_BY,
     MEASURED,
     MOTOMAN,

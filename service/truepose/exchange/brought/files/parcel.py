@@ -8,10 +8,10 @@ from typing import Final
 
 from truepose.domain.sentences import Text, said
 from truepose.exchange.brought.choices import Choices
-from truepose.exchange.brought.sheet import Sheet, read_sheet
-from truepose.exchange.brought.text import decoded, lines_of
+from truepose.exchange.brought.files.sheet import Sheet, read_sheet
+from truepose.exchange.brought.files.text import decoded, lines_of
+from truepose.exchange.brought.files.workbook import is_workbook, read_workbook
 from truepose.exchange.brought.understood import Kind
-from truepose.exchange.brought.workbook import is_workbook, read_workbook
 from truepose.exchange.campaigns.folder import DESCRIPTION
 from truepose.exchange.campaigns.zip_file import read_zip_files
 from truepose.exchange.errors import InputFileError, UnreadableFileError, UnsafeArchiveError

@@ -1,0 +1,1 @@
+"""Files as they come: archives, texts, workbooks, and the sheets in them."""
