@@ -6,12 +6,12 @@ from pathlib import PurePath
 from typing import Final
 
 from truepose.exchange.errors import UnreadableFileError
-from truepose.exchange.programs import fanuc_ls, inform, ur_script, val3
 from truepose.exchange.programs.draft import Draft
-from truepose.exchange.programs.krl import motions as krl
+from truepose.exchange.programs.languages import fanuc_ls, inform, ur_script, val3
+from truepose.exchange.programs.languages.krl import motions as krl
+from truepose.exchange.programs.languages.rapid import motions as rapid
 from truepose.exchange.programs.lists import gcode, json_list
 from truepose.exchange.programs.program import Program
-from truepose.exchange.programs.rapid import motions as rapid
 from truepose.exchange.programs.source import Source
 
 _FULL: Final = "5e-7 mm, 5e-10 deg"

@@ -6,9 +6,8 @@ from typing import Final
 
 from truepose.domain.sentences import Sentence, said
 from truepose.exchange.programs.draft import COMPUTED, ELSEWHERE, Draft
-from truepose.exchange.programs.program import AT_THE_ORIGIN, Frame
-from truepose.exchange.programs.rapid.module import Routine, Statement, assignment_at
-from truepose.exchange.programs.rapid.values import (
+from truepose.exchange.programs.languages.rapid.module import Routine, Statement, assignment_at
+from truepose.exchange.programs.languages.rapid.values import (
     JOINTTARGET,
     ROBTARGET,
     elements,
@@ -16,6 +15,7 @@ from truepose.exchange.programs.rapid.values import (
     tool,
     work_object,
 )
+from truepose.exchange.programs.program import AT_THE_ORIGIN, Frame
 from truepose.exchange.programs.tokens import Token, Tokens, closing, inside, number, outside, shown
 
 _TARGETS: Final = frozenset({ROBTARGET, JOINTTARGET})

@@ -6,8 +6,8 @@ from typing import Final, TypeAlias
 
 from truepose.domain.sentences import Sentence
 from truepose.exchange.programs.draft import COMPUTED, ELSEWHERE, Draft
-from truepose.exchange.programs.krl.frames import NAMES, Frames, PointData
-from truepose.exchange.programs.krl.values import entries, target
+from truepose.exchange.programs.languages.krl.frames import NAMES, Frames, PointData
+from truepose.exchange.programs.languages.krl.values import entries, target
 from truepose.exchange.programs.tokens import Token, Tokens, closing, inside, number, outside, parts, shown
 
 _TARGETS: Final = frozenset({"E6POS", "POS", "E6AXIS", "AXIS"})

@@ -17,9 +17,9 @@ from truepose.exchange.programs.draft import (
     Draft,
 )
 from truepose.exchange.programs.frames_in_use import FramesInUse, InUse, Step, set_within
-from truepose.exchange.programs.krl.data import Chosen, Data, bracket
-from truepose.exchange.programs.krl.frames import NAMES, Which
-from truepose.exchange.programs.krl.values import target, whole
+from truepose.exchange.programs.languages.krl.data import Chosen, Data, bracket
+from truepose.exchange.programs.languages.krl.frames import NAMES, Which
+from truepose.exchange.programs.languages.krl.values import target, whole
 from truepose.exchange.programs.program import Frame, Path
 from truepose.exchange.programs.source import Source
 from truepose.exchange.programs.tokens import (

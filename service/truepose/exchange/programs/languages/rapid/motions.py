@@ -10,10 +10,10 @@ from typing import Final
 
 from truepose.domain.sentences import Sentence, said
 from truepose.exchange.programs.draft import ARC, CHOSEN, COMPUTED, DISPLACED, Draft
+from truepose.exchange.programs.languages.rapid.data import Chosen, Data
+from truepose.exchange.programs.languages.rapid.module import Statement, assignment_at, read_statements
+from truepose.exchange.programs.languages.rapid.values import JOINTTARGET, ROBTARGET, target
 from truepose.exchange.programs.program import Frame, Path
-from truepose.exchange.programs.rapid.data import Chosen, Data
-from truepose.exchange.programs.rapid.module import Statement, assignment_at, read_statements
-from truepose.exchange.programs.rapid.values import JOINTTARGET, ROBTARGET, target
 from truepose.exchange.programs.tokens import Token, Tokens, closing, outside, parts, shown
 
 

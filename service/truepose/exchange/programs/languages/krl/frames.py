@@ -10,7 +10,7 @@ from typing import Final, Literal, TypeAlias
 from truepose.domain.sentences import Sentence, said
 from truepose.exchange.programs.draft import HOLDS_WORK
 from truepose.exchange.programs.frames_in_use import InUse
-from truepose.exchange.programs.krl.values import entries, pose, whole
+from truepose.exchange.programs.languages.krl.values import entries, pose, whole
 from truepose.exchange.programs.program import AT_THE_ORIGIN, Frame, Pose
 from truepose.exchange.programs.source import Source
 from truepose.exchange.programs.tokens import Tokens, shown

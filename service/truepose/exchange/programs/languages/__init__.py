@@ -1,0 +1,1 @@
+"""The languages of robot programs, one file or folder each."""
