@@ -14,11 +14,11 @@ from truepose.exchange.campaigns.arrays import campaign_from_arrays
 from truepose.exchange.campaigns.folder import campaign_files, write_campaign
 from truepose.exchange.campaigns.path import read_campaign_at
 from truepose.exchange.tables.table import Arrays
-from truepose.notebook import html
-from truepose.notebook.frames import frame_of_text
-from truepose.notebook.given import read_if_path
-from truepose.notebook.robots import RobotGiven, known_robot, robot_keys, with_limits_of
-from truepose.notebook.tables import Table, columns_of
+from truepose.notebook.given.robots import RobotGiven, known_robot, robot_keys, with_limits_of
+from truepose.notebook.given.tables import Table, columns_of
+from truepose.notebook.given.things import read_if_path
+from truepose.notebook.shown import html
+from truepose.notebook.shown.frames import frame_of_text
 from truepose.words.catalogue import english
 
 if TYPE_CHECKING:

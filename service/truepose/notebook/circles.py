@@ -13,12 +13,12 @@ from truepose.exchange.json_text import Json
 from truepose.exchange.results.circles import circle_document
 from truepose.exchange.tables.files import held_out_readings
 from truepose.judgement.circle.judged import CircleTest, circle_test
-from truepose.notebook import html
-from truepose.notebook.frames import frame
+from truepose.notebook.given.robots import known_robot
+from truepose.notebook.given.tables import TableOrFile, named_data
 from truepose.notebook.model import Model
-from truepose.notebook.robots import known_robot
-from truepose.notebook.tables import TableOrFile, named_data
-from truepose.notebook.wording import counted
+from truepose.notebook.shown import html
+from truepose.notebook.shown.frames import frame
+from truepose.notebook.shown.wording import counted
 from truepose.reports.circles.report import write_circle_report
 from truepose.reports.circles.sentences import circle_heads, circle_rows, circle_test_sentences
 from truepose.words.catalogue import IN_ENGLISH, english

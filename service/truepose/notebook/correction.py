@@ -14,10 +14,10 @@ from truepose.exchange.corrections.files import corrected_rows, table_cautions
 from truepose.exchange.programs.understood import Meant
 from truepose.exchange.tables.targets import CorrectionWriter
 from truepose.kinematics.inverse import BRANCH_NAMES
-from truepose.notebook import html
-from truepose.notebook.frames import frame
+from truepose.notebook.given.tables import TableOrFile, named_data
 from truepose.notebook.model import Model, model_given
-from truepose.notebook.tables import TableOrFile, named_data
+from truepose.notebook.shown import html
+from truepose.notebook.shown.frames import frame
 from truepose.reports.corrections import correction_sentences
 from truepose.words.catalogue import english
 

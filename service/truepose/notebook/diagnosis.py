@@ -13,12 +13,12 @@ from truepose.domain.results import diagnosis as domain
 from truepose.domain.results.identification import NominalAndIdentified
 from truepose.exchange.json_text import Json
 from truepose.exchange.results.diagnosis import diagnosis_document
-from truepose.notebook import html
 from truepose.notebook.campaign import Campaign, campaign_given
-from truepose.notebook.frames import frame
-from truepose.notebook.given import Progress, effects_given
+from truepose.notebook.given.things import Progress, effects_given
 from truepose.notebook.model import Model
-from truepose.notebook.wording import STATISTICS, change_of, counted, finding_texts, rows_of
+from truepose.notebook.shown import html
+from truepose.notebook.shown.frames import frame
+from truepose.notebook.shown.wording import STATISTICS, change_of, counted, finding_texts, rows_of
 from truepose.words.catalogue import english
 
 if TYPE_CHECKING:

@@ -4,7 +4,7 @@ from pathlib import Path
 
 from truepose.exchange.exports.formats import Format
 from truepose.exchange.exports.formats import export as export_model
-from truepose.notebook.given import path_of
+from truepose.notebook.given.things import path_of
 from truepose.notebook.model import Model, model_given
 from truepose.words.catalogue import english
 

@@ -10,12 +10,12 @@ from truepose.domain.results import identification as domain
 from truepose.exchange.json_text import Json
 from truepose.exchange.results.identification import identification_document
 from truepose.identification import identify as identify_campaign
-from truepose.notebook import html
 from truepose.notebook.campaign import Campaign, campaign_given
-from truepose.notebook.frames import frame
-from truepose.notebook.given import Progress, effects_given
+from truepose.notebook.given.things import Progress, effects_given
 from truepose.notebook.model import Model
-from truepose.notebook.wording import STATISTICS, change, counted, parameter_table, rows_of
+from truepose.notebook.shown import html
+from truepose.notebook.shown.frames import frame
+from truepose.notebook.shown.wording import STATISTICS, change, counted, parameter_table, rows_of
 from truepose.words.catalogue import english
 
 if TYPE_CHECKING:

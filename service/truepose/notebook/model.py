@@ -9,10 +9,10 @@ from truepose.exchange.json_text import Json
 from truepose.exchange.models.document import model_document
 from truepose.exchange.models.file import read_model as read_model_file
 from truepose.exchange.models.file import write_model
-from truepose.notebook import html
-from truepose.notebook.frames import frame
-from truepose.notebook.given import path_of, read_if_path
-from truepose.notebook.wording import counted, parameter_table
+from truepose.notebook.given.things import path_of, read_if_path
+from truepose.notebook.shown import html
+from truepose.notebook.shown.frames import frame
+from truepose.notebook.shown.wording import counted, parameter_table
 
 if TYPE_CHECKING:
     from pandas import DataFrame

@@ -12,10 +12,10 @@ from truepose.domain.errors import ConfigurationError
 from truepose.domain.measurement.session import SessionPlan
 from truepose.exchange.cells.given import cell_given
 from truepose.exchange.tables.stops import NO_REPEAT, joint_names
-from truepose.notebook import html
-from truepose.notebook.frames import frame
-from truepose.notebook.given import path_of
-from truepose.notebook.wording import counted
+from truepose.notebook.given.things import path_of
+from truepose.notebook.shown import html
+from truepose.notebook.shown.frames import frame
+from truepose.notebook.shown.wording import counted
 from truepose.planning.promise.curve import CurvePoint
 from truepose.planning.promise.plan import PromisedPlan
 from truepose.planning.promise.subjects import of_cell

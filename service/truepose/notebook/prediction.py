@@ -10,11 +10,11 @@ from truepose.domain.arrays import FloatArray, IntArray
 from truepose.exchange.tables.files import points_to_predict, write_predictions
 from truepose.identification import predict as predict_positions
 from truepose.judgement.cautions import prediction_cautions
-from truepose.notebook import html
-from truepose.notebook.frames import frame
+from truepose.notebook.given.tables import TableOrFile, named_data
 from truepose.notebook.model import Model, model_given
-from truepose.notebook.tables import TableOrFile, named_data
-from truepose.notebook.wording import counted
+from truepose.notebook.shown import html
+from truepose.notebook.shown.frames import frame
+from truepose.notebook.shown.wording import counted
 from truepose.reports.rounding import millimetres
 from truepose.words.catalogue import english
 

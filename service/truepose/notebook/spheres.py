@@ -10,11 +10,11 @@ from truepose.domain.measurement.campaign import Campaign as CampaignData
 from truepose.exchange.json_text import Json
 from truepose.exchange.results.spheres import sphere_document
 from truepose.judgement.sphere.judged import NOMINAL, SphereTest, sphere_test
-from truepose.notebook import html
 from truepose.notebook.campaign import Campaign, campaign_given
-from truepose.notebook.frames import frame
 from truepose.notebook.model import Model, model_given
-from truepose.notebook.wording import counted
+from truepose.notebook.shown import html
+from truepose.notebook.shown.frames import frame
+from truepose.notebook.shown.wording import counted
 from truepose.reports.spheres.report import write_sphere_report
 from truepose.reports.spheres.sentences import (
     WORDS_OF_ROW,

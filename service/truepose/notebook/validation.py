@@ -21,11 +21,11 @@ from truepose.identification import judge
 from truepose.judgement.cautions import pose_test_caution, validation_cautions
 from truepose.judgement.iso9283.judged import PoseTest, pose_test
 from truepose.judgement.validation import validate as validate_model
-from truepose.notebook import html
-from truepose.notebook.frames import frame
+from truepose.notebook.given.tables import TableOrFile, named_data
 from truepose.notebook.model import Model, model_given
-from truepose.notebook.tables import TableOrFile, named_data
-from truepose.notebook.wording import STATISTICS, change, counted, rows_of
+from truepose.notebook.shown import html
+from truepose.notebook.shown.frames import frame
+from truepose.notebook.shown.wording import STATISTICS, change, counted, rows_of
 from truepose.reports.validation.pose_test_rows import pose_test_rows, withheld_sentences
 from truepose.words.catalogue import english
 

@@ -10,7 +10,7 @@ import numpy as np
 from truepose.domain.measurement.campaign import Campaign
 from truepose.domain.robot import Robot
 from truepose.exchange.robots.campaign_keys import campaign_keys, named_robot, without_masses
-from truepose.notebook.tables import Table, columns_of
+from truepose.notebook.given.tables import Table, columns_of
 
 RobotGiven: TypeAlias = str | Path | Table | Sequence[Mapping[str, float]]
 

@@ -1,0 +1,1 @@
+"""How a notebook sees answers: as DataFrames, small tables and text."""
