@@ -20,14 +20,17 @@ from truepose_drivers.leica_emscon.protocol import (
 )
 from truepose_drivers.leica_emscon.protocol.settings import MeasMode
 from truepose_simulators.cell.true_cell import Cell
-from truepose_simulators.instruments.tracker.leica_emscon.aiming import Aiming, initialised_only
-from truepose_simulators.instruments.tracker.leica_emscon.identity import (
+from truepose_simulators.instruments.tracker.leica_emscon.commands.aiming import Aiming, initialised_only
+from truepose_simulators.instruments.tracker.leica_emscon.commands.identity import (
     COMPENSATION_IDS,
     REFLECTOR_IDS,
     compensation,
     description,
     reflectors,
 )
+from truepose_simulators.instruments.tracker.leica_emscon.commands.probing import Poses
+from truepose_simulators.instruments.tracker.leica_emscon.commands.shooting import Shooting
+from truepose_simulators.instruments.tracker.leica_emscon.commands.status import StatusReports
 from truepose_simulators.instruments.tracker.leica_emscon.parameters import (
     COMPENSATION,
     CONTINUOUS_TIME,
@@ -39,10 +42,7 @@ from truepose_simulators.instruments.tracker.leica_emscon.parameters import (
     not_finite,
     wrong_parameter,
 )
-from truepose_simulators.instruments.tracker.leica_emscon.probing import Poses
 from truepose_simulators.instruments.tracker.leica_emscon.settings import ServerSettings
-from truepose_simulators.instruments.tracker.leica_emscon.shooting import Shooting
-from truepose_simulators.instruments.tracker.leica_emscon.status import StatusReports
 from truepose_simulators.instruments.tracker.leica_emscon.steps import HangUp, Steps
 from truepose_simulators.instruments.tracker.leica_emscon.units import Quantity
 from truepose_simulators.instruments.tracker.probe import Probe

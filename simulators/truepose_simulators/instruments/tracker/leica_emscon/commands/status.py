@@ -11,7 +11,10 @@ from truepose_drivers.leica_emscon.protocol.equipment import (
     TrackerStatus,
 )
 from truepose_simulators.cell.true_cell import Cell
-from truepose_simulators.instruments.tracker.leica_emscon.identity import SERVER_VERSION, serial_number
+from truepose_simulators.instruments.tracker.leica_emscon.commands.identity import (
+    SERVER_VERSION,
+    serial_number,
+)
 from truepose_simulators.instruments.tracker.leica_emscon.parameters import SETTINGS
 from truepose_simulators.instruments.tracker.leica_emscon.settings import ServerSettings
 from truepose_simulators.instruments.tracker.leica_emscon.steps import Steps

@@ -19,15 +19,18 @@ from truepose_simulators.cell.true_cell import Cell
 from truepose_simulators.errors import BeamError
 from truepose_simulators.faults.kinds import BeamBroken, TrackerCut, TrackerSilent
 from truepose_simulators.faults.wire import TrackerRepeatsResult, TrackerStaleResult, TrackerUnitsChanged
-from truepose_simulators.instruments.tracker.leica_emscon.aiming import NO_REFLECTOR, initialised_only
-from truepose_simulators.instruments.tracker.leica_emscon.continuous import Continuous
+from truepose_simulators.instruments.tracker.leica_emscon.commands.aiming import (
+    NO_REFLECTOR,
+    initialised_only,
+)
+from truepose_simulators.instruments.tracker.leica_emscon.commands.continuous import Continuous
+from truepose_simulators.instruments.tracker.leica_emscon.commands.probing import Poses
 from truepose_simulators.instruments.tracker.leica_emscon.measuring import (
     Points,
     air_members,
     coordinates,
 )
 from truepose_simulators.instruments.tracker.leica_emscon.parameters import MODE, STATIONARY, UNITS
-from truepose_simulators.instruments.tracker.leica_emscon.probing import Poses
 from truepose_simulators.instruments.tracker.leica_emscon.settings import ServerSettings
 from truepose_simulators.instruments.tracker.leica_emscon.steps import CutShort, Steps, Wait
 from truepose_simulators.instruments.tracker.leica_emscon.units import Quantity

@@ -16,7 +16,7 @@ from truepose_drivers.leica_emscon.protocol.settings import MeasMode, SystemPara
 from truepose_simulators.cell.true_cell import Cell
 from truepose_simulators.errors import BeamError
 from truepose_simulators.instruments.tracker.device import PointMeasured
-from truepose_simulators.instruments.tracker.leica_emscon.aiming import NO_REFLECTOR
+from truepose_simulators.instruments.tracker.leica_emscon.commands.aiming import NO_REFLECTOR
 from truepose_simulators.instruments.tracker.leica_emscon.measuring import (
     air_members,
     coordinates,

@@ -1,0 +1,1 @@
+"""Commands of the emScon interface, and what the simulated tracker does for each."""
