@@ -9,9 +9,9 @@ from truepose_drivers import options as option
 from truepose_drivers.abb_egm.protocol import EGM_PORT, Motors, Rapid, RobotFrame, decode_robot
 from truepose_drivers.api import Clock, JointReading, Options
 from truepose_drivers.arms.companion import AccompaniedRobot, GuardingRobot
-from truepose_drivers.errors import ConnectFailedError, NoReplyError, NotInitialisedError
+from truepose_drivers.errors import NoReplyError, NotInitialisedError
 from truepose_drivers.transports.conversation import Turns
-from truepose_drivers.transports.link import Source, drain
+from truepose_drivers.transports.link import OnePortDevice, Source, drain, introduction
 from truepose_drivers.transports.udp import UdpPort
 
 EGM_OPTION: Final = f"UDP port at which joints arrive by EGM, often {EGM_PORT}; without it they are asked for"
@@ -20,33 +20,23 @@ _FRESH_WITHIN_S: Final = 0.5  # wall time; a controller sends every 4 ms, or a f
 _STANDING_RAD: Final = 1e-6
 
 
-class EgmReader:
+class EgmReader(OnePortDevice):
     """The stream of one controller at a port of ours."""
 
     def __init__(self, source: Source, clock: Clock, *, fresh_within_s: float = _FRESH_WITHIN_S) -> None:
         self._source = source
+        super().__init__(self._source)
         self._clock = clock
         self._fresh_within_s = fresh_within_s
         self._turns = Turns(source, harmless=(NotInitialisedError,))
         self._last: RobotFrame | None = None
 
-    @property
-    def connected(self) -> bool:
-        """Whether the stream is there as far as known."""
-        return self._source.is_open
-
     async def connect(self) -> None:
         """Listen, and see that a controller sends; raises ConnectFailedError."""
         self._last = None
         await self._source.open()
-        try:
+        async with introduction(self._source):
             await self.next_frame()
-        except NoReplyError as error:
-            raise ConnectFailedError(str(error)) from error
-
-    async def close(self) -> None:
-        """Listen no more; never raises."""
-        await self._source.close()
 
     async def next_frame(self) -> RobotFrame:
         """Return the first frame that arrives from now on and is newer than all before.

@@ -93,6 +93,8 @@ class TimeOuts:
 class OpenAbbRobot:
     """An open_abb server on a link. Keeps the conversation; computes nothing."""
 
+    can_stop_motion = False  # the server reads nothing while the arm moves
+
     def __init__(
         self,
         link: Link,
@@ -119,11 +121,6 @@ class OpenAbbRobot:
     def connected(self) -> bool:
         """Whether the link is up as far as known."""
         return self._link.is_open
-
-    @property
-    def can_stop_motion(self) -> bool:
-        """Never: the server reads nothing while the arm moves."""
-        return False
 
     @property
     def motion_guard(self) -> MotionGuard:

@@ -47,6 +47,10 @@ _FASTEST: Final = 1e9  # a number of RAPID, far beyond any arm
 class RwsRobot:
     """A controller on a link. Keeps the conversation; computes nothing."""
 
+    can_stop_motion = True  # a motion that is not waited for any more is stopped
+    # Our program stops a motion when it hears nothing, and says what it understood of an order.
+    motion_guard = MotionGuard(stops_unheard_s=STOPS_WITHIN_S, speed_read_back=True)
+
     def __init__(
         self,
         link: Link,
@@ -66,16 +70,6 @@ class RwsRobot:
     def connected(self) -> bool:
         """Whether the link is up as far as known."""
         return self._session.is_open
-
-    @property
-    def can_stop_motion(self) -> bool:
-        """Always: a motion that is not waited for any more is stopped."""
-        return True
-
-    @property
-    def motion_guard(self) -> MotionGuard:
-        """Our program stops a motion when it hears nothing, and says what it understood of an order."""
-        return MotionGuard(stops_unheard_s=STOPS_WITHIN_S, speed_read_back=True)
 
     async def connect(self) -> None:
         """Open the link and log in; raises ConnectFailedError, DeviceRefusedError."""

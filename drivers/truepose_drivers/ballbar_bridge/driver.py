@@ -2,11 +2,10 @@
 
 from truepose_drivers.api import BallbarReading, Clock, DeviceIdentity, DriverPlugin, Options
 from truepose_drivers.ballbar_bridge.protocol import BridgeProtocolError, BridgeReading, Hello, decode
-from truepose_drivers.errors import ConnectFailedError, LinkError
 from truepose_drivers.json_lines import LineReader
 from truepose_drivers.monotonic_clock import MonotonicClock
 from truepose_drivers.transports.conversation import Listener
-from truepose_drivers.transports.link import Link
+from truepose_drivers.transports.link import Link, OnePortDevice, introduction
 from truepose_drivers.transports.tcp import tcp_link
 
 PORT = 7420  # ours, and free to choose: no registry lists it
@@ -14,34 +13,23 @@ _VALUE_TIMEOUT_S = 2.0
 _UNKNOWN = "unknown"
 
 
-class BridgedBallbar:
+class BridgedBallbar(OnePortDevice):
     """A ballbar bridge on a link; it sends a line for each value, and we only listen."""
 
     def __init__(self, link: Link, clock: Clock, *, value_timeout_s: float = _VALUE_TIMEOUT_S) -> None:
         self._lines: Listener[bytes] = Listener(link, LineReader)
+        super().__init__(self._lines)
         self._clock = clock
         self._value_timeout_s = value_timeout_s
         self._hello = Hello()
         self._last: int | None = None  # number of the newest value of this connection
 
-    @property
-    def connected(self) -> bool:
-        """Whether the link is up as far as known."""
-        return self._lines.is_open
-
     async def connect(self) -> None:
         """Open the link and wait for a first value; raises ConnectFailedError."""
         self._hello, self._last = Hello(), None
         await self._lines.open()
-        try:
-            async with self._lines.turn():
-                await self._next_value()
-        except LinkError as error:
-            raise ConnectFailedError(str(error)) from error
-
-    async def close(self) -> None:
-        """Close the link; never raises."""
-        await self._lines.close()
+        async with introduction(self._lines), self._lines.turn():
+            await self._next_value()
 
     async def identify(self) -> DeviceIdentity:
         """Return what the bridge said of the ballbar, once another value has shown that it is there."""

@@ -5,33 +5,25 @@ from truepose_drivers.cell_hands.protocol import Answer, Do, Request, Who, decod
 from truepose_drivers.errors import DeviceRefusedError
 from truepose_drivers.json_lines import LineReader, Refusal
 from truepose_drivers.transports.conversation import Conversation
-from truepose_drivers.transports.link import Link, introduction
+from truepose_drivers.transports.link import Link, OnePortDevice, introduction
 from truepose_drivers.transports.tcp import tcp_link
 
 _ANSWER_TIMEOUT_S = 30.0  # wall time; at real pace the hands take as long as a person's
 
 
-class CellHands:
+class CellHands(OnePortDevice):
     """The hands of a simulated cell on a link."""
 
     def __init__(self, link: Link, *, answer_timeout_s: float = _ANSWER_TIMEOUT_S) -> None:
         self._conversation = Conversation(link, LineReader)
+        super().__init__(self._conversation)
         self._answer_timeout_s = answer_timeout_s
-
-    @property
-    def connected(self) -> bool:
-        """Whether the link is up as far as known."""
-        return self._conversation.is_open
 
     async def connect(self) -> None:
         """Open the link and ask who is there; raises ConnectFailedError."""
         await self._conversation.open()
         async with introduction(self._conversation):
             await self._ask(Who())
-
-    async def close(self) -> None:
-        """Close the link; never raises."""
-        await self._conversation.close()
 
     async def identify(self) -> DeviceIdentity:
         """Ask who is there."""

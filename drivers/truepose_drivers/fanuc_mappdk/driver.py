@@ -82,6 +82,8 @@ class TimeOuts:
 class MappdkRobot:
     """A MAPPDK server on a link; with the logger's link, joints are read while the arm moves too."""
 
+    can_stop_motion = False  # the server reads no request while the arm moves
+
     def __init__(
         self,
         link: Link,
@@ -108,11 +110,6 @@ class MappdkRobot:
     def connected(self) -> bool:
         """Whether the link is up as far as known."""
         return self._motion.connected
-
-    @property
-    def can_stop_motion(self) -> bool:
-        """Never: the server reads no request while the arm moves."""
-        return False
 
     @property
     def motion_guard(self) -> MotionGuard:

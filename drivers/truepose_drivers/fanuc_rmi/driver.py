@@ -77,6 +77,10 @@ class TimeOuts:
 class RmiRobot:
     """A controller behind a handed-over link. Keeps the conversation."""
 
+    can_stop_motion = True  # a motion given up ends the session, and with it the program
+    # Without a heartbeat the piece of a motion that was sent goes on to its end.
+    motion_guard = MotionGuard(longest_piece_s=LONGEST_PIECE_S)
+
     def __init__(
         self,
         to_port: Callable[[int], Link],
@@ -103,16 +107,6 @@ class RmiRobot:
     def connected(self) -> bool:
         """Whether the session is up as far as known."""
         return self._link.is_open
-
-    @property
-    def can_stop_motion(self) -> bool:
-        """A motion that is given up ends the session, and with it the controller's program."""
-        return True
-
-    @property
-    def motion_guard(self) -> MotionGuard:
-        """Without a heartbeat the piece of a motion that was sent goes on to its end."""
-        return MotionGuard(longest_piece_s=LONGEST_PIECE_S)
 
     async def connect(self) -> None:
         """Begin a session; raises ConnectFailedError. The motion group stays free before the first motion."""

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 from truepose_drivers import options as option
 from truepose_drivers.api import BallbarReading, Clock, DeviceIdentity, DriverPlugin, Options
-from truepose_drivers.errors import ConfigurationError, ConnectFailedError, ConnectionLostError, NoReplyError
+from truepose_drivers.errors import ConfigurationError, NoReplyError
 from truepose_drivers.heidenhain_nd.protocol import (
     ERROR_TEXT,
     IDENTITY,
@@ -28,7 +28,7 @@ from truepose_drivers.heidenhain_nd.protocol import (
 )
 from truepose_drivers.monotonic_clock import MonotonicClock
 from truepose_drivers.transports.conversation import Conversation
-from truepose_drivers.transports.link import Link
+from truepose_drivers.transports.link import Link, OnePortDevice, introduction
 from truepose_drivers.transports.serial import Framing, SerialLink
 from truepose_drivers.transports.tcp import tcp_link
 
@@ -53,35 +53,24 @@ class _Answers:
     refusals: int = 0
 
 
-class HeidenhainCounter:
+class HeidenhainCounter(OnePortDevice):
     """An ND 28x on a link. Keeps the conversation; computes nothing."""
 
     def __init__(self, link: Link, clock: Clock, *, reply_timeout_s: float = _REPLY_TIMEOUT_S) -> None:
         self._conversation: Conversation[Reply] = Conversation(link, ReplyReader)
+        super().__init__(self._conversation)
         self._counter = f"the counter at {link.address}"
         self._clock = clock
         self._reply_timeout_s = reply_timeout_s
         self._inch = False  # what the counter displayed when it was asked last
 
-    @property
-    def connected(self) -> bool:
-        """Whether the link is up as far as known."""
-        return self._conversation.is_open
-
     async def connect(self) -> None:
         """Open the link, ask who is there and which unit is displayed; raises ConnectFailedError."""
         await self._conversation.open()
-        try:
-            async with self._conversation.turn():
-                await self._ask_identity()
-                _, lamps = await self._ask_state()
-        except (NoReplyError, ConnectionLostError) as error:
-            raise ConnectFailedError(str(error)) from error
+        async with introduction(self._conversation), self._conversation.turn():
+            await self._ask_identity()
+            _, lamps = await self._ask_state()
         self._inch = lamps.inch
-
-    async def close(self) -> None:
-        """Close the link; never raises."""
-        await self._conversation.close()
 
     async def identify(self) -> DeviceIdentity:
         """Ask for model and software number; the counter knows no serial number of its gauge."""

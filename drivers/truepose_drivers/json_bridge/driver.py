@@ -21,10 +21,8 @@ from truepose_drivers.errors import (
     BeamBrokenError,
     BusyError,
     ConfigurationError,
-    ConnectFailedError,
     DeviceRefusedError,
     DriverError,
-    LinkError,
     MeasurementFailedError,
     NoReplyError,
     NotInitialisedError,
@@ -49,7 +47,7 @@ from truepose_drivers.json_bridge.readings import air_of, point_of, pose_of
 from truepose_drivers.json_lines import LineReader
 from truepose_drivers.monotonic_clock import MonotonicClock
 from truepose_drivers.transports.conversation import Conversation
-from truepose_drivers.transports.link import Link
+from truepose_drivers.transports.link import Link, OnePortDevice, introduction
 from truepose_drivers.transports.tcp import tcp_link
 
 Value = TypeVar("Value")
@@ -70,23 +68,19 @@ _FAILURES: Mapping[str, type[DriverError]] = {
 }
 
 
-class BridgedTracker:
+class BridgedTracker(OnePortDevice):
     """An instrument bridge on a link: measures points, poses or both, as its instrument does."""
 
     def __init__(self, link: Link, clock: Clock) -> None:
         self._lines: Conversation[bytes] = Conversation(
             link, LineReader, harmless=(DeviceRefusedError, MeasurementFailedError)
         )
+        super().__init__(self._lines)
         self._clock = clock
         self._asked = 0  # questions on this connection
         self._serial: str | None = None  # of the instrument that was initialised
         self._newest = 0  # number of the newest measurement
         self._measures = ""
-
-    @property
-    def connected(self) -> bool:
-        """Whether the link is up as far as known."""
-        return self._lines.is_open
 
     @property
     def settings(self) -> str:
@@ -97,14 +91,8 @@ class BridgedTracker:
         """Open the link and ask who is there; raises ConnectFailedError."""
         self._asked, self._serial, self._measures = 0, None, ""
         await self._lines.open()
-        try:
+        async with introduction(self._lines):
             await self.identify()
-        except LinkError as error:
-            raise ConnectFailedError(str(error)) from error
-
-    async def close(self) -> None:
-        """Close the link; never raises."""
-        await self._lines.close()
 
     async def identify(self) -> DeviceIdentity:
         """Ask the bridge what instrument it speaks for."""

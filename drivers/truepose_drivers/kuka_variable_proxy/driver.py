@@ -63,6 +63,10 @@ class TimeOuts:
 class KukaRobot:
     """A controller behind its proxy. Keeps the conversation; computes nothing."""
 
+    can_stop_motion = True  # a motion given up is heard of no more, and the program stops the arm
+    # The program stops a motion when it hears nothing.
+    motion_guard = MotionGuard(stops_unheard_s=STOPS_WITHIN_S)
+
     def __init__(
         self,
         link: Link,
@@ -85,16 +89,6 @@ class KukaRobot:
     def connected(self) -> bool:
         """Whether the link is up as far as known."""
         return self._proxy.is_open
-
-    @property
-    def can_stop_motion(self) -> bool:
-        """A motion that is given up is heard of no more, and the program stops the arm."""
-        return True
-
-    @property
-    def motion_guard(self) -> MotionGuard:
-        """The program stops a motion when it hears nothing."""
-        return MotionGuard(stops_unheard_s=STOPS_WITHIN_S)
 
     async def connect(self) -> None:
         """Open the link and see that a robot is behind it; raises ConnectFailedError."""

@@ -64,21 +64,12 @@ class TrackerConversation:
         self._takes_time = False  # what is awaited
         self.answers_while_busy = True  # False: it keeps what it is asked until it is done
 
-    @property
-    def is_open(self) -> bool:
-        """Whether the link is up as far as known."""
-        return self._frames.is_open
-
     async def open(self) -> None:
         """Open the link afresh; raises ConnectFailedError."""
         self._changes = set()
         self._owes_sign = False
         self.answers_while_busy = True
         await self._frames.open()
-
-    async def close(self) -> None:
-        """Close the link; never raises."""
-        await self._frames.close()
 
     async def ask(self, request: Request, *, timeout_s: float, purpose: Purpose = "set") -> Record:
         """Return the members of the answer; raises the error that its status means."""

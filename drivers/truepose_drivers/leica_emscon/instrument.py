@@ -14,9 +14,7 @@ from truepose_drivers.api import Clock, DeviceIdentity, Vector
 from truepose_drivers.errors import (
     BusyError,
     ConfigurationError,
-    ConnectFailedError,
     DeviceRefusedError,
-    LinkError,
     NotInitialisedError,
     RemoteProtocolError,
 )
@@ -33,7 +31,7 @@ from truepose_drivers.leica_emscon.settled import (
     Setting,
     Settled,
 )
-from truepose_drivers.transports.link import Link
+from truepose_drivers.transports.link import Link, OnePortDevice, introduction
 
 _MANUFACTURER = "Leica Geosystems"
 _MOST_TRIES = 2  # of a measurement during which somebody changed the tracker
@@ -62,10 +60,11 @@ class TimeOuts:
     result_s: float = 10.0  # besides the time that is measured: distances are tried again
 
 
-class EmsconInstrument(ABC):
+class EmsconInstrument(OnePortDevice, ABC):
     """An emScon server on a link. Keeps the conversation; computes nothing."""
 
     def __init__(self, link: Link, clock: Clock, subject: Subject, time_outs: TimeOuts | None) -> None:
+        super().__init__(link)
         self._conversation = TrackerConversation(link, subject)
         self._clock = clock
         self._time_outs = time_outs or TimeOuts()
@@ -84,11 +83,6 @@ class EmsconInstrument(ABC):
         """Return where the reflector was when this was measured, None where that cannot be known."""
 
     @property
-    def connected(self) -> bool:
-        """Whether the link is up as far as known."""
-        return self._conversation.is_open
-
-    @property
     def settings(self) -> str:
         """What it measures, as read back when it was last initialised."""
         return self._measures
@@ -100,17 +94,8 @@ class EmsconInstrument(ABC):
         """
         self._prepared = False
         await self._conversation.open()
-        try:
+        async with introduction(self._port):
             await self._ask(Command.GET_SYSTEM_STATUS)
-        except LinkError as error:
-            raise ConnectFailedError(str(error)) from error
-        except DeviceRefusedError:
-            await self.close()
-            raise
-
-    async def close(self) -> None:
-        """Close the link; never raises."""
-        await self._conversation.close()
 
     async def identify(self) -> DeviceIdentity:
         """Ask for model, serial number and firmware."""

@@ -7,16 +7,13 @@ from typing import Final, Generic, Protocol, TypeAlias, TypeVar
 
 from truepose_drivers.api import BallbarReading, Clock, DeviceIdentity
 from truepose_drivers.errors import (
-    ConnectFailedError,
-    ConnectionLostError,
     DeviceRefusedError,
-    NoReplyError,
 )
 from truepose_drivers.line_gauges.settings import GaugeSettings
 from truepose_drivers.line_gauges.text_lines import LineGaugeError
 from truepose_drivers.line_gauges.value_form import MOST_LESSONS, Value, ValueForm
 from truepose_drivers.transports.conversation import Conversation, Reader
-from truepose_drivers.transports.link import Link, drain
+from truepose_drivers.transports.link import Link, OnePortDevice, drain, introduction
 
 _REPLY_TIMEOUT_S: Final = 1.0  # a Digimatic gauge takes up to a quarter of a second to send its value
 _SETTLE_S: Final = 0.3  # a Digimatic gauge needs no longer, and the line no time
@@ -57,7 +54,7 @@ class Dialect(Protocol[Message]):
         ...
 
 
-class LineGauges(Generic[Message]):
+class LineGauges(OnePortDevice, Generic[Message]):
     """Gauges behind one box on a link; each channel that the cell file names is one gauge."""
 
     def __init__(
@@ -83,25 +80,14 @@ class LineGauges(Generic[Message]):
         self._conversation: Conversation[Message] = Conversation(
             link, dialect.new_reader, harmless=(DeviceRefusedError,)
         )
-
-    @property
-    def connected(self) -> bool:
-        """Whether the link is up as far as known."""
-        return self._conversation.is_open
+        super().__init__(self._conversation)
 
     async def connect(self) -> None:
         """Open the link, let answers of before pass, and ask who is there; raises ConnectFailedError."""
         await self._conversation.open()
-        try:
-            async with self._conversation.turn():
-                await drain(self._link, quiet_s=self._settle_s if self._has_asked else 0.0)
-                await self._dialect.identity(self._ask, self._settings.channels)
-        except (NoReplyError, ConnectionLostError) as error:
-            raise ConnectFailedError(str(error)) from error
-
-    async def close(self) -> None:
-        """Close the link; never raises."""
-        await self._conversation.close()
+        async with introduction(self._conversation), self._conversation.turn():
+            await drain(self._link, quiet_s=self._settle_s if self._has_asked else 0.0)
+            await self._dialect.identity(self._ask, self._settings.channels)
 
     async def identify(self) -> DeviceIdentity:
         """Ask the box who it is; the gauges on it do not tell."""

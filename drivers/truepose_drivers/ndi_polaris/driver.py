@@ -48,7 +48,7 @@ from truepose_drivers.ndi_polaris.protocol import (
 from truepose_drivers.ndi_polaris.refusals import CommandUnknownError, refusal, started_again
 from truepose_drivers.ndi_polaris.serial_line import FIRST_BAUD, CameraLine
 from truepose_drivers.transports.conversation import Conversation
-from truepose_drivers.transports.link import Link, introduction
+from truepose_drivers.transports.link import Link, OnePortDevice, introduction
 from truepose_drivers.transports.serial import Framing, SerialLink
 from truepose_drivers.transports.tcp import tcp_link
 
@@ -70,7 +70,7 @@ _Lost = Literal["missing", "outside", "partly"]
 Value = TypeVar("Value")
 
 
-class PolarisTracker:
+class PolarisTracker(OnePortDevice):
     """A Polaris or Vega on a link. Keeps the conversation; computes a mean and nothing else.
 
     `definition` are the bytes of the artefact's tool definition (.rom).
@@ -82,6 +82,7 @@ class PolarisTracker:
         self._conversation: Conversation[Reply] = Conversation(
             link, ReplyReader, harmless=(DeviceRefusedError, MeasurementFailedError)
         )
+        super().__init__(self._conversation)
         self._clock = clock
         self._definition = definition
         self._reply_timeout_s = reply_timeout_s
@@ -89,21 +90,12 @@ class PolarisTracker:
         self._frame = 0  # counted last
         self._speaks_binary = True
 
-    @property
-    def connected(self) -> bool:
-        """Whether the link is up as far as known."""
-        return self._conversation.is_open
-
     async def connect(self) -> None:
         """Open the link and ask who is there; raises ConnectFailedError. To be initialised afterwards."""
         self._handle = None
         await self._conversation.open()
         async with introduction(self._conversation):
             await self._text(_VERSION)
-
-    async def close(self) -> None:
-        """Close the link; never raises."""
-        await self._conversation.close()
 
     async def identify(self) -> DeviceIdentity:
         """Ask for model, serial number and firmware; older models know VER alone."""

@@ -69,6 +69,22 @@ async def open_patiently(
         await asyncio.sleep(every_s)
 
 
+class OnePortDevice:
+    """A device at the far end of one port: it is there as long as the port is open."""
+
+    def __init__(self, port: Port) -> None:
+        self._port = port
+
+    @property
+    def connected(self) -> bool:
+        """Whether the link is up as far as known."""
+        return self._port.is_open
+
+    async def close(self) -> None:
+        """Close the link; never raises."""
+        await self._port.close()
+
+
 @contextlib.asynccontextmanager
 async def introduction(port: Port) -> AsyncIterator[None]:
     """Let whoever answers say who it is; what goes wrong meanwhile closes the port.

@@ -100,6 +100,10 @@ class TimeOuts:
 class UniversalRobot:
     """A controller on three links. Keeps the conversation; computes nothing."""
 
+    can_stop_motion = True  # a motion that is not waited for any more is stopped
+    # Our program stops a motion when it hears nothing; the registers are read back.
+    motion_guard = MotionGuard(stops_unheard_s=STOPS_WITHIN_S, speed_read_back=True)
+
     def __init__(self, ports: Ports, clock: Clock, *, time_outs: TimeOuts | None = None) -> None:
         self._link = ports.rtde
         self._rtde = Conversation[Packet](ports.rtde, PacketReader, harmless=(DeviceRefusedError,))
@@ -118,16 +122,6 @@ class UniversalRobot:
     def connected(self) -> bool:
         """Whether the link is up as far as known."""
         return self._rtde.is_open
-
-    @property
-    def can_stop_motion(self) -> bool:
-        """Always: a motion that is not waited for any more is stopped."""
-        return True
-
-    @property
-    def motion_guard(self) -> MotionGuard:
-        """Our program stops a motion when it hears nothing; the registers are read back."""
-        return MotionGuard(stops_unheard_s=STOPS_WITHIN_S, speed_read_back=True)
 
     async def connect(self) -> None:
         """Open the link and agree on the registers; raises ConnectFailedError."""
