@@ -1,0 +1,1 @@
+"""Fleets: what robots of one type share, what is each one's own, what changes over months; all is pure."""
