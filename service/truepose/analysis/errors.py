@@ -8,7 +8,10 @@ AnalysisError
 ├── RobotsMixedError       diagnoses of several robots would be compared as if they were of one
 ├── NotReadyError          of what was brought something is asked still
 ├── BusyError              too many ask for the same at once
-└── WorkerDiedError        the worker process ended without an answer
+├── WorkerDiedError        the worker process ended without an answer
+└── ClusterError           the workers that many tasks are given to cannot be used
+    ├── WorkersUnlikeError     a worker computes with other versions, or another processor's arithmetic
+    └── PartFailedError        one of many parts has no answer
 """
 
 from truepose.domain.errors import TrueposeError
@@ -50,3 +53,15 @@ class BusyError(AnalysisError):
 
 class WorkerDiedError(AnalysisError):
     """The worker process ended without an answer."""
+
+
+class ClusterError(AnalysisError):
+    """The workers that many tasks are given to cannot be used, or are lost for good."""
+
+
+class WorkersUnlikeError(ClusterError):
+    """A worker computes with other versions or another arithmetic: its results would differ in their bits."""
+
+
+class PartFailedError(ClusterError):
+    """One of many parts has no answer, and without it the others are of no use."""

@@ -3,10 +3,11 @@
 Pickle serves because both ends are this program, started by itself, on one pipe that nobody else holds.
 """
 
+import os
 import pickle
 import struct
 from dataclasses import dataclass
-from typing import Any, BinaryIO
+from typing import IO, Any, BinaryIO
 
 _LENGTH = struct.Struct(">Q")
 LENGTH_BYTES = _LENGTH.size
@@ -51,9 +52,28 @@ def unpacked(body: bytes) -> Any:
     return pickle.loads(body)
 
 
-def receive(stream: BinaryIO) -> Any:
+def receive(stream: IO[bytes]) -> Any:
     """Read one message; raises EOFError where the other end is gone."""
-    head = stream.read(LENGTH_BYTES)
-    if len(head) < LENGTH_BYTES:
-        raise EOFError("the other end closed the pipe")
-    return unpacked(stream.read(body_length(head)))
+    return unpacked(received(stream))
+
+
+def received(stream: IO[bytes]) -> bytes:
+    """Read the body of one message; raises EOFError where the other end is gone."""
+    return _read(stream, body_length(_read(stream, LENGTH_BYTES)))
+
+
+def _read(stream: IO[bytes], size: int) -> bytes:
+    data = bytearray()
+    while len(data) < size:  # a stream without a buffer gives what is there
+        some = stream.read(size - len(data))
+        if not some:
+            raise EOFError("the other end closed the pipe")
+        data += some
+    return bytes(data)
+
+
+def claimed_output() -> BinaryIO:
+    """Return standard output, kept for messages; whatever a library prints goes to standard error."""
+    pipe = os.dup(1)
+    os.dup2(2, 1)
+    return os.fdopen(pipe, "wb")

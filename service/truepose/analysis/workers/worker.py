@@ -9,7 +9,7 @@ import threading
 import traceback
 from typing import BinaryIO, Final
 
-from truepose.analysis.workers.pipe import Finished, Progressed, Refused, packed, receive
+from truepose.analysis.workers.pipe import Finished, Progressed, Refused, claimed_output, packed, receive
 from truepose.analysis.workers.tasks import Task
 from truepose.domain.errors import TrueposeError
 from truepose.words.error_codes import code_of
@@ -19,7 +19,7 @@ _POLITENESS: Final = 5  # of the processor: a session under way comes first
 
 def main() -> int:
     """Perform the task that the service sends."""
-    answers = _claim_output()
+    answers = claimed_output()
     _keep_within(int(sys.argv[1]))
     task = receive(sys.stdin.buffer)
     threading.Thread(target=_end_with_the_service, daemon=True).start()
@@ -52,13 +52,6 @@ def _keep_within(memory_bytes: int) -> None:
 
         resource.setrlimit(resource.RLIMIT_DATA, (memory_bytes, memory_bytes))
         os.nice(_POLITENESS)
-
-
-def _claim_output() -> BinaryIO:
-    """Keep the pipe for messages; whatever a library prints goes to standard error."""
-    pipe = os.dup(1)
-    os.dup2(2, 1)
-    return os.fdopen(pipe, "wb")
 
 
 def _send(stream: BinaryIO, message: object) -> None:

@@ -1,0 +1,145 @@
+"""Processes of this computer: lost, replaced, given up, never mixed up."""
+
+import contextlib
+import os
+
+import pytest
+
+from tests.helpers.parts import (
+    killed_at_first,
+    odd_is_refused,
+    process_of,
+    sums_of_noise,
+    waited_for,
+)
+from truepose.analysis.cluster.cluster import Cluster
+from truepose.analysis.cluster.parts import Done, Failed, Part, Task, in_order, seed_of
+from truepose.analysis.cluster.processes import Processes
+from truepose.analysis.errors import PartFailedError
+
+
+@pytest.fixture(scope="module")
+def two():
+    with Processes(2) as places:
+        yield Cluster(places)
+
+
+def _parts(items):
+    return [Part(f"part {item}", item) for item in items]
+
+
+def test_one_and_two_processes_and_none_give_the_same_bits(two):
+    sizes = [40, 3, 25, 60, 8, 41, 17]
+    here = [Task(sums_of_noise, 7, number, size).perform().answer for number, size in enumerate(sizes)]
+
+    with Processes(1) as places:
+        of_one = Cluster(places).answers(sums_of_noise, _parts(sizes), seed=7)
+    of_two = two.answers(sums_of_noise, _parts(sizes), seed=7)
+
+    assert of_one == here
+    assert of_two == here
+
+
+def test_a_part_draws_by_its_number_and_the_seed(two):
+    same_size = _parts([5, 5])
+
+    first, second = two.answers(sums_of_noise, same_size, seed=1)
+    other, _ = two.answers(sums_of_noise, same_size, seed=2)
+
+    assert len({first, second, other}) == 3
+    assert [seed_of(9, number).entropy for number in range(2)] == [9, 9]
+    assert seed_of(9, 3).spawn_key == (3,)
+
+
+def test_what_is_short_comes_before_what_is_long_and_order_is_kept_where_asked(two):
+    waits = _parts([0.4, 0.0, 0.0, 0.0])
+
+    numbers = [outcome.number for outcome in two.outcomes(waited_for, waits)]
+    ordered = [outcome.number for outcome in in_order(two.outcomes(waited_for, waits))]
+
+    assert sorted(numbers) == [0, 1, 2, 3]
+    assert numbers[0] != 0
+    assert ordered == [0, 1, 2, 3]
+
+
+def test_what_fails_is_named_and_the_others_go_on(two):
+    outcomes = list(in_order(two.outcomes(odd_is_refused, _parts([2, 3, 4, 5]))))
+
+    assert [type(outcome) for outcome in outcomes] == [Done, Failed, Done, Failed]
+    assert (outcomes[1].name, outcomes[1].why, outcomes[1].code) == (
+        "part 3",
+        "3 cannot be halved.",
+        "TP-1023",
+    )
+    assert "ZeroDivisionError: 5" in outcomes[3].why
+
+
+def test_answers_of_which_one_is_missing_are_none(two):
+    with pytest.raises(PartFailedError, match=r"part 3: 3 cannot be halved\."):
+        two.answers(odd_is_refused, _parts([2, 3]))
+
+
+def test_a_task_that_loses_its_process_is_computed_by_another(tmp_path):
+    (tmp_path / "once").touch()
+    with Processes(2) as places:
+        answers = Cluster(places).answers(killed_at_first, [Part("unlucky", str(tmp_path))])
+
+    assert answers == ["at last"]
+
+
+def test_a_task_that_loses_every_process_is_given_up_and_those_behind_it_are_not(tmp_path):
+    for mark in range(9):
+        (tmp_path / str(mark)).touch()
+    empty = tmp_path / "0"
+    parts = [Part("deadly", str(tmp_path)), *(Part(f"fine {n}", str(empty)) for n in range(3))]
+    with Processes(1, allowed_failures=2) as places:
+        outcomes = list(in_order(Cluster(places).outcomes(killed_at_first, parts)))
+
+    assert [outcome.name for outcome in outcomes if isinstance(outcome, Failed)] == ["deadly"]
+    assert "lost 3 times" in outcomes[0].why
+    assert [outcome.answer for outcome in outcomes[1:]] == ["at last"] * 3
+
+
+def test_processes_compute_with_one_thread_and_are_no_more_than_were_asked_for(two):
+    found = two.answers(process_of, _parts(range(20)))
+
+    assert {threads for _, threads in found} == {"1"}
+    assert 1 <= len({process for process, _ in found} - {os.getpid()}) <= 2
+
+
+def test_a_work_that_nobody_waits_for_ends_its_processes_and_the_next_one_begins_afresh():
+    with Processes(2) as places:
+        cluster = Cluster(places)
+        outcomes = cluster.outcomes(waited_for, _parts([0.0, 600.0, 600.0]))
+        next(outcomes)
+        under_way = places.process_ids
+        outcomes.close()
+
+        assert [pid for pid in under_way if _lives(pid)] == []
+        assert cluster.answers(waited_for, _parts([0.0])) == [0.0]
+
+
+def test_parts_are_read_no_further_ahead_than_is_needed(two):
+    read = []
+
+    def parts():
+        for number in range(50):
+            read.append(number)
+            yield Part(str(number), 0.0)
+
+    outcomes = two.outcomes(waited_for, parts())
+    next(outcomes)
+
+    assert len(read) <= 5
+    outcomes.close()
+
+
+def test_no_parts_are_no_work(two):
+    assert list(two.outcomes(waited_for, [])) == []
+
+
+def _lives(pid):
+    with contextlib.suppress(ProcessLookupError):
+        os.kill(pid, 0)
+        return True
+    return False
