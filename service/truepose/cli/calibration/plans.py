@@ -162,7 +162,7 @@ class _Made:
 
 def _for_tracker(asked: _Asked, discrepancy_mm: float | None) -> _Made:
     from truepose.planning.promise.tracker import promised_session, session_plan
-    from truepose.sequencing.tracker.dry_run import minutes_of
+    from truepose.sequencing.tracker.plan.dry_run import minutes_of
 
     subject = _subject(asked, discrepancy_mm)
     space, knowns = subject.space, subject.knowns
@@ -230,7 +230,7 @@ def _for_ballbar(asked: _Asked, discrepancy_mm: float | None) -> _Made:
 def _for_loop(asked: _Asked, loop: _Loop, discrepancy_mm: float | None) -> _Made:
     from truepose.planning.loops.plan import promised_loop
     from truepose.planning.promise.tracker import session_plan
-    from truepose.sequencing.tracker.dry_run import minutes_of
+    from truepose.sequencing.tracker.plan.dry_run import minutes_of
 
     if asked.is_campaign or asked.one_sided:
         raise ConfigurationError(

@@ -18,8 +18,8 @@ from truepose.sequencing.contacts.runner import ContactRunner
 from truepose.sequencing.engine.acts import Act
 from truepose.sequencing.engine.states import ASKS
 from truepose.sequencing.errors import NotNowError
+from truepose.sequencing.tracker.measuring.watching import Sighting
 from truepose.sequencing.tracker.runner import TrackerRunner
-from truepose.sequencing.tracker.watching import Sighting
 from truepose.storage.measurement.tracker_readings import ReadingRepository
 from truepose.storage.records import ActAnswer, RequestKey, SessionRecord
 

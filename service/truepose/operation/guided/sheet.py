@@ -20,9 +20,9 @@ from truepose.domain.measurement.session import (
 )
 from truepose.operation.guided.guide import Fixed
 from truepose.sequencing.engine.motion.nominal_arm import nest_centre, nominal_chain
+from truepose.sequencing.tracker.measuring.tool_nests import scatter_limit_mm
+from truepose.sequencing.tracker.plan.steps import StepKind
 from truepose.sequencing.tracker.state_so_far import TrackerRecord
-from truepose.sequencing.tracker.steps import StepKind
-from truepose.sequencing.tracker.tool_nests import scatter_limit_mm
 from truepose.sequencing.tracker.world_frame.registration import to_world
 from truepose.sequencing.tracker.world_frame.warming import Warmth, warmth
 

@@ -8,7 +8,7 @@ from truepose.planning.work_volume.cell_bodies import CellBodies, bodies_of
 from truepose.planning.work_volume.room_at_stops import what_is_in_the_way
 from truepose.planning.work_volume.room_on_ways import Ways, ways_between, what_blocks_a_way, what_to_watch
 from truepose.sequencing.errors import PlanRefusedError
-from truepose.sequencing.tracker.dry_run import check_plan, motion_limits
+from truepose.sequencing.tracker.plan.dry_run import check_plan, motion_limits
 
 
 def judged(cell: Cell, plan: SessionPlan) -> str:

@@ -21,7 +21,7 @@ from truepose.sequencing.engine.motion.plausible_robot import WatchfulRobot
 from truepose.sequencing.engine.states import has_ended, words
 from truepose.sequencing.errors import NotNowError
 from truepose.sequencing.tracker.cell import SessionCell
-from truepose.sequencing.tracker.plans import extended_plan
+from truepose.sequencing.tracker.plan.operations import extended_plan
 from truepose.sequencing.tracker.runner import TrackerRunner
 from truepose.sequencing.tracker.situation import situation
 from truepose.storage.measurement.added_stops import AddedStopsRepository

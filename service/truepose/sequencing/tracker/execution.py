@@ -11,12 +11,12 @@ from truepose.sequencing.engine.logbook import Logbook
 from truepose.sequencing.engine.motion.arm import Arm
 from truepose.sequencing.engine.motion.limits import binding_speed, speed_sentence
 from truepose.sequencing.errors import ReadingRejectedError
-from truepose.sequencing.tracker import steps
 from truepose.sequencing.tracker.cell import SessionCell
 from truepose.sequencing.tracker.identity_check import TrackerIdentityCheck
 from truepose.sequencing.tracker.instruments.at_rest import AtRest
 from truepose.sequencing.tracker.instruments.points import Points
 from truepose.sequencing.tracker.instruments.poses import Poses
+from truepose.sequencing.tracker.plan import steps
 from truepose.sequencing.tracker.situation import TrackerSituation
 from truepose_drivers.api import (
     DeviceIdentity,

@@ -25,8 +25,8 @@ from truepose.sequencing.errors import (
     ReadingRejectedError,
     SequencingError,
 )
+from truepose.sequencing.tracker.plan.steps import Step, StepKind
 from truepose.sequencing.tracker.situation import TrackerSituation
-from truepose.sequencing.tracker.steps import Step, StepKind
 from truepose_drivers.errors import (
     ConfigurationError,
     DeviceRefusedError,

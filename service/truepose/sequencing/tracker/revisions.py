@@ -12,8 +12,8 @@ from truepose.domain.measurement.ledger import EntryKind
 from truepose.domain.measurement.session import SessionPlan, config_of
 from truepose.sequencing.engine.acts import Act, ActName
 from truepose.sequencing.errors import NotNowError, ReasonMissingError
+from truepose.sequencing.tracker.plan.steps import Step, StepKind
 from truepose.sequencing.tracker.state_so_far import TrackerRecord
-from truepose.sequencing.tracker.steps import Step, StepKind
 
 REVISIONS: Final = frozenset({ActName.SKIP, ActName.RETRY, ActName.BACK})
 _AGAIN: Final = {

@@ -30,18 +30,18 @@ from truepose.sequencing.engine.prompts import CELL_CLEAR, require_person
 from truepose.sequencing.engine.states import has_ended, words
 from truepose.sequencing.errors import MotionForbiddenError, NotNowError, SequencingError
 from truepose.sequencing.tracker.cell import SessionCell
-from truepose.sequencing.tracker.dry_run import check_plan, motion_limits
 from truepose.sequencing.tracker.execution import Execution
 from truepose.sequencing.tracker.faults import Line, lines_after
-from truepose.sequencing.tracker.first_pass import first_pass
 from truepose.sequencing.tracker.identity_check import TrackerIdentityCheck
-from truepose.sequencing.tracker.plans import extended_plan
+from truepose.sequencing.tracker.measuring.watching import Sighting, Watch
+from truepose.sequencing.tracker.plan.dry_run import check_plan, motion_limits
+from truepose.sequencing.tracker.plan.first_pass import first_pass
+from truepose.sequencing.tracker.plan.operations import extended_plan
+from truepose.sequencing.tracker.plan.steps import KeepWorking, Move, Step, StepKind
+from truepose.sequencing.tracker.plan.way_preview import what_lies_ahead
 from truepose.sequencing.tracker.revisions import REVISIONS, revision
 from truepose.sequencing.tracker.situation import TrackerSituation, situation_of
 from truepose.sequencing.tracker.state_so_far import TrackerRecord
-from truepose.sequencing.tracker.steps import KeepWorking, Move, Step, StepKind
-from truepose.sequencing.tracker.watching import Sighting, Watch
-from truepose.sequencing.tracker.way_preview import what_lies_ahead
 from truepose_drivers.errors import DriverError
 
 _EFFECTS: Final = {

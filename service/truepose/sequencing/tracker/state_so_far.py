@@ -10,8 +10,8 @@ from dataclasses import dataclass, field
 from truepose.domain.measurement.ledger import Control, EntryKind, LedgerEntry
 from truepose.domain.measurement.session import FixedNestTaken, Registration, SessionState, config_of
 from truepose.sequencing.engine.state_so_far import Record
-from truepose.sequencing.tracker.groups import Groups
-from truepose.sequencing.tracker.steps import StepKind
+from truepose.sequencing.tracker.measuring.groups import Groups
+from truepose.sequencing.tracker.plan.steps import StepKind
 
 
 @dataclass(slots=True)

@@ -6,7 +6,7 @@ from typing import Final
 
 from fastapi.responses import StreamingResponse
 
-from truepose.sequencing.tracker.watching import Sighting
+from truepose.sequencing.tracker.measuring.watching import Sighting
 from truepose.web.context import Context, Here
 from truepose.web.measurement.live_stream import Following, live_responses
 from truepose.web.people.authority import require_authority

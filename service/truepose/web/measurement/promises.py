@@ -9,7 +9,7 @@ from truepose.analysis.campaigns.assembly import MeasuredSession
 from truepose.analysis.campaigns.measured import measured_session
 from truepose.domain.cell.description import Cell
 from truepose.exchange.results.plans import PlanDocument, plan_document
-from truepose.sequencing.tracker.dry_run import minutes_of
+from truepose.sequencing.tracker.plan.dry_run import minutes_of
 from truepose.web.context import Context, Here
 from truepose.web.problems import problems
 from truepose.web.requests.parameters import Id, Name

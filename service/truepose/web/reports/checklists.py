@@ -125,7 +125,7 @@ def _minutes(plan: SessionPlan | BallbarPlan | ContactPlan, cell: Cell) -> float
     """Return how long a plan takes by its dry run."""
     from truepose.sequencing.ballbar.plan.dry_run import dry_run as ballbar_run
     from truepose.sequencing.contacts.dry_run import minutes_of
-    from truepose.sequencing.tracker.dry_run import dry_run
+    from truepose.sequencing.tracker.plan.dry_run import dry_run
 
     match plan:
         case BallbarPlan():

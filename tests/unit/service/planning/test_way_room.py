@@ -21,8 +21,8 @@ from truepose.planning.work_volume.room_on_ways import (
     what_blocks_a_way,
     what_to_watch,
 )
-from truepose.sequencing.tracker.plans import visit
-from truepose.sequencing.tracker.steps import Move
+from truepose.sequencing.tracker.plan.operations import visit
+from truepose.sequencing.tracker.plan.steps import Move
 
 CELL = Cell(name="bench", robot_key="", robot=IRB120, nests=NESTS)
 STATED = replace(CELL, limits=CellLimits(floor_z_mm=0.0))

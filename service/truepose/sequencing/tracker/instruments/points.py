@@ -7,13 +7,13 @@ from typing import cast
 from truepose.domain.measurement.session import SessionPlan, Vector
 from truepose.sequencing.engine.logbook import Logbook
 from truepose.sequencing.errors import PlanRefusedError
-from truepose.sequencing.tracker import steps
 from truepose.sequencing.tracker.cell import SessionCell
 from truepose.sequencing.tracker.identity_check import TrackerIdentityCheck
 from truepose.sequencing.tracker.instruments.at_rest import AtRest
+from truepose.sequencing.tracker.measuring.tool_nests import ToolNests
+from truepose.sequencing.tracker.measuring.tracking import CheckedTracker
+from truepose.sequencing.tracker.plan import steps
 from truepose.sequencing.tracker.situation import TrackerSituation
-from truepose.sequencing.tracker.tool_nests import ToolNests
-from truepose.sequencing.tracker.tracking import CheckedTracker
 from truepose.sequencing.tracker.world_frame.fixed_nests import FixedNests
 from truepose_drivers.api import Environment, PointTracker, stated_settings
 

@@ -30,12 +30,12 @@ from truepose.sequencing.engine.identities import told
 from truepose.sequencing.engine.logbook import Logbook
 from truepose.sequencing.engine.motion.nominal_arm import nest_centre, nominal_chain
 from truepose.sequencing.errors import AttentionNeededError, PlanRefusedError, ReadingRejectedError
-from truepose.sequencing.tracker import steps
 from truepose.sequencing.tracker.cell import SessionCell
 from truepose.sequencing.tracker.identity_check import TrackerIdentityCheck
 from truepose.sequencing.tracker.instruments.at_rest import AtRest
+from truepose.sequencing.tracker.plan import steps
+from truepose.sequencing.tracker.plan.steps import StepKind
 from truepose.sequencing.tracker.situation import TrackerSituation
-from truepose.sequencing.tracker.steps import StepKind
 from truepose.sequencing.tracker.world_frame.registration import to_world
 from truepose_drivers.api import PoseReading, PoseTracker, stated_settings
 

@@ -13,13 +13,13 @@ from truepose.domain.measurement.session import FixedNestTaken, Registration, Se
 from truepose.sequencing.engine.logbook import Logbook
 from truepose.sequencing.errors import AttentionNeededError
 from truepose.sequencing.tracker.cell import SessionCell
-from truepose.sequencing.tracker.situation import TrackerSituation
-from truepose.sequencing.tracker.steps import FixedNestPhase, ReadFixedNest, StepKind
-from truepose.sequencing.tracker.tracking import (
+from truepose.sequencing.tracker.measuring.tracking import (
     CheckedTracker,
     standard_uncertainty_mm,
     stated_covariance_mm2,
 )
+from truepose.sequencing.tracker.plan.steps import FixedNestPhase, ReadFixedNest, StepKind
+from truepose.sequencing.tracker.situation import TrackerSituation
 from truepose.sequencing.tracker.world_frame.location import AIMED_RADIUS_MM, RoughFrame, locate_tracker
 from truepose.sequencing.tracker.world_frame.registration import nest_mean, register, to_tracker, to_world
 from truepose.sequencing.tracker.world_frame.scale import scale_sentence

@@ -4,7 +4,7 @@ from pydantic import Field
 
 from truepose.operation.tracker.sessions import WantedStops
 from truepose.planning.tracker.added_stops import Addition, WantedStop
-from truepose.sequencing.tracker.plans import numbers
+from truepose.sequencing.tracker.plan.operations import numbers
 from truepose.web.schemas.base import Number, PersonName, Reply, Request, example
 from truepose.web.schemas.measurement.sessions import AngleDeg, SessionReply, StopReply
 

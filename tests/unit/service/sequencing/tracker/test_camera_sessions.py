@@ -19,8 +19,8 @@ from truepose.kinematics.frames import (
 )
 from truepose.sequencing.engine.motion.nominal_arm import nominal_chain
 from truepose.sequencing.errors import PlanRefusedError
-from truepose.sequencing.tracker.dry_run import check_plan, dry_run
 from truepose.sequencing.tracker.instruments.poses import stated_place
+from truepose.sequencing.tracker.plan.dry_run import check_plan, dry_run
 from truepose.sequencing.tracker.runner import TrackerRunner
 from truepose_drivers.api import DeviceIdentity, PoseReading
 from truepose_drivers.errors import ArtefactNotSeenError, ConnectionLostError

@@ -17,7 +17,7 @@ from tests.unit.service.sequencing.tracker.operators import run_session
 from truepose.domain.measurement.session import PlannedStop
 from truepose.domain.robot import FixedNest, FramePlacement, JointRange, Nest
 from truepose.sequencing.errors import PlanRefusedError
-from truepose.sequencing.tracker.dry_run import check_plan, dry_run, motion_limits
+from truepose.sequencing.tracker.plan.dry_run import check_plan, dry_run, motion_limits
 from truepose.sequencing.tracker.runner import TrackerRunner
 
 WIDE = tuple(JointRange(-math.pi, math.pi) for _ in range(6))

@@ -12,7 +12,7 @@ from tests.unit.service.sequencing.tracker.operators import PatientOperator, run
 from truepose.domain.measurement.ledger import EntryKind
 from truepose.domain.measurement.session import PlannedStop, SessionState, Work
 from truepose.sequencing.errors import PlanRefusedError
-from truepose.sequencing.tracker.dry_run import dry_run
+from truepose.sequencing.tracker.plan.dry_run import dry_run
 from truepose.sequencing.tracker.runner import TrackerRunner
 from truepose.sequencing.tracker.situation import situation
 

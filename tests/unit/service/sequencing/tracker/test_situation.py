@@ -9,9 +9,9 @@ from truepose.domain.measurement.session import SessionState, stop_id
 from truepose.sequencing.engine.faults import is_interruption
 from truepose.sequencing.errors import AttentionNeededError, MotionForbiddenError, PlanRefusedError
 from truepose.sequencing.tracker.faults import lines_after
-from truepose.sequencing.tracker.plans import visit
+from truepose.sequencing.tracker.plan.operations import visit
+from truepose.sequencing.tracker.plan.steps import StepKind
 from truepose.sequencing.tracker.situation import situation, steps
-from truepose.sequencing.tracker.steps import StepKind
 from truepose_drivers.errors import (
     BeamBrokenError,
     ConfigurationError,

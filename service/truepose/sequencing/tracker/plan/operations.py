@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from truepose.domain.measurement.session import PlannedStop, SessionPlan
-from truepose.sequencing.tracker.steps import (
+from truepose.sequencing.tracker.plan.steps import (
     CheckFaces,
     CheckReferences,
     FindReflector,

@@ -16,8 +16,7 @@ from truepose.sequencing.engine.motion.interlocks import joint_outside
 from truepose.sequencing.engine.motion.nominal_arm import nest_centre, nominal_chain
 from truepose.sequencing.errors import PlanRefusedError
 from truepose.sequencing.plan_numbers import check_numbers
-from truepose.sequencing.tracker.situation import steps
-from truepose.sequencing.tracker.steps import (
+from truepose.sequencing.tracker.plan.steps import (
     MeasurePoint,
     MeasurePose,
     Move,
@@ -26,6 +25,7 @@ from truepose.sequencing.tracker.steps import (
     ReadFixedNest,
     Settle,
 )
+from truepose.sequencing.tracker.situation import steps
 
 FIND_S: Final = 3.0  # turning the head and locking on; order of magnitude, replaced by the pace once known
 INITIALISE_S: Final = 60.0  # an instrument that was switched on; warm-up is not in it

@@ -12,12 +12,12 @@ from truepose.sequencing.engine.logbook import Logbook
 from truepose.sequencing.engine.motion.nominal_arm import nest_in_world
 from truepose.sequencing.errors import ReadingRejectedError
 from truepose.sequencing.tracker.cell import SessionCell
-from truepose.sequencing.tracker.situation import TrackerSituation
-from truepose.sequencing.tracker.tracking import (
+from truepose.sequencing.tracker.measuring.tracking import (
     CheckedTracker,
     standard_uncertainty_mm,
     world_covariance_mm2,
 )
+from truepose.sequencing.tracker.situation import TrackerSituation
 from truepose.sequencing.tracker.world_frame.fixed_nests import FixedNests
 from truepose.sequencing.tracker.world_frame.registration import to_tracker, to_world
 from truepose_drivers.api import JointReading, TrackerReading

@@ -3,7 +3,7 @@
 from truepose.domain.measurement.session import SessionPlan
 from truepose.sequencing.engine.motion.limits import binding_speed
 from truepose.sequencing.tracker.cell import SessionCell
-from truepose.sequencing.tracker.dry_run import dry_run
+from truepose.sequencing.tracker.plan.dry_run import dry_run
 
 _S_PER_MIN = 60.0
 

@@ -1,0 +1,1 @@
+"""Measuring with a tracker: following the reflector, tool nests, groups of readings."""
