@@ -7,7 +7,7 @@ from truepose.domain.cell.artefacts import Artefact
 from truepose.domain.cell.certificates import Paper
 from truepose.domain.cell.description import Cell, DeviceEntry
 from truepose.domain.measurement.identities import IdentityOf, IdentityTaken
-from truepose.sequencing.engine.identities import same_number
+from truepose.sequencing.engine.identity.expected import same_number
 
 _ROLES: Final[Mapping[IdentityOf, str]] = {"tracker": "laser tracker", "ballbar": "ballbar"}
 

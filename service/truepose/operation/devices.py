@@ -8,8 +8,8 @@ from typing import cast
 from truepose.domain.cell.description import DeviceEntry
 from truepose.domain.measurement.identities import IdentityOf
 from truepose.operation.errors import DeviceInUseError, MissingDeviceError, UnknownDeviceError
-from truepose.sequencing.engine.identities import same_number, told
-from truepose.sequencing.engine.identity_check import Expected
+from truepose.sequencing.engine.identity.check import Expected
+from truepose.sequencing.engine.identity.expected import same_number, told
 from truepose.sequencing.engine.notices import motion_notice
 from truepose_drivers.api import (
     AnyDevice,

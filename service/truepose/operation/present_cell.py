@@ -13,7 +13,7 @@ from truepose.domain.cell.description import Cell, CellLimits
 from truepose.domain.errors import TrueposeError
 from truepose.domain.robot import JointRange
 from truepose.operation.errors import CellChangedError
-from truepose.sequencing.engine.identities import same_number
+from truepose.sequencing.engine.identity.expected import same_number
 from truepose.sequencing.engine.motion.limits import common_ranges, slowest
 from truepose.sequencing.engine.prompts import require_announced
 from truepose.sequencing.errors import PlanRefusedError

@@ -23,7 +23,7 @@ from truepose.operation.requests_under_way import RequestsUnderWay
 from truepose.operation.session_kind import SessionKind
 from truepose.operation.session_ledger import SessionLedger
 from truepose.sequencing.engine.acts import HALTS, LETS_MOVE, Act, ActName
-from truepose.sequencing.engine.halts import ENDED_AT_REST
+from truepose.sequencing.engine.halting.halts import ENDED_AT_REST
 from truepose.sequencing.engine.motion.limits import reduced
 from truepose.sequencing.engine.runner import SessionRunner
 from truepose.sequencing.engine.states import has_ended, words

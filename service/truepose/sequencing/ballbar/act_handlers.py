@@ -18,7 +18,7 @@ from truepose.sequencing.ballbar.doubts.assignments import leg_taken_for, legs_t
 from truepose.sequencing.ballbar.measuring.attachment import NOTHING_KNOWN, STILL_ON
 from truepose.sequencing.ballbar.transitions import Transitions
 from truepose.sequencing.engine.acts import HALTS, Act, ActName, ActOutcome
-from truepose.sequencing.engine.halts import Halts
+from truepose.sequencing.engine.halting.halts import Halts
 from truepose.sequencing.engine.prompts import require_person
 from truepose.sequencing.engine.states import words
 from truepose.sequencing.errors import NotNowError, ReasonMissingError, WatchingTabletError

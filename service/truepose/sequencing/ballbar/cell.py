@@ -3,7 +3,7 @@
 from dataclasses import dataclass, field
 
 from truepose.domain.robot import JointRange, Robot
-from truepose.sequencing.engine.identity_check import Expected
+from truepose.sequencing.engine.identity.check import Expected
 from truepose_drivers.api import Ballbar, Clock, MotionLimits, RobotController
 
 

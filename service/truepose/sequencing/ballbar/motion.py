@@ -17,9 +17,9 @@ from truepose.sequencing.ballbar.measuring.readings import Readings
 from truepose.sequencing.ballbar.plan.agenda import steps
 from truepose.sequencing.ballbar.plan.dry_run import check_motion
 from truepose.sequencing.ballbar.situation import Situation
-from truepose.sequencing.engine.halts import Halts
-from truepose.sequencing.engine.identities import sentence
-from truepose.sequencing.engine.identity_check import IdentityCheck
+from truepose.sequencing.engine.halting.halts import Halts
+from truepose.sequencing.engine.identity.check import IdentityCheck
+from truepose.sequencing.engine.identity.expected import sentence
 from truepose.sequencing.engine.logbook import Logbook
 from truepose.sequencing.engine.motion.arm import Arm, Permission
 from truepose.sequencing.engine.motion.limits import binding_speed

@@ -38,8 +38,8 @@ from truepose.sequencing.ballbar.situation import Situation, situation_of
 from truepose.sequencing.ballbar.state_so_far import BallbarRecord
 from truepose.sequencing.ballbar.transitions import Transitions
 from truepose.sequencing.engine.acts import Act, ActName, ActOutcome
-from truepose.sequencing.engine.halts import Halts
-from truepose.sequencing.engine.identity_check import IdentityCheck
+from truepose.sequencing.engine.halting.halts import Halts
+from truepose.sequencing.engine.identity.check import IdentityCheck
 from truepose.sequencing.engine.ledger_port import Ledger
 from truepose.sequencing.engine.logbook import Logbook
 from truepose.sequencing.engine.notices import end_of_motion

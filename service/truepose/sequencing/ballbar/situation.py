@@ -30,7 +30,7 @@ from truepose.sequencing.ballbar.plan.pace import BallbarProgress, pace_s_per_re
 from truepose.sequencing.ballbar.plan.way import ways
 from truepose.sequencing.ballbar.state_so_far import READINGS, BallbarRecord, OpenSuspicion, Outcome
 from truepose.sequencing.engine.acts import ActName
-from truepose.sequencing.engine.identities import KnownDevice, sentence
+from truepose.sequencing.engine.identity.expected import KnownDevice, sentence
 from truepose.sequencing.engine.prompts import CELL_CLEAR
 from truepose.sequencing.engine.state_so_far import ActingTablet
 from truepose.sequencing.engine.states import ASKS

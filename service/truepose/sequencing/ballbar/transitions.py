@@ -18,8 +18,8 @@ from truepose.sequencing.ballbar.motion import Motion
 from truepose.sequencing.ballbar.plan import step_ids
 from truepose.sequencing.ballbar.situation import Situation
 from truepose.sequencing.engine.acts import Act
-from truepose.sequencing.engine.identities import accepted, same_number, sentence
-from truepose.sequencing.engine.identity_check import IdentityCheck
+from truepose.sequencing.engine.identity.check import IdentityCheck
+from truepose.sequencing.engine.identity.expected import accepted, same_number, sentence
 from truepose.sequencing.engine.logbook import Logbook
 from truepose.sequencing.errors import ForeignRobotError, NotNowError
 from truepose_drivers.errors import DriverError

@@ -6,7 +6,7 @@ import numpy as np
 
 from truepose.domain.measurement.contacts import ContactPlan
 from truepose.sequencing.contacts.cell import GaugeBox
-from truepose.sequencing.engine.identities import same_number, told
+from truepose.sequencing.engine.identity.expected import same_number, told
 from truepose.sequencing.errors import AttentionNeededError, ReadingRejectedError
 from truepose_drivers.api import BallbarReading, Clock, ReadsChannels
 

@@ -21,8 +21,8 @@ from truepose.sequencing.contacts.situation import ContactSituation, Open, Visit
 from truepose.sequencing.contacts.visiting import Visiting
 from truepose.sequencing.engine.acts import HALTS, Act, ActName, ActOutcome
 from truepose.sequencing.engine.faults import is_interruption
-from truepose.sequencing.engine.halts import Halts
-from truepose.sequencing.engine.identities import same_number, told
+from truepose.sequencing.engine.halting.halts import Halts
+from truepose.sequencing.engine.identity.expected import same_number, told
 from truepose.sequencing.engine.ledger_port import Ledger
 from truepose.sequencing.engine.logbook import Logbook
 from truepose.sequencing.engine.motion.arm import Arm

@@ -13,9 +13,9 @@ from typing import Any, Final, Generic, Protocol, TypeVar
 from truepose.domain.errors import RecordRefusedError
 from truepose.domain.measurement.session import SessionState
 from truepose.sequencing.engine.acts import HALTS, LETS_MOVE, Act, ActName, ActOutcome
-from truepose.sequencing.engine.halts import Halts
+from truepose.sequencing.engine.halting.halts import Halts
+from truepose.sequencing.engine.halting.pending import PendingHalts
 from truepose.sequencing.engine.logbook import Logbook
-from truepose.sequencing.engine.pending_halts import PendingHalts
 from truepose.sequencing.engine.states import has_ended, words
 from truepose.sequencing.errors import NotNowError, SequencingError
 

@@ -7,7 +7,7 @@ from typing import Final
 from truepose.domain.measurement.identities import IdentityOf, IdentityTaken
 from truepose.domain.measurement.ledger import Control, EntryKind, LedgerEntry
 from truepose.domain.measurement.session import SessionState, config_of
-from truepose.sequencing.engine.identities import KnownDevice
+from truepose.sequencing.engine.identity.expected import KnownDevice
 from truepose.sequencing.engine.pace import StepTimes
 
 _ENDS: Final = frozenset({EntryKind.MEASURED, EntryKind.SKIPPED})

@@ -6,7 +6,7 @@ from truepose.domain.cell.description import Camera, CertifiedLength
 from truepose.domain.measurement.session import Vector
 from truepose.domain.robot import FixedNest, FramePlacement, JointRange, Nest, Robot
 from truepose.planning.work_volume.cell_bodies import CellBodies
-from truepose.sequencing.engine.identity_check import Expected
+from truepose.sequencing.engine.identity.check import Expected
 from truepose_drivers.api import Clock, MotionLimits, PointTracker, PoseTracker, RobotController
 
 

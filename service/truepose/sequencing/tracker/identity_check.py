@@ -2,8 +2,8 @@
 
 from truepose.domain.measurement.identities import IdentityOf, IdentityTaken
 from truepose.domain.measurement.ledger import EntryKind
-from truepose.sequencing.engine.identities import accepted, same_number, sentence, told
-from truepose.sequencing.engine.identity_check import IdentityCheck
+from truepose.sequencing.engine.identity.check import IdentityCheck
+from truepose.sequencing.engine.identity.expected import accepted, same_number, sentence, told
 from truepose.sequencing.errors import ForeignInstrumentError, ForeignRobotError, NotNowError
 from truepose_drivers.api import Device, DeviceIdentity
 

@@ -18,7 +18,7 @@ from truepose.domain.measurement.session import PlannedStop, Progress, SessionPl
 from truepose.domain.people.names import tidy_name
 from truepose.sequencing.engine.acts import HALTS, Act, ActName, ActOutcome
 from truepose.sequencing.engine.faults import is_interruption
-from truepose.sequencing.engine.halts import Halts
+from truepose.sequencing.engine.halting.halts import Halts
 from truepose.sequencing.engine.ledger_port import Ledger
 from truepose.sequencing.engine.logbook import Logbook
 from truepose.sequencing.engine.motion.arm import Arm

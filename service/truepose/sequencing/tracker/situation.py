@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from truepose.domain.measurement.ledger import LedgerEntry
 from truepose.domain.measurement.session import PlannedStop, Progress, Registration, SessionPlan
 from truepose.sequencing.engine.by_itself import RunsByItself
-from truepose.sequencing.engine.identities import KnownDevice, same_number
+from truepose.sequencing.engine.identity.expected import KnownDevice, same_number
 from truepose.sequencing.tracker.plan import operations as plans
 from truepose.sequencing.tracker.plan.steps import Step, StepKind
 from truepose.sequencing.tracker.state_so_far import TrackerRecord

@@ -8,7 +8,7 @@ from markupsafe import Markup
 from truepose.analysis.campaigns.measured import proof_by_session
 from truepose.domain.sentences import Sentence, said
 from truepose.exchange.results.proofs import proof_document
-from truepose.sequencing.engine.identities import same_number
+from truepose.sequencing.engine.identity.expected import same_number
 from truepose.storage.records import ModelRecord
 from truepose.web.context import Context
 from truepose.web.results.kinds import Choice, Entry, Form, Origin, ResultKind

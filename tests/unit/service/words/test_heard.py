@@ -10,8 +10,8 @@ import pytest
 import truepose
 from tests.helpers.kept_sentences import CLEAR, KEPT, SCATTERS
 from truepose.domain.measurement.identities import IdentityTaken
-from truepose.sequencing.engine.halts import ENDED_AT_REST
-from truepose.sequencing.engine.identities import sentence
+from truepose.sequencing.engine.halting.halts import ENDED_AT_REST
+from truepose.sequencing.engine.identity.expected import sentence
 from truepose.sequencing.engine.notices import motion_notice
 from truepose.sequencing.engine.prompts import CELL_CLEAR
 from truepose.words.catalogue import ENGLISH, LANGUAGES, STORED, catalogue, texts_file

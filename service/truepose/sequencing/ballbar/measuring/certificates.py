@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from truepose.domain.cell.artefacts import Artefact
-from truepose.sequencing.engine.identities import KnownDevice, same_number
+from truepose.sequencing.engine.identity.expected import KnownDevice, same_number
 
 
 @dataclass(frozen=True, slots=True)

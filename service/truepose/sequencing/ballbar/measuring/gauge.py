@@ -3,7 +3,7 @@
 import asyncio
 from typing import Final
 
-from truepose.sequencing.engine.identities import told
+from truepose.sequencing.engine.identity.expected import told
 from truepose_drivers.api import Ballbar, BallbarReading, Clock, DeviceIdentity
 from truepose_drivers.errors import ConnectionLostError, DriverError, DriverFaultError, LinkError
 

@@ -26,7 +26,7 @@ from truepose.kinematics.frames import (
     rotation_from_quaternion,
     vector_from_rotation,
 )
-from truepose.sequencing.engine.identities import told
+from truepose.sequencing.engine.identity.expected import told
 from truepose.sequencing.engine.logbook import Logbook
 from truepose.sequencing.engine.motion.nominal_arm import nest_centre, nominal_chain
 from truepose.sequencing.errors import AttentionNeededError, PlanRefusedError, ReadingRejectedError

@@ -7,7 +7,7 @@ import numpy as np
 
 from truepose.domain.arrays import FloatArray
 from truepose.domain.measurement.session import Registration, Vector
-from truepose.sequencing.engine.identities import told
+from truepose.sequencing.engine.identity.expected import told
 from truepose.sequencing.errors import ReadingRejectedError
 from truepose.sequencing.tracker.identity_check import TrackerIdentityCheck
 from truepose_drivers.api import Environment, PointTracker, TrackerReading

@@ -11,7 +11,7 @@ from truepose.domain.measurement.ledger import EntryKind
 from truepose.domain.measurement.session import SessionState
 from truepose.sequencing.ballbar.plan import step_ids
 from truepose.sequencing.engine.acts import ActName
-from truepose.sequencing.engine.identity_check import Expected
+from truepose.sequencing.engine.identity.check import Expected
 from truepose.sequencing.errors import NotNowError
 from truepose_drivers.errors import NoReplyError
 

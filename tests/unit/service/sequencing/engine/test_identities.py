@@ -3,7 +3,7 @@
 import pytest
 
 from truepose.domain.measurement.identities import IdentityTaken
-from truepose.sequencing.engine.identities import KnownDevice, accepted, judge, known_device, sentence
+from truepose.sequencing.engine.identity.expected import KnownDevice, accepted, judge, known_device, sentence
 
 A, B, C = "390003", "777777", "391111"
 

@@ -10,7 +10,7 @@ from tests.unit.service.sequencing.tracker.fakes import FakeCell, make_plan
 from tests.unit.service.sequencing.tracker.operators import PatientOperator, run_session, until
 from truepose.domain.measurement.ledger import EntryKind, LedgerEntry
 from truepose.domain.measurement.session import SessionState
-from truepose.sequencing.engine.identity_check import Expected
+from truepose.sequencing.engine.identity.check import Expected
 from truepose.sequencing.errors import NotNowError
 from truepose.sequencing.tracker.runner import TrackerRunner
 from truepose_drivers.errors import ConnectionLostError

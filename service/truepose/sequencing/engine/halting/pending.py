@@ -10,7 +10,7 @@ from typing import Any, Protocol
 from truepose.domain.errors import RecordRefusedError
 from truepose.domain.measurement.session import SessionState
 from truepose.sequencing.engine.acts import Act
-from truepose.sequencing.engine.halts import Halts
+from truepose.sequencing.engine.halting.halts import Halts
 from truepose.sequencing.engine.logbook import Logbook
 from truepose.sequencing.errors import SequencingError
 

@@ -6,7 +6,7 @@ from typing import Any, TypeAlias
 
 from truepose.domain.measurement.identities import IdentityOf, IdentityTaken
 from truepose.domain.measurement.ledger import EntryKind
-from truepose.sequencing.engine.identities import judge, sentence
+from truepose.sequencing.engine.identity.expected import judge, sentence
 from truepose.sequencing.engine.logbook import Logbook
 from truepose_drivers.api import DeviceIdentity
 

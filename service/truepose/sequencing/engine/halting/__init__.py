@@ -1,0 +1,1 @@
+"""Halts: they hold from the moment at which somebody asks, on record or not yet."""

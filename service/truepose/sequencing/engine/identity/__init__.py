@@ -1,0 +1,1 @@
+"""Which device answers, and whether it is the one that is expected."""
