@@ -16,7 +16,7 @@ from truepose.domain.robot import Robot
 from truepose.identification.model.estimates import Estimate
 from truepose.identification.model.evaluation import Targets, evaluate
 from truepose.identification.model.prediction import placed_variance, turned_variance
-from truepose.identification.model.zone import outside
+from truepose.identification.model.validity.zone import outside
 from truepose.kinematics.inverse import branch_of, has_closed_form
 
 ANY_BRANCH: Final = -1

@@ -17,7 +17,7 @@ from truepose.domain.arrays import BoolArray, FloatArray
 from truepose.domain.results.identification import Model
 from truepose.domain.sentences import Sentence, said
 from truepose.identification.model.estimates import identified_estimate
-from truepose.identification.model.zone import beyond_zone_mm
+from truepose.identification.model.validity.zone import beyond_zone_mm
 from truepose.kinematics.frames import quaternion_from_rotation, rotation_from_quaternion
 
 _FEWEST: Final = 3  # targets: of fewer nothing is said

@@ -13,7 +13,7 @@ from truepose.domain.robot import JointRange
 from truepose.identification.model.estimates import identified_estimate, nominal_estimate
 from truepose.identification.model.evaluation import Targets, evaluate
 from truepose.identification.model.rigid import RigidArm
-from truepose.identification.model.zone import outside
+from truepose.identification.model.validity.zone import outside
 from truepose.kinematics.chain import forward, nominal_values
 from truepose.kinematics.frames import placement_rotation, placement_translation
 

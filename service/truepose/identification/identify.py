@@ -22,8 +22,8 @@ from truepose.identification.fit.cross_validation import held_out_residuals
 from truepose.identification.fit.robust import RobustFit, fit, robust_fit
 from truepose.identification.fit.shortfall import shortfall
 from truepose.identification.fit.solver import posterior_covariance
+from truepose.identification.model.parameters.structure import NOMINAL_EFFECTS
 from truepose.identification.model.stops import sites
-from truepose.identification.model.structure import NOMINAL_EFFECTS
 from truepose.identification.model_of_fit import Fits, model_of
 from truepose.identification.problem.build import (
     Problem,

@@ -9,12 +9,12 @@ from truepose.domain.measurement.campaign import Campaign
 from truepose.domain.results.identification import Anchor, Model, NestCentre, Parameter
 from truepose.domain.robot import FramePlacement
 from truepose.identification.fit.robust import RobustFit
-from truepose.identification.model.anchors import LEG_OFFSET, anchor_name
-from truepose.identification.model.counterparts import TARGET_OWNER
-from truepose.identification.model.missing import spanned
+from truepose.identification.model.parameters.anchors import LEG_OFFSET, anchor_name
+from truepose.identification.model.parameters.counterparts import TARGET_OWNER
+from truepose.identification.model.parameters.structure import Structure, base_axes
 from truepose.identification.model.stops import sites
-from truepose.identification.model.structure import Structure, base_axes
-from truepose.identification.model.zone import measured_zone
+from truepose.identification.model.validity.missing import spanned
+from truepose.identification.model.validity.zone import measured_zone
 from truepose.kinematics.frames import angles_xyz, placement_of
 
 

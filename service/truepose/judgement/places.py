@@ -8,7 +8,7 @@ import numpy as np
 from truepose.domain.arrays import FloatArray
 from truepose.domain.results.identification import MeasuredZone, Model
 from truepose.domain.results.validation import BranchErrors, ErrorsByPlace, Shell
-from truepose.identification.model.zone import DIRECTIONS
+from truepose.identification.model.validity.zone import DIRECTIONS
 from truepose.identification.verdict.judge import Judged
 from truepose.kinematics.chain import Chain
 from truepose.kinematics.inverse import BRANCH_NAMES, branch_of, has_closed_form

@@ -17,7 +17,7 @@ from truepose.domain.measurement.session import PlannedStop, SessionPlan
 from truepose.domain.results.identification import Model
 from truepose.identification.model.estimates import nominal_estimate
 from truepose.identification.model.evaluation import Targets, evaluate
-from truepose.identification.model.same_robot import require_same_robot
+from truepose.identification.model.validity.same_robot import require_same_robot
 from truepose.planning.tracker.session_plans import plan_validation
 from truepose.planning.work_volume.candidates import have_room_to_approach
 from truepose.planning.work_volume.work_space import WorkSpace

@@ -21,7 +21,7 @@ from truepose.effects.joints.joint_harmonics import joint_of_wave, order_of_wave
 from truepose.effects.ports import ParameterSpec
 from truepose.identification.fit.robust import RobustFit
 from truepose.identification.fit.solver import Solution, posterior_covariance
-from truepose.identification.model.structure import Structure
+from truepose.identification.model.parameters.structure import Structure
 from truepose.identification.observations.blocks import linearise_blocks
 
 _ORDERS = range(1, 13)  # a gap of the angles that is narrower than these waves leaves nothing open

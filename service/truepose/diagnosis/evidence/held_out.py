@@ -20,8 +20,8 @@ from truepose.effects.causes import Candidate
 from truepose.effects.cells import cell_of, of_legs
 from truepose.identification.distributions import chi2_median
 from truepose.identification.fit.robust import RobustFit
+from truepose.identification.model.parameters.structure import Structure
 from truepose.identification.model.stops import sites
-from truepose.identification.model.structure import Structure
 from truepose.identification.observations.blocks import Block
 from truepose.identification.observations.observed import observed
 from truepose.identification.verdict.judge import Judged, judge_estimates

@@ -44,7 +44,7 @@ from truepose.exchange.keys import (
 )
 from truepose.exchange.models.covariance import covariance_document, read_covariance
 from truepose.exchange.robots.document import GRAVITY, PLACEMENT, ROBOT
-from truepose.identification.model.zone import DIRECTIONS
+from truepose.identification.model.validity.zone import DIRECTIONS
 
 FORMAT = "truepose-model"
 VERSION = 1

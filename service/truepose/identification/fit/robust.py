@@ -35,7 +35,7 @@ from truepose.identification.fit.crossing import crossing
 from truepose.identification.fit.solver import Solution, solve
 from truepose.identification.model.derivatives import mean_variance
 from truepose.identification.model.estimates import Estimate
-from truepose.identification.model.structure import Structure
+from truepose.identification.model.parameters.structure import Structure
 from truepose.identification.observations.blocks import Block, BlockResult, Joint, linearise_blocks, reweighed
 from truepose.identification.observations.looks import FALSE_ALARM
 

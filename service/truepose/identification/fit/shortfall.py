@@ -35,7 +35,7 @@ from truepose.effects.joints.joint_harmonics import NAME as HARMONICS
 from truepose.effects.ports import Setting
 from truepose.effects.registry import effect_named
 from truepose.identification.fit.robust import RobustFit, degrees_of_freedom
-from truepose.identification.model.shortfall import Function, function_columns, shortfall_variance
+from truepose.identification.model.validity.shortfall import Function, function_columns, shortfall_variance
 from truepose.identification.observations.positions import PositionBlock
 
 _KINDS: Final = (BACKLASH, HARMONICS, COMPLIANCE)

@@ -8,11 +8,11 @@ from truepose.domain.arrays import FloatArray
 from truepose.domain.errors import ConfigurationError
 from truepose.domain.results.identification import Anchor, Model, NestCentre, Parameter
 from truepose.effects.ports import ParameterSpec
-from truepose.identification.model.anchors import LEG_OFFSET, LEG_OWNER, anchor_name
-from truepose.identification.model.counterparts import TARGET_OWNER
 from truepose.identification.model.evaluation import Targets
-from truepose.identification.model.missing import span_of
-from truepose.identification.model.structure import NOMINAL_EFFECTS, Structure
+from truepose.identification.model.parameters.anchors import LEG_OFFSET, LEG_OWNER, anchor_name
+from truepose.identification.model.parameters.counterparts import TARGET_OWNER
+from truepose.identification.model.parameters.structure import NOMINAL_EFFECTS, Structure
+from truepose.identification.model.validity.missing import span_of
 from truepose.kinematics.frames import placement_rotation, placement_translation, rotation_xyz
 
 

@@ -16,8 +16,8 @@ from truepose.domain.arrays import FloatArray, IntArray, Table
 from truepose.domain.measurement.campaign import Stops
 from truepose.effects.ports import Port, PortKind, Rows, Term, known_frames
 from truepose.effects.registry import needs_of
-from truepose.identification.model.structure import Structure, base_axes
-from truepose.identification.model.terms import Acting, Told, with_added_loads
+from truepose.identification.model.parameters.structure import Structure, base_axes
+from truepose.identification.model.parameters.terms import Acting, Told, with_added_loads
 from truepose.kinematics.chain import Chain, LinkValues, forward, nominal_values
 from truepose.kinematics.frames import turned_axes
 from truepose.kinematics.gravity import gravity_torques

@@ -7,7 +7,6 @@ from truepose.domain.measurement.campaign import Stops
 from truepose.domain.measurement.last_moves import told_moves
 from truepose.domain.results.identification import Model
 from truepose.domain.sentences import Sentence
-from truepose.identification.model.beyond import held, held_variance
 from truepose.identification.model.derivatives import (
     mean_variance,
     place_jacobian,
@@ -16,8 +15,9 @@ from truepose.identification.model.derivatives import (
 )
 from truepose.identification.model.estimates import check_targets, structure_of, values_of
 from truepose.identification.model.evaluation import State, Targets, evaluate
-from truepose.identification.model.missing import left_out, left_out_variance, span_of
-from truepose.identification.model.shortfall import lacking_variance
+from truepose.identification.model.validity.beyond import held, held_variance
+from truepose.identification.model.validity.missing import left_out, left_out_variance, span_of
+from truepose.identification.model.validity.shortfall import lacking_variance
 
 
 def predict(model: Model, stops: Stops, nest: IntArray) -> tuple[FloatArray, FloatArray]:

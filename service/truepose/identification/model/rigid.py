@@ -17,10 +17,10 @@ from truepose.domain.measurement.campaign import Stops
 from truepose.domain.results.identification import Model, NestCentre, Parameter
 from truepose.domain.robot import FramePlacement, JointRow, Robot
 from truepose.effects.ports import Port, PortKind, Term
-from truepose.identification.model.counterparts import COUNTERPARTS
 from truepose.identification.model.estimates import identified_estimate
 from truepose.identification.model.evaluation import State, Targets, evaluate, nest_centres
-from truepose.identification.model.structure import base_axes
+from truepose.identification.model.parameters.counterparts import COUNTERPARTS
+from truepose.identification.model.parameters.structure import base_axes
 from truepose.kinematics.frames import angles_xyz, placement_of
 
 FIELDS: Final[Mapping[PortKind, str]] = {

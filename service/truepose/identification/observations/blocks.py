@@ -16,7 +16,7 @@ import numpy as np
 
 from truepose.domain.arrays import BoolArray, FloatArray, IntArray, Table
 from truepose.identification.model.evaluation import State, Targets, evaluate
-from truepose.identification.model.structure import Structure
+from truepose.identification.model.parameters.structure import Structure
 from truepose.identification.observations.whitening import Whitener
 
 _HALF = 0.5  # weight from which on a reading counts as one

@@ -19,7 +19,7 @@ from truepose.effects.instruments.fixed_nests import NAME, place_name, reference
 from truepose.effects.shapes.rigid_motion import COMPONENTS
 from truepose.identification.model.derivatives import seen_jacobian
 from truepose.identification.model.evaluation import State, Targets
-from truepose.identification.model.structure import Structure
+from truepose.identification.model.parameters.structure import Structure
 from truepose.identification.observations.blocks import BlockResult, IndependentReadings
 from truepose.identification.observations.looks import Looks
 from truepose.kinematics.frames import cross, turned_axes

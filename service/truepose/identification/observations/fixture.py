@@ -16,11 +16,11 @@ from truepose.domain.arrays import FloatArray, IntArray
 from truepose.domain.measurement.campaign import CupSetups, FixtureLengths, Stops
 from truepose.domain.robot import Robot
 from truepose.effects.ports import PortKind
-from truepose.identification.model.anchors import anchor_places, first_anchor
 from truepose.identification.model.derivatives import position_jacobian
 from truepose.identification.model.evaluation import State, Targets, nest_centres
 from truepose.identification.model.lengths import excess_mm
-from truepose.identification.model.structure import Structure
+from truepose.identification.model.parameters.anchors import anchor_places, first_anchor
+from truepose.identification.model.parameters.structure import Structure
 from truepose.identification.observations.blocks import BlockResult, IndependentReadings
 
 TOOL_PLACEMENT = 0  # number of the placement that stands for the tool

@@ -8,10 +8,10 @@ import numpy as np
 from truepose.domain.arrays import FloatArray, IntArray
 from truepose.domain.errors import ConfigurationError
 from truepose.domain.measurement.campaign import LegReadings
-from truepose.identification.model.anchors import LEG_OFFSET, anchor_places, first_anchor
 from truepose.identification.model.evaluation import State, Targets
 from truepose.identification.model.lengths import excess_mm, foot_gradient, length_jacobian, moved_feet
-from truepose.identification.model.structure import Structure
+from truepose.identification.model.parameters.anchors import LEG_OFFSET, anchor_places, first_anchor
+from truepose.identification.model.parameters.structure import Structure
 from truepose.identification.observations.blocks import BlockResult
 from truepose.identification.observations.lengths import LengthBlock
 from truepose.kinematics.chain import theta_gradient

@@ -1,7 +1,7 @@
 """The readings of a campaign as observations: the one place that asks which kind they are."""
 
 from truepose.domain.measurement.campaign import LegReadings, PointReadings, Readings
-from truepose.identification.model.structure import Structure
+from truepose.identification.model.parameters.structure import Structure
 from truepose.identification.observations.blocks import Block
 from truepose.identification.observations.contacts.block import contact_block
 from truepose.identification.observations.legs import leg_block

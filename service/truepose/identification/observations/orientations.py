@@ -9,7 +9,7 @@ from truepose.domain.arrays import FloatArray
 from truepose.domain.measurement.campaign import PointReadings
 from truepose.identification.model.derivatives import rotation_jacobian
 from truepose.identification.model.evaluation import State, Targets
-from truepose.identification.model.structure import Structure
+from truepose.identification.model.parameters.structure import Structure
 from truepose.identification.observations.blocks import BlockResult, IndependentReadings
 from truepose.kinematics.frames import cross_matrix, rotation_from_quaternion, vector_from_rotation
 

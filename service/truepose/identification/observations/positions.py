@@ -9,7 +9,7 @@ from truepose.domain.arrays import FloatArray, IntArray, Table
 from truepose.domain.measurement.campaign import PointReadings
 from truepose.identification.model.derivatives import position_jacobian
 from truepose.identification.model.evaluation import State, Targets
-from truepose.identification.model.structure import Structure
+from truepose.identification.model.parameters.structure import Structure
 from truepose.identification.observations.blocks import Block, BlockResult
 from truepose.identification.observations.whitening import Whitener, equal_variance, of_independent, whitener
 

@@ -18,7 +18,7 @@ from truepose.effects.base.base_frame import NAME as BASE
 from truepose.effects.ports import Setting, Trait
 from truepose.effects.registry import automatic_in, effects_with
 from truepose.effects.tool.tool_nests import NAME as TOOL
-from truepose.identification.model.structure import NOMINAL_EFFECTS, Structure
+from truepose.identification.model.parameters.structure import NOMINAL_EFFECTS, Structure
 from truepose.identification.observations.blocks import Block
 from truepose.identification.observations.fixed_nests import reference_block, with_reference_parameters
 from truepose.identification.observations.orientations import orientation_block

@@ -7,7 +7,7 @@ from truepose.domain.measurement.campaign import Campaign, FixtureLengths
 from truepose.effects.tool.tool_certificate import NAME as TOOL_CERTIFICATE
 from truepose.effects.tool.tool_certificate import certificate_specs
 from truepose.identification.distributions import chi2_limit
-from truepose.identification.model.structure import Structure
+from truepose.identification.model.parameters.structure import Structure
 from truepose.identification.observations.fixture import TOOL_PLACEMENT
 from truepose.identification.problem.setting import unknown_nests
 

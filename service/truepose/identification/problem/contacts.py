@@ -11,8 +11,8 @@ from truepose.domain.measurement.targets import Target
 from truepose.domain.robot import FramePlacement
 from truepose.effects.base.base_frame import NAME as BASE
 from truepose.effects.ports import Setting
-from truepose.identification.model.counterparts import TARGET_OWNER, target_prefix
-from truepose.identification.model.structure import Structure
+from truepose.identification.model.parameters.counterparts import TARGET_OWNER, target_prefix
+from truepose.identification.model.parameters.structure import Structure
 from truepose.identification.observations.blocks import Block
 from truepose.identification.observations.contacts.block import contact_block
 from truepose.identification.observations.contacts.distances import distance_block

@@ -10,8 +10,8 @@ from truepose.domain.measurement.campaign import Campaign, LegReadings
 from truepose.domain.robot import FramePlacement
 from truepose.effects.base.base_frame import NAME as BASE
 from truepose.effects.ports import ParameterSpec, Setting
-from truepose.identification.model.anchors import LEG_OFFSET, LEG_OWNER, anchor_name
-from truepose.identification.model.structure import Structure
+from truepose.identification.model.parameters.anchors import LEG_OFFSET, LEG_OWNER, anchor_name
+from truepose.identification.model.parameters.structure import Structure
 from truepose.identification.observations.blocks import Block
 from truepose.identification.observations.fixture import BALL_NEST, clamp_block, side_block
 from truepose.identification.observations.legs import leg_block

@@ -8,7 +8,7 @@ from truepose.domain.measurement.campaign import Campaign
 from truepose.effects.ports import ParameterSpec, Setting, Trait
 from truepose.effects.registry import effect_named, effects_with
 from truepose.effects.tool.tool_nests import NAME as TOOL
-from truepose.identification.model.structure import NOMINAL_EFFECTS, Structure
+from truepose.identification.model.parameters.structure import NOMINAL_EFFECTS, Structure
 from truepose.identification.problem.placement import Placement
 from truepose.identification.problem.setting import known_placement
 from truepose.kinematics.frames import angles_xyz

@@ -14,8 +14,8 @@ from truepose.domain.sentences import Sentence, said
 from truepose.effects.base.base_frame import PARAMETERS as BASE
 from truepose.effects.ports import Setting, Trait
 from truepose.effects.registry import effects_with, left_open_by
-from truepose.identification.model.counterparts import certified_zeros
-from truepose.identification.model.structure import Structure
+from truepose.identification.model.parameters.counterparts import certified_zeros
+from truepose.identification.model.parameters.structure import Structure
 from truepose.identification.verdict.size import size_left_open, without
 
 UNDETERMINED = 0.5  # of the prior width: what is not known better, the data leave open

@@ -19,9 +19,9 @@ from truepose.identification.model.estimates import (
     identified_estimate,
     nominal_estimate,
 )
+from truepose.identification.model.parameters.structure import Structure
 from truepose.identification.model.prediction import unknown_variance, unpredictable_at
-from truepose.identification.model.shortfall import lacking_variance
-from truepose.identification.model.structure import Structure
+from truepose.identification.model.validity.shortfall import lacking_variance
 from truepose.identification.observations.blocks import Block, BlockResult
 from truepose.identification.observations.observed import observed
 from truepose.identification.verdict.statistics import expected_noise_mm, mean_norm, statistics

@@ -8,7 +8,7 @@ C. W. Wampler, Int. J. Robotics Research 15(6), 1996, 573-591 (a loop without a 
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
-from truepose.identification.model.structure import Structure
+from truepose.identification.model.parameters.structure import Structure
 
 _ALIKE = 0.9  # cosine between a direction that is left open and that of the size
 # Of the prior width, which lets arms be a thousandth too large: what is not known better than to two in ten

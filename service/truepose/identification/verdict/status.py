@@ -10,7 +10,7 @@ from truepose.effects.base.base_frame import WIDTH_RAD as BASE_WIDTH_RAD
 from truepose.effects.ports import Trait
 from truepose.effects.registry import effect_named, effects_with
 from truepose.identification.fit.robust import RobustFit
-from truepose.identification.model.structure import NOMINAL_EFFECTS
+from truepose.identification.model.parameters.structure import NOMINAL_EFFECTS
 from truepose.identification.problem.build import Problem
 from truepose.identification.problem.setting import known_placement, setting_of
 from truepose.identification.verdict.changes import Change, Evidence

@@ -23,7 +23,7 @@ from truepose.domain.measurement.ballbar import (
 )
 from truepose.domain.measurement.campaign import Stops
 from truepose.identification.model.prediction import predict
-from truepose.identification.model.same_robot import require_same_robot
+from truepose.identification.model.validity.same_robot import require_same_robot
 from truepose.kinematics.chain import theta_gradient
 from truepose.kinematics.frames import poses_of
 from truepose.kinematics.inverse import all_branches, brought_within

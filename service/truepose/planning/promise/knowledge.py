@@ -28,7 +28,7 @@ from truepose.effects.ports import Setting
 from truepose.effects.tool.tool_certificate import moves
 from truepose.identification.model.derivatives import position_jacobian, rotation_jacobian
 from truepose.identification.model.evaluation import State, Targets, evaluate
-from truepose.identification.model.structure import Structure
+from truepose.identification.model.parameters.structure import Structure
 from truepose.identification.problem.build import automatic_effects, build
 from truepose.identification.verdict.identifiability import left_open
 from truepose.kinematics.frames import cross_matrix

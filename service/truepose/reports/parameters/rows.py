@@ -9,7 +9,7 @@ import numpy as np
 from truepose.domain.measurement.campaign import Campaign
 from truepose.domain.results.identification import Identification, Model, Parameter
 from truepose.exchange.models.document import file_factor, file_unit
-from truepose.identification.model.structure import base_axes
+from truepose.identification.model.parameters.structure import base_axes
 from truepose.identification.verdict.identifiability import UNDETERMINED
 from truepose.kinematics.frames import (
     angles_xyz,

@@ -12,7 +12,7 @@ from truepose.correction.controller_values import controller_values, three_point
 from truepose.correction.zone_errors import CONFIGURATIONS, zone_targets
 from truepose.domain.errors import ConfigurationError
 from truepose.domain.results.identification import NestCentre
-from truepose.identification.model.zone import measured_zone, outside
+from truepose.identification.model.validity.zone import measured_zone, outside
 from truepose.kinematics.frames import placement_rotation, placement_translation
 
 OFFSETS = (2e-3, -1e-3, 5e-4, -3e-3, 1e-3)

@@ -16,7 +16,7 @@ from truepose.domain.robot import JointRow
 from truepose.exchange.results.proofs import proof_document
 from truepose.identification.model.estimates import structure_of, values_of
 from truepose.identification.model.evaluation import Targets, evaluate
-from truepose.identification.model.same_robot import require_same_robot
+from truepose.identification.model.validity.same_robot import require_same_robot
 
 N, NOISE_MM, SCATTER_MM = 40, 0.012, 0.004
 

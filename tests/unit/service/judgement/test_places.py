@@ -9,7 +9,7 @@ from tests.helpers.identification.synthetic import NESTS, configurations
 from truepose.domain.measurement.campaign import PointReadings, Stops
 from truepose.domain.results.identification import NestCentre
 from truepose.domain.robot import FramePlacement
-from truepose.identification.model.zone import measured_zone
+from truepose.identification.model.validity.zone import measured_zone
 from truepose.judgement.validation import validate
 from truepose.kinematics.chain import nominal_chain
 from truepose.kinematics.inverse import BRANCH_NAMES, branch_of

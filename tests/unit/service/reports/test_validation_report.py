@@ -15,7 +15,7 @@ from truepose.domain.results.identification import NestCentre
 from truepose.domain.robot import FramePlacement
 from truepose.exchange.results.iso9283 import accuracy_document, pose_test_document
 from truepose.identification import judge
-from truepose.identification.model.zone import measured_zone
+from truepose.identification.model.validity.zone import measured_zone
 from truepose.judgement.iso9283.judged import pose_test
 from truepose.judgement.iso9283.plan import Cube, plan_poses
 from truepose.judgement.validation import validate

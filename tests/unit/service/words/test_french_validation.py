@@ -15,7 +15,7 @@ from tests.helpers.words.english import english_in
 from truepose.domain.measurement.campaign import PointReadings, Stops
 from truepose.domain.results.identification import NestCentre
 from truepose.domain.robot import FramePlacement
-from truepose.identification.model.zone import measured_zone
+from truepose.identification.model.validity.zone import measured_zone
 from truepose.judgement.iso9283.judged import pose_test
 from truepose.judgement.iso9283.plan import Cube, plan_poses
 from truepose.judgement.validation import validate

@@ -11,11 +11,11 @@ from truepose.domain.errors import ConfigurationError
 from truepose.domain.measurement.campaign import ContactReadings
 from truepose.domain.measurement.targets import Target
 from truepose.effects.ports import PortKind
-from truepose.identification.model.counterparts import indices_of_target
 from truepose.identification.model.derivatives import position_jacobian, rotation_jacobian
 from truepose.identification.model.evaluation import State, Targets
 from truepose.identification.model.lengths import excess_mm
-from truepose.identification.model.structure import Structure
+from truepose.identification.model.parameters.counterparts import indices_of_target
+from truepose.identification.model.parameters.structure import Structure
 from truepose.identification.observations.blocks import BlockResult
 from truepose.identification.observations.contacts.against import Probe, Slope, sensor_axes
 from truepose.identification.observations.contacts.kinds import KINDS

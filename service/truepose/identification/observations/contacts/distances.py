@@ -13,9 +13,9 @@ from truepose.domain.arrays import FloatArray, IntArray
 from truepose.domain.measurement.campaign import Stops, TargetDistances
 from truepose.domain.measurement.targets import Target
 from truepose.domain.robot import Robot
-from truepose.identification.model.counterparts import centre_of, indices_of_target
 from truepose.identification.model.evaluation import State, Targets
-from truepose.identification.model.structure import Structure
+from truepose.identification.model.parameters.counterparts import centre_of, indices_of_target
+from truepose.identification.model.parameters.structure import Structure
 from truepose.identification.observations.blocks import BlockResult, IndependentReadings
 
 

@@ -28,7 +28,7 @@ from truepose.effects.tool.tool_certificate import NAME as TOOL_CERTIFICATE
 from truepose.effects.tool.tool_certificate import certificate_specs
 from truepose.identification.model.derivatives import position_jacobian
 from truepose.identification.model.evaluation import Targets, evaluate
-from truepose.identification.model.structure import Structure
+from truepose.identification.model.parameters.structure import Structure
 from truepose.identification.problem.build import automatic_effects, build
 from truepose.kinematics.frames import cross_matrix
 from truepose.planning.ballbar.clear_ways.bodies import BallbarCell

@@ -10,7 +10,7 @@ from tests.helpers.diagnosis.leg_scenes import telling_legs
 from tests.helpers.diagnosis.point_scenes import telling_campaign
 from truepose.domain.results.identification import Parameter
 from truepose.identification import identify, judge, predict, unpredictable, unpredictable_readings
-from truepose.identification.model.missing import Span, span_of
+from truepose.identification.model.validity.missing import Span, span_of
 from truepose.words.catalogue import english
 
 ARM = ("base", "geometry")

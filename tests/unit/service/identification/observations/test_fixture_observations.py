@@ -8,7 +8,7 @@ import pytest
 from tests.helpers.ballbar.campaigns import ballbar_campaign
 from truepose.domain.measurement.campaign import CupSetups, LegReadings, Stops
 from truepose.identification import identify
-from truepose.identification.model.anchors import anchor_places
+from truepose.identification.model.parameters.anchors import anchor_places
 from truepose.identification.observations.blocks import linearise_blocks
 from truepose.identification.observations.fixture import ClampBlock, SideBlock
 from truepose.identification.observations.legs import LegBlock

@@ -5,7 +5,7 @@ import numpy as np
 from truepose.domain.robot import JointRow, Robot
 from truepose.effects.ports import ParameterSpec, Setting
 from truepose.identification.fit.solver import posterior_covariance
-from truepose.identification.model.structure import Structure
+from truepose.identification.model.parameters.structure import Structure
 from truepose.identification.verdict.identifiability import not_identifiable
 from truepose.words.catalogue import english
 

@@ -4,8 +4,8 @@ import numpy as np
 
 from truepose.domain.arrays import FloatArray
 from truepose.domain.measurement.targets import Target
-from truepose.identification.model.anchors import LEG_OWNER
-from truepose.identification.model.structure import Structure
+from truepose.identification.model.parameters.anchors import LEG_OWNER
+from truepose.identification.model.parameters.structure import Structure
 
 TARGET_OWNER = "targets"  # stands for these parameters where others name their effect
 COUNTERPARTS = frozenset({LEG_OWNER, TARGET_OWNER})  # of what lengths are read against

@@ -10,7 +10,7 @@ import numpy as np
 from truepose.domain.arrays import FloatArray
 from truepose.effects.ports import Port, PortKind, Rows, Term, Trait
 from truepose.effects.registry import effect_named, effects_with, summed_effects
-from truepose.identification.model.structure import Structure
+from truepose.identification.model.parameters.structure import Structure
 
 Moved: TypeAlias = dict[Port, FloatArray | float]
 Told: TypeAlias = Callable[[], tuple[Term, ...]]

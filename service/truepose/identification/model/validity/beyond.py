@@ -26,7 +26,7 @@ from truepose.effects.registry import goes_on
 from truepose.effects.shapes.times import SECONDS_PER_HOUR
 from truepose.identification.model.derivatives import position_jacobian
 from truepose.identification.model.evaluation import Targets, evaluate
-from truepose.identification.model.structure import Structure
+from truepose.identification.model.parameters.structure import Structure
 
 
 def held(structure: Structure, targets: Targets) -> tuple[Sentence, ...]:

@@ -3,7 +3,7 @@
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
-from truepose.identification.model.structure import Structure
+from truepose.identification.model.parameters.structure import Structure
 
 LEG_OWNER = "legs"  # stands for these parameters where others name their effect
 LEG_OFFSET = "length_offset"

@@ -20,7 +20,7 @@ from truepose.effects.ports import Need, Trait
 from truepose.effects.registry import effects_with, needs_of
 from truepose.effects.shapes.times import SECONDS_PER_HOUR
 from truepose.identification.model.evaluation import Targets, evaluate
-from truepose.identification.model.structure import Structure
+from truepose.identification.model.parameters.structure import Structure
 
 _LACKED: dict[Need, str] = {
     "time": "cautions.time",
