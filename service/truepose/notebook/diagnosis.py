@@ -101,7 +101,7 @@ class Diagnosis:
         return self._errors() if finding is None else self._curve(finding)
 
     def _errors(self) -> "Figure | None":
-        from truepose.reports.figures.comparison import plain_comparison
+        from truepose.reports.figures.histograms.comparison import plain_comparison
 
         errors, after = self.answer.errors, self.answer.after
         if errors is None or after is None or not len(errors.config):
@@ -111,7 +111,7 @@ class Diagnosis:
         return plain_comparison(before_mm, after_mm, after.noise_mm)
 
     def _curve(self, number: int) -> "Figure | None":
-        from truepose.reports.figures.residual_curve import plain_residual_curve
+        from truepose.reports.figures.curves.residuals import plain_residual_curve
 
         findings = self.answer.all_findings
         if not 1 <= number <= len(findings):

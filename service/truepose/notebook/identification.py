@@ -83,7 +83,7 @@ class Identification:
         Held-out readings where there are any, else those of the calibration; None without a model. The figure
         is of matplotlib and belongs to no window: change and save it as any other.
         """
-        from truepose.reports.figures.histogram import plain_histogram
+        from truepose.reports.figures.histograms.errors import plain_histogram
         from truepose.reports.uncertainty.judged import judged, shown_noise_mm
 
         shown = judged(self.answer, self.campaign)

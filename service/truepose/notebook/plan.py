@@ -67,7 +67,7 @@ class Plan:
 
         The figure is of matplotlib and belongs to no window: change and save it as any other.
         """
-        from truepose.reports.figures.promise_curve import plain_promise_curve
+        from truepose.reports.figures.curves.promise import plain_promise_curve
 
         return None if self.promise is None else plain_promise_curve(self.promise)
 

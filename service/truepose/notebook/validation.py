@@ -105,8 +105,8 @@ class Validation:
         ConfigurationError
             There are no pairs of points.
         """
-        from truepose.reports.figures.distance_histogram import plain_distance_histogram
-        from truepose.reports.figures.histogram import plain_histogram
+        from truepose.reports.figures.histograms.distances import plain_distance_histogram
+        from truepose.reports.figures.histograms.errors import plain_histogram
         from truepose.reports.figures.place_errors import plain_place_errors
 
         if what == "places" and self.answer.places is not None:

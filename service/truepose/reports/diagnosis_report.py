@@ -18,11 +18,11 @@ from truepose.reports.causes_found.described import described_rows, described_se
 from truepose.reports.causes_found.findings import finding_blocks
 from truepose.reports.causes_found.ruled_out import ruled_out_rows
 from truepose.reports.conditions import ReportConditions, condition_rows
-from truepose.reports.figures.cause_map import map_picture, share_text
-from truepose.reports.figures.comparison import comparison
-from truepose.reports.figures.error_maps import error_maps
+from truepose.reports.figures.curves.residuals import CurveFigure, residual_curve
 from truepose.reports.figures.gains import gains
-from truepose.reports.figures.residual_curve import CurveFigure, residual_curve
+from truepose.reports.figures.histograms.comparison import comparison
+from truepose.reports.figures.maps.cause_map import map_picture, share_text
+from truepose.reports.figures.maps.error_maps import error_maps
 from truepose.reports.front.kinds import diagnosis_front
 from truepose.reports.front.page import front_page
 from truepose.reports.imprint import imprint_of

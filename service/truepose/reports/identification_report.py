@@ -13,11 +13,11 @@ from truepose.domain.sentences import Text
 from truepose.identification.verdict.judge import Judged
 from truepose.judgement.places import distance_from_axis_1
 from truepose.reports.conditions import ReportConditions, condition_rows, temperature_range
-from truepose.reports.figures.correlation import correlation_map, strongest_pairs
-from truepose.reports.figures.histogram import histogram
-from truepose.reports.figures.joint_residuals import joint_residuals
+from truepose.reports.figures.curves.joint_residuals import joint_residuals
+from truepose.reports.figures.histograms.errors import histogram
+from truepose.reports.figures.maps.correlation import correlation_map, strongest_pairs
+from truepose.reports.figures.maps.work_space import work_space
 from truepose.reports.figures.reach import reach_figure
-from truepose.reports.figures.work_space import work_space
 from truepose.reports.figures_rows import figures_rows
 from truepose.reports.front.kinds import identification_front
 from truepose.reports.front.page import front_page

@@ -24,8 +24,8 @@ from truepose.reports.cause_words import (
 )
 from truepose.reports.causes_found.described import own_text
 from truepose.reports.causes_found.look_alikes import Alternatives, alternatives
-from truepose.reports.figures.residual_curve import CurveFigure, residual_curve
-from truepose.reports.figures.spectrum import spectrum_picture
+from truepose.reports.figures.curves.residuals import CurveFigure, residual_curve
+from truepose.reports.figures.curves.spectrum import spectrum_picture
 from truepose.reports.rounding import interval, millimetres, p_value, with_minus, with_uncertainty
 from truepose.reports.seen.diagnoses import curve_sentence, spectrum_sentence
 from truepose.words.catalogue import IN_ENGLISH, Catalogue

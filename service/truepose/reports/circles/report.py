@@ -12,7 +12,7 @@ from truepose.reports.circles.sentences import (
     withheld_sentences,
 )
 from truepose.reports.conditions import ReportConditions
-from truepose.reports.figures.tangential import tangential_figure
+from truepose.reports.figures.curves.tangential import tangential_figure
 from truepose.reports.front.held_to_limit import NO_LIMIT, Limit, circles_front
 from truepose.reports.front.page import front_page
 from truepose.reports.imprint import Imprint

@@ -9,7 +9,7 @@ from truepose.domain.results.corrections import CorrectedTargets, FileCorrection
 from truepose.reports.conditions import ReportConditions
 from truepose.reports.corrected_targets import target_heads, target_rows
 from truepose.reports.corrections import correction_sentences
-from truepose.reports.figures.shift_map import shift_map
+from truepose.reports.figures.maps.shift_map import shift_map
 from truepose.reports.front.page import Front, OneFigure, front_page, graded
 from truepose.reports.imprint import imprint_of
 from truepose.reports.pages import rendered

@@ -10,7 +10,7 @@ from markupsafe import Markup
 from truepose.diagnosis.alarms import Alarm
 from truepose.diagnosis.history import CauseOverTime, Change, Sighting, Sign
 from truepose.reports.cause_words import with_unit
-from truepose.reports.figures.course import Course, course_figure
+from truepose.reports.figures.curves.course import Course, course_figure
 from truepose.reports.over_time.sentences import cause_name, change_words
 from truepose.words.catalogue import Catalogue
 

@@ -11,7 +11,7 @@ from truepose.diagnosis.alarms import Alarm
 from truepose.diagnosis.history import CauseOverTime
 from truepose.domain.results.identification import Statistics
 from truepose.judgement.two_models import TwoModels
-from truepose.reports.figures.course import Course, course_figure
+from truepose.reports.figures.curves.course import Course, course_figure
 from truepose.reports.over_time.causes import causes_shown
 from truepose.reports.over_time.sentences import alarm_words
 from truepose.reports.over_time.side_by_side import (

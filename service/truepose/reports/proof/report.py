@@ -11,8 +11,8 @@ from truepose.domain.arrays import FloatArray
 from truepose.domain.results.diagnosis import HeldOutErrors
 from truepose.domain.results.identification import Statistics
 from truepose.domain.sentences import Sentence
-from truepose.reports.figures.comparison import comparison
-from truepose.reports.figures.error_maps import ErrorMaps, error_maps
+from truepose.reports.figures.histograms.comparison import comparison
+from truepose.reports.figures.maps.error_maps import ErrorMaps, error_maps
 from truepose.reports.pages import rendered
 from truepose.reports.proof.sentences import proof_sentence, proof_verdict
 from truepose.reports.rounding import fixed, millimetres

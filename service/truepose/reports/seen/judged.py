@@ -5,7 +5,7 @@ import numpy as np
 from truepose.domain.sentences import Text
 from truepose.identification.verdict.judge import Judged
 from truepose.judgement.places import distance_from_axis_1
-from truepose.reports.figures.joint_residuals import residuals_by_joint
+from truepose.reports.figures.curves.joint_residuals import residuals_by_joint
 from truepose.reports.seen.errors import errors_sentence
 from truepose.reports.seen.joints import joints_sentence
 from truepose.reports.seen.places import neighbours_sentence, reach_sentence

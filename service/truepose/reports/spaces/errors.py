@@ -9,7 +9,7 @@ from truepose.domain.arrays import FloatArray, IntArray
 from truepose.domain.measurement.campaign import Readings
 from truepose.domain.results.identification import Model
 from truepose.identification.verdict.judge import judge
-from truepose.reports.figures.work_space import exaggeration
+from truepose.reports.figures.maps.work_space import exaggeration
 from truepose.reports.spaces.arm import arm_pieces
 
 _MOST_ARROWS: Final = 600  # more hide each other

@@ -6,7 +6,7 @@ from markupsafe import Markup
 
 from truepose.judgement.sphere.judged import NOMINAL, SphereTest
 from truepose.reports.conditions import ReportConditions
-from truepose.reports.figures.radial import radial_figure
+from truepose.reports.figures.curves.radial import radial_figure
 from truepose.reports.front.held_to_limit import NO_LIMIT, Limit, sphere_front
 from truepose.reports.front.page import front_page
 from truepose.reports.imprint import Imprint

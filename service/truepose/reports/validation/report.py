@@ -14,9 +14,9 @@ from truepose.judgement.cautions import pose_test_caution
 from truepose.judgement.iso9283.judged import PoseTest
 from truepose.reports.audit import Audit
 from truepose.reports.conditions import ReportConditions
-from truepose.reports.figures.distance_histogram import distance_histogram
-from truepose.reports.figures.drift import drift_figure
-from truepose.reports.figures.histogram import histogram
+from truepose.reports.figures.curves.drift import drift_figure
+from truepose.reports.figures.histograms.distances import distance_histogram
+from truepose.reports.figures.histograms.errors import histogram
 from truepose.reports.figures.place_errors import place_errors
 from truepose.reports.front.kinds import validation_front
 from truepose.reports.front.page import front_page

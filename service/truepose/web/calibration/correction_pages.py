@@ -88,7 +88,7 @@ async def _record(here: Context, id: str) -> CorrectionRecord | None:
 def _shown(record: CorrectionRecord, targets: CorrectedTargets, words: Catalogue, after: int) -> Shown:
     from truepose.reports.corrected_targets import target_heads, target_rows
     from truepose.reports.corrections import correction_sentences
-    from truepose.reports.figures.shift_map import shift_map
+    from truepose.reports.figures.maps.shift_map import shift_map
 
     found, drawn = record.correction, shift_map(targets, words)
     following = after + _ROWS

@@ -52,7 +52,7 @@ def _told(promised: "Promised", words: Catalogue, *, plans: bool) -> str:
 
 
 def _shown(promised: "Promised", words: Catalogue) -> Shown:
-    from truepose.reports.figures.promise_curve import promise_curve
+    from truepose.reports.figures.curves.promise import promise_curve
     from truepose.reports.plans import curve_head, curve_rows, plan_sentences
 
     plan = promised.plan

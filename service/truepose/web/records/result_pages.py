@@ -93,7 +93,7 @@ def _told(record: ModelRecord, words: Catalogue) -> str:
 
 
 def _model(record: ModelRecord, words: Catalogue) -> ShownModel:
-    from truepose.reports.figures.correlation import correlation_map
+    from truepose.reports.figures.maps.correlation import correlation_map
     from truepose.reports.parameters.rows import model_rows
 
     model = record.model

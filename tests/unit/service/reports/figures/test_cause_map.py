@@ -9,7 +9,7 @@ from tests.helpers.diagnosis.answers import make_described, make_diagnosis, make
 from truepose.domain.results.causes import Cause
 from truepose.domain.results.diagnosis import Worth
 from truepose.reports.causes_found.cause_map import cause_map
-from truepose.reports.figures.cause_map import map_picture, share_text
+from truepose.reports.figures.maps.cause_map import map_picture, share_text
 
 COUPLED = Cause("unnamed", "joint 4, angle of joint 2, line")
 

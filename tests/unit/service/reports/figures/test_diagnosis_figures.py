@@ -8,11 +8,11 @@ import pytest
 from tests.helpers.diagnosis.answers import make_spectrum
 from tests.helpers.diagnosis.diagnosed_cells import make_curve, make_errors, make_finding, make_gain_finding
 from truepose.domain.results.diagnosis import CurvePoints, HeldOutErrors
-from truepose.reports.figures.comparison import comparison
-from truepose.reports.figures.error_maps import error_maps
+from truepose.reports.figures.curves.residuals import residual_curve
+from truepose.reports.figures.curves.spectrum import spectrum_picture
 from truepose.reports.figures.gains import gains
-from truepose.reports.figures.residual_curve import residual_curve
-from truepose.reports.figures.spectrum import spectrum_picture
+from truepose.reports.figures.histograms.comparison import comparison
+from truepose.reports.figures.maps.error_maps import error_maps
 
 
 def drawn(curve, **options):

@@ -7,10 +7,10 @@ import pytest
 
 from tests.helpers.domain.builders import make_model
 from truepose.identification import predict
-from truepose.reports.figures.correlation import correlation_map, correlation_matrix, strongest_pairs
-from truepose.reports.figures.histogram import histogram
-from truepose.reports.figures.joint_residuals import eye_guide, joint_residuals, residuals_by_joint
-from truepose.reports.figures.work_space import exaggeration, work_space
+from truepose.reports.figures.curves.joint_residuals import eye_guide, joint_residuals, residuals_by_joint
+from truepose.reports.figures.histograms.errors import histogram
+from truepose.reports.figures.maps.correlation import correlation_map, correlation_matrix, strongest_pairs
+from truepose.reports.figures.maps.work_space import exaggeration, work_space
 from truepose.reports.uncertainty.judged import judged
 
 

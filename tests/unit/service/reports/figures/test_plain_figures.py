@@ -21,11 +21,11 @@ from truepose.domain.results.validation import (
     SignedErrors,
 )
 from truepose.reports.figures.canvas import PLAIN
-from truepose.reports.figures.comparison import comparison, plain_comparison
-from truepose.reports.figures.distance_histogram import plain_distance_histogram
-from truepose.reports.figures.histogram import plain_histogram
+from truepose.reports.figures.curves.residuals import plain_residual_curve
+from truepose.reports.figures.histograms.comparison import comparison, plain_comparison
+from truepose.reports.figures.histograms.distances import plain_distance_histogram
+from truepose.reports.figures.histograms.errors import plain_histogram
 from truepose.reports.figures.place_errors import plain_place_errors
-from truepose.reports.figures.residual_curve import plain_residual_curve
 from truepose.reports.uncertainty.judged import judged
 
 _SHELLS = (Shell(0.0, 200.0, make_pair()), Shell(400.0, 600.0, make_pair()))
@@ -117,7 +117,8 @@ def _settings():
 
 def test_no_window_and_no_global_state_is_needed():
     code = (
-        "import sys, numpy as np; from truepose.reports.figures.comparison import plain_comparison;"
+        "import sys, numpy as np;"
+        "from truepose.reports.figures.histograms.comparison import plain_comparison;"
         "plain_comparison(np.ones(5), np.ones(5), 0.5)._repr_png_();"
         "print('matplotlib.pyplot' in sys.modules)"
     )

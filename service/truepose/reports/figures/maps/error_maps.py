@@ -18,7 +18,7 @@ from truepose.reports.figures.canvas import (
     page_style,
     to_svg,
 )
-from truepose.reports.figures.work_space import exaggeration
+from truepose.reports.figures.maps.work_space import exaggeration
 from truepose.words.catalogue import IN_ENGLISH, Catalogue
 
 _MOST_VECTORS = 250

@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from truepose.domain.arrays import FloatArray
 from truepose.domain.results.corrections import CorrectedTargets
 from truepose.reports.figures.canvas import AFTER, INK, MUTED, name_axes, new_figure, page_style, to_svg
-from truepose.reports.figures.work_space import exaggeration
+from truepose.reports.figures.maps.work_space import exaggeration
 from truepose.words.catalogue import Catalogue
 
 _MOST_ARROWS: Final = 400

@@ -1,0 +1,1 @@
+"""Figures over one variable: residuals, waves, days, hours, configurations."""

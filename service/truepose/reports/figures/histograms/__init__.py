@@ -1,0 +1,1 @@
+"""Figures of how many: errors, distances, two models in the same bins."""
