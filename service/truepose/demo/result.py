@@ -11,9 +11,9 @@ from truepose.demo.diagnosis import diagnosis_lines
 from truepose.demo.truth_comparison import JudgedRun, TrueErrors
 from truepose.exchange.json_text import Json, number_or_null, render_json
 from truepose.exchange.results.statistics import statistics_document
-from truepose.reports.rounding import millimetres
 from truepose.reports.terminal.identification import figures_table, truth_table
-from truepose.reports.turns import turns_table
+from truepose.reports.wording.rounding import millimetres
+from truepose.reports.wording.turns import turns_table
 from truepose.version import __version__
 from truepose.words.catalogue import english
 

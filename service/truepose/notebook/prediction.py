@@ -15,7 +15,7 @@ from truepose.notebook.model import Model, model_given
 from truepose.notebook.shown import html
 from truepose.notebook.shown.frames import frame
 from truepose.notebook.shown.wording import counted
-from truepose.reports.rounding import millimetres
+from truepose.reports.wording.rounding import millimetres
 from truepose.words.catalogue import english
 
 if TYPE_CHECKING:

@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING
 from truepose.lazy_names import loader
 
 if TYPE_CHECKING:
-    from truepose.reports.cause_words import VerdictWords, verdict_words
-    from truepose.reports.conditions import Instrument, Period, ReportConditions
     from truepose.reports.diagnosis_report import DiagnosisInput, diagnosis_content, write_diagnosis_report
     from truepose.reports.identification_report import DiagnosisLink, ReportInput, write_identification_report
     from truepose.reports.pages import page_styles, page_tokens, verdict_shape
     from truepose.reports.table_report import Row, Section, Trend, Verdict, write_table_report
+    from truepose.reports.traceability.conditions import Instrument, Period, ReportConditions
     from truepose.reports.truth import TrueParameter, Truth
     from truepose.reports.validation.report import ValidationInput, write_validation_report
+    from truepose.reports.wording.causes import VerdictWords, verdict_words
 
 __all__ = [
     "DiagnosisInput",
@@ -47,9 +47,9 @@ __all__ = [
 _HOMES = {
     "DiagnosisInput": "diagnosis_report",
     "DiagnosisLink": "identification_report",
-    "Instrument": "conditions",
-    "Period": "conditions",
-    "ReportConditions": "conditions",
+    "Instrument": "traceability.conditions",
+    "Period": "traceability.conditions",
+    "ReportConditions": "traceability.conditions",
     "ReportInput": "identification_report",
     "Row": "table_report",
     "Section": "table_report",
@@ -58,12 +58,12 @@ _HOMES = {
     "Truth": "truth",
     "ValidationInput": "validation.report",
     "Verdict": "table_report",
-    "VerdictWords": "cause_words",
+    "VerdictWords": "wording.causes",
     "diagnosis_content": "diagnosis_report",
     "page_styles": "pages",
     "page_tokens": "pages",
     "verdict_shape": "pages",
-    "verdict_words": "cause_words",
+    "verdict_words": "wording.causes",
     "write_diagnosis_report": "diagnosis_report",
     "write_identification_report": "identification_report",
     "write_table_report": "table_report",

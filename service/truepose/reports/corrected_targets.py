@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 
 from truepose.domain.results.corrections import CorrectedTargets
-from truepose.reports.rounding import MISSING, fixed, millimetres, uncertainty_mm
+from truepose.reports.wording.rounding import MISSING, fixed, millimetres, uncertainty_mm
 from truepose.words.catalogue import Catalogue
 
 _HEADS: Final = (

@@ -12,12 +12,10 @@ from truepose.domain.results.diagnosis import Confidence, Dependence, Diagnosis,
 from truepose.domain.results.identification import Model
 from truepose.domain.sentences import Text
 from truepose.exchange.models.document import file_factor, file_unit
-from truepose.reports.cause_words import causes_listed, printed_unit, verdict_words
 from truepose.reports.causes_found.cause_map import MapCell, cause_map
 from truepose.reports.causes_found.described import described_rows, described_sentence
 from truepose.reports.causes_found.findings import finding_blocks
 from truepose.reports.causes_found.ruled_out import ruled_out_rows
-from truepose.reports.conditions import ReportConditions, condition_rows
 from truepose.reports.figures.curves.residuals import CurveFigure, residual_curve
 from truepose.reports.figures.gains import gains
 from truepose.reports.figures.histograms.comparison import comparison
@@ -25,11 +23,9 @@ from truepose.reports.figures.maps.cause_map import map_picture, share_text
 from truepose.reports.figures.maps.error_maps import error_maps
 from truepose.reports.front.kinds import diagnosis_front
 from truepose.reports.front.page import front_page
-from truepose.reports.imprint import imprint_of
 from truepose.reports.pages import rendered
 from truepose.reports.paper import write_report_text
 from truepose.reports.parameters.meanings import meaning
-from truepose.reports.rounding import MISSING, fixed, rounded, uncertainty, with_minus
 from truepose.reports.seen.diagnoses import (
     curve_sentence,
     gains_sentence,
@@ -37,6 +33,10 @@ from truepose.reports.seen.diagnoses import (
     places_sentence,
 )
 from truepose.reports.seen.errors import errors_sentence
+from truepose.reports.traceability.conditions import ReportConditions, condition_rows
+from truepose.reports.traceability.imprint import imprint_of
+from truepose.reports.wording.causes import causes_listed, printed_unit, verdict_words
+from truepose.reports.wording.rounding import MISSING, fixed, rounded, uncertainty, with_minus
 from truepose.words.catalogue import ENGLISH, IN_ENGLISH, Catalogue, catalogue
 
 _HELD_OUT = {

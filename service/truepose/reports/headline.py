@@ -8,10 +8,10 @@ from typing import Final
 from truepose.domain.results.identification import Identification, NominalAndIdentified, Statistics, Status
 from truepose.domain.sentences import Sentence, Text, said, together
 from truepose.identification.verdict.judge import Judged
-from truepose.reports.conditions import NOT_STATED
-from truepose.reports.rounding import millimetres, rounded, uncertainty
+from truepose.reports.traceability.conditions import NOT_STATED
 from truepose.reports.uncertainty.budget import Budget
 from truepose.reports.uncertainty.judged import judging_figures
+from truepose.reports.wording.rounding import millimetres, rounded, uncertainty
 from truepose.words.catalogue import IN_ENGLISH, Catalogue
 
 _CHANGES: Final = {

@@ -12,7 +12,6 @@ from truepose.domain.results.identification import Identification
 from truepose.domain.sentences import Text
 from truepose.identification.verdict.judge import Judged
 from truepose.judgement.places import distance_from_axis_1
-from truepose.reports.conditions import ReportConditions, condition_rows, temperature_range
 from truepose.reports.figures.curves.joint_residuals import joint_residuals
 from truepose.reports.figures.histograms.errors import histogram
 from truepose.reports.figures.maps.correlation import correlation_map, strongest_pairs
@@ -22,17 +21,18 @@ from truepose.reports.figures_rows import figures_rows
 from truepose.reports.front.kinds import identification_front
 from truepose.reports.front.page import front_page
 from truepose.reports.headline import headline
-from truepose.reports.imprint import imprint_of
 from truepose.reports.observability.shown import observability_context
 from truepose.reports.pages import rendered
 from truepose.reports.paper import write_report_text
 from truepose.reports.parameters.rows import parameter_rows
 from truepose.reports.seen.judged import seen_by
+from truepose.reports.traceability.conditions import ReportConditions, condition_rows, temperature_range
+from truepose.reports.traceability.imprint import imprint_of
 from truepose.reports.truth import Truth, truth_row
-from truepose.reports.turns import turns_rows
 from truepose.reports.uncertainty.budget import Budget, budget
 from truepose.reports.uncertainty.judged import FAR_OUT, judged, noise_split, shown_noise_mm
 from truepose.reports.uncertainty.shifts import DRAWS
+from truepose.reports.wording.turns import turns_rows
 from truepose.words.catalogue import ENGLISH, Catalogue, catalogue
 
 

@@ -7,9 +7,9 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
 from truepose.reports.causes_found.ruled_out import ruled_out_rows
-from truepose.reports.imprint import css_string
 from truepose.reports.paper import PAPER, write_report_text
-from truepose.reports.rounding import millimetres, p_value, uncertainty_mm
+from truepose.reports.traceability.imprint import css_string
+from truepose.reports.wording.rounding import millimetres, p_value, uncertainty_mm
 from truepose.version import __version__
 from truepose.words.catalogue import IN_ENGLISH, Catalogue
 from truepose.words.templates import in_units

@@ -9,7 +9,7 @@ from truepose.domain.results.identification import NotIdentifiable
 from truepose.domain.sentences import Sentence, said
 from truepose.planning.promise.curve import STEP, gains_mm
 from truepose.planning.promise.plan import PromisedPlan
-from truepose.reports.rounding import fixed
+from truepose.reports.wording.rounding import fixed
 from truepose.words.catalogue import Catalogue
 from truepose.words.units import Printed
 

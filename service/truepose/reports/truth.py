@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from truepose.domain.results.identification import Statistics
 from truepose.domain.sentences import Text
-from truepose.reports.rounding import MISSING, rounded, uncertainty
+from truepose.reports.wording.rounding import MISSING, rounded, uncertainty
 from truepose.words.catalogue import IN_ENGLISH, Catalogue
 
 _K_95 = 1.96  # two-sided 95 % of the normal distribution

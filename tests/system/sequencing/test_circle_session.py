@@ -5,7 +5,7 @@ import hashlib
 import pytest
 
 from tests.helpers.web.clients import measured, served
-from truepose.reports.rounding import rounded
+from truepose.reports.wording.rounding import rounded
 from truepose.settings import Settings
 
 _TURNS = [{"joint": 5, "lower_deg": 35, "upper_deg": 90, "step_deg": 5}]

@@ -5,7 +5,7 @@ import hashlib
 import pytest
 
 from tests.helpers.web.clients import made, measured, served
-from truepose.reports.rounding import millimetres
+from truepose.reports.wording.rounding import millimetres
 from truepose.settings import Settings
 
 CALIBRATION = {

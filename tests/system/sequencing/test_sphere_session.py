@@ -9,7 +9,7 @@ from tests.studies.interruptions.killed_service import standing_service
 from truepose.demo.cell.person_at_tablet import PersonAtTablet
 from truepose.exchange.campaigns.folder import read_campaign
 from truepose.exchange.campaigns.zip_file import write_campaign_zip
-from truepose.reports.rounding import rounded
+from truepose.reports.wording.rounding import rounded
 from truepose_simulators.recording.campaign import record
 from truepose_simulators.recording.files import write_campaign as write_recorded
 from truepose_simulators.recording.plan import Wishes

@@ -7,15 +7,15 @@ from rich.table import Table
 from truepose.domain.results.diagnosis import Diagnosis, Finding, Gain, NextMeasurement, Remaining
 from truepose.domain.results.identification import Statistics
 from truepose.domain.sentences import Text
-from truepose.reports.cause_words import (
+from truepose.reports.causes_found.described import DescribedRow, described_rows, described_sentence
+from truepose.reports.wording.causes import (
     causes_listed,
     confidence_word,
     place_words,
     printed_unit,
     worth_words,
 )
-from truepose.reports.causes_found.described import DescribedRow, described_rows, described_sentence
-from truepose.reports.rounding import millimetres, p_value, with_uncertainty
+from truepose.reports.wording.rounding import millimetres, p_value, with_uncertainty
 from truepose.words.catalogue import IN_ENGLISH, Catalogue
 
 _HELD_OUT = {"validation": "terminal.validation", "cross_validation": "terminal.cross_validation"}

@@ -56,7 +56,7 @@ def validate_command(
     from truepose.judgement.cautions import validation_cautions
     from truepose.judgement.validation import validate
     from truepose.reports import ValidationInput, write_validation_report
-    from truepose.reports.conditions import Instrument, ReportConditions
+    from truepose.reports.traceability.conditions import Instrument, ReportConditions
 
     require_limit(limit_mm)
     require_folders(report)

@@ -8,8 +8,8 @@ from truepose.domain.results.diagnosis import Finding
 from truepose.domain.results.identification import NominalAndIdentified, Parameter, Statistics
 from truepose.exchange.models.document import file_factor, file_unit
 from truepose.notebook.shown import html
-from truepose.reports.cause_words import printed_unit
-from truepose.reports.rounding import MISSING, millimetres, rounded, uncertainty, with_uncertainty
+from truepose.reports.wording.causes import printed_unit
+from truepose.reports.wording.rounding import MISSING, millimetres, rounded, uncertainty, with_uncertainty
 from truepose.words.catalogue import english
 
 STATISTICS = ("readings", "model", "n", "mean", "rms", "sd", "max", "noise")

@@ -4,8 +4,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from truepose.domain.results.diagnosis import Described, Remaining, Worth
-from truepose.reports.cause_words import worth_words
-from truepose.reports.rounding import MISSING, millimetres
+from truepose.reports.wording.causes import worth_words
+from truepose.reports.wording.rounding import MISSING, millimetres
 from truepose.words.catalogue import IN_ENGLISH, Catalogue
 
 _SAID = 3  # in the sentence

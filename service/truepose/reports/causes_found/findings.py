@@ -13,7 +13,12 @@ from truepose.domain.sentences import Text
 from truepose.effects.cells import amplitude_of
 from truepose.effects.ports import Trait
 from truepose.effects.registry import effects_with
-from truepose.reports.cause_words import (
+from truepose.reports.causes_found.described import own_text
+from truepose.reports.causes_found.look_alikes import Alternatives, alternatives
+from truepose.reports.figures.curves.residuals import CurveFigure, residual_curve
+from truepose.reports.figures.curves.spectrum import spectrum_picture
+from truepose.reports.seen.diagnoses import curve_sentence, spectrum_sentence
+from truepose.reports.wording.causes import (
     cause_words,
     confidence_meaning,
     confidence_word,
@@ -22,12 +27,7 @@ from truepose.reports.cause_words import (
     with_unit,
     worth_words,
 )
-from truepose.reports.causes_found.described import own_text
-from truepose.reports.causes_found.look_alikes import Alternatives, alternatives
-from truepose.reports.figures.curves.residuals import CurveFigure, residual_curve
-from truepose.reports.figures.curves.spectrum import spectrum_picture
-from truepose.reports.rounding import interval, millimetres, p_value, with_minus, with_uncertainty
-from truepose.reports.seen.diagnoses import curve_sentence, spectrum_sentence
+from truepose.reports.wording.rounding import interval, millimetres, p_value, with_minus, with_uncertainty
 from truepose.words.catalogue import IN_ENGLISH, Catalogue
 
 _COVERAGE_95 = 1.96  # of a normal distribution

@@ -7,7 +7,7 @@ from truepose.domain.results.causes import Cause
 from truepose.domain.results.diagnosis import Diagnosis, Finding, NextMeasurement, RuledOut
 from truepose.effects.cells import alike, named_cell, of_legs
 from truepose.effects.unnamed.cause import NAME as UNNAMED
-from truepose.reports.cause_words import cause_words
+from truepose.reports.wording.causes import cause_words
 from truepose.words.catalogue import IN_ENGLISH, Catalogue
 
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from truepose.domain.results.diagnosis import RuledOut
 from truepose.domain.sentences import Text
-from truepose.reports.rounding import MISSING, millimetres, p_value
+from truepose.reports.wording.rounding import MISSING, millimetres, p_value
 from truepose.words.catalogue import IN_ENGLISH, Catalogue
 
 _MOST_NAMED = 12  # subjects of one reason; a hundred nests would fill the page

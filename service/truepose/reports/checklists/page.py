@@ -9,9 +9,9 @@ from markupsafe import Markup
 from truepose.domain.measurement.ballbar import Leg
 from truepose.domain.sentences import Text
 from truepose.reports.checklists.checklist import Checklist
-from truepose.reports.imprint import Imprint
 from truepose.reports.pages import rendered
-from truepose.reports.rounding import fixed, with_minus
+from truepose.reports.traceability.imprint import Imprint
+from truepose.reports.wording.rounding import fixed, with_minus
 from truepose.words.catalogue import ENGLISH, catalogue
 
 _WIDTH, _HEIGHT, _EDGE = 360.0, 190.0, 40.0  # of a picture of cups

@@ -11,13 +11,13 @@ from truepose.reports.circles.sentences import (
     circle_sentences,
     withheld_sentences,
 )
-from truepose.reports.conditions import ReportConditions
 from truepose.reports.figures.curves.tangential import tangential_figure
 from truepose.reports.front.held_to_limit import NO_LIMIT, Limit, circles_front
 from truepose.reports.front.page import front_page
-from truepose.reports.imprint import Imprint
 from truepose.reports.pages import rendered, write_page
-from truepose.reports.traced import Traced, traced_context
+from truepose.reports.traceability.conditions import ReportConditions
+from truepose.reports.traceability.imprint import Imprint
+from truepose.reports.traceability.traced import Traced, traced_context
 from truepose.words.catalogue import IN_ENGLISH, Catalogue
 
 

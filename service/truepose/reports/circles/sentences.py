@@ -10,7 +10,7 @@ from rich.table import Table
 from truepose.domain.sentences import Sentence, said, together
 from truepose.judgement.circle.judged import CircleTest, JointCircle
 from truepose.judgement.figure import Figure
-from truepose.reports.rounding import millimetres, rounded
+from truepose.reports.wording.rounding import millimetres, rounded
 from truepose.words.catalogue import Catalogue
 from truepose.words.units import Conversion, Printed
 

@@ -6,14 +6,14 @@ from typing import Final
 from markupsafe import Markup
 
 from truepose.domain.results.corrections import CorrectedTargets, FileCorrection
-from truepose.reports.conditions import ReportConditions
 from truepose.reports.corrected_targets import target_heads, target_rows
 from truepose.reports.corrections import correction_sentences
 from truepose.reports.figures.maps.shift_map import shift_map
 from truepose.reports.front.page import Front, OneFigure, front_page, graded
-from truepose.reports.imprint import imprint_of
 from truepose.reports.pages import rendered
-from truepose.reports.rounding import uncertainty_mm
+from truepose.reports.traceability.conditions import ReportConditions
+from truepose.reports.traceability.imprint import imprint_of
+from truepose.reports.wording.rounding import uncertainty_mm
 from truepose.words.catalogue import Catalogue, catalogue
 
 _MOST_ROWS: Final = 500  # of targets on paper; the corrected file has all

@@ -5,8 +5,8 @@ from markupsafe import Markup
 
 from truepose.domain.results.causes import Cause
 from truepose.domain.results.diagnosis import Finding
-from truepose.reports.cause_words import cause_words
 from truepose.reports.figures.canvas import AFTER, INK, label, marked_in, new_figure, page_style, to_svg
+from truepose.reports.wording.causes import cause_words
 from truepose.words.catalogue import IN_ENGLISH, Catalogue
 
 _WIDEST = 44  # letters of a name; the scale needs the rest

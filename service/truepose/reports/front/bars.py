@@ -6,7 +6,7 @@ from markupsafe import Markup
 
 from truepose.domain.results.identification import Statistics
 from truepose.reports.pages import rendered
-from truepose.reports.rounding import millimetres
+from truepose.reports.wording.rounding import millimetres
 from truepose.words.catalogue import Catalogue
 
 _WIDTH = 390.0  # of the longest bar, in units of the picture

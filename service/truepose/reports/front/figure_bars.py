@@ -8,7 +8,7 @@ from markupsafe import Markup
 
 from truepose.judgement.figure import Figure
 from truepose.reports.pages import rendered
-from truepose.reports.rounding import rounded
+from truepose.reports.wording.rounding import rounded
 from truepose.words.catalogue import Catalogue
 
 _WIDTH: Final = 330.0  # of the longest bar with its uncertainty, in units of the picture

@@ -4,10 +4,10 @@ from dataclasses import dataclass
 
 from markupsafe import Markup
 
-from truepose.reports.conditions import ReportConditions
 from truepose.reports.front.page import Front, front_page
-from truepose.reports.imprint import imprint_of
 from truepose.reports.pages import rendered
+from truepose.reports.traceability.conditions import ReportConditions
+from truepose.reports.traceability.imprint import imprint_of
 from truepose.words.catalogue import catalogue
 
 

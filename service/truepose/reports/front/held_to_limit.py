@@ -14,8 +14,8 @@ from truepose.reports.circles.sentences import withheld_sentences
 from truepose.reports.front.figure_bars import figure_bars
 from truepose.reports.front.kinds import DECIDED, applied_rule
 from truepose.reports.front.page import Front, OneFigure, graded
-from truepose.reports.rounding import rounded, uncertainty_mm
 from truepose.reports.spheres.sentences import model_name
+from truepose.reports.wording.rounding import rounded, uncertainty_mm
 from truepose.words.catalogue import Catalogue
 
 

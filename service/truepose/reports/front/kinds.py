@@ -9,14 +9,14 @@ from truepose.domain.results.diagnosis import Diagnosis
 from truepose.domain.results.identification import Identification, NominalAndIdentified, Statistics
 from truepose.domain.results.validation import Decision, Validation
 from truepose.domain.sentences import together
-from truepose.reports.cause_words import verdict_words
 from truepose.reports.front.bars import error_bars
 from truepose.reports.front.page import Front, OneFigure, graded, text_of
 from truepose.reports.headline import Headline
 from truepose.reports.proof.sentences import proof_sentence, proof_verdict
-from truepose.reports.rounding import millimetres, rounded, uncertainty
 from truepose.reports.uncertainty.judged import judging_figures
 from truepose.reports.validation.sentences import decision_sentence, verdict_sentence
+from truepose.reports.wording.causes import verdict_words
+from truepose.reports.wording.rounding import millimetres, rounded, uncertainty
 from truepose.words.catalogue import Catalogue
 
 DECIDED: Final = {

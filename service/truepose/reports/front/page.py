@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from markupsafe import Markup
 
 from truepose.domain.sentences import Text
-from truepose.reports.conditions import NOT_STATED, ReportConditions
 from truepose.reports.pages import rendered
+from truepose.reports.traceability.conditions import NOT_STATED, ReportConditions
 from truepose.words.catalogue import Catalogue
 
 

@@ -7,7 +7,7 @@ from typing import Final
 from truepose.domain.results.identification import NotIdentifiable, Parameter
 from truepose.domain.sentences import Text, said, together
 from truepose.identification.verdict.identifiability import UNDETERMINED
-from truepose.reports.rounding import uncertainty
+from truepose.reports.wording.rounding import uncertainty
 
 HARDLY: Final = 1.0 / UNDETERMINED  # times better known; below, what was assumed before holds the parameter
 

@@ -9,9 +9,9 @@ from markupsafe import Markup
 
 from truepose.diagnosis.alarms import Alarm
 from truepose.diagnosis.history import CauseOverTime, Change, Sighting, Sign
-from truepose.reports.cause_words import with_unit
 from truepose.reports.figures.curves.course import Course, course_figure
 from truepose.reports.over_time.sentences import cause_name, change_words
+from truepose.reports.wording.causes import with_unit
 from truepose.words.catalogue import Catalogue
 
 _BAND: Final = 1.96  # standard uncertainties of 95 %

@@ -3,8 +3,8 @@
 from truepose.diagnosis.alarms import Alarm, Appeared
 from truepose.diagnosis.history import CauseOverTime, Change, Sign
 from truepose.domain.results.causes import Cause
-from truepose.reports.cause_words import cause_words, with_unit
-from truepose.reports.rounding import millimetres, p_value
+from truepose.reports.wording.causes import cause_words, with_unit
+from truepose.reports.wording.rounding import millimetres, p_value
 from truepose.words.catalogue import Catalogue
 
 

@@ -9,7 +9,7 @@ from truepose.exchange.models.document import file_factor, file_unit
 from truepose.judgement.two_models import Moved, ParameterChange, TwoModels
 from truepose.reports.figures.maps.work_space import exaggeration, views
 from truepose.reports.parameters.meanings import meaning
-from truepose.reports.rounding import millimetres, p_value, rounded, with_uncertainty
+from truepose.reports.wording.rounding import millimetres, p_value, rounded, with_uncertainty
 from truepose.words.catalogue import Catalogue
 
 _MOST_ARROWS: Final = 250

@@ -18,7 +18,7 @@ from truepose.kinematics.frames import (
     rotation_xyz,
 )
 from truepose.reports.parameters.meanings import meaning
-from truepose.reports.rounding import MISSING, exact, rounded, uncertainty
+from truepose.reports.wording.rounding import MISSING, exact, rounded, uncertainty
 from truepose.words.catalogue import IN_ENGLISH, Catalogue
 
 Standing = Literal["determined", "combination", "prior"]

@@ -15,8 +15,8 @@ from truepose.reports.figures.histograms.comparison import comparison
 from truepose.reports.figures.maps.error_maps import ErrorMaps, error_maps
 from truepose.reports.pages import rendered
 from truepose.reports.proof.sentences import proof_sentence, proof_verdict
-from truepose.reports.rounding import fixed, millimetres
-from truepose.reports.traced import Traced, traced_context
+from truepose.reports.traceability.traced import Traced, traced_context
+from truepose.reports.wording.rounding import fixed, millimetres
 from truepose.words.catalogue import Catalogue
 
 

@@ -5,7 +5,7 @@ from typing import Final
 
 from truepose.correction.proof.verdict import Proof
 from truepose.domain.sentences import Sentence, said
-from truepose.reports.rounding import millimetres
+from truepose.reports.wording.rounding import millimetres
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,11 +9,11 @@ from truepose.domain.arrays import BoolArray
 from truepose.domain.results.causes import Cause, Spectrum
 from truepose.domain.results.diagnosis import Curve, CurvePoints, Finding, HeldOutErrors
 from truepose.domain.sentences import Sentence, Text, said, together
-from truepose.reports.cause_words import cause_words, printed_unit
 from truepose.reports.causes_found.cause_map import CauseMap
-from truepose.reports.rounding import millimetres, rounded
 from truepose.reports.seen.errors import distances_sentence
 from truepose.reports.seen.places import neighbours_sentence
+from truepose.reports.wording.causes import cause_words, printed_unit
+from truepose.reports.wording.rounding import millimetres, rounded
 from truepose.words.catalogue import Catalogue
 
 _CHANCE: Final = 1e-3  # of a line that explains as much of noise alone

@@ -6,7 +6,7 @@ import numpy as np
 
 from truepose.domain.arrays import FloatArray
 from truepose.domain.sentences import Sentence, Text, said, together
-from truepose.reports.rounding import millimetres
+from truepose.reports.wording.rounding import millimetres
 
 _FAR: Final = 5.0  # typical (median) errors
 _MOST: Final = 0.95

@@ -6,7 +6,7 @@ import numpy as np
 
 from truepose.domain.arrays import FloatArray, IntArray
 from truepose.domain.sentences import Sentence, said
-from truepose.reports.rounding import millimetres
+from truepose.reports.wording.rounding import millimetres
 
 _CLEAR: Final = 4.0  # standard deviations of what chance gives
 _FEWEST: Final = 12  # readings

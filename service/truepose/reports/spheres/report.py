@@ -5,11 +5,9 @@ from pathlib import Path
 from markupsafe import Markup
 
 from truepose.judgement.sphere.judged import NOMINAL, SphereTest
-from truepose.reports.conditions import ReportConditions
 from truepose.reports.figures.curves.radial import radial_figure
 from truepose.reports.front.held_to_limit import NO_LIMIT, Limit, sphere_front
 from truepose.reports.front.page import front_page
-from truepose.reports.imprint import Imprint
 from truepose.reports.pages import rendered, write_page
 from truepose.reports.spheres.sentences import (
     WORDS_OF_ROW,
@@ -18,7 +16,9 @@ from truepose.reports.spheres.sentences import (
     sphere_rows,
     sphere_sentences,
 )
-from truepose.reports.traced import Traced, traced_context
+from truepose.reports.traceability.conditions import ReportConditions
+from truepose.reports.traceability.imprint import Imprint
+from truepose.reports.traceability.traced import Traced, traced_context
 from truepose.words.catalogue import IN_ENGLISH, Catalogue
 
 

@@ -10,7 +10,7 @@ from truepose.domain.sentences import Sentence, said
 from truepose.judgement.figure import Figure
 from truepose.judgement.sphere.errors import SphereFigures
 from truepose.judgement.sphere.judged import NOMINAL, Sphere, SphereOfModel, SphereTest
-from truepose.reports.rounding import rounded
+from truepose.reports.wording.rounding import rounded
 from truepose.words.catalogue import Catalogue
 
 _HEADS: Final = (

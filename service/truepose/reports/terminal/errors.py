@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 from rich.table import Table
 
 from truepose.domain.results.identification import Identification, NominalAndIdentified, Statistics
-from truepose.reports.rounding import millimetres, uncertainty
+from truepose.reports.wording.rounding import millimetres, uncertainty
 from truepose.words.catalogue import Catalogue
 
 if TYPE_CHECKING:

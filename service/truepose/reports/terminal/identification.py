@@ -11,10 +11,10 @@ from truepose.domain.results.identification import Identification, Outlier
 from truepose.exchange.models.document import file_factor, file_unit
 from truepose.reports.figures_rows import figures_rows
 from truepose.reports.parameters.rows import is_held_by_prior
-from truepose.reports.rounding import rounded, uncertainty
 from truepose.reports.terminal.errors import add_pair, error_table, title_of
 from truepose.reports.truth import TrueParameter, truth_row
-from truepose.reports.turns import turns_table
+from truepose.reports.wording.rounding import rounded, uncertainty
+from truepose.reports.wording.turns import turns_table
 from truepose.words.catalogue import IN_ENGLISH, Catalogue
 
 

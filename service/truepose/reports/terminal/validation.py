@@ -8,9 +8,9 @@ from truepose.domain.results.validation import Validation, ValidationUncertainty
 from truepose.judgement.cautions import pose_test_caution
 from truepose.judgement.iso9283.judged import PoseTest
 from truepose.reports.terminal.errors import add_pair, error_table, title_of
-from truepose.reports.turns import turns_table
 from truepose.reports.validation.pose_test_rows import drift_sentences, pose_test_rows, withheld_sentences
 from truepose.reports.validation.sentences import decision_sentence, verdict_sentence
+from truepose.reports.wording.turns import turns_table
 from truepose.words.catalogue import IN_ENGLISH, Catalogue
 
 

@@ -21,8 +21,7 @@ from truepose.identification.fit.considered import world_registration
 from truepose.identification.model.stops import sites
 from truepose.identification.verdict.judge import Judged
 from truepose.kinematics.frames import placement_translation
-from truepose.reports.conditions import NOT_STATED, ReportConditions
-from truepose.reports.rounding import uncertainty
+from truepose.reports.traceability.conditions import NOT_STATED, ReportConditions
 from truepose.reports.uncertainty.judged import judging_figures
 from truepose.reports.uncertainty.shifts import (
     growth,
@@ -31,6 +30,7 @@ from truepose.reports.uncertainty.shifts import (
     parameter_shifts,
     spread_of_mean_mm,
 )
+from truepose.reports.wording.rounding import uncertainty
 
 _EXPANSION_PER_K = 23e-6  # aluminium, of which arms of this size are cast; steel would be half of it
 

@@ -10,8 +10,8 @@ from truepose.domain.sentences import Sentence, Text, said
 from truepose.identification.verdict.judge import Judged
 from truepose.judgement.deciding import DecidingReading, deciding_reading
 from truepose.judgement.uncertainty import known
-from truepose.reports.conditions import NOT_STATED, ReportConditions
-from truepose.reports.rounding import millimetres, uncertainty, uncertainty_mm
+from truepose.reports.traceability.conditions import NOT_STATED, ReportConditions
+from truepose.reports.wording.rounding import millimetres, uncertainty, uncertainty_mm
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,8 +11,8 @@ from truepose.judgement.iso9283.cube import cube_of
 from truepose.judgement.iso9283.judged import CommandedBy, PoseTest
 from truepose.judgement.iso9283.pose import POSES
 from truepose.judgement.iso9283.visits import CommandedPose
-from truepose.reports.conditions import NOT_STATED, ReportConditions, condition_rows
-from truepose.reports.rounding import fixed, millimetres, rounded, uncertainty
+from truepose.reports.traceability.conditions import NOT_STATED, ReportConditions, condition_rows
+from truepose.reports.wording.rounding import fixed, millimetres, rounded, uncertainty
 from truepose.words.catalogue import IN_ENGLISH, Catalogue
 
 _MEANINGS = {

@@ -12,22 +12,21 @@ from truepose.domain.sentences import Sentence, Text
 from truepose.identification import judge
 from truepose.judgement.cautions import pose_test_caution
 from truepose.judgement.iso9283.judged import PoseTest
-from truepose.reports.audit import Audit
-from truepose.reports.conditions import ReportConditions
 from truepose.reports.figures.curves.drift import drift_figure
 from truepose.reports.figures.histograms.distances import distance_histogram
 from truepose.reports.figures.histograms.errors import histogram
 from truepose.reports.figures.place_errors import place_errors
 from truepose.reports.front.kinds import validation_front
 from truepose.reports.front.page import front_page
-from truepose.reports.imprint import imprint_of
 from truepose.reports.observability.shown import observability_context
 from truepose.reports.pages import rendered
 from truepose.reports.paper import write_report_text
 from truepose.reports.seen.errors import distances_sentence
 from truepose.reports.seen.judged import seen_by
-from truepose.reports.traced import Traced, traced_context, with_temperature
-from truepose.reports.turns import turns_rows
+from truepose.reports.traceability.audit import Audit
+from truepose.reports.traceability.conditions import ReportConditions
+from truepose.reports.traceability.imprint import imprint_of
+from truepose.reports.traceability.traced import Traced, traced_context, with_temperature
 from truepose.reports.uncertainty.deciding import deciding_budget
 from truepose.reports.validation.pose_test_rows import (
     drift_sentences,
@@ -37,6 +36,7 @@ from truepose.reports.validation.pose_test_rows import (
     withheld_sentences,
 )
 from truepose.reports.validation.sentences import decision_sentence, verdict_sentence
+from truepose.reports.wording.turns import turns_rows
 from truepose.words.catalogue import ENGLISH, Catalogue, catalogue
 
 

@@ -4,7 +4,7 @@ from typing import Final
 
 from truepose.domain.results.validation import Validation
 from truepose.domain.sentences import Sentence, said
-from truepose.reports.rounding import millimetres
+from truepose.reports.wording.rounding import millimetres
 
 _DECIDED: Final = {
     ("simple", "conforms"): "validation.simple.conforms",

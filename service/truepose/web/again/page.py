@@ -110,7 +110,7 @@ async def _earlier(visit: Visit, record: SessionRecord) -> Earlier:
 
 
 async def _held_out(here: Context, identification_id: int, words: Catalogue) -> str:
-    from truepose.reports.rounding import millimetres
+    from truepose.reports.wording.rounding import millimetres
 
     found = (await here.results.identification(identification_id)).identification
     held_out = found.validation or found.cross_validation

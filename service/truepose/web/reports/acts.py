@@ -22,7 +22,7 @@ from truepose.web.visiting.moments import moment
 from truepose.words.catalogue import Catalogue
 
 if TYPE_CHECKING:
-    from truepose.reports.conditions import Event
+    from truepose.reports.traceability.conditions import Event
 
 Told: TypeAlias = tuple[str, str, Text]  # recorded at, person, what
 _AWAITS, _RUNS = SessionState.AWAITING_CONFIRMATION, SessionState.RUNNING
@@ -56,7 +56,7 @@ async def acts_of_session(here: Context, number: int, words: Catalogue) -> "list
 
 def events_of(record: OnRecord, words: Catalogue) -> "list[Event]":
     """Return what somebody answers for, oldest first; what is counted comes at the end."""
-    from truepose.reports.conditions import Event
+    from truepose.reports.traceability.conditions import Event
 
     told = [
         *_states(record),

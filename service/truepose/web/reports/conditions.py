@@ -14,7 +14,7 @@ from truepose.web.visiting.moments import moment
 from truepose.words.catalogue import Catalogue
 
 if TYPE_CHECKING:
-    from truepose.reports.conditions import Event, ReportConditions
+    from truepose.reports.traceability.conditions import Event, ReportConditions
 
 
 async def conditions_of_sessions(
@@ -38,7 +38,7 @@ async def conditions_of_sessions(
 
 async def conditions_of_campaign(here: Context, campaign_id: int, words: Catalogue) -> "ReportConditions":
     """Return the conditions of the sessions that a campaign is made of, else what came with its upload."""
-    from truepose.reports.conditions import ReportConditions
+    from truepose.reports.traceability.conditions import ReportConditions
 
     campaign = await here.campaigns.get(campaign_id)
     if campaign.session_ids:
@@ -70,7 +70,7 @@ def closing_sentence(closing: Closing | None) -> Sentence:
 
 
 def _closed(closings: Sequence[Closing | None]) -> "Iterator[Event]":
-    from truepose.reports.conditions import Event
+    from truepose.reports.traceability.conditions import Event
 
     for one in closings:
         if one is not None:

@@ -9,7 +9,7 @@ from truepose.web.results.kinds import Choice
 from truepose.words.catalogue import Catalogue
 
 if TYPE_CHECKING:
-    from truepose.reports.conditions import ReportConditions
+    from truepose.reports.traceability.conditions import ReportConditions
 
 
 def draw_correction(report: Any) -> str:
@@ -54,7 +54,7 @@ async def _drawable(here: Context, number: int, choice: Choice, words: Catalogue
 
 
 def _conditions(record: CorrectionRecord) -> "ReportConditions":
-    from truepose.reports.conditions import ReportConditions
+    from truepose.reports.traceability.conditions import ReportConditions
 
     return ReportConditions(simulated=record.simulated)
 

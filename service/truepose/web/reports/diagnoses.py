@@ -13,7 +13,7 @@ from truepose.web.results.kinds import Choice
 from truepose.words.catalogue import Catalogue
 
 if TYPE_CHECKING:
-    from truepose.reports.conditions import ReportConditions
+    from truepose.reports.traceability.conditions import ReportConditions
 
 
 def draw_diagnosis(report: Any) -> str:

@@ -13,7 +13,7 @@ from truepose.words.catalogue import Catalogue
 
 if TYPE_CHECKING:
     from truepose.domain.results.identification import Identification
-    from truepose.reports.conditions import ReportConditions
+    from truepose.reports.traceability.conditions import ReportConditions
 
 
 @dataclass(frozen=True, slots=True)

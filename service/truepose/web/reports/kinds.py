@@ -10,7 +10,7 @@ from truepose.web.results.kinds import Choice
 from truepose.words.catalogue import Catalogue
 
 if TYPE_CHECKING:
-    from truepose.reports.conditions import ReportConditions
+    from truepose.reports.traceability.conditions import ReportConditions
 
 LISTED: Final = 100  # of a kind, at most
 

@@ -19,7 +19,7 @@ from truepose.words.catalogue import IN_ENGLISH, Catalogue
 if TYPE_CHECKING:
     from markupsafe import Markup
 
-    from truepose.reports.conditions import ReportConditions
+    from truepose.reports.traceability.conditions import ReportConditions
 
 
 async def report_of(

@@ -12,9 +12,9 @@ from truepose.web.results.registry import kind_of
 from truepose.words.catalogue import Catalogue
 
 if TYPE_CHECKING:
-    from truepose.reports.conditions import ReportConditions
     from truepose.reports.front.framed import Framed
     from truepose.reports.front.page import Front
+    from truepose.reports.traceability.conditions import ReportConditions
 
 
 def draw_framed(report: Any) -> str:

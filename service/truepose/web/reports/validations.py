@@ -14,7 +14,7 @@ from truepose.words.catalogue import Catalogue
 if TYPE_CHECKING:
     from truepose.domain.results.identification import Model
     from truepose.domain.results.validation import Validation
-    from truepose.reports.conditions import ReportConditions
+    from truepose.reports.traceability.conditions import ReportConditions
 
 
 @dataclass(frozen=True, slots=True)

@@ -23,10 +23,10 @@ from truepose.web.visiting.moments import moment
 from truepose.words.catalogue import Catalogue
 
 if TYPE_CHECKING:
-    from truepose.reports.audit import Audit
-    from truepose.reports.certified_lengths import LengthOfDay
-    from truepose.reports.conditions import Instrument, ReportConditions
-    from truepose.reports.traced import Traced
+    from truepose.reports.traceability.audit import Audit
+    from truepose.reports.traceability.certified_lengths import LengthOfDay
+    from truepose.reports.traceability.conditions import Instrument, ReportConditions
+    from truepose.reports.traceability.traced import Traced
 
 _ROLES: Final = {"tracker": "laser tracker", "robot": "robot controller", "ballbar": "ballbar"}
 _MOVING: Final = SessionState.RUNNING
@@ -44,7 +44,7 @@ async def traced(
     here: Context, origin: Origin, shown: Shown, model: ModelRecord | None, words: Catalogue
 ) -> "Traced":
     """Return what a result of a session ends with."""
-    from truepose.reports.traced import Traced
+    from truepose.reports.traceability.traced import Traced
 
     setup = await here.sessions.setup(origin.record.id)
     conditions = await session_conditions(here, origin, words)
@@ -52,7 +52,7 @@ async def traced(
 
 
 async def _audit(here: Context, origin: Origin, shown: Shown, model: ModelRecord | None) -> "Audit":
-    from truepose.reports.audit import Audit
+    from truepose.reports.traceability.audit import Audit
 
     return Audit(
         session_id=origin.record.id,
@@ -75,7 +75,7 @@ def _sha256(text: str) -> str:
 
 async def session_conditions(here: Context, origin: Origin, words: Catalogue) -> "ReportConditions":
     """Return the conditions that a session recorded."""
-    from truepose.reports.conditions import Period, ReportConditions
+    from truepose.reports.traceability.conditions import Period, ReportConditions
 
     number, setup = origin.record.id, await here.sessions.setup(origin.record.id)
     cell = setup.cell
@@ -112,7 +112,7 @@ async def _lengths(here: Context, origin: Origin, stated: "ReportConditions") ->
 
 
 def _between_nests(cell: Cell, warmth: tuple[float, float] | None) -> "Iterator[LengthOfDay]":
-    from truepose.reports.certified_lengths import LengthOfDay
+    from truepose.reports.traceability.certified_lengths import LengthOfDay
 
     for one in cell.certified_lengths:
         first, second = one.fixed_nests
@@ -121,7 +121,7 @@ def _between_nests(cell: Cell, warmth: tuple[float, float] | None) -> "Iterator[
 
 
 def _calibrators(cell: Cell, warmth: tuple[float, float] | None) -> "Iterator[LengthOfDay]":
-    from truepose.reports.certified_lengths import LengthOfDay
+    from truepose.reports.traceability.certified_lengths import LengthOfDay
 
     kit = cell.ballbar or BallbarKit()
     for bars in dict.fromkeys((kit.tool_bars, kit.base_bars)):
@@ -152,7 +152,7 @@ def _instruments(
     here: Context, setup: SessionSetup, identities: Iterable[IdentityTaken]
 ) -> "Iterator[Instrument]":
     """Yield each device that answered, with the certificate that holds for its serial number."""
-    from truepose.reports.conditions import Instrument
+    from truepose.reports.traceability.conditions import Instrument
 
     papers = {entry.serial_number: entry for entry in setup.cell.devices if entry.serial_number}
     present = {status.answered_serial: status.identity for status in here.rack.statuses()}

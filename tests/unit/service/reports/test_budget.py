@@ -8,7 +8,7 @@ from truepose.domain.results.identification import NominalAndIdentified
 from truepose.identification.model.estimates import identified_estimate, nominal_estimate
 from truepose.identification.verdict.judge import judge_estimates
 from truepose.identification.verdict.statistics import statistics
-from truepose.reports.conditions import ReportConditions
+from truepose.reports.traceability.conditions import ReportConditions
 from truepose.reports.uncertainty.budget import budget
 from truepose.reports.uncertainty.judged import judged
 from truepose.reports.uncertainty.shifts import DRAWS, motion_shifts, spread_of_mean_mm

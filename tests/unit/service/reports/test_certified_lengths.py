@@ -5,8 +5,8 @@ from dataclasses import replace
 import pytest
 
 from truepose.domain.cell.artefacts import length_at
-from truepose.reports.certified_lengths import LengthOfDay, length_sentence
-from truepose.reports.conditions import ReportConditions, condition_rows
+from truepose.reports.traceability.certified_lengths import LengthOfDay, length_sentence
+from truepose.reports.traceability.conditions import ReportConditions, condition_rows
 from truepose.words.catalogue import IN_ENGLISH
 
 STEEL = LengthOfDay("calibrator", 300.0012, 0.0004, 1.15e-5, (21.0, 23.0))

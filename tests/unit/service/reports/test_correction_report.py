@@ -5,8 +5,8 @@ import pytest
 
 from tests.helpers.web.pages import Page
 from truepose.domain.results.corrections import CorrectedTargets, CorrectionTotals, FileCorrection
-from truepose.reports.conditions import ReportConditions
 from truepose.reports.correcting.report import CorrectionInput, correction_page
+from truepose.reports.traceability.conditions import ReportConditions
 
 
 def corrected(*statuses):

@@ -15,10 +15,10 @@ from truepose.domain.results.validation import (
     Validation,
     ValidationUncertainty,
 )
-from truepose.reports.conditions import Period, ReportConditions
 from truepose.reports.front.bars import error_bars
 from truepose.reports.front.kinds import diagnosis_front, validation_front
 from truepose.reports.front.page import front_page
+from truepose.reports.traceability.conditions import Period, ReportConditions
 from truepose.words.catalogue import IN_ENGLISH
 
 PAIR = NominalAndIdentified(

@@ -6,8 +6,8 @@ import pytest
 from tests.helpers.domain.builders import make_identification, make_statistics
 from truepose.domain.results.identification import NominalAndIdentified, Status
 from truepose.identification import identify
-from truepose.reports.conditions import ReportConditions
 from truepose.reports.headline import headline
+from truepose.reports.traceability.conditions import ReportConditions
 from truepose.reports.uncertainty.budget import budget
 from truepose.reports.uncertainty.judged import judged
 

@@ -12,9 +12,9 @@ from pypdf import PdfReader
 from truepose.exchange.results.identification import identification_document
 from truepose.reports import ReportConditions, ReportInput, write_identification_report
 from truepose.reports.errors import NoPdfError, UnwritableReportError
-from truepose.reports.imprint import css_string
 from truepose.reports.paper import pdf_of, require_pdf, write_report_text
-from truepose.reports.rounding import millimetres
+from truepose.reports.traceability.imprint import css_string
+from truepose.reports.wording.rounding import millimetres
 
 _NUMBER = re.compile(r"\d+(?:[.,]\d+)*(?:e[-+]\d+)?")
 CONDITIONS = ReportConditions(

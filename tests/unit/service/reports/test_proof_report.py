@@ -9,10 +9,10 @@ from tests.helpers.web.pages import Page
 from truepose.correction.proof.verdict import Proof, ProofErrors
 from truepose.domain.results.identification import Statistics
 from truepose.domain.sentences import said
-from truepose.reports.audit import Audit
-from truepose.reports.conditions import ReportConditions
 from truepose.reports.proof.report import ProofInput, proof_content
-from truepose.reports.traced import Traced
+from truepose.reports.traceability.audit import Audit
+from truepose.reports.traceability.conditions import ReportConditions
+from truepose.reports.traceability.traced import Traced
 from truepose.words.catalogue import IN_ENGLISH, catalogue
 
 N = 12

@@ -9,7 +9,7 @@ from tests.helpers.web.pages import Page
 from truepose.exchange.results.identification import identification_document
 from truepose.reports import ReportInput
 from truepose.reports.identification_report import identification_page
-from truepose.reports.rounding import millimetres
+from truepose.reports.wording.rounding import millimetres
 from truepose.words.catalogue import catalogue
 
 MM_PER_IN = 25.4

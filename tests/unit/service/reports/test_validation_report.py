@@ -21,13 +21,13 @@ from truepose.judgement.iso9283.plan import Cube, plan_poses
 from truepose.judgement.validation import validate
 from truepose.kinematics.chain import nominal_chain
 from truepose.reports import ReportConditions, ValidationInput, write_validation_report
-from truepose.reports.audit import Audit
-from truepose.reports.conditions import Instrument
-from truepose.reports.rounding import millimetres, rounded, uncertainty
 from truepose.reports.terminal.validation import pose_test_summary, validation_summary
+from truepose.reports.traceability.audit import Audit
+from truepose.reports.traceability.conditions import Instrument
 from truepose.reports.uncertainty.deciding import deciding_budget
 from truepose.reports.validation.pose_test_rows import pose_test_rows
 from truepose.reports.validation.report import validation_content
+from truepose.reports.wording.rounding import millimetres, rounded, uncertainty
 
 _CENTRES = tuple(NestCentre(number, centre) for number, centre in enumerate(NESTS, start=1))
 _PLACED = {"base": FramePlacement(), "nests": _CENTRES, "nominal_nests": _CENTRES}

@@ -5,7 +5,7 @@ import re
 
 import pytest
 
-from truepose.reports.rounding import exact, fixed, interval, millimetres, rounded, with_uncertainty
+from truepose.reports.wording.rounding import exact, fixed, interval, millimetres, rounded, with_uncertainty
 from truepose.words.catalogue import ENGLISH, LANGUAGES, catalogue
 from truepose.words.units import KEPT, Conversion, Printed, Units
 

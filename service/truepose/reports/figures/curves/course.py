@@ -10,7 +10,6 @@ from markupsafe import Markup
 from matplotlib.axes import Axes
 
 from truepose.domain.arrays import FloatArray, IntArray
-from truepose.reports.cause_words import printed_unit
 from truepose.reports.figures.canvas import (
     AFTER,
     BEFORE,
@@ -21,6 +20,7 @@ from truepose.reports.figures.canvas import (
     page_style,
     to_svg,
 )
+from truepose.reports.wording.causes import printed_unit
 from truepose.words.catalogue import Catalogue
 
 _COLOURS: Final = (BEFORE, AFTER, MUTED)

@@ -12,8 +12,8 @@ from matplotlib.ticker import MaxNLocator
 from truepose.domain.arrays import BoolArray, FloatArray, IntArray
 from truepose.domain.results.diagnosis import Curve
 from truepose.domain.sentences import Sentence, said, together
-from truepose.reports.cause_words import printed_unit
 from truepose.reports.figures.canvas import Colours, Drawing, label, marked_in, new_figure, on_page, plain
+from truepose.reports.wording.causes import printed_unit
 from truepose.words.catalogue import IN_ENGLISH, Catalogue
 
 _MOST_POINTS = 400  # dots with whiskers; more make no one wiser and the file heavy

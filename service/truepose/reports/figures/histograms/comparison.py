@@ -7,7 +7,7 @@ from markupsafe import Markup
 
 from truepose.domain.arrays import FloatArray
 from truepose.reports.figures.canvas import Colours, Drawing, marked_in, new_figure, on_page, plain
-from truepose.reports.rounding import millimetres
+from truepose.reports.wording.rounding import millimetres
 from truepose.words.catalogue import IN_ENGLISH, Catalogue
 
 _BINS = 40

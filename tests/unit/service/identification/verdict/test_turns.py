@@ -16,7 +16,7 @@ from truepose.kinematics.frames import (
     rotation_from_quaternion,
     rotation_from_vector,
 )
-from truepose.reports.turns import turns_rows, turns_table
+from truepose.reports.wording.turns import turns_rows, turns_table
 from truepose.words.catalogue import IN_ENGLISH, catalogue
 
 RIGHT = np.zeros(3)

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 from rich.table import Table
 
 from truepose.domain.results.identification import Identification, TurnPair, TurnStatistics
-from truepose.reports.rounding import fixed
 from truepose.reports.terminal.errors import error_table
+from truepose.reports.wording.rounding import fixed
 from truepose.words.catalogue import IN_ENGLISH, Catalogue
 
 if TYPE_CHECKING:

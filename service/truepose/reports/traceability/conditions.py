@@ -11,7 +11,7 @@ import numpy as np
 from truepose.domain.cell.description import Artefact
 from truepose.domain.measurement.campaign import Stops
 from truepose.domain.sentences import Sentence, Text, said
-from truepose.reports.certified_lengths import LengthOfDay, length_sentence
+from truepose.reports.traceability.certified_lengths import LengthOfDay, length_sentence
 from truepose.words.catalogue import IN_ENGLISH, Catalogue
 
 NOT_STATED = "not_stated"  # a key of the catalogue

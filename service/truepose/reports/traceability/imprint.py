@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from truepose.reports.conditions import ReportConditions
+from truepose.reports.traceability.conditions import ReportConditions
 from truepose.words.catalogue import Catalogue
 
 

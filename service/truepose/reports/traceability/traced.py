@@ -3,8 +3,8 @@
 from dataclasses import dataclass, replace
 
 from truepose.domain.measurement.campaign import Stops
-from truepose.reports.audit import Audit, audit_rows
-from truepose.reports.conditions import ReportConditions, condition_rows, temperature_range
+from truepose.reports.traceability.audit import Audit, audit_rows
+from truepose.reports.traceability.conditions import ReportConditions, condition_rows, temperature_range
 from truepose.words.catalogue import Catalogue
 
 

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from truepose.domain.results.causes import Cause
 from truepose.domain.results.diagnosis import Confidence, Finding, Gain, Verdict, Worth
-from truepose.reports.rounding import millimetres, with_uncertainty
+from truepose.reports.wording.rounding import millimetres, with_uncertainty
 from truepose.words.catalogue import IN_ENGLISH, Catalogue
 
 

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from truepose.domain.cell.artefacts import length_at
 from truepose.domain.sentences import Sentence, Text, said
-from truepose.reports.rounding import millimetres, rounded, uncertainty_mm
+from truepose.reports.wording.rounding import millimetres, rounded, uncertainty_mm
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,0 +1,1 @@
+"""What traces a printed figure: conditions, certified lengths, devices, records, the page's edge."""

@@ -1,0 +1,1 @@
+"""How a reader sees names and numbers: causes in words, rounding, turns."""
