@@ -3,12 +3,13 @@
 import asyncio
 import gc
 import os
+import tempfile
 from pathlib import Path
 
 import pytest
 from hypothesis import HealthCheck, settings
 
-from tests.helpers.machine import MEASURED_DATA, what_was_untested
+from tests.helpers.machine import MEASURED_DATA, folder_in_memory, what_was_untested
 from tests.helpers.order import spread, turned
 from truepose_drivers.contract.simulated_time import SimulatedTimeLoop
 
@@ -21,8 +22,11 @@ settings.load_profile("any machine")
 
 
 def pytest_configure():
-    """Search for garbage seldom already while modules are imported: they and their tests all stay."""
+    """Search for garbage seldom already while modules are imported, which all stay; write files to memory."""
     gc.set_threshold(_OBJECTS_BETWEEN_SEARCHES)
+    memory = folder_in_memory()
+    if memory is not None and "TMPDIR" not in os.environ:  # whoever names a folder gets it
+        os.environ["TMPDIR"] = tempfile.tempdir = str(memory)
 
 
 @pytest.hookimpl(wrapper=True)

@@ -1,7 +1,10 @@
-"""What a machine may lack, why tests are then skipped, and what the run says of it at its end."""
+"""What a machine may lack and what a run says of it at its end; where it writes its files."""
 
+import os
 from collections.abc import Iterable
 from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,6 +31,8 @@ ABB_ROBOT_CLIENT = Lack(
 OWN_NETWORK = Lack(
     "no process gets a network of its own here (unshare, ip)", "connections whose line goes dead"
 )
+_MEMORY: Final = Path("/dev/shm")
+_ROOM_BYTES: Final = 3 * 2**30  # a whole run leaves less than one, were every folder kept
 _ALL = (MEASURED_DATA, UMOCKDEV, CHROMIUM, CESAPI, NDICAPI, ABB_ROBOT_CLIENT, OWN_NETWORK)
 
 
@@ -43,3 +48,17 @@ def what_was_untested(reasons: Iterable[str]) -> str:
     counted = [(lack, sum(lack.reason in reason for reason in told)) for lack in _ALL]
     parts = [f"{lack.untested} ({lack.reason}; {count} skipped)" for lack, count in counted if count]
     return f"Not tested on this machine: {', '.join(parts)}." if parts else ""
+
+
+def folder_in_memory(folder: Path = _MEMORY) -> Path | None:
+    """Return where files lie in memory; None where that is small or forbids programs.
+
+    A commit that waits for a disk waits most of its time. What a killed process has written is there
+    afterwards, as on a disk; a computer that loses its power is in no test.
+    """
+    try:
+        found = os.statvfs(folder)
+    except OSError:
+        return None
+    roomy = found.f_bavail * found.f_frsize >= _ROOM_BYTES and not found.f_flag & os.ST_NOEXEC
+    return folder if roomy and os.access(folder, os.W_OK) else None
