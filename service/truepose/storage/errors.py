@@ -6,6 +6,9 @@ StorageError
 ├── NewerSchemaError         the database was written by a newer version
 ├── ForeignDatabaseError     the file is no database, or another program's
 ├── ChainHeadError           what was typed is no head of a chain
+├── UnreadableRowError       what came as a record of a cell is none
+├── TamperedRecordError      a record of a cell is not the one of its link, or did not come
+├── AnotherChainError        a cell shows another chain than the one collected from it
 ├── BackupError              a copy cannot be written, or is not one
 │   └── DatabaseUsedError      a database with records lies where a copy is to be restored
 ├── StorageUnavailableError  the disk refused (full, locked, read-only, gone); also a RecordRefusedError
@@ -40,6 +43,18 @@ class ForeignDatabaseError(StorageError):
 
 class ChainHeadError(StorageError):
     """What somebody typed off a report is no head of a chain."""
+
+
+class UnreadableRowError(StorageError):
+    """What came as a record of a cell is none."""
+
+
+class TamperedRecordError(StorageError):
+    """A record of a cell is not the one that its link was made of, or did not come with it."""
+
+
+class AnotherChainError(StorageError):
+    """A cell shows another chain than the one that was collected from it."""
 
 
 class BackupError(StorageError):

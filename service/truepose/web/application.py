@@ -30,6 +30,7 @@ from truepose.web.door.middleware import Door
 from truepose.web.door.proxies import Proxies
 from truepose.web.examples import add_examples
 from truepose.web.healthiness import routes as health
+from truepose.web.leaving import chain
 from truepose.web.measurement import (
     cells,
     closings,
@@ -91,8 +92,14 @@ _RESOURCES: Final = (
     watching,
     drafts,
     events,
+    chain,
 )
-_AS_IT_IS: Final = (*DEFAULT_EXCLUDED_CONTENT_TYPES, "application/pdf", "application/octet-stream")
+_AS_IT_IS: Final = (
+    *DEFAULT_EXCLUDED_CONTENT_TYPES,
+    "application/pdf",
+    "application/octet-stream",
+    chain.LINES,
+)
 _DESCRIPTION: Final = (
     "Measures industrial robots, identifies what their nominal model gets wrong, validates the result, "
     "and names the causes of what is left. Every quantity names its unit; angles are in degrees. Errors "

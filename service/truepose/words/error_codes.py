@@ -118,6 +118,10 @@ _CODES: Final = {
     "MissingRightError": "TP-7008",
     "UnusableProxyError": "TP-7009",
     "DemoError": "TP-7010",
+    "UnreadableRowError": "TP-8001",
+    "TamperedRecordError": "TP-8002",
+    "AnotherChainError": "TP-8003",
+    "CellAnswerError": "TP-8004",
     "ProgramFailed": "TP-9001",
 }
 CODES: Final = tuple(_CODES.values())

@@ -1,7 +1,8 @@
 """Who may ask for what: roles, and what a person or a program is in this service.
 
-Four roles stand above each other: whoever measures may look as well. A device stands beside them: a program
-or an instrument that brings data and has them computed, and never lets an arm move.
+Four roles stand above each other: whoever measures may look as well. Two stand beside them. A device is a
+program or an instrument that brings data and has them computed, and never lets an arm move. A plant collects
+the records of the cell, hands down plans and models, and may do nothing else.
 """
 
 from dataclasses import dataclass
@@ -19,22 +20,23 @@ class Role(StrEnum):
     METROLOGIST = "metrologist"  # judges and corrects
     ADMINISTRATOR = "administrator"  # says who may do what
     DEVICE = "device"  # a program: looks, plans, brings data
+    PLANT = "plant"  # a program: collects what is on record, hands down
 
 
 MACHINE: Final = "the administrator of the machine"  # who may read the database's own files
+OF_PROGRAMS: Final = frozenset({Role.DEVICE, Role.PLANT})  # of no person
 _LADDER: Final = (Role.VIEWER, Role.OPERATOR, Role.METROLOGIST, Role.ADMINISTRATOR)
 
 
 def reaches(role: Role, least: Role) -> bool:
-    """Whether `role` stands at `least` or above it; a device stands on no rung."""
+    """Whether `role` stands at `least` or above it; a program's role stands on no rung."""
     return role in _LADDER and _LADDER.index(role) >= _LADDER.index(least)
 
 
 def lesser(one: Role, other: Role) -> Role:
-    """Return what is left of one role for somebody who has the other; a device's is left to everybody."""
-    if Role.DEVICE in (one, other):
-        return Role.DEVICE
-    return min(one, other, key=_LADDER.index)
+    """Return what is left of one role for somebody who has the other; a program's is left to everybody."""
+    of_program = next((role for role in (one, other) if role in OF_PROGRAMS), None)
+    return of_program or min(one, other, key=_LADDER.index)
 
 
 @dataclass(frozen=True, slots=True)

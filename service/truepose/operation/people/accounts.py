@@ -10,7 +10,7 @@ import re
 from dataclasses import dataclass
 from typing import Final
 
-from truepose.domain.people.accounts import MACHINE, Person, Role, lesser, reaches
+from truepose.domain.people.accounts import MACHINE, OF_PROGRAMS, Person, Role, lesser, reaches
 from truepose.operation.people.errors import AccountRefusedError, SignInRefusedError
 from truepose.operation.people.guesses import Guesses
 from truepose.operation.people.hashes import badge_hash, chosen_hash, fingerprint, new_secret
@@ -181,7 +181,7 @@ class Accounts:
         self, person: Person, name: str, role: Role, days: float, by: str
     ) -> tuple[CredentialRecord, str]:
         """Return a token for a program, and its secret, which is shown once."""
-        if role is not Role.DEVICE and not reaches(person.role, role):
+        if role not in OF_PROGRAMS and not reaches(person.role, role):
             raise AccountRefusedError(f"{person.name} is {person.role}; a token cannot be more.")
         secret = new_secret()
         until = self.register.time.in_future(days)
@@ -208,7 +208,7 @@ class Accounts:
         if record is None or person is None:
             return NOBODY
         role = lesser(Role(record.document["role"]), person.role)
-        name = record.document["name"] if role is Role.DEVICE else person.name
+        name = record.document["name"] if role in OF_PROGRAMS else person.name
         return Caller(name, role, person, tablet_name=record.document["name"], token=record.id)
 
 

@@ -6,7 +6,7 @@ No other process writes to the database of a running service, so a request is ju
 import asyncio
 from dataclasses import dataclass, replace
 
-from truepose.domain.people.accounts import MACHINE, Person, Role, same_person
+from truepose.domain.people.accounts import MACHINE, OF_PROGRAMS, Person, Role, same_person
 from truepose.domain.people.names import fault_of_name, tidy_name
 from truepose.operation.people.errors import AccountRefusedError, UnknownPersonError
 from truepose.operation.people.steady_time import SteadyTime
@@ -108,8 +108,7 @@ class Register:
         fault = fault_of_name(tidy)
         if fault is not None:
             raise AccountRefusedError(f"A person needs a name that can be read; this one {fault}.")
-        if role is Role.DEVICE:
-            raise AccountRefusedError("A device is no person: give a token with that role to one.")
+        _require_of_people(role)
         async with self._turn:
             known = self.named(tidy)
             if known is not None and known.active:
@@ -122,8 +121,7 @@ class Register:
 
     async def change_role(self, person: Person, role: Role, by: str) -> Person:
         """Give somebody another role; raises AccountRefusedError for the last administrator."""
-        if role is Role.DEVICE:
-            raise AccountRefusedError("A device is no person: give a token with that role to one.")
+        _require_of_people(role)
         async with self._turn:
             if role is not Role.ADMINISTRATOR:
                 self._require_another_administrator(person)
@@ -175,3 +173,8 @@ class Register:
             raise AccountRefusedError(
                 f"{person.name} is the only administrator; give somebody else that role first."
             )
+
+
+def _require_of_people(role: Role) -> None:
+    if role in OF_PROGRAMS:
+        raise AccountRefusedError(f"A {role} is no person: give a token with that role to one.")

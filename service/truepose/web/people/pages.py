@@ -6,7 +6,7 @@ from typing import Annotated, Final
 from fastapi import APIRouter, Query
 from fastapi.responses import HTMLResponse, RedirectResponse, Response
 
-from truepose.domain.people.accounts import Role
+from truepose.domain.people.accounts import OF_PROGRAMS, Role
 from truepose.storage.people.credentials import CredentialKind
 from truepose.web.people import watching
 from truepose.web.people.acts import Before
@@ -67,8 +67,8 @@ async def people_page(visit: Visited) -> HTMLResponse:
         "people/people.html",
         people=listed_people(here),
         tokens=listed_tokens(here),
-        of_people=[role for role in Role if role is not Role.DEVICE],
-        of_programs=[Role.DEVICE, Role.VIEWER, Role.OPERATOR, Role.METROLOGIST],
+        of_people=[role for role in Role if role not in OF_PROGRAMS],
+        of_programs=[Role.DEVICE, Role.PLANT, Role.VIEWER, Role.OPERATOR, Role.METROLOGIST],
         nobody=here.people.accounts.nobody_entered,
     )
 

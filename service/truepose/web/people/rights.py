@@ -62,6 +62,7 @@ _BY_LEAST: Final[Mapping[Role | Anybody, str]] = {
     Role.ADMINISTRATOR: """
         people_page list_people enter_person change_role remove_person make_link list_tokens make_token
         revoke_token
+        get_chain_head list_links
     """,
 }
 # What a program may do beside looking: it plans, brings data and has them computed.
@@ -70,6 +71,8 @@ _DEVICES: Final = """
     identify_campaign validate_model diagnose_campaign diagnose_session correct_file cancel_job
     start_draft add_draft_file correct_draft remove_draft_file remove_draft make_campaign_of_draft
 """
+# What a plant may ask of a cell, and nothing beside it; above it whoever says who may do what.
+_PLANTS: Final = "get_chain_head list_links"
 # After these an arm may move, or a calibration counts: whoever asks shows once more that it is them.
 FRESH: Final = frozenset({"start_session", "confirm_session", "resume_session", "close_session"})
 
@@ -84,6 +87,7 @@ OF_MACHINE: Final = frozenset({
 })
 
 _OF_DEVICES: Final = frozenset(_DEVICES.split())
+_OF_PLANTS: Final = frozenset(_PLANTS.split())
 LEAST: Final[Mapping[str, Role | Anybody]] = {
     name: least for least, names in _BY_LEAST.items() for name in names.split()
 }
@@ -108,6 +112,8 @@ def may(role: Role, operation: str | None) -> bool:
     least = Role.VIEWER if operation is None else LEAST[operation]
     if isinstance(least, Anybody):
         return True
+    if role is Role.PLANT:
+        return operation in _OF_PLANTS
     if role is Role.DEVICE:
         return least is Role.VIEWER or operation in _OF_DEVICES
     return reaches(role, least)

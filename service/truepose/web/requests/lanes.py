@@ -32,6 +32,7 @@ _DRAWN: Final = re.compile(
     r"/corrections/[^/]+|/reports/[^/]+/[^/]+|/sessions/[^/]+/result"
     r"|/api/v1/cells/[^/]+/plan|/api/v1/sessions/[^/]+/(promise|proof|circles|sphere|accuracy|guide/outlook)"
 )
+_COLLECTED: Final = re.compile(r"/api/v1/chain/links")
 
 
 class _FullError(Exception):
@@ -78,6 +79,7 @@ class Lanes:
         # Of streams about half the connections that fit into a process; of drawings what its lock allows.
         self._streams = _Lane(384, 0)
         self._drawn = _Lane(2, 30)
+        self._collected = _Lane(2, 2)  # a plant that takes a page slowly keeps nobody else from anything
         self._bodies_bytes = 0
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
@@ -102,6 +104,8 @@ class Lanes:
             return self._urgent
         if _STREAMS.fullmatch(path):
             return self._streams
+        if _COLLECTED.fullmatch(path):
+            return self._collected
         return self._drawn if _DRAWN.fullmatch(path) else self._ordinary
 
     async def _body(self, receive: Receive, held: list[int]) -> Receive:

@@ -79,6 +79,9 @@ async def peopled(app):
     _, tokens[Role.DEVICE] = await accounts.make_token(
         people[Role.METROLOGIST], "line 3", Role.DEVICE, 1, "a test"
     )
+    _, tokens[Role.PLANT] = await accounts.make_token(
+        people[Role.ADMINISTRATOR], "plant", Role.PLANT, 1, "a test"
+    )
     return House(app, people, tokens)
 
 

@@ -82,12 +82,24 @@ def test_the_table_keeps_out(role, operation):
     assert not may(role, operation)
 
 
-@pytest.mark.parametrize("role", list(Role))
+@pytest.mark.parametrize("role", [role for role in Role if role is not Role.PLANT])
 def test_whoever_is_known_may_stop_the_robot(role):
     assert may(role, "pause_session")
     assert may(role, "abort_session")
     assert may(role, "press_button")
     assert may(role, "press_button_of_session")
+
+
+def test_a_plant_collects_and_hands_down_and_nothing_else():
+    assert {name for name in LEAST if may(Role.PLANT, name) and not isinstance(LEAST[name], Anybody)} == {
+        "get_chain_head",
+        "list_links",
+    }
+
+
+@pytest.mark.parametrize("role", [Role.VIEWER, Role.OPERATOR, Role.METROLOGIST, Role.DEVICE])
+def test_the_chain_is_for_plants(role):
+    assert not may(role, "list_links")
 
 
 def test_each_rung_has_what_the_one_below_has():

@@ -1,0 +1,73 @@
+"""Records as JSON: what comes back has the hash of what was kept."""
+
+import json
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from truepose.storage.errors import UnreadableRowError
+from truepose.storage.integrity.chain import GENESIS, linked_hash
+from truepose.storage.leaving.decided import without_secrets
+from truepose.storage.leaving.typed_rows import typed, untyped
+
+VALUES = (
+    st.none()
+    | st.integers(-(2**63), 2**63 - 1)
+    | st.text(st.characters(exclude_categories=["Cs"]))
+    | st.binary()
+    | st.floats(allow_nan=False)
+)
+ROWS = st.dictionaries(st.sampled_from(["id", "name", "document", "value", "archive"]), VALUES)
+
+
+def hash_of(row):
+    return linked_hash(GENESIS, "readings", tuple(row), tuple(row.values()))
+
+
+@given(ROWS)
+def test_what_comes_back_has_the_hash_of_what_was_kept(row):
+    assert hash_of(untyped(json.loads(json.dumps(typed(row))))) == hash_of(row)
+
+
+@pytest.mark.parametrize("value", [0.1, -0.0, 5e-324, 1.7976931348623157e308, 3.0, math.inf])
+def test_a_float_is_the_same_to_the_last_bit(value):
+    came = untyped(json.loads(json.dumps(typed({"value": value}))))["value"]
+
+    assert came.hex() == value.hex()
+
+
+def test_a_whole_number_is_no_float_and_no_text():
+    kinds = [type(value) for value in untyped(typed({"a": 3, "b": 3.0, "c": "3", "d": b"3"})).values()]
+
+    assert kinds == [int, float, str, bytes]
+
+
+@pytest.mark.parametrize(
+    "document",
+    [
+        *(7, [], "row", {"a": True}, {"a": 0.5}, {"a": []}, {"a": None}),
+        *({"a": {"float": "one"}}, {"a": {"float": 1}}, {"a": {"float": "1", "base64": ""}}),
+        {"a": {"base64": "!"}},
+    ],
+)
+def test_what_is_no_record_is_said_to_be_none(document):
+    with pytest.raises(UnreadableRowError):
+        untyped(document)
+
+
+def test_what_opens_a_device_is_taken_out_of_a_set_up_wherever_it_stands():
+    setup = {"cell": {"devices": [{"name": "robot", "options": {"host": "r1", "password": "robotics"}}]}}
+    row = {"id": 1, "setup": json.dumps(setup)}
+
+    told = without_secrets(row)
+
+    assert "robotics" not in json.dumps(told)
+    assert json.loads(told["setup"])["cell"]["devices"][0]["options"]["host"] == "r1"
+
+
+def test_a_set_up_without_a_secret_leaves_as_it_was_kept():
+    row = {"id": 1, "setup": '{ "cell" : {"devices": []} }'}
+
+    assert without_secrets(row) is row
