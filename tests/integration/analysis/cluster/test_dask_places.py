@@ -97,7 +97,7 @@ def test_a_run_with_such_a_worker_ends_with_a_sentence(places, monkeypatch):
 def test_a_worker_that_joins_later_and_differs_ends_the_run(places, monkeypatch):
     monkeypatch.setattr(places, "_alike", dataclasses.replace(arithmetic(), numpy="1.26.4", threads="1"))
 
-    with pytest.raises(WorkersUnlikeError, match="has numpy .* where this program has 1.26.4"):
+    with pytest.raises(WorkersUnlikeError, match=r"has numpy .* where this program has 1.26.4"):
         Cluster(places).answers(sums_of_noise, _parts([3]))
 
 
