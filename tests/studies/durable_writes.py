@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 from tests.helpers.domain.tracker_sessions import make_plan, make_point, make_setup, point_taken
 from tests.studies.running import from_command_line
-from truepose.storage.connection.library import VERSION
+from truepose.storage.connection.sqlite.library import VERSION
 from truepose.storage.database import Database
 from truepose.storage.measurement.ledger import LedgerRepository
 from truepose.storage.measurement.sessions import SessionRepository

@@ -17,7 +17,7 @@ import sqlalchemy as sa
 
 from tests.helpers.domain.tracker_sessions import make_setup
 from tests.studies.running import from_command_line
-from truepose.storage.connection.library import LIBRARY
+from truepose.storage.connection.sqlite.library import LIBRARY
 from truepose.storage.database import Database
 from truepose.storage.documents import to_document
 from truepose.storage.integrity.verification import verify

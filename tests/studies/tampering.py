@@ -18,7 +18,7 @@ from pathlib import Path
 from tests.helpers.ballbar.sessions import make_ballbar_plan, measured
 from tests.helpers.domain.tracker_sessions import make_plan, make_point, make_setup, point_taken
 from tests.studies.running import from_command_line
-from truepose.storage.connection.library import LIBRARY
+from truepose.storage.connection.sqlite.library import LIBRARY
 from truepose.storage.database import Database
 from truepose.storage.errors import StorageError
 from truepose.storage.integrity.arrival import verify_left

@@ -1,39 +1,33 @@
 """The open database: one writer, many readers, commits that are on disk.
 
 Every write runs on one thread over one connection; what is asked for while a commit is under way shares the
-next transaction, each in a savepoint of its own. `write` returns after the commit, which `synchronous=FULL`
-puts on the disk. Readers see the last commit (WAL) and cannot write. SQLite's calls block, so both sides live
-on threads, off the event loop. Where a write is refused, further ones are refused at once until a trial has
-shown that writing works again.
+next transaction, each in a savepoint of its own. `write` returns once the commit is on the disk. Readers see
+the last commit and cannot write. The library's calls block, so both sides live on threads, off the event
+loop. Where a write is refused, further ones are refused at once until a trial has shown that writing works
+again. What differs from engine to engine is behind `connection.holding`.
 """
 
 import asyncio
+import contextlib
 import logging
 import threading
 import time
 from collections import deque
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass, field
 from typing import Any, Final, TypeAlias, TypeVar
 
 from sqlalchemy import Connection
-from sqlalchemy.exc import DatabaseError
 
-from truepose.storage.connection.address import database_file
 from truepose.storage.connection.commits import Commits
-from truepose.storage.connection.engine import reading_engine, writing_engine
-from truepose.storage.connection.library import LIBRARY
-from truepose.storage.connection.lock import ServiceLock
-from truepose.storage.connection.place import Place
-from truepose.storage.connection.refusals import REFUSED, damaged, says_full, translated
-from truepose.storage.connection.reserve import Reserve
-from truepose.storage.connection.schema import bring_up_to_date
-from truepose.storage.errors import DamagedDatabaseError, StorageError, StorageUnavailableError
-from truepose.storage.integrity.arrival import note_how_it_was_left
-from truepose.storage.integrity.condition import RESERVE_IN_USE, Condition
+from truepose.storage.connection.engines import holding
+from truepose.storage.connection.holding import InDoubtError
+from truepose.storage.connection.plain import plain
+from truepose.storage.errors import DamagedDatabaseError, StorageError, StorageUnavailableError, damaged
+from truepose.storage.integrity.condition import Condition
 from truepose.storage.integrity.head import Head, newest_head
-from truepose.storage.integrity.seal import Seal
+from truepose.storage.integrity.seal import Left
 from truepose.storage.integrity.verification import stream_findings
 
 T = TypeVar("T")
@@ -41,6 +35,7 @@ _End: TypeAlias = tuple[Any, Exception | None]  # what a write gave, or why it f
 _LOG: Final = logging.getLogger(__name__)
 _READERS: Final = 4  # as many queries at a time as a handful of browsers asks for
 _MOST_TOGETHER: Final = 256  # writes that share a transaction
+_IN_DOUBT: Final = "The connection to {} ended during a commit; whether that was made shows once it is back."
 _TRIAL_S: Final = 0.25  # between two trials whether writing works again
 
 
@@ -49,59 +44,30 @@ class _Wanted:
     """A write that waits for its turn."""
 
     work: Callable[[Connection], Any]
+    loop: asyncio.AbstractEventLoop  # of whoever waits
     done: "Future[Any]" = field(default_factory=Future)
 
 
 class Database:
-    """An open database; nothing else in the process writes to its file."""
+    """An open database; nothing else in the process writes to it."""
 
     def __init__(self, url: str) -> None:
-        self.file = database_file(url)
         self.condition = Condition()
         self.commits = Commits()
-        self.reserve = Reserve(self.file)
-        self._lock = ServiceLock(self.file)
-        self._seal = Seal(self.file)
-        self.left = self._seal.left()  # how the service before left the file; None where it did not say
         self._commit = asyncio.Event()
         self._wanted: deque[_Wanted] = deque()
+        self._doubtful: _Doubtful | None = None
         self._trial: asyncio.Task[None] | None = None
         self._reading = threading.BoundedSemaphore(_READERS)  # all of them taken: nobody reads
+        self.held = holding(url, self.condition, self._nobody_reads)
+        self.file = self.held.file  # what lies beside the database is named after it
         self._writer = ThreadPoolExecutor(1, thread_name_prefix="storage-writer")
         self._readers = ThreadPoolExecutor(_READERS, thread_name_prefix="storage-reader")
         try:
-            self.schema = self._writer.submit(self._open).result()
+            self.schema = self._writer.submit(self.held.open).result()
         except BaseException:
             self._shut()
             raise
-
-    def _open(self) -> str:
-        log = self.file.with_name(f"{self.file.name}-wal")
-        log_bytes = log.stat().st_size if log.exists() else 0
-        self._connect()
-        try:
-            if self.left is not None and self.left.sha256 is not None:  # until the file was compared with it
-                self._raw.execute("PRAGMA wal_autocheckpoint=0")
-            with self._connection.begin():
-                schema = bring_up_to_date(self._connection, str(self.file))
-            note_how_it_was_left(self._raw, self.file, self.left, log_bytes, self.condition)
-            self._seal.break_open(self._raw)
-        except REFUSED as error:
-            self._connection.close()
-            raise translated(self.file, error) from error
-        except BaseException:
-            self._connection.close()
-            raise
-        self.place = Place(self.file)
-        return schema
-
-    def _connect(self) -> None:
-        self._write_engine = writing_engine(self.file)
-        self._read_engine = reading_engine(self.file)
-        try:
-            self._connection = self._write_engine.connect()
-        except DatabaseError as error:
-            raise translated(self.file, error) from error
 
     async def write(self, work: Callable[[Connection], T]) -> T:
         """Run `work` in a transaction and return its result once that is committed.
@@ -118,7 +84,7 @@ class Database:
 
     async def write_a_trial(self) -> None:
         """Write a few bytes that nobody reads, to see that it works; raises StorageUnavailableError."""
-        await self.write(_write_a_little)
+        await self.write(self.held.write_a_little)
 
     async def write_new(self, work: Callable[[Connection], T]) -> T:
         """Write what begins something new; refused like a full disk where only the reserve is left."""
@@ -128,13 +94,7 @@ class Database:
 
     async def keep_reserve(self) -> None:
         """Take room for a full disk where there is some, and take it back once there is some again."""
-
-        def keep(_connection: Any) -> None:
-            self.reserve.take()
-            if not self.reserve.used:
-                self.condition.low = None
-
-        await self.on_writer(keep)
+        await self.on_writer(lambda _plain: self.held.keep_reserve())
 
     async def writable(self) -> None:
         """Return once writing works; at once where nothing was refused."""
@@ -146,16 +106,16 @@ class Database:
         return await asyncio.get_running_loop().run_in_executor(self._readers, self._read, work)
 
     async def on_writer(self, work: Callable[[Any], T]) -> T:
-        """Run `work` with the library's writing connection, outside transactions, the file at its place.
+        """Run `work` with the library's writing connection, outside transactions, the database ready for it.
 
         Raises StorageUnavailableError.
         """
 
         def looked_after() -> T:
             try:
-                self._look_after_file()
-                return work(self._raw)
-            except LIBRARY.DatabaseError as error:
+                self._make_ready()
+                return work(self.held.plain)
+            except self.held.refused as error:
                 raise self._noted(error) from error
 
         try:
@@ -168,17 +128,17 @@ class Database:
         """Raise DamagedDatabaseError where a record of a session is not as it was written."""
 
         def findings(connection: Connection) -> list[str]:
-            return [*stream_findings(connection.connection.dbapi_connection, session_id)]
+            return [*stream_findings(plain(connection), session_id)]
 
         found = await self.read(findings)
         for finding in found:
             self.condition.note_damage(finding, finding)
         if found:
-            raise damaged(self.file, found[0])
+            raise damaged(self.held.where, found[0])
 
     async def head(self) -> Head:
         """Return the head of the chain, which reports print; 'truepose verify --head' takes it."""
-        return await self.read(lambda connection: newest_head(connection.connection.dbapi_connection))
+        return await self.read(lambda connection: newest_head(plain(connection)))
 
     @property
     def next_commit(self) -> asyncio.Event:
@@ -191,7 +151,7 @@ class Database:
         self._commit = asyncio.Event()
 
     async def _write_in_turn(self, work: Callable[[Connection], T]) -> T:
-        wanted = _Wanted(work)
+        wanted = _Wanted(work, asyncio.get_running_loop())
         self._wanted.append(wanted)
         self._writer.submit(self._write_wanted)
         committed: asyncio.Future[T] = asyncio.wrap_future(wanted.done)
@@ -214,7 +174,7 @@ class Database:
             while self.condition.trouble is not None:
                 await asyncio.sleep(_TRIAL_S)
                 try:
-                    await self._write_in_turn(_write_a_little)
+                    await self._write_in_turn(self.held.write_a_little)
                 except StorageUnavailableError as error:
                     self.condition.trouble = str(error)
                 else:
@@ -231,139 +191,151 @@ class Database:
         if not together:
             return
         if len(together) == 1:
-            _tell(together, self._alone(together[0]))
+            self._write_alone(together[0])
             return
         try:
-            _tell(together, *self._write(lambda connection: [_beside(w, connection) for w in together]))
+            refused = self.held.refused
+            _tell(together, self._write(lambda c: [_beside(wanted, c, refused) for wanted in together]))
         except _NotTogetherError:
             for wanted in together:
-                _tell([wanted], self._alone(wanted))
+                self._write_alone(wanted)
+        except _DoubtError as doubt:
+            self._wait_for_certainty(_Doubtful(together, doubt.result, doubt.newest))
         except Exception as error:
-            _tell(together, *((None, error) for _ in together))
+            _tell(together, [(None, error) for _ in together])
 
-    def _alone(self, wanted: _Wanted) -> _End:
+    def _write_alone(self, wanted: _Wanted) -> None:
         try:
-            return self._write(wanted.work), None
+            _tell([wanted], [(self._write(wanted.work), None)])
+        except _DoubtError as doubt:
+            self._wait_for_certainty(_Doubtful([wanted], [(doubt.result, None)], doubt.newest))
         except Exception as error:
-            return None, error
+            _tell([wanted], [(None, error)])
 
     def _write(self, work: Callable[[Connection], T]) -> T:
         try:
             return self._committed(work)
-        except REFUSED as error:
-            if says_full(error) and self.reserve.give_up():
-                self.condition.low = RESERVE_IN_USE
-                _LOG.error("%s", RESERVE_IN_USE)
+        except self.held.refused as error:
+            if self.held.make_room(error):
                 return self._write(work)  # in the room that is free now
             raise self._noted(error) from error
 
     def _committed(self, work: Callable[[Connection], T]) -> T:
-        if self._connection.closed:  # it could not be opened anew when it had to be
-            self._connect()
-        self._look_after_file()
+        self._make_ready()
         begun_s = time.perf_counter()
-        with self._connection.begin():
-            result = work(self._connection)
+        transaction = self.held.connection.begin()
+        try:
+            result = work(self.held.connection)
+            self.held.commit(transaction)
+        except InDoubtError as doubt:
+            raise _DoubtError(result, doubt.newest) from doubt
+        except BaseException:
+            transaction.rollback()
+            raise
         self.commits.note(time.perf_counter() - begun_s)
-        self._seal.note_newest(self._raw)
         return result
 
-    def _look_after_file(self) -> None:
-        """See that the database lies at its place with its log, and bring it back where it was removed."""
-        if self.place.removed:
-            lock = self.place.restore(self._raw)
-            self._reconnect()
-            self._lock.move_to(lock)
-            _LOG.warning("the database %s was removed while it was open; it was written anew", self.file)
-        elif self.place.log_removed:
-            self._raw.execute("PRAGMA wal_checkpoint(TRUNCATE)")
-            self._reconnect()
-            _LOG.warning("the log of %s was removed while it was open; a new one was begun", self.file)
+    def _make_ready(self) -> None:
+        self.held.make_ready()
+        if self._doubtful is not None:
+            self._tell_certainty(self._doubtful, self.held.has(self._doubtful.newest))
 
-    def _leave_at_its_place(self) -> None:
-        """Bring the file back where it was removed since the last look; with the connection it is gone."""
-        try:
-            self._look_after_file()
-        except (StorageError, LIBRARY.DatabaseError) as error:
-            _LOG.error("the database is not as it should be left: %s", error)
+    def _wait_for_certainty(self, doubtful: "_Doubtful") -> None:
+        """Answer nobody of a commit that may have been made, and refuse others until that is known."""
+        self._doubtful = doubtful
+        error = StorageUnavailableError(_IN_DOUBT.format(self.held.where))
+        self.condition.trouble = str(error)
+        doubtful.together[0].loop.call_soon_threadsafe(self._try_again_after, error)
 
-    @property
-    def _raw(self) -> Any:
-        """The library's own connection, for what is done outside transactions."""
-        return self._connection.connection.dbapi_connection
+    def _tell_certainty(self, doubtful: "_Doubtful", made: bool) -> None:
+        self._doubtful = None
+        refused = StorageUnavailableError(f"The connection to {self.held.where} ended; nothing was kept.")
+        _LOG.warning("the commit during which the connection ended was %s", "made" if made else "not made")
+        _tell(doubtful.together, doubtful.ends if made else [(None, refused) for _ in doubtful.ends])
 
-    def _reconnect(self) -> None:
-        """Open everything anew, while nobody reads."""
+    def _leave(self) -> None:
+        """Leave the database as it should be left; what is still in doubt stays so."""
+        if self._doubtful is not None:
+            unknown = StorageUnavailableError(_IN_DOUBT.format(self.held.where))
+            _tell(self._doubtful.together, [(None, unknown) for _ in self._doubtful.ends])
+        self.held.close()
+
+    @contextlib.contextmanager
+    def _nobody_reads(self) -> Iterator[None]:
         for _ in range(_READERS):
             self._reading.acquire()
         try:
-            self._read_engine.dispose()
-            self._connection.close()
-            self._write_engine.dispose()
-            self.place = Place(self.file)
-            self._connect()
+            yield
         finally:
             for _ in range(_READERS):
                 self._reading.release()
 
     # on any thread
 
-    def _read(self, work: Callable[[Connection], T]) -> T:
+    def _read(self, work: Callable[[Connection], T], *, again: bool = True) -> T:
         try:
-            with self._reading, self._read_engine.begin() as connection:
+            with self._reading, self.held.readers.begin() as connection:
                 return work(connection)
-        except REFUSED as error:
+        except self.held.refused as error:
+            if again and self.held.ended(error):  # while it lay idle, perhaps; another one may do
+                return self._read(work, again=False)
             raise self._noted(error) from error
 
     def _noted(self, error: Exception) -> StorageError:
-        found = translated(self.file, error)
+        found = self.held.translated(error)
         if isinstance(found, DamagedDatabaseError):
             self.condition.note_damage("pages", str(found))
         return found
 
     def close(self) -> None:
-        """Finish what was begun, close the file and let another service have it."""
+        """Finish what was begun, close the database and let another service have it."""
         if self._trial is not None:
             self._trial.cancel()
-        self._writer.submit(self._leave_at_its_place).result()
-        self._readers.submit(self._read_engine.dispose).result()
-        self._writer.submit(self._connection.close).result()
-        self._writer.submit(self._write_engine.dispose).result()
-        self.reserve.release()
-        self._seal.close(whole=self.place.lies_alone and not self.condition.damaged)
+        self._readers.shutdown()
+        self._writer.submit(self._leave).result()
         self._shut()
 
     def _shut(self) -> None:
         self._readers.shutdown()
         self._writer.shutdown()
-        self._lock.release()
+
+
+@dataclass(frozen=True, slots=True)
+class _Doubtful:
+    """Writes of a commit that may have been made."""
+
+    together: Sequence[_Wanted]
+    ends: Sequence[_End]  # if it was
+    newest: Left  # link that the database has if it was
+
+
+class _DoubtError(Exception):
+    """Whether a commit was made is not known yet."""
+
+    def __init__(self, result: Any, newest: Left) -> None:
+        super().__init__()
+        self.result, self.newest = result, newest
 
 
 class _NotTogetherError(Exception):
     """One of several writes has spoilt the transaction that they share."""
 
 
-def _beside(wanted: _Wanted, connection: Connection) -> _End:
+def _beside(wanted: _Wanted, connection: Connection, refused: tuple[type[Exception], ...]) -> _End:
     """Return what a write gives that shares its transaction; what it did is undone where it fails."""
     try:
         with connection.begin_nested():
             return wanted.work(connection), None
-    except REFUSED as error:
+    except refused as error:
         # The library may have ended the whole transaction by itself; alone, each has its own answer.
         raise _NotTogetherError from error
     except Exception as error:
         return None, error
 
 
-def _tell(together: Sequence[_Wanted], *ends: _End) -> None:
+def _tell(together: Sequence[_Wanted], ends: Sequence[_End]) -> None:
     for wanted, (result, failure) in zip(together, ends, strict=True):
         if failure is None:
             wanted.done.set_result(result)
         else:
             wanted.done.set_exception(failure)
-
-
-def _write_a_little(connection: Connection) -> None:
-    """Write a few bytes that nobody reads: the header's field for the application's use."""
-    count = int(connection.exec_driver_sql("PRAGMA user_version").scalar() or 0)
-    connection.exec_driver_sql(f"PRAGMA user_version = {(count + 1) % 2**31}")

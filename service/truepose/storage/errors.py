@@ -73,6 +73,13 @@ class DamagedDatabaseError(StorageUnavailableError):
     """What is on disk is not what was written; nothing of it is used."""
 
 
+def damaged(where: str, said: str) -> DamagedDatabaseError:
+    """Return the error of a database that does not hold what was written."""
+    return DamagedDatabaseError(
+        f"The database {where} is damaged ({said}); end the service, keep the file, restore the last backup."
+    )
+
+
 class NotFoundError(StorageError):
     """There is no record of that number."""
 

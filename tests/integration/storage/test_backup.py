@@ -17,7 +17,7 @@ from truepose.storage.backup import copying
 from truepose.storage.backup.copying import back_up
 from truepose.storage.backup.drafts import drafts_beside, restore_drafts
 from truepose.storage.backup.restoring import lay_ready, put_ready_in_place, restore
-from truepose.storage.connection.library import LIBRARY
+from truepose.storage.connection.sqlite.library import LIBRARY
 from truepose.storage.database import Database
 from truepose.storage.drafts import DraftFolder
 from truepose.storage.errors import BackupError, DatabaseAddressError, DatabaseInUseError, DatabaseUsedError

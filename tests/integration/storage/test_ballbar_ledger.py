@@ -10,7 +10,7 @@ from tests.helpers.domain.tracker_sessions import make_plan, make_setup
 from truepose.domain.measurement.ballbar import PoseForecast, PreCalibration, Suspicion
 from truepose.domain.measurement.ledger import Control, EntryKind, LedgerEntry
 from truepose.domain.measurement.session import SessionState
-from truepose.storage.connection.library import LIBRARY
+from truepose.storage.connection.sqlite.library import LIBRARY
 from truepose.storage.errors import ConflictError, KeyReusedError
 from truepose.storage.events import EventRepository
 from truepose.storage.measurement.ledger import LedgerRepository

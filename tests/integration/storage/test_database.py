@@ -11,9 +11,9 @@ from alembic.runtime.migration import MigrationContext
 from alembic.script import ScriptDirectory
 from sqlalchemy import create_engine, inspect, text
 
-from truepose.storage.connection.library import LIBRARY
 from truepose.storage.connection.migrating import migration_config
 from truepose.storage.connection.schema import newest_revision, revisions
+from truepose.storage.connection.sqlite.library import LIBRARY
 from truepose.storage.database import Database
 from truepose.storage.errors import (
     DatabaseAddressError,

@@ -8,7 +8,7 @@ import pytest
 
 from tests.studies.left_database import dumped
 from truepose.demo.night.earlier import earlier_schemas, write_earlier
-from truepose.storage.connection.library import LIBRARY
+from truepose.storage.connection.sqlite.library import LIBRARY
 from truepose.storage.database import Database
 from truepose.storage.integrity.verification import verify
 

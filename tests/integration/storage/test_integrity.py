@@ -8,7 +8,7 @@ import sys
 import pytest
 
 from tests.helpers.domain.tracker_sessions import make_plan, make_point, make_setup, point_taken
-from truepose.storage.connection.library import LIBRARY
+from truepose.storage.connection.sqlite.library import LIBRARY
 from truepose.storage.database import Database
 from truepose.storage.errors import DamagedDatabaseError, DatabaseAddressError
 from truepose.storage.integrity.arrival import verify_left

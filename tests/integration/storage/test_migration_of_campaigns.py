@@ -10,8 +10,8 @@ from truepose.analysis.workers.tasks import stored_campaign
 from truepose.exchange.campaigns.zip_file import write_campaign_zip
 from truepose.storage.calibration.campaigns import CampaignRepository, NewCampaign
 from truepose.storage.columns import pack
-from truepose.storage.connection.library import LIBRARY
 from truepose.storage.connection.migrating import migration_config
+from truepose.storage.connection.sqlite.library import LIBRARY
 from truepose.storage.database import Database
 from truepose.storage.integrity.chain import link_all
 from truepose.storage.integrity.verification import verify

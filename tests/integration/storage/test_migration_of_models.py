@@ -4,8 +4,8 @@ import pytest
 from alembic import command
 from sqlalchemy import create_engine, event
 
-from truepose.storage.connection.library import LIBRARY
 from truepose.storage.connection.migrating import migration_config
+from truepose.storage.connection.sqlite.library import LIBRARY
 from truepose.storage.database import Database
 
 AT = "2026-03-03T10:00:00.000+00:00"

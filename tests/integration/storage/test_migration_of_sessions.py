@@ -19,7 +19,7 @@ from truepose.domain.measurement.session import SessionState
 from truepose.operation.session_ledger import SessionLedger
 from truepose.sequencing.tracker.runner import TrackerRunner
 from truepose.sequencing.tracker.situation import situation
-from truepose.storage.connection.library import LIBRARY
+from truepose.storage.connection.sqlite.library import LIBRARY
 from truepose.storage.database import Database
 from truepose.storage.integrity.verification import verify
 from truepose.storage.measurement.ledger import LedgerRepository

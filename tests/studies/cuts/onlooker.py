@@ -10,7 +10,7 @@ from typing import Any, Final
 
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from truepose.storage.connection.library import LIBRARY
+from truepose.storage.connection.sqlite.library import LIBRARY
 
 DONE: Final = 200
 HALTS: Final = frozenset({"pause", "stop", "abort"})

@@ -184,7 +184,7 @@ async def _full(database: Database) -> AsyncIterator[None]:
     yield
     # Not `on_writer`: that looks after the file first, which a full disk may refuse.
     most = "PRAGMA max_page_count = 1000000000"
-    await asyncio.to_thread(database._writer.submit(lambda: database._raw.execute(most)).result)
+    await asyncio.to_thread(database._writer.submit(lambda: database.held.plain.execute(most)).result)
 
 
 def _taken(reading: dict[str, Any] | None) -> dict[str, Any] | None:

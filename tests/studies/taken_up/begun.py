@@ -10,7 +10,7 @@ from typing import Any
 from tests.studies.taken_up.onlooked_cell import standing
 from tests.studies.taken_up.service_here import ServiceHere
 from truepose.demo.cell.person_at_tablet import PersonAtTablet
-from truepose.storage.connection.library import LIBRARY
+from truepose.storage.connection.sqlite.library import LIBRARY
 
 _STEPS_BETWEEN = 4
 _ENDED = {"finished", "aborted", "failed"}

@@ -12,7 +12,7 @@ from truepose.demo.cell.processes import SimulatedService, running_service
 from truepose.demo.night.check import Check, at_most, none_of
 from truepose.demo.night.earlier import earlier_schemas, write_earlier
 from truepose.demo.progress import RunProgress
-from truepose.storage.connection.library import LIBRARY
+from truepose.storage.connection.sqlite.library import LIBRARY
 from truepose.storage.integrity.verification import verify
 
 # Identification got better in the meantime; where a parameter moved by more, it is another answer.

@@ -16,11 +16,6 @@ def free_bytes(folder: Path) -> int:
         return 0
 
 
-def size_bytes(*files: Path) -> int:
-    """Return what files take that are there."""
-    return sum(file.stat().st_size for file in files if file.exists())
-
-
 if sys.platform == "linux":
 
     def memory_bytes() -> int:

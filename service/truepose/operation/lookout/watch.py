@@ -9,7 +9,7 @@ from typing import Final
 from truepose.domain.cell.description import Cell
 from truepose.operation.devices import DeviceStatus, Rack
 from truepose.operation.lookout.certificates import days_left, without_end
-from truepose.operation.lookout.computer import free_bytes, memory_bytes, size_bytes
+from truepose.operation.lookout.computer import free_bytes, memory_bytes
 from truepose.operation.lookout.state import Clock, Copies, DeviceLink, Records, State
 from truepose.storage.backup.schedule import BackupSchedule
 from truepose.storage.counts import Counts, counted
@@ -83,10 +83,10 @@ class Lookout:
         return Records(
             readable=readable,
             refused=condition.trouble or "",
-            reserve_used=database.reserve.used,
+            reserve_used=database.held.reserve_used,
             commit_s=await self._commit_s(),
             free_bytes=await asyncio.to_thread(free_bytes, file.parent),
-            size_bytes=size_bytes(file, file.with_name(f"{file.name}-wal")),
+            size_bytes=await asyncio.to_thread(database.held.size_bytes),
             integrity=condition.integrity,
             checked_share=condition.verified_share,
             damage=condition.damage or "",

@@ -14,8 +14,8 @@ from pathlib import Path
 from typing import Any, Final
 
 from truepose.storage.backup.drafts import copy_drafts
-from truepose.storage.connection.library import LIBRARY
-from truepose.storage.connection.place import sync_folder
+from truepose.storage.connection.sqlite.library import LIBRARY
+from truepose.storage.connection.sqlite.place import sync_folder
 from truepose.storage.errors import BackupError, DatabaseAddressError
 from truepose.storage.integrity.head import Head, newest_head
 from truepose.storage.integrity.verification import missing_protection, opened

@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Final
 
-from truepose.storage.connection.place import sync_folder
+from truepose.storage.connection.sqlite.place import sync_folder
 from truepose.storage.documents import to_document
 from truepose.storage.drafts import MOST_BYTES, STATE, Draft, DraftFolder
 from truepose.storage.errors import BackupError, NotFoundError

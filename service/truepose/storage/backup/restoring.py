@@ -11,9 +11,9 @@ from pathlib import Path
 from typing import Final
 
 from truepose.storage.backup.copying import Told, copy_database, require_copy
-from truepose.storage.connection.library import LIBRARY
-from truepose.storage.connection.lock import ServiceLock
-from truepose.storage.connection.place import sync_folder
+from truepose.storage.connection.sqlite.library import LIBRARY
+from truepose.storage.connection.sqlite.lock import ServiceLock
+from truepose.storage.connection.sqlite.place import sync_folder
 from truepose.storage.errors import BackupError, DatabaseUsedError
 from truepose.storage.integrity.arrival import verify_left
 from truepose.storage.integrity.head import Head, newest_head

@@ -6,7 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from truepose.storage.connection.library import LIBRARY
+from truepose.storage.connection.sqlite.library import LIBRARY
 from truepose.storage.errors import DatabaseAddressError
 from truepose.storage.integrity.condition import Condition
 from truepose.storage.integrity.head import Head
@@ -36,7 +36,7 @@ def note_how_it_was_left(
         return
     if left.sha256 is not None and log_bytes:
         condition.note_damage("log", f"A log lies beside {file}, which was closed without one.")
-    if not _has_link(connection, left):
+    if not has_link(connection, left):
         condition.note_damage("newest", newest_missing(file))
 
 
@@ -64,10 +64,11 @@ def _against(file: Path, left: Left) -> Iterator[str]:
     if left.sha256 is not None and digest(file) != left.sha256:
         yield f"The file {file} was changed while no service had it open."
     with contextlib.suppress(LIBRARY.DatabaseError), contextlib.closing(opened(file)) as connection:
-        if not _has_link(connection, left):
+        if not has_link(connection, left):
             yield newest_missing(file)
 
 
-def _has_link(connection: Any, left: Left) -> bool:
+def has_link(connection: Any, left: Left) -> bool:
+    """Whether a database holds the newest link that it was left with."""
     row = connection.execute("SELECT hash FROM links WHERE id = ?", (left.link,)).fetchone()
     return left.link == 0 or (row is not None and row[0].hex() == left.hash)

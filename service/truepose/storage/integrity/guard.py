@@ -10,22 +10,17 @@ import contextlib
 import json
 import logging
 import sys
-from dataclasses import dataclass
-from typing import Any, Final
+from typing import Final
 
-from truepose.storage.connection.place import Place
 from truepose.storage.database import Database
 from truepose.storage.errors import StorageError
 from truepose.storage.integrity.condition import FOREIGN
-from truepose.storage.integrity.seal import digest
-from truepose.storage.integrity.verification import missing_protection
 
 _LOG: Final = logging.getLogger(__name__)
 _COMMAND: Final = (sys.executable, "-m", "truepose.storage.integrity.verifying_process")
 _FIRST_S: Final = 2.0  # the service is ready before anything is looked through
 _LOOK_S: Final = 1.0
 _AGAIN_S: Final = 6 * 3600.0
-_CHECKPOINTS: Final = "PRAGMA wal_autocheckpoint=1000"  # the library's own choice
 _LINE_BYTES: Final = 1 << 20
 
 
@@ -37,7 +32,6 @@ class Guard:
         self._condition = database.condition
         self._first_s = first_s
         self._doubt = asyncio.Event()  # somebody else has written
-        self._seen: tuple[Place, int] | None = None  # where the file lay, and the version of others
 
     async def follow(self) -> None:
         """Look until cancelled."""
@@ -69,40 +63,30 @@ class Guard:
                     await self._doubt.wait()
 
     async def check_seal(self) -> None:
-        """Compare the file with how it was left; until then nothing is taken over from the log into it."""
-        left = self._database.left
-        if left is None or left.sha256 is None:
-            return
-        place, found = self._database.place, ""
-        with contextlib.suppress(OSError):
-            found = await asyncio.to_thread(digest, self._database.file)
-        if found != left.sha256 and self._database.place is place:  # not written anew meanwhile
-            self._condition.note_damage(
-                "seal",
-                f"The file {self._database.file} was changed while no service had it open; "
-                "'truepose verify' says whether records are.",
-            )
+        """Compare the database with how it was left; until then nothing is taken over from a log into it."""
+        held = self._database.held
+        said = await asyncio.to_thread(held.changed_since_left)
+        if said is not None:
+            self._condition.note_damage("seal", said)
         with contextlib.suppress(StorageError):
-            await self._database.on_writer(lambda connection: connection.execute(_CHECKPOINTS))
+            await self._database.on_writer(lambda _plain: held.resume())
 
     async def look(self) -> bool:
         """See that the file is at its place; returns whether somebody else has written to it."""
         if self._condition.trouble is not None:
             return False
         try:
-            seen = await self._database.on_writer(_look)
+            seen = await self._database.on_writer(lambda _plain: self._database.held.look())
         except StorageError:
             return False
-        before, self._seen = self._seen, (self._database.place, seen.others)
-        foreign = before is not None and before[0] is self._database.place and before[1] != seen.others
-        if foreign:
+        if seen.foreign:
             self._condition.note_damage(
                 FOREIGN,
-                f"Another program has written to {self._database.file}; every record is being checked.",
+                f"Another program has written to {self._database.held.where}; every record is being checked.",
             )
         for finding in seen.missing:
             self._condition.note_damage(finding, finding)
-        return foreign
+        return seen.foreign
 
     async def _verify(self) -> None:
         self._condition.begin_verification()
@@ -146,14 +130,3 @@ class Guard:
                 findings += told.get("findings", [])
         await process.wait()
         return findings
-
-
-@dataclass(frozen=True, slots=True)
-class _Seen:
-    others: int  # changes when another connection commits
-    missing: tuple[str, ...]
-
-
-def _look(connection: Any) -> _Seen:
-    others = int(connection.execute("PRAGMA data_version").fetchone()[0])
-    return _Seen(others, tuple(missing_protection(connection)))

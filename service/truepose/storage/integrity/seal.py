@@ -14,7 +14,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Final
 
-from truepose.storage.connection.library import LIBRARY
+from truepose.storage.connection.sqlite.library import LIBRARY
 
 _LENGTH: Final = 256  # of the line, so that it is written over in place
 _CHUNK: Final = 1 << 20

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any, Final
 from urllib.parse import quote
 
-from truepose.storage.connection.library import LIBRARY
+from truepose.storage.connection.sqlite.library import LIBRARY
 from truepose.storage.integrity.chain import GENESIS, OF_NO_SESSION, TABLE_NOW, linked_hash, stream_of
 from truepose.storage.integrity.head import Head, contradicted, newest_head
 from truepose.storage.migrations.triggers import trigger, trigger_name

@@ -5,8 +5,8 @@ from typing import Any
 
 from fastapi import Response
 
-from truepose.storage.connection.library import FAULTY as SQLITE_FAULTY
-from truepose.storage.connection.library import VERSION as SQLITE_VERSION
+from truepose.storage.connection.sqlite.library import FAULTY as SQLITE_FAULTY
+from truepose.storage.connection.sqlite.library import VERSION as SQLITE_VERSION
 from truepose.web.context import Context
 from truepose.web.healthiness.checks import Check, checks, worst
 from truepose.web.problems import problem_response, problems

@@ -10,7 +10,7 @@ import lzma
 from importlib import resources
 from pathlib import Path
 
-from truepose.storage.connection.library import LIBRARY
+from truepose.storage.connection.sqlite.library import LIBRARY
 
 _PREFIX, _SUFFIX = "schema_", ".sql.xz"
 

@@ -7,7 +7,7 @@ from urllib.parse import quote
 from sqlalchemy import Connection, Engine, create_engine, event
 from sqlalchemy.pool import NullPool, QueuePool
 
-from truepose.storage.connection.library import LIBRARY
+from truepose.storage.connection.sqlite.library import LIBRARY
 from truepose.storage.documents import from_json
 
 _BUSY_TIMEOUT_MS: Final = 5000  # a checkpoint or an outside backup may hold the file this long

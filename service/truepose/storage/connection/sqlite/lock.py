@@ -14,7 +14,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from truepose.storage.connection.library import LIBRARY
+from truepose.storage.connection.sqlite.library import LIBRARY
 from truepose.storage.errors import DatabaseInUseError, StorageUnavailableError
 
 if sys.platform == "linux":

@@ -11,8 +11,8 @@ import os
 from pathlib import Path
 from typing import Any
 
-from truepose.storage.connection.library import LIBRARY
-from truepose.storage.connection.lock import locked_file
+from truepose.storage.connection.sqlite.library import LIBRARY
+from truepose.storage.connection.sqlite.lock import locked_file
 from truepose.storage.errors import StorageUnavailableError
 
 Identity = tuple[int, int]  # device and number of the file on it

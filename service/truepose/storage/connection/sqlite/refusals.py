@@ -5,13 +5,13 @@ from typing import Final
 
 from sqlalchemy.exc import DatabaseError, IntegrityError
 
-from truepose.storage.connection.library import LIBRARY
+from truepose.storage.connection.sqlite.library import LIBRARY
 from truepose.storage.errors import (
     ConflictError,
-    DamagedDatabaseError,
     ForeignDatabaseError,
     StorageError,
     StorageUnavailableError,
+    damaged,
 )
 
 REFUSED: Final = (DatabaseError, LIBRARY.DatabaseError)  # the chain asks the library without the toolkit
@@ -26,7 +26,7 @@ def translated(file: Path, error: Exception) -> StorageError:
     if "not a database" in said:
         return ForeignDatabaseError(f"{file} is not a SQLite database; choose another file.")
     if any(word in said for word in _DAMAGE):
-        return damaged(file, said)
+        return damaged(str(file), said)
     return StorageUnavailableError(
         f"The database {file} refused ({said}); check the disk's space and permissions."
     )
@@ -36,10 +36,3 @@ def says_full(error: Exception) -> bool:
     """Whether the library says that there is no room; the index of the log has words of its own for it."""
     said = str(error)
     return "is full" in said or "disk I/O error" in said
-
-
-def damaged(file: Path, said: str) -> DamagedDatabaseError:
-    """Return the error of a database that does not hold what was written."""
-    return DamagedDatabaseError(
-        f"The database {file} is damaged ({said}); end the service, keep the file, restore the last backup."
-    )

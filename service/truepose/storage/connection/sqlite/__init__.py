@@ -1,0 +1,1 @@
+"""SQLite: a file, and what lies beside it."""
