@@ -4,8 +4,8 @@ import contextlib
 
 import pytest
 
-from tests.browser.tablet.fake_desk import FakeDesk
-from tests.browser.tablet.wire import wire_to
+from tests.browser.tablet.bench.fake_desk import FakeDesk
+from tests.browser.tablet.bench.wire import wire_to
 from tests.browser.windows import PORTRAIT, without_complaint
 from tests.integration.web.listening import listening
 from truepose.web.door.hosts import AllowedHosts

@@ -3,9 +3,9 @@
 import pytest
 from playwright.sync_api import expect
 
+from tests.browser.tablet.bench.fake_desk import leg, move, sample, step
+from tests.browser.tablet.bench.operator_hands import acted, hold_long_enough
 from tests.browser.tablet.conftest import a_tablet
-from tests.browser.tablet.fake_desk import leg, move, sample, step
-from tests.browser.tablet.operator_hands import acted, hold_long_enough
 
 SUSPICION = {"asked": ["B2", "T3"], "suspected": ["B1", "T2"], "length_mm": 300.1, "expected_mm": 300.42}
 

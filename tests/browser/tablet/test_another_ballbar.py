@@ -2,8 +2,8 @@
 
 from playwright.sync_api import expect
 
-from tests.browser.tablet.fake_desk import move
-from tests.browser.tablet.operator_hands import acted, hold_long_enough
+from tests.browser.tablet.bench.fake_desk import move
+from tests.browser.tablet.bench.operator_hands import acted, hold_long_enough
 
 FOREIGN = {
     "device": "ballbar",

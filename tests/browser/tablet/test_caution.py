@@ -3,8 +3,8 @@
 import pytest
 from playwright.sync_api import expect
 
+from tests.browser.tablet.bench.fake_desk import leg, move
 from tests.browser.tablet.conftest import a_tablet
-from tests.browser.tablet.fake_desk import leg, move
 from tests.browser.tablet.test_screens import shown
 from tests.browser.tablet.test_stop_is_there import NOTICES, OUT_OF_REACH
 from truepose.sequencing.engine.notices import motion_notice

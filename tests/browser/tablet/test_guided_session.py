@@ -6,10 +6,10 @@ import httpx
 import pytest
 from playwright.sync_api import expect
 
+from tests.browser.tablet.bench.guided_bench import GuidedBench, guide, plan, serving, until
+from tests.browser.tablet.bench.wire import wire_to
+from tests.browser.tablet.bench.working_bench import PATIENCE_S
 from tests.browser.tablet.conftest import a_tablet
-from tests.browser.tablet.guided_bench import GuidedBench, guide, plan, serving, until
-from tests.browser.tablet.wire import wire_to
-from tests.browser.tablet.working_bench import PATIENCE_S
 from tests.browser.windows import LANDSCAPE
 
 VERBS = ["Back", "Retry", "Skip", "Pause", "Abort", "STOP"]

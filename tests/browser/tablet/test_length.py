@@ -5,8 +5,8 @@ import time
 import pytest
 from playwright.sync_api import expect
 
-from tests.browser.tablet.ages import drawn_ages
-from tests.browser.tablet.fake_desk import leg, sample, step
+from tests.browser.tablet.bench.ages import drawn_ages
+from tests.browser.tablet.bench.fake_desk import leg, sample, step
 
 STATES = {
     "in_range": ("In range", sample()),

@@ -5,9 +5,9 @@ import time
 import pytest
 from playwright.sync_api import expect
 
+from tests.browser.tablet.bench.fake_desk import leg, move, step
+from tests.browser.tablet.bench.operator_hands import hold_long_enough
 from tests.browser.tablet.conftest import a_tablet
-from tests.browser.tablet.fake_desk import leg, move, step
-from tests.browser.tablet.operator_hands import hold_long_enough
 
 BANNER_TICKS = 20  # of 100 ms of the page's own time, which a busy machine makes no more
 # Counts from the last length that came to the word that the link is lost.

@@ -3,8 +3,8 @@
 import pytest
 from playwright.sync_api import expect
 
+from tests.browser.tablet.bench.fake_desk import leg
 from tests.browser.tablet.conftest import a_tablet
-from tests.browser.tablet.fake_desk import leg
 from tests.browser.tablet.test_acts import acted
 from tests.browser.tablet.test_stop_is_there import OUT_OF_REACH
 

@@ -3,8 +3,8 @@
 import pytest
 from playwright.sync_api import expect
 
+from tests.browser.tablet.bench.fake_desk import step
 from tests.browser.tablet.conftest import a_tablet
-from tests.browser.tablet.fake_desk import step
 
 OFF = step("move", id="placement-1/away/move", target_deg=[0, 45, -30, 0, 30, 0], nominal_mm=None)
 

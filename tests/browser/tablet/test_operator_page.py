@@ -5,9 +5,9 @@ import threading
 import pytest
 from playwright.sync_api import expect
 
+from tests.browser.tablet.bench.fake_desk import leg, move, step
+from tests.browser.tablet.bench.operator_hands import acted
 from tests.browser.tablet.conftest import a_tablet
-from tests.browser.tablet.fake_desk import leg, move, step
-from tests.browser.tablet.operator_hands import acted
 from tests.browser.windows import LANDSCAPE, PORTRAIT
 
 

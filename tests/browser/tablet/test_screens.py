@@ -3,8 +3,8 @@
 import pytest
 from playwright.sync_api import expect
 
+from tests.browser.tablet.bench.fake_desk import ARM_BEFORE, FakeDesk, leg, move, sample, scene, step
 from tests.browser.tablet.conftest import a_tablet, served
-from tests.browser.tablet.fake_desk import ARM_BEFORE, FakeDesk, leg, move, sample, scene, step
 from tests.browser.windows import LANDSCAPE, PORTRAIT
 
 SUSPICION = {"kind": "other_pair", "asked": ["B2", "T3"], "suspected": ["B1", "T2"]}

@@ -2,8 +2,8 @@
 
 import pytest
 
+from tests.browser.tablet.bench.fake_desk import move, scene
 from tests.browser.tablet.conftest import a_tablet
-from tests.browser.tablet.fake_desk import move, scene
 from tests.browser.tablet.test_screens import SCREENS, shown
 
 SIZES = [(320, 568), (390, 844), (844, 390), (1024, 600), (800, 1280), (1280, 800)]

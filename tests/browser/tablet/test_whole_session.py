@@ -10,11 +10,10 @@ import time
 import pytest
 from playwright.sync_api import expect
 
-from tests.browser.tablet.ages import drawn_ages
-from tests.browser.tablet.conftest import a_tablet
-from tests.browser.tablet.operator_hands import Operator
-from tests.browser.tablet.wire import wire_to
-from tests.browser.tablet.working_bench import (
+from tests.browser.tablet.bench.ages import drawn_ages
+from tests.browser.tablet.bench.operator_hands import Operator
+from tests.browser.tablet.bench.wire import wire_to
+from tests.browser.tablet.bench.working_bench import (
     TABLET,
     WorkingBench,
     ledger,
@@ -23,6 +22,7 @@ from tests.browser.tablet.working_bench import (
     shown,
     walk_to_leg,
 )
+from tests.browser.tablet.conftest import a_tablet
 
 READINGS = 4 + 4 + 7  # tool triangle and base triangle with their zeros; six legs with theirs
 

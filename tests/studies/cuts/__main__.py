@@ -21,7 +21,7 @@ import httpx
 import numpy as np
 from playwright.async_api import Browser, async_playwright
 
-from tests.browser.tablet.wire import wire_to
+from tests.browser.tablet.bench.wire import wire_to
 from tests.studies.cuts.cells import BallbarCell, TrackerCell, end_all, watched
 from tests.studies.cuts.lane import Lane, Tally
 from tests.studies.cuts.person import SAID, Person

@@ -7,10 +7,10 @@ from typing import Any, Final
 
 import httpx
 
-from tests.browser.tablet.guided_bench import BriskClock, GuidedBench
-from tests.browser.tablet.guided_bench import plan as plan_tracker
-from tests.browser.tablet.working_bench import BusyHands, ConnectedBallbar, WorkingBench
-from tests.browser.tablet.working_bench import plan as plan_ballbar
+from tests.browser.tablet.bench.guided_bench import BriskClock, GuidedBench
+from tests.browser.tablet.bench.guided_bench import plan as plan_tracker
+from tests.browser.tablet.bench.working_bench import BusyHands, ConnectedBallbar, WorkingBench
+from tests.browser.tablet.bench.working_bench import plan as plan_ballbar
 from tests.integration.web.ballbar_bench import BALLBAR
 from tests.integration.web.bench import CELL, FakeRobot
 from tests.integration.web.listening import listening

@@ -7,7 +7,7 @@ import time
 import httpx
 import numpy as np
 
-from tests.browser.tablet.working_bench import PATIENCE_S
+from tests.browser.tablet.bench.working_bench import PATIENCE_S
 from tests.integration.web.bench import CELL, Bench, FakeRobot, FakeTracker, session_request
 from tests.integration.web.listening import listening
 from truepose.app import create_app
