@@ -2,7 +2,7 @@
 
 import pytest
 
-from tests.integration.storage.test_migration_of_models import ask, migrate
+from tests.integration.storage.migration.test_migration_of_models import ask, migrate
 from truepose.domain.people.accounts import Person, Role
 from truepose.storage.calibration.jobs import JobRepository
 from truepose.storage.database import Database

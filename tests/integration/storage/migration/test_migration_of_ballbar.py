@@ -1,6 +1,6 @@
 """The ledger of ballbar sessions comes to older databases, and goes again with its sessions."""
 
-from tests.integration.storage.test_migration_of_models import AT, ask, insert, migrate
+from tests.integration.storage.migration.test_migration_of_models import AT, ask, insert, migrate
 
 OLDER = {
     "sessions": [(1, AT, "spring", "calibration", "{}", "{}")],

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.integration.storage.test_migration_of_models import ask, migrate
+from tests.integration.storage.migration.test_migration_of_models import ask, migrate
 from tests.unit.service.sequencing.tracker.fakes import FakeCell
 from tests.unit.service.sequencing.tracker.operators import PatientOperator
 from truepose.analysis.campaigns.assembly import MeasuredSession, assemble_campaign
@@ -26,7 +26,7 @@ from truepose.storage.measurement.ledger import LedgerRepository
 from truepose.storage.measurement.sessions import SessionRepository
 from truepose.storage.measurement.tracker_readings import ReadingRepository
 
-OLD = Path(__file__).parents[2] / "vectors" / "databases" / "schema_0008.sql"
+OLD = Path(__file__).parents[3] / "vectors" / "databases" / "schema_0008.sql"
 FINISHED, VALIDATION, KILLED, AT_LUNCH, NOT_BEGUN = 1, 2, 3, 4, 5
 FIXED_NESTS = 3
 

@@ -12,7 +12,7 @@ from truepose.storage.connection.sqlite.library import LIBRARY
 from truepose.storage.database import Database
 from truepose.storage.integrity.verification import verify
 
-VERSIONS = Path(__file__).parents[3] / "migrations" / "versions"
+VERSIONS = Path(__file__).parents[4] / "migrations" / "versions"
 # Landed together with a later one: no program ever left such a database.
 NEVER_LEFT = {"0001", "0002", "0004"}
 

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from tests.integration.storage.test_migration_of_models import ask, migrate
+from tests.integration.storage.migration.test_migration_of_models import ask, migrate
 from tests.integration.web.calibration.stored_models import store_model
 from truepose.domain.results.corrections import CorrectedTargets, CorrectionTotals, FileCorrection
 from truepose.storage.calibration.campaigns import CampaignRepository
