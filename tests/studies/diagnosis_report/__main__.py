@@ -14,7 +14,7 @@ from pathlib import Path
 from tests.studies.diagnosis_report.document import report_document
 from tests.studies.diagnosis_report.joint_curves import joint_curves_section
 from tests.studies.diagnosis_report.judging import Outcome
-from tests.studies.diagnosis_report.measured_data import measured_section
+from tests.studies.diagnosis_report.planted.measured_data import measured_section
 from tests.studies.diagnosis_report.studies import studies
 from tests.studies.diagnosis_report.study import Extent, Study
 from tests.studies.diagnosis_report.timing import timing_section

@@ -3,7 +3,7 @@
 import math
 from dataclasses import dataclass, replace
 
-from tests.studies.diagnosis_report.planting import Planted
+from tests.studies.diagnosis_report.planted.planting import Planted
 from truepose.domain.results.causes import Cause
 from truepose.domain.results.diagnosis import Diagnosis, Finding, Verdict
 from truepose.effects.causes import Candidate

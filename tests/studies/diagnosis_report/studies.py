@@ -1,8 +1,8 @@
 """Every study of simulated campaigns."""
 
-from tests.studies.diagnosis_report.nothing_hidden import everyday, false_alarms
-from tests.studies.diagnosis_report.pairs import pairs
-from tests.studies.diagnosis_report.single_effects import amplitudes, barely_visible, left_out, power
+from tests.studies.diagnosis_report.planted.nothing_hidden import everyday, false_alarms
+from tests.studies.diagnosis_report.planted.pairs import pairs
+from tests.studies.diagnosis_report.planted.single_effects import amplitudes, barely_visible, left_out, power
 from tests.studies.diagnosis_report.study import Extent, Study
 
 

@@ -6,7 +6,7 @@ from typing import Final
 
 from tests.studies.diagnosis_report import tallies
 from tests.studies.diagnosis_report.judging import Outcome
-from tests.studies.diagnosis_report.planting import Case
+from tests.studies.diagnosis_report.planted.planting import Case
 from tests.studies.diagnosis_report.rows import informing
 from tests.studies.diagnosis_report.trials import Trial
 from truepose.reports.table_report import Row

@@ -12,7 +12,7 @@ import numpy as np
 
 from tests.studies.diagnosis_report.errors import NothingHappenedError
 from tests.studies.diagnosis_report.judging import Outcome, failed, judge
-from tests.studies.diagnosis_report.planting import Planted, scenario_text
+from tests.studies.diagnosis_report.planted.planting import Planted, scenario_text
 from tests.studies.diagnosis_report.recorder import Recorder, running_recorder
 from truepose.domain.measurement.campaign import Campaign
 from truepose.domain.results.diagnosis import Diagnosis

@@ -7,7 +7,7 @@ how often it is found.
 
 import pytest
 
-from tests.studies.diagnosis_report.cases import BARELY_VISIBLE, FOR_INFORMATION, REALISTIC
+from tests.studies.diagnosis_report.planted.cases import BARELY_VISIBLE, FOR_INFORMATION, REALISTIC
 from tests.studies.diagnosis_report.study import trial_of
 from truepose.words.catalogue import english
 

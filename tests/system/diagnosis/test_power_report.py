@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from tests.studies.diagnosis_report.__main__ import main
-from tests.studies.diagnosis_report.cases import FOR_INFORMATION, REALISTIC
 from tests.studies.diagnosis_report.errors import NothingHappenedError, RecorderFailedError
+from tests.studies.diagnosis_report.planted.cases import FOR_INFORMATION, REALISTIC
 from tests.studies.diagnosis_report.study import trial_of
 from tests.studies.diagnosis_report.trials import Trial, record_trial, run_trials
 from tests.studies.diagnosis_report.workers import outcomes_of, worker_processes

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.studies.diagnosis_report.cases import REALISTIC
+from tests.studies.diagnosis_report.planted.cases import REALISTIC
 from tests.studies.diagnosis_report.study import trial_of
 from truepose.words.catalogue import english
 

@@ -8,10 +8,10 @@ import pytest
 from tests.studies.diagnosis_report import tallies
 from tests.studies.diagnosis_report.document import report_document
 from tests.studies.diagnosis_report.judging import Named, Outcome
-from tests.studies.diagnosis_report.nothing_hidden import everyday, false_alarms
-from tests.studies.diagnosis_report.pairs import pairs
+from tests.studies.diagnosis_report.planted.nothing_hidden import everyday, false_alarms
+from tests.studies.diagnosis_report.planted.pairs import pairs
+from tests.studies.diagnosis_report.planted.single_effects import left_out, power
 from tests.studies.diagnosis_report.rows import at_least, no_faults
-from tests.studies.diagnosis_report.single_effects import left_out, power
 from tests.studies.diagnosis_report.studies import studies
 from tests.studies.diagnosis_report.study import Extent
 from truepose.reports.table_report import Verdict

@@ -4,7 +4,7 @@ import pytest
 
 from tests.helpers.diagnosis.answers import make_diagnosis, make_finding, make_wave
 from tests.studies.diagnosis_report.judging import failed, judge
-from tests.studies.diagnosis_report.planting import Planted
+from tests.studies.diagnosis_report.planted.planting import Planted
 from truepose.domain.results.causes import Cause
 from truepose.domain.results.diagnosis import Confidence, Remaining, Verdict
 

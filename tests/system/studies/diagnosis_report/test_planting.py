@@ -5,14 +5,14 @@ import tomllib
 
 import pytest
 
-from tests.studies.diagnosis_report.cases import (
+from tests.studies.diagnosis_report.planted.cases import (
     BARELY_VISIBLE,
     FOR_INFORMATION,
     REALISTIC,
     pairs_alike,
     pairs_of,
 )
-from tests.studies.diagnosis_report.planting import scaled, scenario_text
+from tests.studies.diagnosis_report.planted.planting import scaled, scenario_text
 from truepose.domain.results.causes import Cause
 
 EVERY = (*REALISTIC, *FOR_INFORMATION, *BARELY_VISIBLE)

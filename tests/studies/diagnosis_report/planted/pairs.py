@@ -5,8 +5,8 @@ from types import MappingProxyType
 from typing import Final
 
 from tests.studies.diagnosis_report import tallies
-from tests.studies.diagnosis_report.cases import REALISTIC, pairs_alike, pairs_of
 from tests.studies.diagnosis_report.judging import Outcome
+from tests.studies.diagnosis_report.planted.cases import REALISTIC, pairs_alike, pairs_of
 from tests.studies.diagnosis_report.rows import at_least, informing, no_faults
 from tests.studies.diagnosis_report.study import Extent, Rows, Study, trial_of
 

@@ -11,7 +11,7 @@ from typing import Final
 
 import numpy as np
 
-from tests.studies.diagnosis_report.planting import Case, Detail, Draw, Planted
+from tests.studies.diagnosis_report.planted.planting import Case, Detail, Draw, Planted
 from truepose.domain.results.causes import Cause
 
 _GEAR_RATIO: Final = MappingProxyType({1: 121, 2: 121, 3: 101, 4: 50, 5: 51, 6: 50})  # IRB 120
