@@ -62,17 +62,17 @@ ballbar-report: setup
 
 # Two hours on two idle cores; each study has a command of its own, in docs/hardening-figures.md.
 hardening-report: setup
-	$(BIN)/python -m tests.studies.erring_operator --out out/hardening
-	$(BIN)/python -m tests.studies.wrong_pairs --out out/hardening
-	$(BIN)/python -m tests.studies.hostile_wires --bytes 2000000 --out out/hardening
-	$(BIN)/python -m tests.studies.crowded_door --out out/hardening
-	$(BIN)/python -m tests.studies.giant_upload --out out/hardening
-	$(BIN)/python -m tests.studies.storage_refusals --lock-s 60 --out out/hardening
-	$(BIN)/python -m tests.studies.tampering --out out/hardening
-	$(BIN)/python -m tests.studies.durable_writes --out out/hardening
-	$(BIN)/python -m tests.studies.ready_again --readings 1000000 --out out/hardening
-	$(BIN)/python -m tests.studies.session_overhead --out out/hardening
-	$(BIN)/python -m tests.studies.cuts --out out/hardening
+	$(BIN)/python -m tests.studies.hardening.erring_operator --out out/hardening
+	$(BIN)/python -m tests.studies.hardening.wrong_pairs --out out/hardening
+	$(BIN)/python -m tests.studies.hardening.hostile_wires --bytes 2000000 --out out/hardening
+	$(BIN)/python -m tests.studies.hardening.crowded_door --out out/hardening
+	$(BIN)/python -m tests.studies.hardening.giant_upload --out out/hardening
+	$(BIN)/python -m tests.studies.hardening.storage_refusals --lock-s 60 --out out/hardening
+	$(BIN)/python -m tests.studies.hardening.tampering --out out/hardening
+	$(BIN)/python -m tests.studies.hardening.durable_writes --out out/hardening
+	$(BIN)/python -m tests.studies.hardening.ready_again --readings 1000000 --out out/hardening
+	$(BIN)/python -m tests.studies.hardening.session_overhead --out out/hardening
+	$(BIN)/python -m tests.studies.hardening.cuts --out out/hardening
 
 pages-report: setup
 	$(BIN)/python -m tests.studies.pages --out out/pages

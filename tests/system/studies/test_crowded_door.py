@@ -1,7 +1,7 @@
 """The study of the crowded door runs: a small crowd, a session that goes on, uploads that are answered."""
 
-from tests.studies.crowded_door import crowded
-from tests.studies.giant_upload import giant_zip
+from tests.studies.hardening.crowded_door import crowded
+from tests.studies.hardening.giant_upload import giant_zip
 
 
 async def test_a_session_goes_on_in_a_small_crowd(tmp_path):

@@ -3,7 +3,7 @@
 import json
 
 from tests.integration.web.ballbar_bench import PLACE
-from tests.studies.erring_operator.__main__ import main
+from tests.studies.hardening.erring_operator.__main__ import main
 
 ROBOT = ("lrmate-tilted", 3, {"poses": 6, "placements": [PLACE]})
 

@@ -1,6 +1,6 @@
 """The study of giant uploads runs, and its giants are what it says."""
 
-from tests.studies.giant_upload import giant_zip, study
+from tests.studies.hardening.giant_upload import giant_zip, study
 from truepose.exchange.campaigns.zip_file import read_campaign_zip
 
 

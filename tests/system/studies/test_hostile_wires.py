@@ -4,7 +4,7 @@ import json
 import sys
 
 from tests.contract.devices.machines import Controller, HandsOfPerson
-from tests.studies.hostile_wires import main
+from tests.studies.hardening.hostile_wires import main
 from truepose_drivers.contract import hostile
 from truepose_drivers.contract.spoiling import GENERAL
 

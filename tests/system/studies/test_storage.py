@@ -6,15 +6,15 @@ from random import Random
 import pytest
 
 from tests.integration.web.ballbar_bench import PLACEMENT
-from tests.studies.durable_writes import durable
-from tests.studies.ready_again import ready_again
-from tests.studies.session_overhead import overhead
+from tests.studies.hardening.durable_writes import durable
+from tests.studies.hardening.ready_again import ready_again
+from tests.studies.hardening.session_overhead import overhead
+from tests.studies.hardening.storage_refusals.ballbar_session import ballbar_session
+from tests.studies.hardening.storage_refusals.tracker_session import tracker_session
+from tests.studies.hardening.tampering import KINDS, tampering
 from tests.studies.single_changes import KINDS as SINGLE_CHANGES
 from tests.studies.single_changes import single_changes
-from tests.studies.storage_refusals.ballbar_session import ballbar_session
-from tests.studies.storage_refusals.tracker_session import tracker_session
 from tests.studies.taken_up.begun import begin
-from tests.studies.tampering import KINDS, tampering
 
 _LOCK_S = 1.0
 

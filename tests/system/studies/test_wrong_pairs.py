@@ -1,6 +1,6 @@
 """The study of wrong connections runs, and finds what it must."""
 
-from tests.studies.wrong_pairs import study, table
+from tests.studies.hardening.wrong_pairs import study, table
 
 
 def test_a_short_session_of_one_robot_is_studied_before_and_after_its_pre_calibration():

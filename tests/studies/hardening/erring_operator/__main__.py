@@ -1,6 +1,6 @@
 """Random ballbar sessions with an operator who errs at every step and a cell that changes.
 
-    python -m tests.studies.erring_operator --sessions 1000 --out out/erring-operator
+    python -m tests.studies.hardening.erring_operator --sessions 1000 --out out/erring-operator
 
 For each of a few simulated robots one session is walked rightly, and copies of database and cell are kept on
 the way. Each random session takes up one of these copies and goes on with an operator who errs: wrong pairs,
@@ -18,8 +18,8 @@ from collections.abc import Sequence
 from dataclasses import fields
 from pathlib import Path
 
-from tests.studies.erring_operator.study import ROBOTS, Robot, Wanted, study
-from tests.studies.erring_operator.tally import report
+from tests.studies.hardening.erring_operator.study import ROBOTS, Robot, Wanted, study
+from tests.studies.hardening.erring_operator.tally import report
 
 
 def main(arguments: Sequence[str] | None = None, robots: Sequence[Robot] = ROBOTS) -> int:

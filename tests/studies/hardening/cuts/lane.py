@@ -9,8 +9,8 @@ from typing import Any, Final
 
 import numpy as np
 
-from tests.studies.cuts.onlooker import DONE, Onlooker, answered_in, entries_of
-from tests.studies.cuts.person import Person, Sent, Tap
+from tests.studies.hardening.cuts.onlooker import DONE, Onlooker, answered_in, entries_of
+from tests.studies.hardening.cuts.person import Person, Sent, Tap
 
 _WAYS: Final = ("cut", "lose_answers", "delay", "roam")
 _DOCK: Final = ("pause", "stop", "retry", "back", "skip")

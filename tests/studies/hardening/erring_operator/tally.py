@@ -5,8 +5,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field, fields
 from typing import Any
 
-from tests.studies.erring_operator.onlooker import Phase, Seen
-from tests.studies.erring_operator.operator import ErringOperator
+from tests.studies.hardening.erring_operator.onlooker import Phase, Seen
+from tests.studies.hardening.erring_operator.operator import ErringOperator
 from tests.studies.taken_up.onlooked_cell import OnlookedCell
 
 

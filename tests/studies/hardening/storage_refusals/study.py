@@ -11,10 +11,10 @@ from pathlib import Path
 from random import Random
 
 from tests.integration.web.ballbar_bench import PLACEMENT
-from tests.studies.storage_refusals.ballbar_session import MOMENTS, ballbar_session
-from tests.studies.storage_refusals.outcome import Found, Outcome
-from tests.studies.storage_refusals.tracker_session import TRACKER_FAULTS, tracker_session
-from tests.studies.storage_refusals.trouble import FAULTS
+from tests.studies.hardening.storage_refusals.ballbar_session import MOMENTS, ballbar_session
+from tests.studies.hardening.storage_refusals.outcome import Found, Outcome
+from tests.studies.hardening.storage_refusals.tracker_session import TRACKER_FAULTS, tracker_session
+from tests.studies.hardening.storage_refusals.trouble import FAULTS
 from tests.studies.taken_up.begun import Begun, begin
 
 _SHORT = {"placements": [PLACEMENT]}

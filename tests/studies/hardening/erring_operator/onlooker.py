@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from tests.studies.erring_operator.operator import ErringOperator
+from tests.studies.hardening.erring_operator.operator import ErringOperator
 from tests.studies.taken_up.onlooked_cell import OnlookedCell
 from tests.studies.taken_up.service_here import ServiceHere
 from truepose_simulators.cell.robot import SpeedLimits

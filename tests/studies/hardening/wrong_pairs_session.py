@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from tests.helpers.ballbar.sessions import make_length
-from tests.studies.wrong_pairs_cell import KIT, NOMINAL_MM, RANGE_MM, Gauge, in_range
+from tests.studies.hardening.wrong_pairs_cell import KIT, NOMINAL_MM, RANGE_MM, Gauge, in_range
 from truepose.analysis.ballbar.assembly import Counting, LegKept, SetupKept, SideKept, Standing
 from truepose.analysis.ballbar.precalibration import precalibrate
 from truepose.domain.measurement.ballbar import ArrivalTaken, Leg, PlannedPose, PoseForecast

@@ -1,6 +1,6 @@
 """A tablet's network is cut a thousand times while somebody taps: each tap counts once, none moves late.
 
-    python -m tests.studies.cuts --cuts 1000 --out out/cuts
+    python -m tests.studies.hardening.cuts --cuts 1000 --out out/cuts
 
 Ballbar and tracker sessions on the real service, in Chromium, over a wire that loses all, loses answers,
 delivers late, or leaves what is open dead. The cells are in memory. What arrives, what the arm does and what
@@ -22,9 +22,9 @@ import numpy as np
 from playwright.async_api import Browser, async_playwright
 
 from tests.browser.tablet.bench.wire import wire_to
-from tests.studies.cuts.cells import BallbarCell, TrackerCell, end_all, watched
-from tests.studies.cuts.lane import Lane, Tally
-from tests.studies.cuts.person import SAID, Person
+from tests.studies.hardening.cuts.cells import BallbarCell, TrackerCell, end_all, watched
+from tests.studies.hardening.cuts.lane import Lane, Tally
+from tests.studies.hardening.cuts.person import SAID, Person
 
 _SIZE: Final = {"width": 1180, "height": 820}
 _KEPT: Final = (

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import numpy as np
 
-from tests.studies.erring_operator.onlooker import Onlooker
-from tests.studies.erring_operator.operator import ErringOperator
-from tests.studies.erring_operator.tally import Tally
+from tests.studies.hardening.erring_operator.onlooker import Onlooker
+from tests.studies.hardening.erring_operator.operator import ErringOperator
+from tests.studies.hardening.erring_operator.tally import Tally
 from tests.studies.taken_up.begun import Begun, Copy
 from tests.studies.taken_up.onlooked_cell import OnlookedCell, standing
 from tests.studies.taken_up.service_here import ServiceHere

@@ -16,8 +16,8 @@ from typing import Any
 import httpx
 
 from tests.integration.web.bench import CELL, Bench, FakeRobot, session_request
-from tests.studies.storage_refusals.outcome import TOO_LATE, Outcome
-from tests.studies.storage_refusals.trouble import FAULTS, lasts_s
+from tests.studies.hardening.storage_refusals.outcome import TOO_LATE, Outcome
+from tests.studies.hardening.storage_refusals.trouble import FAULTS, lasts_s
 from truepose.app import create_app
 from truepose.settings import Settings
 from truepose.storage.database import Database

@@ -8,8 +8,8 @@ from multiprocessing import get_context
 from pathlib import Path
 from typing import Any, TypeAlias
 
-from tests.studies.erring_operator.random_session import run_sessions
-from tests.studies.erring_operator.tally import Tally, joined
+from tests.studies.hardening.erring_operator.random_session import run_sessions
+from tests.studies.hardening.erring_operator.tally import Tally, joined
 from tests.studies.taken_up.begun import Begun, begin
 
 Robot: TypeAlias = tuple[str, int, Mapping[str, Any]]  # scenario, seed, what is wanted of its session

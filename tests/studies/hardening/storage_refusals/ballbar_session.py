@@ -16,10 +16,10 @@ from typing import Any
 
 import httpx
 
+from tests.studies.hardening.storage_refusals.outcome import TOO_LATE, Outcome
+from tests.studies.hardening.storage_refusals.trouble import FAULTS, lasts_s
 from tests.studies.interruptions.killed_service import KilledService
 from tests.studies.interruptions.ledger_check import faults
-from tests.studies.storage_refusals.outcome import TOO_LATE, Outcome
-from tests.studies.storage_refusals.trouble import FAULTS, lasts_s
 from tests.studies.taken_up.begun import Begun, Copy
 from tests.studies.taken_up.cell_text import cell_text
 from tests.studies.taken_up.ledger_on_disk import lines

@@ -1,6 +1,6 @@
 """A session goes on while a crowd stands in the door: silent, slow and deaf connections, and giant uploads.
 
-`python -m tests.studies.crowded_door --out DIR [--silent N] [--slow N] [--uploads N] [--runs N]` starts the
+`python -m tests.studies.hardening.crowded_door --out DIR [--silent N] [--slow N] [--uploads N] [--runs N]` starts the
 service as `truepose serve` does, on a simulated cell in real time, with a session under way. Each health,
 pause and abort comes over a connection of its own, as that of somebody who has just opened a page.
 """
@@ -18,7 +18,7 @@ from pathlib import Path
 import httpx
 import numpy as np
 
-from tests.studies.giant_upload import ROWS, _listener, _resident_mb, _sent, giant_zip
+from tests.studies.hardening.giant_upload import ROWS, _listener, _resident_mb, _sent, giant_zip
 
 _EVERY_S = 0.05
 _PATIENCE_S = 60.0
@@ -107,7 +107,7 @@ async def _memory(service, most_mb):
 
 async def _crowd(url, seconds, silent, slow):
     process = await asyncio.create_subprocess_exec(
-        *(sys.executable, "-m", "tests.studies.crowd", url.rsplit(":", 1)[1]),
+        *(sys.executable, "-m", "tests.studies.hardening.crowd", url.rsplit(":", 1)[1]),
         *(str(seconds), str(silent), str(slow)),
         stdout=asyncio.subprocess.PIPE,
     )

@@ -14,7 +14,7 @@ from tests.browser.tablet.bench.working_bench import plan as plan_ballbar
 from tests.integration.web.ballbar_bench import BALLBAR
 from tests.integration.web.bench import CELL, FakeRobot
 from tests.integration.web.listening import listening
-from tests.studies.cuts.onlooker import Onlooker
+from tests.studies.hardening.cuts.onlooker import Onlooker
 from truepose.app import create_app
 from truepose.settings import Settings
 
