@@ -5,8 +5,8 @@ import asyncio
 import pytest
 
 from tests.unit.service.sequencing.ballbar.fakes import Bench, turns
+from tests.unit.service.sequencing.ballbar.runner.test_slow_disk import begin_motion
 from tests.unit.service.sequencing.ballbar.sessions import make_plan
-from tests.unit.service.sequencing.ballbar.test_slow_disk import begin_motion
 from truepose.domain.errors import RecordRefusedError
 from truepose.domain.measurement.session import SessionState
 from truepose.sequencing.engine.acts import ActName
