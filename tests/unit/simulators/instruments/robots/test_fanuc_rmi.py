@@ -13,7 +13,7 @@ from truepose_drivers.fanuc_rmi.protocol.packets import Kind, Packet
 from truepose_simulators.instruments.robot.fanuc_rmi.controller import Controller
 from truepose_simulators.instruments.robot.fanuc_rmi.program import RmiMove
 
-DIALOGUE = json.loads((Path(__file__).parents[3] / "vectors" / "fanuc_rmi_dialogue.json").read_text())
+DIALOGUE = json.loads((Path(__file__).parents[4] / "vectors" / "fanuc_rmi_dialogue.json").read_text())
 ZEROS = {f"J{joint}": 0.0 for joint in range(1, 10)}
 HOME = {"X": 475.0, "Y": 0.0, "Z": 375.0, "W": -180.0, "P": -90.0, "R": 0.0}
 BENT = ZEROS | {"J3": -30.0, "J5": -30.0}

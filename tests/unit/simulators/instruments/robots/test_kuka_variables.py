@@ -13,7 +13,7 @@ from truepose_simulators.cell.robot import SpeedLimits, nominal_flange
 from truepose_simulators.instruments.robot.fanuc_joints import rotation_of
 from truepose_simulators.instruments.robot.kuka.variables import Variables
 
-VECTORS = json.loads((Path(__file__).parents[3] / "vectors" / "kuka_variable_proxy.json").read_text())
+VECTORS = json.loads((Path(__file__).parents[4] / "vectors" / "kuka_variable_proxy.json").read_text())
 JOINTS = np.radians([30.0, -70.0, 40.0, 10.0, 20.0, 30.0])
 
 

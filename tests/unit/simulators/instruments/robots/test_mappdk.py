@@ -22,7 +22,7 @@ from truepose_simulators.instruments.robot.served_client import ProgramStoppedEr
 from truepose_simulators.physics.robots import ARMS
 from truepose_simulators.scenarios.scenario import ArmSetup
 
-VECTORS = Path(__file__).parents[3] / "vectors"
+VECTORS = Path(__file__).parents[4] / "vectors"
 ROWS = json.loads((VECTORS / "fanuc_orientations.json").read_text())["rows"]
 DIALOGUE = json.loads((VECTORS / "mappdk_dialogue.json").read_text())
 MOVE = DIALOGUE["requests"][2]["text"].strip()

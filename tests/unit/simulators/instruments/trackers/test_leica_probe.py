@@ -6,7 +6,7 @@ import struct
 import numpy as np
 import pytest
 
-from tests.unit.simulators.instruments.emscon_server import NO_DISTANCE, OK, Server, answer
+from tests.unit.simulators.instruments.trackers.emscon_server import NO_DISTANCE, OK, Server, answer
 from truepose_simulators.cell.robot import SpeedLimits
 from truepose_simulators.errors import ScenarioError
 from truepose_simulators.faults.kinds import BeamBroken, TrackerBlinded

@@ -4,7 +4,14 @@ import struct
 
 import pytest
 
-from tests.unit.simulators.instruments.emscon_server import NO_DISTANCE, OK, Server, answer, error, event
+from tests.unit.simulators.instruments.trackers.emscon_server import (
+    NO_DISTANCE,
+    OK,
+    Server,
+    answer,
+    error,
+    event,
+)
 from truepose_simulators.instruments.tracker.accuracy import ProbeSetup
 from truepose_simulators.instruments.tracker.device import seen_from
 

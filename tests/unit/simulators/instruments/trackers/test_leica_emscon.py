@@ -5,7 +5,7 @@ import struct
 import numpy as np
 import pytest
 
-from tests.unit.simulators.instruments.emscon_server import (
+from tests.unit.simulators.instruments.trackers.emscon_server import (
     INCH,
     MILLIMETER,
     NO_DISTANCE,
