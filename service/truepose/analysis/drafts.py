@@ -16,7 +16,7 @@ from truepose.exchange.brought.choices import choices_of, merged
 from truepose.exchange.brought.example import example_files
 from truepose.exchange.brought.understood import Fault, Understood
 from truepose.storage.calibration.campaigns import CampaignRepository, NewCampaign
-from truepose.storage.drafts import Draft, DraftFolder
+from truepose.storage.files.drafts import Draft, DraftFolder
 from truepose.words.catalogue import IN_ENGLISH
 
 _REMEMBERED: Final = 20

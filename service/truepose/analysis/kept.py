@@ -5,7 +5,7 @@ from collections.abc import Awaitable, Callable
 from typing import TypeAlias
 
 from truepose.analysis.workers.turns import Turns
-from truepose.storage.drawn import Drawn, DrawnFolder, drawn_of
+from truepose.storage.files.drawn import Drawn, DrawnFolder, drawn_of
 from truepose.version import program_sha256
 
 Draw: TypeAlias = Callable[[], Awaitable[str | bytes]]

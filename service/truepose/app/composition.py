@@ -48,9 +48,9 @@ from truepose.storage.calibration.reports import ReportRepository
 from truepose.storage.calibration.results import ResultRepository
 from truepose.storage.connection.address import database_file
 from truepose.storage.database import Database
-from truepose.storage.drafts import DraftFolder
-from truepose.storage.drawn import DrawnFolder
 from truepose.storage.events import EventRepository
+from truepose.storage.files.drafts import DraftFolder
+from truepose.storage.files.drawn import DrawnFolder
 from truepose.storage.integrity.guard import Guard
 from truepose.storage.measurement.added_stops import AddedStopsRepository
 from truepose.storage.measurement.closings import ClosingRepository

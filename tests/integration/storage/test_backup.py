@@ -19,8 +19,8 @@ from truepose.storage.backup.drafts import drafts_beside, restore_drafts
 from truepose.storage.backup.restoring import lay_ready, put_ready_in_place, restore
 from truepose.storage.connection.sqlite.library import LIBRARY
 from truepose.storage.database import Database
-from truepose.storage.drafts import DraftFolder
 from truepose.storage.errors import BackupError, DatabaseAddressError, DatabaseInUseError, DatabaseUsedError
+from truepose.storage.files.drafts import DraftFolder
 from truepose.storage.integrity.arrival import verify_left
 from truepose.storage.measurement.ledger import LedgerRepository
 from truepose.storage.measurement.sessions import SessionRepository

@@ -5,7 +5,7 @@ import pytest
 from tests.helpers.domain.tracker_sessions import make_plan, make_setup
 from truepose.storage.backup.plan import BackupPlan
 from truepose.storage.backup.schedule import BackupSchedule
-from truepose.storage.drafts import DraftFolder
+from truepose.storage.files.drafts import DraftFolder
 from truepose.storage.integrity.arrival import verify_left
 from truepose.storage.measurement.sessions import SessionRepository
 

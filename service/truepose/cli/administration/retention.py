@@ -26,8 +26,8 @@ def retention_command(
     """
     from truepose.settings import default_database_url
     from truepose.storage.connection.address import database_file
-    from truepose.storage.retention import Rules, surplus
-    from truepose.storage.retention import drop as drop_surplus
+    from truepose.storage.files.retention import Rules, surplus
+    from truepose.storage.files.retention import drop as drop_surplus
 
     found = surplus(database_file(database or default_database_url()), Rules(logs_days, copies, keep_copies))
     if drop:

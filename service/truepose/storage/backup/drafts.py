@@ -14,8 +14,8 @@ from typing import Final
 
 from truepose.storage.connection.sqlite.place import sync_folder
 from truepose.storage.documents import to_document
-from truepose.storage.drafts import MOST_BYTES, STATE, Draft, DraftFolder
 from truepose.storage.errors import BackupError, NotFoundError
+from truepose.storage.files.drafts import MOST_BYTES, STATE, Draft, DraftFolder
 
 _MEMBER: Final = re.compile(rf"[1-9]\d{{0,8}}/({re.escape(STATE)}|[1-9]\d{{0,5}}\.file)", re.ASCII)
 _TRIES: Final = 3  # of a draft that somebody changes meanwhile

@@ -13,8 +13,8 @@ from truepose.domain.robot import Robot
 from truepose.exchange.brought.guessing.quantities import AXES, QUANTITIES, Meaning
 from truepose.exchange.brought.understood import FileSeen, Understood
 from truepose.exchange.robots.shipped import list_robots, load_robot
-from truepose.storage.drafts import Draft
 from truepose.storage.errors import NotFoundError
+from truepose.storage.files.drafts import Draft
 from truepose.storage.records import JobKind
 from truepose.web.context import Context
 from truepose.web.requests.parameters import number_of

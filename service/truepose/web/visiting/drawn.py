@@ -8,7 +8,7 @@ from fastapi.responses import Response
 from markupsafe import Markup
 
 from truepose.analysis.kept import Draw
-from truepose.storage.drawn import drawn_of
+from truepose.storage.files.drawn import drawn_of
 from truepose.web.visiting.files import sent
 from truepose.web.visiting.visits import Visit
 

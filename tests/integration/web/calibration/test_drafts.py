@@ -13,7 +13,7 @@ from truepose.analysis.workers.uploads import Uploads
 from truepose.exchange.brought.choices import ROLES
 from truepose.exchange.brought.guessing.quantities import QUANTITIES
 from truepose.identification.verdict.changes import KINDS
-from truepose.storage.drafts import MOST_BYTES, DraftFolder
+from truepose.storage.files.drafts import MOST_BYTES, DraftFolder
 from truepose.web.schemas.calibration.drafts import ChangeKind, MeaningRequest, Role
 
 DRAFTS = "/api/v1/drafts"

@@ -7,7 +7,7 @@ import pytest
 from truepose.analysis import kept
 from truepose.analysis.kept import KeptDrawings
 from truepose.domain.errors import TrueposeError
-from truepose.storage.drawn import DrawnFolder
+from truepose.storage.files.drawn import DrawnFolder
 
 
 class Artist:

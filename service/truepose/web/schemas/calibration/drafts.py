@@ -6,7 +6,7 @@ from pydantic import Field, JsonValue
 
 from truepose.exchange.brought.understood import Asked, Kind, Understood
 from truepose.exchange.outgoing import Quantity
-from truepose.storage.drafts import Draft
+from truepose.storage.files.drafts import Draft
 from truepose.web.schemas.base import VISIBLE, Day, RecordedAt, RecordId, Reply, Request, example
 from truepose.words.catalogue import english
 

@@ -1,0 +1,1 @@
+"""What lies beside the database: drafts, what was drawn, and which of it may go."""
