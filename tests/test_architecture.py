@@ -6,6 +6,7 @@ import re
 import statistics
 import subprocess
 import sys
+from collections import Counter
 from importlib.metadata import entry_points
 from pathlib import Path
 
@@ -18,6 +19,7 @@ _PACKAGES = ("service", "drivers", "simulators", "migrations")
 _LONGEST_MODULE = 400
 _LONGEST_FUNCTION = 50  # a numeric loop may reach 80; none needs to yet
 _MEDIAN_FUNCTION = 8
+_FULLEST_ROOM = 15  # Python files in one folder; a fuller one wants rooms named for what is in them
 _SHELVES = {"utils", "util", "helpers", "common", "misc", "manager"}  # modules named for nothing in them
 
 # Where somebody's machine or mirror shows. The public loopback and documentation addresses are none.
@@ -110,6 +112,12 @@ def test_every_module_is_named_for_what_is_in_it():
     names = {_named(path): path.stem for path in _modules()}
 
     assert [path for path, name in names.items() if name in _SHELVES] == []
+
+
+def test_no_room_is_crowded():
+    rooms = Counter(_named(path.parent) for path in _kept_files() if path.suffix == ".py")
+
+    assert {room: files for room, files in rooms.items() if files > _FULLEST_ROOM} == {}
 
 
 def test_no_file_names_a_machine_or_a_registry():

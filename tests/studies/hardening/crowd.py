@@ -1,7 +1,7 @@
 """Clients that want nothing but to be in the way, in a process of their own; for loopback only.
 
-`python -m tests.studies.hardening.crowd PORT SECONDS SILENT SLOW` opens so many connections, and each anew a second
-after it was closed. It prints one JSON line: for each kind how long the service kept a connection.
+`python -m tests.studies.hardening.crowd PORT SECONDS SILENT SLOW` opens so many connections, and each anew
+a second after it was closed. It prints one JSON line: for each kind how long the service kept a connection.
 """
 
 import asyncio

@@ -1,8 +1,9 @@
 """A session goes on while a crowd stands in the door: silent, slow and deaf connections, and giant uploads.
 
-`python -m tests.studies.hardening.crowded_door --out DIR [--silent N] [--slow N] [--uploads N] [--runs N]` starts the
-service as `truepose serve` does, on a simulated cell in real time, with a session under way. Each health,
-pause and abort comes over a connection of its own, as that of somebody who has just opened a page.
+`python -m tests.studies.hardening.crowded_door --out DIR [--silent N] [--slow N] [--uploads N] [--runs N]`
+starts the service as `truepose serve` does, on a simulated cell in real time, with a session under way.
+Each health, pause and abort comes over a connection of its own, as that of somebody who has just opened a
+page.
 """
 
 import argparse

@@ -1,7 +1,7 @@
 """Durable small writes: one writer against sixteen, and a reading early and late in a long session.
 
-`python -m tests.studies.hardening.durable_writes --out DIR [--writes N] [--readings N] [--runs N]` alternates between
-one writer and sixteen on the same database, so that a disk that slows down slows both.
+`python -m tests.studies.hardening.durable_writes --out DIR [--writes N] [--readings N] [--runs N]`
+alternates between one writer and sixteen on the same database, so that a disk that slows down slows both.
 """
 
 import asyncio

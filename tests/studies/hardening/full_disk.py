@@ -1,8 +1,8 @@
 """A disk fills up while readings come in, and the database is taken away: what is kept, how soon it is said.
 
-`python -m tests.studies.hardening.full_disk --out DIR [--runs N]` fills the file system of DIR, so that has to be
-a small one (`mount -t tmpfs -o size=160m tmpfs DIR`). Each run measures until the disk refuses, also without
-the reserve, and then makes room; removes the database; and puts another file in its place.
+`python -m tests.studies.hardening.full_disk --out DIR [--runs N]` fills the file system of DIR, so that has
+to be a small one (`mount -t tmpfs -o size=160m tmpfs DIR`). Each run measures until the disk refuses, also
+without the reserve, and then makes room; removes the database; and puts another file in its place.
 """
 
 import asyncio

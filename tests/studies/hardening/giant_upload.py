@@ -1,7 +1,7 @@
 """Giant uploads beside a service at work: how long /health waits meanwhile, and how much memory they take.
 
-`python -m tests.studies.hardening.giant_upload --out DIR [--rows N] [--runs N]` sends one giant campaign, then four at
-once, to a service on a simulated cell, and asks for its health all the while.
+`python -m tests.studies.hardening.giant_upload --out DIR [--rows N] [--runs N]` sends one giant campaign,
+then four at once, to a service on a simulated cell, and asks for its health all the while.
 """
 
 import argparse

@@ -1,9 +1,9 @@
 """Hostile input to every driver, and faults of its link: what a night asks of the contract suite.
 
-`python -m tests.studies.hardening.hostile_wires --out DIR [--bytes N] [--runs N] [--faults N] [--seed N] [--driver D]`
-gives each codec so many hostile inputs (`codec_fuzz` of the suite; 2000000 in a night), asks each driver so
-many times over a line that spoils an answer (`hostile`), and lets so many faults befall its link
-(`link_faults`). Time is simulated, so nobody waits.
+`python -m tests.studies.hardening.hostile_wires --out DIR [--bytes N] [--runs N] [--faults N] [--seed N]
+[--driver D]` gives each codec so many hostile inputs (`codec_fuzz` of the suite; 2000000 in a night), asks
+each driver so many times over a line that spoils an answer (`hostile`), and lets so many faults befall its
+link (`link_faults`). Time is simulated, so nobody waits.
 """
 
 import argparse

@@ -1,8 +1,8 @@
 """How soon a killed service is ready again on a database of a million readings, and how it lists them.
 
-`python -m tests.studies.hardening.ready_again --out DIR [--readings N] [--runs N]` fills a database, then starts the
-service as `truepose serve` does, asks `/health` until it answers, writes, and kills it, again and again. The
-last one lists readings from the beginning, the middle and the end.
+`python -m tests.studies.hardening.ready_again --out DIR [--readings N] [--runs N]` fills a database, then
+starts the service as `truepose serve` does, asks `/health` until it answers, writes, and kills it, again
+and again. The last one lists readings from the beginning, the middle and the end.
 """
 
 import asyncio

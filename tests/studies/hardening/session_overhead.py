@@ -1,8 +1,8 @@
-"""What a session costs beside its devices: `python -m tests.studies.hardening.session_overhead --out DIR [--runs N]`.
+"""What a session costs beside its devices.
 
-A tracker session on devices in memory, which answer at once, with the ledger of the service on a real disk.
-The time within the devices is taken off, and what a session costs at its beginning and end: it is the
-difference of two lengths.
+`python -m tests.studies.hardening.session_overhead --out DIR [--runs N]`: a tracker session on devices in
+memory, which answer at once, with the ledger of the service on a real disk. The time within the devices is
+taken off, and what a session costs at its beginning and end: it is the difference of two lengths.
 """
 
 import asyncio

@@ -1,8 +1,8 @@
 """A database is tampered with in many ways; each must be noticed at the start of a service or by `verify`.
 
-`python -m tests.studies.hardening.tampering --out DIR [--runs N] [--seed N]` takes copies of two databases: one that a
-service closed in order, with its seal, and one whose service was killed, with its log. A change that is not
-noticed is counted as harmless only where every record, link and trigger reads as before.
+`python -m tests.studies.hardening.tampering --out DIR [--runs N] [--seed N]` takes copies of two databases:
+one that a service closed in order, with its seal, and one whose service was killed, with its log. A change
+that is not noticed is counted as harmless only where every record, link and trigger reads as before.
 """
 
 import asyncio

@@ -1,10 +1,10 @@
 """Wrong connections of the ballbar: which are stored without a question, which right ones are questioned.
 
-`python -m tests.studies.hardening.wrong_pairs --out DIR [--runs N] [--seed N] [--poses 6 8 10 24] [--scenarios ...]`
-has robots measured as the service plans it. At every pose before the pre-calibration one leg is read of
-another pair (single; that pair comes later), one of a pair that was read (repeated), and two change places
-(exchanged), each once on its own; the same at the aimed poses after it. Then a whole session of each robot,
-in which every twentieth leg is connected wrongly, is judged from start to end.
+`python -m tests.studies.hardening.wrong_pairs --out DIR [--runs N] [--seed N] [--poses 6 8 10 24]
+[--scenarios ...]` has robots measured as the service plans it. At every pose before the pre-calibration one
+leg is read of another pair (single; that pair comes later), one of a pair that was read (repeated), and two
+change places (exchanged), each once on its own; the same at the aimed poses after it. Then a whole session
+of each robot, in which every twentieth leg is connected wrongly, is judged from start to end.
 """
 
 import argparse
