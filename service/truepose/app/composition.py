@@ -55,6 +55,7 @@ from truepose.storage.integrity.guard import Guard
 from truepose.storage.measurement.added_stops import AddedStopsRepository
 from truepose.storage.measurement.closings import ClosingRepository
 from truepose.storage.measurement.ledger import LedgerRepository
+from truepose.storage.measurement.series import SeriesRepository
 from truepose.storage.measurement.sessions import SessionRepository
 from truepose.storage.measurement.tracker_readings import ReadingRepository
 from truepose.storage.work.lineage import Lineages
@@ -317,8 +318,7 @@ def _context(
     results, diagnoses = ResultRepository(database), DiagnosisRepository(database)
     corrections, closings = CorrectionRepository(database), ClosingRepository(database)
     additions = AddedStopsRepository(database)
-    job_desk = JobDesk(jobs, campaigns, results, diagnoses, corrections, perform)
-    work = BallbarWork(perform)
+    job_desk, work = JobDesk(jobs, campaigns, results, diagnoses, corrections, perform), BallbarWork(perform)
     session_desk = SessionDesk(sessions, LedgerRepository(database), rack, present)
     ballbar_sessions = BallbarSessions(session_desk, work.precalibrator, work.choose)
     contact_sessions = ContactSessions(session_desk)
@@ -339,6 +339,7 @@ def _context(
         diagnoses=diagnoses,
         corrections=corrections,
         closings=closings,
+        series=SeriesRepository(database),
         reports=ReportRepository(database),
         work=WorkList(database),
         lineages=Lineages(database),

@@ -15,7 +15,8 @@ StorageError
 │   └── DamagedDatabaseError   what is on disk is not what was written
 ├── NotFoundError            no record of that number
 └── ConflictError            the record does not allow that now
-    └── KeyReusedError         an Idempotency-Key came back with another request
+    ├── KeyReusedError         an Idempotency-Key came back with another request
+    └── UnfitReadingError      a delivered reading is not what its series is of
 """
 
 from truepose.domain.errors import RecordRefusedError, TrueposeError
@@ -93,3 +94,7 @@ class ConflictError(StorageError):
 
 class KeyReusedError(ConflictError):
     """An Idempotency-Key was sent before with a different request."""
+
+
+class UnfitReadingError(ConflictError):
+    """A reading that a program delivers is not what its series is of."""

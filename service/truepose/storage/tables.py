@@ -102,6 +102,21 @@ ballbar_answers = _records(
     sa.UniqueConstraint("session_id", "key", name="uq_ballbar_answers_key"),
 )
 
+series = _records(
+    "series",
+    sa.Column("name", sa.Text, nullable=False),
+    sa.Column("columns", sa.JSON, nullable=False),  # as the header of a table has them
+)
+
+deliveries = _records(
+    "deliveries",
+    _reference("series_id", "series"),
+    sa.Column("first", sa.Integer, nullable=False),  # number of its first reading
+    sa.Column("count", sa.Integer, nullable=False),
+    sa.Column("document", sa.JSON, nullable=False),
+    sa.UniqueConstraint("series_id", "first"),  # a reading has one number
+)
+
 campaigns = _records(
     "campaigns",
     sa.Column("name", sa.Text, nullable=False),

@@ -39,6 +39,7 @@ from truepose.web.measurement import (
     guides,
     promises,
     readings,
+    series,
     session_spaces,
     sessions,
 )
@@ -77,6 +78,7 @@ _RESOURCES: Final = (
     simulated_hands,
     simulated_faults,
     readings,
+    series,
     jobs,
     identifications,
     validations,

@@ -33,6 +33,7 @@ from truepose.storage.calibration.results import ResultRepository
 from truepose.storage.database import Database
 from truepose.storage.events import EventRepository
 from truepose.storage.measurement.closings import ClosingRepository
+from truepose.storage.measurement.series import SeriesRepository
 from truepose.storage.measurement.sessions import SessionRepository
 from truepose.storage.measurement.tracker_readings import ReadingRepository
 from truepose.storage.records import SessionRecord
@@ -66,6 +67,7 @@ class Context:
     diagnoses: DiagnosisRepository
     corrections: CorrectionRepository
     closings: ClosingRepository
+    series: SeriesRepository
     reports: ReportRepository
     work: WorkList
     lineages: Lineages

@@ -35,6 +35,7 @@ _CODES: Final = {
     "ConfigurationError": "TP-1023",
     "UnknownEffectError": "TP-1024",
     "UnknownRobotError": "TP-1025",
+    "UnfitReadingError": "TP-1026",
     "NotNowError": "TP-2001",
     "WatchingTabletError": "TP-2002",
     "PersonMissingError": "TP-2003",

@@ -44,6 +44,7 @@ _BY_LEAST: Final[Mapping[Role | Anybody, str]] = {
         list_models get_model download_model download_export
         list_corrections list_corrections_of_model get_correction list_targets download_corrected
         get_guide get_sheet get_guided_scene get_outlook follow_guide get_closing
+        list_series get_series list_readings_of_series
         bring_page draft_page list_drafts get_draft get_understood
         pause_session abort_session press_button press_button_of_session
         sign_out show_again switch_person choose_secrets account_page not_yours_page get_authority
@@ -54,6 +55,7 @@ _BY_LEAST: Final[Mapping[Role | Anybody, str]] = {
         disconnect_device use_hands
         make_campaign upload_campaign identify_campaign validate_model diagnose_campaign diagnose_session
         start_draft add_draft_file correct_draft remove_draft_file remove_draft make_campaign_of_draft
+        start_series add_readings make_draft_of_series
         cancel_job claim_authority give_up_authority list_watch_links make_watch_link revoke_watch_link
     """,
     Role.METROLOGIST: """
@@ -70,6 +72,7 @@ _DEVICES: Final = """
     plan_session plan_ballbar_session plan_contact_session plan_session_again make_campaign upload_campaign
     identify_campaign validate_model diagnose_campaign diagnose_session correct_file cancel_job
     start_draft add_draft_file correct_draft remove_draft_file remove_draft make_campaign_of_draft
+    start_series add_readings make_draft_of_series
 """
 # What a plant may ask of a cell, and nothing beside it; above it whoever says who may do what.
 _PLANTS: Final = "get_chain_head list_links"

@@ -123,6 +123,7 @@ def test_every_number_that_is_a_quantity_names_its_unit(document):
         "difference",
         "noise",
     }
+    ratios |= {"values"}  # of a series: each column names its own
     ratios |= {"x", "residual", "line_x", "line", "line_band", "quaternion", "noise_chance", "axis", "normal"}
     units = re.compile(r"_(mm|bytes|deg|s|c|kg|mm_s|deg_s|s_per_reading)$|^(minutes|hours)$")
 

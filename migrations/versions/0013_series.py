@@ -1,0 +1,49 @@
+"""Series of readings that programs deliver."""
+
+import sqlalchemy as sa
+from alembic import op
+
+from truepose.storage.migrations.append_only import drop_protected, protect
+from truepose.storage.migrations.chain import chain_anew, chained_tables
+from truepose.storage.migrations.columns import number, recorded, reference
+
+revision = "0013"
+down_revision = "0012"
+branch_labels = None
+depends_on = None
+
+_TABLES = ("series", "deliveries")
+
+
+def upgrade() -> None:
+    """Make the tables."""
+    op.create_table(
+        "series",
+        number(),
+        recorded(),
+        sa.Column("name", sa.Text, nullable=False),
+        sa.Column("columns", sa.JSON, nullable=False),
+        sqlite_autoincrement=True,
+    )
+    op.create_table(
+        "deliveries",
+        number(),
+        recorded(),
+        reference("series_id", "series"),
+        sa.Column("first", sa.Integer, nullable=False),
+        sa.Column("count", sa.Integer, nullable=False),
+        sa.Column("document", sa.JSON, nullable=False),
+        sa.UniqueConstraint("series_id", "first"),
+        sqlite_autoincrement=True,
+    )
+    for table in _TABLES:
+        protect(table)
+
+
+def downgrade() -> None:
+    """Drop the tables; where one holds records the chain begins anew over those that stay."""
+    there = chained_tables()
+    for table in reversed(_TABLES):
+        drop_protected(table)
+    if there.intersection(_TABLES):
+        chain_anew(there.difference(_TABLES))
