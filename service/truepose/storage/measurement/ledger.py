@@ -1,7 +1,7 @@
-"""The ledger of sessions: lengths of the ballbar, prompts, answers and states, appended as they happen.
+"""The ledger of sessions: readings, prompts, answers and states, appended as they happen.
 
-It says where a session stands. Readings of a tracker have records of their own (`tracker_readings`), to which
-the line that tells of one refers.
+It says where a session stands. How a line is kept is in `ballbar_lengths`, and in `tracker_readings` for what
+a tracker read.
 """
 
 from dataclasses import replace
@@ -9,11 +9,10 @@ from typing import Any
 
 from sqlalchemy import Connection, Row, Select, func, select
 
-from truepose.domain.measurement.ledger import Control, EntryKind, LedgerEntry
+from truepose.domain.measurement.ledger import EntryKind, LedgerEntry
 from truepose.domain.measurement.session import (
     FixedNestTaken,
     PointTaken,
-    SessionState,
     StopSkipped,
     config_of,
 )
@@ -21,6 +20,7 @@ from truepose.storage.database import Database
 from truepose.storage.documents import from_document, to_document
 from truepose.storage.errors import KeyReusedError
 from truepose.storage.events import add_event
+from truepose.storage.measurement.ballbar_lengths import add_line, line_document, line_of, tell_line
 from truepose.storage.measurement.sessions import (
     IDENTITY,
     PROGRESS,
@@ -35,8 +35,6 @@ from truepose.storage.records import ActAnswer, LedgerRecord, Page, RequestKey
 from truepose.storage.rows import add_row
 from truepose.storage.tables import ballbar_answers, readings, session_entries, sessions
 
-_RESTARTED_BEFORE = "The service was started anew."
-
 
 class LedgerRepository:
     """All queries about what happened in sessions."""
@@ -49,7 +47,7 @@ class LedgerRepository:
 
         An entry whose key the session has already changes nothing; the earlier one's number comes back.
         """
-        document = _document(entry)  # outside the transaction: a pre-calibration is long
+        document = line_document(entry)  # outside the transaction: a pre-calibration is long
         return await self._database.write(lambda c: _append(c, session_id, entry, document))
 
     async def writable(self) -> None:
@@ -106,19 +104,10 @@ def _append(
     if known is not None:
         return known
     of_ballbar = _role(connection, session_id) == "ballbar"
-    number = add_row(
-        connection,
-        session_entries,
-        session_id=session_id,
-        step_id=entry.step_id,
-        kind=entry.kind.value,
-        key=entry.key,
-        document=document,
-        reading_id=None if of_ballbar else _list(connection, session_id, entry),
-    )
+    reading_id = None if of_ballbar else _list(connection, session_id, entry)
+    number = add_line(connection, session_id, entry, document, reading_id)
     if of_ballbar:
-        told = {"entry": number, "step_id": entry.step_id, "kind": entry.kind.value, "text": entry.told}
-        add_event(connection, "session.entry", told, session_id=session_id)
+        tell_line(connection, session_id, entry, number)
     if entry.entered is not None:
         add_state(connection, session_id, entry.entered, entry.text, entry.person)
     if entry.progress is not None:
@@ -174,28 +163,9 @@ def _records_of(session_id: int) -> Select[Any]:
 
 
 def _record(row: Row[Any]) -> LedgerRecord:
-    entry = _as_typed(from_document(LedgerEntry, row.document))
+    entry = line_of(row.document)
     if row.reading_kind == "point":
         entry = replace(entry, point=from_document(PointTaken, row.reading))
     elif row.reading_kind is not None:
         entry = replace(entry, fixed_nest=from_document(FixedNestTaken, row.reading))
     return LedgerRecord(row.id, row.recorded_at, entry)
-
-
-def _document(entry: LedgerEntry) -> dict[str, Any]:
-    """Return what is kept of a line: what it says, without the reading, which has a record of its own."""
-    told = to_document(replace(entry, point=None, fixed_nest=None))
-    return {name: value for name, value in told.items() if value not in (None, [], "") or name == "step_id"}
-
-
-def _as_typed(entry: LedgerEntry) -> LedgerEntry:
-    """Return a line as it is written today: before, the text of a CONTROL said what it means."""
-    if entry.kind is not EntryKind.CONTROL or entry.entered is not None or entry.control is not None:
-        return entry
-    state, _, reason = entry.text.partition(": ")
-    if state in set(SessionState):
-        restarted = Control.RESTARTED if reason.startswith(_RESTARTED_BEFORE) else None
-        return replace(entry, entered=SessionState(state), control=restarted, text=reason)
-    if entry.text in set(Control):
-        return replace(entry, control=Control(entry.text), text="")
-    return entry

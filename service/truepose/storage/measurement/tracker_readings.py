@@ -2,7 +2,7 @@
 
 One of a stop that a person left out, or wanted once more, counts no more from that line of the ledger on.
 
-Lengths of a ballbar are lines of the `ledger`.
+Lengths of a ballbar are in `ballbar_lengths`.
 """
 
 from typing import Any
