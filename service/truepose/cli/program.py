@@ -30,6 +30,7 @@ _COMMANDS = {
     "identify": "calibration.campaigns",
     "diagnose": "calibration.diagnoses",
     "predict": "calibration.campaigns",
+    "reanalyse": "calibration.archives",
     "validate": "calibration.validation",
     "plan": "calibration.plans",
     "circles": "calibration.circles",

@@ -35,7 +35,7 @@ class DaskPlaces:
     """The workers of a scheduler, however many there are at the time."""
 
     def __init__(self, client: "Client") -> None:
-        self._client = client
+        self.client = client
         self._alike = _alike(client)
         self._ended = as_completed(loop=client.loop)
         self._futures: dict[Any, int] = {}  # numbers by key
@@ -44,13 +44,13 @@ class DaskPlaces:
     def room(self) -> int:
         """Return how many more tasks are taken."""
         if time.monotonic() - self._looked_s >= _LOOKED_S:
-            self._threads = sum(self._client.nthreads().values())
+            self._threads = sum(self.client.nthreads().values())
             self._looked_s = time.monotonic()
         return max(_AHEAD * self._threads, 1) - len(self._futures)
 
     def begin(self, task: Task) -> None:
         """Send a task to the scheduler."""
-        future = self._client.submit(_perform, task, self._alike, pure=False)
+        future = self.client.submit(_perform, task, self._alike, pure=False)
         self._futures[future.key] = task.number
         self._ended.add(future)
 
@@ -62,7 +62,7 @@ class DaskPlaces:
 
     def give_up(self) -> None:
         """Forget the tasks that have not ended; what a worker has begun it ends, for nobody."""
-        self._client.cancel(list(self._ended.futures), force=True)
+        self.client.cancel(list(self._ended.futures), force=True)
         self._ended.clear()
         self._futures.clear()
 
@@ -163,7 +163,7 @@ def of_this_computer(count: int, *, processes: bool = True) -> Iterator[DaskPlac
             threads_per_worker=1,
             processes=processes,
             host="127.0.0.1",
-            dashboard_address=None,
+            dashboard_address="127.0.0.1:0",  # any free port, reached by nobody else
         ) as cluster,
         Client(cluster, set_as_default=False) as client,
     ):

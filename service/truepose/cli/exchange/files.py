@@ -35,6 +35,13 @@ ReportFile = Annotated[
     Path | None, typer.Option(help="Write a self-contained report here: .html, or .pdf to print and sign.")
 ]
 LimitMm = Annotated[float | None, typer.Option(help="Largest error that passes.")]
+Workers = Annotated[
+    str | None,
+    typer.Option(
+        metavar="NUMBER|dask|dask://HOST:PORT",
+        help="So many processes, Dask on this computer, or a scheduler of Dask; by default what fits.",
+    ),
+]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON document and nothing else.")]
 
 

@@ -72,6 +72,11 @@ class DiagnosisRepository:
         """Return the latest diagnoses without their drawings, newest first."""
         return await self._undrawn.newest(count)
 
+    async def newest_of_campaign(self, campaign_id: int) -> DiagnosisRecord | None:
+        """Return the latest diagnosis of a campaign without its drawings; None where it has none."""
+        found = await self._undrawn.newest(1, diagnoses.c.campaign_id == campaign_id)
+        return found[0] if found else None
+
     async def newest_of(self, count: int, month: str) -> list[DiagnosisRecord]:
         """Return the latest diagnoses of a month (`2026-11`), or of all where it is empty, newest first."""
         return await self._undrawn.newest(count, diagnoses.c.recorded_at.startswith(month))

@@ -108,6 +108,11 @@ class ResultRepository:
         """Return the latest identifications of a month (`2026-11`), or of all, newest first."""
         return await self._identifications.newest(count, identifications.c.recorded_at.startswith(month))
 
+    async def newest_identification_of(self, campaign_id: int) -> IdentificationRecord | None:
+        """Return the latest identification of a campaign; None where it has none."""
+        found = await self._identifications.newest(1, identifications.c.campaign_id == campaign_id)
+        return found[0] if found else None
+
     async def newest_validations(self, count: int, month: str = "") -> list[ValidationRecord]:
         """Return the latest validations of a month, or of all, newest first."""
         return await self._validations.newest(count, validations.c.recorded_at.startswith(month))

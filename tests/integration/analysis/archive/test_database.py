@@ -1,0 +1,59 @@
+"""The archive of a database: its campaigns, and what was stored of them."""
+
+import asyncio
+
+import pytest
+
+from tests.helpers.archive import ThisProcess, written_archive
+from truepose.analysis.archive.campaigns import in_database
+from truepose.analysis.archive.run import Archive
+from truepose.analysis.campaigns.summary import summary_of
+from truepose.analysis.cluster.cluster import Cluster
+from truepose.diagnosis.diagnose import diagnose
+from truepose.domain.errors import ConfigurationError
+from truepose.exchange.campaigns.folder import read_campaign
+from truepose.identification import identify
+from truepose.storage.calibration.campaigns import CampaignRepository, NewCampaign
+from truepose.storage.calibration.diagnoses import DiagnosisRepository
+from truepose.storage.calibration.jobs import JobRepository
+from truepose.storage.calibration.results import ResultRepository
+from truepose.storage.columns import pack
+from truepose.storage.database import Database
+from truepose.storage.records import JobKind
+
+
+async def _filled(url, campaign):
+    """Store a campaign twice; of the first one what was found is stored as well."""
+    database = Database(url)
+    campaigns, jobs = CampaignRepository(database), JobRepository(database)
+    new = NewCampaign("as measured", campaign.robot.name, summary_of(campaign), pack(campaign))
+    first, _ = await campaigns.add(new), await campaigns.add(new)
+    job = await jobs.add(JobKind.IDENTIFICATION, {})
+    await ResultRepository(database).keep_identification(job, first, identify(campaign))
+    job = await jobs.add(JobKind.DIAGNOSIS, {})
+    await DiagnosisRepository(database).keep(job, first, diagnose(campaign), None)
+    database.close()
+
+
+def test_stored_results_are_what_new_ones_are_compared_with(tmp_path):
+    folder = written_archive(tmp_path / "folders", readings=(12,)) / "campaign-1"
+    url = f"sqlite:///{tmp_path / 'cell.sqlite3'}"
+    asyncio.run(_filled(url, read_campaign(folder)))
+
+    with in_database(url) as campaigns:
+        anew = Archive(campaigns, tmp_path / "out").compute(Cluster(ThisProcess()), lambda *_: None)
+
+    first, second = anew.changes
+    assert (first.campaign, second.campaign) == ("1 as measured", "2 as measured")
+    assert (first.compared, first.differs) == (True, False)
+    assert first.mean_before_um == first.mean_now_um
+    assert (first.status_before, first.verdict_before) == (first.status_now, first.verdict_now)
+    assert not second.compared
+
+
+def test_a_database_without_campaigns_is_refused(tmp_path):
+    with (
+        pytest.raises(ConfigurationError, match="holds no campaign"),
+        in_database(f"sqlite:///{tmp_path / 'empty.sqlite3'}"),
+    ):
+        pass
