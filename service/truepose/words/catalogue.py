@@ -56,7 +56,8 @@ class Catalogue:
     @cached_property
     def _texts(self) -> dict[str, str]:
         files = (path for path in (_FOLDER / self.language).glob("*.json") if path.stem not in _APART)
-        return {key: self.units.text(text) for path in files for key, text in _read(path).items()}
+        texts = {key: text for path in files for key, text in _read(path).items()}
+        return {key: self.units.text(text) for key, text in texts.items()} if self.units.tokens else texts
 
     @cached_property
     def _names(self) -> "Names":
