@@ -1,7 +1,7 @@
 """Array types used across the numerics, and tables of them."""
 
 from dataclasses import dataclass, fields, replace
-from typing import Self, TypeAlias
+from typing import Self, TypeAlias, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -9,6 +9,16 @@ import numpy.typing as npt
 FloatArray: TypeAlias = npt.NDArray[np.float64]
 IntArray: TypeAlias = npt.NDArray[np.int64]
 BoolArray: TypeAlias = npt.NDArray[np.bool_]
+Scalar = TypeVar("Scalar", bound=np.generic)
+
+
+def distinct_values(values: npt.NDArray[Scalar], axis: int | None = None) -> npt.NDArray[Scalar]:
+    """Return the distinct values in order; of rows with `axis` 0.
+
+    As `np.unique`, which without counts loads the masked arrays: a fiftieth of a command's time.
+    """
+    values_in_order: npt.NDArray[Scalar] = np.unique(values, axis=axis, return_counts=True)[0]
+    return values_in_order
 
 
 @dataclass(frozen=True, slots=True)

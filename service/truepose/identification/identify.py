@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from truepose.domain.arrays import distinct_values
 from truepose.domain.measurement.campaign import Campaign
 from truepose.domain.results.identification import (
     Counts,
@@ -164,7 +165,7 @@ def _answer(
 def _counts(problem: Problem, identified: RobustFit, outliers_found: int) -> Counts:
     sizes = [result.residual.size for result in identified.results]
     return Counts(
-        configurations=len(np.unique(sites(problem.blocks[0].targets.stops))),
+        configurations=len(distinct_values(sites(problem.blocks[0].targets.stops))),
         observations=int(sum(sizes)),
         parameters=len(problem.structure.specs),
         outliers=outliers_found,
@@ -185,7 +186,7 @@ def _validation(campaign: Campaign, model: Model) -> Judged | None:
 
 def _crossed(calibration: Judged, identified: RobustFit, nominal: RobustFit) -> Judged | None:
     """Return the readings of the fits, each against fits that never saw its configuration."""
-    if len(np.unique(sites(calibration.stops))) < 2:
+    if len(distinct_values(sites(calibration.stops))) < 2:
         return None  # revisits of one place: nothing is left to predict it from
     after, variance = held_out_residuals(identified)
     before, _ = held_out_residuals(nominal)
@@ -212,7 +213,7 @@ def _not_identifiable(problem: Problem, identified: RobustFit) -> tuple[NotIdent
 def _unfitted(campaign: Campaign, effects: tuple[str, ...], status: Status, message: Text) -> Identification:
     readings = campaign.readings
     observations = 0 if readings is None else readings.observed_mm.size
-    configurations = 0 if readings is None else len(np.unique(readings.stops.config))
+    configurations = 0 if readings is None else len(distinct_values(readings.stops.config))
     return Identification(
         status=status,
         message=message,

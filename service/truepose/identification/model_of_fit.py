@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from truepose.domain.arrays import FloatArray
+from truepose.domain.arrays import FloatArray, distinct_values
 from truepose.domain.measurement.campaign import Campaign
 from truepose.domain.results.identification import Anchor, Model, NestCentre, Parameter
 from truepose.domain.robot import FramePlacement
@@ -115,7 +115,7 @@ def _origin(fits: Fits) -> dict[str, str | int | float]:
     judging = () if held_out is None else (held_out.stops,)
     return {
         "robot": fits.campaign.robot.name,
-        "configurations": len(np.unique(sites(stops))),
+        "configurations": len(distinct_values(sites(stops))),
         "readings": len(stops),
         "readings_without_weight": int(fits.identified.gross[0].sum()),
         "chi2_per_dof": fits.identified.chi2_per_dof,

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from truepose.domain.arrays import FloatArray, IntArray
+from truepose.domain.arrays import FloatArray, IntArray, distinct_values
 from truepose.domain.errors import ConfigurationError, UnderdeterminedError
 from truepose.domain.measurement.campaign import (
     Campaign,
@@ -63,7 +63,7 @@ def positions_from_legs(campaign: Campaign) -> Positions:
     nests = _measured_nests(campaign, campaign.fixture)
     cups = {
         number: _placed_cups(campaign, campaign.fixture, campaign.setup, number)
-        for number in np.unique(legs.placement).tolist()
+        for number in distinct_values(legs.placement).tolist()
     }
     rows, places, lost = _direct_kinematics(campaign, legs, cups, nests)
     if not places:
@@ -142,7 +142,7 @@ def _direct_kinematics(
     """Return a row of the legs and the three nests of each pose, and the configurations lost."""
     chain = _nominal(campaign, legs.stops.joints_rad)
     rows, places, lost = [], [], []
-    for config in np.unique(legs.stops.config).tolist():
+    for config in distinct_values(legs.stops.config).tolist():
         mine = np.flatnonzero(legs.stops.config == config)
         commanded = Pose(chain.rotation[-1][mine[0]], chain.origin[-1][mine[0]])
         fixtures = Fixtures(cups[int(legs.placement[mine[0]])], nests_mm)

@@ -6,7 +6,7 @@ parameters are about the world's origin, the amplitude is that of the fixture wh
 
 import numpy as np
 
-from truepose.domain.arrays import FloatArray
+from truepose.domain.arrays import FloatArray, distinct_values
 from truepose.domain.results.causes import Detail
 from truepose.domain.sentences import Text, said
 from truepose.effects.causes import Candidate, Fitted, Scene, Shown, varied
@@ -95,7 +95,7 @@ def _of(fitted: Fitted, chosen: str) -> Motion:
 
 
 def _placements(scene: Scene) -> list[int]:
-    return [] if scene.placement is None else np.unique(scene.placement).tolist()
+    return [] if scene.placement is None else distinct_values(scene.placement).tolist()
 
 
 def _gaps(scene: Scene, placement: int) -> tuple[Gap, ...]:

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from truepose.domain.arrays import BoolArray, FloatArray, IntArray
+from truepose.domain.arrays import BoolArray, FloatArray, IntArray, distinct_values
 from truepose.domain.results.causes import Detail, Spectrum
 from truepose.domain.sentences import Sentence, Text, said
 from truepose.effects.causes import (
@@ -59,7 +59,7 @@ class JointHarmonics:
             return []
         table = _table(names)
         found = []
-        for joint in np.unique(table.joint).tolist():
+        for joint in distinct_values(table.joint).tolist():
             own = np.flatnonzero(table.joint == joint)
             weights = _waves(table.order[own], table.sine[own], rows.turn_rad[:, joint])
             found += [Term(k, Port(PortKind.THETA, joint), weights[i]) for i, k in enumerate(own.tolist())]
@@ -69,7 +69,7 @@ class JointHarmonics:
         """Return the curves of the joints."""
         table = _table(names)
         found = {}
-        for joint in np.unique(table.joint).tolist():
+        for joint in distinct_values(table.joint).tolist():
             own = table.joint == joint
             curve = _sum_of_waves(table.order[own], table.sine[own], values[own], rows.turn_rad[:, joint])
             found[Port(PortKind.THETA, joint)] = curve

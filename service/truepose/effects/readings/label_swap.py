@@ -6,6 +6,7 @@ the readings of the two nests that are swapped as the one value of what was fitt
 
 import numpy as np
 
+from truepose.domain.arrays import distinct_values
 from truepose.domain.results.causes import Detail
 from truepose.domain.sentences import Text, said
 from truepose.effects.causes import Candidate, Fitted, Scene, Shown
@@ -29,7 +30,7 @@ class LabelSwap(WithoutParameters):
 
     def unseen(self, scene: Scene) -> Text | None:
         """Need several nests."""
-        if len(np.unique(scene.nest)) < _SEVERAL:
+        if len(distinct_values(scene.nest)) < _SEVERAL:
             return said("unseen.one_nest")
         return None
 

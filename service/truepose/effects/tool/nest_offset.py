@@ -6,6 +6,7 @@ offset, and if all are off alike nothing says that it is not the arm.
 
 import numpy as np
 
+from truepose.domain.arrays import distinct_values
 from truepose.domain.results.causes import Detail
 from truepose.domain.sentences import Text, said
 from truepose.effects.causes import Candidate, Fitted, Scene, Shown, norm_with_uncertainty
@@ -66,4 +67,4 @@ def _port_index(name: str) -> int:
 
 def _measured(scene: Scene) -> list[int]:
     unknown = scene.setting.unknown_nests
-    return [nest for nest in np.unique(scene.nest).tolist() if nest not in unknown]
+    return [nest for nest in distinct_values(scene.nest).tolist() if nest not in unknown]

@@ -19,7 +19,7 @@ from collections.abc import Iterable, Iterator
 
 import numpy as np
 
-from truepose.domain.arrays import FloatArray, IntArray
+from truepose.domain.arrays import FloatArray, IntArray, distinct_values
 from truepose.identification.fit.robust import RobustFit
 from truepose.identification.fit.solver import covariance_of, posterior_covariance, slope
 from truepose.identification.model.stops import sites
@@ -62,7 +62,7 @@ def held_out_residuals(fit: RobustFit) -> tuple[FloatArray, FloatArray]:
 def _folds(fit: RobustFit) -> list[IntArray]:
     """Return the fold of each reading, (n,) per block; -1 of readings that are never held out."""
     owners = [sites(block.targets.stops) for block in fit.blocks]
-    distinct = np.unique(owners[0])
+    distinct = distinct_values(owners[0])
     if len(distinct) <= _LEAVE_ONE_OUT:
         fold = np.arange(len(distinct))
     else:

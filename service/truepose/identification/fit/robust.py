@@ -36,8 +36,14 @@ from truepose.identification.fit.solver import Solution, solve
 from truepose.identification.model.derivatives import mean_variance
 from truepose.identification.model.estimates import Estimate
 from truepose.identification.model.parameters.structure import Structure
-from truepose.identification.observations.blocks import Block, BlockResult, Joint, linearise_blocks, reweighed
-from truepose.identification.observations.looks import FALSE_ALARM
+from truepose.identification.observations.blocks import (
+    FALSE_ALARM,
+    Block,
+    BlockResult,
+    Joint,
+    linearise_blocks,
+    reweighed,
+)
 
 _SOFT_ROUNDS = 40
 _SETTLED = 1e-3  # relative change of the typical residual

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from truepose.domain.arrays import FloatArray
+from truepose.domain.arrays import FloatArray, distinct_values
 from truepose.effects.ports import Port, PortKind
 from truepose.identification.model.derivatives import position_jacobian
 from truepose.identification.model.evaluation import State, six_components
@@ -61,7 +61,7 @@ def _fixture_motion(state: State) -> FloatArray | None:
     if placement is None or not any(port.kind is PortKind.FIXTURE for port in state.moved):
         return None
     motion = np.zeros((len(state.targets), 6))
-    for number in np.unique(placement).tolist():
+    for number in distinct_values(placement).tolist():
         own = six_components(state.moved, PortKind.FIXTURE, 6 * (number - 1), len(state.targets))
         if own is not None:
             motion[placement == number] = own[placement == number]

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from truepose.domain.arrays import IntArray
+from truepose.domain.arrays import IntArray, distinct_values
 from truepose.domain.measurement.campaign import Stops
 
 
@@ -23,7 +23,7 @@ def sites(stops: Stops) -> IntArray:
         return stops.config
     named = stops.repeat_of >= 0
     earlier = dict(zip(stops.config[named].tolist(), stops.repeat_of[named].tolist(), strict=True))
-    first = {config: _first(config, earlier) for config in np.unique(stops.config).tolist()}
+    first = {config: _first(config, earlier) for config in distinct_values(stops.config).tolist()}
     return np.array([first[config] for config in stops.config.tolist()], dtype=np.int64)
 
 

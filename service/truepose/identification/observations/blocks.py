@@ -19,6 +19,7 @@ from truepose.identification.model.evaluation import State, Targets, evaluate
 from truepose.identification.model.parameters.structure import Structure
 from truepose.identification.observations.whitening import Whitener
 
+FALSE_ALARM = 0.01  # chance that noise alone flags any reading of a campaign
 _HALF = 0.5  # weight from which on a reading counts as one
 
 

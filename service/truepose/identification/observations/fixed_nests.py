@@ -13,7 +13,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from truepose.domain.arrays import BoolArray, FloatArray, IntArray
+from truepose.domain.arrays import BoolArray, FloatArray, IntArray, distinct_values
 from truepose.domain.measurement.campaign import Campaign, Stops
 from truepose.effects.instruments.fixed_nests import NAME, place_name, reference_specs
 from truepose.effects.shapes.rigid_motion import COMPONENTS
@@ -59,7 +59,7 @@ class ReferenceBlock(IndependentReadings):
             if name in names:
                 own = np.eye(3)[component] if component < 3 else cross(axes[component - 3], arms)
                 jacobian[names.index(name)] = own
-        for nest in np.unique(self.fixed_nest).tolist():
+        for nest in distinct_values(self.fixed_nest).tolist():
             here = self.fixed_nest == nest
             for component in range(3):
                 name = place_name(nest, component)
@@ -74,7 +74,7 @@ class ReferenceBlock(IndependentReadings):
         turn, axes = turned_axes(frame[None, 3:])
         errors = {
             nest: [value.get(place_name(nest, component), 0.0) for component in range(3)]
-            for nest in np.unique(self.fixed_nest).tolist()
+            for nest in distinct_values(self.fixed_nest).tolist()
         }
         places = self.certified_mm + np.array([errors[nest] for nest in self.fixed_nest.tolist()])
         arms = places @ turn[0].T
@@ -132,6 +132,6 @@ def with_reference_parameters(
     structure: Structure, start: FloatArray, block: ReferenceBlock, campaign: Campaign
 ) -> tuple[Structure, FloatArray]:
     """Return structure and start values with the parameters that the readings of fixed nests need."""
-    read = np.unique(block.fixed_nest).tolist()
+    read = distinct_values(block.fixed_nest).tolist()
     specs = reference_specs({k: campaign.fixed_nests[k - 1].standard_uncertainty_mm for k in read})
     return structure.extended(NAME, specs), np.concatenate([start, np.zeros(len(specs))])

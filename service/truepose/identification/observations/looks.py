@@ -17,15 +17,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from truepose.domain.arrays import BoolArray, FloatArray, IntArray
+from truepose.domain.arrays import BoolArray, FloatArray, IntArray, distinct_values
 from truepose.identification.distributions import chi2_exceeded, chi2_limit, chi2_median, f_exceeded
+from truepose.identification.observations.blocks import FALSE_ALARM
 
 _FEWEST = 4  # differences of each nest: of fewer, a kick is too large a part of what is seen
 # Three times the scatter of a median of chi-square variates, 1 / sqrt(n) of it, and a third more because
 # successive differences share readings.
 _BEYOND = 4.0
 _WORTH = 0.7  # degrees of freedom of a difference of three components: for the median, and what they share
-FALSE_ALARM = 0.01  # chance that noise alone flags any reading of a campaign
 
 
 class _Scatter(NamedTuple):
@@ -87,7 +87,7 @@ class Looks:
     def _of_nests(self) -> list[IntArray]:
         """Return the readings of each nest in the order of time."""
         order = self._in_time()
-        return [order[self.fixed_nest[order] == nest] for nest in np.unique(self.fixed_nest)]
+        return [order[self.fixed_nest[order] == nest] for nest in distinct_values(self.fixed_nest)]
 
     def _in_time(self) -> IntArray:
         count = len(self.fixed_nest)
@@ -110,7 +110,7 @@ class Looks:
         """
         looks = np.zeros(len(self.fixed_nest), dtype=np.int64)
         seen: list[int] = []
-        number, alone = 0, len(np.unique(self.fixed_nest)) == 1
+        number, alone = 0, len(distinct_values(self.fixed_nest)) == 1
         for row in self._in_time().tolist():
             nest = int(self.fixed_nest[row])
             if seen and (alone or (nest in seen[:-1] and nest != seen[-1])):

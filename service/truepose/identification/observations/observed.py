@@ -1,10 +1,11 @@
-"""The readings of a campaign as observations: the one place that asks which kind they are."""
+"""The readings of a campaign as observations: the one place that asks which kind they are.
+
+What answers for a kind is imported where it comes: most campaigns have one.
+"""
 
 from truepose.domain.measurement.campaign import LegReadings, PointReadings, Readings
 from truepose.identification.model.parameters.structure import Structure
 from truepose.identification.observations.blocks import Block
-from truepose.identification.observations.contacts.block import contact_block
-from truepose.identification.observations.legs import leg_block
 from truepose.identification.observations.positions import position_block
 
 
@@ -27,5 +28,9 @@ def observed(readings: Readings, scatter_mm: float, structure: Structure) -> Blo
     if isinstance(readings, PointReadings):
         return position_block(readings, scatter_mm)
     if isinstance(readings, LegReadings):
+        from truepose.identification.observations.legs import leg_block
+
         return leg_block(readings, scatter_mm, structure.anchors)
+    from truepose.identification.observations.contacts.block import contact_block
+
     return contact_block(readings, scatter_mm, structure.targets)

@@ -5,7 +5,7 @@ from typing import ClassVar, Self
 
 import numpy as np
 
-from truepose.domain.arrays import FloatArray, IntArray, Table
+from truepose.domain.arrays import FloatArray, IntArray, Table, distinct_values
 from truepose.domain.measurement.campaign import PointReadings
 from truepose.identification.model.derivatives import position_jacobian
 from truepose.identification.model.evaluation import State, Targets
@@ -125,5 +125,5 @@ def position_block(points: PointReadings, scatter_mm: float) -> PositionBlock:
 
 def _lone_mm2(stop: IntArray, covariance_mm2: FloatArray, scatter_mm: float) -> FloatArray | None:
     variance = equal_variance(covariance_mm2)
-    shared = scatter_mm > 0.0 and len(np.unique(stop)) < len(stop)
+    shared = scatter_mm > 0.0 and len(distinct_values(stop)) < len(stop)
     return None if variance is None or shared else variance + scatter_mm**2

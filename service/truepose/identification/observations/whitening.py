@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from truepose.domain.arrays import BoolArray, FloatArray, IntArray
+from truepose.domain.arrays import BoolArray, FloatArray, IntArray, distinct_values
 
 # A weight below this is none at all: however far off a reading is, it has no part in what is whitened.
 _LEAST_WEIGHT = 1e-12
@@ -66,7 +66,7 @@ def whitener(covariance: FloatArray, weights: FloatArray, stop: IntArray, shared
     order = np.argsort(inverse, kind="stable")
     ends = np.cumsum(sizes)
     groups = []
-    for size in np.unique(sizes):
+    for size in distinct_values(sizes):
         starts = (ends - sizes)[sizes == size]
         rows = order[starts[:, None] + np.arange(size)]
         groups.append((rows, _factors(inflated, shared, counts, rows)))

@@ -1,4 +1,7 @@
-"""From a campaign to a least-squares problem: structure, blocks of observations, start values."""
+"""From a campaign to a least-squares problem: structure, blocks of observations, start values.
+
+What answers for a kind of readings is imported where a campaign has them: most have one kind.
+"""
 
 from dataclasses import dataclass, replace
 
@@ -20,12 +23,8 @@ from truepose.effects.registry import automatic_in, effects_with
 from truepose.effects.tool.tool_nests import NAME as TOOL
 from truepose.identification.model.parameters.structure import NOMINAL_EFFECTS, Structure
 from truepose.identification.observations.blocks import Block
-from truepose.identification.observations.fixed_nests import reference_block, with_reference_parameters
-from truepose.identification.observations.orientations import orientation_block
 from truepose.identification.observations.positions import position_block
 from truepose.identification.problem.certified_nests import with_certified_nests
-from truepose.identification.problem.contacts import contact_structure
-from truepose.identification.problem.legs import leg_structure
 from truepose.identification.problem.placement import Placement, place
 from truepose.identification.problem.setting import (
     known_placement,
@@ -104,6 +103,8 @@ def build(campaign: Campaign, effects: tuple[str, ...], *, with_reference: bool 
 
 def _with_reference(campaign: Campaign, problem: Problem) -> Problem:
     """Add the readings of fixed nests to the readings of positions."""
+    from truepose.identification.observations.fixed_nests import reference_block, with_reference_parameters
+
     block = None if problem.quantity == "length" else reference_block(campaign)
     if block is None:
         return problem
@@ -148,10 +149,18 @@ def _point_problem(campaign: Campaign, points: PointReadings, effects: tuple[str
     if certified:
         structure, start = with_certified_nests(structure, start, campaign, points.nest)
     positions: Block = position_block(points, campaign.scatter_mm)
-    # Without the tool's orientation as a parameter, measured orientations say nothing.
-    orientations = orientation_block(points) if TOOL in effects else None
-    blocks = (positions,) if orientations is None else (positions, orientations)
+    blocks = (positions, *_orientations(points, effects))
     return Problem(structure, blocks, start, placement.residual_mm, setting)
+
+
+def _orientations(points: PointReadings, effects: tuple[str, ...]) -> tuple[Block, ...]:
+    """Return the block of measured orientations; without the tool's as a parameter they say nothing."""
+    if points.quaternion is None or TOOL not in effects:
+        return ()
+    from truepose.identification.observations.orientations import orientation_block
+
+    block = orientation_block(points)
+    return () if block is None else (block,)
 
 
 def _tool_rotation(chain: Chain, placement: Placement, points: PointReadings) -> FloatArray:
@@ -174,8 +183,12 @@ def _length_problem(
 ) -> Problem:
     setting = setting_of(campaign, lengths.stops)
     if isinstance(lengths, LegReadings):
+        from truepose.identification.problem.legs import leg_structure
+
         structure, blocks, start = leg_structure(campaign, lengths, effects, setting)
     else:
+        from truepose.identification.problem.contacts import contact_structure
+
         structure, blocks, start = contact_structure(campaign, lengths, effects, setting)
     nominal = structure.without(tuple(name for name in effects if name not in NOMINAL_EFFECTS))
     keep = [structure.index_of(name) for name in nominal.names]

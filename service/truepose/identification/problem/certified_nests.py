@@ -2,13 +2,12 @@
 
 import numpy as np
 
-from truepose.domain.arrays import FloatArray, IntArray
+from truepose.domain.arrays import FloatArray, IntArray, distinct_values
 from truepose.domain.measurement.campaign import Campaign, FixtureLengths
 from truepose.effects.tool.tool_certificate import NAME as TOOL_CERTIFICATE
 from truepose.effects.tool.tool_certificate import certificate_specs
 from truepose.identification.distributions import chi2_limit
 from truepose.identification.model.parameters.structure import Structure
-from truepose.identification.observations.fixture import TOOL_PLACEMENT
 from truepose.identification.problem.setting import unknown_nests
 
 _CONTRADICTION_LEVEL = 1e-3  # at which a measured triangle is found to contradict the nests' certificates
@@ -18,7 +17,7 @@ def with_certified_nests(
     structure: Structure, start: FloatArray, campaign: Campaign, nest: IntArray
 ) -> tuple[Structure, FloatArray]:
     """Let the certified ones among the nests (n,) of lengths move within their certificates."""
-    known = sorted(set(np.unique(nest).tolist()) - set(unknown_nests(campaign)))
+    known = sorted(set(distinct_values(nest).tolist()) - set(unknown_nests(campaign)))
     stated = {k: campaign.nests[k - 1].standard_uncertainty_mm for k in known}
     wider = _certificates_contradicted(campaign)
     specs = certificate_specs({k: wider * u for k, u in stated.items() if u})
@@ -32,6 +31,8 @@ def _certificates_contradicted(campaign: Campaign) -> float:
     fixture = campaign.fixture
     if fixture is None:
         return 1.0
+    from truepose.identification.observations.fixture import TOOL_PLACEMENT  # few have one
+
     tool = np.flatnonzero(fixture.placement == TOOL_PLACEMENT).tolist()
     squares = [square for row in tool if (square := _against_certificate(campaign, fixture, row)) is not None]
     total = float(np.sum(squares))

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from truepose.domain.arrays import BoolArray, FloatArray, IntArray
+from truepose.domain.arrays import BoolArray, FloatArray, IntArray, distinct_values
 from truepose.domain.measurement.targets import SEEN_ALONG_AXES, Target, TargetKind
 from truepose.identification.observations.contacts.against import Probe, sensor_axes
 from truepose.identification.observations.contacts.kinds import KINDS
@@ -201,10 +201,11 @@ def _turned(contacts: Contacts, unknowns: _Unknowns) -> _Unknowns:
 
 def spread_over_targets(target: IntArray) -> IntArray:
     """Return rows of every target, few enough to search with, shape (m,)."""
-    numbers = np.unique(target)
+    numbers = distinct_values(target)
     most = max(30, _SUBSET // len(numbers))
     chosen = []
     for number in numbers.tolist():
         rows = np.flatnonzero(target == number)
-        chosen.append(rows[np.unique(np.linspace(0, len(rows) - 1, min(len(rows), most)).astype(np.int64))])
+        spread = np.linspace(0, len(rows) - 1, min(len(rows), most)).astype(np.int64)
+        chosen.append(rows[distinct_values(spread)])
     return np.sort(np.concatenate(chosen))

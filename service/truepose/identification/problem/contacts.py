@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from truepose.domain.arrays import FloatArray
+from truepose.domain.arrays import FloatArray, distinct_values
 from truepose.domain.errors import ConfigurationError
 from truepose.domain.measurement.campaign import Campaign, ContactReadings
 from truepose.domain.measurement.targets import Target
@@ -69,7 +69,7 @@ def contact_structure(
 
 
 def _placed(campaign: Campaign, contacts: ContactReadings, base: FramePlacement) -> ContactPlacement:
-    touched = np.unique(contacts.target)
+    touched = distinct_values(contacts.target)
     targets = tuple(target for target in campaign.targets if target.number in touched)
     index = np.searchsorted(touched, contacts.target)
     targets = tuple(sorted(targets, key=_number))

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from truepose.domain.arrays import BoolArray, FloatArray, IntArray
+from truepose.domain.arrays import BoolArray, FloatArray, IntArray, distinct_values
 from truepose.kinematics.chain import Chain
 
 _RADII_MM = (0.0, 60.0, 150.0, 300.0)
@@ -76,9 +76,10 @@ def _spread(anchor: IntArray) -> IntArray:
     """Return rows of every anchor: an even choice of all might step over one that comes round regularly."""
     each = max(_FEWEST, _SUBSET // (int(anchor.max()) + 1))
     chosen = []
-    for number in np.unique(anchor).tolist():
+    for number in distinct_values(anchor).tolist():
         rows = np.flatnonzero(anchor == number)
-        chosen.append(rows[np.unique(np.linspace(0, len(rows) - 1, min(len(rows), each)).astype(np.int64))])
+        spread = np.linspace(0, len(rows) - 1, min(len(rows), each)).astype(np.int64)
+        chosen.append(rows[distinct_values(spread)])
     return np.sort(np.concatenate(chosen))
 
 

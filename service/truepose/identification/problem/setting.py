@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from truepose.domain.arrays import FloatArray, IntArray
+from truepose.domain.arrays import FloatArray, IntArray, distinct_values
 from truepose.domain.measurement.campaign import Campaign, Stops
 from truepose.domain.measurement.targets import SEEN_ALONG_AXES
 from truepose.effects.ports import Setting
@@ -97,4 +97,4 @@ def _certified_nests(campaign: Campaign) -> tuple[int, ...]:
 
 def _numbers(column: IntArray | None) -> tuple[int, ...]:
     """Return the distinct known numbers of a column; those below 0 stand for unknown ones."""
-    return () if column is None else tuple(np.unique(column[column >= 0]).tolist())
+    return () if column is None else tuple(distinct_values(column[column >= 0]).tolist())

@@ -11,7 +11,7 @@ from itertools import combinations
 
 import numpy as np
 
-from truepose.domain.arrays import FloatArray
+from truepose.domain.arrays import FloatArray, distinct_values
 from truepose.domain.robot import Robot
 from truepose.identification.problem.placement import Known, quick_typical_mm
 from truepose.identification.verdict.changes import Change, Evidence, Meant, with_zero
@@ -62,7 +62,7 @@ def spread_mm(points_mm: FloatArray) -> float:
 
 def thinned(evidence: Evidence) -> Evidence:
     """Return as many readings, evenly spread over the rows, as hypotheses are compared on."""
-    rows = np.unique(
+    rows = distinct_values(
         np.linspace(0, len(evidence.nest) - 1, min(len(evidence.nest), _SUBSET)).astype(np.int64)
     )
     return Evidence(evidence.joints_rad[rows], evidence.nest[rows], evidence.position_mm[rows])

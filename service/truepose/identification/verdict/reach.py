@@ -9,7 +9,7 @@ from typing import Final
 
 import numpy as np
 
-from truepose.domain.arrays import FloatArray, IntArray
+from truepose.domain.arrays import FloatArray, IntArray, distinct_values
 from truepose.domain.measurement.campaign import Campaign, Quantity, Readings
 from truepose.domain.results.identification import Outlier
 from truepose.domain.sentences import Text, said
@@ -75,7 +75,7 @@ def _with_tool_mm(campaign: Campaign) -> float:
 def _away_mm(readings: Readings) -> FloatArray:
     """Return how far each reading is from the middle one of all it can be compared with [mm], shape (n,)."""
     away, seen_from = np.empty(len(readings)), readings.seen_from
-    for number in np.unique(seen_from):
+    for number in distinct_values(seen_from):
         here = seen_from == number
         seen = readings.observed_mm[here]
         away[here] = np.abs(seen - np.nanmedian(seen, axis=0)).max(axis=1)

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from truepose.domain.arrays import distinct_values
 from truepose.domain.measurement.campaign import Campaign, PointReadings
 from truepose.domain.results.identification import Status
 from truepose.domain.sentences import Sentence, said
@@ -42,7 +43,7 @@ def too_few_data(campaign: Campaign, effects: tuple[str, ...]) -> Sentence | Non
     configurations = len(distinct)
     pairs = np.column_stack([place.reshape(-1), readings.ends])
     per_reading = readings.observed_mm.shape[1]
-    different = len(readings) if configurations == len(readings) else len(np.unique(pairs, axis=0))
+    different = len(readings) if configurations == len(readings) else len(distinct_values(pairs, axis=0))
     observations = per_reading * different
     if configurations == 1:
         return said("status.one_configuration", readings=len(readings))

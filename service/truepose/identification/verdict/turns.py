@@ -1,6 +1,7 @@
 """Orientations that were read against those of a model: what positions alone do not show."""
 
 import math
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -8,8 +9,10 @@ from truepose.domain.arrays import FloatArray
 from truepose.domain.measurement.campaign import PointReadings, Readings
 from truepose.domain.results.identification import Model, TurnPair, TurnStatistics
 from truepose.identification.model.estimates import Estimate, identified_estimate, nominal_estimate
-from truepose.identification.observations.orientations import OrientationBlock, orientation_block
 from truepose.identification.verdict.statistics import mean_norm
+
+if TYPE_CHECKING:
+    from truepose.identification.observations.orientations import OrientationBlock
 
 _OF_THE_TOOL = "tool_rx"
 
@@ -22,6 +25,8 @@ def turn_errors(model: Model, readings: Readings | None) -> TurnPair | None:
     """
     if not isinstance(readings, PointReadings) or _OF_THE_TOOL not in {p.name for p in model.parameters}:
         return None
+    from truepose.identification.observations.orientations import orientation_block  # few read them
+
     block = orientation_block(readings)
     if block is None:
         return None
@@ -29,7 +34,7 @@ def turn_errors(model: Model, readings: Readings | None) -> TurnPair | None:
     return TurnPair(nominal, identified)
 
 
-def _turns(block: OrientationBlock, model: Estimate) -> TurnStatistics:
+def _turns(block: "OrientationBlock", model: Estimate) -> TurnStatistics:
     angles: FloatArray = np.linalg.norm(block.result(model.structure, model.values, None).residual, axis=1)
     return TurnStatistics(
         n=len(angles),

@@ -9,7 +9,7 @@ from typing import ClassVar, Self
 
 import numpy as np
 
-from truepose.domain.arrays import FloatArray, IntArray
+from truepose.domain.arrays import FloatArray, IntArray, distinct_values
 from truepose.domain.measurement.campaign import Stops, TargetDistances
 from truepose.domain.measurement.targets import Target
 from truepose.domain.robot import Robot
@@ -52,7 +52,7 @@ class DistanceBlock(IndependentReadings):
     def _joined(self, state: State) -> FloatArray:
         """Return the vector from the first to the second centre, shape (n, 3)."""
         structure = state.structure
-        ends = np.unique(self.pair).tolist()
+        ends = distinct_values(self.pair).tolist()
         centre = {k: centre_of(structure, state.values, structure.targets[k]) for k in ends}
         return np.array([centre[second] - centre[first] for first, second in self.pair.tolist()])
 
