@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from datetime import UTC, datetime
+from functools import partial
 from typing import Final
 
 from fastapi import APIRouter
@@ -16,9 +17,8 @@ from truepose.storage.work.items import WorkKind
 from truepose.web.again.planning import Template, template_of
 from truepose.web.context import Context
 from truepose.web.records.links import Link, link_to
-from truepose.web.records.trail import missing
+from truepose.web.records.trail import missing, record_at
 from truepose.web.reports.expiry import expiry_warnings
-from truepose.web.requests.parameters import number_of
 from truepose.web.visiting.visits import Visit, Visited
 from truepose.words.catalogue import Catalogue
 
@@ -39,11 +39,7 @@ class Earlier:
 @router.get("/{id}/again", response_class=HTMLResponse)
 async def again_page(visit: Visited, id: str) -> HTMLResponse:
     """Show what is taken over from a session, what is different now, and a form that plans it once more."""
-    number = number_of(id)
-    try:
-        template = None if number is None else await template_of(visit.here, number)
-    except NotFoundError:
-        template = None
+    template = await record_at(id, partial(template_of, visit.here))
     if template is None:
         return missing(visit)
     now, words = visit.here.cell, visit.words

@@ -13,11 +13,9 @@ from truepose.domain.robot import Robot
 from truepose.exchange.brought.guessing.quantities import AXES, QUANTITIES, Meaning
 from truepose.exchange.brought.understood import FileSeen, Understood
 from truepose.exchange.robots.shipped import list_robots, load_robot
-from truepose.storage.errors import NotFoundError
 from truepose.storage.files.drafts import Draft
 from truepose.storage.records import JobKind
-from truepose.web.context import Context
-from truepose.web.requests.parameters import number_of
+from truepose.web.records.trail import record_at
 from truepose.web.visiting.visits import Visited
 from truepose.words.catalogue import Catalogue
 
@@ -95,7 +93,7 @@ async def bring_page(visit: Visited) -> HTMLResponse:
 @router.get("/{id}", response_class=HTMLResponse)
 async def draft_page(visit: Visited, id: str) -> HTMLResponse:
     """Show how files were understood, and what is to be done next: a fault, a question, or to begin."""
-    draft = await _draft(visit.here, id)
+    draft = await record_at(id, visit.here.draft_desk.get)
     if draft is None:
         return visit.page("no_draft.html", HTTPStatus.NOT_FOUND)
     found = await visit.here.draft_desk.understood(draft)
@@ -120,17 +118,6 @@ async def draft_page(visit: Visited, id: str) -> HTMLResponse:
         sent=_sent,
         numbers=_numbers(draft, found.files),
     )
-
-
-async def _draft(here: Context, id: str) -> Draft | None:
-    """Return the draft of that number; None where an address names none."""
-    number = number_of(id)
-    if number is None:
-        return None
-    try:
-        return await here.draft_desk.get(number)
-    except NotFoundError:
-        return None
 
 
 def _robots() -> list[Choice]:

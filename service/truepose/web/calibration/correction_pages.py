@@ -11,13 +11,11 @@ from markupsafe import Markup
 from truepose.analysis.workers.correcting import MOST_TARGETS
 from truepose.domain.results.corrections import CorrectedTargets
 from truepose.kinematics.inverse import BRANCH_NAMES
-from truepose.storage.errors import NotFoundError
 from truepose.storage.records import CorrectionRecord
 from truepose.storage.work.items import WorkKind
 from truepose.web.calibration.corrections import ANGLES, corrected_name
-from truepose.web.context import Context
-from truepose.web.records.trail import missing, trail_of
-from truepose.web.requests.parameters import WantedModel, number_of
+from truepose.web.records.trail import missing, record_at, trail_of
+from truepose.web.requests.parameters import WantedModel
 from truepose.web.schemas.base import NUMBER_LIMIT
 from truepose.web.visiting.visits import Visited
 from truepose.words.catalogue import Catalogue
@@ -60,7 +58,7 @@ async def corrections_page(visit: Visited, wanted: WantedModel = None) -> HTMLRe
 @router.get("/{id}", response_class=HTMLResponse)
 async def correction_page(visit: Visited, id: str, after: After = 0) -> HTMLResponse:
     """Show what a file came to, with its targets."""
-    record = await _record(visit.here, id)
+    record = await record_at(id, visit.here.corrections.get)
     if record is None:
         return missing(visit)
     targets = await visit.here.corrections.targets(record.id)
@@ -72,17 +70,6 @@ async def correction_page(visit: Visited, id: str, after: After = 0) -> HTMLResp
         saved_as=corrected_name(record.name),
         trail=await trail_of(visit, WorkKind.CORRECTION, record.id),
     )
-
-
-async def _record(here: Context, id: str) -> CorrectionRecord | None:
-    """Return the correction of that number; None where an address names none."""
-    number = number_of(id)
-    if number is None:
-        return None
-    try:
-        return await here.corrections.get(number)
-    except NotFoundError:
-        return None
 
 
 def _shown(record: CorrectionRecord, targets: CorrectedTargets, words: Catalogue, after: int) -> Shown:

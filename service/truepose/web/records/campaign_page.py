@@ -3,10 +3,8 @@
 from fastapi import APIRouter
 from fastapi.responses import HTMLResponse
 
-from truepose.storage.errors import NotFoundError
 from truepose.storage.work.items import WorkKind
-from truepose.web.records.trail import missing, trail_of
-from truepose.web.requests.parameters import number_of
+from truepose.web.records.trail import missing, record_at, trail_of
 from truepose.web.visiting.visits import Visited
 
 router = APIRouter(prefix="/campaigns", include_in_schema=False)
@@ -24,11 +22,7 @@ _COUNTS = {
 @router.get("/{id}", response_class=HTMLResponse)
 async def campaign_page(visit: Visited, id: str) -> HTMLResponse:
     """Show a campaign."""
-    number = number_of(id)
-    try:
-        record = None if number is None else await visit.here.campaigns.get(number)
-    except NotFoundError:
-        record = None
+    record = await record_at(id, visit.here.campaigns.get)
     if record is None:
         return missing(visit)
     counts = [(key, getattr(record.summary, name)) for name, key in _COUNTS.items()]

@@ -13,12 +13,10 @@ from fastapi import APIRouter
 from fastapi.responses import HTMLResponse
 
 from truepose.sequencing.engine.states import has_ended
-from truepose.storage.errors import NotFoundError
 from truepose.storage.records import CampaignRecord, DiagnosisRecord, SessionRecord
 from truepose.storage.work.items import WorkKind
 from truepose.web.context import Context
-from truepose.web.records.trail import missing, trail_of
-from truepose.web.requests.parameters import number_of
+from truepose.web.records.trail import missing, record_at, trail_of
 from truepose.web.visiting.drawn import Whole, drawn_part
 from truepose.web.visiting.moments import moment
 from truepose.web.visiting.visits import Visited
@@ -60,7 +58,7 @@ async def diagnosis_page(visit: Visited, id: str, whole: Whole = False) -> HTMLR
     from truepose.reports import diagnosis_content
 
     here = visit.here
-    record = await _record(here, id)
+    record = await record_at(id, here.diagnoses.get)
     if record is None:
         return missing(visit)
     campaign = await here.campaigns.get(record.campaign_id)
@@ -88,17 +86,6 @@ def _verdict(record: DiagnosisRecord, words: Catalogue) -> "VerdictWords":
 def measured_words(said: str | None, words: Catalogue = IN_ENGLISH) -> str:
     """Return when readings were taken, for people; None: nobody said."""
     return words.say("measured.unknown") if said is None else words.say("measured.on", day=moment(said))
-
-
-async def _record(here: Context, id: str) -> DiagnosisRecord | None:
-    """Return the diagnosis of that number; None where an address names none."""
-    number = number_of(id)
-    if number is None:
-        return None
-    try:
-        return await here.diagnoses.get(number)
-    except NotFoundError:
-        return None
 
 
 async def _actions(here: Context, record: DiagnosisRecord, campaign: CampaignRecord) -> Actions | None:

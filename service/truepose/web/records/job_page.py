@@ -3,12 +3,10 @@
 from fastapi import APIRouter
 from fastapi.responses import HTMLResponse
 
-from truepose.storage.errors import NotFoundError
 from truepose.storage.records import JobKind, JobRecord
 from truepose.storage.work.items import WorkKind
 from truepose.web.records.links import address_of, state_words, title_of
-from truepose.web.records.trail import missing
-from truepose.web.requests.parameters import number_of
+from truepose.web.records.trail import missing, record_at
 from truepose.web.visiting.visits import Visit, Visited
 from truepose.words.error_codes import explained
 
@@ -27,11 +25,7 @@ _MAKES = {
 @router.get("/{id}", response_class=HTMLResponse)
 async def job_page(visit: Visited, id: str) -> HTMLResponse:
     """Show a job; the page follows it and goes to what it made."""
-    number = number_of(id)
-    try:
-        record = None if number is None else await visit.here.jobs.get(number)
-    except NotFoundError:
-        record = None
+    record = await record_at(id, visit.here.jobs.get)
     return missing(visit) if record is None else _shown(visit, record)
 
 

@@ -1,9 +1,8 @@
 """Identifications and validations as their reports, and models."""
 
 import asyncio
-from collections.abc import Awaitable, Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING
 
 from fastapi import APIRouter
 from fastapi.responses import HTMLResponse
@@ -11,13 +10,11 @@ from fastapi.responses import HTMLResponse
 from truepose.domain.errors import TrueposeError
 from truepose.domain.results.identification import Model
 from truepose.exchange.exports.formats import FORMATS, Format, export
-from truepose.storage.errors import NotFoundError
 from truepose.storage.records import IdentificationRecord, ModelRecord, ValidationRecord
 from truepose.storage.work.items import WorkKind
-from truepose.web.records.trail import missing, trail_of
+from truepose.web.records.trail import missing, record_at, trail_of
 from truepose.web.reports.making import drawn_as_report
 from truepose.web.reports.registry import KINDS
-from truepose.web.requests.parameters import number_of
 from truepose.web.visiting.drawn import Whole, drawn_part
 from truepose.web.visiting.rendering import rendered
 from truepose.web.visiting.visits import Visit, Visited
@@ -27,20 +24,19 @@ if TYPE_CHECKING:
     from markupsafe import Markup
 
 router = APIRouter(include_in_schema=False)
-R = TypeVar("R")
 
 
 @router.get("/identifications/{id}", response_class=HTMLResponse)
 async def identification_page(visit: Visited, id: str, whole: Whole = False) -> HTMLResponse:
     """Show an identification as its report."""
-    record = await _found(id, visit.here.results.identification)
+    record = await record_at(id, visit.here.results.identification)
     return await _report_page(visit, record, WorkKind.IDENTIFICATION, whole=whole)
 
 
 @router.get("/validations/{id}", response_class=HTMLResponse)
 async def validation_page(visit: Visited, id: str, whole: Whole = False) -> HTMLResponse:
     """Show a validation as its report."""
-    record = await _found(id, visit.here.results.validation)
+    record = await record_at(id, visit.here.results.validation)
     return await _report_page(visit, record, WorkKind.VALIDATION, whole=whole)
 
 
@@ -57,24 +53,13 @@ async def _report_page(
 @router.get("/models/{id}", response_class=HTMLResponse)
 async def model_page(visit: Visited, id: str, whole: Whole = False) -> HTMLResponse:
     """Show a model: what it says of the robot, and the forms in which it can be taken."""
-    record = await _found(id, visit.here.results.model)
+    record = await record_at(id, visit.here.results.model)
     if record is None:
         return missing(visit)
     of = f"model {record.id} {record.recorded_at}"
     told = await drawn_part(visit, of, lambda: asyncio.to_thread(_told, record, visit.words), whole=whole)
     trail = await trail_of(visit, WorkKind.MODEL, record.id)
     return visit.page("model.html", record=record, told=told, trail=trail)
-
-
-async def _found(id: str, get: Callable[[int], Awaitable[R]]) -> R | None:
-    """Return the record of a number in an address; None where it names none."""
-    number = number_of(id)
-    if number is None:
-        return None
-    try:
-        return await get(number)
-    except NotFoundError:
-        return None
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,16 +1,20 @@
 """How a record came about, what came of it, and what to do next: the same on every page of a record."""
 
+from collections.abc import Awaitable, Callable
 from dataclasses import dataclass
 from http import HTTPStatus
-from typing import Final
+from typing import Final, TypeVar
 
 from fastapi.responses import HTMLResponse
 
+from truepose.storage.errors import NotFoundError
 from truepose.storage.work.items import WorkKind
 from truepose.web.places.next_step import Step, step_after
 from truepose.web.records.links import Link, address_of, link_to
+from truepose.web.requests.parameters import number_of
 from truepose.web.visiting.visits import Visit
 
+Record = TypeVar("Record")
 _REPORTED: Final = (WorkKind.IDENTIFICATION, WorkKind.DIAGNOSIS, WorkKind.VALIDATION)
 
 
@@ -30,6 +34,17 @@ async def trail_of(visit: Visit, kind: WorkKind, number: int) -> Trail:
     links = tuple(link_to(item, visit.words) for item in lineage.items)
     report = f"/reports/{kind.value}/{number}" if kind in _REPORTED else ""
     return Trail(address_of(kind, number), report, links, step_after(lineage))
+
+
+async def record_at(id: str, get: Callable[[int], Awaitable[Record]]) -> Record | None:
+    """Return the record of a number in an address; None where it names none."""
+    number = number_of(id)
+    if number is None:
+        return None
+    try:
+        return await get(number)
+    except NotFoundError:
+        return None
 
 
 def missing(visit: Visit) -> HTMLResponse:

@@ -1,6 +1,7 @@
 """Sessions for people: a list, each as it runs, what it came to, and forms that plan one."""
 
 from dataclasses import dataclass
+from functools import partial
 from http import HTTPStatus
 from typing import Final
 
@@ -11,13 +12,12 @@ from markupsafe import Markup
 from truepose.domain.errors import TrueposeError
 from truepose.domain.measurement.session import SessionState
 from truepose.sequencing.engine.states import has_ended
-from truepose.storage.errors import NotFoundError
 from truepose.storage.records import ModelRecord, SessionRecord
 from truepose.storage.work.items import WorkKind
 from truepose.web.context import Context
 from truepose.web.problems import status_of
-from truepose.web.records.trail import missing, trail_of
-from truepose.web.requests.parameters import WantedModel, number_of
+from truepose.web.records.trail import missing, record_at, trail_of
+from truepose.web.requests.parameters import WantedModel
 from truepose.web.results.choices import Chosen
 from truepose.web.results.kinds import Choice, Origin, ResultKind
 from truepose.web.results.models import models_of
@@ -76,7 +76,7 @@ async def _measured_before(here: Context) -> list[SessionRecord]:
 @router.get("/{id}", response_class=HTMLResponse)
 async def session_page(visit: Visited, id: str) -> Response:
     """Show where a session stands, what it asks, and what a person may do."""
-    origin = await _origin(visit.here, id)
+    origin = await record_at(id, partial(origin_of, visit.here))
     if origin is None:
         return missing(visit)
     record = origin.record
@@ -95,7 +95,7 @@ async def session_page(visit: Visited, id: str) -> Response:
 @router.get("/{id}/result", response_class=HTMLResponse)
 async def result_page(visit: Visited, id: str, choice: Chosen) -> HTMLResponse:
     """Show what a session came to."""
-    origin = await _origin(visit.here, id)
+    origin = await record_at(id, partial(origin_of, visit.here))
     if origin is None:
         return missing(visit)
     row = _row(origin)
@@ -137,14 +137,3 @@ def _row(origin: Origin) -> Row:
     kind, record = kind_of(origin), origin.record
     title = _ROLES[record.role] if kind is None else kind.title
     return Row(origin, kind, title, STATES[record.state], kind is not None and record.measured > 0)
-
-
-async def _origin(here: Context, id: str) -> Origin | None:
-    """Return the session of that number; None where an address names none."""
-    number = number_of(id)
-    if number is None:
-        return None
-    try:
-        return await origin_of(here, number)
-    except NotFoundError:
-        return None
