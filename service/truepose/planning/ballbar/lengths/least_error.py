@@ -13,6 +13,7 @@ from typing import Final
 import numpy as np
 
 from truepose.domain.arrays import BoolArray, FloatArray, IntArray
+from truepose.planning.promise.order import best_first
 
 _SMALLEST_GAIN: Final = 1e-4  # of the figure: an exchange that brings less is not worth its time
 _MOST_EXCHANGES: Final = 60
@@ -58,15 +59,7 @@ def least_error_first(rows: FloatArray, n: int, known: FloatArray, weight: Float
     ndarray, shape (min(n, N),)
         Indices in the order of choice.
     """
-    covariance: FloatArray = np.asarray(np.linalg.inv(known), dtype=float)
-    free = np.ones(len(rows), dtype=bool)
-    order = np.empty(min(n, len(rows)), dtype=np.int64)
-    for place in range(len(order)):
-        gains = np.where(free, _changes(rows, covariance, weight, 1.0), -np.inf)
-        order[place] = best = int(np.argmax(gains))
-        free[best] = False
-        covariance = _with(covariance, rows[best])
-    return order
+    return best_first(rows, n, known, lambda covariance: _changes(rows, covariance, weight, 1.0))
 
 
 def _exchange(rows: FloatArray, member: BoolArray, known: FloatArray, weight: FloatArray) -> bool:
@@ -88,11 +81,6 @@ def _exchange(rows: FloatArray, member: BoolArray, known: FloatArray, weight: Fl
 def _without(covariance: FloatArray, left: FloatArray) -> FloatArray:
     seen = covariance @ left.T
     return np.asarray(covariance + seen @ np.linalg.solve(np.eye(len(left)) - left @ seen, seen.T))
-
-
-def _with(covariance: FloatArray, entered: FloatArray) -> FloatArray:
-    seen = covariance @ entered.T
-    return np.asarray(covariance - seen @ np.linalg.solve(np.eye(len(entered)) + entered @ seen, seen.T))
 
 
 def _changes(rows: FloatArray, covariance: FloatArray, weight: FloatArray, sign: float) -> FloatArray:
