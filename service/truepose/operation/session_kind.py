@@ -4,7 +4,7 @@ import asyncio
 from abc import ABC, abstractmethod
 from typing import TYPE_CHECKING, Any, Final, Generic, TypeVar, cast
 
-from truepose.domain.errors import RecordRefusedError
+from truepose.domain.errors import RecordRefusedError, TrueposeError
 from truepose.domain.measurement.ledger import Control
 from truepose.domain.measurement.session import SessionState
 from truepose.operation.session_ledger import SessionLedger
@@ -12,6 +12,7 @@ from truepose.sequencing.engine.acts import Act, ActName
 from truepose.sequencing.engine.runner import SessionRunner
 from truepose.sequencing.engine.states import after_restart, words
 from truepose.sequencing.errors import NotNowError
+from truepose.storage.errors import NotFoundError
 from truepose.storage.records import ActAnswer, RequestKey, SessionRecord, SessionSetup
 
 if TYPE_CHECKING:
@@ -29,6 +30,9 @@ _STOPPED: Final = "The service was stopped during the session; look at the cell,
 class SessionKind(ABC, Generic[R]):
     """Sessions of one kind behind the desk."""
 
+    roles: frozenset[str]  # of the sessions of this kind
+    called: str  # one of them, in a sentence
+
     def __init__(self, desk: "SessionDesk") -> None:
         self.desk = desk
         desk.serve(self)
@@ -42,13 +46,20 @@ class SessionKind(ABC, Generic[R]):
         """Do what a person asks of a session of this kind; see `SessionDesk.act`."""
         return await self.desk.act(self, session_id, act, key)
 
-    @abstractmethod
     def owns(self, record: SessionRecord) -> bool:
         """Whether a session is of this kind."""
+        return record.role in self.roles
 
-    @abstractmethod
     async def get(self, session_id: int) -> SessionRecord:
         """Return a session of this kind; raises NotFoundError, or what says that it is of another."""
+        record = await self.desk.sessions.get(session_id)
+        if not self.owns(record):
+            raise self.of_another_kind(record)
+        return record
+
+    def of_another_kind(self, record: SessionRecord) -> TrueposeError:
+        """Return what is raised of a session of another kind."""
+        return NotFoundError(self.called, record.id)
 
     @abstractmethod
     def require_startable(self, record: SessionRecord, act: Act) -> None:

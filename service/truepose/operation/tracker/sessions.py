@@ -45,6 +45,9 @@ class WantedStops:
 class TrackerSessions(AskedSessionKind[TrackerRunner]):
     """Sessions in which the tracker measures and nobody is in the cell."""
 
+    roles = frozenset({"calibration", "validation"})
+    called = "tracker session"
+
     def __init__(
         self,
         desk: SessionDesk,
@@ -105,20 +108,13 @@ class TrackerSessions(AskedSessionKind[TrackerRunner]):
 
     # what the desk asks for
 
-    def owns(self, record: SessionRecord) -> bool:
-        """Whether a session is of this kind."""
-        return record.role in {"calibration", "validation"}
-
-    async def get(self, session_id: int) -> SessionRecord:
-        """Return a tracker session; raises NotFoundError, NotNowError."""
-        record = await self.desk.sessions.get(session_id)
-        if not self.owns(record):
-            raise NotNowError(
-                f"Session {session_id} is one with the ballbar; ask it at ballbar-sessions/{session_id}/acts."
-                if record.role == "ballbar"
-                else f"Session {session_id} is one of closed loops; a tracker has no part in it."
-            )
-        return record
+    def of_another_kind(self, record: SessionRecord) -> NotNowError:
+        """Return what is raised of a session of another kind."""
+        return NotNowError(
+            f"Session {record.id} is one with the ballbar; ask it at ballbar-sessions/{record.id}/acts."
+            if record.role == "ballbar"
+            else f"Session {record.id} is one of closed loops; a tracker has no part in it."
+        )
 
     async def runner(
         self, record: SessionRecord, setup: SessionSetup, ledger: SessionLedger
