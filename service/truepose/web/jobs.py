@@ -1,5 +1,7 @@
 """Jobs: watch and cancel."""
 
+from typing import Any
+
 from fastapi import Response, status
 
 from truepose.storage.records import JobRecord
@@ -8,6 +10,7 @@ from truepose.web.problems import problems
 from truepose.web.requests.paging import Paged, listing
 from truepose.web.requests.parameters import RESPOND_ASYNC, Id
 from truepose.web.resources import resource
+from truepose.web.schemas.base import Reply
 from truepose.web.schemas.jobs import JobReply, job_reply
 
 router = resource("/jobs", tags=["jobs"])
@@ -30,6 +33,14 @@ async def cancel_job(here: Here, id: Id) -> JobReply:
     """End a job and its worker process at once; nothing of it is stored. Refused where it has ended."""
     await here.job_desk.cancel(id)
     return _shown(here, await here.jobs.get(id))
+
+
+def planned_or_queued(session: type[Reply], job: str) -> dict[int | str, dict[str, Any]]:
+    """Return what a route lists under `responses` that plans a session, at once or by a job."""
+    return {
+        201: {"model": session, "description": "The session is planned; nothing has moved."},
+        202: {"model": JobReply, "description": job},
+    }
 
 
 async def queued(here: Context, number: int, response: Response) -> JobReply:

@@ -11,7 +11,7 @@ from truepose.sequencing.contacts.dry_run import minutes_of
 from truepose.sequencing.contacts.questions import Question, asked
 from truepose.storage.records import RequestKey, SessionSetup
 from truepose.web.context import Context, Here
-from truepose.web.jobs import queued_as_preferred
+from truepose.web.jobs import planned_or_queued, queued_as_preferred
 from truepose.web.measurement.sessions import get_session
 from truepose.web.problems import problems
 from truepose.web.requests.paging import Counted, listing
@@ -35,11 +35,8 @@ _READ = problems(404, 422, 503)
     "",
     status_code=status.HTTP_201_CREATED,
     response_model=SessionDetailReply | JobReply,
-    responses={
-        201: {"model": SessionDetailReply, "description": "The session is planned; nothing has moved."},
-        202: {"model": JobReply, "description": "A worker chooses the stops; the job makes the session."},
-        **problems(400, 409, 413, 415, 422, 503),
-    },
+    responses=planned_or_queued(SessionDetailReply, "A worker chooses the stops; the job makes the session.")
+    | problems(400, 409, 413, 415, 422, 503),
 )
 async def plan_contact_session(
     here: Here,

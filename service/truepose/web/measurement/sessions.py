@@ -20,7 +20,7 @@ from truepose.sequencing.tracker.runner import TrackerRunner
 from truepose.storage.errors import ConflictError
 from truepose.storage.records import RequestKey, SessionRecord, SessionSetup
 from truepose.web.context import Context, Here
-from truepose.web.jobs import queued
+from truepose.web.jobs import planned_or_queued, queued
 from truepose.web.people.asking import signed_in_name
 from truepose.web.people.authority import require_authority
 from truepose.web.problems import problems
@@ -70,14 +70,10 @@ Anybody = Annotated[RequestOfPerson | None, Body()]
     "",
     status_code=status.HTTP_201_CREATED,
     response_model=SessionDetailReply | JobReply,
-    responses={
-        201: {"model": SessionDetailReply, "description": "The session is planned; nothing has moved."},
-        202: {
-            "model": JobReply,
-            "description": "A worker chooses the configurations; the job's result is the session.",
-        },
-        **problems(400, 404, 409, 413, 415, 422, 503),
-    },
+    responses=planned_or_queued(
+        SessionDetailReply, "A worker chooses the configurations; the job's result is the session."
+    )
+    | problems(400, 404, 409, 413, 415, 422, 503),
 )
 async def plan_session(
     here: Here, wanted: SessionRequest, response: Response, key: OptionalKey, sender: Sender

@@ -10,7 +10,7 @@ from truepose.operation.ballbar.scene import scene_of
 from truepose.operation.ballbar.worker_tasks import plan_task
 from truepose.storage.records import RequestKey, SessionSetup
 from truepose.web.context import Context, Here
-from truepose.web.jobs import queued_as_preferred
+from truepose.web.jobs import planned_or_queued, queued_as_preferred
 from truepose.web.measurement.ballbar.replies import ballbar_session_reply, entry_reply, steps_reply
 from truepose.web.people.authority import require_authority
 from truepose.web.problems import problems
@@ -42,14 +42,8 @@ _ACT = problems(400, 404, 409, 413, 415, 422, 503)
     "",
     status_code=status.HTTP_201_CREATED,
     response_model=BallbarSessionReply | JobReply,
-    responses={
-        201: {"model": BallbarSessionReply, "description": "The session is planned; nothing has moved."},
-        202: {
-            "model": JobReply,
-            "description": "A worker chooses the poses; the job makes the session.",
-        },
-        **problems(400, 404, 409, 413, 415, 422, 503),
-    },
+    responses=planned_or_queued(BallbarSessionReply, "A worker chooses the poses; the job makes the session.")
+    | problems(400, 404, 409, 413, 415, 422, 503),
 )
 async def plan_ballbar_session(
     here: Here,
