@@ -21,15 +21,15 @@ from truepose.operation.session_kind import SessionKind
 from truepose.operation.session_ledger import SessionLedger
 from truepose.operation.sessions import SessionDesk
 from truepose.sequencing.ballbar.cell import BallbarCell
-from truepose.sequencing.ballbar.plan.dry_run import check_plan, motion_limits
+from truepose.sequencing.ballbar.plan.dry_run import check_plan
 from truepose.sequencing.ballbar.precalibration import PreCalibrator
 from truepose.sequencing.ballbar.runner import BallbarRunner
 from truepose.sequencing.ballbar.situation import Situation, situation
 from truepose.sequencing.engine.acts import Act, ActName
+from truepose.sequencing.engine.motion.limits import motion_limits
 from truepose.sequencing.engine.motion.plausible_robot import WatchfulRobot
 from truepose.sequencing.engine.states import has_ended, words
 from truepose.sequencing.errors import NotNowError
-from truepose.storage.errors import NotFoundError
 from truepose.storage.parts import Part
 from truepose.storage.records import LedgerRecord, Page, RequestKey, SessionRecord, SessionSetup
 from truepose_drivers.api import MotionLimits
@@ -44,6 +44,9 @@ MakeRunner: TypeAlias = Callable[..., BallbarRunner]
 
 class BallbarSessions(SessionKind[BallbarRunner]):
     """Sessions in which a person in the cell connects the ballbar."""
+
+    roles = frozenset({"ballbar"})
+    called = "ballbar session"
 
     def __init__(
         self,
@@ -158,17 +161,6 @@ class BallbarSessions(SessionKind[BallbarRunner]):
         return await self.desk.ledger.page(session_id, page)
 
     # what the desk asks for
-
-    def owns(self, record: SessionRecord) -> bool:
-        """Whether a session is of this kind."""
-        return record.role == "ballbar"
-
-    async def get(self, session_id: int) -> SessionRecord:
-        """Return a ballbar session; raises NotFoundError."""
-        record = await self.desk.sessions.get(session_id)
-        if not self.owns(record):
-            raise NotFoundError("ballbar session", session_id)
-        return record
 
     def require_startable(self, record: SessionRecord, act: Act) -> None:
         """Raise NotNowError where a session has ended, or is planned and would not be started."""

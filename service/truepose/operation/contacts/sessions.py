@@ -21,18 +21,21 @@ from truepose.planning.errors import PlanningError
 from truepose.planning.work_volume.cell_bodies import bodies_of
 from truepose.planning.work_volume.room_on_ways import Ways, what_blocks_a_way, what_to_watch
 from truepose.sequencing.contacts.cell import ContactCell, GaugeBox
-from truepose.sequencing.contacts.dry_run import check_plan, motion_limits
+from truepose.sequencing.contacts.dry_run import check_plan
 from truepose.sequencing.contacts.runner import ContactRunner
 from truepose.sequencing.engine.acts import Act, ActName
+from truepose.sequencing.engine.motion.limits import motion_limits
 from truepose.sequencing.engine.motion.plausible_robot import WatchfulRobot
 from truepose.sequencing.errors import PlanRefusedError
-from truepose.storage.errors import NotFoundError
 from truepose.storage.records import RequestKey, SessionRecord, SessionSetup
 from truepose_drivers.api import MotionLimits
 
 
 class ContactSessions(AskedSessionKind[ContactRunner]):
     """Sessions in which gauges are read against targets that stand still."""
+
+    roles = frozenset({"contacts"})
+    called = "session of closed loops"
 
     async def plan(
         self, name: str, setup: SessionSetup, wanted: ContactWish, key: RequestKey | None = None
@@ -75,17 +78,6 @@ class ContactSessions(AskedSessionKind[ContactRunner]):
         return f"session {session_id}", plan, taken_of(line.entry for line in lines)
 
     # what the desk asks for
-
-    def owns(self, record: SessionRecord) -> bool:
-        """Whether a session is of this kind."""
-        return record.role == "contacts"
-
-    async def get(self, session_id: int) -> SessionRecord:
-        """Return a session of closed loops; raises NotFoundError."""
-        record = await self.desk.sessions.get(session_id)
-        if not self.owns(record):
-            raise NotFoundError("session of closed loops", session_id)
-        return record
 
     async def runner(
         self, record: SessionRecord, setup: SessionSetup, ledger: SessionLedger

@@ -32,7 +32,7 @@ from truepose.sequencing.ballbar.doubts.assignments import Judges
 from truepose.sequencing.ballbar.measuring.live import LiveSample
 from truepose.sequencing.ballbar.measuring.readings import Readings
 from truepose.sequencing.ballbar.motion import Motion
-from truepose.sequencing.ballbar.plan.dry_run import check_plan, check_structure, motion_limits
+from truepose.sequencing.ballbar.plan.dry_run import check_plan, check_structure
 from truepose.sequencing.ballbar.precalibration import PreCalibrator, precalibrated
 from truepose.sequencing.ballbar.situation import Situation, situation_of
 from truepose.sequencing.ballbar.state_so_far import BallbarRecord
@@ -42,6 +42,7 @@ from truepose.sequencing.engine.halting.halts import Halts
 from truepose.sequencing.engine.identity.check import IdentityCheck
 from truepose.sequencing.engine.ledger_port import Ledger
 from truepose.sequencing.engine.logbook import Logbook
+from truepose.sequencing.engine.motion.limits import motion_limits
 from truepose.sequencing.engine.notices import end_of_motion
 from truepose.sequencing.engine.runner import SessionRunner
 from truepose.sequencing.errors import MotionForbiddenError, NotNowError

@@ -19,16 +19,6 @@ _POSITIVE: Final = (
 )  # fmt: skip
 
 
-def motion_limits(robot: Robot, joint_limits: tuple[JointRange, ...] | None) -> tuple[JointRange, ...]:
-    """Return what every move must keep to; raises PlanRefusedError where nothing is known."""
-    known = joint_limits or robot.joint_limits or robot.calibration_ranges
-    if known is None:
-        raise PlanRefusedError(
-            "Neither the cell nor the robot states joint limits; nothing moves without them."
-        )
-    return known
-
-
 def check_plan(plan: ContactPlan, robot: Robot, base: FramePlacement, limits: tuple[JointRange, ...]) -> None:
     """Raise PlanRefusedError, with one sentence, for the first thing that cannot be done as planned."""
     check_numbers(plan, *_POSITIVE)

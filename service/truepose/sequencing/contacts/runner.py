@@ -10,10 +10,10 @@ from typing import Any, Final
 
 from truepose.domain.measurement.contacts import ContactPlan
 from truepose.domain.measurement.ledger import EntryKind, LedgerEntry
-from truepose.domain.measurement.session import Progress, SessionState
+from truepose.domain.measurement.session import SessionState
 from truepose.domain.people.names import tidy_name
 from truepose.sequencing.contacts.cell import ContactCell
-from truepose.sequencing.contacts.dry_run import check_plan, motion_limits
+from truepose.sequencing.contacts.dry_run import check_plan
 from truepose.sequencing.contacts.gauges import Gauges
 from truepose.sequencing.contacts.questions import Question, asked
 from truepose.sequencing.contacts.record import OPEN, ContactRecord
@@ -26,7 +26,7 @@ from truepose.sequencing.engine.identity.expected import same_number, told
 from truepose.sequencing.engine.ledger_port import Ledger
 from truepose.sequencing.engine.logbook import Logbook
 from truepose.sequencing.engine.motion.arm import Arm
-from truepose.sequencing.engine.motion.limits import binding_speed, speed_sentence
+from truepose.sequencing.engine.motion.limits import binding_speed, motion_limits, speed_sentence
 from truepose.sequencing.engine.motion.segments import MotionSegments
 from truepose.sequencing.engine.motion.unattended import UnattendedRunner
 from truepose.sequencing.engine.notices import end_of_motion
@@ -92,11 +92,6 @@ class ContactRunner(UnattendedRunner[ContactSituation]):
     def is_moving(self) -> bool:
         """Whether the arm may be on its way: a stop is gone to, touched and left in many small motions."""
         return self._halts.moving and isinstance(self.situation.step, Visit)
-
-    @property
-    def progress(self) -> Progress:
-        """How far the session is."""
-        return self.situation.progress
 
     # what a person asks for
 
@@ -232,16 +227,7 @@ class ContactRunner(UnattendedRunner[ContactSituation]):
             if waits and not ends:
                 self._halts.wish = None  # it waits for a person, as was wished
             lines.popleft()
-        if self.state in {SessionState.PAUSING, SessionState.ABORTING}:
-            await self._halts.take_effect()
-        await self.settle()
-
-    async def settle(self) -> None:
-        """End the session where nothing is left to do."""
-        if self.situation.busy and self._halts.wish is None and self.situation.step is None:
-            progress = replace(self.progress, doing="finished")
-            reason = "Every configuration was measured or skipped."
-            await self._logbook.enter(SessionState.FINISHED, reason, progress=progress)
+        await self.follow_step()
 
     async def close(self) -> None:
         """Let go of the gauges."""

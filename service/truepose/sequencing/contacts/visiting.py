@@ -12,12 +12,11 @@ import numpy as np
 from truepose.domain.measurement.contacts import FREE_PLACES, ContactPlan, ContactStop, ContactTaken, Joints
 from truepose.domain.measurement.session import Vector
 from truepose.sequencing.contacts.cell import ContactCell
-from truepose.sequencing.contacts.dry_run import motion_limits
 from truepose.sequencing.contacts.gauges import Gauges
 from truepose.sequencing.contacts.nudges import nudged, straight_mm
 from truepose.sequencing.engine.motion.arm import Arm
 from truepose.sequencing.engine.motion.interlocks import joint_outside
-from truepose.sequencing.engine.motion.limits import binding_speed, slowest
+from truepose.sequencing.engine.motion.limits import binding_speed, motion_limits, slowest
 from truepose.sequencing.engine.motion.rest_of_way import rest_of_way
 from truepose.sequencing.errors import ReadingRejectedError
 from truepose_drivers.api import MotionLimits

@@ -107,9 +107,9 @@ class TrackerRunner(UnattendedRunner[TrackerSituation]):
         return self._identities.tracker_in_question
 
     @property
-    def progress(self) -> Progress:
-        """How far the session is."""
-        return self.situation.progress
+    def finishes_because(self) -> str:
+        """Why the session ends where nothing is left to do."""
+        return _SETTLED if self.situation.settled else super().finishes_because
 
     async def add_stops(self, stops: tuple[PlannedStop, ...], keep: Callable[[], Awaitable[None]]) -> None:
         """Add stops to the plan; they come last, after a person has confirmed.
@@ -285,16 +285,7 @@ class TrackerRunner(UnattendedRunner[TrackerSituation]):
                 await self._logbook.append(line.kind, line.step_id, progress=self.progress, **said)
                 self._halts.wish = None  # it waits for a person, as was wished
             lines.popleft()
-        if self.state in {SessionState.PAUSING, SessionState.ABORTING}:
-            await self._halts.take_effect()
-        await self.settle()
-
-    async def settle(self) -> None:
-        """End the session where nothing is left to do."""
-        if self.situation.busy and self._halts.wish is None and self.situation.step is None:
-            reason = _SETTLED if self.situation.settled else "Every configuration was measured or skipped."
-            progress = self._progress("finished")
-            await self._logbook.enter(SessionState.FINISHED, reason, progress=progress)
+        await self.follow_step()
 
 
 def _what_comes(now: TrackerSituation, record: TrackerRecord) -> str:

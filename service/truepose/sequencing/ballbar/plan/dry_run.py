@@ -57,16 +57,6 @@ def dry_run(plan: BallbarPlan, kit: BallbarKit) -> BallbarDryRun:
     )
 
 
-def motion_limits(robot: Robot, joint_limits: tuple[JointRange, ...] | None) -> tuple[JointRange, ...]:
-    """Return what every move must keep to; raises PlanRefusedError where nothing is known."""
-    known = joint_limits or robot.joint_limits or robot.calibration_ranges
-    if known is None:
-        raise PlanRefusedError(
-            "Neither the cell nor the robot states joint limits; nothing moves without them."
-        )
-    return known
-
-
 def check_plan(plan: BallbarPlan, kit: BallbarKit, robot: Robot, limits: Sequence[JointRange]) -> None:
     """Raise PlanRefusedError, with one sentence, for the first thing that cannot be done as planned."""
     check_structure(plan, kit)

@@ -6,7 +6,7 @@ from typing import Final
 from truepose.domain.measurement.ballbar import BallbarPlan
 from truepose.domain.measurement.contacts import ContactPlan
 from truepose.domain.measurement.session import SessionPlan
-from truepose.domain.robot import JointRange
+from truepose.domain.robot import JointRange, Robot
 from truepose.sequencing.errors import PlanRefusedError
 from truepose_drivers.api import MotionGuard, MotionLimits
 
@@ -27,6 +27,16 @@ def common_ranges(
         JointRange(max(a.lower_rad, b.lower_rad), min(a.upper_rad, b.upper_rad))
         for a, b in zip(first, second, strict=True)
     )
+
+
+def motion_limits(robot: Robot, joint_limits: tuple[JointRange, ...] | None) -> tuple[JointRange, ...]:
+    """Return what every move must keep to; raises PlanRefusedError where nothing is known."""
+    known = joint_limits or robot.joint_limits or robot.calibration_ranges
+    if known is None:
+        raise PlanRefusedError(
+            "Neither the cell nor the robot states joint limits; nothing moves without them."
+        )
+    return known
 
 
 def binding_speed(

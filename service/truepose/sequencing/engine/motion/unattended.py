@@ -1,9 +1,10 @@
 """What the runs of sessions share whose arm goes from stop to stop while nobody is in the cell."""
 
 from abc import abstractmethod
-from typing import Final, TypeVar
+from dataclasses import replace
+from typing import Final, Protocol, TypeVar
 
-from truepose.domain.measurement.session import SessionState
+from truepose.domain.measurement.session import Progress, SessionState
 from truepose.sequencing.engine.acts import Act, ActName
 from truepose.sequencing.engine.motion.arm import Permission
 from truepose.sequencing.engine.prompts import CELL_CLEAR, require_person
@@ -11,7 +12,22 @@ from truepose.sequencing.engine.runner import SessionRunner, Situation
 from truepose.sequencing.engine.states import require_transition, words
 from truepose.sequencing.errors import NotNowError
 
-S = TypeVar("S", bound=Situation)
+
+class UnattendedSituation(Situation, Protocol):
+    """What such a session says of itself besides."""
+
+    @property
+    def step(self) -> object | None:
+        """What is due next; None where nothing is left."""
+        ...
+
+    @property
+    def progress(self) -> Progress:
+        """How far the session is."""
+        ...
+
+
+S = TypeVar("S", bound=UnattendedSituation)
 
 _WAITS_IN: Final = {
     ActName.CONFIRM: SessionState.AWAITING_CONFIRMATION,
@@ -31,6 +47,16 @@ class UnattendedRunner(SessionRunner[S]):
     def question(self) -> str | None:
         """What a person is asked to confirm, or why the session waits; None before this run has asked."""
         return self.trouble or (self.situation.question if self.has_asked else None)
+
+    @property
+    def progress(self) -> Progress:
+        """How far the session is."""
+        return self.situation.progress
+
+    @property
+    def finishes_because(self) -> str:
+        """Why the session ends where nothing is left to do."""
+        return "Every configuration was measured or skipped."
 
     def require(self, act: Act) -> None:
         """Raise NotNowError, PersonMissingError where an act is not allowed now."""
@@ -57,6 +83,18 @@ class UnattendedRunner(SessionRunner[S]):
         """Have the session wait for a person: something is not as it was left."""
         if self.state in {SessionState.RUNNING, SessionState.PAUSING}:
             await self._logbook.enter(SessionState.AWAITING_CONFIRMATION, f"{reason} {CELL_CLEAR}")
+
+    async def follow_step(self) -> None:
+        """Have a halt that was asked for during a step take effect, then settle."""
+        if self.state in {SessionState.PAUSING, SessionState.ABORTING}:
+            await self._halts.take_effect()
+        await self.settle()
+
+    async def settle(self) -> None:
+        """End the session where nothing is left to do."""
+        if self.situation.busy and self._halts.wish is None and self.situation.step is None:
+            progress = replace(self.progress, doing="finished")
+            await self._logbook.enter(SessionState.FINISHED, self.finishes_because, progress=progress)
 
     async def note_failure(self, error: Exception) -> None:
         """End the session as failed."""

@@ -15,7 +15,8 @@ from tests.unit.service.sequencing.ballbar.sessions import (
 )
 from tests.unit.service.sequencing.tracker.fakes import IRB120
 from truepose.domain.robot import JointRange
-from truepose.sequencing.ballbar.plan.dry_run import check_plan, dry_run, motion_limits
+from truepose.sequencing.ballbar.plan.dry_run import check_plan, dry_run
+from truepose.sequencing.engine.motion.limits import motion_limits
 from truepose.sequencing.errors import PlanRefusedError
 
 LIMITS = (JointRange(-1.0, 1.0),) * 6
