@@ -101,7 +101,7 @@ class Context:
         return self.cell.simulated is not None
 
 
-def _context(request: Request) -> Context:
+async def _context(request: Request) -> Context:
     return cast(Context, request.app.state.context)
 
 

@@ -59,7 +59,7 @@ class Follower:
         return StreamingResponse(stream, media_type=EVENT_STREAM, headers=headers)
 
 
-def _follower(here: Here, id: Id, tablet: TabletName, stop_after_s: Seconds = None) -> Follower:
+async def _follower(here: Here, id: Id, tablet: TabletName, stop_after_s: Seconds = None) -> Follower:
     return Follower(here, id, tablet, stop_after_s)
 
 

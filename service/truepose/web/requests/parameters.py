@@ -67,12 +67,12 @@ async def _needed_key(request: Request, key: NeededKey) -> RequestKey:
     return request_key(request, key, await request.body())
 
 
-def _sender(request: Request) -> str:
+async def _sender(request: Request) -> str:
     """Return who asks, as far as workers are given out fairly: the person, else the computer."""
     return signed_in_name() or (request.client.host if request.client else "")
 
 
-def _respond_later(prefer: Prefer = None) -> bool:
+async def _respond_later(prefer: Prefer = None) -> bool:
     """Return whether a client would rather be told of a job than wait (RFC 7240)."""
     wishes = {wish.split(";")[0].strip().lower() for wish in (prefer or "").split(",")}
     return RESPOND_ASYNC in wishes

@@ -9,7 +9,7 @@ from truepose.web.results.kinds import Choice
 from truepose.web.schemas.base import NUMBER_LIMIT
 
 
-def _choice(
+async def _choice(
     model_id: Annotated[
         int | None, Query(ge=1, le=NUMBER_LIMIT, description="Which judges; by default the newest one.")
     ] = None,

@@ -80,7 +80,7 @@ class Visit:
         return chosen | ({"units": "-".join(self.words.units.chosen)} if "units" in asked else {})
 
 
-def _visit(request: Request, here: Here) -> Visit:
+async def _visit(request: Request, here: Here) -> Visit:
     wanted = (request.query_params.get("look"), request.cookies.get("look"))
     look = next((look for look in wanted if look in LOOKS), LOOKS[0])
     return Visit(request, here, wanted_words(request), look or LOOKS[0])
