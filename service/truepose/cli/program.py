@@ -31,6 +31,7 @@ _COMMANDS = {
     "diagnose": "calibration.diagnoses",
     "predict": "calibration.campaigns",
     "reanalyse": "calibration.archives",
+    "resample": "calibration.resampling",
     "validate": "calibration.validation",
     "plan": "calibration.plans",
     "circles": "calibration.circles",
