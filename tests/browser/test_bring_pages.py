@@ -1,12 +1,12 @@
 """Own readings in a browser, by somebody who has never seen the program: from a table to the named cause."""
 
-import asyncio
 import time
 from types import SimpleNamespace
 
 import pytest
 from playwright.sync_api import expect
 
+from tests.helpers.web.performing import perform_here
 from tests.integration.web.bench import CELL, Bench
 from tests.integration.web.listening import listening
 from truepose.app import create_app
@@ -15,10 +15,6 @@ from truepose.settings import Settings
 
 MOST_TAPS = 10
 MOST_S = 180.0
-
-
-async def perform_here(task, told):
-    return await asyncio.to_thread(task.perform, lambda fraction, doing: None)
 
 
 @pytest.fixture

@@ -9,6 +9,7 @@ import pytest
 from playwright.sync_api import expect
 
 from tests.browser.windows import without_complaint
+from tests.helpers.web.performing import perform_here
 from tests.integration.web.bench import CELL, Bench
 from tests.integration.web.calibration.stored_models import store_model
 from tests.integration.web.listening import listening
@@ -21,10 +22,6 @@ from truepose.storage.database import Database
 
 REST = "[9E9,9E9,9E9,9E9,9E9,9E9]"
 PROGRAM = f"MODULE M\nCONST jointtarget a:=[[20,30,-25,40,50,60],{REST}];\nENDMODULE\n".encode()
-
-
-async def perform_here(task, told):
-    return await asyncio.to_thread(task.perform, lambda fraction, doing: None)
 
 
 async def with_a_model(url):

@@ -1,6 +1,5 @@
 """A shop after some days: a service with a record of each kind, and the address of each page."""
 
-import asyncio
 import contextlib
 import re
 import time
@@ -9,6 +8,7 @@ from urllib.parse import quote
 import httpx
 from fastapi.responses import HTMLResponse
 
+from tests.helpers.web.performing import perform_here
 from tests.helpers.web.routes import paths_answering, routes_alone
 from tests.integration.web.ballbar_bench import BALLBAR, WANTED
 from tests.integration.web.bench import CELL, Bench, session_request
@@ -44,11 +44,6 @@ def pages():
     return found
 
 
-async def here(task, told):
-    """Do what a worker would, in this process."""
-    return await asyncio.to_thread(task.perform, lambda *_: None)
-
-
 @contextlib.contextmanager
 def open_shop(folder):
     """Serve what a demo left, a ballbar session, a correction and readings of one's own; yields where."""
@@ -56,11 +51,11 @@ def open_shop(folder):
     write_earlier(earlier_schemas()[-1], file)
     (folder / "cell.toml").write_text(CELL + BALLBAR)
     where = Settings(database_url=f"sqlite:///{file}", cell_file=folder / "cell.toml")
-    application = create_app(where, Bench().registry(), here)
+    application = create_app(where, Bench().registry(), perform_here)
     with listening(application) as url, httpx.Client(base_url=url, timeout=60, trust_env=False) as client:
         for kind, wanted in (("ballbar-", WANTED), ("contact-", WIRE), ("", session_request(12))):
             client.post(f"/api/v1/{kind}sessions", json=wanted).raise_for_status()
-        application.state.context.campaign_desk.uploads = Uploads(here)
+        application.state.context.campaign_desk.uploads = Uploads(perform_here)
         client.post("/api/v1/drafts", json={"example": True}).raise_for_status()
         sent = client.post("/api/v1/models/1/corrections", files={"file": ("targets.csv", TARGETS)})
         job = sent.raise_for_status().headers["Location"]

@@ -26,9 +26,8 @@ def copy_sources(dockerfile, folder):
         for source in sources:
             found = CHECKOUT / source
             if found.is_dir():
-                shutil.copytree(
-                    found, folder / destination, symlinks=True, ignore=shutil.ignore_patterns("__pycache__")
-                )
+                # With what is compiled of each file: it counts for this file only, wherever it lies.
+                shutil.copytree(found, folder / destination, symlinks=True)
             else:
                 shutil.copy(found, folder / destination)
     return folder
@@ -37,7 +36,7 @@ def copy_sources(dockerfile, folder):
 def environment(**more):
     site_packages = sysconfig.get_paths()["purelib"]
     kept = {name: value for name, value in os.environ.items() if not name.startswith("TRUEPOSE")}
-    return {**kept, "PYTHONPATH": site_packages, "PYTHONDONTWRITEBYTECODE": "1", **more}
+    return {**kept, "PYTHONPATH": site_packages, **more}
 
 
 def install(source, folder):

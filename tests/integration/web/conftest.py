@@ -6,8 +6,10 @@ import shutil
 import pytest
 
 from tests.helpers.web.clients import client_of
+from tests.helpers.web.performing import perform_here
 from tests.integration.web.bench import CELL, Bench
 from truepose.analysis.workers.process import perform_in_worker
+from truepose.analysis.workers.uploads import Uploads
 from truepose.app import create_app
 from truepose.settings import Settings
 from truepose.storage.database import Database
@@ -46,9 +48,16 @@ def worker():
 
 
 @pytest.fixture
-async def app(settings, bench, worker):
+def uploads():
+    """Who reads what is uploaded: this process; `test_campaigns.py` has a worker's, as a service."""
+    return Uploads(perform_here)
+
+
+@pytest.fixture
+async def app(settings, bench, worker, uploads):
     application = create_app(settings, bench.registry(), worker)
     async with application.router.lifespan_context(application):
+        application.state.context.campaign_desk.uploads = uploads
         yield application
 
 

@@ -20,6 +20,11 @@ CAMPAIGNS = "/api/v1/campaigns"
 ZIP = {"Content-Type": "application/zip"}
 
 
+@pytest.fixture
+def uploads():
+    return Uploads()
+
+
 def zipped(**files):
     stream = io.BytesIO()
     with zipfile.ZipFile(stream, "w") as archive:

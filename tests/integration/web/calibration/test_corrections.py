@@ -12,8 +12,8 @@ import pytest
 from tests.helpers.domain.robots import IRB_120
 from tests.helpers.web.clients import made
 from tests.helpers.web.pages import Page
+from tests.helpers.web.performing import perform_here
 from tests.integration.web.calibration.stored_models import store_model
-from truepose.analysis.workers.uploads import Uploads
 from truepose.storage.calibration import corrections as stored_corrections
 from truepose.storage.columns import unpack
 
@@ -29,17 +29,12 @@ TABLE = b"target,x_mm,y_mm,z_mm,qw,qx,qy,qz,note\nnear,350,100,400,0,0,1,0,ok\nf
 
 @pytest.fixture
 def worker():
-    """Does the jobs here; what reads uploads is `here` as well."""
+    """Does the jobs here, as what reads uploads does."""
     return perform_here
-
-
-async def perform_here(task, told):
-    return await asyncio.to_thread(task.perform, lambda fraction, doing: None)
 
 
 @pytest.fixture
 async def model_id(app):
-    app.state.context.campaign_desk.uploads = Uploads(perform_here)
     return await store_model(app.state.context)
 
 

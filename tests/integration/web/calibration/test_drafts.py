@@ -7,6 +7,7 @@ from typing import get_args
 import pytest
 
 from tests.helpers.web.pages import Page
+from tests.helpers.web.performing import perform_here
 from tests.unit.service.exchange.brought.tables import plain
 from truepose.analysis.drafts import DraftDesk
 from truepose.analysis.workers.uploads import Uploads
@@ -18,11 +19,6 @@ from truepose.web.schemas.calibration.drafts import ChangeKind, MeaningRequest, 
 
 DRAFTS = "/api/v1/drafts"
 BYTES = {"Content-Type": "application/octet-stream"}
-
-
-async def here(task, told, **_):
-    """Perform a task in this process: what the worker would answer, without its start."""
-    return await asyncio.to_thread(task.perform, lambda *_: None)
 
 
 async def never(task, told, **_):
@@ -41,7 +37,7 @@ async def client(app, client):
     context = app.state.context
     desk = DraftDesk(
         DraftFolder(context.database.file.with_name("drafts")),
-        Uploads(here),
+        Uploads(perform_here),
         context.campaigns,
         context.job_desk,
     )

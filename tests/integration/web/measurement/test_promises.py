@@ -4,17 +4,14 @@ import asyncio
 
 import pytest
 
+from tests.helpers.web.performing import perform_here
 from tests.integration.web.bench import session_request
 
 
 @pytest.fixture
 def worker():
     """In a thread: a process takes longer to start than all of this."""
-
-    async def perform(task, told):
-        return await asyncio.to_thread(task.perform, lambda fraction, doing: None)
-
-    return perform
+    return perform_here
 
 
 async def test_a_cell_says_what_configurations_promise_before_anything_moves(client):
