@@ -26,6 +26,8 @@ from truepose.identification.fit.solver import posterior_covariance
 from truepose.identification.model.parameters.structure import NOMINAL_EFFECTS
 from truepose.identification.model.stops import sites
 from truepose.identification.model_of_fit import Fits, model_of
+from truepose.identification.observations.believed import QUANTITY as BELIEF
+from truepose.identification.problem.belief import Belief, with_belief
 from truepose.identification.problem.build import (
     Problem,
     automatic_effects,
@@ -48,7 +50,11 @@ Progress = Callable[[float, str], None]
 
 
 def identify(
-    campaign: Campaign, effects: tuple[str, ...] | list[str] | None = None, progress: Progress | None = None
+    campaign: Campaign,
+    effects: tuple[str, ...] | list[str] | None = None,
+    progress: Progress | None = None,
+    *,
+    believed: Belief | None = None,
 ) -> Identification:
     """Identify the robot of a campaign.
 
@@ -60,6 +66,8 @@ def identify(
         masses or torques are known.
     progress : callable, optional
         Told the fraction done and what is being done.
+    believed : Belief, optional
+        What robots of the type say of this one beforehand; its parameters are identified besides.
 
     Returns
     -------
@@ -80,6 +88,7 @@ def identify(
     reached = within_reach(campaign)
     campaign = reached.campaign
     problem = build(campaign, chosen)
+    problem = problem if believed is None else with_belief(problem, believed)
     collapsed = verdict.before_fitting(campaign, problem)
     if collapsed:
         return _unfitted(campaign, chosen, Status.WRONG_NOMINAL_MODEL, collapsed)
@@ -163,7 +172,8 @@ def _answer(
 
 
 def _counts(problem: Problem, identified: RobustFit, outliers_found: int) -> Counts:
-    sizes = [result.residual.size for result in identified.results]
+    each = zip(identified.blocks, identified.results, strict=True)
+    sizes = [result.residual.size for block, result in each if block.quantity != BELIEF]
     return Counts(
         configurations=len(distinct_values(sites(problem.blocks[0].targets.stops))),
         observations=int(sum(sizes)),
