@@ -29,6 +29,7 @@ from truepose.effects.tool.tool_certificate import moves
 from truepose.identification.model.derivatives import position_jacobian, rotation_jacobian
 from truepose.identification.model.evaluation import State, Targets, evaluate
 from truepose.identification.model.parameters.structure import Structure
+from truepose.identification.problem.belief import Belief, precision_of, with_belief
 from truepose.identification.problem.build import automatic_effects, build
 from truepose.identification.verdict.identifiability import left_open
 from truepose.kinematics.frames import cross_matrix
@@ -52,6 +53,11 @@ class Knowns:
     discrepancy: Discrepancy = NONE
     nests: tuple[Nest, ...] | None = None  # as certified; None: those of the work space
     base_known: bool = True  # roughly; else it is found from the readings
+    believed: Belief | None = None  # of the arm's parameters together, as robots of its type tell it
+
+    def believing(self, belief: Belief) -> "Knowns":
+        """Return the same with what is believed of the arm."""
+        return replace(self, believed=belief)
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,6 +85,7 @@ class ArmKnowledge:
     ) -> None:
         campaign = _as_known(nominal_campaign(space, candidates), knowns)
         problem = build(campaign, tuple(effects or automatic_effects(campaign)))
+        problem = problem if knowns.believed is None else with_belief(problem, knowns.believed)
         self.structure: Structure = problem.structure
         self._start = problem.start
         self._setting: Setting = problem.setting
@@ -136,7 +143,7 @@ class ArmKnowledge:
 
     def prior(self) -> FloatArray:
         """Return the information that there is before any reading, shape (P, P)."""
-        return np.eye(len(self.structure.specs))
+        return precision_of(self.structure, self._knowns.believed)
 
     def errors(self, told: Told, seen: PlacesSeen) -> FloatArray:
         """Return the errors of predicted places after readings.
