@@ -9,7 +9,7 @@ from truepose.domain.arrays import BoolArray, FloatArray
 from truepose.domain.measurement.campaign import Stops
 from truepose.identification.distributions import chi2_exceeded
 from truepose.identification.model.evaluation import State, Targets
-from truepose.identification.model.structure import Structure
+from truepose.identification.model.parameters.structure import Structure
 from truepose.identification.observations.blocks import Block, BlockResult
 from truepose.identification.observations.whitening import Whitener
 

@@ -21,7 +21,7 @@ import numpy as np
 from truepose.domain.arrays import FloatArray
 from truepose.domain.errors import ConfigurationError
 from truepose.effects.ports import ParameterSpec
-from truepose.identification.model.structure import Structure
+from truepose.identification.model.parameters.structure import Structure
 from truepose.identification.observations.believed import belief_block
 from truepose.identification.problem.build import Problem
 

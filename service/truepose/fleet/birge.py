@@ -1,0 +1,47 @@
+r"""Whether campaigns of one robot scatter as their readings say.
+
+With m_c the parameters that the model of a fleet puts at campaign c and V_c their covariance, what a campaign
+says otherwise is b_c - A_c m_c, of covariance A_c - A_c V_c A_c; so
+
+    sum_c (b_c - A_c m_c)' A_c^+ (b_c - A_c m_c)    is expected to be    sum_c rank A_c - tr(A_c V_c)
+
+over the campaigns of a robot. The ratio of the two is about 1; where it is larger, robots come back from one
+campaign to the next less equal than their readings are precise (mountings, temperature), and all information
+is divided by it. The median over the robots is taken: a few that age do not move it.
+
+References
+----------
+R. T. Birge, Phys. Rev. 40, 1932, 207-227.
+"""
+
+from typing import Final
+
+import numpy as np
+
+from truepose.domain.arrays import FloatArray
+from truepose.fleet.mixed_model import Posterior
+
+_RANK: Final = 1e-9  # of the largest eigenvalue
+
+
+def birge_ratio(posterior: Posterior) -> float:
+    """Return the ratio of variances, 1 where campaigns scatter no more than their readings say."""
+    fleet, p = posterior.equations.fleet, posterior.equations.parameters
+    left = fleet.right - np.einsum("cpq,cq->cp", fleet.normal, posterior.fitted)
+    squares, expected = (np.zeros(len(fleet.robots)) for _ in range(2))
+    for c, robot in enumerate(fleet.robot.tolist()):
+        values, vectors = np.linalg.eigh(fleet.normal[c])
+        seen = values > _RANK * values[-1]
+        squares[robot] += float(((vectors[:, seen].T @ left[c]) ** 2 / values[seen]).sum())
+        spread = _spread(posterior, c, robot, p)
+        expected[robot] += float(seen.sum()) - float(np.einsum("pq,pq->", fleet.normal[c], spread))
+    return max(1.0, float(np.median(squares / np.maximum(expected, 1.0))))
+
+
+def _spread(posterior: Posterior, c: int, robot: int, p: int) -> FloatArray:
+    """Return the covariance of what the model puts at a campaign, shape (P + 1, P + 1)."""
+    acting = posterior.equations.acting[c].copy()
+    acting[:p] -= posterior.gain[robot]
+    spread = acting @ posterior.covariance @ acting.T
+    spread[:p, :p] += posterior.own[robot]
+    return np.asarray(spread)

@@ -1,0 +1,90 @@
+"""What may change over months: directions in the parameters of a robot, and the scale of an instrument."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from truepose.domain.arrays import FloatArray
+from truepose.domain.robot import Robot
+from truepose.effects.instruments.instrument_scale import NAME as SCALE
+from truepose.effects.joints.joint_harmonics import NAME as WAVES
+from truepose.effects.joints.joint_harmonics import joint_of_wave, order_of_wave
+from truepose.effects.links.thermal_growth import NAME as GROWTH
+from truepose.effects.names import joint_of, joint_subject
+from truepose.effects.ports import Trait
+from truepose.effects.registry import effects_with
+from truepose.fleet.campaigns import Fleet
+
+JOINT_ZERO: Final = "joint_offset"
+_ZERO: Final = "theta"
+_GROWN: Final = 1e-4  # of all lengths: five kelvin
+
+
+@dataclass(frozen=True)
+class AgeingCause:
+    """One way in which a robot or an instrument may change."""
+
+    effect: str
+    subject: str
+    directions: FloatArray  # (P + 1, q) in stated widths, the scale last
+    order: float = 0.0  # of waves
+
+
+def robot_causes(fleet: Fleet, robot: Robot | None = None) -> tuple[AgeingCause, ...]:
+    """Return what may change in a robot: each spring, gap, wave, zero and link.
+
+    Parameters
+    ----------
+    fleet : Fleet
+    robot : Robot, optional
+        Nominal; with it, that all its lengths grow together is among the ways.
+    """
+    members: dict[tuple[str, str, float], list[int]] = {}
+    for place, (name, owner) in enumerate(zip(fleet.names, fleet.owners, strict=True)):
+        members.setdefault(_kind(name, owner), []).append(place)
+    found = [
+        AgeingCause(effect, subject, _unit(fleet, places), order)
+        for (effect, subject, order), places in members.items()
+    ]
+    grown = None if robot is None else _growth(fleet, robot)
+    return tuple(found) if grown is None else (*found, AgeingCause(GROWTH, "links", grown))
+
+
+def instrument_cause(fleet: Fleet) -> AgeingCause:
+    """Return what may change in an instrument: its scale."""
+    return AgeingCause(SCALE, "tracker", _unit(fleet, [len(fleet.specs)]))
+
+
+def _kind(name: str, owner: str) -> tuple[str, str, float]:
+    if owner == WAVES:
+        return owner, joint_subject(joint_of_wave(name)), order_of_wave(name)
+    if owner not in effects_with(Trait.GEOMETRY):
+        return owner, _subject(name), 0.0
+    if name.startswith(_ZERO):
+        return JOINT_ZERO, joint_subject(joint_of(name)), 0.0
+    return owner, f"link {joint_of(name) + 1}", 0.0
+
+
+def _subject(name: str) -> str:
+    number = name.rsplit("_", 1)[-1]
+    return f"joint {number}" if number.isdigit() else name
+
+
+def _unit(fleet: Fleet, places: list[int]) -> FloatArray:
+    return np.eye(len(fleet.specs) + 1)[:, places]
+
+
+def _growth(fleet: Fleet, robot: Robot) -> FloatArray | None:
+    """Return all lengths that are parameters, each by the same share of itself, shape (P + 1, 1)."""
+    nominal: dict[str, Callable[[int], float]] = {
+        "a": lambda joint: robot.joints[joint].a_mm,
+        "d": lambda joint: robot.joints[joint].d_mm,
+    }
+    grown = np.zeros((len(fleet.specs) + 1, 1))
+    for place, name in enumerate(fleet.names):
+        quantity = name.split("_", 1)[0]
+        if quantity in nominal:
+            grown[place] = _GROWN * nominal[quantity](joint_of(name)) / fleet.widths[place]
+    return grown if grown.any() else None

@@ -1,0 +1,158 @@
+"""Which robot, the type, or which instrument changes over months, since when, and what else it may be.
+
+Every cause of every robot, of the type as a whole and of every instrument is tried as a line over time and
+as a step at every campaign, an instrument's single days too. The level, 1 % of fleets in which nothing
+changes, is held over everything that is tried: a third each for robots, type and instruments, divided evenly
+(Bonferroni). Of what is beyond chance the largest likelihood ratio is taken into the model, all variances are
+estimated anew, and all is tried again until nothing is beyond chance. Rivals of a change explain what it
+explains, without it, at odds of no worse than twenty to one.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+
+from truepose.domain.arrays import FloatArray
+from truepose.domain.robot import Robot
+from truepose.fleet.birge import birge_ratio
+from truepose.fleet.campaigns import Fleet
+from truepose.fleet.causes import AgeingCause, instrument_cause, robot_causes
+from truepose.fleet.components import Estimated, estimate
+from truepose.fleet.mixed_model import Equations, Posterior
+from truepose.fleet.trials import Change, InstrumentDays, Scope, Score, Trial, shapes
+
+LEVEL: Final = 0.01
+_RIVAL: Final = 6.0  # twice the log of odds of twenty to one
+_SCOPES: Final = 3
+_MOST: Final = 40  # changes; a fleet with more has another trouble
+
+
+@dataclass(frozen=True, slots=True)
+class Named:
+    """A change that is beyond chance."""
+
+    trial: Trial
+    amount: FloatArray  # (q,) at the end, in stated widths along its directions
+    covariance: FloatArray  # (q, q)
+    size_mm: float  # root mean square of what it moves at the measured configurations; of a scale at them too
+    size_u_mm: float  # standard uncertainty
+    rivals: tuple[Trial, ...]  # best first
+
+    @property
+    def change(self) -> Change:
+        """What changed."""
+        return self.trial.change
+
+
+@dataclass(frozen=True, slots=True)
+class Account:
+    """What the campaigns of a fleet say."""
+
+    fleet: Fleet  # with its information as it counts
+    estimated: Estimated  # with the named changes in the model
+    birge_ratio: float  # of variances; 1: campaigns scatter as their readings say
+    named: tuple[Named, ...]
+    tried: int
+
+
+def account_of(fleet: Fleet, robot: Robot | None = None, level: float = LEVEL) -> Account:
+    """Return what is shared, what differs, and what changes.
+
+    Parameters
+    ----------
+    fleet : Fleet
+    robot : Robot, optional
+        Nominal; with it, growth of all lengths is among what a robot may do.
+    level : float
+        Chance that something is named in a fleet in which nothing changes.
+
+    Returns
+    -------
+    Account
+    """
+    estimated = estimate(Equations(fleet))
+    ratio = birge_ratio(estimated.posterior)
+    if ratio > 1.0:
+        fleet = replace(fleet, normal=fleet.normal / ratio, right=fleet.right / ratio)
+        estimated = estimate(Equations(fleet), estimated.variances)
+    causes = robot_causes(fleet, robot)
+    found: list[Trial] = []
+    trials = tuple(_trials(estimated.posterior, causes))
+    tried = len(trials)
+    while len(found) < _MOST and (best := _beyond_chance(trials, level)) is not None:
+        found.append(best)
+        estimated = estimate(Equations(fleet, [one.change.named for one in found]), estimated.variances)
+        trials = tuple(_trials(estimated.posterior, causes))
+    named = tuple(_named(estimated, found, number, causes) for number in range(len(found)))
+    return Account(fleet, estimated, ratio, named, tried)
+
+
+def _trials(posterior: Posterior, causes: Sequence[AgeingCause]) -> Iterator[Trial]:
+    fleet = posterior.equations.fleet
+    for number, robot in enumerate(fleet.robots):
+        yield from _arm_trials(posterior, causes, "robot", robot, fleet.robot == number)
+    yield from _arm_trials(posterior, causes, "type", "", np.ones(len(fleet.day), dtype=bool))
+    yield from _instrument_trials(posterior)
+
+
+def _arm_trials(
+    posterior: Posterior, causes: Sequence[AgeingCause], scope: Scope, of: str, among: np.ndarray
+) -> Iterator[Trial]:
+    for kind, since, shape in shapes(posterior.equations.fleet.day, among):
+        score = Score(posterior, shape)
+        for cause in causes:
+            yield Trial(Change(scope, of, cause, kind, since, shape), *score.of(cause.directions))
+
+
+def _instrument_trials(posterior: Posterior) -> Iterator[Trial]:
+    fleet = posterior.equations.fleet
+    days, cause = InstrumentDays(posterior), instrument_cause(fleet)
+    instrument, day = (np.array(column) for column in zip(*fleet.visits, strict=True))
+    for number, name in enumerate(fleet.instruments):
+        for kind, since, shape in shapes(day, instrument == number, days=True):
+            change = Change("instrument", name, cause, kind, since, shape[fleet.visit])
+            yield Trial(change, *days.of(shape))
+
+
+def _beyond_chance(trials: Sequence[Trial], level: float) -> Trial | None:
+    """Return the change with the largest ratio among those that chance does not explain; None: nothing is."""
+    counts = {
+        scope: sum(one.change.scope == scope for one in trials) for scope in ("robot", "type", "instrument")
+    }
+    beyond = [
+        one for one in trials if one.ratio > 0.0 and one.chance * counts[one.change.scope] * _SCOPES <= level
+    ]
+    return max(beyond, key=lambda one: one.ratio, default=None)
+
+
+def _named(estimated: Estimated, found: Sequence[Trial], number: int, causes: Sequence[AgeingCause]) -> Named:
+    posterior = estimated.posterior
+    place = posterior.equations.of_change(number)
+    amount, covariance = posterior.shared[place], posterior.covariance[place, place]
+    motion = posterior.equations.fleet.motion_mm2
+    directions = found[number].change.cause.directions
+    size = float(np.sqrt(max(amount @ directions.T @ motion @ directions @ amount, 0.0)))
+    slope = directions.T @ motion @ directions @ amount / max(size, 1e-300)
+    spread = float(np.sqrt(slope @ covariance @ slope))
+    return Named(found[number], amount, covariance, size, spread, _rivals(estimated, found, number, causes))
+
+
+def _rivals(
+    estimated: Estimated, found: Sequence[Trial], number: int, causes: Sequence[AgeingCause]
+) -> tuple[Trial, ...]:
+    """Return what else explains a change nearly as well, the others staying in the model."""
+    others = [one.change.named for k, one in enumerate(found) if k != number]
+    own = found[number].change
+    equations = Equations(estimated.posterior.equations.fleet, others)
+    # An instrument's days are free again without its change.
+    without = (
+        estimate(equations, estimated.variances).posterior
+        if own.scope == "instrument"
+        else Posterior(equations, estimated.variances)
+    )
+    trials = tuple(_trials(without, causes))
+    best = max(one.ratio for one in trials if one.change.same_as(own))
+    close = (one for one in trials if one.ratio >= best - _RIVAL and not one.change.same_as(own))
+    return tuple(sorted(close, key=lambda one: -one.ratio))

@@ -1,0 +1,50 @@
+"""What a fleet says beforehand of a further robot of the type, or of one of its own as it is now."""
+
+from typing import Final
+
+import numpy as np
+
+from truepose.domain.arrays import FloatArray
+from truepose.fleet.changes import Account
+from truepose.fleet.components import uncertainties
+from truepose.identification.problem.belief import Belief
+
+_SMALLEST: Final = 1e-10  # of stated variances: rounding leaves no variance below 0
+
+
+def of_a_new_robot(account: Account) -> Belief:
+    """Return what is believed of a robot of the type that was never measured.
+
+    Its mean is that of the type. The variances between robots are themselves estimated: each counts with its
+    standard uncertainty on top, which is little of forty robots and as much again of three, so that a
+    variance that came out as nothing by chance is not taken at its word.
+    """
+    posterior = account.estimated.posterior
+    own = slice(len(account.fleet.specs))
+    variances = account.estimated.variances.robot
+    between = variances + np.minimum(uncertainties(account.estimated), 1.0)
+    return _belief(account, posterior.shared[own], posterior.covariance[own, own] + np.diag(between))
+
+
+def of_robot_now(account: Account, robot: str) -> Belief:
+    """Return what is known of a robot of the fleet after its last campaign, named changes included."""
+    fleet, posterior = account.fleet, account.estimated.posterior
+    number = fleet.robots.index(robot)
+    mean, covariance = posterior.robot_now(number)
+    last = np.flatnonzero(fleet.robot == number)
+    last = last[np.argmax(fleet.day[last])]
+    p = len(fleet.specs)
+    acting = np.concatenate([np.eye(p), posterior.equations.acting[last, :p]], axis=1)
+    return _belief(account, acting @ mean, acting @ covariance @ acting.T)
+
+
+def _belief(account: Account, mean: FloatArray, covariance: FloatArray) -> Belief:
+    """Return a mean and covariance in stated widths in the parameters' own units."""
+    fleet = account.fleet
+    whole = 0.5 * (covariance + covariance.T) + _SMALLEST * np.eye(len(mean))
+    return Belief(
+        fleet.specs,
+        fleet.owners,
+        fleet.means + fleet.widths * mean,
+        whole * np.outer(fleet.widths, fleet.widths),
+    )

@@ -1,0 +1,188 @@
+r"""How well each change over time would explain what is left of a fleet: likelihood ratios and chances.
+
+A change adds f_c E v to campaigns c, with shape f and directions E. With x the parameters that the model of
+the fleet puts at each campaign, and everything else integrated out,
+
+    U = E' sum f_c (b_c - A_c x_c)                                  score
+    F = E' (sum f_c^2 A_c - what deviations and g take up) E        its covariance where nothing changed
+
+U' F^-1 U is then chi-square with q degrees of freedom. A random v ~ N(0, s I) of unknown size s has twice the
+log likelihood ratio, largest over s >= 0 and 0 where nothing speaks for it (the boundary),
+
+    max_s sum_k [z_k^2 s l_k / (1 + s l_k) - ln(1 + s l_k)]         F = V l V', z = l^-1/2 V' U
+
+An instrument's scale is free on every day that it measured, with a variance that the same days have to tell:
+there the line or step is fitted to the scales of D days with that variance estimated anew, and judged by
+Student's t with D - J - 1 degrees of freedom (J instruments).
+
+References
+----------
+S. G. Self, K.-Y. Liang, J. American Statistical Association 82, 1987, 605-610 (tests on the boundary).
+D. A. Harville, J. American Statistical Association 72, 1977, 320-338.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Final, Literal
+
+import numpy as np
+
+from truepose.domain.arrays import BoolArray, FloatArray
+from truepose.fleet.causes import AgeingCause
+from truepose.fleet.mixed_model import NamedChange, Posterior
+from truepose.identification.distributions import chi2_exceeded, f_exceeded
+
+Scope = Literal["robot", "type", "instrument"]
+Kind = Literal["linear", "step", "day"]
+
+_SEEN: Final = 1e-6  # of the largest information of a cause: directions with less are not seen at all
+_SIZES: Final = np.logspace(-4.0, 8.0, 121)  # of 1 / information: where the largest ratio is looked for
+_DAYS: Final = np.append(0.0, np.logspace(-8.0, 0.0, 81))  # variances of days, in squared stated widths
+
+
+@dataclass(frozen=True)
+class Change:
+    """A change that may have happened."""
+
+    scope: Scope
+    of: str  # robot or instrument; empty for the type
+    cause: AgeingCause
+    kind: Kind
+    since: float  # day: of the first campaign, of a step the first with it
+    shape: FloatArray  # (C,) 0 before, 1 at the end
+
+    @property
+    def named(self) -> NamedChange:
+        """As a part of the model."""
+        return NamedChange(self.cause.directions, self.shape)
+
+    def same_as(self, other: "Change") -> bool:
+        """Return whether both are the same change."""
+        return self.key == other.key
+
+    @property
+    def key(self) -> tuple[str | float, ...]:
+        """What tells it from every other change."""
+        cause = self.cause
+        return (self.scope, self.of, cause.effect, cause.subject, cause.order, self.kind, self.since)
+
+
+@dataclass(frozen=True, slots=True)
+class Trial:
+    """What speaks for a change."""
+
+    change: Change
+    ratio: float  # twice the log likelihood ratio
+    chance: float  # of so much where nothing changed
+
+
+def shapes(
+    day: FloatArray, among: BoolArray, *, days: bool = False
+) -> Iterator[tuple[Kind, float, FloatArray]]:
+    """Yield kind, first day and shape (C,) of the ways in which something may change over some campaigns.
+
+    Parameters
+    ----------
+    day : ndarray, shape (C,)
+    among : ndarray, shape (C,)
+        Campaigns that it concerns.
+    days : bool
+        Single days too, as of an instrument that was out of order.
+    """
+    known = np.unique(day[among])
+    if len(known) > 2:
+        yield "linear", float(known[0]), among * (day - known[0]) / (known[-1] - known[0])
+    for at in known[1:].tolist():
+        yield "step", at, (among & (day >= at)).astype(float)
+    if days and len(known) > 2:
+        for at in known[1:-1].tolist():
+            yield "day", at, (among & (day == at)).astype(float)
+
+
+class Score:
+    """Score and information of all directions for one shape over the campaigns."""
+
+    def __init__(self, posterior: Posterior, shape: FloatArray) -> None:
+        equations = posterior.equations
+        fleet, here = equations.fleet, np.flatnonzero(shape)
+        f, p = shape[here], equations.parameters
+        normal = fleet.normal[here]
+        left = fleet.right[here] - np.einsum("cpq,cq->cp", normal, posterior.fitted[here])
+        self.score = f @ left  # (P + 1,)
+        information = np.einsum("c,cpq->pq", f**2, normal)
+        common = np.einsum("c,cpg->gp", f, equations.seen[here])
+        for robot in np.unique(fleet.robot[here]).tolist():
+            own = fleet.robot[here] == robot
+            mine = np.einsum("c,cpq->pq", f[own], normal[own, :p])  # (P, P + 1)
+            information -= mine.T @ posterior.own[robot] @ mine
+            common -= posterior.gain[robot].T @ mine
+        self.information = information - common.T @ posterior.covariance @ common
+
+    def of(self, directions: FloatArray) -> tuple[float, float]:
+        """Return twice the log likelihood ratio of a change along directions (P + 1, q), and its chance."""
+        values, vectors = np.linalg.eigh(directions.T @ self.information @ directions)
+        seen = values > _SEEN * max(float(values[-1]), 1e-300)
+        if not seen.any():
+            return 0.0, 1.0
+        known = values[seen]
+        squares = (vectors[:, seen].T @ (directions.T @ self.score)) ** 2 / known
+        return largest_ratio(squares, known), chi2_exceeded(float(squares.sum()), float(seen.sum()))
+
+
+def largest_ratio(squares: FloatArray, information: FloatArray) -> float:
+    """Return twice the log likelihood ratio, largest over the size of the change.
+
+    Parameters
+    ----------
+    squares : ndarray, shape (q,)
+        Squared scores over their variance.
+    information : ndarray, shape (q,)
+        Positive.
+    """
+    if len(squares) == 1:  # closed: s l = z^2 - 1
+        return float(squares[0] - 1.0 - np.log(squares[0])) if squares[0] > 1.0 else 0.0
+    wound = _SIZES[:, None] * information / information.max()
+    each = squares * wound / (1.0 + wound) - np.log1p(wound)
+    return max(float(each.sum(axis=1).max()), 0.0)
+
+
+class InstrumentDays:
+    """The scales of instruments on their days, and what explains them."""
+
+    def __init__(self, posterior: Posterior) -> None:
+        visits = posterior.equations.visits
+        prior = posterior.equations.prior(posterior.variances.day)[visits, visits]
+        known = np.linalg.inv(posterior.covariance[visits, visits])
+        covariance = np.linalg.inv(known - np.linalg.inv(prior))
+        self.covariance = 0.5 * (covariance + covariance.T)  # (D, D) of the readings alone
+        self.scale = self.covariance @ (known @ posterior.shared[visits])  # (D,) in stated widths
+        instrument = np.array([visit[0] for visit in posterior.equations.fleet.visits])
+        self._levels = (instrument[:, None] == np.unique(instrument)).astype(float)
+        self._without = max(self._fitted(self._levels, day)[0] for day in _DAYS.tolist())
+
+    def of(self, shape: FloatArray) -> tuple[float, float]:
+        """Return twice the log likelihood ratio of a change (D,) over the visits, and its chance."""
+        columns = np.column_stack([self._levels, shape])
+        left = len(shape) - columns.shape[1]
+        if left < 1:
+            return 0.0, 1.0
+        best = max((self._fitted(columns, day) for day in _DAYS.tolist()), key=lambda one: one[0])
+        return max(2.0 * (best[0] - self._without), 0.0), f_exceeded(best[1], 1.0, float(left))
+
+    def _fitted(self, columns: FloatArray, day: float) -> tuple[float, float]:
+        """Return the log likelihood, and the squared ratio of the last column to its uncertainty.
+
+        The variance of days is that of the restricted likelihood's scale: of D values, as many are free as
+        columns leave.
+        """
+        root = np.linalg.cholesky(self.covariance + day * np.eye(len(self.scale)))
+        white, read = np.linalg.solve(root, columns), np.linalg.solve(root, self.scale)
+        inverse = np.linalg.inv(white.T @ white)
+        found = inverse @ (white.T @ read)
+        left = read - white @ found
+        squared = float(left @ left)
+        # What days scatter beyond this variance widens it, so that the largest likelihood is not taken at
+        # its word by few days.
+        spread = max(squared / max(len(read) - columns.shape[1], 1), 1.0)
+        likelihood = -0.5 * (squared + 2.0 * float(np.log(np.diag(root)).sum()))
+        return likelihood, float(found[-1] ** 2 / (inverse[-1, -1] * spread))

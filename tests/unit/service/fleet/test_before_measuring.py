@@ -1,0 +1,135 @@
+"""What is promised and planned with what a fleet says, in the cell of the simulated arm."""
+
+import numpy as np
+import pytest
+
+from tests.studies.fleet.simulated import campaign_of, draw_fleet
+from truepose.domain.errors import ConfigurationError
+from truepose.exchange.cells.file import simulated_cell
+from truepose.fleet.causes import AgeingCause
+from truepose.fleet.information import fleet_effects, information_of
+from truepose.fleet.promise import lacking_mm, promise
+from truepose.fleet.quick_check import TOLD, quick_check
+from truepose.identification.problem.belief import Belief
+from truepose.planning.promise.knowledge import ArmKnowledge, Knowns
+from truepose.planning.work_volume.candidates import draw_candidates
+from truepose.planning.work_volume.cell_space import space_to_measure
+from truepose_simulators.cell.clock import CellClock
+from truepose_simulators.cell.true_cell import Cell
+from truepose_simulators.recording import Wishes
+
+_LIMIT_MM = 0.05
+
+
+@pytest.fixture(scope="module")
+def cell():
+    return simulated_cell("irb120-clean", 0)
+
+
+@pytest.fixture(scope="module")
+def space(cell):
+    return space_to_measure(cell, -0.0872664626)
+
+
+@pytest.fixture(scope="module")
+def knowns(cell):
+    return Knowns(fixed_nests=cell.fixed_nests)
+
+
+@pytest.fixture(scope="module")
+def campaign():
+    robot = draw_fleet(1, robots=2, ageing=0).robots[0]
+    wishes = Wishes(configurations=60, validation=0, attachments=1)
+    return campaign_of(Cell(robot.scenario(0.0, 0.0), 1, CellClock(0)), wishes)
+
+
+@pytest.fixture(scope="module")
+def belief(campaign):
+    """Robots of the type differ by a fiftieth of what is stated, and have one wave."""
+    told = information_of(
+        campaign, tuple(name for name in fleet_effects(campaign) if name != "instrument_scale")
+    )
+    widths = np.array([spec.prior_width for spec in told.specs])
+    mean = np.array([spec.prior_mean for spec in told.specs])
+    mean = np.where(np.array(told.names) == "wave_6_100_sin", 5e-4, mean)
+    return Belief(told.specs, told.owners, mean, np.diag((0.02 * widths) ** 2))
+
+
+def _wave(belief):
+    place = [belief.names.index(f"wave_6_100_{part}") for part in ("sin", "cos")]
+    return AgeingCause("joint_harmonics", "joint 6", np.eye(len(belief.names) + 1)[:, place], 100.0)
+
+
+def test_few_readings_with_the_type_promise_more_than_many_without(space, belief, campaign, knowns):
+    found = promise(space, belief, campaign, knowns=knowns)
+
+    assert (found.pooled.n, found.alone.n) == (15, 50)
+    assert found.pooled.mean_mm < found.alone.mean_mm
+    assert found.lacking_mm > 0.02  # the wave alone is 0.5 mrad on a lever of some 100 mm
+
+
+def test_a_type_of_which_nothing_is_believed_beyond_the_usual_lacks_nothing(belief, campaign):
+    usual = [k for k, owner in enumerate(belief.owners) if owner in {"geometry", "compliance"}]
+    few = Belief(
+        tuple(belief.specs[k] for k in usual),
+        tuple(belief.owners[k] for k in usual),
+        belief.mean[usual],
+        belief.covariance[np.ix_(usual, usual)],
+    )
+
+    assert lacking_mm(few, campaign) == 0.0
+
+
+def test_a_quick_check_tells_what_was_asked_with_few_configurations(space, belief, knowns):
+    candidates = draw_candidates(space, 150, np.random.default_rng(0))
+
+    found = quick_check(space, candidates, belief, [_wave(belief)], _LIMIT_MM, knowns)
+
+    assert found.enough
+    assert 1 <= len(found.nest) < 40
+    assert np.all(np.diff(found.told_mm[:, 0]) <= 1e-12)
+    assert found.told_mm[-1, 0] <= _LIMIT_MM < found.told_mm[-2, 0]
+
+
+def test_what_a_quick_check_states_is_what_its_information_says(space, belief, knowns):
+    candidates = draw_candidates(space, 60, np.random.default_rng(1))
+    cause = _wave(belief)
+    found = quick_check(space, candidates, belief, [cause], _LIMIT_MM, knowns)
+    knowledge = ArmKnowledge(space, candidates, knowns.believing(belief))
+    place = [knowledge.structure.index_of(f"wave_6_100_{part}") for part in ("sin", "cos")]
+    # As one regression: the wave as it was, with what is believed of it, and a second one on top of it.
+    rows = knowledge.told(found.joints_rad, found.nest).rows.reshape(3 * len(found.nest), -1)
+    both = np.hstack([rows, rows[:, place]])
+    prior = np.zeros((both.shape[1],) * 2)
+    prior[: rows.shape[1], : rows.shape[1]] = knowledge.prior()
+    prior[rows.shape[1] :, rows.shape[1] :] = 1e-6 * np.eye(2)
+    spread = np.sqrt(np.diag(np.linalg.inv(both.T @ both + prior))[-2:])
+    motion = knowledge.places(candidates.joints_rad, candidates.nest).motion[:, :, place]
+    size = np.sqrt((motion**2).sum(axis=1).mean(axis=0))
+
+    assert found.told_mm[-1, 0] == pytest.approx(TOLD * (spread * size).max(), rel=1e-6)
+
+
+def test_a_larger_growth_needs_fewer_configurations(space, belief, knowns):
+    candidates = draw_candidates(space, 100, np.random.default_rng(2))
+
+    fine, coarse = (
+        quick_check(space, candidates, belief, [_wave(belief)], limit_mm, knowns) for limit_mm in (0.05, 0.2)
+    )
+
+    assert len(coarse.nest) < len(fine.nest)
+
+
+def test_what_cannot_be_told_is_said_not_to_be(space, belief, knowns):
+    candidates = draw_candidates(space, 20, np.random.default_rng(3))
+
+    found = quick_check(space, candidates, belief, [_wave(belief)], 1e-4, knowns)
+
+    assert not found.enough
+
+
+def test_a_quick_check_of_nothing_is_refused(space, belief, knowns):
+    candidates = draw_candidates(space, 20, np.random.default_rng(2))
+
+    with pytest.raises(ConfigurationError, match="at least one cause"):
+        quick_check(space, candidates, belief, [], _LIMIT_MM, knowns)

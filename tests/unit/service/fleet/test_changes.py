@@ -1,0 +1,91 @@
+"""Robot, type or instrument, since when, and nothing where nothing changes."""
+
+import numpy as np
+import pytest
+
+from tests.helpers.fleet.linear import drawn
+from truepose.fleet.changes import account_of
+from truepose.fleet.forecast import passing, probability_passed
+
+_GAP = np.array([0.0, 0.0, 1.0, 0.0])
+_SCALE = np.array([0.0, 0.0, 0.0, 1.0])
+
+
+def _told(made):
+    account = account_of(made.fleet())
+    return account, [
+        (one.change.scope, one.change.of, one.change.cause.effect, one.change.kind) for one in account.named
+    ]
+
+
+@pytest.mark.parametrize("seed", range(10, 16))
+def test_where_nothing_changes_nothing_is_named(seed):
+    account, named = _told(drawn(seed, readings=30))
+
+    assert named == []
+    assert account.tried > 60
+
+
+def test_a_robot_that_ages_is_named_with_its_cause():
+    account, named = _told(drawn(21, readings=40, drift=lambda i, k, month: 0.6 * month * (i == 4) * _GAP))
+
+    assert named == [("robot", "robot 4", "geometry", "linear")]
+    change = account.named[0]
+    assert change.change.cause.subject == "link 4"
+    assert change.amount[-1] == pytest.approx(1.8, abs=4 * float(np.sqrt(change.covariance[-1, -1])))
+
+
+def test_a_step_is_named_with_its_day():
+    account, named = _told(
+        drawn(22, readings=40, months=6, drift=lambda i, k, month: 2.0 * (month >= 3) * (i == 1) * _GAP)
+    )
+
+    assert [one[3] for one in named] == ["step"]
+    assert account.named[0].change.since == 90.0
+    assert passing(account.fleet, account.named[0], 1.0) is None
+
+
+def test_a_tracker_that_drifts_is_no_ageing_of_the_robots_that_it_measured():
+    _, named = _told(
+        drawn(
+            23,
+            robots=10,
+            months=6,
+            readings=40,
+            day=0.0,
+            drift=lambda i, k, month: 0.4 * month * (k == 1) * _SCALE,
+        )
+    )
+
+    assert named == [("instrument", "tracker 1", "instrument_scale", "linear")]
+
+
+def test_what_all_robots_do_is_the_types():
+    _, named = _told(drawn(24, readings=40, drift=lambda i, k, month: 0.4 * month * _GAP))
+
+    assert named == [("type", "", "geometry", "linear")]
+
+
+def test_a_forecast_is_the_crossing_of_its_line():
+    account, _ = _told(drawn(21, readings=40, drift=lambda i, k, month: 0.6 * month * (i == 4) * _GAP))
+    change = account.named[0]
+
+    found = passing(account.fleet, change, 2.0 * change.size_mm)
+
+    assert found.day == pytest.approx(180.0)  # twice what it came to within 90 days
+    assert found.earliest < found.day < found.latest
+    for day, chance in ((found.earliest, 0.05), (found.day, 0.5), (found.latest, 0.95)):
+        assert probability_passed(account.fleet, change, 2.0 * change.size_mm, day) == pytest.approx(
+            chance, abs=1e-9
+        )
+    assert probability_passed(account.fleet, change, 1.0, 0.0) == 0.0
+
+
+def test_campaigns_that_scatter_more_than_their_readings_count_less():
+    rng = np.random.default_rng(5)
+    scattered = drawn(25, readings=40, drift=lambda i, k, month: 0.5 * rng.standard_normal(4))
+
+    account, named = _told(scattered)
+
+    assert account.birge_ratio > 3.0
+    assert named == []

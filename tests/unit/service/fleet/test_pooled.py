@@ -1,0 +1,94 @@
+"""What a fleet says of a robot beforehand, and an identification that takes it."""
+
+import numpy as np
+import pytest
+
+from tests.helpers.fleet.linear import drawn
+from tests.studies.fleet.simulated import campaign_of, draw_fleet
+from truepose.domain.errors import ConfigurationError
+from truepose.fleet.changes import account_of
+from truepose.fleet.information import fleet_effects, information_of
+from truepose.fleet.pooled import of_a_new_robot, of_robot_now
+from truepose.identification import identify
+from truepose.identification.problem.belief import Belief
+from truepose_simulators.cell.clock import CellClock
+from truepose_simulators.cell.true_cell import Cell
+from truepose_simulators.recording import Wishes
+
+
+@pytest.fixture(scope="module")
+def campaign():
+    robot = draw_fleet(1, robots=2, ageing=0).robots[0]
+    cell = Cell(robot.scenario(0.0, 0.0), 1, CellClock(0))
+    return campaign_of(cell, Wishes(configurations=15, validation=0, attachments=1))
+
+
+@pytest.fixture(scope="module")
+def told(campaign):
+    return information_of(
+        campaign, tuple(name for name in fleet_effects(campaign) if name != "instrument_scale")
+    )
+
+
+def _belief(told, seed=0, size=0.02):
+    rng = np.random.default_rng(seed)
+    widths = np.array([spec.prior_width for spec in told.specs])
+    means = np.array([spec.prior_mean for spec in told.specs])
+    root = size * rng.standard_normal((len(widths), len(widths)))
+    covariance = (root @ root.T + 1e-3 * np.eye(len(widths))) * np.outer(widths, widths)
+    return Belief(
+        told.specs, told.owners, means + 0.05 * widths * rng.standard_normal(len(widths)), covariance
+    )
+
+
+def test_an_identification_with_a_belief_is_bayes_theorem(campaign, told):
+    belief = _belief(told)
+    precision = np.linalg.inv(belief.covariance)
+    covariance = np.linalg.inv(told.normal + precision)
+    expected = covariance @ (told.right + precision @ belief.mean)
+
+    found = identify(campaign, believed=belief)
+
+    value = {parameter.name: parameter.value for parameter in found.parameters}
+    got = np.array([value[name] for name in told.names])
+    # Fifteen readings leave a tenth of the widths open to their linearisation.
+    assert np.abs((got - expected) / np.sqrt(np.diag(covariance))).max() < 0.02
+    assert found.counts.observations == 45
+
+
+def test_a_belief_that_knows_no_more_than_what_was_stated_changes_nothing(campaign, told):
+    widths = np.array([spec.prior_width for spec in told.specs])
+    means = np.array([spec.prior_mean for spec in told.specs])
+    vague = Belief(told.specs, told.owners, means, 4.0 * np.diag(widths**2))
+
+    rows, _ = vague.beyond_stated()
+
+    assert not rows.any()
+
+
+def test_a_covariance_that_is_none_is_refused(told):
+    broken = Belief(told.specs, told.owners, np.zeros(len(told.specs)), np.zeros((len(told.specs),) * 2))
+
+    with pytest.raises(ConfigurationError, match="variances are all above 0"):
+        broken.beyond_stated()
+
+
+def test_a_new_robot_is_believed_to_be_as_robots_of_its_type_are():
+    made = drawn(31, robots=60, readings=30, day=0.0)
+    account = account_of(made.fleet())
+
+    belief = of_a_new_robot(account)
+
+    widths = np.array([spec.prior_width for spec in belief.specs])
+    spread = np.sqrt(np.diag(belief.covariance)) / widths
+    # Drawn with these; 60 robots tell a spread to a tenth, and its uncertainty is added.
+    assert spread == pytest.approx([0.5, 0.2, 0.3], rel=0.4)
+    assert np.all(spread**2 > account.estimated.variances.robot)
+
+
+def test_a_measured_robot_is_known_better_than_a_new_one():
+    account = account_of(drawn(32, readings=30).fleet())
+
+    now = np.diag(of_robot_now(account, "robot 2").covariance)
+
+    assert np.all(now < 0.3 * np.diag(of_a_new_robot(account).covariance))

@@ -1,0 +1,83 @@
+"""What speaks for a change, against one dense covariance of all readings and against a general optimiser."""
+
+import numpy as np
+import pytest
+from scipy.optimize import minimize_scalar
+from scipy.stats import chi2
+
+from tests.helpers.fleet.linear import Dense, drawn
+from truepose.fleet.mixed_model import Equations, Posterior, Variances
+from truepose.fleet.trials import InstrumentDays, Score, largest_ratio, shapes
+
+_ROBOT, _DAY = (0.3, 0.1, 0.1), 0.05
+
+
+@pytest.fixture(scope="module")
+def made():
+    return drawn(1)
+
+
+@pytest.fixture(scope="module")
+def posterior(made):
+    return Posterior(Equations(made.fleet()), Variances(np.array(_ROBOT), _DAY))
+
+
+def test_score_and_chance_are_those_of_generalised_least_squares(made, posterior):
+    dense = Dense(made)
+    shape = np.where(posterior.equations.fleet.robot == 2, posterior.equations.fleet.day / 90.0, 0.0)
+    of_row = np.where(dense.robots == 2, dense.days / 90.0, 0.0)
+    moved = (dense.columns[[0, 2]] * of_row).T
+    covariance = dense.covariance(_ROBOT, _DAY)
+    score = moved.T @ np.linalg.solve(covariance, dense.read)
+    information = moved.T @ np.linalg.solve(covariance, moved)
+    directions = np.eye(4)[:, [0, 2]]
+
+    found = Score(posterior, shape)
+
+    assert directions.T @ found.score == pytest.approx(score, abs=1e-8)
+    assert directions.T @ found.information @ directions == pytest.approx(information, rel=1e-8)
+    expected = chi2.sf(score @ np.linalg.solve(information, score), 2)
+    assert found.of(directions)[1] == pytest.approx(expected, rel=1e-6)
+
+
+@pytest.mark.parametrize("squares", [(9.0,), (9.0, 2.0), (4.0, 0.1, 12.0)])
+def test_the_largest_ratio_is_that_of_a_general_optimiser(squares):
+    information = np.array([3.0, 40.0, 0.5])[: len(squares)]
+    known = np.array(squares)
+
+    def against(log_size):
+        wound = np.exp(log_size) * information
+        return -float((known * wound / (1.0 + wound) - np.log1p(wound)).sum())
+
+    best = min(
+        minimize_scalar(against, bounds=(low, low + 4.0), method="bounded").fun for low in range(-12, 8, 2)
+    )
+
+    assert largest_ratio(known, information) == pytest.approx(-best, abs=0.02)  # a tenth between two sizes
+
+
+def test_what_noise_explains_has_no_ratio():
+    assert largest_ratio(np.array([0.9]), np.array([5.0])) == 0.0
+    assert largest_ratio(np.array([0.5, 0.2]), np.array([5.0, 5.0])) == 0.0
+
+
+def test_two_campaigns_tell_no_line_from_a_step():
+    day = np.array([0.0, 30.0, 0.0, 30.0, 60.0])
+
+    found = list(shapes(day, np.array([True, True, False, False, False])))
+
+    assert [(kind, since) for kind, since, _ in found] == [("step", 30.0)]
+
+
+def test_a_tracker_that_drifts_is_beyond_chance_and_one_that_does_not_is_not():
+    drifting = drawn(
+        3, readings=40, day=0.02, drift=lambda i, k, month: np.array([0, 0, 0, 0.5 * month * (k == 1)])
+    )
+    fleet = drifting.fleet()
+    days = InstrumentDays(Posterior(Equations(fleet), Variances(np.array([0.25, 0.04, 0.09]), 0.1)))
+    instrument, day = (np.array(column) for column in zip(*fleet.visits, strict=True))
+
+    ways = {k: next(iter(shapes(day, instrument == k)))[2] for k in (0, 1)}
+
+    assert days.of(ways[1])[1] < 1e-4
+    assert days.of(ways[0])[1] > 0.01
