@@ -10,6 +10,7 @@ from typing import Final
 
 import numpy as np
 
+from truepose.domain.arrays import FloatArray, IntArray
 from truepose.domain.measurement.campaign import Campaign, Stops
 from truepose.fleet.information import fleet_effects
 from truepose.identification.model.derivatives import position_jacobian
@@ -34,6 +35,8 @@ class Promised:
     n: int
     mean_mm: float
     interval_90_mm: tuple[float, float]  # nine calibrations of ten have their mean error within
+    joints_rad: FloatArray  # (n, J) to measure, in the order of choice
+    nest: IntArray  # (n,)
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,7 +94,8 @@ def _promised(space: WorkSpace, knowns: Knowns, n: int, seed: int) -> Promised:
         Told(told.rows[order], told.held[order]), knowledge.places(place.joints_rad, place.nest)
     )
     found = spread(errors, knowledge.discrepancy)
-    return Promised(len(order), found.mean_mm, found.interval_90_mm)
+    chosen = candidates.subset(order)
+    return Promised(len(order), found.mean_mm, found.interval_90_mm, chosen.joints_rad, chosen.nest)
 
 
 def lacking_mm(belief: Belief, campaign: Campaign) -> float:

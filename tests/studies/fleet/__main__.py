@@ -1,0 +1,137 @@
+"""Fleets of forty robots over five months: what is named, what is not, and what a new robot gains.
+
+`python -m tests.studies.fleet --fleets 20 --out out/fleet` takes some 30 s of one core a fleet. Identified
+fleets are kept in the folder, so that a study that was interrupted goes on.
+"""
+
+import argparse
+import json
+import pickle
+import sys
+from dataclasses import asdict
+from pathlib import Path
+
+import numpy as np
+
+from tests.studies.fleet.held import Held, held
+from tests.studies.fleet.newcomers import NewRobot, Promises, newcomers, promised
+from tests.studies.fleet.simulated import FleetTruth, draw_fleet, recorded_fleet
+from truepose.fleet.campaigns import Measured, fleet_of
+from truepose.fleet.changes import account_of
+from truepose.fleet.information import information_of
+
+_WITHOUT_FROM = 100  # seeds of fleets in which nothing ages
+
+
+def main() -> int:
+    """Measure, print and write."""
+    options = _options()
+    options.out.mkdir(parents=True, exist_ok=True)
+    fleets: list[Held] = []
+    new: list[NewRobot] = []
+    promises: list[Promises] = []
+    for seed in range(1, options.ageing + 1):
+        one, robots, said = _studied(options, seed, ageing=3)
+        fleets.append(one)
+        new += robots
+        promises += said
+        _written(options.out, fleets, new, promises)
+    for seed in range(_WITHOUT_FROM + 1, _WITHOUT_FROM + options.fleets + 1):
+        fleets.append(_studied(options, seed, ageing=0)[0])
+        _written(options.out, fleets, new, promises)
+    sys.stdout.write(_told(fleets, new, promises))
+    return 0
+
+
+def _options() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--out", type=Path, required=True)
+    parser.add_argument("--fleets", type=int, default=20, help="in which nothing ages")
+    parser.add_argument("--ageing", type=int, default=10, help="in which three robots and a tracker do")
+    parser.add_argument("--robots", type=int, default=40)
+    parser.add_argument("--configurations", type=int, default=40, help="of each campaign")
+    parser.add_argument("--new", type=int, default=10, help="new robots of each ageing fleet")
+    return parser.parse_args()
+
+
+def _studied(
+    options: argparse.Namespace, seed: int, ageing: int
+) -> tuple[Held, list[NewRobot], list[Promises]]:
+    truth, measured = _identified(options, seed, ageing)
+    account = account_of(fleet_of(measured))
+    found = held(truth, account)
+    sys.stderr.write(f"fleet {seed}: {found.right} right, {found.missed} missed, {found.false} false\n")
+    if not ageing or not options.new:
+        return found, [], []
+    said = promised(account, truth)
+    return found, newcomers(account, truth, said, options.new), [said.figures]
+
+
+def _identified(options: argparse.Namespace, seed: int, ageing: int) -> tuple[FleetTruth, list[Measured]]:
+    kept = options.out / f"fleet-{seed}-{options.robots}-{options.configurations}-{ageing}.pickle"
+    if kept.is_file():
+        return pickle.loads(kept.read_bytes())
+    truth = draw_fleet(seed, options.robots, ageing=ageing, drifting=ageing > 0)
+    measured = [
+        Measured(one.robot, one.instrument, one.day, information_of(one.campaign))
+        for one in recorded_fleet(truth, options.configurations)
+    ]
+    kept.write_bytes(pickle.dumps((truth, measured)))
+    return truth, measured
+
+
+def _written(out: Path, fleets: list[Held], new: list[NewRobot], promises: list[Promises]) -> None:
+    document = {
+        "fleets": [asdict(one) for one in fleets],
+        "new_robots": [asdict(one) for one in new],
+        "promises": [asdict(one) for one in promises],
+    }
+    (out / "fleet.json").write_text(json.dumps(document, indent=1))
+
+
+def _told(fleets: list[Held], new: list[NewRobot], promises: list[Promises]) -> str:
+    ageing, steady = ([one for one in fleets if bool(one.planted) is way] for way in (True, False))
+    lines = [*_of_ageing(ageing), *_of_new(new)]
+    if steady:
+        lines.append(f"{len(steady)} fleets without: {sum(one.false for one in steady)} changes named")
+    if promises:
+        pooled, alone, check = (
+            np.mean([getattr(one, key) for one in promises])
+            for key in ("pooled_mm", "alone_mm", "quick_check")
+        )
+        lines.append(f"promised: {1e3 * pooled:.1f} and {1e3 * alone:.1f} um; quick check: {check:.1f} stops")
+    return "\n".join(lines) + "\n"
+
+
+def _of_ageing(fleets: list[Held]) -> list[str]:
+    if not fleets:
+        return []
+    planted, right, alone, missed, false = (
+        sum(getattr(one, key) for one in fleets) for key in ("planted", "right", "alone", "missed", "false")
+    )
+    covered = [ok for one in fleets for ok in one.covered]
+    return [
+        f"{len(fleets)} fleets with ageing: {right} of {planted} changes named rightly, {alone} without",
+        f"  a rival, {missed} missed, {false} false; forecasts of 90 % held {sum(covered)} of {len(covered)}",
+    ]
+
+
+def _of_new(new: list[NewRobot]) -> list[str]:
+    if not new:
+        return []
+    pooled, alone, same = (
+        np.array([getattr(one, key) for one in new]) for key in ("pooled_mm", "alone_mm", "same_mm")
+    )
+    return [
+        f"{len(new)} new robots, mean errors: {1e3 * pooled.mean():.1f} um with 15 readings and the type;",
+        f"  with 50 alone {1e3 * alone.mean():.1f} um by the usual effects (better in "
+        f"{100 * np.mean(pooled <= alone):.0f} %),",
+        f"  {1e3 * same.mean():.1f} um by those of the fleet (better in "
+        f"{100 * np.mean(pooled <= same):.0f} %)",
+    ]
+
+
+if __name__ == "__main__":
+    sys.exit(main())
