@@ -1,10 +1,11 @@
 r"""The fewest configurations that show, each month, whether what ages in a robot has grown.
 
 Parameters are known as they were after the robot's last campaign (a belief); the set-up is found anew, and
-each cause may have changed by any amount d. With rows J of the readings and E the directions of the causes,
+each cause may have grown by about as much as is to be told, d ~ N(0, diag(g^2)). With rows J of the readings
+and E the directions of the causes,
 
     C = [ M + sum J'J    sum J'J E       ]^-1
-        [ E' sum J'J     E' sum J'J E + small ]
+        [ E' sum J'J     E' sum J'J E + g^-2 ]
 
 is the covariance of parameters and changes. Configurations are taken one after another, each the one that
 lowers most the sum over the causes of their variance over what is asked (a cause that is known well enough
@@ -31,7 +32,6 @@ from truepose.planning.work_volume.work_space import WorkSpace
 
 TOLD: Final = 3.2897  # standard uncertainties: 5 % on either side
 _MOST: Final = 60
-_UNKNOWN: Final = 1e-6  # information of a change before any reading, per squared stated width: none
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,7 +101,7 @@ def quick_check(
     p, q = directions.shape
     known = np.zeros((p + q, p + q))
     known[:p, :p] = knowledge.prior()
-    known[p:, p:] = _UNKNOWN * np.eye(q)
+    known[p:, p:] = np.diag(np.maximum(size, 1e-300)) / grown_mm**2
     order, reached = _chosen(rows, np.linalg.inv(known), p, goal, most)
     of = np.array(owner)
     told_mm = grown_mm * np.sqrt(

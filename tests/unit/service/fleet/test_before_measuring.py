@@ -102,10 +102,10 @@ def test_what_a_quick_check_states_is_what_its_information_says(space, belief, k
     both = np.hstack([rows, rows[:, place]])
     prior = np.zeros((both.shape[1],) * 2)
     prior[: rows.shape[1], : rows.shape[1]] = knowledge.prior()
-    prior[rows.shape[1] :, rows.shape[1] :] = 1e-6 * np.eye(2)
-    spread = np.sqrt(np.diag(np.linalg.inv(both.T @ both + prior))[-2:])
     motion = knowledge.places(candidates.joints_rad, candidates.nest).motion[:, :, place]
     size = np.sqrt((motion**2).sum(axis=1).mean(axis=0))
+    prior[rows.shape[1] :, rows.shape[1] :] = np.diag(size / _LIMIT_MM) ** 2
+    spread = np.sqrt(np.diag(np.linalg.inv(both.T @ both + prior))[-2:])
 
     assert found.told_mm[-1, 0] == pytest.approx(TOLD * (spread * size).max(), rel=1e-6)
 
