@@ -14,7 +14,6 @@ from truepose_drivers.leica_emscon.protocol.equipment import TargetType, Tracker
 from truepose_drivers.leica_emscon.protocol.settings import MeasMode, StatisticMode
 from truepose_drivers.leica_emscon.sentences import CommandUnknownError
 from truepose_drivers.leica_emscon.settled import COMPENSATION, TELLING_CHANGES, Setting, mode
-from truepose_drivers.leica_emscon.stationary import require_stationary_point, stated_covariance
 from truepose_drivers.monotonic_clock import MonotonicClock
 from truepose_drivers.transports.link import Link
 from truepose_drivers.transports.tcp import tcp_link
@@ -79,7 +78,7 @@ class LaserTracker(EmsconInstrument):
             duration_s=duration_s,
             face=await self._asked_face(),
             time_s=time_s,
-            covariance_mm2=stated_covariance(values),
+            covariance_mm2=_stated_covariance(values),
         )
 
     async def reflector_now(self) -> Vector | None:
@@ -157,10 +156,29 @@ class LaserTracker(EmsconInstrument):
             await self._ask(Command.SET_STATISTIC_MODE, extended)
 
     def _require_fit(self, values: Record) -> None:
-        require_stationary_point(values)
+        """Raise RemoteProtocolError for a result of another mode, or one that is no point."""
+        if values.integer("meas_mode") != MeasMode.STATIONARY or values.integer("is_try_mode"):
+            raise RemoteProtocolError("the tracker measured in another mode than asked for: initialise it")
+        point, deviations = values.vector(), values.vector("std1", "std2", "std3")
+        if not all(map(math.isfinite, point)):
+            raise RemoteProtocolError(f"the tracker measured {point}: that is no point")
+        if any(deviation < 0.0 for deviation in (*deviations, values.number("std_total"))):
+            raise RemoteProtocolError(
+                f"the tracker states standard deviations of {deviations} mm: connect again"
+            )
 
     async def _place_of(self, values: Record) -> Vector:
         return values.vector()
+
+
+def _stated_covariance(values: Record) -> tuple[Vector, Vector, Vector] | None:
+    """Return the a-priori covariance, from the accuracy model; None where the server states no such thing."""
+    u1, u2, u3 = values.vector("apriori_std1", "apriori_std2", "apriori_std3")
+    if not all(math.isfinite(u) and u > 0.0 for u in (u1, u2, u3)):
+        return None
+    mixed = ("apriori_covar12", "apriori_covar13", "apriori_covar23")
+    c12, c13, c23 = values.vector(*mixed) if mixed[0] in values else (0.0, 0.0, 0.0)
+    return (u1 * u1, c12, c13), (c12, u2 * u2, c23), (c13, c23, u3 * u3)  # ** would raise where * is inf
 
 
 def _reflector_sentence(reflector: Record) -> str:
