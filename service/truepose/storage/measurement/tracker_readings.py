@@ -5,7 +5,8 @@ One of a stop that a person left out, or wanted once more, counts no more from t
 Lengths of a ballbar are in `ballbar_lengths`.
 """
 
-from typing import Any
+from collections.abc import Mapping
+from typing import Any, Final, TypeVar
 
 from sqlalchemy import ColumnElement, Connection, Row, Select, and_, exists, or_, select
 
@@ -19,6 +20,10 @@ from truepose.storage.parts import Part
 from truepose.storage.records import Page, ReadingKind, ReadingRecord
 from truepose.storage.rows import add_row
 from truepose.storage.tables import readings, session_entries
+
+Taken = TypeVar("Taken", PointTaken, FixedNestTaken)
+_KINDS: Final[Mapping[type, ReadingKind]] = {PointTaken: "point", FixedNestTaken: "fixed_nest"}
+_TYPES: Final = {kind: taken for taken, kind in _KINDS.items()}
 
 
 def add_point(connection: Connection, session_id: int, point: PointTaken) -> int:
@@ -64,21 +69,20 @@ class ReadingRepository:
 
     async def points(self, session_id: int) -> list[PointTaken]:
         """Return every reading of a tool nest that counts, in the order they were taken."""
-        counts = _COUNTS, readings.c.id.not_in(_revoked(session_id))
-        found = await self._of_session(session_id, "point", *counts)
-        return [record.reading for record in found if isinstance(record.reading, PointTaken)]
+        return await self._taken(PointTaken, session_id, _COUNTS, readings.c.id.not_in(_revoked(session_id)))
 
     async def fixed_nests(self, session_id: int) -> list[FixedNestTaken]:
         """Return every reading of a fixed nest, in the order they were taken."""
-        found = await self._of_session(session_id, "fixed_nest")
-        return [record.reading for record in found if isinstance(record.reading, FixedNestTaken)]
+        return await self._taken(FixedNestTaken, session_id)
 
-    async def _of_session(
-        self, session_id: int, kind: ReadingKind, *conditions: ColumnElement[bool]
-    ) -> list[ReadingRecord]:
-        wanted = (readings.c.session_id == session_id, readings.c.kind == kind, *conditions)
-        query = _records().where(*wanted).order_by(readings.c.id)
-        return await self._database.read(lambda c: [_record(row) for row in c.execute(query)])
+    async def _taken(
+        self, kind: type[Taken], session_id: int, *conditions: ColumnElement[bool]
+    ) -> list[Taken]:
+        wanted = (readings.c.session_id == session_id, readings.c.kind == _KINDS[kind], *conditions)
+        query = select(readings.c.document).where(*wanted).order_by(readings.c.id)
+        return await self._database.read(
+            lambda c: [from_document(kind, row.document) for row in c.execute(query)]
+        )
 
 
 _SUCCESSOR = readings.alias("successor")
@@ -133,7 +137,7 @@ def _add(
     nest: int,
     supersedes: int | None,
 ) -> int:
-    kind = "point" if isinstance(reading, PointTaken) else "fixed_nest"
+    kind = _KINDS[type(reading)]
     document = to_document(reading)
     number = add_row(
         connection,
@@ -152,9 +156,5 @@ def _add(
 
 
 def _record(row: Row[Any]) -> ReadingRecord:
-    taken: PointTaken | FixedNestTaken = (
-        from_document(PointTaken, row.document)
-        if row.kind == "point"
-        else from_document(FixedNestTaken, row.document)
-    )
+    taken: PointTaken | FixedNestTaken = from_document(_TYPES[row.kind], row.document)
     return ReadingRecord(row.id, row.session_id, row.recorded_at, row.supersedes, row.superseded_by, taken)
