@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING, Any, Final, Generic, TypeVar, cast
 from truepose.domain.errors import RecordRefusedError, TrueposeError
 from truepose.domain.measurement.ledger import Control
 from truepose.domain.measurement.session import SessionState
-from truepose.operation.session_ledger import SessionLedger
 from truepose.sequencing.engine.acts import Act, ActName
 from truepose.sequencing.engine.runner import SessionRunner
 from truepose.sequencing.engine.states import after_restart, words
 from truepose.sequencing.errors import NotNowError
 from truepose.storage.errors import NotFoundError
+from truepose.storage.measurement.ledger import SessionLedger
 from truepose.storage.records import ActAnswer, RequestKey, SessionRecord, SessionSetup
 
 if TYPE_CHECKING:

@@ -21,13 +21,12 @@ from truepose.operation.followers import Watching
 from truepose.operation.present_cell import PresentCell, speed_limits
 from truepose.operation.requests_under_way import RequestsUnderWay
 from truepose.operation.session_kind import SessionKind
-from truepose.operation.session_ledger import SessionLedger
 from truepose.sequencing.engine.acts import HALTS, LETS_MOVE, Act, ActName
 from truepose.sequencing.engine.halting.halts import ENDED_AT_REST
 from truepose.sequencing.engine.motion.limits import reduced
 from truepose.sequencing.engine.runner import SessionRunner
 from truepose.sequencing.engine.states import has_ended, words
-from truepose.storage.measurement.ledger import LedgerRepository
+from truepose.storage.measurement.ledger import LedgerRepository, SessionLedger
 from truepose.storage.measurement.sessions import SessionRepository
 from truepose.storage.records import ActAnswer, RequestKey, SessionRecord, SessionSetup
 from truepose_drivers.api import MotionLimits
@@ -216,7 +215,7 @@ class SessionDesk:
     async def take_up(self, kind: SessionKind[Any], record: SessionRecord) -> UnderWay:
         """Have a session run from where its ledger ends; the caller holds `turn`, or nobody acts yet."""
         await self.sessions.require_intact(record.id)
-        ledger = SessionLedger(record.id, self.ledger, await self.ledger.whole(record.id))
+        ledger = await self.ledger.of_session(record.id)
         runner = await kind.runner(record, await self.sessions.setup(record.id), ledger)
         self.rack.lend(record.id)
         task = asyncio.create_task(self._run(kind, record.id, runner), name=f"session {record.id}")

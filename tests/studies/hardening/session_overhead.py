@@ -20,7 +20,6 @@ from tests.studies.running import from_command_line
 from tests.unit.service.sequencing.tracker.fakes import FakeCell, make_plan
 from tests.unit.service.sequencing.tracker.operators import PatientOperator
 from truepose.domain.measurement.session import SessionPlan, SessionState
-from truepose.operation.session_ledger import SessionLedger
 from truepose.sequencing.tracker.runner import TrackerRunner
 from truepose.storage.database import Database
 from truepose.storage.measurement.ledger import LedgerRepository
@@ -77,7 +76,7 @@ async def session_cost(plan: SessionPlan, folder: Path) -> Cost:
     database = Database(f"sqlite:///{folder / f'{len(plan.stops)}-{time.monotonic_ns()}.sqlite3'}")
     try:
         session_id = await SessionRepository(database).add("overhead", SessionSetup(domain_cell()), plan)
-        ledger = SessionLedger(session_id, LedgerRepository(database), [])
+        ledger = await LedgerRepository(database).of_session(session_id)
         cell = FakeCell()
         watch = _watched(cell)
         runner = TrackerRunner(plan, cell.cell, ledger)

@@ -18,7 +18,6 @@ from truepose.operation.ballbar.view import BallbarView, Fixed, sight_of
 from truepose.operation.followers import change
 from truepose.operation.requests_under_way import RequestsUnderWay
 from truepose.operation.session_kind import SessionKind
-from truepose.operation.session_ledger import SessionLedger
 from truepose.operation.sessions import SessionDesk
 from truepose.sequencing.ballbar.cell import BallbarCell
 from truepose.sequencing.ballbar.plan.dry_run import check_plan
@@ -30,6 +29,7 @@ from truepose.sequencing.engine.motion.limits import motion_limits
 from truepose.sequencing.engine.motion.plausible_robot import WatchfulRobot
 from truepose.sequencing.engine.states import has_ended, words
 from truepose.sequencing.errors import NotNowError
+from truepose.storage.measurement.ledger import SessionLedger
 from truepose.storage.parts import Part
 from truepose.storage.records import LedgerRecord, Page, RequestKey, SessionRecord, SessionSetup
 from truepose_drivers.api import MotionLimits

@@ -14,7 +14,6 @@ from truepose.domain.measurement.contacts import ContactPlan, ContactTaken
 from truepose.operation.ballbar.bar_put_away import require_ballbar_aside
 from truepose.operation.errors import MissingDeviceError
 from truepose.operation.session_kind import AskedSessionKind
-from truepose.operation.session_ledger import SessionLedger
 from truepose.planning.contacts.plan import plan_of
 from truepose.planning.contacts.wish import ContactWish
 from truepose.planning.errors import PlanningError
@@ -27,6 +26,7 @@ from truepose.sequencing.engine.acts import Act, ActName
 from truepose.sequencing.engine.motion.limits import motion_limits
 from truepose.sequencing.engine.motion.plausible_robot import WatchfulRobot
 from truepose.sequencing.errors import PlanRefusedError
+from truepose.storage.measurement.ledger import SessionLedger
 from truepose.storage.records import RequestKey, SessionRecord, SessionSetup
 from truepose_drivers.api import MotionLimits
 

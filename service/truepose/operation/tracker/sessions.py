@@ -10,7 +10,6 @@ from truepose.domain.measurement.ledger import LedgerEntry
 from truepose.domain.measurement.session import SessionPlan
 from truepose.operation.ballbar.bar_put_away import require_ballbar_aside
 from truepose.operation.session_kind import AskedSessionKind
-from truepose.operation.session_ledger import SessionLedger
 from truepose.operation.sessions import SessionDesk
 from truepose.operation.tracker.plans import judged_addition, refuse_below_floor, require_fit
 from truepose.planning.tracker.added_stops import Addition, WantedStop, addition
@@ -25,6 +24,7 @@ from truepose.sequencing.tracker.plan.operations import extended_plan
 from truepose.sequencing.tracker.runner import TrackerRunner
 from truepose.sequencing.tracker.situation import situation
 from truepose.storage.measurement.added_stops import AddedStopsRepository
+from truepose.storage.measurement.ledger import SessionLedger
 from truepose.storage.records import AddedStops, RequestKey, SessionRecord, SessionSetup
 from truepose_drivers.api import MotionLimits
 

@@ -4,6 +4,7 @@ It says where a session stands. How a line is kept is in `ballbar_lengths`, and 
 a tracker read.
 """
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -64,6 +65,10 @@ class LedgerRepository:
         query = _records_of(session_id).order_by(session_entries.c.id)
         return await self._database.read(lambda c: [_record(row) for row in c.execute(query)])
 
+    async def of_session(self, session_id: int) -> "SessionLedger":
+        """Return the ledger of one session, with what is in it so far."""
+        return SessionLedger(session_id, self, await self.whole(session_id))
+
     async def newest(self, session_id: int) -> int | None:
         """Return the number of the newest entry of a session; None before the first."""
         query = select(func.max(session_entries.c.id)).where(session_entries.c.session_id == session_id)
@@ -92,6 +97,26 @@ class LedgerRepository:
                 f"The Idempotency-Key '{key.key}' was used for another act; take a new key for a new act."
             )
         return ActAnswer(row.sentence, row.entry_id)
+
+
+class SessionLedger:
+    """The ledger of one session under way, as its runner asks for it; `kept` is of earlier runs."""
+
+    def __init__(self, session_id: int, ledger: LedgerRepository, kept: Sequence[LedgerRecord]) -> None:
+        self._session_id = session_id
+        self._ledger = ledger
+        self.earlier = tuple(record.entry for record in kept)
+        self.newest = kept[-1].id if kept else None  # number of the newest entry; None before the first
+
+    async def append(self, entry: LedgerEntry) -> int:
+        """Keep an entry and return its number once it is on disk."""
+        number = await self._ledger.append(self._session_id, entry)
+        self.newest = max(number, self.newest or 0)
+        return number
+
+    async def writable(self) -> None:
+        """Return once entries are taken again, after one was refused."""
+        await self._ledger.writable()
 
 
 def _append(

@@ -16,7 +16,6 @@ from tests.unit.service.sequencing.tracker.operators import PatientOperator
 from truepose.analysis.campaigns.assembly import MeasuredSession, assemble_campaign
 from truepose.domain.measurement.ledger import Control, EntryKind
 from truepose.domain.measurement.session import SessionState
-from truepose.operation.session_ledger import SessionLedger
 from truepose.sequencing.tracker.runner import TrackerRunner
 from truepose.sequencing.tracker.situation import situation
 from truepose.storage.connection.sqlite.library import LIBRARY
@@ -114,7 +113,7 @@ async def test_a_killed_session_is_taken_up_and_measures_what_is_missing(databas
     sessions = SessionRepository(database)
     cell = FakeCell()
     lines = LedgerRepository(database)
-    ledger = SessionLedger(KILLED, lines, await lines.whole(KILLED))
+    ledger = await lines.of_session(KILLED)
     runner = TrackerRunner(await sessions.plan(KILLED), cell.cell, ledger, ledger.earlier)
 
     ended = await PatientOperator().attend_from_the_start(runner)
