@@ -1,5 +1,6 @@
 """The command that plans a session and says what it promises. Heavy imports wait until it runs."""
 
+import functools
 import math
 from dataclasses import dataclass
 from pathlib import Path
@@ -7,12 +8,13 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from truepose.cli.exchange.files import Json, Language, read_measured, require_folders, writing
-from truepose.cli.output import print_json, print_lines, print_tables
+from truepose.cli.exchange.files import Json, Language, Workers, read_measured, require_folders, writing
+from truepose.cli.output import print_json, print_lines, print_tables, remark, shown_progress
 from truepose.domain.errors import ConfigurationError
 from truepose.words.catalogue import ENGLISH, catalogue, english
 
 if TYPE_CHECKING:
+    from truepose.analysis.tried_plans import Planned
     from truepose.domain.cell.keep_outs import KeepOuts
     from truepose.domain.robot import Nest, Robot
     from truepose.planning.loops.stands import LoopWish
@@ -62,6 +64,10 @@ def plan_command(
         float | None, typer.Option(help="What no parameter expresses, per axis; else what is known of it.")
     ] = None,
     seed: Annotated[int, typer.Option(min=0, help="The same seed gives the same plan.")] = 0,
+    tries: Annotated[
+        int, typer.Option(min=1, max=1000, help="Plan with so many seeds, and take the best by O1.")
+    ] = 1,
+    workers: Workers = None,
     out: Annotated[Path | None, typer.Option(help="Write the configurations here (CSV).")] = None,
     report: Annotated[
         Path | None, typer.Option(help="Write a checklist for the cell here: .html, or .pdf to print.")
@@ -76,7 +82,8 @@ def plan_command(
     Example: truepose plan abb-irb-120 --n 40 --out plan.csv
     """
     require_folders(out, report)
-    asked = _Asked(subject, n, volume, keep_out, _size(reading_mm, "--reading-mm"), seed, one_sided)
+    reading_mm, tried = _size(reading_mm, "--reading-mm"), _Tries(seed, tries, workers)
+    asked = _Asked(subject, n, volume, keep_out, reading_mm, tried, one_sided)
     lacking_mm = _size(discrepancy_mm, "--discrepancy-mm")
     loop = _loop(targets, distances, nests, ballbar=ballbar)
     if loop is not None:
@@ -98,6 +105,27 @@ def _size(size_mm: float | None, option: str) -> float | None:
 
 
 @dataclass(frozen=True, slots=True)
+class _Tries:
+    """How many plans are made, from which seed on, and by whom."""
+
+    seed: int
+    count: int
+    where: str | None
+
+    def best(self, n: int | None, planned: "Planned") -> "PromisedPlan":
+        """Return the plan, or the best of several."""
+        if self.count == 1:
+            return planned(n=n, seed=self.seed)
+        from truepose.analysis.cluster.chosen import workers
+        from truepose.analysis.tried_plans import best_plan
+
+        with workers(self.where, self.count) as cluster, shown_progress() as told:
+            plan, seed = best_plan(cluster, planned, n, self.seed, self.count, told)
+        remark([f"The plan with seed {seed} has the largest O1 of {self.count}."])
+        return plan
+
+
+@dataclass(frozen=True, slots=True)
 class _Asked:
     """What the command line asks for."""
 
@@ -106,7 +134,7 @@ class _Asked:
     volume: Path | None
     keep_out: Path | None
     reading_mm: float | None
-    seed: int
+    tries: _Tries
     one_sided: bool
 
     @property
@@ -171,15 +199,15 @@ def _for_tracker(asked: _Asked, discrepancy_mm: float | None) -> _Made:
         raise ConfigurationError(
             f"--one-sided goes by masses, and nobody states those of {space.robot.name}."
         )
-    plan = promised_session(
+    planned = functools.partial(
+        promised_session,
         space,
-        asked.n,
         knowns=knowns,
         volume=volume,
         measured=subject.measured,
-        seed=asked.seed,
         one_sided=asked.one_sided,
     )
+    plan = asked.tries.best(asked.n, planned)
     return _Made(space.robot, plan, minutes_of(session_plan(plan), space, len(knowns.fixed_nests)))
 
 
@@ -222,7 +250,8 @@ def _for_ballbar(asked: _Asked, discrepancy_mm: float | None) -> _Made:
     cell = cell_given(asked.subject).keeping_out(asked.keep_outs())
     lack = expected_discrepancy(cell) if discrepancy_mm is None else Discrepancy(discrepancy_mm)
     volume = asked.work_volume(cell.robot)
-    plan = promised_ballbar_session(cell, asked.n, volume=volume, discrepancy=lack, seed=asked.seed)
+    planned = functools.partial(promised_ballbar_session, cell, volume=volume, discrepancy=lack)
+    plan = asked.tries.best(asked.n, planned)
     run = dry_run(session_plan(cell, plan), cell.ballbar or BallbarKit())
     return _Made(cell.robot, plan, run.duration_s / 60.0)
 
@@ -237,14 +266,14 @@ def _for_loop(asked: _Asked, loop: _Loop, discrepancy_mm: float | None) -> _Made
             "--targets plans for a robot or a cell file, without --one-sided; give one of these."
         )
     subject = _subject(asked, discrepancy_mm)
-    plan = promised_loop(
+    planned = functools.partial(
+        promised_loop,
         subject.space,
         _wish(loop, subject.space.nests, asked.reading_mm),
-        asked.n,
         discrepancy=subject.knowns.discrepancy,
         volume=asked.work_volume(subject.space.robot),
-        seed=asked.seed,
     )
+    plan = asked.tries.best(asked.n, planned)
     return _Made(subject.space.robot, plan, minutes_of(session_plan(plan), subject.space, 0))
 
 
