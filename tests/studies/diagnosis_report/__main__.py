@@ -6,7 +6,6 @@ in simulated campaigns and counts what is found, missed and named wrongly, and w
 """
 
 import argparse
-import os
 import sys
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -18,8 +17,9 @@ from tests.studies.diagnosis_report.planted.measured_data import measured_sectio
 from tests.studies.diagnosis_report.studies import studies
 from tests.studies.diagnosis_report.study import Extent, Study
 from tests.studies.diagnosis_report.timing import timing_section
-from tests.studies.diagnosis_report.workers import outcomes_of, worker_processes
+from tests.studies.diagnosis_report.workers import outcomes_of
 from tests.studies.report_command import add_sections, count, shown, status_of
+from truepose.analysis.cluster.chosen import workers
 from truepose.demo.progress import RunProgress, shown_progress
 from truepose.exchange.json_text import render_json
 from truepose.reports.table_report import Section, write_table_report
@@ -55,16 +55,16 @@ def _sections(
             with progress.phase("joints off by curves"):
                 section = joint_curves_section(options.first_seed)
             yield section
-        yield from _simulated(options.jobs, [s for s in every if s.key in chosen], outcomes, progress)
+        yield from _simulated(options.workers, [s for s in every if s.key in chosen], outcomes, progress)
 
 
 def _simulated(
-    jobs: int, chosen: Sequence[Study], outcomes: dict[str, list[Outcome]], progress: RunProgress
+    where: str | None, chosen: Sequence[Study], outcomes: dict[str, list[Outcome]], progress: RunProgress
 ) -> Iterator[Section]:
-    with worker_processes(jobs) as workers:
+    with workers(where, sum(len(study.trials) for study in chosen)) as cluster:
         for study in chosen:
             with progress.phase(f"{study.title}: {len(study.trials)} diagnoses") as told:
-                outcomes[study.key] = outcomes_of(study.trials, workers, told)
+                outcomes[study.key] = outcomes_of(study.trials, cluster, told)
             yield Section(study.title, study.rows(outcomes[study.key]), study.note(outcomes[study.key]))
 
 
@@ -97,7 +97,7 @@ def _options(arguments: Sequence[str] | None) -> argparse.Namespace:
     add("--pairs", type=count, default=usual.pairs, help="of effects (default: %(default)s)")
     add("--sizes", type=_sizes, default=usual.sizes, help="readings of a campaign (default: 50,100,200)")
     add("--first-seed", type=count, default=usual.first_seed, help="default: %(default)s")
-    add("--jobs", type=count, default=os.cpu_count() or 1, help="processes (default: one a core)")
+    add("--workers", help="a number of processes, dask, or dask://host:port (default: one a core)")
     add_sections(parser, keys)
     add("--quick", action="store_true", help="a few campaigns of 100 readings: does it work at all?")
     return parser.parse_args(arguments)

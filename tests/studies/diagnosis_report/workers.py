@@ -8,8 +8,13 @@ from concurrent.futures import Executor, ProcessPoolExecutor
 from itertools import groupby
 from typing import Final
 
+import numpy as np
+
 from tests.studies.diagnosis_report.judging import Outcome
 from tests.studies.diagnosis_report.trials import Trial, run_trials
+from truepose.analysis.cluster.cluster import Cluster
+from truepose.analysis.cluster.parts import Done, Part, in_order
+from truepose.analysis.errors import PartFailedError
 from truepose.demo.cell.client import Told
 from truepose.diagnosis.diagnose import diagnose
 from truepose.domain.measurement.campaign import Campaign
@@ -35,13 +40,19 @@ def worker_processes(jobs: int) -> Iterator[Executor]:
         os.environ |= {name: before[name] for name in _THREADS if name in before}
 
 
-def outcomes_of(trials: Sequence[Trial], workers: Executor, told: Told) -> list[Outcome]:
+def outcomes_of(trials: Sequence[Trial], cluster: Cluster, told: Told) -> list[Outcome]:
     """Run the trials, those of one cell of the table together, and tell how many are done."""
     outcomes: list[Outcome] = []
-    for done in workers.map(_run_cell, _cells(trials)):
-        outcomes += done
-        told(len(outcomes), len(trials), done[0].label)
+    for done in in_order(cluster.outcomes(_run_cell, map(_part, _cells(trials)))):
+        if not isinstance(done, Done):
+            raise PartFailedError(f"{done.name}: {done.why}")
+        outcomes += done.answer
+        told(len(outcomes), len(trials), done.answer[0].label)
     return outcomes
+
+
+def _part(cell: tuple[Trial, ...]) -> Part[tuple[Trial, ...]]:
+    return Part(f"{cell[0].label}, {cell[0].readings} readings, from seed {cell[0].seed}", cell)
 
 
 def _cells(trials: Sequence[Trial]) -> list[tuple[Trial, ...]]:
@@ -51,7 +62,7 @@ def _cells(trials: Sequence[Trial]) -> list[tuple[Trial, ...]]:
     return [cell[at : at + _TOGETHER] for cell in cells for at in range(0, len(cell), _TOGETHER)]
 
 
-def _run_cell(trials: tuple[Trial, ...]) -> tuple[Outcome, ...]:
+def _run_cell(trials: tuple[Trial, ...], _seed: np.random.SeedSequence) -> tuple[Outcome, ...]:
     return run_trials(trials, _diagnose)
 
 

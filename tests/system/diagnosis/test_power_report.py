@@ -12,7 +12,8 @@ from tests.studies.diagnosis_report.errors import NothingHappenedError, Recorder
 from tests.studies.diagnosis_report.planted.cases import FOR_INFORMATION, REALISTIC
 from tests.studies.diagnosis_report.study import trial_of
 from tests.studies.diagnosis_report.trials import Trial, record_trial, run_trials
-from tests.studies.diagnosis_report.workers import outcomes_of, worker_processes
+from tests.studies.diagnosis_report.workers import outcomes_of
+from truepose.analysis.cluster.chosen import workers
 
 
 def bad_readings(seed, size=50):
@@ -74,8 +75,8 @@ def test_workers_leave_the_environment_as_it_was_and_tell_what_is_done():
     before, told = dict(os.environ), []
     trials = [Trial("nothing", (), size, 1, validation=20) for size in (20, 25)]
 
-    with worker_processes(1) as workers:
-        outcomes = outcomes_of(trials, workers, lambda *said: told.append(said))
+    with workers("1", len(trials)) as cluster:
+        outcomes = outcomes_of(trials, cluster, lambda *said: told.append(said))
 
     assert dict(os.environ) == before
     assert [one.readings for one in outcomes] == [20, 25]
@@ -84,7 +85,7 @@ def test_workers_leave_the_environment_as_it_was_and_tell_what_is_done():
 
 
 def test_the_report_is_printed_and_written(tmp_path, capsys):
-    arguments = ["--sections", "barely-visible", "--campaigns", "1", "--sizes", "50", "--jobs", "1"]
+    arguments = ["--sections", "barely-visible", "--campaigns", "1", "--sizes", "50", "--workers", "1"]
 
     status = main([*arguments, "--out", str(tmp_path)])
 
