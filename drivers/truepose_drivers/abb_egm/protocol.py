@@ -15,7 +15,6 @@ from truepose_drivers.errors import RemoteProtocolError
 
 EGM_PORT: Final = 6510
 JOINTS: Final = 6
-LONGEST_DATAGRAM_BYTES: Final = 4096
 COUNTED_TO: Final = 1 << 32  # sequence numbers and times begin anew there
 _FURTHEST_DEG: Final = 3600.0  # no joint is wound up further
 _LONGEST_VARINT_BYTES: Final = 10

@@ -139,35 +139,6 @@ def branch_of(robot: Robot, joints_rad: FloatArray) -> IntArray:
     return np.asarray(4 * back + 2 * down + flip, dtype=np.int64)
 
 
-def equivalents(joints_rad: FloatArray, limits: tuple[JointRange, ...]) -> FloatArray:
-    """Return all joint angles that differ by whole turns and lie within the limits.
-
-    Parameters
-    ----------
-    joints_rad : ndarray, shape (J,)
-        NaN for a branch that does not exist.
-    limits : tuple of JointRange
-        One per joint.
-
-    Returns
-    -------
-    ndarray, shape (m, J)
-        The least turned first; m = 0 where a joint cannot be within its limits.
-
-    Raises
-    ------
-    ConfigurationError
-        There are not as many limits as joints.
-    """
-    if len(limits) != len(joints_rad):
-        raise ConfigurationError(f"{len(limits)} limits are given for {len(joints_rad)} joints.")
-    if not np.all(np.isfinite(joints_rad)):
-        return np.zeros((0, len(joints_rad)))
-    turns = [_whole_turns(float(q), limit) for q, limit in zip(joints_rad, limits, strict=True)]
-    rows = sorted(product(*turns), key=lambda row: float(np.sum(np.abs(row))))
-    return np.array(rows).reshape(-1, len(joints_rad))
-
-
 def brought_within(joints_rad: FloatArray, limits: tuple[JointRange, ...]) -> tuple[FloatArray, BoolArray]:
     """Turn joints by whole turns towards the middles of their limits, and say which rows are within.
 
@@ -187,12 +158,6 @@ def brought_within(joints_rad: FloatArray, limits: tuple[JointRange, ...]) -> tu
     turned = joints_rad - 2 * np.pi * np.round((joints_rad - (low + high) / 2) / (2 * np.pi))
     within: BoolArray = np.all((turned >= low) & (turned <= high), axis=1)
     return turned, within
-
-
-def _whole_turns(angle_rad: float, limit: JointRange) -> list[float]:
-    first = int(np.ceil((limit.lower_rad - angle_rad) / (2 * np.pi)))
-    last = int(np.floor((limit.upper_rad - angle_rad) / (2 * np.pi)))
-    return [angle_rad + 2 * np.pi * turn for turn in range(first, last + 1)]
 
 
 def _closed_form(form: _Form, robot: Robot, pose: FloatArray, which: Which, *, reach_out: bool) -> FloatArray:

@@ -44,4 +44,3 @@ class TrackerStaleResult(AtReading):
 WireFault: TypeAlias = (
     BallbarFrozen | BallbarInches | BallbarKeyPressed | LineStalls | LineDoublesDigits | CameraFrozen
 )
-TrackerWireFault: TypeAlias = TrackerUnitsChanged | TrackerRepeatsResult | TrackerStaleResult

@@ -5,13 +5,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from tests.helpers.ballbar.cells import ballbar_cell, fixture_before_the_arm
+from tests.helpers.ballbar.nominal_poses import reachable
 from tests.helpers.ballbar.true_session import READING_U_MM, TrueArm
 from truepose.domain.cell.artefacts import BallbarKit
 from truepose.domain.measurement.ballbar import BallbarPlan, PlannedPlacement
 from truepose.judgement.ball_pairs.accounts import Accounts, begin
 from truepose.judgement.ball_pairs.early import judge_early
 from truepose.planning.ballbar.lengths.beforehand import Beforehand
-from truepose.planning.ballbar.poses import reachable
 from truepose.planning.ballbar.setups import setups
 
 KIT = BallbarKit()

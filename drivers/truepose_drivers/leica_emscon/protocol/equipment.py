@@ -245,15 +245,6 @@ class ProbeButtonType(IntEnum):
     FOUR_BUTTON = 2
 
 
-class SocketType(IntEnum):
-    """How a tip is fixed."""
-
-    ACCURATE = 0
-    THREAD_WITH_ID = 100
-    THREAD = 200
-    VIRTUAL = 999
-
-
 class TipType(IntEnum):
     """Kind of probe tip."""
 

@@ -24,9 +24,6 @@ from truepose.kinematics.chain import nominal_chain
 from truepose.kinematics.frames import placement_rotation, placement_translation
 
 _ANCHOR_WIDTH_MM = 10.0  # about the start found from the data, as for an unknown base
-_NOMINAL_OFF_MM = (
-    3.0  # no further is a nominal robot off: a cup that fits within that is where it was clamped
-)
 
 
 def leg_anchors(legs: LegReadings) -> tuple[tuple[tuple[int, int], ...], IntArray]:

@@ -21,7 +21,6 @@ from truepose.storage.people.credentials import CredentialKind, CredentialRecord
 SHORTEST_PASSWORD: Final = 10
 LONGEST_SECRET: Final = 200
 LINK_DAYS: Final = 3
-TOKEN_DAYS: Final = 365
 _PIN: Final = re.compile(r"[0-9]{4,12}")
 _LINK_IS_OVER: Final = "This link was used or has expired; ask an administrator for another one."
 

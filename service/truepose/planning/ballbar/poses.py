@@ -136,24 +136,6 @@ def _walk(path: list[Leg], left: list[Leg]) -> tuple[Leg, ...] | None:
     return None
 
 
-def reachable(cell: BallbarCell, fixture: BaseFixture, first_config: int = 1) -> tuple[PlannedPose, ...]:
-    """Return every measurable configuration as a planned pose, numbered from `first_config`.
-
-    Parameters
-    ----------
-    cell : BallbarCell
-    fixture : BaseFixture
-        Of three cups, or four: then any three of them carry poses.
-    first_config : int
-
-    Returns
-    -------
-    tuple of PlannedPose
-        Empty where the arm reaches none; `reach` says why.
-    """
-    return planned(reach(cell, fixture), fixture.number, first_config)
-
-
 def planned(found: Reached, placement: int, first_config: int = 1) -> tuple[PlannedPose, ...]:
     """Return configurations as planned poses, in their order."""
     rows = zip(found.joints_rad, found.assembly, found.branch, strict=True)

@@ -15,7 +15,6 @@ from truepose.kinematics.inverse import (
     all_branches,
     branch_of,
     brought_within,
-    equivalents,
     has_closed_form,
     one_branch,
 )
@@ -207,27 +206,6 @@ def test_a_wrist_whose_axes_do_not_meet_has_no_closed_form(row):
     robot = changed(load_robot("abb-irb-120"), 5, **row)
 
     assert not has_closed_form(robot)
-
-
-def test_whole_turns_within_the_limits_are_all_found_the_least_turned_first():
-    limits = (JointRange(-np.pi, np.pi), JointRange(-7.0, 7.0))
-
-    found = equivalents(np.array([0.5, 1.0]), limits)
-
-    expected = [[0.5, 1.0], [0.5, 1.0 - 2 * np.pi]]
-    np.testing.assert_allclose(found, expected)
-
-
-def test_a_joint_that_cannot_be_within_its_limits_has_no_equivalent():
-    limits = (JointRange(-0.1, 0.1), JointRange(-7.0, 7.0))
-
-    assert equivalents(np.array([0.5, 1.0]), limits).shape == (0, 2)
-    assert equivalents(np.array([np.nan, 1.0]), limits).shape == (0, 2)
-
-
-def test_limits_for_another_number_of_joints_are_refused():
-    with pytest.raises(ConfigurationError, match="1 limits are given for 2 joints"):
-        equivalents(np.zeros(2), (JointRange(-1.0, 1.0),))
 
 
 def test_joints_are_turned_towards_the_middle_of_their_range():

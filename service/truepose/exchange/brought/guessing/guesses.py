@@ -20,7 +20,6 @@ _METRES_MM: Final = 20.0  # points of an arm that spread less are not in millime
 _FEWEST_JOINTS: Final = 4
 _MOST_JOINTS: Final = 9
 _ARM: Final = 6
-_MOSTLY_LABELS: Final = 0.9
 
 
 @dataclass(frozen=True, slots=True)

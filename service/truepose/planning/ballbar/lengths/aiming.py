@@ -12,9 +12,8 @@ import numpy as np
 
 from truepose.domain.arrays import FloatArray
 from truepose.domain.errors import ConfigurationError
-from truepose.domain.measurement.ballbar import Leg, PlannedPose
+from truepose.domain.measurement.ballbar import PlannedPose
 from truepose.domain.robot import JointRange
-from truepose.planning.ballbar.clear_ways.bodies import BallbarCell, chain_of, nest_places
 from truepose.planning.ballbar.lengths.coding import coded_lengths
 from truepose.planning.errors import AimError
 
@@ -138,15 +137,3 @@ def aimed_pose(
         else:
             return replace(pose, joints_rad=tuple(float(q) for q in joints), aimed_mm=wanted)
     raise AimError(f"Configuration {pose.config} cannot be aimed at coded lengths. {refusals[0]}")
-
-
-def nominal_lengths(cell: BallbarCell, cups_mm: FloatArray, legs: Sequence[Leg]) -> Lengths:
-    """Return the lengths that the nominal robot gives legs from cups (K, 3) in the world."""
-    cups = cups_mm[[base - 1 for base, _ in legs]]
-    nest = [tool - 1 for _, tool in legs]
-
-    def lengths(joints_rad: FloatArray) -> FloatArray:
-        nests = nest_places(cell, chain_of(cell, joints_rad))[nest]
-        return np.asarray(np.linalg.norm(nests - cups[:, None], axis=2).T)
-
-    return lengths

@@ -6,7 +6,6 @@ questioned: nobody could tell two of them apart. One that told a number before a
 another one; that is noted, and no certificate is claimed for what it measures.
 """
 
-from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -44,15 +43,6 @@ class KnownDevice:
                 return replace(self, silent=True, foreign=None)
             case "foreign":
                 return replace(self, foreign=taken)
-
-
-def known_device(device: IdentityOf, record: Iterable[IdentityTaken]) -> KnownDevice:
-    """Return what a session knows of a device after these lines of its record, oldest first."""
-    known = KnownDevice()
-    for taken in record:
-        if taken.device == device:
-            known = known.after(taken)
-    return known
 
 
 def told(serial: str) -> str:

@@ -3,9 +3,18 @@
 import pytest
 
 from truepose.domain.measurement.identities import IdentityTaken
-from truepose.sequencing.engine.identity.expected import KnownDevice, accepted, judge, known_device, sentence
+from truepose.sequencing.engine.identity.expected import KnownDevice, accepted, judge, sentence
 
 A, B, C = "390003", "777777", "391111"
+
+
+def known_device(device, record):
+    """Return what a session knows of a device after these lines of its record, oldest first."""
+    known = KnownDevice()
+    for taken in record:
+        if taken.device == device:
+            known = known.after(taken)
+    return known
 
 
 def met(*answers, expected="", device="tracker"):

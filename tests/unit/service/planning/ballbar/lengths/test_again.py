@@ -7,11 +7,10 @@ import numpy as np
 import pytest
 
 from tests.helpers.ballbar.cells import ballbar_cell, fixture_before_the_arm
+from tests.helpers.ballbar.nominal_poses import nominal_lengths, reachable
 from truepose.planning.ballbar.clear_ways.clearance import is_clear
 from truepose.planning.ballbar.clear_ways.short_moves import between
 from truepose.planning.ballbar.lengths.again import aimed_again
-from truepose.planning.ballbar.lengths.aiming import nominal_lengths
-from truepose.planning.ballbar.poses import reachable
 
 CELL, FIXTURE = ballbar_cell(), fixture_before_the_arm()
 POSES = reachable(CELL, FIXTURE)[:30:2]
