@@ -21,34 +21,19 @@ from truepose_drivers.transports.conversation import Turns
 from truepose_drivers.transports.link import Link, drain
 
 
-class Dialogue:
+class Dialogue(Turns):
     """Questions to one port and their replies."""
 
     def __init__(self, link: Link, *, rest_of_reply_s: float) -> None:
+        super().__init__(link)
         self._link = link
-        self._turns = Turns(link)
         self._rest_of_reply_s = rest_of_reply_s  # how long the end of a reply in unknown words may lag behind
-
-    @property
-    def connected(self) -> bool:
-        """Whether the link is up as far as known."""
-        return self._link.is_open
-
-    @property
-    def busy(self) -> bool:
-        """Whether an exchange is under way."""
-        return self._turns.taken
-
-    @property
-    def address(self) -> str:
-        """Where the port is, for error texts."""
-        return self._link.address
 
     async def open(self, timeout_s: float) -> None:
         """Connect and be greeted; raises ConnectFailedError, also where another client is served."""
         await self._link.open()
         try:
-            async with self._turns.turn():
+            async with self.turn():
                 greeting = await self._reply("success", timeout_s, beats=False)
                 if greeting != GREETING:
                     raise MappdkProtocolError(f"{self.address} greets with {greeting.message[:40]!r}")
@@ -57,10 +42,6 @@ class Dialogue:
                 f"{self.address} does not greet: another client is served there, or it is no MAPPDK"
             ) from error
 
-    async def close(self) -> None:
-        """End the connection; never raises."""
-        await self._link.close()
-
     async def ask(
         self, request: bytes, expected: Expected, timeout_s: float, *, beats: bool = False
     ) -> Reply:
@@ -68,7 +49,7 @@ class Dialogue:
 
         Raises NoReplyError after `timeout_s` [s, wall time].
         """
-        async with self._turns.turn():
+        async with self.turn():
             await drain(self._link)  # a line end or the like behind the last reply
             await self._link.send(request)
             reply = await self._reply(expected, timeout_s, beats=beats)

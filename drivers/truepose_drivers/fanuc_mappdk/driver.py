@@ -109,7 +109,7 @@ class MappdkRobot:
     @property
     def connected(self) -> bool:
         """Whether the link is up as far as known."""
-        return self._motion.connected
+        return self._motion.is_open
 
     @property
     def motion_guard(self) -> MotionGuard:
@@ -190,7 +190,7 @@ class MappdkRobot:
 
     async def _free_port(self) -> Dialogue:
         """Return the port that replies now, the motion port where there is no logger."""
-        if not (self._motion.connected and self._motion.busy):
+        if not (self._motion.is_open and self._motion.taken):
             return self._motion
         # Without a logger the joints are told at the motion's end.
         return await self._opened_logger() or self._motion
@@ -199,7 +199,7 @@ class MappdkRobot:
         if self._logger is None:
             return None
         async with self._logger_opens:
-            if not self._logger.connected:
+            if not self._logger.is_open:
                 try:
                     await self._logger.open(self._time_outs.greeting_s)
                 except LinkError:  # its program does not run there

@@ -9,7 +9,7 @@ from typing import Final, Protocol
 
 from truepose_drivers.errors import ConnectFailedError, LinkError
 from truepose_drivers.ndi_polaris.protocol import OKAY, RESET, Reply, Request, encode_reply, encode_request
-from truepose_drivers.transports.link import Link
+from truepose_drivers.transports.link import Link, OverPort
 
 FIRST_BAUD: Final = 9600
 _FAST_BAUD: Final = 115_200
@@ -32,21 +32,12 @@ class Line(Link, Protocol):
         ...
 
 
-class CameraLine:
+class CameraLine(OverPort):
     """The link of a driver to a camera behind a serial port."""
 
     def __init__(self, line: Line) -> None:
+        super().__init__(line)
         self._line = line
-
-    @property
-    def address(self) -> str:
-        """The port, for error texts."""
-        return self._line.address
-
-    @property
-    def is_open(self) -> bool:
-        """Whether the port is open as far as known."""
-        return self._line.is_open
 
     async def open(self) -> None:
         """Start the camera again and agree on a speed; raises ConnectFailedError."""
@@ -64,10 +55,6 @@ class CameraLine:
         except BaseException:
             await self._line.close()
             raise
-
-    async def close(self) -> None:
-        """Let the port go; never raises."""
-        await self._line.close()
 
     async def send(self, data: bytes) -> None:
         """Hand `data` to the port; raises ConnectionLostError."""

@@ -11,7 +11,7 @@ from collections.abc import AsyncIterator, Callable
 from typing import Generic, Protocol, TypeVar
 
 from truepose_drivers.errors import ConnectionLostError, DriverError, NoReplyError, RemoteProtocolError
-from truepose_drivers.transports.link import MOST_PIECES, Link, Port, Source, drain, unending
+from truepose_drivers.transports.link import MOST_PIECES, Link, OverPort, Port, Source, drain, unending
 
 Message = TypeVar("Message")
 Answer = TypeVar("Answer")
@@ -35,11 +35,11 @@ class Reader(Protocol[Read]):
         ...
 
 
-class Turns:
+class Turns(OverPort):
     """Whose turn it is on a connection; errors that are `harmless` end an exchange as an answer does."""
 
     def __init__(self, port: Port, *, harmless: tuple[type[DriverError], ...] = ()) -> None:
-        self._port = port
+        super().__init__(port)
         self._harmless = harmless
         self._lock = asyncio.Lock()
 
@@ -79,16 +79,6 @@ class Listener(Turns, Generic[Message]):
         self._silence = ""
 
     @property
-    def address(self) -> str:
-        """Where the device is, for error texts."""
-        return self._source.address
-
-    @property
-    def is_open(self) -> bool:
-        """Whether the device is there as far as known."""
-        return self._source.is_open
-
-    @property
     def inside_message(self) -> bool:
         """Whether more has arrived than was taken."""
         return self._reader.inside_message
@@ -97,10 +87,6 @@ class Listener(Turns, Generic[Message]):
         """Connect and listen afresh; raises ConnectFailedError."""
         self._reader = self._new_reader()
         await self._source.open()
-
-    async def close(self) -> None:
-        """End the connection; never raises."""
-        await self._source.close()
 
     def expect(self, timeout_s: float, silence: str) -> None:
         """Allow `timeout_s` [s, wall time] from now for all that `next` returns, then raise `silence`."""

@@ -14,7 +14,7 @@ except ImportError:
 
 from truepose_drivers.errors import ConnectFailedError, DeviceRefusedError
 from truepose_drivers.transports.blocking import BlockingPort
-from truepose_drivers.transports.link import Port
+from truepose_drivers.transports.link import OverPort, Port
 from truepose_drivers.transports.usb import UsbPort
 from truepose_drivers.transports.usb_address import LocalUsb
 from truepose_drivers.usb.protocol.control import (
@@ -120,29 +120,17 @@ class HidapiPort(BlockingPort[_Opened]):
             raise await self._lost(f"HID device {self.address} is gone ({error}): check its cable") from error
 
 
-class HidOverUsb:
+class HidOverUsb(OverPort):
     """A HID device reached as a USB device, without the system's HID driver."""
 
+    _port: UsbPort
+
     def __init__(self, port: UsbPort) -> None:
-        self._port = port
-
-    @property
-    def address(self) -> str:
-        """Where the device is."""
-        return self._port.address
-
-    @property
-    def is_open(self) -> bool:
-        """Whether the device is there as far as known."""
-        return self._port.is_open
+        super().__init__(port)
 
     async def open(self) -> None:
         """Open the device, dropping what was open before; raises ConnectFailedError."""
         await self._port.open()
-
-    async def close(self) -> None:
-        """Close the device; never raises."""
-        await self._port.close()
 
     async def texts(self) -> tuple[str, str, str]:
         """Return manufacturer, product and serial number; empty where the device tells none."""

@@ -69,6 +69,27 @@ async def open_patiently(
         await asyncio.sleep(every_s)
 
 
+class OverPort:
+    """What stands over a port: where it is, whether it is there, and its end are the port's."""
+
+    def __init__(self, port: Port) -> None:
+        self._port = port
+
+    @property
+    def address(self) -> str:
+        """Where the device is, for error texts."""
+        return self._port.address
+
+    @property
+    def is_open(self) -> bool:
+        """Whether the device is there as far as known."""
+        return self._port.is_open
+
+    async def close(self) -> None:
+        """End the connection; never raises."""
+        await self._port.close()
+
+
 class OnePortDevice:
     """A device at the far end of one port: it is there as long as the port is open."""
 

@@ -8,6 +8,7 @@ from typing import Final
 from truepose.domain.results.identification import Identification, NominalAndIdentified, Statistics, Status
 from truepose.domain.sentences import Sentence, Text, said, together
 from truepose.identification.verdict.judge import Judged
+from truepose.reports.front.page import OneFigure
 from truepose.reports.traceability.conditions import NOT_STATED
 from truepose.reports.uncertainty.budget import Budget
 from truepose.reports.uncertainty.judged import judging_figures
@@ -38,21 +39,12 @@ _JUDGED_ON: Final = {
 
 
 @dataclass(frozen=True, slots=True)
-class Figure:
-    """A number of the first screen."""
-
-    name: str
-    value: str
-    remark: str = ""
-
-
-@dataclass(frozen=True, slots=True)
 class Headline:
     """What stands above everything else."""
 
     sentence: str
     good: bool
-    figures: tuple[Figure, ...] = ()
+    figures: tuple[OneFigure, ...] = ()
 
 
 def headline(
@@ -74,8 +66,8 @@ def headline(
     )
 
 
-def _figure(words: Catalogue, name: str, value: Text, remark: Text) -> Figure:
-    return Figure(words.say(name), words.spoken(value), words.spoken(remark))
+def _figure(words: Catalogue, name: str, value: Text, remark: Text) -> OneFigure:
+    return OneFigure(words.say(name), words.spoken(value), words.spoken(remark))
 
 
 def _improves(pair: NominalAndIdentified) -> bool:

@@ -22,6 +22,7 @@ from truepose.exchange.programs.program import (
     Value,
 )
 from truepose.exchange.programs.source import Source
+from truepose.exchange.programs.tokens import Tokens, shown
 
 COMPUTED: Final = said("left.computed")
 ELSEWHERE: Final = said("left.elsewhere")
@@ -44,6 +45,15 @@ class Use:
     work_object: Frame | None
     near_rad: tuple[float, ...] | None
     follows: bool  # whether the motion before it in the text is the one before it when the program runs
+
+
+@dataclass(frozen=True, slots=True)
+class Chosen:
+    """The targets that an argument can be; `told` if the text says which element of an array it is."""
+
+    targets: tuple[int, ...]
+    told: bool = True
+    near_rad: tuple[float, ...] | None = None  # a configuration that chooses the branch
 
 
 @dataclass(slots=True)
@@ -73,6 +83,14 @@ class Draft:
         self._uses: list[Use] = []
         self._left: list[tuple[LeftAlone, tuple[int, ...]]] = []
         self._follows = False
+
+    def line(self, words: Tokens) -> int:
+        """Return the line that words of the text begin on."""
+        return self.source.line(words[0].start)
+
+    def shown(self, words: Tokens) -> str:
+        """Return words of the text as a person reads them, cut where they are long."""
+        return shown(self.source, words)
 
     def add(self, target: ProgramTarget, *, if_used: bool = False) -> int:
         """Add a target and return its index.

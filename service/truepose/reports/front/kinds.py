@@ -38,7 +38,7 @@ def identification_front(
         word=words.say("front.usable" if found.good else "front.unusable"),
         sentence=found.sentence,
         robot=robot,
-        figure=None if after is None else OneFigure(after.name, after.value, after.remark),
+        figure=after,
         picture=None if pair is None else error_bars(pair.nominal, pair.identified, words),
         caption=words.say("front.bars") if pair is not None else "",
         rule=words.say("front.by_validation"),

@@ -13,7 +13,7 @@ from truepose.words.catalogue import Catalogue
 
 @dataclass(frozen=True, slots=True)
 class OneFigure:
-    """The number that a report is about, as text."""
+    """A number of a report's first page or first screen, as text."""
 
     name: str
     value: str

@@ -5,12 +5,12 @@ angles in rad, a rotation is a vector; a list of six numbers is a configuration,
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Final
 
 from truepose.domain.results.corrections import place
 from truepose.domain.sentences import Sentence, said
-from truepose.exchange.programs.draft import ARC, CHOSEN, COMPUTED, ELSEWHERE, Draft
+from truepose.exchange.programs.draft import ARC, CHOSEN, COMPUTED, ELSEWHERE, Chosen, Draft
 from truepose.exchange.programs.forms import JOINT_RADIANS, METRES, ROTATION_VECTOR
 from truepose.exchange.programs.frames_in_use import FramesInUse, Step, set_within
 from truepose.exchange.programs.program import (
@@ -31,7 +31,6 @@ from truepose.exchange.programs.tokens import (
     number,
     numbers,
     outside,
-    shown,
     statements,
     tokens,
 )
@@ -117,15 +116,6 @@ def _target(source: Source, name: str, words: Tokens) -> ProgramTarget | None:
     return ProgramTarget(name, line, Pose.written(position, rotation), (position, rotation))
 
 
-@dataclass(frozen=True, slots=True)
-class _Chosen:
-    """The targets that an argument can be; `told` if the text says which element of a list it is."""
-
-    targets: tuple[int, ...]
-    told: bool = True
-    near_rad: tuple[float, ...] | None = None  # the configuration that chooses the branch
-
-
 class _Names:
     """The variables that hold poses and configurations, and lists of them."""
 
@@ -136,7 +126,7 @@ class _Names:
         for line in lines:
             self._take(line)
 
-    def chosen(self, words: Tokens) -> _Chosen | Sentence:
+    def chosen(self, words: Tokens) -> Chosen | Sentence:
         """Return the targets that an argument can be, or why the motion is left alone."""
         if not words:
             return said("left.no_target")
@@ -144,13 +134,13 @@ class _Names:
             return self._inverse(words)
         if words[0].text in ("p", "[") and inside(words[words[0].text == "p" :], "[") is not None:
             found = _target(self._source, f"line {self._source.line(words[0].start)}", words)
-            return COMPUTED if found is None else _Chosen((self._draft.add(found),))
+            return COMPUTED if found is None else Chosen((self._draft.add(found),))
         if words[0].text not in self._held:
             return ELSEWHERE if len(words) == 1 else COMPUTED
         index = self._index(words[1:])
         targets = self._among(words[0].text, index)
         is_name = len(words) == 1 or inside(words[1:], "[") is not None
-        return _Chosen(targets, index is not None) if targets and is_name else COMPUTED
+        return Chosen(targets, index is not None) if targets and is_name else COMPUTED
 
     def targets_in(self, words: Tokens) -> tuple[int, ...]:
         """Return the targets whose names an expression has."""
@@ -164,7 +154,7 @@ class _Names:
         value = literal.value if literal else self._draft.value(targets[0]) if len(targets) == 1 else None
         return value if isinstance(value, Pose) else None
 
-    def _inverse(self, words: Tokens) -> _Chosen | Sentence:
+    def _inverse(self, words: Tokens) -> Chosen | Sentence:
         arguments = [_unnamed(part) for part in inside(words[1:], "(") or ()]
         if not arguments or not arguments[0] or arguments[0][0].text == _INVERSE:
             return COMPUTED
@@ -256,7 +246,7 @@ class _Reader:
     def _set_tool(self, words: Tokens) -> None:
         given = [_unnamed(part) for part in inside(words[1:], "(") or ()]
         if given:
-            line = self._line(words)
+            line = self._draft.line(words)
             spoken = said("left.frame_at", frame="set_tcp", place=place(line))
             frame = Frame(f"set_tcp of line {line}", self._names.pose(given[0]), spoken)
             self._frames.put(_TOOL, frame)
@@ -265,14 +255,16 @@ class _Reader:
         at = next(place for place in outside(words) if words[place].text == "=")
         serving = self._names.targets_in(words[at + 1 :])
         if serving:
-            self._draft.leave(self._line(words), self._shown(words), COMPUTED, serving, moves=False)
+            self._draft.leave(
+                self._draft.line(words), self._draft.shown(words), COMPUTED, serving, moves=False
+            )
 
     def _call(self, words: Tokens) -> None:
         if words[0].text.startswith(_STANDS_STILL):
             return
         handed = self._names.targets_in(words)
         if handed:
-            self._draft.hand_over(self._line(words), self._shown(words), handed)
+            self._draft.hand_over(self._draft.line(words), self._draft.shown(words), handed)
         self._draft.interrupt()
 
     def _move(self, path: Path, words: Tokens) -> None:
@@ -283,19 +275,13 @@ class _Reader:
             return
         tool = self._frames.of(_TOOL)
         frame = tool if isinstance(tool, Frame) else None
-        self._draft.visit(self._line(words), chosen.targets, path, frame, _BASE, chosen.near_rad)
+        self._draft.visit(self._draft.line(words), chosen.targets, path, frame, _BASE, chosen.near_rad)
         if not chosen.told:
             self._leave(words, CHOSEN)
 
     def _leave(self, words: Tokens, reason: Sentence) -> None:
         serving = self._names.targets_in(words)
-        self._draft.leave(self._line(words), self._shown(words), reason, serving)
-
-    def _line(self, words: Tokens) -> int:
-        return self._draft.source.line(words[0].start)
-
-    def _shown(self, words: Tokens) -> str:
-        return shown(self._draft.source, words)
+        self._draft.leave(self._draft.line(words), self._draft.shown(words), reason, serving)
 
 
 def _unnamed(words: Tokens) -> Tokens:

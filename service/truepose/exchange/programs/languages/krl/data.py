@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from typing import Final, TypeAlias
 
 from truepose.domain.sentences import Sentence
-from truepose.exchange.programs.draft import COMPUTED, ELSEWHERE, Draft
+from truepose.exchange.programs.draft import COMPUTED, ELSEWHERE, Chosen, Draft
 from truepose.exchange.programs.languages.krl.frames import NAMES, Frames, PointData
 from truepose.exchange.programs.languages.krl.values import entries, target
 from truepose.exchange.programs.tokens import Token, Tokens, closing, inside, number, outside, parts, shown
@@ -26,14 +26,6 @@ class _Given:
     index: Tokens
     component: bool  # whether only a part of it
     value: Tokens
-
-
-@dataclass(frozen=True, slots=True)
-class Chosen:
-    """The targets that a name can be; `told` if the text says which element of an array it is."""
-
-    targets: tuple[int, ...]
-    told: bool = True
 
 
 class Data:

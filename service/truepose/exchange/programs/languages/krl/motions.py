@@ -14,10 +14,11 @@ from truepose.exchange.programs.draft import (
     COMPUTED,
     HOLDS_WORK,
     RELATIVE,
+    Chosen,
     Draft,
 )
 from truepose.exchange.programs.frames_in_use import FramesInUse, InUse, Step, set_within
-from truepose.exchange.programs.languages.krl.data import Chosen, Data, bracket
+from truepose.exchange.programs.languages.krl.data import Data, bracket
 from truepose.exchange.programs.languages.krl.frames import NAMES, Which
 from truepose.exchange.programs.languages.krl.values import target, whole
 from truepose.exchange.programs.program import Frame, Path
@@ -147,30 +148,28 @@ class _Reader:
         if name in NAMES:
             self._frames.put(NAMES[name], self._data.frames.given(name, value))
         elif name == "$IPO_MODE":
-            self._on_tool = "#TCP" in shown(self._draft.source, value).upper()
+            self._on_tool = "#TCP" in self._draft.shown(value).upper()
         elif name == "FDAT_ACT":
             data = self._data.point_data(value[0].upper) if value else None
             self._frames.put("TOOL", data.tool if data else None)
             self._frames.put("BASE", data.base if data else None)
         serving = self._data.targets_in(value)
         if serving:
-            line = self._draft.source.line(words[0].start)
-            self._draft.leave(line, shown(self._draft.source, words), COMPUTED, serving, moves=False)
+            line = self._draft.line(words)
+            self._draft.leave(line, self._draft.shown(words), COMPUTED, serving, moves=False)
 
     def _bas(self, words: Tokens) -> None:
         match inside(words[1:], "("):
             case [command, given]:
                 for name, which in NAMES.items():
-                    if shown(self._draft.source, command).upper() == name.replace("$", "#"):
+                    if self._draft.shown(command).upper() == name.replace("$", "#"):
                         frame = self._data.frames.numbered(which, whole(self._draft.source, given))
                         self._frames.put(which, frame)
 
     def _call(self, words: Tokens) -> None:
         handed = self._data.targets_in(words)
         if handed:
-            self._draft.hand_over(
-                self._draft.source.line(words[0].start), shown(self._draft.source, words), handed
-            )
+            self._draft.hand_over(self._draft.line(words), self._draft.shown(words), handed)
         if words[0].upper not in _STANDS_STILL:
             self._draft.interrupt()
 
@@ -185,7 +184,7 @@ class _Reader:
         if isinstance(chosen, Sentence):
             self._leave(words, chosen)
             return
-        line = self._draft.source.line(words[0].start)
+        line = self._draft.line(words)
         self._draft.visit(line, chosen.targets, path, _framed(tool), _framed(base))
         if not chosen.told:
             self._leave(words, CHOSEN)
@@ -203,7 +202,7 @@ class _Reader:
         if not aim:
             self._draft.source.refuse(f"{words[0].text} has no target", words[0].start)
         if inside(aim, "{") is not None:
-            name = f"line {self._draft.source.line(words[0].start)}"
+            name = f"line {self._draft.line(words)}"
             found = target(self._draft.source, name, aim)
             return found if isinstance(found, Sentence) else Chosen((self._draft.add(found),))
         is_name = aim[0].kind == "word" and len(bracket(aim[1:])) == len(aim) - 1
@@ -211,8 +210,8 @@ class _Reader:
 
     def _leave(self, words: Tokens, reason: Sentence) -> None:
         serving = self._data.targets_in(words)
-        line = self._draft.source.line(words[0].start)
-        self._draft.leave(line, shown(self._draft.source, words), reason, serving)
+        line = self._draft.line(words)
+        self._draft.leave(line, self._draft.shown(words), reason, serving)
 
 
 def _framed(frame: InUse) -> Frame | None:

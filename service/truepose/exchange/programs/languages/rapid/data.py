@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from typing import Final
 
 from truepose.domain.sentences import Sentence, said
-from truepose.exchange.programs.draft import COMPUTED, ELSEWHERE, Draft
+from truepose.exchange.programs.draft import COMPUTED, ELSEWHERE, Chosen, Draft
 from truepose.exchange.programs.languages.rapid.module import Routine, Statement, assignment_at
 from truepose.exchange.programs.languages.rapid.values import (
     JOINTTARGET,
@@ -38,14 +38,6 @@ class Datum:
     def all_targets(self) -> tuple[int, ...]:
         """Return every target that the name ever is."""
         return tuple(index for indices in self.targets.values() for index in indices)
-
-
-@dataclass(frozen=True, slots=True)
-class Chosen:
-    """The targets that an argument can be; `told` if the text says which element of an array it is."""
-
-    targets: tuple[int, ...]
-    told: bool = True
 
 
 class Data:

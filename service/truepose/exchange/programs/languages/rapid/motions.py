@@ -9,12 +9,12 @@ from dataclasses import dataclass
 from typing import Final
 
 from truepose.domain.sentences import Sentence, said
-from truepose.exchange.programs.draft import ARC, CHOSEN, COMPUTED, DISPLACED, Draft
-from truepose.exchange.programs.languages.rapid.data import Chosen, Data
+from truepose.exchange.programs.draft import ARC, CHOSEN, COMPUTED, DISPLACED, Chosen, Draft
+from truepose.exchange.programs.languages.rapid.data import Data
 from truepose.exchange.programs.languages.rapid.module import Statement, assignment_at, read_statements
 from truepose.exchange.programs.languages.rapid.values import JOINTTARGET, ROBTARGET, target
 from truepose.exchange.programs.program import Frame, Path
-from truepose.exchange.programs.tokens import Token, Tokens, closing, outside, parts, shown
+from truepose.exchange.programs.tokens import Token, Tokens, closing, outside, parts
 
 
 @dataclass(frozen=True, slots=True)
@@ -112,13 +112,13 @@ class _Follower:
         serving = self._data.targets_in(self._routine, self._words[at + 1 :])
         if serving:
             self._draft.leave(
-                self._line(self._words), self._shown(self._words), COMPUTED, serving, moves=False
+                self._draft.line(self._words), self._draft.shown(self._words), COMPUTED, serving, moves=False
             )
 
     def _call(self) -> None:
         handed = self._data.targets_in(self._routine, self._words)
         if handed:
-            self._draft.hand_over(self._line(self._words), self._shown(self._words), handed)
+            self._draft.hand_over(self._draft.line(self._words), self._draft.shown(self._words), handed)
         self._draft.interrupt()
 
     def _move(self, move: _Move, index: int) -> None:
@@ -134,7 +134,7 @@ class _Follower:
         if isinstance(chosen, Sentence):
             self._leave(words, chosen)
             return
-        self._draft.visit(self._line(words), chosen.targets, move.path, *frames)
+        self._draft.visit(self._draft.line(words), chosen.targets, move.path, *frames)
         if not chosen.told:
             self._leave(words, CHOSEN)
 
@@ -143,7 +143,7 @@ class _Follower:
         if words[0].text == "*":
             return said("left.hidden")
         if words[0].text == "[":
-            found = target(self._draft.source, move.kind, f"line {self._line(words)}", words)
+            found = target(self._draft.source, move.kind, f"line {self._draft.line(words)}", words)
             return found if isinstance(found, Sentence) else Chosen((self._draft.add(found),))
         is_name = len(words) == 1 or (words[1].text == "{" and closing(words, 1) == len(words) - 1)
         return self._data.chosen(self._routine, words) if is_name else COMPUTED
@@ -166,13 +166,7 @@ class _Follower:
 
     def _leave(self, words: Tokens, reason: Sentence) -> None:
         serving = self._data.targets_in(self._routine, words)
-        self._draft.leave(self._line(words), self._shown(words), reason, serving)
-
-    def _line(self, words: Tokens) -> int:
-        return self._draft.source.line(words[0].start)
-
-    def _shown(self, words: Tokens) -> str:
-        return shown(self._draft.source, words)
+        self._draft.leave(self._draft.line(words), self._draft.shown(words), reason, serving)
 
 
 def _without_options(words: Tokens) -> Tokens:
