@@ -3,16 +3,14 @@
 import csv
 import json
 import shutil
-import subprocess
-import sys
 
 import pytest
 
+from tests.helpers.commands import installed, typed
 
-def plan(*arguments, status=0):
-    done = subprocess.run(
-        [sys.executable, "-m", "truepose", "plan", *arguments], capture_output=True, text=True, check=False
-    )
+
+def plan(*arguments, status=0, run=typed):
+    done = run("plan", *arguments)
     assert done.returncode == status, done.stderr
     return done
 
@@ -20,7 +18,7 @@ def plan(*arguments, status=0):
 def test_the_document_has_what_programs_rely_on(tmp_path):
     out = tmp_path / "plan.csv"
 
-    document = json.loads(plan("abb-irb-120", "--n", "25", "--json", "--out", str(out)).stdout)
+    document = json.loads(plan("abb-irb-120", "--n", "25", "--json", "--out", str(out), run=installed).stdout)
 
     assert len(document["configurations_deg"]) == len(document["nests"]) == document["n"] == 25
     point = next(point for point in document["predicted"] if point["n"] == 25)

@@ -2,12 +2,11 @@
 
 import json
 import re
-import subprocess
-import sys
 
 import numpy as np
 import pytest
 
+from tests.helpers.commands import installed, typed
 from tests.helpers.domain.circles import read_on, there_and_back, turned
 from tests.helpers.domain.robots import IRB_120
 from truepose.exchange.tables.points import point_text
@@ -15,13 +14,8 @@ from truepose.exchange.tables.points import point_text
 _ANGLES = there_and_back(-80, 80, 8)
 
 
-def circles(*arguments, status=0):
-    done = subprocess.run(
-        [sys.executable, "-m", "truepose", "circles", *map(str, arguments), "--robot", "abb-irb-120"],
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+def circles(*arguments, status=0, run=typed):
+    done = run("circles", *arguments, "--robot", "abb-irb-120")
     assert done.returncode == status, done.stderr
     return done
 
@@ -40,7 +34,7 @@ def points(tmp_path_factory):
 
 
 def test_the_document_has_the_columns_of_the_table(points):
-    document = json.loads(circles(points, "--json").stdout)
+    document = json.loads(circles(points, "--json", run=installed).stdout)
 
     first, second = document["circles"]
     assert (first["joint"], first["noise_alone"]) == (1, True)

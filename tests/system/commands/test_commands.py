@@ -1,22 +1,20 @@
 """The commands on files, as a user types them: documents, exit statuses, a sentence for whatever is wrong."""
 
-import contextlib
 import csv
-import io
 import json
 import math
 import os
 import socket
 import subprocess
-import sys
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from tests.helpers.commands import TRUEPOSE, installed
+from tests.helpers.commands import typed as truepose
 from tests.helpers.identification.synthetic import configurations, measured, nominal_campaign
-from truepose.cli import main
 from truepose.domain.measurement.campaign import PointReadings, Stops
 from truepose.exchange.campaigns.folder import write_campaign
 from truepose.exchange.models.file import read_model
@@ -25,27 +23,8 @@ from truepose.identification import predict
 from truepose.judgement.iso9283.plan import Cube, plan_poses
 from truepose.version import __version__ as truepose_version
 
-TRUEPOSE = Path(sys.executable).with_name("truepose")
 COMMANDS = ("demo", "serve", "simulate", "identify", "diagnose", "predict", "validate", "nightly")
 STATISTICS = {"n", "mean_mm", "rms_mm", "sd_mm", "max_mm", "noise_mm"}
-
-
-def installed(*arguments):
-    """The installed command, a process of its own."""
-    command = [str(TRUEPOSE), *(str(argument) for argument in arguments)]
-    return subprocess.run(command, capture_output=True, text=True, timeout=120)
-
-
-def truepose(*arguments, cwd="."):
-    """The same in this process, which has loaded already what a new one takes a second for."""
-    printed, said = io.StringIO(), io.StringIO()
-    given, sys.argv = sys.argv, ["truepose", *(str(argument) for argument in arguments)]
-    try:
-        with contextlib.redirect_stdout(printed), contextlib.redirect_stderr(said), contextlib.chdir(cwd):
-            status = main()
-    finally:
-        sys.argv = given
-    return subprocess.CompletedProcess(sys.argv, status, printed.getvalue(), said.getvalue())
 
 
 @pytest.fixture(scope="module")

@@ -1,18 +1,16 @@
 """`truepose diagnose` as a user types it: document, files, statuses, a sentence for whatever is wrong."""
 
 import json
-import subprocess
-import sys
 from dataclasses import replace
-from pathlib import Path
 
 import pytest
 
+from tests.helpers.commands import installed
+from tests.helpers.commands import typed as truepose
 from tests.helpers.identification.synthetic import measured, nominal_campaign
 from truepose.domain.measurement.campaign import Campaign
 from truepose.exchange.campaigns.folder import write_campaign
 
-TRUEPOSE = Path(sys.executable).with_name("truepose")
 KEYS = {
     "robot",
     "verdict",
@@ -24,11 +22,6 @@ KEYS = {
     "next_measurements",
     "message",
 }
-
-
-def truepose(*arguments):
-    command = [str(TRUEPOSE), *(str(argument) for argument in arguments)]
-    return subprocess.run(command, capture_output=True, text=True, timeout=180)
 
 
 def with_gain(campaign: Campaign, joint: int, gain: float) -> Campaign:
@@ -52,7 +45,7 @@ def folder(tmp_path_factory):
 @pytest.fixture(scope="module")
 def done(folder):
     model, report = folder.parent / "extended.json", folder.parent / "diagnosis.html"
-    finished = truepose("diagnose", folder, "--json", "--model-out", model, "--report", report)
+    finished = installed("diagnose", folder, "--json", "--model-out", model, "--report", report)
     assert finished.returncode == 0, finished.stderr
     return finished
 

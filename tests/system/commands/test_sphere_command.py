@@ -2,26 +2,20 @@
 
 import json
 import re
-import subprocess
-import sys
 from dataclasses import replace
 
 import pytest
 
 from tests.helpers.ballbar.spheres import NESTS_MM, longer, sphere_campaign
+from tests.helpers.commands import installed, typed
 from tests.helpers.identification.models import IRB_120, model_of, parameters_of
 from truepose.domain.results.identification import NestCentre
 from truepose.exchange.campaigns.folder import write_campaign
 from truepose.exchange.models.file import write_model
 
 
-def sphere(*arguments, status=0):
-    done = subprocess.run(
-        [sys.executable, "-m", "truepose", "sphere", *map(str, arguments)],
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+def sphere(*arguments, status=0, run=typed):
+    done = run("sphere", *arguments)
     assert done.returncode == status, done.stderr
     return done
 
@@ -56,7 +50,7 @@ def test_the_document_has_the_models_in_their_order(folder):
 
 
 def test_the_sentences_say_what_is_wrong_and_what_is_not(folder):
-    said = sphere(folder / "test", "--model", folder / "robot.json").stdout
+    said = sphere(folder / "test", "--model", folder / "robot.json", run=installed).stdout
 
     assert "Accuracy, best first: robot (RMS" in said
     assert "robot, about the best centre: no error is seen" in " ".join(said.split())

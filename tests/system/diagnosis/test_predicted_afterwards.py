@@ -1,12 +1,11 @@
 """A base that drifted or was pushed while it was measured: what the model says of a day and a month later."""
 
 import csv
-import subprocess
-import sys
 
 import numpy as np
 import pytest
 
+from tests.helpers.commands import typed
 from truepose_simulators.recording.campaign import record
 from truepose_simulators.recording.files import write_campaign
 from truepose_simulators.recording.plan import Wishes
@@ -25,9 +24,7 @@ from_s = {}
 
 
 def truepose(*arguments):
-    done = subprocess.run(
-        [sys.executable, "-m", "truepose", *map(str, arguments)], capture_output=True, text=True, check=False
-    )
+    done = typed(*arguments)
     assert done.returncode == 0, done.stderr
     return done
 

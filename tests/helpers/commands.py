@@ -1,0 +1,33 @@
+"""The `truepose` command as a user types it: a process of its own, or this one, which has loaded everything.
+
+A command that is tested by several lines is a process in one of them at least: there it must find by itself
+whatever it imports.
+"""
+
+import contextlib
+import io
+import subprocess
+import sys
+from pathlib import Path
+
+from truepose.cli import main
+
+TRUEPOSE = Path(sys.executable).with_name("truepose")
+
+
+def installed(*arguments):
+    """Run the installed command, a process of its own."""
+    command = [str(TRUEPOSE), *map(str, arguments)]
+    return subprocess.run(command, capture_output=True, text=True, timeout=180, check=False)
+
+
+def typed(*arguments, cwd="."):
+    """Run the command in this process, which spares it the second in which a new one loads everything."""
+    printed, said = io.StringIO(), io.StringIO()
+    given, sys.argv = sys.argv, ["truepose", *map(str, arguments)]
+    try:
+        with contextlib.redirect_stdout(printed), contextlib.redirect_stderr(said), contextlib.chdir(cwd):
+            status = main()
+    finally:
+        sys.argv = given
+    return subprocess.CompletedProcess(sys.argv, status, printed.getvalue(), said.getvalue())
