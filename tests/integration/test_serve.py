@@ -30,11 +30,17 @@ PATIENCE_S = 120  # with a process that starts or ends, on a busy machine
 SERVE = """
 import sys
 from pathlib import Path
+from truepose.start import begin_lightly, end_lightly
+
+begin_lightly()  # as `truepose serve` does
+
 from truepose.app import serve
 from truepose.settings import Settings
 
 cell_file = Path(sys.argv[3]) if len(sys.argv) > 3 else None
-sys.exit(serve(Settings(sys.argv[1], port=int(sys.argv[2]), cell_file=cell_file, simulated_pace=0)))
+status = serve(Settings(sys.argv[1], port=int(sys.argv[2]), cell_file=cell_file, simulated_pace=0))
+end_lightly()
+sys.exit(status)
 """
 
 

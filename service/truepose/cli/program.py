@@ -5,8 +5,6 @@ service failed, 130 interrupted.
 """
 
 import functools
-import gc
-import os
 import sys
 from collections.abc import Callable, Iterable, Sequence
 from importlib import import_module
@@ -15,13 +13,12 @@ from typing import Annotated
 import typer
 
 from truepose.domain.errors import TrueposeError
+from truepose.start import begin_lightly, end_lightly
 from truepose.version import __version__
 from truepose.words.error_codes import code_of
 
 UNUSABLE_INPUT = 2
 INTERRUPTED = 130
-# Importing makes a hundred thousand objects and hardly a cycle; by default they are searched at every 700.
-_OBJECTS_BETWEEN_SEARCHES = 500_000
 
 _COMMANDS = {
     "demo": "cells",
@@ -56,12 +53,11 @@ _GROUPS = {"people": "administration.people"}  # of commands
 
 def main() -> int:
     """Run the command and return its exit status."""
-    gc.set_threshold(_OBJECTS_BETWEEN_SEARCHES)
-    os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "1")  # to find none takes a look at every package
+    begin_lightly()
     try:
         return _run()
     finally:
-        gc.freeze()  # the interpreter is about to end: a last search would go through every module
+        end_lightly()
 
 
 def _run() -> int:

@@ -11,14 +11,17 @@ import signal
 import sys
 import threading
 
-from truepose.app import serve
-from truepose.settings import Settings
+from truepose.start import begin_lightly, end_lightly
 
 _CHUNK_BYTES = 4096
 
 
 def main(scenario: str, seed: str, database_url: str) -> int:
     """Serve on any free port of loopback until interrupted; returns the exit status."""
+    begin_lightly()
+    from truepose.app import serve
+    from truepose.settings import Settings
+
     # A run in the background of a shell hands down that SIGINT is ignored, and then nothing would end us.
     signal.signal(signal.SIGINT, signal.default_int_handler)
     threading.Thread(target=_end_with_the_run, daemon=True).start()
@@ -29,7 +32,10 @@ def main(scenario: str, seed: str, database_url: str) -> int:
         simulated_scenario=scenario,
         simulated_seed=int(seed),
     )
-    return serve(settings)
+    try:
+        return serve(settings)
+    finally:
+        end_lightly()
 
 
 def _end_with_the_run() -> None:
