@@ -25,6 +25,7 @@ class Side:
 
     workers: int
     wall_s: float = 0.0
+    here_s: float = 0.0  # processor time of this process: reading, sending, Dask's scheduler, collecting
     compute_s: float = 0.0  # of all campaigns, where they were computed
     bits: dict[str, str] = field(default_factory=dict)  # of each result, by campaign
 
@@ -52,6 +53,11 @@ class Compared:
         return self.one.wall_s / self.two.wall_s
 
     @property
+    def here_ms(self) -> float:
+        """Processor time of this process for a campaign, of both sides."""
+        return 1e3 * (self.one.here_s + self.two.here_s) / max(2 * len(self.one.bits), 1)
+
+    @property
     def reached(self) -> bool:
         """Whether all figures are as they should be."""
         cheap = max(self.one.overhead_ms(), statistics.median(self.alone_ms)) <= _OVERHEAD_MS
@@ -68,6 +74,7 @@ class Compared:
             "compute_s": self.one.compute_s,
             "overhead_one_ms": self.one.overhead_ms(),
             "overhead_two_ms": self.two.overhead_ms(),
+            "here_ms": self.here_ms,
             "alone_ms": self.alone_ms,
             "same_bits": self.one.bits == self.two.bits,
         }
@@ -81,7 +88,8 @@ class Compared:
             f"{self.ratio:.2f} (to reach {_RATIO}); same bits {same} of {n}\n"
             f"beside computing: {self.one.overhead_ms():.2f} ms a campaign in a row; sent alone median "
             f"{statistics.median(self.alone_ms):.2f} ms, worst {max(self.alone_ms):.2f} ms of "
-            f"{len(self.alone_ms)} (to reach {_OVERHEAD_MS:.0f} ms)\n"
+            f"{len(self.alone_ms)} (to reach {_OVERHEAD_MS:.0f} ms); processor time of whoever asks, "
+            f"scheduler included, {self.here_ms:.2f} ms\n"
         )
 
 
@@ -108,13 +116,14 @@ def parts_of(campaigns: Sequence[Archived]) -> Iterator[Part[ToAnalyse]]:
 
 
 def _run(cluster: Cluster, campaigns: Sequence[Archived], side: Side) -> None:
-    began_s = time.perf_counter()
+    began_s, here_s = time.perf_counter(), time.process_time()
     for outcome in cluster.outcomes(analyse, parts_of(campaigns)):
         if not isinstance(outcome, Done):
             raise SystemExit(f"{outcome.name}: {outcome.why}")
         side.compute_s += outcome.compute_s
         side.bits[outcome.name] = bits_of(outcome.answer)
     side.wall_s += time.perf_counter() - began_s
+    side.here_s += time.process_time() - here_s
 
 
 def _alone_ms(cluster: Cluster, campaigns: Sequence[Archived]) -> Iterator[float]:

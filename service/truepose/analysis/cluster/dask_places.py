@@ -5,6 +5,7 @@ decided by Dask's own configuration (TLS, `distributed.comm`), which holds here 
 """
 
 import contextlib
+import logging
 import os
 import time
 from collections.abc import Iterator
@@ -44,9 +45,15 @@ class DaskPlaces:
     def room(self) -> int:
         """Return how many more tasks are taken."""
         if time.monotonic() - self._looked_s >= _LOOKED_S:
-            self._threads = sum(self.client.nthreads().values())
+            self._threads = self._count_threads()
             self._looked_s = time.monotonic()
         return max(_AHEAD * self._threads, 1) - len(self._futures)
+
+    def _count_threads(self) -> int:
+        try:
+            return sum(self.client.nthreads().values())
+        except OSError as error:
+            raise _gone() from error
 
     def begin(self, task: Task) -> None:
         """Send a task to the scheduler."""
@@ -78,16 +85,20 @@ def _reply(future: "Future[Any]") -> Reply:
         reply: Reply = future.result()
         return reply
     if future.status == "cancelled":
-        raise ClusterError(
-            "The scheduler of the workers is gone or dropped what it was given; what came before stands. "
-            "Start it again, then this command: it goes on from there."
-        )
+        raise _gone()
     found = future.exception()
     if isinstance(found, KilledWorker):
         return lost_reply(int(dask.config.get("distributed.scheduler.allowed-failures")) + 1)
     if isinstance(found, WorkersUnlikeError):
         raise found
     return Reply(None, 0.0, f"Its worker could not compute it ({type(found).__name__}: {found}).")
+
+
+def _gone() -> ClusterError:
+    return ClusterError(
+        "The scheduler of the workers is gone or dropped what it was given; what came before stands. "
+        "Start it again, then this command: it goes on from there."
+    )
 
 
 def _alike(client: "Client") -> Arithmetic:
@@ -134,6 +145,8 @@ def of_scheduler(address: str) -> Iterator[DaskPlaces]:
     WorkersUnlikeError
         A worker would not compute the same bits.
     """
+    # That it is gone, and cannot be reached again, is said in a sentence, not in its client's own log.
+    logging.getLogger("distributed.client").setLevel(logging.CRITICAL)
     encrypted = dask.config.get("distributed.comm.require-encryption")
     url = f"{'tls' if encrypted else 'tcp'}://{address}"
     try:
@@ -153,7 +166,7 @@ def of_scheduler(address: str) -> Iterator[DaskPlaces]:
 
 
 @contextlib.contextmanager
-def of_this_computer(count: int, *, processes: bool = True) -> Iterator[DaskPlaces]:
+def of_this_computer(count: int) -> Iterator[DaskPlaces]:
     """Offer `count` workers of Dask on this computer, reached by nobody else, for as long as it takes."""
     with (
         _environment(ONE_THREAD),
@@ -161,7 +174,6 @@ def of_this_computer(count: int, *, processes: bool = True) -> Iterator[DaskPlac
         LocalCluster(
             n_workers=count,
             threads_per_worker=1,
-            processes=processes,
             host="127.0.0.1",
             dashboard_address="127.0.0.1:0",  # any free port, reached by nobody else
         ) as cluster,

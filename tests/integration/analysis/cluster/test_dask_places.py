@@ -71,6 +71,18 @@ def test_a_work_that_is_given_up_leaves_the_workers_to_the_next(cluster):
     assert cluster.answers(waited_for, _parts([0.0, 0.01])) == [0.0, 0.01]
 
 
+def test_what_a_scheduler_drops_ends_the_run_with_a_sentence_and_what_came_before_stands(places, cluster):
+    outcomes = cluster.outcomes(waited_for, _parts([0.0, 0.5, 0.51, 0.52]))
+    first = next(outcomes)
+
+    places.client.cancel(list(places._ended.futures), force=True)
+
+    assert first.answer == 0.0
+    with pytest.raises(ClusterError, match="what came before stands"):
+        list(outcomes)
+    assert cluster.answers(waited_for, _parts([0.0])) == [0.0]
+
+
 @pytest.mark.parametrize("name", ["truepose", "numpy", "scipy", "python"])
 def test_a_worker_of_another_version_is_refused_by_name(name):
     own = arithmetic()
