@@ -2,28 +2,31 @@
 
 from alembic import op
 
-from truepose.storage.migrations.triggers import trigger, trigger_name
+from truepose.storage.migrations.triggers import ACTIONS, trigger_name, triggers
 
 
 def protect(table: str) -> None:
     """Refuse UPDATE and DELETE on `table` inside the database, whoever asks."""
-    for action in ("update", "delete"):
-        op.execute(trigger(table, action))
+    for statement in triggers(op.get_bind().dialect.name, table):
+        op.execute(statement)
 
 
 def drop_protected(table: str) -> None:
     """Drop `table` with its triggers."""
-    _unprotect(table)
+    unprotect(table)
     op.drop_table(table)
 
 
 def delete_protected(table: str, condition: str) -> None:
     """Delete what an older schema has no words for, on the way down."""
-    _unprotect(table)
+    unprotect(table)
     op.execute(f"DELETE FROM {table} WHERE {condition}")
     protect(table)
 
 
-def _unprotect(table: str) -> None:
-    for action in ("update", "delete"):
-        op.execute(f"DROP TRIGGER {trigger_name(table, action)}")
+def unprotect(table: str) -> None:
+    """Drop the triggers of `table`."""
+    engine = op.get_bind().dialect.name
+    of = "" if engine == "sqlite" else f" ON {table}"
+    for action in ACTIONS[engine]:
+        op.execute(f"DROP TRIGGER {trigger_name(table, action)}{of}")

@@ -3,8 +3,10 @@
 import sqlalchemy as sa
 from alembic import op
 
+from truepose.storage.connection.plain import plain
 from truepose.storage.integrity.chain import link_all
 from truepose.storage.migrations.append_only import delete_protected
+from truepose.storage.migrations.columns import on_sqlite
 
 
 def chained_tables() -> set[str]:
@@ -15,5 +17,6 @@ def chained_tables() -> set[str]:
 def chain_anew(tables: set[str]) -> None:
     """Begin the chain anew with the records of these tables."""
     delete_protected("links", "true")
-    op.execute("DELETE FROM sqlite_sequence WHERE name = 'links'")  # who verifies misses no number
-    link_all(op.get_bind().connection.cursor(), sorted(tables))
+    if on_sqlite():
+        op.execute("DELETE FROM sqlite_sequence WHERE name = 'links'")  # who verifies misses no number
+    link_all(plain(op.get_bind()), sorted(tables))

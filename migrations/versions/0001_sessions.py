@@ -5,6 +5,7 @@ from typing import Any
 import sqlalchemy as sa
 from alembic import op
 
+from truepose.storage.column_types import DOCUMENT, REAL, TEXT, WHOLE
 from truepose.storage.migrations.append_only import drop_protected, protect
 from truepose.storage.migrations.columns import number, recorded, reference
 
@@ -22,31 +23,31 @@ def upgrade() -> None:
         "sessions",
         number(),
         recorded(),
-        sa.Column("name", sa.Text, nullable=False),
-        sa.Column("role", sa.Text, nullable=False),
-        sa.Column("setup", sa.JSON, nullable=False),
-        sa.Column("plan", sa.JSON, nullable=False),
+        sa.Column("name", TEXT, nullable=False),
+        sa.Column("role", TEXT, nullable=False),
+        sa.Column("setup", DOCUMENT, nullable=False),
+        sa.Column("plan", DOCUMENT, nullable=False),
         sqlite_autoincrement=True,
     )
     protect("sessions")
     _of_a_session(
         "session_states",
-        sa.Column("state", sa.Text, nullable=False),
-        sa.Column("reason", sa.Text, nullable=False),
-        sa.Column("person", sa.Text, nullable=True),
+        sa.Column("state", TEXT, nullable=False),
+        sa.Column("reason", TEXT, nullable=False),
+        sa.Column("person", TEXT, nullable=True),
     )
     _of_a_session(
         "readings",
-        sa.Column("kind", sa.Text, nullable=False),
-        sa.Column("config", sa.Integer, nullable=True),
-        sa.Column("nest", sa.Integer, nullable=False),
-        sa.Column("time_s", sa.Float, nullable=False),
-        sa.Column("supersedes", sa.Integer, sa.ForeignKey("readings.id"), nullable=True, unique=True),
-        sa.Column("document", sa.JSON, nullable=False),
+        sa.Column("kind", TEXT, nullable=False),
+        sa.Column("config", WHOLE, nullable=True),
+        sa.Column("nest", WHOLE, nullable=False),
+        sa.Column("time_s", REAL, nullable=False),
+        sa.Column("supersedes", WHOLE, sa.ForeignKey("readings.id"), nullable=True, unique=True),
+        sa.Column("document", DOCUMENT, nullable=False),
     )
-    _of_a_session("skipped_stops", sa.Column("document", sa.JSON, nullable=False))
-    _of_a_session("registrations", sa.Column("document", sa.JSON, nullable=False))
-    _of_a_session("notes", sa.Column("text", sa.Text, nullable=False))
+    _of_a_session("skipped_stops", sa.Column("document", DOCUMENT, nullable=False))
+    _of_a_session("registrations", sa.Column("document", DOCUMENT, nullable=False))
+    _of_a_session("notes", sa.Column("text", TEXT, nullable=False))
 
 
 def _of_a_session(table: str, *columns: "sa.Column[Any]") -> None:

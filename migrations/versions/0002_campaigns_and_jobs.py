@@ -5,6 +5,7 @@ from typing import Any
 import sqlalchemy as sa
 from alembic import op
 
+from truepose.storage.column_types import BYTES, DOCUMENT, TEXT, WHOLE
 from truepose.storage.migrations.append_only import drop_protected, protect
 from truepose.storage.migrations.columns import number, recorded, reference
 
@@ -18,19 +19,19 @@ def upgrade() -> None:
     """Make the tables of the evaluation."""
     _table(
         "campaigns",
-        sa.Column("name", sa.Text, nullable=False),
-        sa.Column("robot", sa.Text, nullable=False),
-        sa.Column("summary", sa.JSON, nullable=False),
-        sa.Column("session_ids", sa.JSON, nullable=False),
-        sa.Column("archive", sa.LargeBinary, nullable=False),
+        sa.Column("name", TEXT, nullable=False),
+        sa.Column("robot", TEXT, nullable=False),
+        sa.Column("summary", DOCUMENT, nullable=False),
+        sa.Column("session_ids", DOCUMENT, nullable=False),
+        sa.Column("archive", BYTES, nullable=False),
     )
-    _table("jobs", sa.Column("kind", sa.Text, nullable=False), sa.Column("request", sa.JSON, nullable=False))
+    _table("jobs", sa.Column("kind", TEXT, nullable=False), sa.Column("request", DOCUMENT, nullable=False))
     _table(
         "job_states",
         reference("job_id", "jobs"),
-        sa.Column("state", sa.Text, nullable=False),
-        sa.Column("message", sa.Text, nullable=False),
-        sa.Column("result_id", sa.Integer, nullable=True),
+        sa.Column("state", TEXT, nullable=False),
+        sa.Column("message", TEXT, nullable=False),
+        sa.Column("result_id", WHOLE, nullable=True),
     )
     op.create_index("ix_job_states_job_id", "job_states", ["job_id", "id"])
     _results()
@@ -41,7 +42,7 @@ def _results() -> None:
     _table(
         "models",
         reference("identification_id", "identifications"),
-        sa.Column("robot", sa.Text, nullable=False),
+        sa.Column("robot", TEXT, nullable=False),
         _document(),
     )
     _table(
@@ -54,7 +55,7 @@ def _results() -> None:
 
 
 def _document() -> "sa.Column[Any]":
-    return sa.Column("document", sa.JSON, nullable=False)
+    return sa.Column("document", DOCUMENT, nullable=False)
 
 
 def _table(name: str, *columns: "sa.Column[Any]") -> None:

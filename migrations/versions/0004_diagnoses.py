@@ -5,14 +5,16 @@ from typing import Any
 import sqlalchemy as sa
 from alembic import op
 
+from truepose.storage.column_types import DOCUMENT, TEXT
 from truepose.storage.migrations.append_only import delete_protected, drop_protected, protect
-from truepose.storage.migrations.columns import number, recorded, reference
+from truepose.storage.migrations.columns import number, on_sqlite, recorded, reference
 
 revision = "0004"
 down_revision = "0003"
 branch_labels = None
 depends_on = None
 
+_ONE_ORIGIN = "(identification_id IS NULL) <> (diagnosis_id IS NULL)"
 _KEPT = "id, recorded_at, identification_id, robot, document"
 _OF_DIAGNOSES = "SELECT id FROM models WHERE diagnosis_id IS NOT NULL"
 _JOBS = "SELECT id FROM jobs WHERE kind = 'diagnosis'"
@@ -26,18 +28,21 @@ def upgrade() -> None:
         recorded(),
         reference("job_id", "jobs"),
         reference("campaign_id", "campaigns"),
-        sa.Column("measured_at", sa.Text, nullable=False),
-        sa.Column("robot_serial_number", sa.Text, nullable=False),
-        sa.Column("summary", sa.JSON, nullable=False),
-        sa.Column("document", sa.JSON, nullable=False),
+        sa.Column("measured_at", TEXT, nullable=False),
+        sa.Column("robot_serial_number", TEXT, nullable=False),
+        sa.Column("summary", DOCUMENT, nullable=False),
+        sa.Column("document", DOCUMENT, nullable=False),
         sqlite_autoincrement=True,
     )
     protect("diagnoses")
-    _rebuild_models(
-        reference("identification_id", "identifications", nullable=True),
-        reference("diagnosis_id", "diagnoses", nullable=True),
-        sa.CheckConstraint("(identification_id IS NULL) <> (diagnosis_id IS NULL)"),
-    )
+    diagnosis = reference("diagnosis_id", "diagnoses", nullable=True)
+    if on_sqlite():
+        identification = reference("identification_id", "identifications", nullable=True)
+        _rebuild_models(identification, diagnosis, sa.CheckConstraint(_ONE_ORIGIN))
+    else:
+        op.alter_column("models", "identification_id", nullable=True)
+        op.add_column("models", diagnosis)
+        op.create_check_constraint("models_one_origin", "models", _ONE_ORIGIN)
 
 
 def _rebuild_models(*origin: Any) -> None:
@@ -51,8 +56,8 @@ def _rebuild_models(*origin: Any) -> None:
         number(),
         recorded(),
         *origin,
-        sa.Column("robot", sa.Text, nullable=False),
-        sa.Column("document", sa.JSON, nullable=False),
+        sa.Column("robot", TEXT, nullable=False),
+        sa.Column("document", DOCUMENT, nullable=False),
         sqlite_autoincrement=True,
     )
     op.execute(f"INSERT INTO models ({_KEPT}) SELECT {_KEPT} FROM models_before ORDER BY id")
@@ -64,7 +69,11 @@ def downgrade() -> None:
     """Drop every diagnosis, its job and its model, with the validations of that model."""
     delete_protected("validations", f"model_id IN ({_OF_DIAGNOSES})")
     delete_protected("models", "diagnosis_id IS NOT NULL")
-    _rebuild_models(reference("identification_id", "identifications"))
+    if on_sqlite():
+        _rebuild_models(reference("identification_id", "identifications"))
+    else:
+        op.drop_column("models", "diagnosis_id")
+        op.alter_column("models", "identification_id", nullable=False)
     drop_protected("diagnoses")
     # The program of that schema knows no such kind of job.
     delete_protected("request_keys", "resource = 'diagnosis job'")

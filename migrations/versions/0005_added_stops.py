@@ -3,6 +3,7 @@
 import sqlalchemy as sa
 from alembic import op
 
+from truepose.storage.column_types import DOCUMENT, TEXT
 from truepose.storage.migrations.append_only import drop_protected, protect
 from truepose.storage.migrations.columns import number, recorded, reference
 
@@ -20,8 +21,8 @@ def upgrade() -> None:
         recorded(),
         reference("session_id", "sessions"),
         reference("diagnosis_id", "diagnoses", nullable=True),
-        sa.Column("person", sa.Text, nullable=False),
-        sa.Column("document", sa.JSON, nullable=False),
+        sa.Column("person", TEXT, nullable=False),
+        sa.Column("document", DOCUMENT, nullable=False),
         sqlite_autoincrement=True,
     )
     op.create_index("ix_added_stops_session_id", "added_stops", ["session_id", "id"])

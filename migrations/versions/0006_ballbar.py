@@ -3,6 +3,7 @@
 import sqlalchemy as sa
 from alembic import op
 
+from truepose.storage.column_types import DOCUMENT, TEXT
 from truepose.storage.migrations.append_only import delete_protected, drop_protected, protect
 from truepose.storage.migrations.columns import number, recorded, reference
 
@@ -20,10 +21,10 @@ def upgrade() -> None:
         number(),
         recorded(),
         reference("session_id", "sessions"),
-        sa.Column("step_id", sa.Text, nullable=False),
-        sa.Column("kind", sa.Text, nullable=False),
-        sa.Column("key", sa.Text, nullable=True),
-        sa.Column("document", sa.JSON, nullable=False),
+        sa.Column("step_id", TEXT, nullable=False),
+        sa.Column("kind", TEXT, nullable=False),
+        sa.Column("key", TEXT, nullable=True),
+        sa.Column("document", DOCUMENT, nullable=False),
         sa.UniqueConstraint("session_id", "key", name="uq_ballbar_entries_key"),
         sqlite_autoincrement=True,
     )
@@ -34,9 +35,9 @@ def upgrade() -> None:
         recorded(),
         reference("session_id", "sessions"),
         reference("entry_id", "ballbar_entries", nullable=True),
-        sa.Column("key", sa.Text, nullable=False),
-        sa.Column("fingerprint", sa.Text, nullable=False),
-        sa.Column("sentence", sa.Text, nullable=False),
+        sa.Column("key", TEXT, nullable=False),
+        sa.Column("fingerprint", TEXT, nullable=False),
+        sa.Column("sentence", TEXT, nullable=False),
         sa.UniqueConstraint("session_id", "key", name="uq_ballbar_answers_key"),
         sqlite_autoincrement=True,
     )

@@ -3,9 +3,11 @@
 import sqlalchemy as sa
 from alembic import op
 
+from truepose.storage.column_types import BYTES, TEXT, WHOLE
+from truepose.storage.connection.plain import plain
 from truepose.storage.integrity.chain import link_all
 from truepose.storage.migrations.append_only import drop_protected, protect
-from truepose.storage.migrations.columns import number
+from truepose.storage.migrations.columns import number, on_sqlite
 
 revision = "0008"
 down_revision = "0007"
@@ -39,16 +41,16 @@ def upgrade() -> None:
     op.create_table(
         "links",
         number(),
-        sa.Column("stream", sa.Integer, nullable=False),
-        sa.Column("record", sa.Text, nullable=False),
-        sa.Column("record_id", sa.Integer, nullable=False),
-        sa.Column("hash", sa.LargeBinary, nullable=False),
+        sa.Column("stream", WHOLE, nullable=False),
+        sa.Column("record", TEXT, nullable=False),
+        sa.Column("record_id", WHOLE, nullable=False),
+        sa.Column("hash", BYTES, nullable=False),
         sqlite_autoincrement=True,
     )
     op.create_index("ix_links_stream", "links", ["stream", "id"])
-    link_all(op.get_bind().connection.cursor(), _RECORDS)
+    link_all(plain(op.get_bind()), _RECORDS)
     # A number that was given and is gone tells of a record taken out; those of an older schema are no such.
-    for table in _RECORDS[:-1]:
+    for table in _RECORDS[:-1] if on_sqlite() else ():
         newest = f"SELECT coalesce(max(id), 0) FROM {table}"
         op.execute(f"UPDATE sqlite_sequence SET seq = ({newest}) WHERE name = '{table}'")
     protect("links")

@@ -3,6 +3,8 @@
 import sqlalchemy as sa
 from alembic import op
 
+from truepose.storage.column_types import BYTES
+
 revision = "0009"
 down_revision = "0008"
 branch_labels = None
@@ -11,7 +13,7 @@ depends_on = None
 
 def upgrade() -> None:
     """Make room beside the zip."""
-    op.add_column("campaigns", sa.Column("campaign", sa.LargeBinary, nullable=True))
+    op.add_column("campaigns", sa.Column("campaign", BYTES, nullable=True))
 
 
 def downgrade() -> None:

@@ -10,10 +10,11 @@ from typing import Any, NamedTuple
 
 from alembic import op
 
+from truepose.storage.connection.plain import plain
 from truepose.storage.integrity.chain import link
-from truepose.storage.migrations.append_only import delete_protected, protect
+from truepose.storage.migrations.append_only import delete_protected, protect, unprotect
 from truepose.storage.migrations.chain import chain_anew, chained_tables
-from truepose.storage.migrations.triggers import trigger_name
+from truepose.storage.migrations.columns import on_sqlite
 
 revision = "0010"
 down_revision = "0009"
@@ -38,7 +39,10 @@ UNION ALL SELECT session_id, recorded_at, 'spoken', id, NULL, NULL, text, NULL F
 """
 _OF_SESSIONS = f"SELECT * FROM ({_RECORDS}) WHERE session_id IN ({_OF_TRACKER}) ORDER BY 1, 2, 3, 4"
 _FIRST_TIMES = "SELECT session_id, min(time_s) FROM readings GROUP BY session_id"
-_COLUMNS = "recorded_at, session_id, step_id, kind, document, reading_id"
+_INSERT = """
+INSERT INTO session_entries (recorded_at, session_id, step_id, kind, document, reading_id)
+VALUES (?, ?, ?, ?, ?, ?)
+"""
 
 
 class _Found(NamedTuple):
@@ -57,12 +61,14 @@ class _Found(NamedTuple):
 def upgrade() -> None:
     """Rename the ledger, and take up what is known of tracker sessions."""
     _rename("ballbar_entries", "session_entries")
-    op.execute("ALTER TABLE session_entries ADD COLUMN reading_id INTEGER REFERENCES readings (id)")
+    whole = "INTEGER" if on_sqlite() else "BIGINT"
+    op.execute(f"ALTER TABLE session_entries ADD COLUMN reading_id {whole} REFERENCES readings (id)")
     _index("session_entries")
-    cursor = op.get_bind().connection.cursor()
-    for line in _lines(cursor.connection):
-        cursor.execute(f"INSERT INTO session_entries ({_COLUMNS}) VALUES (?, ?, ?, ?, ?, ?)", line)
-        link(cursor, "session_entries", cursor.lastrowid)
+    if on_sqlite():  # no server has records of an older program
+        connection = plain(op.get_bind())
+        for line in _lines(connection):
+            added = connection.execute(_INSERT, line)
+            link(connection, "session_entries", added.lastrowid)
 
 
 def downgrade() -> None:
@@ -78,8 +84,7 @@ def downgrade() -> None:
 
 
 def _rename(old: str, new: str) -> None:
-    for action in ("update", "delete"):
-        op.execute(f"DROP TRIGGER {trigger_name(old, action)}")
+    unprotect(old)
     op.rename_table(old, new)
     protect(new)
 

@@ -3,6 +3,7 @@
 import sqlalchemy as sa
 from alembic import op
 
+from truepose.storage.column_types import BYTES, DOCUMENT, TEXT
 from truepose.storage.migrations.append_only import delete_protected, drop_protected, protect
 from truepose.storage.migrations.chain import chain_anew, chained_tables
 from truepose.storage.migrations.columns import number, recorded, reference
@@ -23,13 +24,13 @@ def upgrade() -> None:
         recorded(),
         reference("job_id", "jobs"),
         reference("model_id", "models"),
-        sa.Column("name", sa.Text, nullable=False),
-        sa.Column("original_sha256", sa.Text, nullable=False),
-        sa.Column("corrected_sha256", sa.Text, nullable=False),
-        sa.Column("asked", sa.JSON, nullable=False),
-        sa.Column("document", sa.JSON, nullable=False),
-        sa.Column("targets", sa.LargeBinary, nullable=False),
-        sa.Column("file", sa.LargeBinary, nullable=False),
+        sa.Column("name", TEXT, nullable=False),
+        sa.Column("original_sha256", TEXT, nullable=False),
+        sa.Column("corrected_sha256", TEXT, nullable=False),
+        sa.Column("asked", DOCUMENT, nullable=False),
+        sa.Column("document", DOCUMENT, nullable=False),
+        sa.Column("targets", BYTES, nullable=False),
+        sa.Column("file", BYTES, nullable=False),
         sqlite_autoincrement=True,
     )
     op.create_index("ix_corrections_model_id", "corrections", ["model_id", "id"])

@@ -3,6 +3,7 @@
 import sqlalchemy as sa
 from alembic import op
 
+from truepose.storage.column_types import BYTES, DOCUMENT, TEXT, WHOLE
 from truepose.storage.migrations.append_only import drop_protected, protect
 from truepose.storage.migrations.chain import chain_anew, chained_tables
 from truepose.storage.migrations.columns import number, recorded, reference
@@ -41,7 +42,7 @@ def _people() -> None:
         "people",
         number(),
         recorded(),
-        sa.Column("name", sa.Text, nullable=False, unique=True),
+        sa.Column("name", TEXT, nullable=False, unique=True),
         sqlite_autoincrement=True,
     )
     op.create_table(
@@ -49,20 +50,20 @@ def _people() -> None:
         number(),
         recorded(),
         reference("person_id", "people"),
-        sa.Column("role", sa.Text, nullable=False),
-        sa.Column("active", sa.Integer, nullable=False),
-        sa.Column("by", sa.Text, nullable=False),
+        sa.Column("role", TEXT, nullable=False),
+        sa.Column("active", WHOLE, nullable=False),
+        sa.Column("by", TEXT, nullable=False),
         sqlite_autoincrement=True,
     )
     op.create_table(
         "credentials",
         number(),
         recorded(),
-        sa.Column("kind", sa.Text, nullable=False),
+        sa.Column("kind", TEXT, nullable=False),
         reference("person_id", "people", nullable=True),
-        sa.Column("hash", sa.Text, nullable=False),
-        sa.Column("expires_at", sa.Text, nullable=True),
-        sa.Column("document", sa.JSON, nullable=False),
+        sa.Column("hash", TEXT, nullable=False),
+        sa.Column("expires_at", TEXT, nullable=True),
+        sa.Column("document", DOCUMENT, nullable=False),
         sqlite_autoincrement=True,
     )
     op.create_table(
@@ -70,7 +71,7 @@ def _people() -> None:
         number(),
         recorded(),
         reference("credential_id", "credentials"),
-        sa.Column("by", sa.Text, nullable=False),
+        sa.Column("by", TEXT, nullable=False),
         sqlite_autoincrement=True,
     )
     op.create_index("ix_revocations_credential_id", "revocations", ["credential_id"])
@@ -81,12 +82,12 @@ def _acts() -> None:
         "acts",
         number(),
         recorded(),
-        sa.Column("happened_at", sa.Text, nullable=False),
-        sa.Column("operation", sa.Text, nullable=False),
-        sa.Column("resource", sa.Text, nullable=False),
-        sa.Column("status", sa.Integer, nullable=False),
+        sa.Column("happened_at", TEXT, nullable=False),
+        sa.Column("operation", TEXT, nullable=False),
+        sa.Column("resource", TEXT, nullable=False),
+        sa.Column("status", WHOLE, nullable=False),
         *(
-            sa.Column(name, sa.Text, nullable=True)
+            sa.Column(name, TEXT, nullable=True)
             for name in ("person", "role", "how", "tablet", "address", "reason")
         ),
         sqlite_autoincrement=True,
@@ -99,10 +100,10 @@ def _closings() -> None:
         number(),
         recorded(),
         reference("session_id", "sessions"),
-        sa.Column("closed_as", sa.Text, nullable=False),
-        sa.Column("person", sa.Text, nullable=False),
-        sa.Column("reason", sa.Text, nullable=False),
-        sa.Column("document", sa.JSON, nullable=False),
+        sa.Column("closed_as", TEXT, nullable=False),
+        sa.Column("person", TEXT, nullable=False),
+        sa.Column("reason", TEXT, nullable=False),
+        sa.Column("document", DOCUMENT, nullable=False),
         sa.UniqueConstraint("session_id"),
         sqlite_autoincrement=True,
     )
@@ -114,12 +115,12 @@ def _reports() -> None:
         "reports",
         number(),
         recorded(),
-        sa.Column("kind", sa.Text, nullable=False),
-        sa.Column("subject_id", sa.Integer, nullable=False),
-        sa.Column("revision", sa.Integer, nullable=False),
-        sa.Column("language", sa.Text, nullable=False),
-        sa.Column("stated_sha256", sa.Text, nullable=False),
-        sa.Column("page", sa.LargeBinary, nullable=False),
+        sa.Column("kind", TEXT, nullable=False),
+        sa.Column("subject_id", WHOLE, nullable=False),
+        sa.Column("revision", WHOLE, nullable=False),
+        sa.Column("language", TEXT, nullable=False),
+        sa.Column("stated_sha256", TEXT, nullable=False),
+        sa.Column("page", BYTES, nullable=False),
         sa.UniqueConstraint("kind", "subject_id", "revision", "language"),
         sqlite_autoincrement=True,
     )

@@ -1,14 +1,13 @@
 """What a service is started with; read by the composition root and the command line only."""
 
 import ipaddress
-import os
-import sys
 from dataclasses import dataclass, field
 from enum import StrEnum
 from pathlib import Path
 from typing import Literal
 
 from truepose.storage.backup.plan import BackupPlan
+from truepose.storage.connection.folder import data_folder
 
 
 class LogLevel(StrEnum):
@@ -18,18 +17,6 @@ class LogLevel(StrEnum):
     INFO = "info"
     WARNING = "warning"
     ERROR = "error"
-
-
-def data_folder() -> Path:
-    """Return the folder of the user's own data, where the platform keeps such things.
-
-    Not the working directory: measurements must not depend on where somebody happened to stand.
-    """
-    if sys.platform == "win32":
-        return Path(os.environ.get("LOCALAPPDATA", Path.home() / "AppData" / "Local")) / "truepose"
-    if sys.platform == "darwin":
-        return Path.home() / "Library" / "Application Support" / "truepose"
-    return Path(os.environ.get("XDG_DATA_HOME") or Path.home() / ".local" / "share") / "truepose"
 
 
 def default_database_url() -> str:

@@ -31,9 +31,10 @@ ABB_ROBOT_CLIENT = Lack(
 OWN_NETWORK = Lack(
     "no process gets a network of its own here (unshare, ip)", "connections whose line goes dead"
 )
+POSTGRESQL = Lack("no PostgreSQL server is installed (Debian: postgresql)", "records on a PostgreSQL server")
 _MEMORY: Final = Path("/dev/shm")
 _ROOM_BYTES: Final = 3 * 2**30  # a whole run leaves less than one, were every folder kept
-_ALL = (MEASURED_DATA, UMOCKDEV, CHROMIUM, CESAPI, NDICAPI, ABB_ROBOT_CLIENT, OWN_NETWORK)
+_ALL = (MEASURED_DATA, UMOCKDEV, CHROMIUM, CESAPI, NDICAPI, ABB_ROBOT_CLIENT, OWN_NETWORK, POSTGRESQL)
 
 
 def what_was_untested(reasons: Iterable[str]) -> str:

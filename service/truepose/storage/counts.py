@@ -4,9 +4,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Final
 
-from sqlalchemy import Connection
+from sqlalchemy import Connection, Select, func, select
 
 from truepose.storage.database import Database
+from truepose.storage.dialects import moment_s
+from truepose.storage.records import JobState
+from truepose.storage.tables import job_states, jobs
 
 # Numbers of append-only tables are given without gaps, so the newest one is the count.
 _NEWEST: Final = "SELECT coalesce(max(id), 0) FROM {}"
@@ -15,14 +18,6 @@ _BY_STATE: Final = (
     "GROUP BY state"
 )
 _LEGS: Final = "SELECT count(*) FROM session_entries WHERE kind = 'measured' AND reading_id IS NULL"
-_JOB_SECONDS: Final = """
-    SELECT jobs.kind, count(*), sum(86400 * (julianday(ended.recorded_at) - julianday(begun.recorded_at)))
-    FROM jobs
-    JOIN job_states AS begun ON begun.job_id = jobs.id AND begun.state = 'running'
-    JOIN job_states AS ended ON ended.job_id = jobs.id
-        AND ended.state IN ('succeeded', 'failed', 'cancelled', 'interrupted')
-    GROUP BY jobs.kind
-"""
 _LAST_STAMP: Final = "SELECT recorded_at FROM events ORDER BY id DESC LIMIT 1"
 
 
@@ -53,8 +48,23 @@ def _counts(connection: Connection) -> Counts:
     return Counts(
         sessions=dict(pairs(_BY_STATE.format("session"))),
         jobs=dict(pairs(_BY_STATE.format("job"))),
-        job_seconds={kind: (count, seconds) for kind, count, seconds in pairs(_JOB_SECONDS)},
+        job_seconds={kind: (count, seconds) for kind, count, seconds in connection.execute(_job_seconds())},
         readings=number(_NEWEST.format("readings")) + number(_LEGS),
         links=number(_NEWEST.format("links")),
         last_stamp=connection.exec_driver_sql(_LAST_STAMP).scalar(),
+    )
+
+
+def _job_seconds() -> Select[Any]:
+    """Return the query of how many jobs of a kind have ended, and how long they took."""
+    begun, ended = job_states.alias("begun"), job_states.alias("ended")
+    took_s = func.sum(moment_s(ended.c.recorded_at) - moment_s(begun.c.recorded_at))
+    return (
+        select(jobs.c.kind, func.count(), took_s)
+        .join(begun, (begun.c.job_id == jobs.c.id) & (begun.c.state == JobState.RUNNING.value))
+        .join(
+            ended,
+            (ended.c.job_id == jobs.c.id) & ended.c.state.in_([one.value for one in JobState if one.final]),
+        )
+        .group_by(jobs.c.kind)
     )

@@ -22,7 +22,7 @@ from sqlalchemy import Connection
 
 from truepose.storage.connection.commits import Commits
 from truepose.storage.connection.engines import holding
-from truepose.storage.connection.holding import InDoubtError
+from truepose.storage.connection.holding import READERS, InDoubtError
 from truepose.storage.connection.plain import plain
 from truepose.storage.errors import DamagedDatabaseError, StorageError, StorageUnavailableError, damaged
 from truepose.storage.integrity.condition import Condition
@@ -33,7 +33,6 @@ from truepose.storage.integrity.verification import stream_findings
 T = TypeVar("T")
 _End: TypeAlias = tuple[Any, Exception | None]  # what a write gave, or why it failed
 _LOG: Final = logging.getLogger(__name__)
-_READERS: Final = 4  # as many queries at a time as a handful of browsers asks for
 _MOST_TOGETHER: Final = 256  # writes that share a transaction
 _IN_DOUBT: Final = "The connection to {} ended during a commit; whether that was made shows once it is back."
 _TRIAL_S: Final = 0.25  # between two trials whether writing works again
@@ -58,11 +57,11 @@ class Database:
         self._wanted: deque[_Wanted] = deque()
         self._doubtful: _Doubtful | None = None
         self._trial: asyncio.Task[None] | None = None
-        self._reading = threading.BoundedSemaphore(_READERS)  # all of them taken: nobody reads
+        self._reading = threading.BoundedSemaphore(READERS)  # all of them taken: nobody reads
         self.held = holding(url, self.condition, self._nobody_reads)
         self.file = self.held.file  # what lies beside the database is named after it
         self._writer = ThreadPoolExecutor(1, thread_name_prefix="storage-writer")
-        self._readers = ThreadPoolExecutor(_READERS, thread_name_prefix="storage-reader")
+        self._readers = ThreadPoolExecutor(READERS, thread_name_prefix="storage-reader")
         try:
             self.schema = self._writer.submit(self.held.open).result()
         except BaseException:
@@ -262,12 +261,12 @@ class Database:
 
     @contextlib.contextmanager
     def _nobody_reads(self) -> Iterator[None]:
-        for _ in range(_READERS):
+        for _ in range(READERS):
             self._reading.acquire()
         try:
             yield
         finally:
-            for _ in range(_READERS):
+            for _ in range(READERS):
                 self._reading.release()
 
     # on any thread

@@ -7,23 +7,26 @@ record becomes is a further row. Times of day are UTC in ISO 8601; `time_s` is t
 import sqlalchemy as sa
 from sqlalchemy.schema import SchemaItem
 
+from truepose.storage.column_types import BYTES, DOCUMENT, REAL, TEXT, WHOLE
+from truepose.storage.dialects import next_number
+
 metadata = sa.MetaData()
 
 
-def _number() -> sa.Column[int]:
-    return sa.Column("id", sa.Integer, primary_key=True, autoincrement=True)
+def _number(table: str) -> sa.Column[int]:
+    return sa.Column("id", WHOLE, primary_key=True, autoincrement=True, default=next_number(table))
 
 
 def _recorded() -> sa.Column[str]:
-    return sa.Column("recorded_at", sa.Text, nullable=False)
+    return sa.Column("recorded_at", TEXT, nullable=False)
 
 
 def _reference(name: str, target: str, *, nullable: bool = False) -> sa.Column[int]:
-    return sa.Column(name, sa.Integer, sa.ForeignKey(f"{target}.id"), nullable=nullable)
+    return sa.Column(name, WHOLE, sa.ForeignKey(f"{target}.id"), nullable=nullable)
 
 
 def _records(name: str, *columns: SchemaItem) -> sa.Table:
-    return sa.Table(name, metadata, _number(), _recorded(), *columns, sqlite_autoincrement=True)
+    return sa.Table(name, metadata, _number(name), _recorded(), *columns, sqlite_autoincrement=True)
 
 
 def _records_of_sessions(name: str, *columns: SchemaItem) -> sa.Table:
@@ -33,60 +36,60 @@ def _records_of_sessions(name: str, *columns: SchemaItem) -> sa.Table:
 
 sessions = _records(
     "sessions",
-    sa.Column("name", sa.Text, nullable=False),
-    sa.Column("role", sa.Text, nullable=False),
-    sa.Column("setup", sa.JSON, nullable=False),
-    sa.Column("plan", sa.JSON, nullable=False),
+    sa.Column("name", TEXT, nullable=False),
+    sa.Column("role", TEXT, nullable=False),
+    sa.Column("setup", DOCUMENT, nullable=False),
+    sa.Column("plan", DOCUMENT, nullable=False),
 )
 
 session_states = _records_of_sessions(
     "session_states",
-    sa.Column("state", sa.Text, nullable=False),
-    sa.Column("reason", sa.Text, nullable=False),
-    sa.Column("person", sa.Text, nullable=True),
+    sa.Column("state", TEXT, nullable=False),
+    sa.Column("reason", TEXT, nullable=False),
+    sa.Column("person", TEXT, nullable=True),
 )
 
 readings = _records_of_sessions(
     "readings",
-    sa.Column("kind", sa.Text, nullable=False),  # point or fixed_nest
-    sa.Column("config", sa.Integer, nullable=True),
-    sa.Column("nest", sa.Integer, nullable=False),  # of the tool, or fixed
-    sa.Column("time_s", sa.Float, nullable=False),
+    sa.Column("kind", TEXT, nullable=False),  # point or fixed_nest
+    sa.Column("config", WHOLE, nullable=True),
+    sa.Column("nest", WHOLE, nullable=False),  # of the tool, or fixed
+    sa.Column("time_s", REAL, nullable=False),
     # A reading is superseded at most once: two successors would leave two truths.
-    sa.Column("supersedes", sa.Integer, sa.ForeignKey("readings.id"), nullable=True, unique=True),
-    sa.Column("document", sa.JSON, nullable=False),
+    sa.Column("supersedes", WHOLE, sa.ForeignKey("readings.id"), nullable=True, unique=True),
+    sa.Column("document", DOCUMENT, nullable=False),
     sa.Index("ix_readings_place", "session_id", "config", "nest", "id"),
     sa.Index("ix_readings_counted", "session_id", "kind", "supersedes"),
 )
 
-skipped_stops = _records_of_sessions("skipped_stops", sa.Column("document", sa.JSON, nullable=False))
+skipped_stops = _records_of_sessions("skipped_stops", sa.Column("document", DOCUMENT, nullable=False))
 
-registrations = _records_of_sessions("registrations", sa.Column("document", sa.JSON, nullable=False))
+registrations = _records_of_sessions("registrations", sa.Column("document", DOCUMENT, nullable=False))
 
-notes = _records_of_sessions("notes", sa.Column("text", sa.Text, nullable=False))
+notes = _records_of_sessions("notes", sa.Column("text", TEXT, nullable=False))
 
 added_stops = _records_of_sessions(
     "added_stops",
     _reference("diagnosis_id", "diagnoses", nullable=True),  # which is to be run again after them
-    sa.Column("person", sa.Text, nullable=False),
-    sa.Column("document", sa.JSON, nullable=False),
+    sa.Column("person", TEXT, nullable=False),
+    sa.Column("document", DOCUMENT, nullable=False),
 )
 
 closings = _records_of_sessions(
     "closings",
-    sa.Column("closed_as", sa.Text, nullable=False),
-    sa.Column("person", sa.Text, nullable=False),
-    sa.Column("reason", sa.Text, nullable=False),
-    sa.Column("document", sa.JSON, nullable=False),  # the certificates, as they stood
+    sa.Column("closed_as", TEXT, nullable=False),
+    sa.Column("person", TEXT, nullable=False),
+    sa.Column("reason", TEXT, nullable=False),
+    sa.Column("document", DOCUMENT, nullable=False),  # the certificates, as they stood
     sa.UniqueConstraint("session_id"),  # two closings would leave two truths
 )
 
 session_entries = _records_of_sessions(
     "session_entries",
-    sa.Column("step_id", sa.Text, nullable=False),
-    sa.Column("kind", sa.Text, nullable=False),
-    sa.Column("key", sa.Text, nullable=True),  # of the request that caused it
-    sa.Column("document", sa.JSON, nullable=False),  # without the reading that it brings
+    sa.Column("step_id", TEXT, nullable=False),
+    sa.Column("kind", TEXT, nullable=False),
+    sa.Column("key", TEXT, nullable=True),  # of the request that caused it
+    sa.Column("document", DOCUMENT, nullable=False),  # without the reading that it brings
     _reference("reading_id", "readings", nullable=True),
     sa.UniqueConstraint("session_id", "key", name="uq_ballbar_entries_key"),
     sa.Index("ix_session_entries_kind", "session_id", "kind", "step_id"),
@@ -96,9 +99,9 @@ ballbar_answers = _records(
     "ballbar_answers",
     _reference("session_id", "sessions"),
     _reference("entry_id", "session_entries", nullable=True),  # what was kept; none: nothing was
-    sa.Column("key", sa.Text, nullable=False),
-    sa.Column("fingerprint", sa.Text, nullable=False),  # SHA-256 of method, path and body
-    sa.Column("sentence", sa.Text, nullable=False),
+    sa.Column("key", TEXT, nullable=False),
+    sa.Column("fingerprint", TEXT, nullable=False),  # SHA-256 of method, path and body
+    sa.Column("sentence", TEXT, nullable=False),
     sa.UniqueConstraint("session_id", "key", name="uq_ballbar_answers_key"),
 )
 
@@ -119,26 +122,26 @@ deliveries = _records(
 
 campaigns = _records(
     "campaigns",
-    sa.Column("name", sa.Text, nullable=False),
-    sa.Column("robot", sa.Text, nullable=False),
-    sa.Column("summary", sa.JSON, nullable=False),
-    sa.Column("session_ids", sa.JSON, nullable=False),  # empty for an uploaded campaign
-    sa.Column("archive", sa.LargeBinary, nullable=False),  # zip of the folder as it came; empty: none did
-    sa.Column("campaign", sa.LargeBinary, nullable=True),  # packed; null in rows of before: see the archive
+    sa.Column("name", TEXT, nullable=False),
+    sa.Column("robot", TEXT, nullable=False),
+    sa.Column("summary", DOCUMENT, nullable=False),
+    sa.Column("session_ids", DOCUMENT, nullable=False),  # empty for an uploaded campaign
+    sa.Column("archive", BYTES, nullable=False),  # zip of the folder as it came; empty: none did
+    sa.Column("campaign", BYTES, nullable=True),  # packed; null in rows of before: see the archive
 )
 
 jobs = _records(
     "jobs",
-    sa.Column("kind", sa.Text, nullable=False),
-    sa.Column("request", sa.JSON, nullable=False),
+    sa.Column("kind", TEXT, nullable=False),
+    sa.Column("request", DOCUMENT, nullable=False),
 )
 
 job_states = _records(
     "job_states",
     _reference("job_id", "jobs"),
-    sa.Column("state", sa.Text, nullable=False),
-    sa.Column("message", sa.Text, nullable=False),
-    sa.Column("result_id", sa.Integer, nullable=True),  # of the kind that the job makes
+    sa.Column("state", TEXT, nullable=False),
+    sa.Column("message", TEXT, nullable=False),
+    sa.Column("result_id", WHOLE, nullable=True),  # of the kind that the job makes
     sa.Index("ix_job_states_job_id", "job_id", "id"),
 )
 
@@ -146,17 +149,17 @@ identifications = _records(
     "identifications",
     _reference("job_id", "jobs"),
     _reference("campaign_id", "campaigns"),
-    sa.Column("document", sa.JSON, nullable=False),
+    sa.Column("document", DOCUMENT, nullable=False),
 )
 
 diagnoses = _records(
     "diagnoses",
     _reference("job_id", "jobs"),
     _reference("campaign_id", "campaigns"),
-    sa.Column("measured_at", sa.Text, nullable=False),  # empty where nobody said it
-    sa.Column("robot_serial_number", sa.Text, nullable=False),  # empty where nobody said it
-    sa.Column("summary", sa.JSON, nullable=False),  # the document without what only a page draws
-    sa.Column("document", sa.JSON, nullable=False),
+    sa.Column("measured_at", TEXT, nullable=False),  # empty where nobody said it
+    sa.Column("robot_serial_number", TEXT, nullable=False),  # empty where nobody said it
+    sa.Column("summary", DOCUMENT, nullable=False),  # the document without what only a page draws
+    sa.Column("document", DOCUMENT, nullable=False),
 )
 
 models = _records(
@@ -164,8 +167,8 @@ models = _records(
     # exactly one of the two
     _reference("identification_id", "identifications", nullable=True),
     _reference("diagnosis_id", "diagnoses", nullable=True),
-    sa.Column("robot", sa.Text, nullable=False),
-    sa.Column("document", sa.JSON, nullable=False),
+    sa.Column("robot", TEXT, nullable=False),
+    sa.Column("document", DOCUMENT, nullable=False),
 )
 
 validations = _records(
@@ -173,29 +176,29 @@ validations = _records(
     _reference("job_id", "jobs"),
     _reference("model_id", "models"),
     _reference("campaign_id", "campaigns"),
-    sa.Column("document", sa.JSON, nullable=False),
+    sa.Column("document", DOCUMENT, nullable=False),
 )
 
 corrections = _records(
     "corrections",
     _reference("job_id", "jobs"),
     _reference("model_id", "models"),
-    sa.Column("name", sa.Text, nullable=False),  # of the file
-    sa.Column("original_sha256", sa.Text, nullable=False),
-    sa.Column("corrected_sha256", sa.Text, nullable=False),
-    sa.Column("asked", sa.JSON, nullable=False),
-    sa.Column("document", sa.JSON, nullable=False),
-    sa.Column("targets", sa.LargeBinary, nullable=False),  # packed
-    sa.Column("file", sa.LargeBinary, nullable=False),  # corrected
+    sa.Column("name", TEXT, nullable=False),  # of the file
+    sa.Column("original_sha256", TEXT, nullable=False),
+    sa.Column("corrected_sha256", TEXT, nullable=False),
+    sa.Column("asked", DOCUMENT, nullable=False),
+    sa.Column("document", DOCUMENT, nullable=False),
+    sa.Column("targets", BYTES, nullable=False),  # packed
+    sa.Column("file", BYTES, nullable=False),  # corrected
     sa.Index("ix_corrections_model_id", "model_id", "id"),
 )
 
 events = _records(
     "events",
-    sa.Column("kind", sa.Text, nullable=False),
+    sa.Column("kind", TEXT, nullable=False),
     _reference("session_id", "sessions", nullable=True),
     _reference("job_id", "jobs", nullable=True),
-    sa.Column("document", sa.JSON, nullable=False),
+    sa.Column("document", DOCUMENT, nullable=False),
     sa.Index("ix_events_session_id", "session_id", "kind", "id"),
     sa.Index("ix_events_job_id", "job_id", "kind", "id"),
 )
@@ -203,72 +206,72 @@ events = _records(
 request_keys = sa.Table(
     "request_keys",
     metadata,
-    sa.Column("key", sa.Text, primary_key=True),
+    sa.Column("key", TEXT, primary_key=True),
     _recorded(),
-    sa.Column("fingerprint", sa.Text, nullable=False),  # SHA-256 of method, path and body
-    sa.Column("resource", sa.Text, nullable=False),
-    sa.Column("resource_id", sa.Integer, nullable=False),
+    sa.Column("fingerprint", TEXT, nullable=False),  # SHA-256 of method, path and body
+    sa.Column("resource", TEXT, nullable=False),
+    sa.Column("resource_id", WHOLE, nullable=False),
 )
 
-people = _records("people", sa.Column("name", sa.Text, nullable=False, unique=True))
+people = _records("people", sa.Column("name", TEXT, nullable=False, unique=True))
 
 person_states = _records(
     "person_states",  # the newest counts
     _reference("person_id", "people"),
-    sa.Column("role", sa.Text, nullable=False),
-    sa.Column("active", sa.Integer, nullable=False),
-    sa.Column("by", sa.Text, nullable=False),
+    sa.Column("role", TEXT, nullable=False),
+    sa.Column("active", WHOLE, nullable=False),
+    sa.Column("by", TEXT, nullable=False),
 )
 
 credentials = _records(
     "credentials",
-    sa.Column("kind", sa.Text, nullable=False),
+    sa.Column("kind", TEXT, nullable=False),
     _reference("person_id", "people", nullable=True),
-    sa.Column("hash", sa.Text, nullable=False),  # argon2id of what people choose, SHA-256 of what is random
-    sa.Column("expires_at", sa.Text, nullable=True),
-    sa.Column("document", sa.JSON, nullable=False),
+    sa.Column("hash", TEXT, nullable=False),  # argon2id of what people choose, SHA-256 of what is random
+    sa.Column("expires_at", TEXT, nullable=True),
+    sa.Column("document", DOCUMENT, nullable=False),
 )
 
 revocations = _records(
     "revocations",
     _reference("credential_id", "credentials"),
-    sa.Column("by", sa.Text, nullable=False),
+    sa.Column("by", TEXT, nullable=False),
     sa.Index("ix_revocations_credential_id", "credential_id"),
 )
 
 acts = _records(
     "acts",
-    sa.Column("happened_at", sa.Text, nullable=False),
-    sa.Column("operation", sa.Text, nullable=False),
-    sa.Column("resource", sa.Text, nullable=False),
-    sa.Column("status", sa.Integer, nullable=False),
-    sa.Column("person", sa.Text, nullable=True),
-    sa.Column("role", sa.Text, nullable=True),
-    sa.Column("how", sa.Text, nullable=True),
-    sa.Column("tablet", sa.Text, nullable=True),
-    sa.Column("address", sa.Text, nullable=True),
-    sa.Column("reason", sa.Text, nullable=True),
+    sa.Column("happened_at", TEXT, nullable=False),
+    sa.Column("operation", TEXT, nullable=False),
+    sa.Column("resource", TEXT, nullable=False),
+    sa.Column("status", WHOLE, nullable=False),
+    sa.Column("person", TEXT, nullable=True),
+    sa.Column("role", TEXT, nullable=True),
+    sa.Column("how", TEXT, nullable=True),
+    sa.Column("tablet", TEXT, nullable=True),
+    sa.Column("address", TEXT, nullable=True),
+    sa.Column("reason", TEXT, nullable=True),
 )
 
 reports = _records(
     "reports",
-    sa.Column("kind", sa.Text, nullable=False),
-    sa.Column("subject_id", sa.Integer, nullable=False),  # of the result of that kind
-    sa.Column("revision", sa.Integer, nullable=False),
-    sa.Column("language", sa.Text, nullable=False),
-    sa.Column("stated_sha256", sa.Text, nullable=False),  # of all that it states, whatever the language
-    sa.Column("page", sa.LargeBinary, nullable=False),  # deflated
+    sa.Column("kind", TEXT, nullable=False),
+    sa.Column("subject_id", WHOLE, nullable=False),  # of the result of that kind
+    sa.Column("revision", WHOLE, nullable=False),
+    sa.Column("language", TEXT, nullable=False),
+    sa.Column("stated_sha256", TEXT, nullable=False),  # of all that it states, whatever the language
+    sa.Column("page", BYTES, nullable=False),  # deflated
     sa.UniqueConstraint("kind", "subject_id", "revision", "language"),
 )
 
 links = sa.Table(
     "links",
     metadata,
-    _number(),
-    sa.Column("stream", sa.Integer, nullable=False),  # the session, 0 for what belongs to none
-    sa.Column("record", sa.Text, nullable=False),  # name of its table
-    sa.Column("record_id", sa.Integer, nullable=False),
-    sa.Column("hash", sa.LargeBinary, nullable=False),  # over the record and the hash before in its stream
+    _number("links"),
+    sa.Column("stream", WHOLE, nullable=False),  # the session, 0 for what belongs to none
+    sa.Column("record", TEXT, nullable=False),  # name of its table
+    sa.Column("record_id", WHOLE, nullable=False),
+    sa.Column("hash", BYTES, nullable=False),  # over the record and the hash before in its stream
     sa.Index("ix_links_stream", "stream", "id"),
     sqlite_autoincrement=True,
 )

@@ -25,6 +25,8 @@ from truepose.storage.integrity.arrival import verify_left
 from truepose.storage.measurement.ledger import LedgerRepository
 from truepose.storage.measurement.sessions import SessionRepository
 
+pytestmark = pytest.mark.engine("sqlite")  # of a server's: server/test_copies.py
+
 
 async def add(database, name):
     return await SessionRepository(database).add(name, make_setup(), make_plan())

@@ -1,5 +1,6 @@
 """The ledger of a ballbar session: appended once, on disk when its number is known."""
 
+from contextlib import closing
 from dataclasses import replace
 
 import pytest
@@ -10,7 +11,7 @@ from tests.helpers.domain.tracker_sessions import make_plan, make_setup
 from truepose.domain.measurement.ballbar import PoseForecast, PreCalibration, Suspicion
 from truepose.domain.measurement.ledger import Control, EntryKind, LedgerEntry
 from truepose.domain.measurement.session import SessionState
-from truepose.storage.connection.sqlite.library import LIBRARY
+from truepose.storage.connection.reading import opened_at
 from truepose.storage.errors import ConflictError, KeyReusedError
 from truepose.storage.events import EventRepository
 from truepose.storage.measurement.ledger import LedgerRepository
@@ -108,15 +109,9 @@ async def test_pages_follow_the_numbers(ledger, session_id):
 async def test_what_is_written_is_on_disk_when_its_number_is_known(ledger, session_id, database):
     number = await ledger.append(session_id, measured("placement-1/pose-1/leg-1-1"))
 
-    # Another connection sees committed transactions only; FULL makes each commit wait for the disk.
-    with LIBRARY.connect(database.file) as other:
-        seen = other.execute("SELECT id FROM session_entries").fetchall()
-    other.close()
-    settings = await database.write(
-        lambda c: [c.exec_driver_sql(f"PRAGMA {name}").scalar() for name in ("journal_mode", "synchronous")]
-    )
-    assert seen == [(number,)]
-    assert settings == ["wal", 2]
+    # Another connection sees committed transactions only.
+    with closing(opened_at(database.held.url)) as other:
+        assert other.execute("SELECT id FROM session_entries").fetchall() == [(number,)]
 
 
 @pytest.mark.parametrize("table", ["session_entries", "ballbar_answers"])

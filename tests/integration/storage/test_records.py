@@ -2,12 +2,11 @@
 
 import asyncio
 import functools
-import json
 import threading
 from dataclasses import replace
 
 import pytest
-from sqlalchemy import text
+from sqlalchemy import select, text
 
 from tests.helpers.ballbar.sessions import make_ballbar_plan
 from tests.helpers.domain.tracker_sessions import (
@@ -21,6 +20,7 @@ from tests.helpers.domain.tracker_sessions import (
 )
 from truepose.domain.measurement.ledger import EntryKind, LedgerEntry
 from truepose.domain.measurement.session import PlannedStop, Progress, SessionState, StopSkipped
+from truepose.storage import tables
 from truepose.storage.calibration.jobs import JobRepository
 from truepose.storage.calibration.results import ResultRepository
 from truepose.storage.errors import ConflictError, KeyReusedError, NotFoundError
@@ -237,8 +237,8 @@ async def test_what_a_person_adds_follows_the_plan_which_stays_as_it_was(session
     assert (await sessions.plan(number)).stops == make_plan(2).stops + more + again
     assert (await sessions.get(number)).planned == 5
     assert [event.document["person"] for event in told] == ["Ada", "Eva"]
-    stored = await database.read(lambda c: c.scalar(text("SELECT plan FROM sessions")))
-    assert len(json.loads(stored)["stops"]) == 2
+    stored = await database.read(lambda c: c.scalar(select(tables.sessions.c.plan)))
+    assert len(stored["stops"]) == 2
 
 
 async def test_an_addition_sent_twice_is_kept_once(sessions, database):

@@ -16,6 +16,8 @@ from truepose.storage.errors import ConflictError, StorageUnavailableError
 from truepose.storage.measurement.sessions import SessionRepository
 from truepose.storage.records import Page
 
+pytestmark = pytest.mark.engine("sqlite")  # a server's refusals: server/test_refusals.py
+
 
 async def add(database, name="first"):
     return await SessionRepository(database).add(name, make_setup(), make_plan())
@@ -91,12 +93,15 @@ async def test_a_link_for_which_there_is_no_room_is_refused_like_any_record(data
     await add(database, "last")
 
 
+@pytest.mark.engine("sqlite", "postgresql")
 async def test_writes_that_come_together_share_a_commit_and_fail_alone(database):
     def refused(connection):
         connection.exec_driver_sql("UPDATE sessions SET name = 'other'")
 
     def half_way(connection):
-        connection.exec_driver_sql("INSERT INTO notes (recorded_at, session_id, text) VALUES ('', 1, 'half')")
+        connection.exec_driver_sql(
+            "INSERT INTO notes (id, recorded_at, session_id, text) VALUES (1, '', 1, 'half')"
+        )
         raise ValueError("half way")
 
     await add(database)

@@ -13,6 +13,7 @@ from truepose.storage.measurement.ledger import LedgerRepository
 from truepose.storage.measurement.sessions import SessionRepository
 from truepose.storage.records import Page
 
+pytestmark = pytest.mark.engine("sqlite")  # a server has its own disk: server/test_refusals.py
 MIB = 2**20
 
 

@@ -4,7 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from truepose.settings import Settings, data_folder
+from truepose.settings import Settings
+from truepose.storage.connection.folder import data_folder
 
 
 @pytest.mark.parametrize(

@@ -14,11 +14,12 @@ from pathlib import Path
 from typing import Any, Final
 
 from truepose.storage.backup.drafts import copy_drafts
+from truepose.storage.connection.sqlite.connections import opened_file
 from truepose.storage.connection.sqlite.library import LIBRARY
 from truepose.storage.connection.sqlite.place import sync_folder
+from truepose.storage.connection.sqlite.protection import missing_protection
 from truepose.storage.errors import BackupError, DatabaseAddressError
 from truepose.storage.integrity.head import Head, newest_head
-from truepose.storage.integrity.verification import missing_protection, opened
 
 Told = Callable[[float, str], None]  # which share is done, and of what
 _PAGES: Final = 4096  # at a time, 16 MB: between two of them is told how far it is
@@ -35,30 +36,41 @@ class Backup:
     drafts: int  # that lie beside it
 
 
+Write = Callable[[Path, Told], Head]  # everything into a file, verified; raises BackupError
+
+
 def back_up(
     database: Path, target: Path, told: Told = lambda share, doing: None, *, replace: bool = False
 ) -> Backup:
-    """Copy a database to `target` and verify the copy.
+    """Copy a database to `target` and verify the copy; raises as `written_copy`, and DatabaseAddressError."""
+    if not database.is_file():
+        raise DatabaseAddressError(f"There is no database {database}.")
+
+    def write(part: Path, told: Told) -> Head:
+        head = copy_database(database, part, lambda share: told(_COPYING * share, "copying"))
+        told(_COPYING, "verifying")
+        require_copy(part, head)
+        return head
+
+    return written_copy(database, target, write, told, replace=replace)
+
+
+def written_copy(database: Path, target: Path, write: Write, told: Told, *, replace: bool) -> Backup:
+    """Have a copy written, verified and put at `target`, with the drafts of `database` beside it.
 
     Raises
     ------
-    DatabaseAddressError
-        There is no such database.
     BackupError
         Something lies at `target` already and `replace` does not allow it to go, the disk refuses, or the
         copy is not what was read.
     """
-    if not database.is_file():
-        raise DatabaseAddressError(f"There is no database {database}.")
-    if target.exists() and (not replace or target.samefile(database)):
+    if target.exists() and (not replace or (database.exists() and target.samefile(database))):
         raise BackupError(f"{target} is there already; choose another file.")
     part = target.with_name(f"{target.name}.part")
     try:
         target.parent.mkdir(parents=True, exist_ok=True)
         with _removed_at_the_end(part):
-            head = copy_database(database, part, lambda share: told(_COPYING * share, "copying"))
-            told(_COPYING, "verifying")
-            require_copy(part, head)
+            head = write(part, told)
             part.replace(target)
             sync_folder(target.parent)
             drafts = copy_drafts(database, target)
@@ -74,7 +86,10 @@ def copy_database(database: Path, target: Path, told: Callable[[float], None]) -
     def copied(_status: int, left: int, of: int) -> None:
         told(1.0 - left / max(of, 1))
 
-    with contextlib.closing(opened(database)) as source, contextlib.closing(LIBRARY.connect(target)) as copy:
+    with (
+        contextlib.closing(opened_file(database)) as source,
+        contextlib.closing(LIBRARY.connect(target)) as copy,
+    ):
         source.execute("BEGIN")
         head = newest_head(source)
         source.backup(copy, pages=_PAGES, progress=copied)
@@ -87,7 +102,7 @@ def copy_database(database: Path, target: Path, told: Callable[[float], None]) -
 
 def require_copy(file: Path, head: Head) -> None:
     """Raise BackupError where the pages of a copy are not whole, or its chain ends otherwise."""
-    with contextlib.closing(opened(file)) as copy:
+    with contextlib.closing(opened_file(file)) as copy:
         found = [*_amiss(copy, head)]
     if found:
         raise BackupError(f"The copy {file} is not what was read: {found[0]} Nothing was kept.")

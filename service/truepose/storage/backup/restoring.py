@@ -11,13 +11,14 @@ from pathlib import Path
 from typing import Final
 
 from truepose.storage.backup.copying import Told, copy_database, require_copy
+from truepose.storage.connection.sqlite.connections import opened_file
 from truepose.storage.connection.sqlite.library import LIBRARY
 from truepose.storage.connection.sqlite.lock import ServiceLock
 from truepose.storage.connection.sqlite.place import sync_folder
 from truepose.storage.errors import BackupError, DatabaseUsedError
 from truepose.storage.integrity.arrival import verify_left
 from truepose.storage.integrity.head import Head, newest_head
-from truepose.storage.integrity.verification import Verdict, opened
+from truepose.storage.integrity.verification import Verdict
 
 ASIDE: Final = "before-restore"
 READY: Final = "to-restore"
@@ -41,7 +42,7 @@ def restore(
     DatabaseInUseError
         A service has the database open.
     """
-    head = _require_whole(verify_left(copy, lambda share: told(_VERIFYING * share, "verifying")), copy)
+    head = whole_copy(copy, told)
     lock = ServiceLock(database)  # makes an empty file where there is none
     try:
         used = _require_allowed(database, replace)
@@ -61,7 +62,7 @@ def lay_ready(
 
     Raises as `restore`, but also beside a service that has the database.
     """
-    head = _require_whole(verify_left(copy, lambda share: told(_VERIFYING * share, "verifying")), copy)
+    head = whole_copy(copy, told)
     ready = database.with_name(f"{database.name}.{READY}")
     try:
         if database.exists():
@@ -85,7 +86,7 @@ def put_ready_in_place(database: Path) -> tuple[Head, Path | None] | None:
         return None
     lock = ServiceLock(database)
     try:
-        with contextlib.closing(opened(ready)) as laid:
+        with contextlib.closing(opened_file(ready)) as laid:
             head = newest_head(laid)
         require_copy(ready, head)
         return head, _put_in_place(ready, database, _has_records(database))
@@ -95,6 +96,11 @@ def put_ready_in_place(database: Path) -> tuple[Head, Path | None] | None:
         ) from error
     finally:
         lock.release()
+
+
+def whole_copy(copy: Path, told: Told) -> Head:
+    """Return the head of a copy of which every record is as it was written; raises BackupError."""
+    return _require_whole(verify_left(copy, lambda share: told(_VERIFYING * share, "verifying")), copy)
 
 
 def _require_allowed(database: Path, replace: bool) -> bool:
@@ -117,7 +123,10 @@ def _has_records(database: Path) -> bool:
     """Whether anything was ever kept there; a file that is no database of ours is not ours to put aside."""
     if database.stat().st_size == 0:
         return False
-    with contextlib.suppress(LIBRARY.OperationalError), contextlib.closing(opened(database)) as connection:
+    with (
+        contextlib.suppress(LIBRARY.OperationalError),
+        contextlib.closing(opened_file(database)) as connection,
+    ):
         return connection.execute("SELECT max(id) FROM links").fetchone()[0] is not None
     return True
 

@@ -2,12 +2,14 @@
 
 from typing import Any, Final
 
-from sqlalchemy import ColumnElement, Connection, Label, case, exists, func, or_, select
+from sqlalchemy import ColumnElement, Connection, Label, case, cast, exists, func, select
 
+from truepose.storage.column_types import WHOLE
+from truepose.storage.dialects import entries_at, is_object_at, length_at, truth_at
 from truepose.storage.tables import campaigns, readings, session_entries, sessions
 
 _SIMULATED: Final = "$.cell.simulated"
-_BY_A_NOTE: Final = "SIMULATED:*"  # how older archives of this program say it
+_BY_A_NOTE: Final = "SIMULATED:"  # how older archives of this program say it
 
 
 def simulated_session() -> Label[bool]:
@@ -20,27 +22,26 @@ def simulated_campaign() -> Label[bool]:
 
     One made of sessions is if any of them is; an uploaded one if its own description says so.
     """
-    of_sessions = func.json_array_length(campaigns.c.session_ids) > 0
+    of_sessions = length_at(campaigns.c.session_ids) > 0
     return case((of_sessions, _any_session_is()), else_=_its_description_says()).label("simulated")
 
 
 def _any_session_is() -> ColumnElement[bool]:
-    listed = func.json_each(campaigns.c.session_ids).table_valued("value", name="listed")
+    listed = entries_at(campaigns.c.session_ids).table_valued("value", name="listed")
     measured_in = sessions.alias("measured_in")
-    return exists().where(measured_in.c.id == listed.c.value, is_simulated(measured_in.c.setup))
+    return exists().where(measured_in.c.id == cast(listed.c.value, WHOLE), is_simulated(measured_in.c.setup))
 
 
 def _its_description_says() -> ColumnElement[bool]:
-    said = func.json_type(campaigns.c.summary, "$.simulated")
-    note = func.json_each(campaigns.c.summary, "$.notes").table_valued("value", name="note")
-    noted = exists().where(note.c.value.op("GLOB")(_BY_A_NOTE))
-    silent = or_(said.is_(None), said == "null")
-    return case((silent, noted), else_=said == "true")
+    said = truth_at(campaigns.c.summary, "$.simulated")
+    note = entries_at(campaigns.c.summary, "$.notes").table_valued("value", name="note")
+    noted = exists().where(func.substr(note.c.value, 1, len(_BY_A_NOTE)) == _BY_A_NOTE)
+    return case((said.is_(None), noted), else_=said)
 
 
 def is_simulated(setup: Any) -> ColumnElement[bool]:
     """Whether a set-up is of a simulated cell."""
-    return func.coalesce(func.json_type(setup, _SIMULATED), "null") == "object"
+    return is_object_at(setup, _SIMULATED)
 
 
 class Origin:

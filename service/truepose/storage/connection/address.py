@@ -1,27 +1,59 @@
-"""From a database URL to the file it names."""
+"""From a database URL to what it names: a file of SQLite, or a database of a PostgreSQL server."""
 
+import re
 from pathlib import Path
+from typing import Final
 
-from sqlalchemy import make_url
+from sqlalchemy import URL, make_url
 from sqlalchemy.exc import ArgumentError
 
+from truepose.storage.connection.folder import data_folder
 from truepose.storage.errors import DatabaseAddressError
+
+_WRITE: Final = "write sqlite:///folder/file.sqlite3 or postgresql://user@host/database."
+_IN_MEMORY: Final = {None, "", ":memory:"}
 
 
 def database_file(url: str) -> Path:
-    """Return the SQLite file that `url` names; raises DatabaseAddressError for anything else.
+    """Return the SQLite file that `url` names, or what is on this machine of a server's named after.
 
-    Only files: one writer, `synchronous=FULL` and the lock beside the file are promises about a
-    disk, which neither another server nor a database in memory can keep.
+    No database in memory: what was acknowledged has to be on a disk. Raises DatabaseAddressError.
     """
+    parsed = parsed_url(url)
+    if is_server(parsed):
+        return data_folder() / "postgresql" / re.sub(r"[^\w.-]+", "_", _place(parsed)).strip("_")
+    return Path(str(parsed.database)).expanduser().resolve()
+
+
+def parsed_url(url: str) -> URL:
+    """Return the parts of a URL; raises DatabaseAddressError for what names no database of ours."""
     try:
         parsed = make_url(url)
     except ArgumentError as error:
-        raise DatabaseAddressError(
-            f"'{url}' is not a database URL; write sqlite:///folder/file.sqlite3."
-        ) from error
-    if parsed.get_backend_name() != "sqlite" or parsed.database in {None, "", ":memory:"}:
-        raise DatabaseAddressError(
-            f"'{parsed.render_as_string()}' is not a SQLite file; write sqlite:///folder/file.sqlite3."
-        )
-    return Path(str(parsed.database)).expanduser().resolve()
+        raise DatabaseAddressError(f"'{url}' is not a database URL; {_WRITE}") from error
+    known = parsed.get_backend_name() in {"sqlite", "postgresql"} and "+" not in parsed.drivername
+    if not known or parsed.database in _IN_MEMORY:
+        raise DatabaseAddressError(f"'{shown(parsed)}' is no database that holds records; {_WRITE}")
+    return parsed
+
+
+def is_server(parsed: URL) -> bool:
+    """Whether a URL names a database of a server."""
+    return parsed.get_backend_name() == "postgresql"
+
+
+def shown(parsed: URL) -> str:
+    """Return a URL as people are told of it: without password and options."""
+    kept = {name: value for name, value in parsed.query.items() if name in {"host", "port"}}
+    return parsed.set(password=None).set(query=kept).render_as_string()
+
+
+def shown_address(url: str) -> str:
+    """Return what people are told of a database: its file, or a URL without password and options."""
+    parsed = parsed_url(url)
+    return shown(parsed) if is_server(parsed) else str(database_file(url))
+
+
+def _place(parsed: URL) -> str:
+    host, port = (parsed.query.get(name) for name in ("host", "port"))
+    return f"{parsed.host or host or 'local'}_{parsed.port or port or 5432}_{parsed.database}"

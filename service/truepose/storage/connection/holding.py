@@ -8,7 +8,7 @@ from collections.abc import Callable
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 from sqlalchemy import Connection, Engine
 from sqlalchemy.engine import Transaction
@@ -17,6 +17,7 @@ from truepose.storage.errors import StorageError
 from truepose.storage.integrity.condition import Condition
 from truepose.storage.integrity.seal import Left
 
+READERS: Final = 4  # as many queries at a time as a handful of browsers asks for
 Alone = Callable[[], AbstractContextManager[None]]  # while it lasts nobody reads
 
 
@@ -46,11 +47,13 @@ class Holding(ABC):
     connection: Connection  # that writes
     readers: Engine  # of connections that see the last commit and cannot write; for any thread
 
-    def __init__(self, file: Path, where: str, condition: Condition, alone: Alone) -> None:
+    def __init__(self, url: str, file: Path, where: str, condition: Condition, alone: Alone) -> None:
+        self.url = url
         self.file = file  # the database; of a server's, what lies on this machine is named after it
         self.where = where  # the database, as people are told of it
         self.condition = condition
         self._alone = alone
+        self.remarks: tuple[str, ...] = ()  # sentences on what the engine does not do, or not here
 
     @abstractmethod
     def open(self) -> str:

@@ -6,12 +6,14 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from truepose.storage.connection.sqlite.library import LIBRARY
+from truepose.storage.connection.address import database_file, is_server, parsed_url, shown_address
+from truepose.storage.connection.plain import protection_of
+from truepose.storage.connection.reading import opened_at, refused_by
 from truepose.storage.errors import DatabaseAddressError
 from truepose.storage.integrity.condition import Condition
 from truepose.storage.integrity.head import Head
-from truepose.storage.integrity.seal import Left, Seal, digest
-from truepose.storage.integrity.verification import Told, Verdict, missing_protection, opened, verify
+from truepose.storage.integrity.seal import Left, Seal, digest, has_link
+from truepose.storage.integrity.verification import Told, Verdict, verify_at
 
 
 def note_how_it_was_left(
@@ -30,45 +32,46 @@ def note_how_it_was_left(
         Size of the write-ahead log before the database was opened.
     condition : Condition
     """
-    for finding in missing_protection(connection):
+    for finding in protection_of(connection).missing_protection(connection):
         condition.note_damage(finding, finding)
     if left is None:
         return
     if left.sha256 is not None and log_bytes:
         condition.note_damage("log", f"A log lies beside {file}, which was closed without one.")
     if not has_link(connection, left):
-        condition.note_damage("newest", newest_missing(file))
+        condition.note_damage("newest", newest_missing(str(file), Seal(file).file))
 
 
 def verify_left(file: Path, told: Told = lambda share: None, printed: Head | None = None) -> Verdict:
-    """Return what `verify` finds, and whether the file is as the service before said that it left it.
+    """Return what `verify_left_at` finds of a file of SQLite."""
+    return verify_left_at(f"sqlite:///{file}", told, printed)
 
-    Raises DatabaseAddressError where there is no such file.
+
+def verify_left_at(url: str, told: Told = lambda share: None, printed: Head | None = None) -> Verdict:
+    """Return what `verify_at` finds, and whether the database is as the service before said that it left it.
+
+    Raises DatabaseAddressError where there is no such file, StorageError where a server cannot be reached.
     """
-    if not file.is_file():
+    file, server = database_file(url), is_server(parsed_url(url))
+    if not server and not file.is_file():
         raise DatabaseAddressError(f"There is no database {file}.")
     left = Seal(file).left()
-    verdict = verify(file, told, printed)
-    return verdict if left is None else replace(verdict, findings=(*verdict.findings, *_against(file, left)))
+    verdict = verify_at(url, told, printed)
+    return verdict if left is None else replace(verdict, findings=(*verdict.findings, *_against(url, left)))
 
 
-def newest_missing(file: Path) -> str:
+def newest_missing(where: str, seal: Path) -> str:
     """Return what is said where the database holds less than was kept."""
     return (
-        f"The newest records of {file} are missing or not those that were kept. Where an older copy was "
-        f"put back on purpose, remove {file}.seal and start the service again."
+        f"The newest records of {where} are missing or not those that were kept. Where an older copy was "
+        f"put back on purpose, remove {seal} and start the service again."
     )
 
 
-def _against(file: Path, left: Left) -> Iterator[str]:
+def _against(url: str, left: Left) -> Iterator[str]:
+    file = database_file(url)
     if left.sha256 is not None and digest(file) != left.sha256:
         yield f"The file {file} was changed while no service had it open."
-    with contextlib.suppress(LIBRARY.DatabaseError), contextlib.closing(opened(file)) as connection:
+    with contextlib.suppress(*refused_by(url)), contextlib.closing(opened_at(url)) as connection:
         if not has_link(connection, left):
-            yield newest_missing(file)
-
-
-def has_link(connection: Any, left: Left) -> bool:
-    """Whether a database holds the newest link that it was left with."""
-    row = connection.execute("SELECT hash FROM links WHERE id = ?", (left.link,)).fetchone()
-    return left.link == 0 or (row is not None and row[0].hex() == left.hash)
+            yield newest_missing(shown_address(url), Seal(file).file)

@@ -16,11 +16,15 @@ from functools import lru_cache
 from typing import Any, Final
 
 TABLE_NOW: Final = {"ballbar_entries": "session_entries"}  # renamed by schema 0010
+ROWID: Final = "rowid"  # numbers a table without the column `id`, and is in no hash
 GENESIS: Final = bytes(32)
 OF_NO_SESSION: Final = 0
 _LENGTH: Final = struct.Struct(">I")
 _FLOAT: Final = struct.Struct(">d")
-_INSERT: Final = "INSERT INTO links (stream, record, record_id, hash) VALUES (?, ?, ?, ?)"
+_INSERT: Final = """
+    INSERT INTO links (id, stream, record, record_id, hash)
+    VALUES ((SELECT coalesce(max(id), 0) + 1 FROM links), ?, ?, ?, ?)
+"""
 _NEWEST: Final = "SELECT hash FROM links WHERE stream = ? ORDER BY id DESC LIMIT 1"
 
 
@@ -42,23 +46,38 @@ def stream_of(record: str, names: tuple[str, ...], values: Sequence[Any]) -> int
     return found if isinstance(found, int) else OF_NO_SESSION
 
 
-def link(cursor: Any, record: str, record_id: int) -> None:
-    """Append the link of a record that was just added, inside the caller's transaction."""
-    row = cursor.execute(f'SELECT * FROM "{record}" WHERE rowid = ?', (record_id,)).fetchone()
-    names = tuple(column[0] for column in cursor.description)
+def link(connection: Any, record: str, record_id: int) -> None:
+    """Append the link of a record that was just added, inside the caller's transaction.
+
+    Parameters
+    ----------
+    connection : connection of the library
+        See `connection.plain`.
+    record : str
+        Name of the table.
+    record_id : int
+    """
+    found = connection.execute(f'SELECT * FROM "{record}" WHERE {numbered(record)} = ?', (record_id,))
+    names, row = tuple(column[0] for column in found.description), found.fetchone()
     stream = stream_of(record, names, row)
-    newest = cursor.execute(_NEWEST, (stream,)).fetchone()
+    newest = connection.execute(_NEWEST, (stream,)).fetchone()
     before = GENESIS if newest is None else newest[0]
-    cursor.execute(_INSERT, (stream, record, record_id, linked_hash(before, record, names, row)))
+    connection.execute(_INSERT, (stream, record, record_id, linked_hash(before, record, names, row)))
 
 
-def link_all(cursor: Any, records: Iterable[str]) -> None:
+def numbered(record: str) -> str:
+    """Return the column that has the numbers of a table."""
+    return ROWID if record == "request_keys" else "id"
+
+
+def link_all(connection: Any, records: Iterable[str]) -> None:
     """Append the links of every record of these tables, of a database that has none yet."""
     heads: dict[int, bytes] = {}
     for record in records:
-        rows = cursor.connection.cursor().execute(f'SELECT rowid, * FROM "{record}" ORDER BY rowid')
+        number = numbered(record)
+        rows = connection.execute(f'SELECT {number}, * FROM "{record}" ORDER BY {number}')
         names = tuple(column[0] for column in rows.description)[1:]
-        cursor.executemany(_INSERT, _links(rows, record, names, heads))
+        connection.executemany(_INSERT, _links(rows, record, names, heads))
 
 
 def _links(
@@ -72,7 +91,9 @@ def _links(
 
 @lru_cache
 def _by_name(names: tuple[str, ...]) -> tuple[tuple[int, bytes], ...]:
-    return tuple((index, name.encode()) for name, index in sorted((n, i) for i, n in enumerate(names)))
+    return tuple(
+        (index, name.encode()) for name, index in sorted((n, i) for i, n in enumerate(names) if n != ROWID)
+    )
 
 
 def _framed(content: bytes) -> tuple[bytes, bytes]:
@@ -80,7 +101,7 @@ def _framed(content: bytes) -> tuple[bytes, bytes]:
 
 
 def _encoded(value: Any) -> bytes:
-    """Return a value as SQLite keeps it, with its kind; text may come as a bytearray, not yet decoded."""
+    """Return a value as it is kept, with its kind; text may come as a bytearray, not yet decoded."""
     match value:
         case str():
             return b"t" + value.encode()

@@ -109,7 +109,7 @@ class Guard:
     async def _findings(self) -> list[str]:
         process = await asyncio.create_subprocess_exec(
             *_COMMAND,
-            str(self._database.file),
+            stdin=asyncio.subprocess.PIPE,
             stdout=asyncio.subprocess.PIPE,
             stderr=asyncio.subprocess.DEVNULL,
             limit=_LINE_BYTES,
@@ -123,7 +123,9 @@ class Guard:
 
     async def _heard(self, process: asyncio.subprocess.Process) -> list[str]:
         findings: list[str] = []
-        if process.stdout is not None:
+        if process.stdin is not None and process.stdout is not None:
+            process.stdin.write(f"{self._database.held.url}\n".encode())
+            process.stdin.close()
             async for line in process.stdout:
                 told = json.loads(line)
                 self._condition.verified_share = told.get("share", self._condition.verified_share)

@@ -35,7 +35,7 @@ class Seal:
     def __init__(self, database: Path) -> None:
         self.file = database.with_name(f"{database.name}.seal")
         self._database = database
-        self._noted = Left()
+        self.noted = Left()
         self._opened: int | None = None
 
     def left(self) -> Left | None:
@@ -49,34 +49,39 @@ class Seal:
         """Say that a service has the database open, from now on."""
         with contextlib.suppress(OSError):  # it is a watchman, not a record
             self._opened = os.open(self.file, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o644)
-            self._write(_newest(connection))
+            self._write(newest_link(connection))
             os.fsync(self._opened)
 
     def note_newest(self, connection: Any) -> None:
+        """Note the newest link of a file, which is committed; whatever fails here, the records are kept."""
+        with contextlib.suppress(LIBRARY.DatabaseError):
+            self.note(newest_link(connection))
+
+    def note(self, newest: Left) -> None:
         """Note the newest link, which is committed; whatever fails here, the records are kept."""
-        with contextlib.suppress(OSError, LIBRARY.DatabaseError):
-            newest = _newest(connection)
-            if newest != self._noted:
+        if newest != self.noted:
+            with contextlib.suppress(OSError):
                 self._write(newest)
 
     def close(self, *, whole: bool) -> None:
         """Say that nobody has the database open; `whole`: seal the file as it is now."""
         with contextlib.suppress(OSError):
             if whole:
-                self._write(Left(self._noted.link, self._noted.hash, digest(self._database)))
+                self._write(Left(self.noted.link, self.noted.hash, digest(self._database)))
         if self._opened is not None:
             os.close(self._opened)
             self._opened = None
 
     def _write(self, left: Left) -> None:
+        self.noted = left
         if self._opened is not None:
             line = json.dumps(asdict(left)).ljust(_LENGTH - 1) + "\n"
             os.lseek(self._opened, 0, os.SEEK_SET)
             os.write(self._opened, line.encode())
-            self._noted = left
 
 
-def _newest(connection: Any) -> Left:
+def newest_link(connection: Any) -> Left:
+    """Return the newest link that a plain connection sees."""
     row = connection.execute("SELECT id, hash FROM links ORDER BY id DESC LIMIT 1").fetchone()
     return Left() if row is None else Left(row[0], row[1].hex())
 
@@ -88,3 +93,9 @@ def digest(file: Path) -> str:
         while chunk := opened.read(_CHUNK):
             found.update(chunk)
     return str(found.hexdigest())
+
+
+def has_link(connection: Any, left: Left) -> bool:
+    """Whether a database holds the newest link that it was left with."""
+    row = connection.execute("SELECT hash FROM links WHERE id = ?", (left.link,)).fetchone()
+    return left.link == 0 or (row is not None and row[0].hex() == left.hash)

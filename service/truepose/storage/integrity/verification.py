@@ -10,12 +10,18 @@ from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
-from urllib.parse import quote
 
-from truepose.storage.connection.sqlite.library import LIBRARY
-from truepose.storage.integrity.chain import GENESIS, OF_NO_SESSION, TABLE_NOW, linked_hash, stream_of
+from truepose.storage.connection.plain import protection_of
+from truepose.storage.connection.reading import opened_at, refused_by
+from truepose.storage.integrity.chain import (
+    GENESIS,
+    OF_NO_SESSION,
+    TABLE_NOW,
+    linked_hash,
+    numbered,
+    stream_of,
+)
 from truepose.storage.integrity.head import Head, contradicted, newest_head
-from truepose.storage.migrations.triggers import trigger, trigger_name
 from truepose.storage.tables import metadata
 
 Told = Callable[[float], None]  # which share is done
@@ -36,16 +42,23 @@ class Verdict:
 
 
 def verify(file: Path, told: Told = lambda share: None, printed: Head | None = None) -> Verdict:
+    """Return what `verify_at` finds in a file of SQLite."""
+    return verify_at(f"sqlite:///{file}", told, printed)
+
+
+def verify_at(url: str, told: Told = lambda share: None, printed: Head | None = None) -> Verdict:
     """Return whether every page and every record of a database is as it was written.
 
-    Where a `printed` head is given, also whether the database holds what that stands for.
+    Where a `printed` head is given, also whether the database holds what that stands for. Raises StorageError
+    where a server cannot be reached.
     """
     try:
-        with closing(opened(file)) as connection:
-            damaged_pages = tuple(_pages(connection))
+        with closing(opened_at(url)) as connection:
+            protection = protection_of(connection)
+            damaged_pages = tuple(protection.damaged_pages(connection))
             if damaged_pages:  # what such pages say need have no order and no end
                 return Verdict(0, damaged_pages)
-            further = missing_protection(connection)
+            further = protection.missing_protection(connection)
             told(0.1)
             chain = _ChainReader(connection)
             chain.read(lambda share: told(0.1 + 0.9 * share))
@@ -53,8 +66,15 @@ def verify(file: Path, told: Told = lambda share: None, printed: Head | None = N
                 further.append(said)
             findings = (*chain.findings[:_MOST_FINDINGS], *further)
             return Verdict(chain.records, findings, chain.newest, newest_head(connection))
-    except LIBRARY.DatabaseError as error:
+    except refused_by(url) as error:
         return Verdict(0, (f"The database cannot be read ({error}).",))
+
+
+def findings_within(connection: Any, told: Told) -> list[str]:
+    """Return what is wrong with any record, as a transaction sees it that is under way."""
+    chain = _ChainReader(connection)
+    chain.read_within(told)
+    return [*chain.findings, *protection_of(connection).missing_protection(connection)]
 
 
 def stream_findings(connection: Any, stream: int) -> Iterator[str]:
@@ -66,7 +86,7 @@ def stream_findings(connection: Any, stream: int) -> Iterator[str]:
         table = TABLE_NOW.get(record, record)
         if table in metadata.tables:
             linked[table] += 1
-            rows = connection.execute(f'SELECT * FROM "{table}" WHERE rowid = ?', (record_id,))
+            rows = connection.execute(f'SELECT * FROM "{table}" WHERE {numbered(table)} = ?', (record_id,))
             names, row = tuple(column[0] for column in rows.description), rows.fetchone()
             if row is None or linked_hash(before, record, names, row) != found:
                 yield f"{_record(record, record_id, stream)} is not as it was written."
@@ -75,36 +95,6 @@ def stream_findings(connection: Any, stream: int) -> Iterator[str]:
         held = connection.execute(f"SELECT count(*) FROM {record} WHERE session_id = ?", (stream,))
         if held.fetchone()[0] != linked[record]:
             yield f"Of the {_words(record)} of session {stream} some were slipped in or taken out."
-
-
-def missing_protection(connection: Any) -> list[str]:
-    """Return what was dropped of tables and of the triggers that keep records from being changed."""
-    schema = {
-        _text(name): _text(sql or "")
-        for name, sql in connection.execute("SELECT name, sql FROM sqlite_schema")
-    }
-    gone = [f"The table {table} is missing." for table in metadata.tables if table not in schema]
-    for table in metadata.tables:
-        for action in ("update", "delete"):
-            name = trigger_name(table, action)
-            if schema.get(name) != trigger(table, action):
-                gone.append(f"The trigger {name}, which keeps records from being changed, is not as it was.")
-    return gone
-
-
-def opened(file: Path) -> Any:
-    """Return a connection that reads a database, texts as bytearrays."""
-    connection = LIBRARY.connect(f"file:{quote(str(file))}?mode=ro", uri=True, isolation_level=None)
-    # As bytes: a text with a wrong bit need not be a text any more. Blobs are bytes, texts bytearrays.
-    connection.text_factory = bytearray
-    connection.execute("PRAGMA busy_timeout=5000")
-    return connection
-
-
-def _pages(connection: Any) -> Iterator[str]:
-    for (said,) in connection.execute("PRAGMA integrity_check(5)"):
-        if _text(said) != "ok":
-            yield f"The pages of the database are damaged ({_text(said)})."
 
 
 class _ChainReader:
@@ -125,11 +115,16 @@ class _ChainReader:
         while self._page() == _LINKS and len(self.findings) < _MOST_FINDINGS:
             told(min(1.0, self._last / max(newest, 1)))
         self._connection.execute("BEGIN")
+        self.read_within(told)
+        self._connection.execute("ROLLBACK")
+
+    def read_within(self, told: Told) -> None:
+        """Read what is left, in a transaction of the caller's."""
+        newest = self._connection.execute("SELECT max(id) FROM links").fetchone()[0] or 0
         while self._page() and len(self.findings) < _MOST_FINDINGS:
-            pass
+            told(min(1.0, self._last / max(newest, 1)))
         if len(self.findings) < _MOST_FINDINGS:
             self._look_for_more()
-        self._connection.execute("ROLLBACK")
 
     def _page(self) -> int:
         query = "SELECT id, stream, record, record_id, hash FROM links WHERE id > ? ORDER BY id LIMIT ?"
@@ -163,8 +158,7 @@ class _ChainReader:
         for record, table in self._tables.items():
             self.findings += [f"{_record(record, n, None)} was slipped in." for n in table.left()]
         last = {record: table.last for record, table in self._tables.items()} | {"links": self._last}
-        for name, given in self._connection.execute("SELECT name, seq FROM sqlite_sequence").fetchall():
-            record = _text(name)
+        for record, given in protection_of(self._connection).numbers_given(self._connection).items():
             if last.get(record, given) != given:
                 self.findings.append(f"The newest {_words(record)} are missing: {given} were given a number.")
 
@@ -174,7 +168,8 @@ class _Rows:
 
     def __init__(self, connection: Any, record: str) -> None:
         self._connection = connection
-        self._query = f'SELECT rowid, * FROM "{record}" WHERE rowid > ? ORDER BY rowid LIMIT ?'
+        number = numbered(record)
+        self._query = f'SELECT {number}, * FROM "{record}" WHERE {number} > ? ORDER BY {number} LIMIT ?'
         self._some = 1 if record in _ONE_AT_A_TIME else _ROWS
         self._ahead: list[Any] = []
         self.names: tuple[str, ...] = ()

@@ -1,12 +1,14 @@
-"""The process that looks through a database (`python -m` this module, then FILE): JSON lines out."""
+"""The process that looks through a database (`python -m` this module): its URL in, JSON lines out.
+
+The URL may hold a password, so it is read and is no argument, which everybody on the machine can see.
+"""
 
 import json
 import os
 import sys
-from pathlib import Path
 from typing import Any, Final
 
-from truepose.storage.integrity.verification import verify
+from truepose.storage.integrity.verification import verify_at
 
 _LOWEST_PRIORITY: Final = 19
 
@@ -15,7 +17,7 @@ def main() -> None:
     """Look through the database named and tell how far that is, then what was found."""
     if hasattr(os, "nice"):
         os.nice(_LOWEST_PRIORITY)
-    verdict = verify(Path(sys.argv[1]), lambda share: _tell(share=round(share, 3)))
+    verdict = verify_at(sys.stdin.readline().strip(), lambda share: _tell(share=round(share, 3)))
     _tell(share=1.0, findings=verdict.findings, records=verdict.records)
 
 

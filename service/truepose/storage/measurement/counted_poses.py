@@ -7,8 +7,9 @@ It is what the situation of a session counts, which replays the whole ledger: a 
 
 from typing import Any, Final
 
-from sqlalchemy import ColumnElement, Integer, String, and_, cast, exists, func, or_, select
+from sqlalchemy import ColumnElement, String, and_, cast, exists, false, func, or_, select
 
+from truepose.storage.dialects import is_object_at, leading_number, position_of
 from truepose.storage.tables import session_entries, sessions
 
 _POSE: Final = "/pose-"
@@ -48,9 +49,9 @@ def skipped_poses() -> Any:
 def _is_offered_again(skip: Any) -> ColumnElement[bool]:
     """Whether the first pre-calibration after a skip found something, and another attempt is allowed."""
     found = session_entries.alias("found")
-    place = func.substr(skip.c.step_id, 1, func.instr(skip.c.step_id, _POSE) - 1)
+    place = func.substr(skip.c.step_id, 1, position_of(skip.c.step_id, _POSE) - 1)
     first = (
-        select(func.json_type(found.c.document, "$.precalibration"))
+        select(is_object_at(found.c.document, "$.precalibration"))
         .where(found.c.session_id == skip.c.session_id, found.c.kind.in_(("computed", "skipped")))
         .where(*_begins_with(found.c.step_id, place, "/precalibrate-"))
         .where(found.c.id > skip.c.id)
@@ -58,18 +59,17 @@ def _is_offered_again(skip: Any) -> ColumnElement[bool]:
         .limit(1)
         .scalar_subquery()
     )
-    return and_(func.coalesce(first, "null") == "object", skip.c.step_id.not_like(_LAST_ATTEMPT))
+    return and_(func.coalesce(first, false()), skip.c.step_id.not_like(_LAST_ATTEMPT))
 
 
 def _number_of(step: Any) -> ColumnElement[int]:
-    # SQLite's cast takes the digits that a text begins with.
-    return cast(func.substr(step, func.instr(step, _POSE) + len(_POSE)), Integer)
+    return leading_number(func.substr(step, position_of(step, _POSE) + len(_POSE)))
 
 
 def _pose_of(step: Any) -> ColumnElement[str]:
     """Return "placement-1/pose-12" of "placement-1/pose-12/again/leg-2-3"."""
     digits = func.length(cast(_number_of(step), String))
-    return func.substr(step, 1, func.instr(step, _POSE) + len(_POSE) - 1 + digits)
+    return func.substr(step, 1, position_of(step, _POSE) + len(_POSE) - 1 + digits)
 
 
 def _begins_with(step: Any, group: Any, mark: str) -> tuple[ColumnElement[bool], ColumnElement[bool]]:

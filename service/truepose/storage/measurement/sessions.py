@@ -20,6 +20,7 @@ from truepose.domain.measurement.session import (
 )
 from truepose.storage.calibration.origins import is_simulated, simulated_session
 from truepose.storage.database import Database
+from truepose.storage.dialects import entries_at, length_at, text_at
 from truepose.storage.documents import from_document, to_document
 from truepose.storage.errors import ConflictError, NotFoundError
 from truepose.storage.events import add_event
@@ -139,8 +140,8 @@ class SessionRepository(NumberedRecords[SessionRecord]):
             select(sessions.c.id)
             .join(session_states, session_states.c.session_id == sessions.c.id)
             .where(session_states.c.state == SessionState.FINISHED.value, ~is_simulated(cell))
-            .where(func.json_extract(cell, "$.cell.robot.name") == robot)
-            .where(func.coalesce(func.json_extract(cell, "$.cell.robot_serial_number"), "") == serial_number)
+            .where(text_at(cell, "$.cell.robot.name") == robot)
+            .where(func.coalesce(text_at(cell, "$.cell.robot_serial_number"), "") == serial_number)
         )
         return bool(await self._database.read(lambda c: c.execute(select(one.exists())).scalar_one()))
 
@@ -249,7 +250,7 @@ def _records() -> Select[Any]:
             _measured().label("measured"),
             _skipped().label("skipped"),
             simulated_session(),
-            func.json_extract(sessions.c.plan, "$.test").label("test"),
+            text_at(sessions.c.plan, "$.test").label("test"),
         )
         .join(session_states, session_states.c.session_id == sessions.c.id)
         .where(newest)
@@ -258,13 +259,13 @@ def _records() -> Select[Any]:
 
 def _planned() -> ColumnElement[int]:
     added = (
-        select(func.coalesce(func.sum(func.json_array_length(added_stops.c.document)), 0))
+        select(func.coalesce(func.sum(length_at(added_stops.c.document)), 0))
         .where(added_stops.c.session_id == sessions.c.id)
         .scalar_subquery()
     )
-    placements = func.json_each(sessions.c.plan, "$.placements").table_valued("value")
-    poses = select(func.sum(func.json_array_length(placements.c.value, "$.poses"))).scalar_subquery()
-    stops = func.json_array_length(sessions.c.plan, "$.stops") + added
+    placements = entries_at(sessions.c.plan, "$.placements").table_valued("value")
+    poses = select(func.sum(length_at(placements.c.value, "$.poses"))).scalar_subquery()
+    stops = length_at(sessions.c.plan, "$.stops") + added
     return _by_role(poses, stops)
 
 

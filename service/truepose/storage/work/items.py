@@ -22,6 +22,7 @@ from sqlalchemy import (
 from sqlalchemy.sql.expression import null
 
 from truepose.storage.calibration.origins import simulated_campaign, simulated_session
+from truepose.storage.dialects import text_at, truth_at
 from truepose.storage.records import JobKind, JobState
 from truepose.storage.tables import (
     campaigns,
@@ -90,7 +91,7 @@ class Source:
     def _has(self, text: str) -> ColumnElement[bool]:
         number = [self.table.c.id == int(text)] if text.isascii() and text.isdecimal() else []
         short = [one for one in (text,) if len(one) < _LONGEST]
-        found = [column.contains(one, autoescape=True) for one in short for column in self.searched]
+        found = [column.icontains(one, autoescape=True) for one in short for column in self.searched]
         return or_(*found, *number, literal(False))
 
     def items(self, kind: WorkKind, *conditions: ColumnElement[bool]) -> Select[Any]:
@@ -130,7 +131,7 @@ def item_of(row: Row[Any]) -> WorkItem:
 
 
 def _of_setup(path: str) -> ColumnElement[Any]:
-    return func.json_extract(sessions.c.setup, f"$.cell.{path}")
+    return text_at(sessions.c.setup, f"$.cell.{path}")
 
 
 def _newest(table: Table, column: Any, belongs: ColumnElement[bool]) -> Any:
@@ -139,12 +140,12 @@ def _newest(table: Table, column: Any, belongs: ColumnElement[bool]) -> Any:
 
 def _people() -> Any:
     """Every person of a session's states, in one text."""
-    named = select(func.group_concat(session_states.c.person, " "))
+    named = select(func.aggregate_strings(session_states.c.person, " "))
     return named.where(session_states.c.session_id == sessions.c.id).scalar_subquery()
 
 
 def _said(column: Any, path: str) -> ColumnElement[Any]:
-    return func.json_extract(column, path)
+    return text_at(column, path)
 
 
 _PROVES = exists().where(
@@ -153,7 +154,7 @@ _PROVES = exists().where(
     jobs.c.kind == JobKind.PLAN.value,
     _said(jobs.c.request, "$.proves_model_id").is_not(None),
 )
-_TESTS = func.json_extract(sessions.c.plan, "$.test").is_not(None)
+_TESTS = text_at(sessions.c.plan, "$.test").is_not(None)
 _SESSIONS = Source(
     sessions,
     sessions,
@@ -242,7 +243,7 @@ _VALIDATIONS = Source(
     {
         "name": campaigns.c.name,
         "robot": campaigns.c.robot,
-        "state": case((_said(validations.c.document, "$.passed") == 1, "passed"), else_="failed"),
+        "state": case((truth_at(validations.c.document, "$.passed"), "passed"), else_="failed"),
         "simulated": simulated_campaign(),
     },
     (campaigns.c.name, campaigns.c.robot),

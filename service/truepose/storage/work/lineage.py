@@ -4,9 +4,11 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
-from sqlalchemy import Connection, Select, func, select, true
+from sqlalchemy import Connection, Select, cast, select, true
 
+from truepose.storage.column_types import WHOLE
 from truepose.storage.database import Database
+from truepose.storage.dialects import entries_at, number_at
 from truepose.storage.records import JobKind
 from truepose.storage.tables import (
     campaigns,
@@ -93,9 +95,13 @@ class _Family:
 
 
 def _sessions_of(campaign: int) -> Select[Any]:
-    listed = func.json_each(campaigns.c.session_ids).table_valued("value", name="listed")
+    listed = entries_at(campaigns.c.session_ids).table_valued("value", name="listed")
     inside = campaigns.join(listed, true())
-    return select(listed.c.value.label("session")).select_from(inside).where(campaigns.c.id == campaign)
+    return (
+        select(cast(listed.c.value, WHOLE).label("session"))
+        .select_from(inside)
+        .where(campaigns.c.id == campaign)
+    )
 
 
 def _origin_of(table: Any) -> Any:
@@ -114,16 +120,20 @@ def _model_of(table: Any) -> Any:
 def _proved_by(session: int) -> Select[Any]:
     """Return the query of the model that a session was planned to prove."""
     return (
-        select(func.json_extract(jobs.c.request, "$.proves_model_id").label("model"))
+        select(number_at(jobs.c.request, "$.proves_model_id").label("model"))
         .join(job_states, job_states.c.job_id == jobs.c.id)
         .where(jobs.c.kind == JobKind.PLAN.value, job_states.c.result_id == session)
     )
 
 
 def _campaigns_of(session: int) -> Select[Any]:
-    listed = func.json_each(campaigns.c.session_ids).table_valued("value", name="listed")
+    listed = entries_at(campaigns.c.session_ids).table_valued("value", name="listed")
     inside = campaigns.join(listed, true())
-    return select(campaigns.c.id.label("campaign")).select_from(inside).where(listed.c.value == session)
+    return (
+        select(campaigns.c.id.label("campaign"))
+        .select_from(inside)
+        .where(cast(listed.c.value, WHOLE) == session)
+    )
 
 
 def _made_of_campaign(table: Any, kind: WorkKind) -> Any:
@@ -144,7 +154,7 @@ def _proofs_of(model: int) -> Select[Any]:
         .join(jobs, jobs.c.id == job_states.c.job_id)
         .where(
             jobs.c.kind == JobKind.PLAN.value,
-            func.json_extract(jobs.c.request, "$.proves_model_id") == model,
+            number_at(jobs.c.request, "$.proves_model_id") == model,
         )
     )
 

@@ -41,7 +41,7 @@ def older(file):
     migrate(file, "0008", up=True)
     with LIBRARY.connect(file) as connection:
         connection.execute("INSERT INTO campaigns VALUES (?, ?, ?, ?, ?, ?, ?)", ROW)
-        link_all(connection.cursor(), ["campaigns"])
+        link_all(connection, ["campaigns"])
     connection.close()
     return file
 

@@ -30,6 +30,15 @@ def reading_engine(file: Path) -> Engine:
     return engine
 
 
+def opened_file(file: Path) -> Any:
+    """Return a connection that reads a database, texts as bytearrays."""
+    connection = LIBRARY.connect(f"file:{quote(str(file))}?mode=ro", uri=True, isolation_level=None)
+    # As bytes: a text with a wrong bit need not be a text any more. Blobs are bytes, texts bytearrays.
+    connection.text_factory = bytearray
+    connection.execute("PRAGMA busy_timeout=5000")
+    return connection
+
+
 def _engine(file: Path, mode: str, pool: Any) -> Engine:
     def connect() -> Any:
         # check_same_thread is off because the pool closes from any thread.

@@ -15,13 +15,13 @@ from truepose.storage.connection.sqlite.connections import reading_engine, writi
 from truepose.storage.connection.sqlite.library import LIBRARY
 from truepose.storage.connection.sqlite.lock import ServiceLock
 from truepose.storage.connection.sqlite.place import Place
+from truepose.storage.connection.sqlite.protection import missing_protection
 from truepose.storage.connection.sqlite.refusals import REFUSED, says_full, translated
 from truepose.storage.connection.sqlite.reserve import Reserve
 from truepose.storage.errors import StorageError
-from truepose.storage.integrity.arrival import has_link, note_how_it_was_left
+from truepose.storage.integrity.arrival import note_how_it_was_left
 from truepose.storage.integrity.condition import RESERVE_IN_USE, Condition
-from truepose.storage.integrity.seal import Left, Seal, digest
-from truepose.storage.integrity.verification import missing_protection
+from truepose.storage.integrity.seal import Left, Seal, digest, has_link
 
 _LOG: Final = logging.getLogger(__name__)
 _CHECKPOINTS: Final = "PRAGMA wal_autocheckpoint=1000"  # the library's own choice
@@ -34,7 +34,7 @@ class SQLiteFile(Holding):
 
     def __init__(self, url: str, condition: Condition, alone: Alone) -> None:
         file = database_file(url)
-        super().__init__(file, str(file), condition, alone)
+        super().__init__(url, file, str(file), condition, alone)
         self.reserve = Reserve(file)
         self._seal = Seal(file)
         self.left = self._seal.left()  # how the service before left the file; None where it did not say

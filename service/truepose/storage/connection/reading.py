@@ -1,0 +1,60 @@
+"""Connections that read a database from outside, whoever has it open."""
+
+import importlib.util
+from collections.abc import Iterator
+from contextlib import closing, contextmanager
+from typing import Any
+
+from truepose.storage.connection.address import database_file, is_server, parsed_url, shown
+from truepose.storage.connection.sqlite.connections import opened_file
+from truepose.storage.connection.sqlite.library import LIBRARY
+from truepose.storage.connection.sqlite.lock import ServiceLock
+from truepose.storage.errors import DatabaseAddressError
+
+
+def opened_at(url: str) -> Any:
+    """Return a plain connection that reads a database and keeps nobody from writing; raises StorageError."""
+    if not is_server(parsed_url(url)):
+        return opened_file(database_file(url))
+    require_library()
+    from truepose.storage.connection.postgresql.connections import opened
+    from truepose.storage.connection.postgresql.refusals import REFUSED, translated
+
+    try:
+        return opened(url)
+    except REFUSED as error:
+        raise translated(shown(parsed_url(url)), error) from error
+
+
+@contextmanager
+def locked_for_reading(url: str) -> Iterator[None]:
+    """Keep every service off a database, which stays as it is; raises StorageError."""
+    if not is_server(parsed_url(url)):
+        lock = ServiceLock(database_file(url))
+        try:
+            yield
+        finally:
+            lock.release()
+        return
+    with closing(opened_at(url)) as connection:
+        from truepose.storage.connection.postgresql.lock import take_lock
+
+        take_lock(connection, shown(parsed_url(url)))
+        yield
+
+
+def refused_by(url: str) -> tuple[type[Exception], ...]:
+    """Return what the library of an address raises."""
+    if not is_server(parsed_url(url)):
+        return (LIBRARY.DatabaseError,)
+    from truepose.storage.connection.postgresql.refusals import REFUSED
+
+    return REFUSED
+
+
+def require_library() -> None:
+    """Raise DatabaseAddressError where what speaks to a server is not installed."""
+    if importlib.util.find_spec("psycopg") is None:
+        raise DatabaseAddressError(
+            "A PostgreSQL database needs psycopg; install it with: pip install 'truepose[postgresql]'."
+        )

@@ -1,0 +1,1 @@
+"""A real PostgreSQL server of the distribution's package, for as long as tests use it."""

@@ -1,0 +1,43 @@
+"""Tests of the storage run on a file of SQLite and on a real PostgreSQL server, unless they are about one."""
+
+import itertools
+import os
+
+import pytest
+
+from tests.helpers.machine import POSTGRESQL
+from tests.helpers.postgresql.server import programs, shared_server
+
+ENGINES = ("sqlite", "postgresql")
+_NUMBERS = itertools.count()
+
+
+def pytest_generate_tests(metafunc):
+    if "database_url" in metafunc.fixturenames:
+        only = metafunc.definition.get_closest_marker("engine")
+        metafunc.parametrize("engine", ENGINES if only is None else only.args, scope="function")
+
+
+@pytest.fixture(scope="session")
+def server():
+    if programs() is None:
+        pytest.skip(POSTGRESQL.reason)
+    with shared_server() as running:
+        yield running
+
+
+@pytest.fixture
+def beside(tmp_path, monkeypatch):
+    """What lies on this machine of a server's database."""
+    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "beside"))
+
+
+@pytest.fixture
+def database_url(engine, request, tmp_path):
+    if engine == "sqlite":
+        yield f"sqlite:///{tmp_path}/truepose.sqlite3"
+        return
+    request.getfixturevalue("beside")
+    server, name = request.getfixturevalue("server"), f"test_{os.getpid()}_{next(_NUMBERS)}"
+    yield server.make(name)
+    server.drop(name)
