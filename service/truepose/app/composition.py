@@ -179,7 +179,7 @@ def _beside(stack: contextlib.AsyncExitStack, work: Coroutine[None, None, None],
 
 
 def _backups(database: Database, settings: Settings) -> BackupSchedule | None:
-    return None if settings.backups is None else BackupSchedule(database.file, settings.backups)
+    return None if settings.backups is None else BackupSchedule(settings.database_url, settings.backups)
 
 
 def _people(database: Database, settings: Settings) -> contextlib.AbstractAsyncContextManager[PeopleDesk]:

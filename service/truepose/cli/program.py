@@ -42,6 +42,7 @@ _COMMANDS = {
     "verify": "administration.records",
     "backup": "administration.records",
     "restore": "administration.records",
+    "copy": "administration.records",
     "retention": "administration.retention",
     "unit": "administration.deployment",
     "dashboard": "administration.deployment",

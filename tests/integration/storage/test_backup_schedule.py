@@ -27,7 +27,7 @@ def day():
 
 @pytest.fixture
 def schedule(database, tmp_path, day):
-    return BackupSchedule(database.file, BackupPlan(tmp_path / "copies", DAY_S, keep=2), day)
+    return BackupSchedule(database.held.url, BackupPlan(tmp_path / "copies", DAY_S, keep=2), day)
 
 
 def copies(schedule):

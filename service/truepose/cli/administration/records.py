@@ -20,7 +20,8 @@ _SERVICE_FAILED = 3
 
 def verify_command(
     file: Annotated[
-        Path | None, typer.Argument(help="Database; by default the one in the user's data folder.")
+        str | None,
+        typer.Argument(help="Database, a file or a URL; by default the one in the user's data folder."),
     ] = None,
     head: Annotated[
         str | None, typer.Option(help="Chain head as a report prints it: is all that it stands for there?")
@@ -31,17 +32,19 @@ def verify_command(
 
     Example: truepose verify truepose.sqlite3 --head 4711-K3QF-7ZWD-M2PA-XY5R --json
     """
-    from truepose.storage.integrity.arrival import verify_left
+    from truepose.storage.connection.address import shown_address
+    from truepose.storage.integrity.arrival import verify_left_at
     from truepose.storage.integrity.head import read_head
 
-    database = _database(None) if file is None else file
+    url = _address(file)
+    database = file if file is not None and "://" not in file else shown_address(url)
     printed = None if head is None else read_head(head)
     with shown_progress() as told:
-        verdict = verify_left(database, lambda share: told(share, "records"), printed)
+        verdict = verify_left_at(url, lambda share: told(share, "records"), printed)
     newest = "" if verdict.head is None else verdict.head.text
     if json:
         print_json({
-            "file": str(database),
+            "file": database,
             "whole": not verdict.findings,
             "records": verdict.records,
             "findings": list(verdict.findings),
@@ -66,15 +69,16 @@ def backup_command(
 
     Example: truepose backup backups/monday.sqlite3 --database sqlite:///cell.db
     """
-    from truepose.storage.backup.copying import back_up
+    from truepose.storage.backup.addressed import back_up_at
+    from truepose.storage.connection.address import shown_address
 
-    source = _database(database)
+    source = _url(database)
     with shown_progress() as told:
-        made = back_up(source, file, told, replace=replace)
+        made = back_up_at(source, file, told, replace=replace)
     if json:
         print_json({
             "file": str(made.file),
-            "database": str(source),
+            "database": shown_address(source),
             "bytes": made.size_bytes,
             "records": made.head.links,
             "head": made.head.text,
@@ -110,16 +114,20 @@ def restore_command(
     Example: truepose restore backups/monday.sqlite3 --database sqlite:///cell.db --replace --at-next-start
     """
     from truepose.cli.output import remark
+    from truepose.storage.backup.addressed import restore_at
     from truepose.storage.backup.drafts import restore_drafts
-    from truepose.storage.backup.restoring import restore
-    from truepose.storage.errors import DatabaseInUseError
+    from truepose.storage.connection.address import database_file, is_server, parsed_url, shown_address
+    from truepose.storage.errors import BackupError, DatabaseInUseError
 
-    target = _database(database)
+    url = _url(database)
+    target, server = database_file(url), is_server(parsed_url(url))
     if at_next_start:
+        if server:
+            raise BackupError("Nothing is laid ready for a server: restore into an empty database of it.")
         return _lay_ready(file, target, replace=replace, json=json)
     try:
         with shown_progress() as told:
-            head, aside = restore(file, target, told, replace=replace)
+            head, aside = restore_at(file, url, told, replace=replace)
     except DatabaseInUseError as error:
         remark([f"{error} Or let it run: --at-next-start verifies the copy now and puts it in place then."])
         return _SERVICE_FAILED
@@ -127,7 +135,7 @@ def restore_command(
     kept = None if aside is None else str(aside)
     if json:
         print_json({
-            "database": str(target),
+            "database": shown_address(url),
             "records": head.links,
             "head": head.text,
             "kept": kept,
@@ -136,7 +144,9 @@ def restore_command(
     else:
         before = "" if kept is None else f" What was there is kept as {kept}."
         brought = f" {drafts} drafts are back." if drafts else ""
-        print_lines([f"{target}: {head.links} records restored. Chain head {head.text}.{before}{brought}"])
+        print_lines([
+            f"{shown_address(url)}: {head.links} records restored. Chain head {head.text}.{before}{brought}"
+        ])
     return 0
 
 
@@ -156,9 +166,53 @@ def _lay_ready(file: Path, target: Path, *, replace: bool, json: bool) -> int:
     return 0
 
 
-def _database(url: str | None) -> Path:
-    """Return the file that a URL names, or the user's own; raises TrueposeError."""
-    from truepose.settings import default_database_url
-    from truepose.storage.connection.address import database_file
+def copy_command(
+    source: Annotated[str, typer.Argument(help="Database that is copied, a file or a URL.")],
+    target: Annotated[str, typer.Argument(help="Empty database, a file or a URL.")],
+    json: Json = False,
+) -> int:
+    """Move a shop's database from a file to a PostgreSQL server, or back: every record and its link.
 
-    return database_file(url or default_database_url())
+    No service may have either. All of it arrives and is verified, or nothing. Status 3: a service has one.
+
+    Example: truepose copy truepose.sqlite3 postgresql://truepose@localhost/truepose --json
+    """
+    from truepose.cli.output import remark
+    from truepose.storage.backup.transfer import transfer
+    from truepose.storage.connection.address import shown_address
+    from truepose.storage.errors import DatabaseInUseError
+
+    read, written = _address(source), _address(target)
+    try:
+        with shown_progress() as told:
+            head, drafts = transfer(read, written, told)
+    except DatabaseInUseError as error:
+        remark([str(error)])
+        return _SERVICE_FAILED
+    if json:
+        print_json({
+            "source": shown_address(read),
+            "target": shown_address(written),
+            "records": head.links,
+            "head": head.text,
+            "drafts": drafts,
+        })
+    else:
+        print_lines([
+            f"{shown_address(written)}: {head.links} records, verified, and {drafts} drafts. "
+            f"Chain head {head.text}."
+        ])
+    return 0
+
+
+def _address(named: str | None) -> str:
+    """Return the URL of a database that somebody names by URL or file, or of the user's own."""
+    if named is None:
+        return _url(None)
+    return named if "://" in named else f"sqlite:///{Path(named).resolve()}"
+
+
+def _url(database: str | None) -> str:
+    from truepose.settings import default_database_url
+
+    return database or default_database_url()

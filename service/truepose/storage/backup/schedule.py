@@ -9,7 +9,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Final
 
-from truepose.storage.backup.copying import back_up
+from truepose.storage.backup.addressed import back_up_at
 from truepose.storage.backup.drafts import drafts_beside
 from truepose.storage.backup.plan import BackupPlan
 from truepose.storage.errors import StorageError
@@ -24,10 +24,10 @@ _AGAIN_S: Final = 600.0  # after a copy that failed
 class BackupSchedule:
     """Makes the copies of a plan, and says how old the newest one is."""
 
-    def __init__(self, database: Path, plan: BackupPlan, now_s: Callable[[], float] = time.time) -> None:
+    def __init__(self, url: str, plan: BackupPlan, now_s: Callable[[], float] = time.time) -> None:
         self.plan = plan
         self.fault: str | None = None  # of the last attempt
-        self._database = database
+        self._url = url
         self._now_s = now_s
 
     @property
@@ -58,7 +58,7 @@ class BackupSchedule:
 
     def _make(self) -> None:
         stamp = datetime.fromtimestamp(self._now_s(), UTC).strftime(_STAMP)
-        made = back_up(self._database, self.plan.folder / f"truepose-{stamp}.sqlite3")
+        made = back_up_at(self._url, self.plan.folder / f"truepose-{stamp}.sqlite3")
         _LOG.info("%s: a copy of %d records, verified", made.file, made.head.links)
         for _, file in copies_in(self.plan.folder)[: -self.plan.keep]:
             file.unlink(missing_ok=True)

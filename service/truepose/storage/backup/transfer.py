@@ -1,0 +1,181 @@
+"""Every record of a database, into an empty one of either engine, with its number and its link.
+
+What is read is one moment of the source. All of it goes in one transaction, within which the chain is
+followed once more on what was written: whatever ends the copying before that leaves the target as empty as it
+was, and it can be begun anew.
+"""
+
+import contextlib
+import tempfile
+from collections.abc import Callable, Iterator
+from contextlib import closing
+from pathlib import Path
+from typing import Any, Final
+
+from truepose.storage.backup.copying import copy_database
+from truepose.storage.backup.drafts import copy_drafts, restore_drafts
+from truepose.storage.connection.address import database_file, is_server, parsed_url, shown_address
+from truepose.storage.connection.engines import holding
+from truepose.storage.connection.filling import fill_in, renumber
+from truepose.storage.connection.holding import Holding
+from truepose.storage.connection.reading import locked_for_reading, opened_at, refused_by
+from truepose.storage.connection.schema import newest_revision
+from truepose.storage.errors import BackupError, DatabaseAddressError, DatabaseUsedError, NewerSchemaError
+from truepose.storage.integrity.chain import ROWID, numbered
+from truepose.storage.integrity.condition import Condition
+from truepose.storage.integrity.head import Head, newest_head
+from truepose.storage.integrity.verification import findings_within
+from truepose.storage.tables import metadata
+
+Told = Callable[[float, str], None]  # which share is done, and of what
+_ROWS: Final = 1000  # at a time
+_WRITING: Final = 0.5  # of the time that everything takes
+_BIG: Final = {"campaigns", "corrections", "reports"}  # a row may have many megabytes
+
+
+def transfer(source: str, target: str, told: Told = lambda share, doing: None) -> tuple[Head, int]:
+    """Copy a database that no service has into an empty one; returns the head of the chain and the drafts.
+
+    Raises
+    ------
+    DatabaseInUseError
+        A service has one of the two.
+    DatabaseUsedError
+        Records are in the target.
+    BackupError
+        What was written is not what was read, or an engine refuses.
+    StorageError
+        One of the two is no database of ours, or cannot be reached.
+    """
+    _require_two(source, target)
+    with locked_for_reading(source), _newest(source) as read_from:
+        head = fill(read_from, target, told)
+    return head, _bring_drafts(database_file(source), database_file(target))
+
+
+def fill(source: str, target: str, told: Told = lambda share, doing: None) -> Head:
+    """Copy what a database holds at this moment, also while a service writes to it; raises as `transfer`."""
+    refused: tuple[type[Exception], ...] = (*refused_by(source), *refused_by(target), ValueError)
+    held = holding(target, Condition(), contextlib.nullcontext)
+    held.open()
+    try:
+        _require_empty(held)
+        with closing(opened_at(source)) as from_there:
+            return _filled(from_there, held, told)
+    except refused as error:
+        where = f"{shown_address(source)} cannot be copied to {shown_address(target)}"
+        raise BackupError(f"{where} ({error}); nothing was kept.") from error
+    finally:
+        held.close()
+
+
+def _filled(source: Any, held: Holding, told: Told) -> Head:
+    """Write everything in one transaction, and look through it before it counts."""
+    target = held.plain
+    source.execute("BEGIN")
+    target.execute("BEGIN")
+    try:
+        head = newest_head(source)
+        _copy_tables(source, target, max(head.links, 1), told)
+        _require_same(source, target, head, told)
+    except BaseException:
+        target.execute("ROLLBACK")
+        raise
+    target.execute("COMMIT")
+    told(1.0, "verified")
+    return head
+
+
+def _copy_tables(source: Any, target: Any, links: int, told: Told) -> None:
+    done = 0
+    for table in metadata.sorted_tables:
+        names = [column.name for column in table.columns]
+        names += [] if "id" in names else [ROWID]
+        for rows in _rows(source, table.name, names):
+            fill_in(target, table.name, names, rows)
+            done += len(rows)
+            told(_WRITING * min(1.0, done / (2 * links)), "copying")  # a link for each record
+    renumber(target)
+
+
+def _rows(source: Any, record: str, names: list[str]) -> Iterator[list[Any]]:
+    """Yield the rows of a table by their numbers, some at a time."""
+    number, last, some = numbered(record), 0, 1 if record in _BIG else _ROWS
+    columns = ", ".join(f'"{name}"' for name in (number, *names))
+    query = f'SELECT {columns} FROM "{record}" WHERE {number} > ? ORDER BY {number} LIMIT ?'
+    while rows := source.execute(query, (last, some)).fetchall():
+        last = rows[-1][0]
+        yield [[_decoded(value) for value in row[1:]] for row in rows]
+
+
+def _decoded(value: Any) -> Any:
+    return (
+        value.decode() if isinstance(value, bytearray) else value
+    )  # texts of a file, as they are read from outside
+
+
+def _require_same(source: Any, target: Any, head: Head, told: Told) -> None:
+    """Raise BackupError where the target does not hold what the source does."""
+    for table in metadata.sorted_tables:
+        counts = [
+            one.execute(f'SELECT count(*) FROM "{table.name}"').fetchone()[0] for one in (source, target)
+        ]
+        if counts[0] != counts[1]:
+            raise BackupError(f"Of {counts[0]} {table.name} {counts[1]} arrived; nothing was kept.")
+    findings = findings_within(target, lambda share: told(_WRITING + (1 - _WRITING) * share, "verifying"))
+    if findings or newest_head(target) != head:
+        said = findings[0] if findings else "The newest records are not those of the database."
+        raise BackupError(f"What was copied is not whole: {said} Nothing was kept.")
+
+
+def _require_two(source: str, target: str) -> None:
+    if database_file(source) == database_file(target):
+        raise BackupError(f"{shown_address(source)} is both source and target; name another target.")
+    if not is_server(parsed_url(source)) and not database_file(source).is_file():
+        raise DatabaseAddressError(f"There is no database {database_file(source)}.")
+
+
+def _require_empty(held: Holding) -> None:
+    """Raise DatabaseUsedError where there is any record."""
+    for table in metadata.sorted_tables:
+        if held.plain.execute(f'SELECT 1 FROM "{table.name}" LIMIT 1').fetchone() is not None:
+            raise DatabaseUsedError(f"{held.where} holds records already; name an empty database.")
+
+
+@contextlib.contextmanager
+def _newest(url: str) -> Iterator[str]:
+    """Yield the address of a database of the newest schema: of a copy, where the file has an older one."""
+    with closing(opened_at(url)) as connection:
+        schema = _schema(url, connection)
+    if schema == newest_revision():
+        yield url
+        return
+    if is_server(parsed_url(url)):
+        raise BackupError(
+            f"{shown_address(url)} has schema {schema}; start this version's service on it first."
+        )
+    with tempfile.TemporaryDirectory(prefix="truepose-") as folder:
+        copy = Path(folder) / "copy.sqlite3"
+        copy_database(database_file(url), copy, lambda share: None)
+        held = holding(f"sqlite:///{copy}", Condition(), contextlib.nullcontext)
+        held.open()
+        held.close()
+        yield f"sqlite:///{copy}"
+
+
+def _schema(url: str, connection: Any) -> str:
+    try:
+        found = connection.execute("SELECT version_num FROM alembic_version").fetchone()
+    except refused_by(url) as error:
+        raise BackupError(f"{shown_address(url)} holds no database of truepose ({error}).") from error
+    schema = found[0] if isinstance(found[0], str) else bytes(found[0]).decode()
+    if schema > newest_revision():
+        raise NewerSchemaError(f"{shown_address(url)} has schema {schema}, which a newer version wrote.")
+    return schema
+
+
+def _bring_drafts(source: Path, target: Path) -> int:
+    with tempfile.TemporaryDirectory(prefix="truepose-") as folder:
+        copy = Path(folder) / "copy"
+        copy_drafts(source, copy)
+        return restore_drafts(copy, target)
