@@ -69,15 +69,18 @@ async def interrupt(
     folder: Path,
     wanted: Mapping[str, Any],
     scenario: str = "lrmate-tilted",
+    database: str | None = None,
 ) -> None:
     """Kill the service `kills` times in sessions as `wanted`, as REST takes it.
 
-    What was seen is in `tally`, also where something breaks the run.
+    The records are in a file of the folder, or in `database`. What was seen is in `tally`, also where something
+    breaks the run.
     """
     rng = np.random.default_rng(seed)
     async with standing_cell(scenario, seed, 0, folder / "cell.log") as cell_file:
         (folder / "cell.toml").write_text(cell_file, encoding="utf-8")
-        service = KilledService(folder / "cell.toml", folder / "sessions.sqlite3", folder / "service.log")
+        url = database or f"sqlite:///{folder / 'sessions.sqlite3'}"
+        service = KilledService(folder / "cell.toml", url, folder / "service.log")
         await service.start()
         try:
             async with httpx.AsyncClient(base_url=service.url, timeout=_ANSWER_S, trust_env=False) as http:
@@ -176,6 +179,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--poses", type=int, default=20)
     parser.add_argument("--scenario", default="lrmate-tilted")
+    parser.add_argument("--database", help="URL; by default a file in the folder")
     parser.add_argument("--out", type=Path, help="folder for interruptions.json, the database and the logs")
     wanted = parser.parse_args(arguments)
     with tempfile.TemporaryDirectory(prefix="truepose-") as temporary:
@@ -184,7 +188,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         tally = Tally()
         try:
             session = {"poses": wanted.poses}
-            asyncio.run(interrupt(tally, wanted.kills, wanted.seed, folder, session, wanted.scenario))
+            asyncio.run(
+                interrupt(tally, wanted.kills, wanted.seed, folder, session, wanted.scenario, wanted.database)
+            )
         finally:
             text = json.dumps(report(tally), indent=1)
             (folder / "interruptions.json").write_text(text + "\n", encoding="utf-8")

@@ -70,9 +70,9 @@ async def _cell_file(process: asyncio.subprocess.Process, scenario: str, log: Pa
 class KilledService:
     """The service as `truepose serve` starts it, always at the same port."""
 
-    def __init__(self, cell_file: Path, database: Path, log: Path) -> None:
+    def __init__(self, cell_file: Path, database: Path | str, log: Path) -> None:
         self._cell_file = cell_file
-        self._database = database
+        self._url = database if isinstance(database, str) else f"sqlite:///{database}"
         self._log = log
         self._port = free_port()
         self._process: asyncio.subprocess.Process | None = None
@@ -95,7 +95,7 @@ class KilledService:
         with self._log.open("ab") as log:
             self._process = await asyncio.create_subprocess_exec(
                 *(sys.executable, "-m", "truepose", "serve", "--port", str(self._port)),
-                *("--cell", str(self._cell_file), "--database", f"sqlite:///{self._database}"),
+                *("--cell", str(self._cell_file), "--database", self._url),
                 stdout=asyncio.subprocess.DEVNULL,
                 stderr=log,
                 start_new_session=True,

@@ -47,6 +47,7 @@ class Records:
     damage: str = ""  # empty: none was found
     links: int = 0
     readings: int = 0
+    server_doubts: tuple[str, ...] | None = None  # settings that are off on the server; None: a file
 
 
 @dataclass(frozen=True, slots=True)

@@ -92,6 +92,7 @@ class Lookout:
             damage=condition.damage or "",
             links=self._counts.links,
             readings=self._counts.readings,
+            server_doubts=database.held.server_doubts,
         )
 
     async def _commit_s(self) -> float | None:

@@ -53,7 +53,7 @@ class Holding(ABC):
         self.where = where  # the database, as people are told of it
         self.condition = condition
         self._alone = alone
-        self.remarks: tuple[str, ...] = ()  # sentences on what the engine does not do, or not here
+        self.server_doubts: tuple[str, ...] | None = None  # settings that are off there; None: a file
 
     @abstractmethod
     def open(self) -> str:

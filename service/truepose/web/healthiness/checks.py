@@ -40,6 +40,7 @@ def checks(state: State) -> list[Check]:
     """Return everything that is looked at, in the order of its weight."""
     return [
         _database(state.records),
+        *_server(state.records),
         _disk(state.records),
         _chain(state.records),
         _backup(state),
@@ -71,6 +72,19 @@ def _database(records: Records) -> Check:
     return Check("database", "ok", said("health.database.ok", **ms))
 
 
+def _server(records: Records) -> Iterator[Check]:
+    """Yield what is to be known of a server that keeps the records; nothing of a file."""
+    off = records.server_doubts
+    if off is None:
+        return
+    if "fsync" in off:
+        yield Check("server", "bad", said("health.server.fsync"))
+    elif "full_page_writes" in off:
+        yield Check("server", "warn", said("health.server.pages"))
+    else:
+        yield Check("server", "ok", said("health.server.ok"))
+
+
 def _disk(records: Records) -> Check:
     free = {"gb": records.free_bytes / _GB}
     if records.reserve_used:
@@ -79,7 +93,8 @@ def _disk(records: Records) -> Check:
         return Check("disk", "bad", said("health.disk.bad", **free))
     if records.free_bytes < _SCARCE_BYTES:
         return Check("disk", "warn", said("health.disk.warn", **free))
-    return Check("disk", "ok", said("health.disk.ok", **free))
+    where = "ok" if records.server_doubts is None else "here"
+    return Check("disk", "ok", said(f"health.disk.{where}", **free))
 
 
 def _chain(records: Records) -> Check:

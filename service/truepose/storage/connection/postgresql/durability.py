@@ -9,6 +9,9 @@ _ASKED: Final = (
     "SELECT name, setting FROM pg_settings WHERE name IN ('fsync', 'full_page_writes', 'data_checksums')"
 )
 
+# What is acknowledged can go with the power; only where the file system tears pages; wrong bits show later.
+_BY_WEIGHT: Final = ("fsync", "full_page_writes", "data_checksums")
+
 
 def settings_of(connection: Any) -> dict[str, str]:
     """Return how a server keeps what it acknowledges."""
@@ -25,17 +28,5 @@ def require_durable(where: str, settings: Mapping[str, str], *, accepted: bool) 
 
 
 def doubts(settings: Mapping[str, str]) -> tuple[str, ...]:
-    """Return a sentence for each thing by which a server may lose or not notice something."""
-    return tuple(sentence for name, sentence in _DOUBTS.items() if settings.get(name) == "off")
-
-
-_DOUBTS: Final = {
-    "fsync": "The server runs with fsync = off: a loss of power takes records that were acknowledged.",
-    "full_page_writes": (
-        "The server runs with full_page_writes = off: only a file system that never tears a page survives a "
-        "loss of power with it."
-    ),
-    "data_checksums": (
-        "The server keeps no checksums of its pages; a wrong bit shows when every record is verified."
-    ),
-}
+    """Return the settings that are off, the gravest first."""
+    return tuple(name for name in _BY_WEIGHT if settings.get(name) == "off")

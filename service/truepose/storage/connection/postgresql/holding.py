@@ -29,10 +29,6 @@ from truepose.storage.integrity.seal import Left, Seal, has_link, newest_link
 _LOG: Final = logging.getLogger(__name__)
 _SIZE: Final = "SELECT pg_database_size(current_database())"
 _A_LITTLE: Final = "SELECT pg_logical_emit_message(true, 'truepose', '')"  # to the log, as a commit does
-_NO_RESERVE: Final = (
-    "No room is reserved for a full disk, and no file sealed: the disk is the server's. "
-    "Records that it refuses wait here."
-)
 
 
 class ServerDatabase(Holding):
@@ -66,7 +62,7 @@ class ServerDatabase(Holding):
         left = self._seal.left()
         self._connect(patient=True)
         try:
-            self.remarks = (*self._durability(), _NO_RESERVE)
+            self.server_doubts = self._durability()
             with self.connection.begin():
                 schema = bring_up_to_date(self.connection, self.where)
             for finding in missing_protection(self.plain):
@@ -83,8 +79,7 @@ class ServerDatabase(Holding):
         settings = settings_of(self.plain)
         require_durable(self.where, settings, accepted=self._url.query.get(ACCEPTED) == "off")
         found = doubts(settings)
-        for sentence in found:
-            _LOG.warning("%s", sentence)
+        _LOG.info("%s: off on the server: %s", self.where, ", ".join(found) or "nothing that matters")
         return found
 
     def _connect(self, *, patient: bool) -> None:
