@@ -27,6 +27,7 @@ from truepose.storage.connection.plain import plain
 from truepose.storage.errors import DamagedDatabaseError, StorageError, StorageUnavailableError, damaged
 from truepose.storage.integrity.condition import Condition
 from truepose.storage.integrity.head import Head, newest_head
+from truepose.storage.integrity.linking import linking
 from truepose.storage.integrity.seal import Left
 from truepose.storage.integrity.verification import stream_findings
 
@@ -222,13 +223,15 @@ class Database:
     def _committed(self, work: Callable[[Connection], T]) -> T:
         self._make_ready()
         begun_s = time.perf_counter()
-        transaction = self.held.connection.begin()
+        connection = self.held.connection
+        transaction, links = connection.begin(), linking(connection)
         try:
-            result = work(self.held.connection)
-            self.held.commit(transaction)
+            result = work(connection)
+            self.held.commit(transaction, links.write(plain(connection)))
         except InDoubtError as doubt:
             raise _DoubtError(result, doubt.newest) from doubt
         except BaseException:
+            links.forget()
             transaction.rollback()
             raise
         self.commits.note(time.perf_counter() - begun_s)
@@ -322,6 +325,8 @@ class _NotTogetherError(Exception):
 
 def _beside(wanted: _Wanted, connection: Connection, refused: tuple[type[Exception], ...]) -> _End:
     """Return what a write gives that shares its transaction; what it did is undone where it fails."""
+    links = linking(connection)
+    before = links.waiting
     try:
         with connection.begin_nested():
             return wanted.work(connection), None
@@ -329,6 +334,7 @@ def _beside(wanted: _Wanted, connection: Connection, refused: tuple[type[Excepti
         # The library may have ended the whole transaction by itself; alone, each has its own answer.
         raise _NotTogetherError from error
     except Exception as error:
+        links.back_to(before)
         return None, error
 
 

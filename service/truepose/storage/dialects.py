@@ -5,7 +5,7 @@ A path reads as SQLite has it: "$" is the document, "$.cell.robot" what stands i
 
 from typing import Any
 
-from sqlalchemy import Boolean, ColumnElement, Float, Integer, cast, literal_column
+from sqlalchemy import JSON, Boolean, ColumnElement, Float, Integer, cast, literal_column
 from sqlalchemy.ext.compiler import compiles
 from sqlalchemy.sql.compiler import SQLCompiler
 from sqlalchemy.sql.functions import FunctionElement
@@ -61,6 +61,19 @@ class entries_at(_Inside):  # noqa: N801
     inherit_cache = True
 
 
+class kept_text(FunctionElement[str]):  # noqa: N801
+    """A JSON column as the text that is kept."""
+
+    name = "kept_text"
+    type = TEXT
+    inherit_cache = True
+
+
+def as_kept(column: Any) -> Any:
+    """Return what of a column is in the hash of its record."""
+    return kept_text(column) if isinstance(column.type, JSON) else column
+
+
 class position_of(FunctionElement[int]):  # noqa: N801
     """Where one text begins in another, from 1; 0 where it does not."""
 
@@ -111,6 +124,7 @@ _SQLITE = {
     is_object_at: "(coalesce(json_type({}, {}), 'null') = 'object')",
     length_at: "json_array_length({}, {})",
     entries_at: "json_each({}, {})",
+    kept_text: "{}",
     position_of: "instr({}, {})",
     leading_number: "CAST({} AS INTEGER)",
     moment_s: "(86400.0 * julianday({}))",
@@ -122,6 +136,7 @@ _POSTGRESQL = {
     is_object_at: "(coalesce(json_typeof(({})::json #> {}), 'null') = 'object')",
     length_at: "json_array_length(({})::json #> {})",
     entries_at: "json_array_elements_text(({})::json #> {})",
+    kept_text: "({})::text",
     position_of: "strpos({}, {})",
     leading_number: "CAST(substring({} FROM '^[0-9]+') AS BIGINT)",
     moment_s: "CAST(extract(epoch FROM CAST({} AS timestamptz)) AS double precision)",

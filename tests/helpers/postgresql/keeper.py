@@ -31,7 +31,8 @@ def main(folder, programs, *options):
         command = [str(programs / "postgres"), "-D", str(folder / "data"), *own]
         server = subprocess.Popen(as_owner(command, folder), stdout=log, stderr=log, cwd=folder)
     try:
-        while not (folder / ".s.PGSQL.5432").exists():
+        answers = [str(programs / "pg_isready"), "-q", "-h", str(folder)]
+        while subprocess.run(answers, check=False).returncode:
             if server.poll() is not None:
                 sys.exit("the server did not start")
             time.sleep(0.05)

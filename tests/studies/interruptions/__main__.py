@@ -73,8 +73,8 @@ async def interrupt(
 ) -> None:
     """Kill the service `kills` times in sessions as `wanted`, as REST takes it.
 
-    The records are in a file of the folder, or in `database`. What was seen is in `tally`, also where something
-    breaks the run.
+    The records are in a file of the folder, or in `database`. What was seen is in `tally`, also where
+    something breaks the run.
     """
     rng = np.random.default_rng(seed)
     async with standing_cell(scenario, seed, 0, folder / "cell.log") as cell_file:

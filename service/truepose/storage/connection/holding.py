@@ -67,8 +67,8 @@ class Holding(ABC):
         """
 
     @abstractmethod
-    def commit(self, transaction: Transaction) -> None:
-        """Commit and note how far the chain goes; raises InDoubtError and what the library raises."""
+    def commit(self, transaction: Transaction, newest: Left) -> None:
+        """Commit and note the newest link; raises InDoubtError and what the library raises."""
 
     @abstractmethod
     def has(self, newest: Left) -> bool:

@@ -60,9 +60,14 @@ def link(connection: Any, record: str, record_id: int) -> None:
     found = connection.execute(f'SELECT * FROM "{record}" WHERE {numbered(record)} = ?', (record_id,))
     names, row = tuple(column[0] for column in found.description), found.fetchone()
     stream = stream_of(record, names, row)
-    newest = connection.execute(_NEWEST, (stream,)).fetchone()
-    before = GENESIS if newest is None else newest[0]
+    before = newest_hash(connection, stream)
     connection.execute(_INSERT, (stream, record, record_id, linked_hash(before, record, names, row)))
+
+
+def newest_hash(connection: Any, stream: int) -> bytes:
+    """Return the newest hash of a stream."""
+    newest = connection.execute(_NEWEST, (stream,)).fetchone()
+    return GENESIS if newest is None else bytes(newest[0])
 
 
 def numbered(record: str) -> str:

@@ -14,8 +14,6 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Final
 
-from truepose.storage.connection.sqlite.library import LIBRARY
-
 _LENGTH: Final = 256  # of the line, so that it is written over in place
 _CHUNK: Final = 1 << 20
 
@@ -51,11 +49,6 @@ class Seal:
             self._opened = os.open(self.file, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o644)
             self._write(newest_link(connection))
             os.fsync(self._opened)
-
-    def note_newest(self, connection: Any) -> None:
-        """Note the newest link of a file, which is committed; whatever fails here, the records are kept."""
-        with contextlib.suppress(LIBRARY.DatabaseError):
-            self.note(newest_link(connection))
 
     def note(self, newest: Left) -> None:
         """Note the newest link, which is committed; whatever fails here, the records are kept."""

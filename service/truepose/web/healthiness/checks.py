@@ -93,8 +93,9 @@ def _disk(records: Records) -> Check:
         return Check("disk", "bad", said("health.disk.bad", **free))
     if records.free_bytes < _SCARCE_BYTES:
         return Check("disk", "warn", said("health.disk.warn", **free))
-    where = "ok" if records.server_doubts is None else "here"
-    return Check("disk", "ok", said(f"health.disk.{where}", **free))
+    if records.server_doubts is not None:
+        return Check("disk", "ok", said("health.disk.here", **free))
+    return Check("disk", "ok", said("health.disk.ok", **free))
 
 
 def _chain(records: Records) -> Check:

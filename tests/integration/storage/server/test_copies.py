@@ -9,7 +9,6 @@ import sys
 from contextlib import closing
 
 import pytest
-from truepose.storage.drafts import DraftFolder
 
 from tests.helpers.domain.tracker_sessions import make_plan, make_point, make_setup, point_taken
 from truepose.storage.backup import transfer as transferring
@@ -18,6 +17,7 @@ from truepose.storage.backup.transfer import transfer
 from truepose.storage.connection.reading import opened_at
 from truepose.storage.database import Database
 from truepose.storage.errors import BackupError, DatabaseInUseError, DatabaseUsedError
+from truepose.storage.files.drafts import DraftFolder
 from truepose.storage.integrity.arrival import verify_left, verify_left_at
 from truepose.storage.measurement.ledger import LedgerRepository
 from truepose.storage.measurement.sessions import SessionRepository

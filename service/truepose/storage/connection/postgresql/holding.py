@@ -123,9 +123,8 @@ class ServerDatabase(Holding):
         self._doubtful = None
         self._seal.note(newest)
 
-    def commit(self, transaction: Transaction) -> None:
+    def commit(self, transaction: Transaction, newest: Left) -> None:
         """Commit and note the newest link; raises InDoubtError and what the library raises."""
-        newest = newest_link(self.plain)
         try:
             transaction.commit()
         except DBAPIError as error:

@@ -100,10 +100,10 @@ class SQLiteFile(Holding):
             self.place = Place(self.file)
             self._connect()
 
-    def commit(self, transaction: Transaction) -> None:
+    def commit(self, transaction: Transaction, newest: Left) -> None:
         """Commit and note the newest link; raises what the library raises, and then nothing was kept."""
         transaction.commit()
-        self._seal.note_newest(self.plain)
+        self._seal.note(newest)
 
     def has(self, newest: Left) -> bool:
         """Whether the database has a link."""
