@@ -46,7 +46,7 @@ async def again_page(visit: Visited, id: str) -> HTMLResponse:
     same_robot = template.then.cell.robot.name == now.robot.name
     warnings = (*differences(template.then.cell, now), *expiry_warnings(now, datetime.now(UTC).date()))
     return visit.page(
-        "again.html",
+        "sessions/again.html",
         once=template,
         record=template.record,
         same_robot=same_robot,

@@ -87,7 +87,7 @@ async def bring_page(visit: Visited) -> HTMLResponse:
     drafts = [
         draft for draft in await visit.here.draft_desk.all() if draft.files and draft.campaign_id is None
     ]
-    return visit.page("bring.html", drafts=drafts)
+    return visit.page("bring/bring.html", drafts=drafts)
 
 
 @router.get("/{id}", response_class=HTMLResponse)
@@ -95,11 +95,11 @@ async def draft_page(visit: Visited, id: str) -> HTMLResponse:
     """Show how files were understood, and what is to be done next: a fault, a question, or to begin."""
     draft = await record_at(id, visit.here.draft_desk.get)
     if draft is None:
-        return visit.page("no_draft.html", HTTPStatus.NOT_FOUND)
+        return visit.page("bring/no_draft.html", HTTPStatus.NOT_FOUND)
     found = await visit.here.draft_desk.understood(draft)
     jobs = [await visit.here.jobs.get(number) for number in draft.job_ids]
     return visit.page(
-        "draft.html",
+        "bring/draft.html",
         draft=draft,
         found=found,
         jobs=jobs,

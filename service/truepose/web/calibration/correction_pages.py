@@ -44,7 +44,7 @@ class Shown:
 async def corrections_page(visit: Visited, wanted: WantedModel = None) -> HTMLResponse:
     """Show the form that takes a program, and the latest corrections."""
     return visit.page(
-        "corrections.html",
+        "results/corrections.html",
         models=await visit.here.results.newest_models(_SHOWN),
         wanted=wanted,
         branches=BRANCH_NAMES,
@@ -64,7 +64,7 @@ async def correction_page(visit: Visited, id: str, after: After = 0) -> HTMLResp
     targets = await visit.here.corrections.targets(record.id)
     shown = await asyncio.to_thread(_shown, record, targets, visit.words, after)
     return visit.page(
-        "correction.html",
+        "results/correction.html",
         record=record,
         shown=shown,
         saved_as=corrected_name(record.name),

@@ -21,7 +21,7 @@ async def errors_page(visit: Visited) -> HTMLResponse:
         (visit.words.say(f"page.errors.group.{digit}"), [explained(code, visit.words) for code in codes])
         for digit, codes in groupby(CODES, lambda code: code[_GROUP])
     ]
-    return visit.page("errors.html", groups=groups)
+    return visit.page("errors/errors.html", groups=groups)
 
 
 @router.get("/{code}", response_class=HTMLResponse)
@@ -29,5 +29,5 @@ async def error_page(visit: Visited, code: str) -> HTMLResponse:
     """Say what a code means, for the data too, and what to do now."""
     wanted = code.upper()
     if wanted not in CODES:
-        return visit.page("no_error.html", HTTPStatus.NOT_FOUND, code=code)
-    return visit.page("error.html", told=explained(wanted, visit.words))
+        return visit.page("errors/no_error.html", HTTPStatus.NOT_FOUND, code=code)
+    return visit.page("errors/error.html", told=explained(wanted, visit.words))

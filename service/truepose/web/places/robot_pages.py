@@ -60,15 +60,15 @@ async def robot_page(
         "serials": serials,
     }
     if not records:
-        return visit.page("no_robot.html", HTTPStatus.NOT_FOUND, **shown)
+        return visit.page("robots/no_robot.html", HTTPStatus.NOT_FOUND, **shown)
     if len(serials) > 1:
-        return visit.page("which_robot.html", **shown)
+        return visit.page("robots/which_robot.html", **shown)
     counting, causes = compare_over_time(name, records[-_MOST:])
     pair = _pair(counting, earlier, later)
     of = f"robot {name} {_moments(counting)} {pair and _moments((pair.earlier, pair.later))}"
     told = await drawn_part(visit, of, lambda: _told(visit, counting, causes, pair), whole=whole)
     choices = [record for record in counting if record.model_id is not None]
-    return visit.page("robot.html", **shown, told=told, choices=choices, pair=pair)
+    return visit.page("robots/robot.html", **shown, told=told, choices=choices, pair=pair)
 
 
 def _pair(records: Sequence[DiagnosisRecord], earlier: int | None, later: int | None) -> Pair | None:
@@ -88,7 +88,9 @@ async def _told(
     visit: Visit, records: Sequence[DiagnosisRecord], causes: tuple[CauseOverTime, ...], pair: Pair | None
 ) -> str:
     content, why = await _content(visit, records, causes, pair)
-    return rendered("robot_told.html", content=content, why=why, words=visit.words, say=visit.words.say)
+    return rendered(
+        "robots/robot_told.html", content=content, why=why, words=visit.words, say=visit.words.say
+    )
 
 
 async def _content(

@@ -49,7 +49,7 @@ async def diagnoses_page(visit: Visited) -> HTMLResponse:
         (record, _verdict(record, visit.words), measured_words(record.measured_at, visit.words))
         for record in records
     ]
-    return visit.page("diagnoses.html", rows=rows, shape=verdict_shape, shown=_SHOWN)
+    return visit.page("results/diagnoses.html", rows=rows, shape=verdict_shape, shown=_SHOWN)
 
 
 @router.get("/diagnoses/{id}", response_class=HTMLResponse)
@@ -69,7 +69,7 @@ async def diagnosis_page(visit: Visited, id: str, whole: Whole = False) -> HTMLR
     # Drawing takes a second or two; a session under way must not wait for it.
     content = await drawn_part(visit, of, lambda: asyncio.to_thread(diagnosis_content, report), whole=whole)
     return visit.page(
-        "diagnosis.html",
+        "results/diagnosis.html",
         record=record,
         actions=actions,
         content=content,

@@ -35,7 +35,7 @@ def _shown(visit: Visit, record: JobRecord) -> HTMLResponse:
     sources = [(WorkKind.CAMPAIGN, "campaign_id"), (WorkKind.MODEL, "model_id")]
     asked = [(kind, record.request.get(key)) for kind, key in sources]
     return visit.page(
-        "job.html",
+        "results/job.html",
         record=record,
         title=title,
         look=look,

@@ -43,12 +43,12 @@ async def plan_page(visit: Visited, n: Number = None, whole: Whole = False) -> H
         return await asyncio.to_thread(_told, promised, visit.words, plans=plans)
 
     told = await drawn_part(visit, f"plan {n} {plans} {json.dumps(to_document(cell))}", draw, whole=whole)
-    return visit.page("plan.html", told=told, n=n)
+    return visit.page("sessions/plan.html", told=told, n=n)
 
 
 def _told(promised: "Promised", words: Catalogue, *, plans: bool) -> str:
     shown = _shown(promised, words)
-    return rendered("plan_told.html", shown=shown, plans=plans, words=words, say=words.say)
+    return rendered("sessions/plan_told.html", shown=shown, plans=plans, words=words, say=words.say)
 
 
 def _shown(promised: "Promised", words: Catalogue) -> Shown:

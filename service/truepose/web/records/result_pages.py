@@ -47,7 +47,7 @@ async def _report_page(
         return missing(visit)
     content = await drawn_as_report(visit, KINDS[kind.value], record.id, whole=whole)
     trail = await trail_of(visit, kind, record.id)
-    return visit.page(f"{kind.value}.html", record=record, content=content, trail=trail)
+    return visit.page(f"results/{kind.value}.html", record=record, content=content, trail=trail)
 
 
 @router.get("/models/{id}", response_class=HTMLResponse)
@@ -59,7 +59,7 @@ async def model_page(visit: Visited, id: str, whole: Whole = False) -> HTMLRespo
     of = f"model {record.id} {record.recorded_at}"
     told = await drawn_part(visit, of, lambda: asyncio.to_thread(_told, record, visit.words), whole=whole)
     trail = await trail_of(visit, WorkKind.MODEL, record.id)
-    return visit.page("model.html", record=record, told=told, trail=trail)
+    return visit.page("results/model.html", record=record, told=told, trail=trail)
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,7 +74,7 @@ class ShownModel:
 
 def _told(record: ModelRecord, words: Catalogue) -> str:
     shown = _model(record, words)
-    return rendered("model_told.html", record=record, shown=shown, words=words, say=words.say)
+    return rendered("results/model_told.html", record=record, shown=shown, words=words, say=words.say)
 
 
 def _model(record: ModelRecord, words: Catalogue) -> ShownModel:

@@ -49,4 +49,4 @@ async def record_at(id: str, get: Callable[[int], Awaitable[Record]]) -> Record 
 
 def missing(visit: Visit) -> HTMLResponse:
     """Return the page of an address that names no record."""
-    return visit.page("missing.html", HTTPStatus.NOT_FOUND)
+    return visit.page("errors/missing.html", HTTPStatus.NOT_FOUND)

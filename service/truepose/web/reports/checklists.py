@@ -63,7 +63,7 @@ async def _shown(
 
     content = content_of(await asyncio.to_thread(checklist_page, asked))
     return visit.page(
-        "checklist_view.html",
+        "reports/checklist_view.html",
         content=content,
         name=asked.name,
         to_print=to_print,

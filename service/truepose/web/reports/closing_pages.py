@@ -17,7 +17,7 @@ async def closing_page(visit: Visited, id: Id) -> HTMLResponse:
     record, closing = await here.sessions.get(id), await here.closings.of_session(id)
     papers = closing.certificates if closing else await here.closing_desk.certificates(id)
     return visit.page(
-        "closing.html",
+        "sessions/closing.html",
         place="work",
         record=record,
         closing=closing,

@@ -49,7 +49,7 @@ async def reports_page(visit: Visited, q: str = "", month: str = "") -> HTMLResp
     found = [await kind.rows(visit.here, search.month) for kind in KINDS.values()]
     rows = sorted(chain.from_iterable(found), key=lambda row: row.recorded_at, reverse=True)
     shown = [row for row in rows if _holds(row, search.text, visit.words)]
-    return visit.page("reports.html", place="reports", rows=shown, search=search, any=bool(rows))
+    return visit.page("reports/reports.html", place="reports", rows=shown, search=search, any=bool(rows))
 
 
 @router.get("/{kind}/{id}.pdf")
@@ -92,7 +92,7 @@ async def report_page(
         return _refused(visit, error)
     revisions = await visit.here.reports.revisions(record.subject)
     return visit.page(
-        "report.html",
+        "reports/report.html",
         place="reports",
         record=record,
         title=KINDS[kind].title,
@@ -128,7 +128,7 @@ async def _older(here: Context, subject: ReportSubject, revision: int, words: Ca
 
 def _refused(visit: Visit, error: TrueposeError) -> HTMLResponse:
     status = HTTPStatus(status_of(error))
-    return visit.page("no_report.html", status, place="reports", why=str(error))
+    return visit.page("reports/no_report.html", status, place="reports", why=str(error))
 
 
 def _holds(row: ReportRow, text: str, words: Catalogue) -> bool:

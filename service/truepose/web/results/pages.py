@@ -54,7 +54,7 @@ async def sessions_page(visit: Visited) -> HTMLResponse:
     """List the latest sessions, each with its result once there is one."""
     origins = await origins_of(visit.here, await visit.here.sessions.newest(_SHOWN))
     rows = [_row(origin) for origin in origins]
-    return visit.page("sessions.html", rows=rows, shown=_SHOWN)
+    return visit.page("sessions/sessions.html", rows=rows, shown=_SHOWN)
 
 
 @router.get("/new", response_class=HTMLResponse)
@@ -63,7 +63,7 @@ async def new_session_page(visit: Visited, wanted: WantedModel = None) -> HTMLRe
     models = await models_of(visit.here, visit.here.cell.robot.name)
     forms = [(kind, kind.form(visit.here)) for kind in KINDS if kind.form is not None]
     recent = await _measured_before(visit.here)
-    return visit.page("new_session.html", forms=forms, models=models, wanted=wanted, recent=recent)
+    return visit.page("sessions/new_session.html", forms=forms, models=models, wanted=wanted, recent=recent)
 
 
 async def _measured_before(here: Context) -> list[SessionRecord]:
@@ -84,7 +84,7 @@ async def session_page(visit: Visited, id: str) -> Response:
         return RedirectResponse(f"/operator/{record.id}")
     trail = await trail_of(visit, WorkKind.SESSION, record.id)
     return visit.page(
-        "session_page.html",
+        "sessions/session_page.html",
         row=_row(origin),
         states=state_words(visit.words),
         trail=trail,
@@ -102,7 +102,7 @@ async def result_page(visit: Visited, id: str, choice: Chosen) -> HTMLResponse:
     shown = await _shown(visit.here, row, choice, visit.words)
     trail = await trail_of(visit, WorkKind.SESSION, origin.record.id)
     return visit.page(
-        "result.html",
+        "results/result.html",
         shown.status,
         row=row,
         shown=shown,
