@@ -221,7 +221,14 @@ class BallbarPlanTask:
         from truepose.analysis.ballbar.plans import plan_ballbar_session
 
         report(0.0, "choosing placements and poses")
-        return plan_ballbar_session(self)
+        return plan_ballbar_session(
+            self.setup.cell,
+            self.frames,
+            placements=self.n_placements,
+            poses=self.n_poses,
+            seed=self.seed,
+            sphere=self.sphere,
+        )
 
 
 @dataclass(frozen=True, slots=True)
