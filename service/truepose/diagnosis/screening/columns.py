@@ -22,9 +22,10 @@ def candidate_columns(fit: RobustFit, candidates: Sequence[Candidate]) -> FloatA
     columns = np.empty((sum(len(one.specs) for one in candidates), len(fit.solution.final.residual)))
     first = 0
     for chunk in _chunks(candidates, _chunk_size(fit)):
-        found = _candidate_chunk(fit, chunk)
-        columns[first : first + len(found)] = found
-        first += len(found)
+        specs = _specs(chunk)
+        last = first + len(specs)
+        _fill(columns[first:last], fit, specs, [_terms(result.state, chunk) for result in fit.results])
+        first = last
     return columns
 
 
@@ -55,10 +56,6 @@ def _chunk_size(fit: RobustFit) -> int:
     return max(12, _LARGEST // (3 * max(rows, 1)))
 
 
-def _candidate_chunk(fit: RobustFit, candidates: Sequence[Candidate]) -> FloatArray:
-    return _columns(fit, _specs(candidates), [_terms(result.state, candidates) for result in fit.results])
-
-
 def _specs(candidates: Sequence[Candidate]) -> tuple[ParameterSpec, ...]:
     return tuple(spec for candidate in candidates for spec in candidate.specs)
 
@@ -86,15 +83,19 @@ def _runs(candidates: Sequence[Candidate]) -> list[tuple[str, tuple[str, ...]]]:
 def term_columns(fit: RobustFit, terms: Sequence[tuple[Term, ...]], count: int) -> FloatArray:
     """Return whitened derivatives of `count` parameters by their terms in each block, shape (count, m)."""
     specs = tuple(ParameterSpec(f"trial_{k}", "1", 0.0, 1.0) for k in range(count))
-    return _columns(fit, specs, terms)
+    columns = np.empty((count, len(fit.solution.final.residual)))
+    _fill(columns, fit, specs, terms)
+    return columns
 
 
-def _columns(
-    fit: RobustFit, specs: tuple[ParameterSpec, ...], terms: Sequence[tuple[Term, ...]]
-) -> FloatArray:
-    parts = []
+def _fill(
+    columns: FloatArray, fit: RobustFit, specs: tuple[ParameterSpec, ...], terms: Sequence[tuple[Term, ...]]
+) -> None:
+    """Write the whitened derivatives of parameters by their terms in each block, block beside block."""
+    first = 0
     for block, result, acting in zip(fit.blocks, fit.results, terms, strict=True):
         derivatives = block.derivatives(tried(result.state, specs, acting))
-        own = trial_derivatives(derivatives, result.state)
-        parts.append(result.whitening.apply(own).reshape(len(specs), -1))
-    return np.concatenate(parts, axis=1)
+        white = result.whitening.apply(trial_derivatives(derivatives, result.state))
+        width = white.shape[1] * white.shape[2]
+        columns[:, first : first + width] = white.reshape(len(specs), width)
+        first += width

@@ -30,6 +30,8 @@ class Whitener:
             scale = np.repeat(self.isotropic, array.shape[-1])
             white: FloatArray = array.reshape(*array.shape[:-2], len(scale)) * scale
             return white.reshape(array.shape)
+        if len(self.groups) == 1 and self.groups[0][0].shape[1] == 1:  # every reading, in order
+            return _each_alone(self.groups[0][1], array)
         result = np.empty_like(array)
         for rows, factors in self.groups:
             block = array[..., rows, :]
@@ -37,6 +39,14 @@ class Whitener:
             white = np.einsum("sab,...sb->...sa", factors, flat)
             result[..., rows, :] = white.reshape(block.shape)
         return result
+
+
+def _each_alone(factors: FloatArray, array: FloatArray) -> FloatArray:
+    """Whiten (..., n, d) by a factor (d, d) of each reading, all rows of a reading at once."""
+    flat = array.reshape(-1, *array.shape[-2:])
+    white = np.empty(flat.shape)
+    np.matmul(np.swapaxes(flat, 0, 1), np.swapaxes(factors, 1, 2), out=np.swapaxes(white, 0, 1))
+    return white.reshape(array.shape)
 
 
 def whitener(covariance: FloatArray, weights: FloatArray, stop: IntArray, shared: FloatArray) -> Whitener:
