@@ -1,12 +1,14 @@
 """A TCP connection as a link.
 
 A driver asks after every answer, and before every question, whether more has arrived. That must cost next to
-nothing: what arrives is kept by the connection itself, so that looking takes two turns of the event loop and
-neither a timer nor a cancelled wait.
+nothing: what arrives is kept by the connection itself, and the system is asked whether it has received
+anything, so that most looks take no turn of the event loop, and none takes a timer or a cancelled wait.
 """
 
 import asyncio
 import contextlib
+import select
+from collections.abc import Callable
 from typing import cast
 
 from truepose_drivers import options as option
@@ -31,7 +33,9 @@ class _Connection(asyncio.Protocol):
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         self._transport = cast(asyncio.Transport, transport)
-        watch_peer(transport.get_extra_info("socket"))
+        peer = transport.get_extra_info("socket")
+        watch_peer(peer)
+        self._received = _received_by(peer.fileno())
 
     def data_received(self, data: bytes) -> None:
         self._arrived += data
@@ -71,14 +75,22 @@ class _Connection(asyncio.Protocol):
             self._transport.resume_reading()
         return data
 
+    async def let_arrive(self) -> None:
+        """Let the event loop fetch what the system has received: one turn to look, one to take it."""
+        if not self._arrived and self._received():
+            for _ in range(2):
+                await asyncio.sleep(0)
+
     async def happens(self) -> None:
         """Return once something has arrived, or nothing will."""
         await self._news.wait()
 
-    async def send(self, data: bytes) -> None:
-        """Hand `data` to the network; raises ConnectionResetError."""
+    async def send(self, data: bytes, timeout_s: float) -> None:
+        """Hand `data` to the network; raises ConnectionResetError, TimeoutError where it takes no more."""
         self._transport.write(data)
-        await self._takes_more.wait()
+        if not self._takes_more.is_set():
+            async with asyncio.timeout(timeout_s):
+                await self._takes_more.wait()
         if self._closed.is_set():
             raise ConnectionResetError
 
@@ -130,8 +142,7 @@ class TcpLink:
         """Hand `data` to the network; raises ConnectionLostError."""
         connection = self._opened()
         try:
-            async with asyncio.timeout(self._send_timeout_s):
-                await connection.send(data)
+            await connection.send(data, self._send_timeout_s)
         except OSError as error:  # TimeoutError is one
             raise await self._lost() from error
 
@@ -139,7 +150,7 @@ class TcpLink:
         """Return what has arrived, None after `timeout_s` of silence; raises ConnectionLostError."""
         connection = self._opened()
         if timeout_s <= 0.0:
-            await _let_arrive()
+            await connection.let_arrive()
         else:
             with contextlib.suppress(TimeoutError):
                 async with asyncio.timeout(timeout_s):
@@ -169,10 +180,13 @@ class TcpLink:
         )
 
 
-async def _let_arrive() -> None:
-    """Let the event loop fetch what the system has received: one turn to look, one to take it."""
-    for _ in range(2):
-        await asyncio.sleep(0)
+def _received_by(connection: int) -> Callable[[], bool]:
+    """Return what tells whether the system has received something, or the end, that was not fetched yet."""
+    if not hasattr(select, "poll"):
+        return lambda: True
+    poll = select.poll()
+    poll.register(connection, select.POLLIN)
+    return lambda: bool(poll.poll(0))
 
 
 def tcp_link(options: Options, default_port: int | None = None, *, port: str = "port") -> TcpLink:
