@@ -8,7 +8,7 @@ Lengths of a ballbar are in `ballbar_lengths`.
 from collections.abc import Mapping
 from typing import Any, Final, TypeVar
 
-from sqlalchemy import ColumnElement, Connection, Row, Select, and_, exists, or_, select
+from sqlalchemy import ColumnElement, Connection, Row, Select, and_, bindparam, exists, or_, select
 
 from truepose.domain.measurement.ledger import EntryKind
 from truepose.domain.measurement.session import FixedNestTaken, PointTaken
@@ -88,6 +88,15 @@ class ReadingRepository:
 _SUCCESSOR = readings.alias("successor")
 # Asked for beside a reading, not joined to it: a list of a million is counted without it.
 _SUPERSEDED_BY = select(_SUCCESSOR.c.id).where(_SUCCESSOR.c.supersedes == readings.c.id).scalar_subquery()
+# Asked at every reading: made once, it takes a fifth of the time.
+_CURRENT = (
+    select(readings.c.id)
+    .where(readings.c.session_id == bindparam("of_session"))
+    .where(readings.c.config == bindparam("at_config"), readings.c.nest == bindparam("of_nest"))
+    .where(readings.c.kind == "point")
+    .order_by(readings.c.id.desc())
+    .limit(1)
+)
 _COUNTS = ~exists().where(_SUCCESSOR.c.supersedes == readings.c.id)
 
 
@@ -118,15 +127,7 @@ def _records() -> Select[Any]:
 
 
 def _current(connection: Connection, session_id: int, config: int, nest: int) -> int | None:
-    query = (
-        select(readings.c.id)
-        .where(readings.c.session_id == session_id)
-        .where(readings.c.config == config, readings.c.nest == nest)
-        .where(readings.c.kind == "point")
-        .order_by(readings.c.id.desc())
-        .limit(1)
-    )
-    return connection.scalar(query)
+    return connection.scalar(_CURRENT, {"of_session": session_id, "at_config": config, "of_nest": nest})
 
 
 def _add(
