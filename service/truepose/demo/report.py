@@ -1,7 +1,9 @@
 """The report of a run, with the conditions that the service recorded of its sessions."""
 
 import math
+from concurrent.futures import ProcessPoolExecutor
 from datetime import UTC, datetime
+from multiprocessing import get_context
 from pathlib import Path
 from typing import Any, Final
 
@@ -20,7 +22,7 @@ from truepose.reports import (
     Truth,
     write_identification_report,
 )
-from truepose.reports.paper import write_report_text
+from truepose.reports.paper import print_page
 
 REPORT: Final = "report.html"
 DIAGNOSIS_REPORT: Final = "diagnosis.html"
@@ -42,11 +44,10 @@ def write_report(judged: JudgedRun, file: Path) -> None:
 
 
 def print_reports(folder: Path) -> None:
-    """Write the pages of a run as PDFs beside them; raises NoPdfError, UnwritableReportError."""
-    for name in (REPORT, DIAGNOSIS_REPORT):
-        page = folder / name
-        if page.is_file():
-            write_report_text(page.with_suffix(".pdf"), page.read_text(encoding="utf-8"))
+    """Write the pages of a run as PDFs beside them, all at once; raises NoPdfError, UnwritableReportError."""
+    pages = [folder / name for name in (REPORT, DIAGNOSIS_REPORT) if (folder / name).is_file()]
+    with ProcessPoolExecutor(max(len(pages), 1), mp_context=get_context("spawn")) as printers:
+        list(printers.map(print_page, pages))
 
 
 def _truth(judged: JudgedRun) -> Truth | None:

@@ -83,3 +83,8 @@ def write_report_text(path: Path, html: str) -> None:
 def is_pdf(path: Path) -> bool:
     """Return whether a file of that name is to be a PDF."""
     return path.suffix.lower() == ".pdf"
+
+
+def print_page(page: Path) -> None:
+    """Write a page that is a file as a PDF beside it; raises what `write_report_text` raises."""
+    write_report_text(page.with_suffix(".pdf"), page.read_text(encoding="utf-8"))

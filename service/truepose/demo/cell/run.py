@@ -91,14 +91,16 @@ async def run_cell(request: CellRequest, out: Path, progress: RunProgress) -> Ce
         endpoints = await _endpoints(client)
         sessions = await _measure(client, endpoints, request, progress)
         campaign_id = await client.make_campaign("demo", *sessions)
+        diagnosing = await client.diagnose(campaign_id)  # beside what follows, by another worker
+        identifying = await client.identify(campaign_id)
         campaign = read_campaign_zip(await client.download(f"/campaigns/{campaign_id}/archive"))
         write_campaign(campaign, out / CAMPAIGN_FOLDER)
-        identified = await _identify(client, campaign_id, progress)
+        identified = await _identify(client, identifying, progress)
         return CellRun(
             request=request,
             identification=identified["document"],
             validation=await _validate(client, identified["model_id"], campaign_id, request, progress),
-            diagnosis=await _diagnose(client, campaign_id, progress),
+            diagnosis=await _diagnose(client, diagnosing, progress),
             campaign=campaign,
             model=await _model(client, identified["model_id"], out / MODEL_FILE),
             true=await _truth(endpoints["truth"], campaign, simulated_cell(request.scenario, request.seed)),
@@ -114,9 +116,9 @@ async def _endpoints(client: ServiceClient) -> _Endpoints:
     return {entry["device"]: (entry["host"], entry["port"]) for entry in cell["endpoints"]}
 
 
-async def _identify(client: ServiceClient, campaign_id: int, progress: RunProgress) -> dict[str, Any]:
+async def _identify(client: ServiceClient, job_id: int, progress: RunProgress) -> dict[str, Any]:
     with progress.phase("identifying") as told:
-        number = await client.finish_job(await client.identify(campaign_id), told)
+        number = await client.finish_job(job_id, told)
     answer: dict[str, Any] = await client.get(f"/identifications/{number}")
     return answer
 
@@ -136,9 +138,9 @@ async def _validate(
     return document
 
 
-async def _diagnose(client: ServiceClient, campaign_id: int, progress: RunProgress) -> dict[str, Any]:
+async def _diagnose(client: ServiceClient, job_id: int, progress: RunProgress) -> dict[str, Any]:
     with progress.phase("diagnosing") as told:
-        number = await client.finish_job(await client.diagnose(campaign_id), told)
+        number = await client.finish_job(job_id, told)
     answer: dict[str, Any] = await client.get(f"/diagnoses/{number}")
     return answer
 
