@@ -40,6 +40,7 @@ def main() -> None:
     sentences = [] if options.without_peers else _peers(found, options.out)
     growth = _growth()
     _draw(growth, options.out / "growth.png")
+    sys.stdout.write(f"{_machine()}\n")  # the load may be another by now
     document = {"machine": _machine(), "times": found, "growth": growth, "notes": sentences}
     (options.out / "bench.json").write_text(json.dumps(document, indent=1))
 
@@ -95,7 +96,10 @@ def _choices():
 
 def _note(found: Found, name: str, timing: Timing) -> None:
     found[name] = timing._asdict()
-    sys.stdout.write(f"{name:72s} {1e3 * timing.median_s:10.2f} ms  ({timing.runs} runs)\n")
+    sys.stdout.write(
+        f"{name:72s} {1e3 * timing.median_s:10.2f} ms  {1e3 * timing.cpu_s:10.2f} ms of processors, "
+        f"at least {1e3 * timing.least_cpu_s:.2f}  ({timing.runs} runs)\n"
+    )
     sys.stdout.flush()
 
 

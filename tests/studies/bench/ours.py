@@ -158,11 +158,12 @@ def processes(*, with_demo: bool) -> Iterator[tuple[str, Timing]]:
     with tempfile.TemporaryDirectory() as folder:
         write_campaign(campaign(100), Path(folder) / "campaign")
         command = _process("-m", "truepose")
-        yield "truepose --help", timed(lambda: command("--help"), runs=5)
-        yield (
-            "truepose identify, 100 rows",
-            timed(lambda: command("identify", f"{folder}/campaign", "--json"), runs=5),
-        )
+        yield "truepose --help", timed(lambda: command("--help"), runs=9)
+        for how in (("--json",), ()):
+            yield (
+                " ".join(("truepose identify, 100 rows,", *(how or ("as tables",)))),
+                timed(lambda how=how: command("identify", f"{folder}/campaign", *how), runs=9),
+            )
         yield "plain loop of 10^7 squares", timed(lambda: _process("-c", _LOOP)(), runs=3)
         if with_demo:
             yield "truepose demo", timed(lambda: command("demo", "--out", f"{folder}/demo"), runs=1)
