@@ -35,13 +35,7 @@ def gravity_torques(chain: Chain, masses: tuple[LinkMass, ...], gravity_m_s2: Fl
 def gravity_moments(chain: Chain, masses: tuple[LinkMass, ...], gravity_m_s2: FloatArray) -> FloatArray:
     """Moments of the weight of all links beyond each joint about the origin of its frame.
 
-    Parameters
-    ----------
-    chain : Chain
-        n configurations, J joints.
-    masses : tuple of LinkMass
-    gravity_m_s2 : ndarray, shape (3,)
-        In the world frame [m/s2].
+    Parameters as of `gravity_torques`.
 
     Returns
     -------

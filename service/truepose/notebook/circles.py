@@ -64,10 +64,7 @@ class CircleErrors:
     def to_frame(self) -> "DataFrame":
         """Return the errors at all stops [mm], one row per stop, joint and nest.
 
-        Raises
-        ------
-        MissingExtraError
-            pandas is not installed.
+        Raises MissingExtraError where pandas is not installed.
         """
         return frame([
             {

@@ -75,10 +75,7 @@ class Corrections:
     def to_frame(self) -> "DataFrame":
         """Return one row per target: `target, branch, q1_deg.., error_mm, u_mm, status`.
 
-        Raises
-        ------
-        MissingExtraError
-            pandas is not installed.
+        Raises MissingExtraError where pandas is not installed.
         """
         joints = {f"q{k}_deg": angles for k, angles in enumerate(self.joints_deg.T, start=1)}
         return frame({

@@ -51,10 +51,7 @@ class Model:
     def to_frame(self) -> "DataFrame":
         """Return one row per parameter, as in a model file: name, effect, value, unit, standard uncertainty.
 
-        Raises
-        ------
-        MissingExtraError
-            pandas is not installed.
+        Raises MissingExtraError where pandas is not installed.
         """
         return frame(self.document["parameters"])
 

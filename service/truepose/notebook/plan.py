@@ -83,10 +83,7 @@ class Plan:
     def to_frame(self) -> "DataFrame":
         """Return one row per stop: `config, q1_deg.., nest, repeat_of`, as a service takes them.
 
-        Raises
-        ------
-        MissingExtraError
-            pandas is not installed.
+        Raises MissingExtraError where pandas is not installed.
         """
         joints = dict(zip(joint_names(self.joints_rad.shape[1]), np.degrees(self.joints_rad).T, strict=True))
         return frame({"config": self.config, **joints, "nest": self.nest, "repeat_of": self.repeat_of})

@@ -56,10 +56,7 @@ class Predictions:
     def to_frame(self) -> "DataFrame":
         """Return one row per prediction: `config, nest, x_mm, y_mm, z_mm, u_mm`.
 
-        Raises
-        ------
-        MissingExtraError
-            pandas is not installed.
+        Raises MissingExtraError where pandas is not installed.
         """
         x_mm, y_mm, z_mm = self.position_mm.T
         return frame({

@@ -59,10 +59,7 @@ class SphereErrors:
     def to_frame(self) -> "DataFrame":
         """Return the figures [mm], one row per ball, nest, model and centre.
 
-        Raises
-        ------
-        MissingExtraError
-            pandas is not installed.
+        Raises MissingExtraError where pandas is not installed.
         """
         return frame([
             {

@@ -80,10 +80,7 @@ class Validation:
     def to_frame(self) -> "DataFrame":
         """Return the statistics [mm], one row for each quantity and model.
 
-        Raises
-        ------
-        MissingExtraError
-            pandas is not installed.
+        Raises MissingExtraError where pandas is not installed.
         """
         return frame([
             {"quantity": quantity, "model": model, **statistics_document(figures)}

@@ -22,6 +22,7 @@ from pathlib import Path
 from typing import Final
 
 from truepose.domain.cell.keep_outs import Box, Cylinder, HalfSpace, KeepOut, KeepOuts, Vector, keep_outs_of
+from truepose.exchange.cells.named import read_by_name
 from truepose.exchange.document import Node, file_document
 
 KEY: Final = "keep_out"
@@ -50,13 +51,7 @@ def read_keep_out_file(path: Path) -> KeepOuts:
 
 def read_keep_outs(node: Node) -> KeepOuts:
     """Read a list of keep-out volumes; their names differ."""
-    volumes: dict[str, KeepOut] = {}
-    for entry in node.items():
-        volume = _read(entry)
-        if volume.name in volumes:
-            entry.key("name").fail(f"two keep-out volumes are called {volume.name!r}; names must differ")
-        volumes[volume.name] = volume
-    return keep_outs_of(list(volumes.values()))
+    return keep_outs_of(list(read_by_name(node, _read, "keep-out volumes").values()))
 
 
 def _read(node: Node) -> KeepOut:

@@ -19,6 +19,7 @@ from truepose.domain.people.names import announced_as, fault_of_name, tidy_name
 from truepose.domain.robot import FixedNest, JointRange, Robot
 from truepose.exchange.cells.keep_outs import KEY as KEEP_OUT
 from truepose.exchange.cells.keep_outs import read_keep_outs
+from truepose.exchange.cells.named import read_by_name
 from truepose.exchange.document import Node
 from truepose.exchange.keys import NUMBER, TEXT, VECTOR, Form, Key, each, number, read_keys, whole
 from truepose.exchange.robots.document import ranges_of
@@ -215,12 +216,7 @@ def read_people(node: Node) -> tuple[str, ...]:
 
 def read_devices(node: Node) -> tuple[DeviceEntry, ...]:
     """Read the devices; their names differ."""
-    devices: dict[str, DeviceEntry] = {}
-    for entry in node.items():
-        device = _read_device(entry)
-        if device.name in devices:
-            entry.key("name").fail(f"two devices are called {device.name!r}; names must differ")
-        devices[device.name] = device
+    devices = read_by_name(node, _read_device, "devices")
     _refuse_mixture(node, devices)
     return tuple(devices.values())
 

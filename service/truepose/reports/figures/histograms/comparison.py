@@ -6,7 +6,8 @@ import numpy as np
 from markupsafe import Markup
 
 from truepose.domain.arrays import FloatArray
-from truepose.reports.figures.canvas import Colours, Drawing, marked_in, new_figure, on_page, plain
+from truepose.reports.figures.canvas import Colours, Drawing, new_figure, on_page, plain
+from truepose.reports.figures.histograms.sizes import counted_readings, noise_line
 from truepose.reports.wording.rounding import millimetres
 from truepose.words.catalogue import IN_ENGLISH, Catalogue
 
@@ -52,14 +53,9 @@ def _drawn(
         axes.hist(inside, edges, color=colour, alpha=0.5, label=label)
         axes.hist(inside, edges, color=colour, histtype="step", linewidth=1.4)
     if 0.0 < noise_mm < end:
-        label = words.say("comparison.noise", mean=millimetres(noise_mm))
-        axes.axvline(noise_mm, color=colours.noise, linestyle="--", linewidth=1.4, label=label)
+        noise_line(axes, noise_mm, colours, words)
     axes.set_xlim(0.0, end)
-    marked_in(axes.xaxis, words.units.conversion("mm"))
-    axes.grid(axis="x", visible=False)
-    axes.set_xlabel(words.say("comparison.error"))
-    axes.set_ylabel(words.say("curve.readings"))
-    figure.legend(loc="outside upper left", ncols=3)
+    counted_readings(figure, axes, words.say("comparison.error"), words)
     return figure
 
 

@@ -9,7 +9,8 @@ from matplotlib.ticker import FuncFormatter, LogLocator
 
 from truepose.domain.arrays import FloatArray
 from truepose.identification.verdict.judge import Judged
-from truepose.reports.figures.canvas import Colours, Drawing, marked_in, new_figure, on_page, plain
+from truepose.reports.figures.canvas import Colours, Drawing, new_figure, on_page, plain
+from truepose.reports.figures.histograms.sizes import counted_readings, noise_line
 from truepose.reports.wording.rounding import millimetres
 from truepose.words.catalogue import IN_ENGLISH, Catalogue
 
@@ -58,17 +59,12 @@ def _drawn(
         label = words.say("comparison.mean", name=name, mean=millimetres(float(norms.mean())))
         axes.hist(np.maximum(norms, edges[0]), edges.tolist(), color=colour, alpha=0.75, label=label)
     if noise_mm > edges[0]:
-        label = words.say("comparison.noise", mean=millimetres(noise_mm))
-        axes.axvline(noise_mm, color=colours.noise, linestyle="--", linewidth=1.4, label=label)
+        noise_line(axes, noise_mm, colours, words)
     axes.set_xscale("log")
     axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0), numticks=3 * _DECADES_OF_LABELS))
     axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     axes.xaxis.set_minor_locator(LogLocator(subs=(), numticks=1))
-    marked_in(axes.xaxis, words.units.conversion("mm"))
-    axes.grid(axis="x", visible=False)
-    axes.set_xlabel(words.say("histogram.error"))
-    axes.set_ylabel(words.say("curve.readings"))
-    figure.legend(loc="outside upper left", ncols=3)
+    counted_readings(figure, axes, words.say("histogram.error"), words)
     return figure
 
 
