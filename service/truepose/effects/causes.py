@@ -203,3 +203,8 @@ def varied(column: FloatArray | IntArray | None) -> bool:
         return False
     known = column[np.isfinite(column)]
     return known.size > 0 and bool(np.ptp(known) > 0)
+
+
+def without_turning(scene: Scene) -> Text | None:
+    """Return why nothing of joints that turn can be seen, None where one does."""
+    return None if scene.turning else said("unseen.no_joint_turns")

@@ -9,12 +9,13 @@ import numpy as np
 from truepose_simulators.cell.curves import draw_curves
 from truepose_simulators.cell.everyday import draw_everyday
 from truepose_simulators.cell.planted import PlantedEffects
-from truepose_simulators.physics.arm import Arm, CarriedMass, Vector
+from truepose_simulators.physics.arm import Arm, CarriedMass
 from truepose_simulators.physics.effects import Effect, PlantedChange, Site
 from truepose_simulators.physics.identified import IdentifiedModel, IdentifiedRobot
 from truepose_simulators.physics.plant import Plant, draw_compliances, draw_motions
 from truepose_simulators.physics.rigid import FloatArray
 from truepose_simulators.physics.robots import ARMS
+from truepose_simulators.physics.table_arm import vector
 from truepose_simulators.scenarios.scenario import ArmSetup, Scenario, ToolSetup
 
 _SEEN_FROM_EVERYWHERE_DEG = 180.0
@@ -61,7 +62,7 @@ def _home_deg(setup: ArmSetup, arm: Arm) -> tuple[float, ...]:
 
 def _tool(setup: ToolSetup, nests_mm: FloatArray) -> ToolSetup:
     """Return the model's nests; a model does not say where they face, the scenario's own three do."""
-    nests = tuple(_vector(nest) for nest in nests_mm)
+    nests = tuple(vector(nest) for nest in nests_mm)
     facing, acceptance = setup.facing, setup.acceptance_deg
     if len(nests) != len(setup.nests_mm):
         facing, acceptance = ((0.0, 0.0, 1.0),) * len(nests), _SEEN_FROM_EVERYWHERE_DEG
@@ -69,11 +70,6 @@ def _tool(setup: ToolSetup, nests_mm: FloatArray) -> ToolSetup:
     return replace(
         setup, nests_mm=nests, facing=facing, acceptance_deg=acceptance, nest_u_mm=0.0, mass_kg=0.0
     )
-
-
-def _vector(values: FloatArray) -> Vector:
-    x, y, z = (float(value) for value in values)
-    return x, y, z
 
 
 def draw_nests(nests_mm: Sequence[Sequence[float]], u_mm: float, rng: np.random.Generator) -> FloatArray:

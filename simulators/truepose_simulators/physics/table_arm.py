@@ -90,7 +90,7 @@ def draw_arm(table: ArmTable) -> Arm:
         _joint(row, before, limit) for row, before, limit in zip(rows, befores, limits, strict=True)
     )
     masses = (
-        CarriedMass(mass.joint, mass.mass_kg, _vector(move(frames[mass.joint - 1], _array(mass))))
+        CarriedMass(mass.joint, mass.mass_kg, vector(move(frames[mass.joint - 1], _array(mass))))
         for mass in table.masses
     )
     last = frames[-1]
@@ -99,9 +99,9 @@ def draw_arm(table: ArmTable) -> Arm:
         model=_type_plate(table.name),
         joints=joints,
         masses=tuple(masses),
-        flange_mm=_vector(last[:3, 3]),
-        flange_x=_vector(last[:3, 0]),
-        flange_z=_vector(last[:3, 2]),
+        flange_mm=vector(last[:3, 3]),
+        flange_x=vector(last[:3, 0]),
+        flange_z=vector(last[:3, 2]),
         typical_compliance_rad_per_n_mm=table.typical_compliance_rad_per_n_mm or (0.0,) * len(rows),
         gear_ratio=table.gear_ratio or (math.inf,) * len(rows),
     )
@@ -109,7 +109,7 @@ def draw_arm(table: ArmTable) -> Arm:
 
 def _joint(row: TableRow, before: FloatArray, limit: tuple[float, float]) -> JointAxis:
     seat = before @ _row(row.alpha_rad, row.a_mm, 0.0, 0.0, row.d_mm) @ _sense(row)
-    place, axis, normal = (_vector(seat[:3, column]) for column in (3, 2, 0))
+    place, axis, normal = (vector(seat[:3, column]) for column in (3, 2, 0))
     return JointAxis(place, axis, normal, *limit, _FASTEST_RAD_S)
 
 
@@ -139,6 +139,7 @@ def _array(mass: FrameMass) -> FloatArray:
     return np.array(mass.centre_of_gravity_mm)
 
 
-def _vector(values: FloatArray) -> Vector:
+def vector(values: FloatArray) -> Vector:
+    """Return three numbers as plain ones."""
     x, y, z = (float(value) for value in values)
     return x, y, z

@@ -23,7 +23,7 @@ from truepose_simulators.scenarios.file import load_scenario, shipped_scenarios
 from truepose_simulators.scenarios.model_file import load_model
 from truepose_simulators.scenarios.scenario import Scenario
 
-_EXIT_UNUSABLE_INPUT = 2
+EXIT_UNUSABLE_INPUT = 2
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -32,9 +32,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         _write(options, load_scenario(options.scenario), _wishes(options))
     except SimulatorError as error:
-        return _fail(str(error))
+        return fail(str(error))
     except OSError as error:
-        return _fail(f"{options.out} cannot be written: {error.strerror}")
+        return fail(f"{options.out} cannot be written: {error.strerror}")
     return 0
 
 
@@ -119,9 +119,10 @@ def _parse(arguments: Sequence[str] | None) -> argparse.Namespace:
     return options
 
 
-def _fail(sentence: str) -> int:
+def fail(sentence: str) -> int:
+    """Say what cannot be used; returns the exit status."""
     sys.stderr.write(f"{sentence}\n")
-    return _EXIT_UNUSABLE_INPUT
+    return EXIT_UNUSABLE_INPUT
 
 
 if __name__ == "__main__":

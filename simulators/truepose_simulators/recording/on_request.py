@@ -9,9 +9,7 @@ import sys
 from collections.abc import Callable, Sequence
 from typing import TextIO
 
-from truepose_simulators.recording.__main__ import main
-
-_EXIT_UNUSABLE_INPUT = 2
+from truepose_simulators.recording.__main__ import EXIT_UNUSABLE_INPUT, fail, main
 
 
 def serve(requests: TextIO, answers: TextIO, record: Callable[[Sequence[str]], int]) -> None:
@@ -25,18 +23,13 @@ def _status(line: str, record: Callable[[Sequence[str]], int]) -> int:
     try:
         arguments = json.loads(line)
     except ValueError as error:
-        return _refuse(f"a request is a JSON list of arguments, not {line.strip()!r}: {error}")
+        return fail(f"a request is a JSON list of arguments, not {line.strip()!r}: {error}")
     if not isinstance(arguments, list) or not all(isinstance(one, str) for one in arguments):
-        return _refuse(f"a request is a JSON list of strings, not {line.strip()!r}")
+        return fail(f"a request is a JSON list of strings, not {line.strip()!r}")
     try:
         return record(arguments)
     except SystemExit as refusal:  # what argparse does after its own sentence
-        return refusal.code if isinstance(refusal.code, int) else _EXIT_UNUSABLE_INPUT
-
-
-def _refuse(sentence: str) -> int:
-    sys.stderr.write(f"{sentence}\n")
-    return _EXIT_UNUSABLE_INPUT
+        return refusal.code if isinstance(refusal.code, int) else EXIT_UNUSABLE_INPUT
 
 
 if __name__ == "__main__":

@@ -9,15 +9,13 @@ from truepose.domain.results.causes import Detail
 from truepose.domain.sentences import Text, said, together
 from truepose.effects.causes import Candidate, Fitted, Scene, Shown, varied
 from truepose.effects.ports import Need, ParameterSpec, Rows, Setting, Term, Trait, motion_port
-from truepose.effects.shapes.jumps import Gap, around, gaps, jump_terms, jump_time_s, tried
+from truepose.effects.shapes.jumps import around, gaps_of_all, jump_terms, jump_time_s, tried
 from truepose.effects.shapes.rigid_motion import Motion, Widths, fitted_motion, motion_specs, split_motion
 from truepose.effects.shapes.times import spoken, without_times
 
 NAME = "base_shift"
 _BASE = 0
 _WIDTHS = Widths(0.5, 5e-4)  # five times a jump that spoils a calibration unnoticed
-_LEAST_POSITIONS = 4  # on either side: six parameters need more than two
-_LEAST_LENGTHS = 12
 
 
 class BaseShift:
@@ -39,7 +37,7 @@ class BaseShift:
         """Need times and several stops before and after."""
         if not varied(scene.stops.time_s):
             return without_times(scene)
-        if not _gaps(scene):
+        if not gaps_of_all(scene):
             return said("unseen.few_readings")
         return None
 
@@ -47,7 +45,7 @@ class BaseShift:
         """Propose every gap between stops that has readings enough on either side."""
         proposed = (
             Candidate(NAME, "base", motion_specs(f"jump_{gap.label}", _WIDTHS), gap.middle_s)
-            for gap in tried(_gaps(scene), scene.between_s)
+            for gap in tried(gaps_of_all(scene), scene.between_s)
         )
         return tuple(candidate for candidate in proposed if candidate.names[0] not in scene.present)
 
@@ -77,11 +75,6 @@ def _of(fitted: Fitted, chosen: str) -> Motion:
 def _when(scene: Scene, prefix: str) -> Detail:
     """Time of a jump: anywhere within its gap, evenly spread."""
     time_s = jump_time_s(prefix)
-    found = _gaps(scene)
+    found = gaps_of_all(scene)
     width_s = around(found, time_s).width_s if found else 0.0
     return Detail("time", time_s, "s", width_s / float(np.sqrt(12.0)))
-
-
-def _gaps(scene: Scene) -> tuple[Gap, ...]:
-    least = _LEAST_LENGTHS if scene.legs else _LEAST_POSITIONS
-    return gaps(scene.stops, np.ones(len(scene.stops), dtype=bool), least)

@@ -8,7 +8,7 @@ import numpy as np
 from truepose.domain.arrays import FloatArray
 from truepose.domain.results.causes import Detail
 from truepose.domain.sentences import Text, said
-from truepose.effects.causes import Candidate, Fitted, Scene, Shown
+from truepose.effects.causes import Candidate, Fitted, Scene, Shown, without_turning
 from truepose.effects.names import joint_subject
 from truepose.effects.ports import NOTHING, Need, ParameterSpec, Port, PortKind, Rows, Setting, Term, Trait
 
@@ -36,9 +36,7 @@ class JointCoupling:
 
     def unseen(self, scene: Scene) -> Text | None:
         """Need joints that turn."""
-        if not scene.turning:
-            return said("unseen.no_joint_turns")
-        return None
+        return without_turning(scene)
 
     def candidates(self, scene: Scene) -> tuple[Candidate, ...]:
         """Propose every other joint that turns as the source of every wrist joint."""

@@ -3,7 +3,7 @@
 import numpy as np
 
 from truepose.domain.sentences import Text, said
-from truepose.effects.causes import Candidate, Fitted, Scene, Shown
+from truepose.effects.causes import Candidate, Fitted, Scene, Shown, without_turning
 from truepose.effects.names import joint_name, joint_of, joint_subject
 from truepose.effects.ports import NOTHING, Need, ParameterSpec, Port, PortKind, Rows, Setting, Term, Trait
 
@@ -29,9 +29,7 @@ class JointGain:
 
     def unseen(self, scene: Scene) -> Text | None:
         """Need joints that turn."""
-        if not scene.turning:
-            return said("unseen.no_joint_turns")
-        return None
+        return without_turning(scene)
 
     def candidates(self, scene: Scene) -> tuple[Candidate, ...]:
         """Propose each joint that turns."""

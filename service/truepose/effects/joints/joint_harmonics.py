@@ -20,6 +20,7 @@ from truepose.effects.causes import (
     Shown,
     norm_beyond_noise,
     norm_with_uncertainty,
+    without_turning,
 )
 from truepose.effects.names import joint_of_subject, joint_subject
 from truepose.effects.ports import NOTHING, Need, ParameterSpec, Port, PortKind, Rows, Setting, Term, Trait
@@ -77,9 +78,7 @@ class JointHarmonics:
 
     def unseen(self, scene: Scene) -> Text | None:
         """Need joints that turn."""
-        if not scene.turning:
-            return said("unseen.no_joint_turns")
-        return None
+        return without_turning(scene)
 
     def candidates(self, scene: Scene) -> tuple[Candidate, ...]:
         """Propose of every joint that turns one wave per turn to two per turn of the motor, and a curve."""

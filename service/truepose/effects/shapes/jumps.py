@@ -11,10 +11,13 @@ import numpy as np
 
 from truepose.domain.arrays import BoolArray, FloatArray
 from truepose.domain.measurement.campaign import Stops
+from truepose.effects.causes import Scene
 from truepose.effects.ports import Port, Rows, Term
 from truepose.effects.shapes.rigid_motion import split_motion
 from truepose.effects.shapes.times import moments_s
 
+_LEAST_POSITIONS = 4  # on either side: six parameters need more than two
+_LEAST_LENGTHS = 12
 _MOST = 120  # gaps that are tried; of more, every second or third
 
 
@@ -29,6 +32,12 @@ class Gap(NamedTuple):
         """The time as names carry it: with as many decimals as keep it within the gap."""
         decimals = max(0, int(np.ceil(-np.log10(self.width_s / 4.0))))
         return f"{self.middle_s:.{decimals}f}"
+
+
+def gaps_of_all(scene: Scene) -> tuple[Gap, ...]:
+    """Return the gaps with enough of all readings on either side for a rigid motion."""
+    least = _LEAST_LENGTHS if scene.legs else _LEAST_POSITIONS
+    return gaps(scene.stops, np.ones(len(scene.stops), dtype=bool), least)
 
 
 def gaps(stops: Stops, rows: BoolArray, least_readings: int) -> tuple[Gap, ...]:

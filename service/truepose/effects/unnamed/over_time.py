@@ -8,7 +8,7 @@ from truepose.domain.sentences import Sentence, said
 from truepose.effects.causes import Scene, varied
 from truepose.effects.names import joint_subject
 from truepose.effects.ports import Need, Port, PortKind, Rows, motion_port
-from truepose.effects.shapes.jumps import Gap, gaps, since, tried
+from truepose.effects.shapes.jumps import gaps_of_all, since, tried
 from truepose.effects.shapes.rigid_motion import COMPONENTS
 from truepose.effects.shapes.times import SECONDS_PER_HOUR, duration_s, hours_followed, spoken
 from truepose.effects.unnamed.kinds import ALONE, STEADY, Key, Kind, Moves, Part, Place, Size, Variants, once
@@ -17,7 +17,6 @@ _ZERO_RAD = np.deg2rad(0.05)  # belief, also per h: five times a zero that an op
 _SLIP_MM, _SLIP_RAD = 0.5, 5e-3  # belief: five times what a loose seat lets a tool slip by
 _KICK_MM, _KICK_RAD = 0.5, 5e-4  # belief: a tripod that was pushed, at a few metres
 _NEEDS: frozenset[Need] = frozenset({"time"})
-_LEAST_POSITIONS, _LEAST_LENGTHS = 4, 12  # on either side of a jump
 _MOST_MOMENTS = 60  # that are tried, evenly chosen: every place of the arm tries them all
 
 
@@ -26,18 +25,13 @@ def _six(shift_mm: float, turn_rad: float) -> tuple[Part, ...]:
     return tuple(Part(name, *belief) for name, belief in zip(COMPONENTS, units, strict=True))
 
 
-def _gaps(scene: Scene) -> tuple[Gap, ...]:
-    least = _LEAST_LENGTHS if scene.legs else _LEAST_POSITIONS
-    return gaps(scene.stops, np.ones(len(scene.stops), dtype=bool), least)
-
-
 def _moments(scene: Scene) -> Variants:
-    return [(gap.label, gap.middle_s) for gap in tried(_gaps(scene), scene.between_s, _MOST_MOMENTS)]
+    return [(gap.label, gap.middle_s) for gap in tried(gaps_of_all(scene), scene.between_s, _MOST_MOMENTS)]
 
 
 def _kicks(scene: Scene) -> Variants:
     """Try every moment at which the base may have jumped: at fewer, a kick would lose by that alone."""
-    return [(gap.label, gap.middle_s) for gap in tried(_gaps(scene), scene.between_s)]
+    return [(gap.label, gap.middle_s) for gap in tried(gaps_of_all(scene), scene.between_s)]
 
 
 def _moment_known_to(time_s: float, scene: Scene) -> float:

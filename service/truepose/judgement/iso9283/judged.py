@@ -118,16 +118,11 @@ def _mixed(stops: Stops, cycles: Cycles) -> Iterator[str]:
 
 
 def _commanded(cycles: Cycles, result: BlockResult) -> tuple[CommandedPose, ...]:
-    return tuple(_pose(number, _predicted(cycles, result, number)) for number in cycles.poses)
+    return tuple(CommandedPose.at(number, _predicted(cycles, result, number)) for number in cycles.poses)
 
 
 def _predicted(cycles: Cycles, result: BlockResult, number: int) -> FloatArray:
     return barycentre(result.state.position_mm[cycles.rows[cycles.pose == number]])
-
-
-def _pose(number: int, place: FloatArray) -> CommandedPose:
-    x, y, z = (float(value) for value in place)
-    return CommandedPose(number, (x, y, z))
 
 
 def _visits(points: PointReadings, cycles: Cycles, result: BlockResult) -> Visits:

@@ -55,7 +55,7 @@ class Cube:
         corners = (across + along + up, -across + along + up, -across - along - up, across - along - up)
         inwards = 1.0 - 2.0 * FROM_CORNER
         places = [np.zeros(3), *(inwards * corner for corner in corners)]
-        return tuple(_commanded(k, self.centre_mm + place) for k, place in enumerate(places, start=1))
+        return tuple(CommandedPose.at(k, self.centre_mm + place) for k, place in enumerate(places, start=1))
 
 
 @dataclass(frozen=True, slots=True)
@@ -163,8 +163,3 @@ def _unreached(poses: tuple[CommandedPose, ...], reached: BoolArray) -> str:
         return "The robot reaches all five poses, but in no single branch: take a smaller or a nearer cube."
     verb = "is" if len(never) == 1 else "are"
     return f"{', '.join(never)} {verb} out of the robot's reach: take a smaller or a nearer cube."
-
-
-def _commanded(number: int, place: FloatArray) -> CommandedPose:
-    x, y, z = (float(value) for value in place)
-    return CommandedPose(number, (x, y, z))

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 
@@ -16,6 +17,12 @@ class CommandedPose:
 
     number: int
     position_mm: tuple[float, float, float]
+
+    @classmethod
+    def at(cls, number: int, place_mm: FloatArray) -> Self:
+        """Return a pose at a place of shape (3,)."""
+        x, y, z = (float(value) for value in place_mm)
+        return cls(number, (x, y, z))
 
     @property
     def name(self) -> str:
