@@ -22,8 +22,8 @@ settings.load_profile("any machine")
 
 
 def pytest_configure():
-    """Search for garbage seldom already while modules are imported, which all stay; write files to memory."""
-    gc.set_threshold(_OBJECTS_BETWEEN_SEARCHES)
+    """Write files to memory, and spare every process a search through all packages."""
+    os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "1")  # to find none takes a look at every package
     memory = folder_in_memory()
     if memory is not None and "TMPDIR" not in os.environ:  # whoever names a folder gets it
         os.environ["TMPDIR"] = tempfile.tempdir = str(memory)
@@ -61,9 +61,16 @@ def pytest_asyncio_loop_factories(config, item):
     return {"time of the wall": asyncio.new_event_loop}
 
 
-def pytest_collection_finish():
-    """Search never for garbage in what collection made, which stays to the end."""
-    gc.freeze()
+@pytest.hookimpl(wrapper=True)
+def pytest_collection():
+    """Search for no garbage while modules are imported, later seldom, and never in what collection made."""
+    gc.disable()
+    try:
+        return (yield)
+    finally:
+        gc.freeze()
+        gc.set_threshold(_OBJECTS_BETWEEN_SEARCHES)
+        gc.enable()
 
 
 @pytest.hookimpl(wrapper=True, tryfirst=True)
