@@ -13,6 +13,7 @@ from pathlib import Path
 import pytest
 
 from tests.helpers.checkout import SOURCES
+from tests.helpers.commands import typed
 
 _CHECKOUT = Path(__file__).parents[3]
 _FOLDER = _CHECKOUT / "docs" / "examples" / "campaign"
@@ -34,7 +35,7 @@ def _truepose(*arguments, cwd):
 def identified(tmp_path_factory):
     """The answer of `identify --json` and the model file that it wrote."""
     folder = tmp_path_factory.mktemp("identified")
-    done = _truepose("identify", _FOLDER, "--model-out", "robot.json", "--json", cwd=folder)
+    done = typed("identify", _FOLDER, "--model-out", "robot.json", "--json", cwd=folder)
     assert done.returncode == 0, done.stderr
     return json.loads(done.stdout), folder / "robot.json"
 
@@ -55,8 +56,8 @@ def test_the_example_model_passes_validation_and_fails_an_impossible_limit(ident
     _, model = identified
     validate = ("validate", model, _FOLDER / "validation.csv", "--json", "--limit-mm")
 
-    passed = _truepose(*validate, 0.1, cwd=tmp_path)
-    failed = _truepose(*validate, 0.001, cwd=tmp_path)
+    passed = typed(*validate, 0.1, cwd=tmp_path)
+    failed = typed(*validate, 0.001, cwd=tmp_path)
 
     assert (passed.returncode, failed.returncode) == (0, 1)
     assert (json.loads(passed.stdout)["pass"], json.loads(failed.stdout)["pass"]) == (True, False)
@@ -65,7 +66,7 @@ def test_the_example_model_passes_validation_and_fails_an_impossible_limit(ident
 def test_the_example_model_predicts_the_rows_it_is_given(identified, tmp_path):
     _, model = identified
 
-    done = _truepose("predict", model, _FOLDER / "validation.csv", "--out", "predicted.csv", cwd=tmp_path)
+    done = typed("predict", model, _FOLDER / "validation.csv", "--out", "predicted.csv", cwd=tmp_path)
 
     assert done.returncode == 0, done.stderr
     with (

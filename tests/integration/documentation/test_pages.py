@@ -1,11 +1,11 @@
 """Links, commands and pictures of the pages exist."""
 
 import re
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
+
+from tests.helpers.commands import typed
 
 _CHECKOUT = Path(__file__).parents[3]
 _PAGES = [_CHECKOUT / "README.md", _CHECKOUT / "CHANGELOG.md", *sorted((_CHECKOUT / "docs").rglob("*.md"))]
@@ -34,18 +34,12 @@ def test_pictures_are_small():
 
 
 @pytest.mark.parametrize("row", re.findall(r"^\| `truepose (\w+)([^`]*)`", _README, flags=re.MULTILINE))
-def test_every_command_of_the_readme_has_the_options_that_it_names(row):
+def test_every_command_of_the_readme_has_the_options_that_it_names(row, monkeypatch):
+    for name, value in {"COLUMNS": "200", "TERM": "dumb", "NO_COLOR": "1"}.items():
+        monkeypatch.setenv(name, value)
     command, options = row
 
-    shown = subprocess.run(
-        [sys.executable, "-m", "truepose", command, "--help"],
-        cwd=_CHECKOUT,
-        env={"COLUMNS": "200", "TERM": "dumb", "NO_COLOR": "1"},
-        capture_output=True,
-        text=True,
-        check=False,
-        timeout=30,
-    )
+    shown = typed(command, "--help")
 
     assert shown.returncode == 0
     assert [name for name in re.findall(r"--[a-z-]+", options) if name not in shown.stdout] == []

@@ -1,7 +1,6 @@
 """Answers in a notebook: the command line's numbers, short to read, to be drawn, kept and worked on."""
 
 import json
-import subprocess
 import sys
 from dataclasses import replace
 
@@ -9,6 +8,7 @@ import numpy as np
 import pytest
 
 import truepose as tp
+from tests.helpers.commands import typed
 from tests.unit.service.notebook.conftest import EXAMPLES
 from truepose.domain.errors import ConfigurationError
 from truepose.domain.robot import Robot
@@ -17,8 +17,7 @@ _HELD_OUT = EXAMPLES / "campaign" / "validation.csv"
 
 
 def _command(*arguments):
-    command = [sys.executable, "-m", "truepose", *map(str, arguments)]
-    return subprocess.run(command, capture_output=True, text=True, check=False, timeout=120).stdout
+    return typed(*arguments).stdout
 
 
 @pytest.fixture(scope="module")

@@ -1,6 +1,7 @@
 """The catalogue: every language says everything, fills in the same, and no key stands idle."""
 
 import ast
+import functools
 import json
 import re
 import string
@@ -37,18 +38,27 @@ def blanks(text):
 
 def literals(path):
     """Return every text in a module, its templates' and scripts' by what stands between quotes."""
-    source = path.read_text("utf-8")
     if path.suffix != ".py":
-        return set(re.findall(r"[\"']([a-z_0-9.]+)[\"']", source))
-    return {node.value for node in ast.walk(ast.parse(source)) if isinstance(node, ast.Constant)}
+        return set(re.findall(r"[\"']([a-z_0-9.]+)[\"']", path.read_text("utf-8")))
+    return constants_and_keys(path)[0]
+
+
+@functools.cache
+def constants_and_keys(path):
+    """Return every constant of a module, and the keys that it says by name; it is parsed once for both."""
+    constants, keys = set(), set()
+    for node in ast.walk(ast.parse(path.read_text("utf-8"))):
+        if isinstance(node, ast.Constant):
+            constants.add(node.value)
+        if isinstance(node, ast.Call) and node.args and _called(node.func) in {"said", "say"}:
+            keys |= {one.value for one in _ends(node.args[0]) if isinstance(one, ast.Constant)}
+    return constants, keys
 
 
 def said_keys():
     """Return the keys that are said by name: the first argument of `said` and of `say`."""
     for path in ROOT.rglob("*.py"):
-        for node in ast.walk(ast.parse(path.read_text("utf-8"))):
-            if isinstance(node, ast.Call) and node.args and _called(node.func) in {"said", "say"}:
-                yield from (one.value for one in _ends(node.args[0]) if isinstance(one, ast.Constant))
+        yield from constants_and_keys(path)[1]
     for path in ROOT.rglob("*.html"):
         yield from re.findall(r"\bsay\(\"([a-z_0-9.]+)\"", path.read_text("utf-8"))
 
