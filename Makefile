@@ -24,7 +24,8 @@ demo: setup
 # that there is something to do beside them. Four processes on two cores: files of tests wait for half of their time,
 # for a browser, a process, a cell; unit tests do not. One thread of linear algebra each: the matrices are small, and
 # two threads wait for each other on busy cores. Compiled modules are kept, also where the environment says
-# otherwise: a hundred commands are started, and each would compile the service anew.
+# otherwise: a hundred commands are started, and each would compile the service anew. Files of tests lie in
+# /dev/shm where that has room, as no test is about a computer that loses its power; TMPDIR says otherwise.
 PYTEST := OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1 PYTHONDONTWRITEBYTECODE= $(BIN)/python -m pytest \
   --dist loadfile --no-loadscope-reorder
 
