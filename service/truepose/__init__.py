@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from truepose.notebook.correction import Corrections, correct
     from truepose.notebook.diagnosis import Diagnosis, diagnose
     from truepose.notebook.exports import export
+    from truepose.notebook.fleets import Fleet, fleet_of
     from truepose.notebook.identification import Identification, identify
     from truepose.notebook.model import Model, read_model
     from truepose.notebook.plan import Plan, plan
@@ -28,6 +29,7 @@ __all__ = [
     "CircleErrors",
     "Corrections",
     "Diagnosis",
+    "Fleet",
     "Identification",
     "InputFileError",
     "Model",
@@ -41,6 +43,7 @@ __all__ = [
     "correct",
     "diagnose",
     "export",
+    "fleet_of",
     "identify",
     "plan",
     "predict",
@@ -55,6 +58,7 @@ _HOMES = {
     "CircleErrors": "notebook.circles",
     "Corrections": "notebook.correction",
     "Diagnosis": "notebook.diagnosis",
+    "Fleet": "notebook.fleets",
     "Identification": "notebook.identification",
     "InputFileError": "exchange.errors",
     "Model": "notebook.model",
@@ -67,6 +71,7 @@ _HOMES = {
     "correct": "notebook.correction",
     "diagnose": "notebook.diagnosis",
     "export": "notebook.exports",
+    "fleet_of": "notebook.fleets",
     "identify": "notebook.identification",
     "plan": "notebook.plan",
     "predict": "notebook.prediction",

@@ -11,6 +11,7 @@ from truepose.exchange.json_text import Json
 from truepose.exchange.results.identification import identification_document
 from truepose.identification import identify as identify_campaign
 from truepose.notebook.campaign import Campaign, campaign_given
+from truepose.notebook.fleets import Fleet
 from truepose.notebook.given.things import Progress, effects_given
 from truepose.notebook.model import Model
 from truepose.notebook.shown import html
@@ -133,7 +134,11 @@ class Identification:
 
 
 def identify(
-    campaign: Campaign | str | Path, effects: Sequence[str] | None = None, progress: Progress | None = None
+    campaign: Campaign | str | Path,
+    effects: Sequence[str] | None = None,
+    progress: Progress | None = None,
+    *,
+    fleet: Fleet | None = None,
 ) -> Identification:
     """Identify the robot of a campaign: by how much it differs from its nominal model.
 
@@ -146,6 +151,9 @@ def identify(
         geometry, and compliance where masses or torques are known.
     progress : callable, optional
         Told the fraction done (0 to 1) and what is being done.
+    fleet : Fleet, optional
+        Robots of the same type, as `tp.fleet_of` compared them: what they share is believed of this one, so
+        that fewer readings do.
 
     Returns
     -------
@@ -177,4 +185,5 @@ def identify(
     truepose.domain.errors.ConfigurationError: A list is no campaign: give a folder, ... tp.read_campaign...
     """
     data = campaign_given(campaign).data
-    return Identification(identify_campaign(data, effects_given(effects), progress), data)
+    believed = None if fleet is None else fleet.belief
+    return Identification(identify_campaign(data, effects_given(effects), progress, believed=believed), data)

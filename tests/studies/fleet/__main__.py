@@ -30,13 +30,14 @@ def main() -> int:
     fleets: list[Held] = []
     new: list[NewRobot] = []
     promises: list[Promises] = []
-    for seed in range(1, options.ageing + 1):
+    for seed in range(options.first, options.first + options.ageing):
         one, robots, said = _studied(options, seed, ageing=3)
         fleets.append(one)
         new += robots
         promises += said
         _written(options.out, fleets, new, promises)
-    for seed in range(_WITHOUT_FROM + 1, _WITHOUT_FROM + options.fleets + 1):
+    first = _WITHOUT_FROM + options.first
+    for seed in range(first, first + options.fleets):
         fleets.append(_studied(options, seed, ageing=0)[0])
         _written(options.out, fleets, new, promises)
     sys.stdout.write(_told(fleets, new, promises))
@@ -50,6 +51,7 @@ def _options() -> argparse.Namespace:
     parser.add_argument("--out", type=Path, required=True)
     parser.add_argument("--fleets", type=int, default=20, help="in which nothing ages")
     parser.add_argument("--ageing", type=int, default=10, help="in which three robots and a tracker do")
+    parser.add_argument("--first", type=int, default=1, help="seed of the first fleet of either kind")
     parser.add_argument("--robots", type=int, default=40)
     parser.add_argument("--configurations", type=int, default=40, help="of each campaign")
     parser.add_argument("--new", type=int, default=10, help="new robots of each ageing fleet")

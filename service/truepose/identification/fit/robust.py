@@ -227,6 +227,8 @@ def _softly(block: Block, result: BlockResult) -> Block:
     length = np.linalg.norm(result.residual, axis=1)
     typical = float(np.median(length) / np.sqrt(chi2_median(result.residual.shape[1])))
     stated = block.stated_sigma()
+    if typical == stated == 0.0:
+        return block  # nothing lies off the model, as far as anybody says
     excess = np.sqrt(max(typical**2 - stated**2, 0.0))
     weights = 1.0 / (1.0 + (length / (_CAUCHY * max(typical, stated))) ** 2)
     return block.weighted(weights, excess)

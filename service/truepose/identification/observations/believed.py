@@ -26,8 +26,8 @@ class BeliefBlock(Block):
     of_arm: ClassVar[bool] = False
 
     names: tuple[str, ...]  # of the Q parameters
-    rows: FloatArray  # (Q, Q) sums of them, per unit
-    read: FloatArray  # (Q,)
+    rows: FloatArray  # (S, Q) sums of them, per unit
+    read: FloatArray  # (S,)
 
     def result(self, structure: Structure, values: FloatArray, previous: BlockResult | None) -> BlockResult:
         """Return residuals and derivatives; parameters that a structure lacks stand at 0."""
@@ -38,7 +38,7 @@ class BeliefBlock(Block):
         return BlockResult(residual, self.differentiated(state), state, _each_alone(len(self.read)))
 
     def derivatives(self, state: State) -> FloatArray:
-        """Return the sums, shape (P, Q, 1)."""
+        """Return the sums, shape (P, S, 1)."""
         names = state.structure.names
         jacobian = np.zeros((len(names), len(self.read), 1))
         for column, name in enumerate(self.names):
@@ -47,11 +47,11 @@ class BeliefBlock(Block):
         return jacobian
 
     def covariance(self) -> FloatArray:
-        """Return variances of 1, shape (Q, 1, 1)."""
+        """Return variances of 1, shape (S, 1, 1)."""
         return np.ones((len(self.read), 1, 1))
 
     def component_variance(self) -> FloatArray:
-        """Return variances of 1, shape (Q,)."""
+        """Return variances of 1, shape (S,)."""
         return np.ones(len(self.read))
 
     def stated_sigma(self) -> float:
@@ -59,7 +59,7 @@ class BeliefBlock(Block):
         return 0.0
 
     def squared(self, result: BlockResult) -> FloatArray:
-        """Return squared residuals, shape (Q,)."""
+        """Return squared residuals, shape (S,)."""
         return np.asarray(result.residual[:, 0] ** 2)
 
     def rewhitened(self, result: BlockResult) -> BlockResult:
@@ -84,7 +84,7 @@ class BeliefBlock(Block):
 
 
 def belief_block(names: tuple[str, ...], rows: FloatArray, read: FloatArray, n_joints: int) -> BeliefBlock:
-    """Return the block of Q sums (Q, Q) of named parameters and what they are believed to be, (Q,)."""
+    """Return the block of sums (S, Q) of named parameters and what they are believed to be, (S,)."""
     n = len(read)
     # Numbers that no configuration of an arm has: nothing is shared with one.
     stops = Stops(config=-(10**9) - np.arange(n), joints_rad=np.zeros((n, n_joints)))

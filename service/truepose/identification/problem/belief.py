@@ -80,8 +80,11 @@ def with_belief(problem: Problem, belief: Belief) -> Problem:
         structure = structure.extended(effect, new)
         start = np.append(start, [spec.prior_mean for spec in new])
     rows, read = belief.beyond_stated()
+    telling = rows.any(axis=1)
+    rows, read = rows[telling], read[telling]
     block = belief_block(belief.names, rows, read, structure.robot.n_joints)
-    return replace(problem, structure=structure, start=start, blocks=(*problem.blocks, block))
+    blocks = (*problem.blocks, block) if len(read) else problem.blocks
+    return replace(problem, structure=structure, start=start, blocks=blocks)
 
 
 def precision_of(structure: Structure, belief: Belief | None) -> FloatArray:

@@ -61,9 +61,12 @@ def test_a_belief_that_knows_no_more_than_what_was_stated_changes_nothing(campai
     means = np.array([spec.prior_mean for spec in told.specs])
     vague = Belief(told.specs, told.owners, means, 4.0 * np.diag(widths**2))
 
-    rows, _ = vague.beyond_stated()
+    found = identify(campaign, believed=vague)
 
-    assert not rows.any()
+    left_open = [one for one in found.parameters if one.standard_uncertainty > 0.5 * one.prior_width]
+    assert not vague.beyond_stated()[0].any()
+    assert left_open  # as fifteen readings leave it
+    assert found.counts.observations == 45
 
 
 def test_a_covariance_that_is_none_is_refused(told):

@@ -1,0 +1,189 @@
+"""Fleets in a notebook: what robots of one type share, and which of them changes over months."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from datetime import date
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, TypeAlias
+
+import numpy as np
+
+from truepose.fleet import campaigns as measured
+from truepose.fleet.changes import Account, Named, account_of
+from truepose.fleet.components import uncertainties
+from truepose.fleet.forecast import passing
+from truepose.fleet.information import information_of
+from truepose.fleet.pooled import of_a_new_robot
+from truepose.fleet.trials import Change
+from truepose.identification.problem.belief import Belief
+from truepose.notebook.campaign import Campaign, campaign_given
+from truepose.notebook.given.things import Progress
+from truepose.notebook.shown import html
+from truepose.notebook.shown.frames import frame
+from truepose.notebook.shown.wording import counted
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
+
+# Robot, instrument, day (a date, or a number of days from any origin), campaign.
+Visit: TypeAlias = tuple[str, str, date | float, Campaign | str | Path]
+
+_HEAD = ("what", "cause", "kind", "since", "size, mm", "u", "or else")
+
+
+@dataclass(frozen=True, repr=False)
+class Fleet:
+    """What the campaigns of robots of one type say.
+
+    Attributes
+    ----------
+    account : truepose.fleet.changes.Account
+        Everything that was found, in stated widths.
+
+    Examples
+    --------
+    >>> import truepose as tp
+    >>> robots, days, folder = ("left", "right"), (0, 30, 60), "docs/examples/campaign"
+    >>> fleet = tp.fleet_of([(robot, "tracker", day, folder) for robot in robots for day in days])
+    >>> fleet
+    Fleet of 2 robots, 1 instrument, 6 campaigns: nothing changes beyond chance
+    >>> tp.identify("docs/examples/campaign", fleet=fleet).status
+    'converged'
+    """
+
+    account: Account
+
+    @property
+    def changes(self) -> "DataFrame":
+        """Return one row a named change, the clearest first; raises MissingExtraError.
+
+        What changed (robot, instrument, or the type), its cause, as a line or a step, since which day, its
+        size [mm] (RMS of what it moves at the measured configurations) with its standard uncertainty, the
+        chance of so much where nothing changes, and what else explains it as well.
+        """
+        return frame([_row(one) for one in self.account.named])
+
+    def forecast(self, limit_mm: float) -> "DataFrame":
+        """Return when each change that goes on passes a limit, with the days of 5 % and 95 %."""
+        fleet = self.account.fleet
+        each = ((one, passing(fleet, one, limit_mm)) for one in self.account.named)
+        return frame([
+            {"what": _what(one.change), "cause": _cause(one.change), "day": found.day}
+            | {"earliest": found.earliest, "latest": found.latest}
+            for one, found in each
+            if found is not None
+        ])
+
+    def to_frame(self) -> "DataFrame":
+        """Return one row a parameter: the type's value, how robots differ, and how well that is known.
+
+        In the units of the parameters: mm, rad, rad/(N*mm).
+        """
+        fleet, posterior = self.account.fleet, self.account.estimated.posterior
+        p = len(fleet.specs)
+        variances = self.account.estimated.variances.robot
+        between = fleet.widths * np.sqrt(variances)
+        known = fleet.widths * uncertainties(self.account.estimated) / (2.0 * np.sqrt(variances))
+        return frame({
+            "name": list(fleet.names),
+            "effect": list(fleet.owners),
+            "value": fleet.means + fleet.widths * posterior.shared[:p],
+            "between_robots": between,
+            "between_robots_u": known,
+            "unit": [spec.unit for spec in fleet.specs],
+        })
+
+    @cached_property
+    def belief(self) -> Belief:
+        """What is believed of a further robot of the type: `tp.identify(campaign, fleet=fleet)` takes it."""
+        return of_a_new_robot(self.account)
+
+    def __repr__(self) -> str:
+        fleet = self.account.fleet
+        sizes = (
+            counted(len(fleet.robots), "robot"),
+            counted(len(fleet.instruments), "instrument"),
+            counted(len(fleet.day), "campaign"),
+        )
+        named = "; ".join(f"{_what(one.change)}: {_cause(one.change)}" for one in self.account.named)
+        return f"Fleet of {', '.join(sizes)}: {named or 'nothing changes beyond chance'}"
+
+    def _repr_html_(self) -> str:
+        rows = [tuple(str(value) for value in _row(one).values()) for one in self.account.named]
+        shown = [(*row[:4], *row[4:6], row[7]) for row in rows]
+        table = html.table("Changes beyond chance", _HEAD, shown, numbers_from=4)
+        return html.page(html.paragraphs((repr(self),)), *([table] if shown else []))
+
+
+def fleet_of(campaigns: Iterable[Visit], progress: Progress | None = None) -> Fleet:
+    """Say what robots of one type share, which of them changes, since when, and whether it is the instrument.
+
+    Parameters
+    ----------
+    campaigns : iterable of (robot, instrument, day, campaign)
+        Names, a date or a number of days, and a campaign or its path; two robots at least.
+    progress : callable, optional
+        Told the fraction done (0 to 1) and what is being done.
+
+    Returns
+    -------
+    Fleet
+
+    Raises
+    ------
+    ConfigurationError
+        There are fewer than two robots, or what is given is no campaign.
+    InputFileError
+        A folder or zip cannot be read, with file, line and column.
+
+    Examples
+    --------
+    >>> import truepose as tp
+    >>> tp.fleet_of([("left", "tracker", 0, "docs/examples/campaign")])
+    Traceback (most recent call last):
+    ...
+    truepose.domain.errors.ConfigurationError: A fleet has at least two robots of one type, ...
+    """
+    visits = list(campaigns)
+    told, nominal = [], None
+    for number, (robot, instrument, day, given) in enumerate(visits):
+        if progress is not None:
+            progress(0.9 * number / len(visits), "identifying")
+        data = campaign_given(given).data
+        nominal = data.robot
+        told.append(measured.Measured(robot, instrument, _days(day), information_of(data)))
+    together = measured.fleet_of(told)
+    if progress is not None:
+        progress(0.9, "comparing")
+    return Fleet(account_of(together, nominal))
+
+
+def _days(day: date | float) -> float:
+    return float(day.toordinal()) if isinstance(day, date) else float(day)
+
+
+def _row(named: Named) -> dict[str, object]:
+    change = named.change
+    return {
+        "what": _what(change),
+        "cause": _cause(change),
+        "kind": change.kind,
+        "since": change.since,
+        "size_mm": round(named.size_mm, 4),
+        "u_mm": round(named.size_u_mm, 4),
+        "chance": named.trial.chance,
+        "or_else": "; ".join(
+            f"{_what(one.change)}: {_cause(one.change)}, {one.change.kind}" for one in named.rivals
+        ),
+    }
+
+
+def _what(change: Change) -> str:
+    return change.of or "the type"
+
+
+def _cause(change: Change) -> str:
+    cause = change.cause
+    order = f", {cause.order:g} a turn" if cause.order else ""
+    return f"{cause.effect} of {cause.subject}{order}"

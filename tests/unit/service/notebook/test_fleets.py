@@ -1,0 +1,63 @@
+"""Fleets in a notebook: robots of a simulated type, of which one ages."""
+
+from datetime import date, timedelta
+
+import pytest
+
+import truepose as tp
+from tests.studies.fleet.simulated import TRACKERS, Ageing, FleetTruth, draw_fleet, record_robot
+from truepose.notebook.campaign import Campaign
+
+_FIRST = date(2026, 1, 1)
+_WORN = Ageing("compliance", 3, 3e-7)  # twice the spring itself
+
+
+@pytest.fixture(scope="module")
+def fleet():
+    drawn = draw_fleet(3, robots=4, ageing=0, drifting=False)
+    robots = tuple(
+        type(one)(one.number, one.links, one.changes, _WORN if one.number == 2 else None)
+        for one in drawn.robots
+    )
+    truth = FleetTruth(3, robots, None)
+    recorded = [
+        record_robot(robot, month, TRACKERS[(robot.number + month) % 2], truth, 25)
+        for robot in robots
+        for month in (0, 2, 3, 5)
+    ]
+    return tp.fleet_of(
+        (one.robot, one.instrument, _FIRST + timedelta(one.day), Campaign(one.campaign)) for one in recorded
+    )
+
+
+def test_it_says_which_robot_ages_and_what_in_it(fleet):
+    pytest.importorskip("pandas")
+
+    changes = fleet.changes
+
+    assert changes[["what", "cause", "kind"]].values.tolist() == [
+        ["robot 02", "compliance of joint 3", "linear"]
+    ]
+    assert changes["since"][0] == _FIRST.toordinal()
+    assert "robot 02: compliance of joint 3" in repr(fleet)
+    assert "compliance of joint 3" in fleet._repr_html_()
+
+
+def test_it_says_when_a_limit_is_passed(fleet):
+    pytest.importorskip("pandas")
+    size_mm = fleet.changes["size_mm"][0]
+
+    found = fleet.forecast(2.0 * size_mm)
+
+    assert found["day"][0] == pytest.approx(_FIRST.toordinal() + 300, abs=1)  # twice 150 days
+    assert found["earliest"][0] < found["day"][0] < found["latest"][0]
+
+
+def test_it_says_what_the_type_is(fleet):
+    pytest.importorskip("pandas")
+
+    table = fleet.to_frame().set_index("name")
+
+    assert table.loc["c_2", "unit"] == "rad/(N*mm)"
+    assert 0.5 * 3.2e-8 < table.loc["c_2", "value"] < 2.0 * 3.2e-8  # the maker's hint
+    assert list(table.index) == list(fleet.belief.names)
