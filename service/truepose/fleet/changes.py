@@ -3,9 +3,10 @@
 Every cause of every robot, of the type as a whole and of every instrument is tried as a line over time and
 as a step at every campaign, an instrument's single days too. The level, 1 % of fleets in which nothing
 changes, is held over everything that is tried: a third each for robots, type and instruments, divided evenly
-(Bonferroni). Of what is beyond chance the largest likelihood ratio is taken into the model, all variances are
-estimated anew, and all is tried again until nothing is beyond chance. Rivals of a change explain what it
-explains, without it, at odds of no worse than twenty to one.
+(Bonferroni). How far the scores of a cause scatter beyond what readings state, all robots tell together. Of
+what is beyond chance the largest likelihood ratio is taken into the model, all variances are estimated anew,
+and all is tried again until nothing is beyond chance. Rivals of a change explain what it explains, without
+it, at odds of no worse than twenty to one.
 """
 
 from collections.abc import Iterator, Sequence
@@ -14,18 +15,19 @@ from typing import Final
 
 import numpy as np
 
-from truepose.domain.arrays import FloatArray
+from truepose.domain.arrays import BoolArray, FloatArray
 from truepose.domain.robot import Robot
 from truepose.fleet.birge import birge_ratio
 from truepose.fleet.campaigns import Fleet
 from truepose.fleet.causes import AgeingCause, instrument_cause, robot_causes
 from truepose.fleet.components import Estimated, estimate
 from truepose.fleet.mixed_model import Equations, Posterior
-from truepose.fleet.trials import Change, InstrumentDays, Scope, Score, Trial, shapes
+from truepose.fleet.trials import Change, InstrumentDays, Kind, Scope, Score, Trial, excess_of, shapes
 
 LEVEL: Final = 0.01
 _RIVAL: Final = 6.0  # twice the log of odds of twenty to one
 _SCOPES: Final = 3
+_ENOUGH_ROBOTS: Final = 8  # of fewer, one that ages would be its own measure
 _MOST: Final = 40  # changes; a fleet with more has another trouble
 
 
@@ -91,19 +93,30 @@ def account_of(fleet: Fleet, robot: Robot | None = None, level: float = LEVEL) -
 
 def _trials(posterior: Posterior, causes: Sequence[AgeingCause]) -> Iterator[Trial]:
     fleet = posterior.equations.fleet
-    for number, robot in enumerate(fleet.robots):
-        yield from _arm_trials(posterior, causes, "robot", robot, fleet.robot == number)
-    yield from _arm_trials(posterior, causes, "type", "", np.ones(len(fleet.day), dtype=bool))
+    every = np.ones(len(fleet.day), dtype=bool)
+    robots = [
+        one
+        for number, robot in enumerate(fleet.robots)
+        for one in _scores(posterior, "robot", robot, fleet.robot == number)
+    ]
+    of_type = list(_scores(posterior, "type", "", every))
+    for cause in causes:
+        seen = [score.of(cause.directions) for *_, score in robots]
+        excess = excess_of(seen) if len(fleet.robots) >= _ENOUGH_ROBOTS else 1.0
+        for (change, shape, _), one in zip(robots, seen, strict=True):
+            yield Trial(Change(*change[:2], cause, *change[2:], shape), *one.judged(excess), excess)
+        for change, shape, score in of_type:
+            one = score.of(cause.directions)
+            yield Trial(Change(*change[:2], cause, *change[2:], shape), *one.judged(excess), excess)
     yield from _instrument_trials(posterior)
 
 
-def _arm_trials(
-    posterior: Posterior, causes: Sequence[AgeingCause], scope: Scope, of: str, among: np.ndarray
-) -> Iterator[Trial]:
+def _scores(
+    posterior: Posterior, scope: Scope, of: str, among: BoolArray
+) -> Iterator[tuple[tuple[Scope, str, Kind, float], FloatArray, Score]]:
+    """Yield scope, whose, kind and first day, shape and score of the ways in which an arm may change."""
     for kind, since, shape in shapes(posterior.equations.fleet.day, among):
-        score = Score(posterior, shape)
-        for cause in causes:
-            yield Trial(Change(scope, of, cause, kind, since, shape), *score.of(cause.directions))
+        yield (scope, of, kind, since), shape, Score(posterior, shape)
 
 
 def _instrument_trials(posterior: Posterior) -> Iterator[Trial]:
@@ -130,7 +143,8 @@ def _beyond_chance(trials: Sequence[Trial], level: float) -> Trial | None:
 def _named(estimated: Estimated, found: Sequence[Trial], number: int, causes: Sequence[AgeingCause]) -> Named:
     posterior = estimated.posterior
     place = posterior.equations.of_change(number)
-    amount, covariance = posterior.shared[place], posterior.covariance[place, place]
+    amount = posterior.shared[place]
+    covariance = found[number].excess * posterior.covariance[place, place]
     motion = posterior.equations.fleet.motion_mm2
     directions = found[number].change.cause.directions
     size = float(np.sqrt(max(amount @ directions.T @ motion @ directions @ amount, 0.0)))

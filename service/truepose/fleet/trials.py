@@ -21,16 +21,16 @@ S. G. Self, K.-Y. Liang, J. American Statistical Association 82, 1987, 605-610 (
 D. A. Harville, J. American Statistical Association 72, 1977, 320-338.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Final, Literal
+from typing import Final, Literal, NamedTuple
 
 import numpy as np
 
 from truepose.domain.arrays import BoolArray, FloatArray
 from truepose.fleet.causes import AgeingCause
 from truepose.fleet.mixed_model import NamedChange, Posterior
-from truepose.identification.distributions import chi2_exceeded, f_exceeded
+from truepose.identification.distributions import chi2_exceeded, chi2_median, f_exceeded
 
 Scope = Literal["robot", "type", "instrument"]
 Kind = Literal["linear", "step", "day"]
@@ -74,6 +74,7 @@ class Trial:
     change: Change
     ratio: float  # twice the log likelihood ratio
     chance: float  # of so much where nothing changed
+    excess: float = 1.0  # by which variances of this cause exceed what the readings state
 
 
 def shapes(
@@ -118,15 +119,47 @@ class Score:
             common -= posterior.gain[robot].T @ mine
         self.information = information - common.T @ posterior.covariance @ common
 
-    def of(self, directions: FloatArray) -> tuple[float, float]:
-        """Return twice the log likelihood ratio of a change along directions (P + 1, q), and its chance."""
+    def of(self, directions: FloatArray) -> "Seen":
+        """Return what is seen of a change along directions (P + 1, q)."""
         values, vectors = np.linalg.eigh(directions.T @ self.information @ directions)
-        seen = values > _SEEN * max(float(values[-1]), 1e-300)
-        if not seen.any():
+        seen = values > max(_SEEN * float(values[-1]), 1e-300)
+        squares = (vectors[:, seen].T @ (directions.T @ self.score)) ** 2 / values[seen]
+        return Seen(squares, values[seen])
+
+
+class Seen(NamedTuple):
+    """A change as far as it is seen."""
+
+    squares: FloatArray  # (q,) scores over their standard deviations, squared
+    information: FloatArray  # (q,) positive
+
+    def judged(self, excess: float = 1.0) -> tuple[float, float]:
+        """Return twice the log likelihood ratio, and the chance of so much.
+
+        Parameters
+        ----------
+        excess : float
+            By which the variance of such scores exceeds what the readings state.
+        """
+        if not len(self.squares):
             return 0.0, 1.0
-        known = values[seen]
-        squares = (vectors[:, seen].T @ (directions.T @ self.score)) ** 2 / known
-        return largest_ratio(squares, known), chi2_exceeded(float(squares.sum()), float(seen.sum()))
+        squares = self.squares / excess
+        return largest_ratio(squares, self.information / excess), chi2_exceeded(
+            float(squares.sum()), float(len(squares))
+        )
+
+
+def excess_of(seen: Sequence[Seen]) -> float:
+    """Return by which the scores of one cause scatter beyond what is stated, 1 where they do not.
+
+    The median over many robots and shapes against that of chi-square: a few robots that age do not move it.
+    Readings that state one figure for all directions, as most do, are worse than that across a tracker's beam
+    and better along it; so each cause has its own.
+    """
+    each = [
+        float(one.squares.sum()) / chi2_median(float(len(one.squares))) for one in seen if len(one.squares)
+    ]
+    return max(1.0, float(np.median(each))) if each else 1.0
 
 
 def largest_ratio(squares: FloatArray, information: FloatArray) -> float:

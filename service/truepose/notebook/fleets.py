@@ -44,10 +44,10 @@ class Fleet:
     Examples
     --------
     >>> import truepose as tp
-    >>> robots, days, folder = ("left", "right"), (0, 30, 60), "docs/examples/campaign"
+    >>> robots, days, folder = ("left", "right"), (0, 30), "docs/examples/campaign"
     >>> fleet = tp.fleet_of([(robot, "tracker", day, folder) for robot in robots for day in days])
     >>> fleet
-    Fleet of 2 robots, 1 instrument, 6 campaigns: nothing changes beyond chance
+    Fleet of 2 robots, 1 instrument, 4 campaigns: nothing changes beyond chance
     >>> tp.identify("docs/examples/campaign", fleet=fleet).status
     'converged'
     """

@@ -7,7 +7,7 @@ from scipy.stats import chi2
 
 from tests.helpers.fleet.linear import Dense, drawn
 from truepose.fleet.mixed_model import Equations, Posterior, Variances
-from truepose.fleet.trials import InstrumentDays, Score, largest_ratio, shapes
+from truepose.fleet.trials import InstrumentDays, Score, Seen, excess_of, largest_ratio, shapes
 
 _ROBOT, _DAY = (0.3, 0.1, 0.1), 0.05
 
@@ -37,7 +37,7 @@ def test_score_and_chance_are_those_of_generalised_least_squares(made, posterior
     assert directions.T @ found.score == pytest.approx(score, abs=1e-8)
     assert directions.T @ found.information @ directions == pytest.approx(information, rel=1e-8)
     expected = chi2.sf(score @ np.linalg.solve(information, score), 2)
-    assert found.of(directions)[1] == pytest.approx(expected, rel=1e-6)
+    assert found.of(directions).judged()[1] == pytest.approx(expected, rel=1e-6)
 
 
 @pytest.mark.parametrize("squares", [(9.0,), (9.0, 2.0), (4.0, 0.1, 12.0)])
@@ -59,6 +59,18 @@ def test_the_largest_ratio_is_that_of_a_general_optimiser(squares):
 def test_what_noise_explains_has_no_ratio():
     assert largest_ratio(np.array([0.9]), np.array([5.0])) == 0.0
     assert largest_ratio(np.array([0.5, 0.2]), np.array([5.0, 5.0])) == 0.0
+
+
+def test_scores_that_scatter_more_than_stated_count_less():
+    rng = np.random.default_rng(0)
+    seen = [Seen(1.5 * rng.chisquare(1.0, 2), np.ones(2)) for _ in range(400)]
+    aged = [Seen(np.array([900.0, 30.0]), np.ones(2)) for _ in range(20)]
+
+    excess = excess_of([*seen, *aged])
+
+    assert excess == pytest.approx(1.5, rel=0.2)  # the median of 400 to 7 %, and twenty of them beyond it
+    assert excess_of([Seen(0.5 * one.squares, one.information) for one in seen]) == 1.0
+    assert aged[0].judged(excess)[0] < aged[0].judged()[0]
 
 
 def test_two_campaigns_tell_no_line_from_a_step():
