@@ -61,3 +61,16 @@ def test_it_says_what_the_type_is(fleet):
     assert table.loc["c_2", "unit"] == "rad/(N*mm)"
     assert 0.5 * 3.2e-8 < table.loc["c_2", "value"] < 2.0 * 3.2e-8  # the maker's hint
     assert list(table.index) == list(fleet.belief.names)
+
+
+def test_it_says_how_a_change_went(fleet):
+    pytest.importorskip("pandas")
+
+    course = fleet.course(1)
+
+    assert course["size_mm"].is_monotonic_increasing
+    assert course["size_mm"].iloc[-1] == pytest.approx(
+        fleet.changes["size_mm"][0], abs=4.0 * course["u_mm"].max()
+    )
+    with pytest.raises(tp.TrueposeError, match="no change 2 of a robot"):
+        fleet.course(2)
