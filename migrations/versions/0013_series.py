@@ -1,4 +1,4 @@
-"""Series of readings that programs deliver."""
+"""Series of readings that programs deliver; what a plant collects from cells and hands down to them."""
 
 import sqlalchemy as sa
 from alembic import op
@@ -6,13 +6,14 @@ from alembic import op
 from truepose.storage.migrations.append_only import drop_protected, protect
 from truepose.storage.migrations.chain import chain_anew, chained_tables
 from truepose.storage.migrations.columns import number, recorded, reference
+from truepose.storage.migrations.of_plants import TABLES, make_tables_of_plants
 
 revision = "0013"
 down_revision = "0012"
 branch_labels = None
 depends_on = None
 
-_TABLES = ("series", "deliveries")
+_TABLES = ("series", "deliveries", *TABLES)
 
 
 def upgrade() -> None:
@@ -36,6 +37,7 @@ def upgrade() -> None:
         sa.UniqueConstraint("series_id", "first"),
         sqlite_autoincrement=True,
     )
+    make_tables_of_plants()
     for table in _TABLES:
         protect(table)
 

@@ -5,34 +5,15 @@ record becomes is a further row. Times of day are UTC in ISO 8601; `time_s` is t
 """
 
 import sqlalchemy as sa
-from sqlalchemy.schema import SchemaItem
 
 from truepose.storage.column_types import BYTES, DOCUMENT, REAL, TEXT, WHOLE
-from truepose.storage.dialects import next_number
-
-metadata = sa.MetaData()
-
-
-def _number(table: str) -> sa.Column[int]:
-    return sa.Column("id", WHOLE, primary_key=True, autoincrement=True, default=next_number(table))
-
-
-def _recorded() -> sa.Column[str]:
-    return sa.Column("recorded_at", TEXT, nullable=False)
-
-
-def _reference(name: str, target: str, *, nullable: bool = False) -> sa.Column[int]:
-    return sa.Column(name, WHOLE, sa.ForeignKey(f"{target}.id"), nullable=nullable)
-
-
-def _records(name: str, *columns: SchemaItem) -> sa.Table:
-    return sa.Table(name, metadata, _number(name), _recorded(), *columns, sqlite_autoincrement=True)
-
-
-def _records_of_sessions(name: str, *columns: SchemaItem) -> sa.Table:
-    found = sa.Index(f"ix_{name}_session_id", "session_id", "id")
-    return _records(name, _reference("session_id", "sessions"), *columns, found)
-
+from truepose.storage.plant import tables as of_plants
+from truepose.storage.table_forms import metadata as metadata
+from truepose.storage.table_forms import number as _number
+from truepose.storage.table_forms import recorded as _recorded
+from truepose.storage.table_forms import records as _records
+from truepose.storage.table_forms import records_of_sessions as _records_of_sessions
+from truepose.storage.table_forms import reference as _reference
 
 sessions = _records(
     "sessions",
@@ -263,6 +244,25 @@ reports = _records(
     sa.Column("page", BYTES, nullable=False),  # deflated
     sa.UniqueConstraint("kind", "subject_id", "revision", "language"),
 )
+
+handed_down = _records(
+    "handed_down",
+    sa.Column("plant", TEXT, nullable=False),  # as its token is called
+    sa.Column("kind", TEXT, nullable=False),  # plan or model
+    sa.Column("name", TEXT, nullable=False),
+    sa.Column("person", TEXT, nullable=False),  # who handed it down at the plant
+    sa.Column("document", DOCUMENT, nullable=False),
+)
+
+hand_down_uses = _records(
+    "hand_down_uses",
+    _reference("handed_down_id", "handed_down"),
+    sa.Column("person", TEXT, nullable=False),
+    sa.Column("note", TEXT, nullable=False),
+    sa.Index("ix_hand_down_uses_handed_down_id", "handed_down_id", "id"),
+)
+
+TABLES_OF_PLANTS = of_plants  # among the same metadata, whoever imports this module
 
 links = sa.Table(
     "links",

@@ -30,7 +30,7 @@ from truepose.web.door.middleware import Door
 from truepose.web.door.proxies import Proxies
 from truepose.web.examples import add_examples
 from truepose.web.healthiness import routes as health
-from truepose.web.leaving import chain
+from truepose.web.leaving import chain, hand_downs
 from truepose.web.measurement import (
     cells,
     closings,
@@ -95,6 +95,7 @@ _RESOURCES: Final = (
     drafts,
     events,
     chain,
+    hand_downs,
 )
 _AS_IT_IS: Final = (
     *DEFAULT_EXCLUDED_CONTENT_TYPES,

@@ -10,6 +10,7 @@ import base64
 import hashlib
 import re
 import struct
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Final
 
@@ -64,10 +65,15 @@ def newest_head(connection: Any) -> Head:
 
 def head_after(connection: Any, links: int) -> Head:
     """Return the head as it was when the chain had that many links."""
+    streams = connection.execute(_STREAMS, (links,))  # of a session that began later there is none
+    return head_of(links, {stream: bytes(newest) for stream, newest in streams if newest is not None})
+
+
+def head_of(links: int, newest: Mapping[int, bytes]) -> Head:
+    """Return the head of a chain with so many links, by the newest hash of each stream."""
     digest = hashlib.sha256(_DOMAIN + links.to_bytes(8))
-    for stream, newest in connection.execute(_STREAMS, (links,)):
-        if newest is not None:  # a session that began later
-            digest.update(_ENTRY.pack(stream, bytes(newest)))
+    for stream in sorted(newest):
+        digest.update(_ENTRY.pack(stream, newest[stream]))
     return Head(links, _grouped(base64.b32encode(digest.digest()[:_BYTES]).decode()))
 
 

@@ -28,6 +28,10 @@ LEAVING: Final = frozenset({
     "corrections",
     "events",
     "reports",
+    "series",
+    "deliveries",
+    "handed_down",
+    "hand_down_uses",
 })
 # People and what opens the service to them, what they did and from where, and the keys of their requests.
 AT_HOME: Final = frozenset({
@@ -39,6 +43,18 @@ AT_HOME: Final = frozenset({
     "request_keys",
     "ballbar_answers",
     "links",
+    # What a plant has of its cells leaves it for nobody.
+    "plant_cells",
+    "plant_branches",
+    "plant_visits",
+    "plant_journal",
+    "plant_sessions",
+    "plant_days",
+    "plant_results",
+    "plant_robots",
+    "plant_instruments",
+    "plant_hand_downs",
+    "plant_hand_down_states",
 })
 LARGE: Final = frozenset({"campaigns", "corrections", "reports"})  # a record may have many megabytes
 _SET_UP: Final = "setup"  # of a session: the cell with the options of its devices

@@ -5,13 +5,15 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
-from sqlalchemy import Connection, Row, RowMapping, bindparam, select, text
+from sqlalchemy import Connection, Row, RowMapping, select
 
+from truepose.storage.connection.plain import plain
 from truepose.storage.database import Database
+from truepose.storage.dialects import as_kept
 from truepose.storage.integrity.chain import TABLE_NOW
 from truepose.storage.integrity.head import Head, head_after
 from truepose.storage.leaving.decided import LARGE, LEAVING, without_secrets
-from truepose.storage.tables import links
+from truepose.storage.tables import links, metadata
 
 _AT_A_TIME: Final = 100  # links that are read in one turn: whoever measures is never behind more
 
@@ -65,7 +67,7 @@ def _stand(connection: Connection, at: int | None) -> Stand:
     newest = _newest(connection)
     number = newest if at is None else min(at, newest)
     found = connection.scalar(select(links.c.hash).where(links.c.id == number))
-    head = head_after(connection.connection.dbapi_connection, number)
+    head = head_after(plain(connection), number)
     return Stand(newest, head, None if found is None else bytes(found))
 
 
@@ -99,9 +101,9 @@ def _rows(connection: Connection, some: Iterable[Row[Any]]) -> dict[tuple[str, i
 
 def _of(connection: Connection, table: str, numbers: Sequence[int]) -> Sequence[RowMapping]:
     """Return records as they are kept, not as their columns are read: the hash is of what is kept."""
-    query = text(f'SELECT * FROM "{table}" WHERE id IN :numbers')
-    kept = query.bindparams(bindparam("numbers", expanding=True))
-    return connection.execute(kept, {"numbers": numbers}).mappings().all()
+    kept = metadata.tables[table]
+    query = select(*(as_kept(column).label(column.name) for column in kept.c))
+    return connection.execute(query.where(kept.c.id.in_(numbers))).mappings().all()
 
 
 def _table(link: Row[Any]) -> str:

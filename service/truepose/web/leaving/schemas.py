@@ -1,8 +1,12 @@
-"""What a plant is told of a cell."""
+"""What a plant is told of a cell, and what it hands down."""
+
+from typing import Any, Literal
 
 from pydantic import Field
 
-from truepose.web.schemas.base import Reply
+from truepose.domain.people.names import LONGEST_NAME
+from truepose.storage.leaving.handed_down import HandedDownRecord
+from truepose.web.schemas.base import VISIBLE, PersonName, RecordedAt, RecordId, Reply, Request
 
 
 class ChainHeadReply(Reply):
@@ -22,3 +26,67 @@ class ChainHeadReply(Reply):
         description="Time of day as this computer has it: UTC, ISO 8601.",
         examples=["2026-05-04T09:12:33.125000+00:00"],
     )
+
+
+class HandedDownRequest(Request):
+    """A plan or a model that a plant hands down."""
+
+    kind: Literal["plan", "model"]
+    name: str = Field(min_length=1, max_length=200, pattern=VISIBLE, examples=["monthly check"])
+    person: str = Field(
+        min_length=1,
+        max_length=LONGEST_NAME,
+        description="Who hands it down, at the plant.",
+        examples=["Ada Byron"],
+    )
+    document: dict[str, Any] = Field(
+        description="Of a plan, what `POST /sessions` takes; of a model, the model as it is downloaded.",
+        examples=[{"name": "monthly check"}],
+    )
+
+
+class UseRequest(Request):
+    """Who used what was handed down."""
+
+    person: PersonName
+    note: str = Field(
+        default="", max_length=1000, description="For what.", examples=["Session 12 was planned with it."]
+    )
+
+
+class UseReply(Reply):
+    """Somebody used what was handed down."""
+
+    recorded_at: RecordedAt
+    person: str
+    note: str = Field(examples=["Session 12 was planned with it."])
+
+
+class HandedDownReply(Reply):
+    """A plan or a model that was handed down."""
+
+    id: RecordId
+    recorded_at: RecordedAt
+    plant: str = Field(description="As its token is called; empty: nobody is asked.", examples=["plant"])
+    kind: Literal["plan", "model"]
+    name: str = Field(examples=["monthly check"])
+    person: str = Field(description="Who handed it down, at the plant.")
+    document: dict[str, Any] = Field(examples=[{"name": "monthly check"}])
+    uses: list[UseReply]
+
+
+def handed_down_reply(record: HandedDownRecord) -> HandedDownReply:
+    """Return what was handed down, as it travels."""
+    told = record.handed_down
+    return HandedDownReply.model_validate({
+        "id": record.id,
+        "recorded_at": record.recorded_at,
+        "plant": told.plant,
+        "kind": told.kind,
+        "name": told.name,
+        "person": told.person,
+        "document": told.document,
+        "uses": [
+            {"recorded_at": use.recorded_at, "person": use.person, "note": use.note} for use in record.uses
+        ],
+    })

@@ -47,6 +47,7 @@ _BY_LEAST: Final[Mapping[Role | Anybody, str]] = {
         list_series get_series list_readings_of_series
         bring_page draft_page list_drafts get_draft get_understood
         pause_session abort_session press_button press_button_of_session
+        list_hand_downs get_hand_down
         sign_out show_again switch_person choose_secrets account_page not_yours_page get_authority
     """,
     Role.OPERATOR: """
@@ -56,6 +57,7 @@ _BY_LEAST: Final[Mapping[Role | Anybody, str]] = {
         make_campaign upload_campaign identify_campaign validate_model diagnose_campaign diagnose_session
         start_draft add_draft_file correct_draft remove_draft_file remove_draft make_campaign_of_draft
         start_series add_readings make_draft_of_series
+        use_hand_down
         cancel_job claim_authority give_up_authority list_watch_links make_watch_link revoke_watch_link
     """,
     Role.METROLOGIST: """
@@ -64,7 +66,7 @@ _BY_LEAST: Final[Mapping[Role | Anybody, str]] = {
     Role.ADMINISTRATOR: """
         people_page list_people enter_person change_role remove_person make_link list_tokens make_token
         revoke_token
-        get_chain_head list_links
+        get_chain_head list_links accept_hand_down
     """,
 }
 # What a program may do beside looking: it plans, brings data and has them computed.
@@ -75,7 +77,7 @@ _DEVICES: Final = """
     start_series add_readings make_draft_of_series
 """
 # What a plant may ask of a cell, and nothing beside it; above it whoever says who may do what.
-_PLANTS: Final = "get_chain_head list_links"
+_PLANTS: Final = "get_chain_head list_links accept_hand_down list_hand_downs get_hand_down"
 # After these an arm may move, or a calibration counts: whoever asks shows once more that it is them.
 FRESH: Final = frozenset({"start_session", "confirm_session", "resume_session", "close_session"})
 

@@ -94,6 +94,9 @@ def test_a_plant_collects_and_hands_down_and_nothing_else():
     assert {name for name in LEAST if may(Role.PLANT, name) and not isinstance(LEAST[name], Anybody)} == {
         "get_chain_head",
         "list_links",
+        "accept_hand_down",
+        "list_hand_downs",
+        "get_hand_down",
     }
 
 

@@ -1,0 +1,69 @@
+"""Cells files of a plant: TOML, one [[cell]] each, described in docs/plant.md with an example."""
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Final
+from urllib.parse import urlsplit
+
+from truepose.exchange.document import Node, toml_document
+from truepose.exchange.input_file import read_bytes
+from truepose.exchange.keys import TEXT, Form, Key, read_keys
+
+
+@dataclass(frozen=True, slots=True)
+class PlantCell:
+    """How a plant reaches one of its cells."""
+
+    name: str
+    url: str
+    token_file: Path | None = None  # None: the cell asks nobody who they are
+    certificate: Path | None = None  # PEM that the cell shows, or of who signed it; None: of a public one
+
+
+def _read_url(node: Node) -> str:
+    text = node.text().rstrip("/")
+    parts = urlsplit(text)
+    if parts.scheme not in {"http", "https"} or not parts.hostname or parts.path or parts.query:
+        node.fail(
+            "an address is http:// or https://, a name and perhaps a port, as https://cell-3.plant:8443"
+        )
+    return text
+
+
+_FILE: Final = Form(lambda node: Path(node.text()))
+_CELL: Final = [
+    Key("name", "name", TEXT),
+    Key("url", "url", Form(_read_url)),
+    Key("token_file", "token_file", _FILE, absent=None),
+    Key("certificate", "certificate", _FILE, absent=None),
+]
+
+
+def read_plant_cells(path: Path) -> tuple[PlantCell, ...]:
+    """Read the cells file of a plant; files that it names are looked for beside it.
+
+    Raises
+    ------
+    InputFileError
+        With file and key, and line where the text is not TOML at all.
+    """
+    root = toml_document(path.name, read_bytes(path))
+    for entry in root.unlisted(["cell"]):
+        entry.fail("this key is not known here; cells stand as [[cell]]")
+    cells: dict[str, PlantCell] = {}
+    for node in root.key("cell").items():
+        cell = _read_cell(node, path.parent)
+        if cell.name in cells:
+            node.key("name").fail(f"two cells are called {cell.name!r}; names must differ")
+        cells[cell.name] = cell
+    return tuple(cells.values())
+
+
+def _read_cell(node: Node, folder: Path) -> PlantCell:
+    for entry in node.unlisted([key.name for key in _CELL]):
+        entry.fail("this key is not known here; a cell has name, url, token_file and certificate")
+    cell = PlantCell(**read_keys(node, _CELL))
+    token, certificate = (
+        None if file is None else folder / file for file in (cell.token_file, cell.certificate)
+    )
+    return replace(cell, token_file=token, certificate=certificate)

@@ -1,0 +1,173 @@
+"""What a plant asks of a cell, over its REST interface: the head, links, and to take what is handed down."""
+
+import json
+import ssl
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any, Final
+
+import httpx
+
+from truepose.exchange.cells.of_plant import PlantCell
+from truepose.plant.clocks import Answered
+from truepose.plant.errors import CellAnswerError
+from truepose.storage.plant.records import HandDownRecord
+
+_PATIENCE: Final = httpx.Timeout(30.0, connect=10.0)
+_MOST_BYTES: Final = 256 * 2**20  # of a page: one record of the largest kind, and no more than memory holds
+_CREATED: Final = 201
+_REFUSED: Final = frozenset({400, 404, 409, 413, 415, 422})
+
+
+@dataclass(frozen=True, slots=True)
+class CellHead:
+    """How far the chain of a cell goes."""
+
+    version: str
+    schema: str  # of its database
+    newest: int  # link
+    head: str  # with the links asked for
+    clock: Answered
+
+
+@dataclass(frozen=True, slots=True)
+class CellPage:
+    """Some links, as they came, and how far the chain goes."""
+
+    lines: list[dict[str, Any]]
+    newest: int
+
+
+@dataclass(frozen=True, slots=True)
+class Handed:
+    """What a cell said to a hand-down: taken under a number, or refused with a sentence."""
+
+    number: int | None
+    sentence: str
+
+
+class AskedCell:
+    """One cell, reached as its entry in the cells file says."""
+
+    def __init__(
+        self,
+        cell: PlantCell,
+        wall_time: Callable[[], datetime] | None = None,
+        transport: httpx.AsyncBaseTransport | None = None,
+    ) -> None:
+        """Ask a cell by a clock, by default this computer's, over a transport, by default the network."""
+        self._cell = cell
+        self._wall_time = wall_time or _wall_time
+        self._transport = transport
+        self._client: httpx.AsyncClient | None = None
+
+    async def head(self, links: int | None = None) -> CellHead:
+        """Return how far the chain goes, its head with so many links, the time; raises CellAnswerError."""
+        asked_at, begun_s = self._wall_time(), time.monotonic()
+        answer = await self._get("/chain/head", {} if links is None else {"links": links})
+        took_s = time.monotonic() - begun_s
+        try:
+            told = json.loads(answer)
+            clock = Answered(asked_at, took_s, datetime.fromisoformat(told["time"]))
+            return CellHead(
+                version=str(told["version"]),
+                schema=str(told["schema"]),
+                newest=int(told["newest"]),
+                head=str(told["head"]),
+                clock=clock,
+            )
+        except (ValueError, KeyError, TypeError) as error:
+            raise self._no_cell(f"its head cannot be read ({error})") from error
+
+    async def links(self, after: int, limit: int) -> CellPage:
+        """Return links above a number; raises CellAnswerError, also for a page that was cut off."""
+        answer = await self._get("/chain/links", {"after": after, "limit": limit})
+        try:
+            *lines, end = [json.loads(line) for line in answer.splitlines()]
+            return CellPage(lines, int(end["newest"]))
+        except (ValueError, KeyError, TypeError) as error:
+            raise self._no_cell(f"a page of its chain was cut off or cannot be read ({error})") from error
+
+    async def hand_down(self, record: HandDownRecord, key: str) -> Handed:
+        """Have a cell keep a plan or a model; the key lets it be kept once; raises CellAnswerError."""
+        told = record.hand_down
+        body = {"kind": told.kind.value, "name": told.name, "person": told.person, "document": told.document}
+        try:
+            client = self._connected()
+            headers = {"Idempotency-Key": key}
+            answer = await client.post("/api/v1/hand-downs", json=body, headers=headers)
+        except httpx.HTTPError as error:
+            raise self._unreachable(error) from error
+        if answer.status_code == _CREATED:
+            return Handed(int(answer.json()["id"]), "")
+        if answer.status_code in _REFUSED:
+            return Handed(None, _detail(answer.content))
+        raise self._no_cell(f"it answers {answer.status_code}: {_detail(answer.content)}")
+
+    async def close(self) -> None:
+        """Let go of the connection."""
+        if self._client is not None:
+            await self._client.aclose()
+            self._client = None
+
+    async def _get(self, path: str, parameters: dict[str, int]) -> bytes:
+        try:
+            client = self._connected()
+            async with client.stream("GET", f"/api/v1{path}", params=parameters) as answer:
+                body = await self._body(answer)
+        except (httpx.HTTPError, OSError, ssl.SSLError) as error:
+            raise self._unreachable(error) from error
+        if answer.status_code != httpx.codes.OK:
+            raise self._no_cell(f"it answers {answer.status_code}: {_detail(body)}")
+        return body
+
+    async def _body(self, answer: httpx.Response) -> bytes:
+        body = bytearray()
+        async for part in answer.aiter_bytes():
+            body += part
+            if len(body) > _MOST_BYTES:
+                raise self._no_cell("a page of its chain has no end")
+        return bytes(body)
+
+    def _connected(self) -> httpx.AsyncClient:
+        """Return the connection; made when it is needed, so that a token that was renewed counts."""
+        if self._client is None:
+            token = _token(self._cell.token_file)
+            self._client = httpx.AsyncClient(
+                base_url=self._cell.url,
+                headers={"Authorization": f"Bearer {token}"} if token else {},
+                timeout=_PATIENCE,
+                verify=_trusted(self._cell.certificate),
+                trust_env=False,
+                transport=self._transport,
+            )
+        return self._client
+
+    def _unreachable(self, error: Exception) -> CellAnswerError:
+        said = str(error) or type(error).__name__
+        return CellAnswerError(f"{self._cell.name} cannot be reached at {self._cell.url} ({said}).")
+
+    def _no_cell(self, said: str) -> CellAnswerError:
+        return CellAnswerError(f"{self._cell.name} does not answer as a cell does: {said}.")
+
+
+def _wall_time() -> datetime:
+    return datetime.now(UTC)
+
+
+def _token(file: Path | None) -> str:
+    return "" if file is None else file.read_text(encoding="utf-8").strip()
+
+
+def _trusted(certificate: Path | None) -> ssl.SSLContext | bool:
+    return True if certificate is None else ssl.create_default_context(cafile=str(certificate))
+
+
+def _detail(body: bytes) -> str:
+    try:
+        return str(json.loads(body)["detail"]).rstrip(".")
+    except (ValueError, KeyError, TypeError):
+        return "without a sentence"

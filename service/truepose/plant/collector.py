@@ -1,0 +1,108 @@
+"""Visits every cell again and again, each in a loop of its own: one that is silent holds up no other."""
+
+import asyncio
+import contextlib
+import logging
+from collections.abc import AsyncIterator, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+from truepose.exchange.cells.of_plant import PlantCell
+from truepose.plant.asking import AskedCell
+from truepose.plant.visit import Shelves, visit
+from truepose.storage.errors import ConflictError, StorageError
+from truepose.storage.plant.records import Outcome, Visit
+from truepose.storage.plant.visits import VisitRepository
+
+_LOG: Final = logging.getLogger(__name__)
+_TWICE: Final = 2.0  # as long, after each visit that came to nothing
+_LONGEST_S: Final = 300.0
+
+
+@dataclass(frozen=True, slots=True)
+class Pace:
+    """How long a cell is left alone between two visits."""
+
+    every_s: float = 30.0
+    first_retry_s: float = 2.0
+
+    def pause_s(self, failures: int) -> float:
+        """Return how long to wait after so many visits in a row that came to nothing."""
+        if not failures:
+            return self.every_s
+        return min(self.first_retry_s * _TWICE ** min(failures - 1, 20), _LONGEST_S)
+
+
+class Collector:
+    """Visits the cells of a plant."""
+
+    def __init__(
+        self, cells: Sequence[PlantCell], shelves: Shelves, visits: VisitRepository, pace: Pace
+    ) -> None:
+        self.cells = tuple(cells)
+        self._asked = {cell.name: AskedCell(cell) for cell in cells}
+        self._shelves = shelves
+        self._visits = visits
+        self._pace = pace
+        self._wanted = {cell.name: asyncio.Event() for cell in cells}
+
+    def knows(self, name: str) -> bool:
+        """Whether a cell stands in the cells file."""
+        return name in self._asked
+
+    def visit_soon(self, name: str) -> None:
+        """Have a cell visited as soon as no visit is under way."""
+        self._wanted[name].set()
+
+    async def visit(self, name: str) -> Visit:
+        """Visit a cell once and keep what came of it; raises StorageError."""
+        asked = self._asked[name]
+        found = await visit(name, asked, self._shelves)
+        if found.outcome is not Outcome.WHOLE:
+            await asked.close()  # another token, address or certificate may count at the next one
+        await self._visits.keep(name, found)
+        return found
+
+    async def follow(self) -> None:
+        """Visit every cell until cancelled."""
+        for cell in self.cells:
+            await self._shelves.journal.enter(cell.name)
+        try:
+            async with asyncio.TaskGroup() as group:
+                for cell in self.cells:
+                    group.create_task(self._follow(cell.name), name=f"cell {cell.name}")
+        finally:
+            for asked in self._asked.values():
+                await asked.close()
+
+    async def _follow(self, name: str) -> None:
+        failures = 0
+        while True:
+            self._wanted[name].clear()
+            failures = 0 if await self._went_well(name) else failures + 1
+            with contextlib.suppress(TimeoutError):
+                async with asyncio.timeout(self._pace.pause_s(failures)):
+                    await self._wanted[name].wait()
+
+    async def _went_well(self, name: str) -> bool:
+        try:
+            found = await self.visit(name)
+        except (StorageError, OSError) as error:  # the plant's own disk, a token that cannot be read
+            if not isinstance(error, ConflictError):
+                _LOG.warning("the visit to %s was not kept: %s", name, error)
+            return False
+        if found.sentence:
+            _LOG.warning("%s", found.sentence)
+        return found.outcome is Outcome.WHOLE
+
+
+@contextlib.asynccontextmanager
+async def collecting(collector: Collector) -> AsyncIterator[None]:
+    """Have cells visited as long as the context lasts."""
+    task = asyncio.create_task(collector.follow(), name="collector")
+    try:
+        yield
+    finally:
+        task.cancel()
+        with contextlib.suppress(asyncio.CancelledError):
+            await task

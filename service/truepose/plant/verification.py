@@ -1,0 +1,113 @@
+"""Whether a page of a cell's chain is what the cell wrote: each record against its link and the link before.
+
+A record that stays in the cell is represented by the hash of its link. What rests on it is verified all the
+same; only tables that never leave may be missing, so that nothing can be kept back unseen.
+"""
+
+import json
+from collections.abc import Iterable, Mapping
+from typing import Any, Final
+
+from truepose.storage.errors import TamperedRecordError, UnreadableRowError
+from truepose.storage.integrity.chain import GENESIS, TABLE_NOW, linked_hash, stream_of
+from truepose.storage.leaving.decided import LEAVING
+from truepose.storage.leaving.typed_rows import untyped
+from truepose.storage.plant.records import CollectedLink
+
+_HASH_BYTES: Final = 32
+_TOLD: Final = frozenset({"sessions"})  # tables of which a record may come with a secret taken out of it
+
+
+def verified(
+    lines: Iterable[Mapping[str, Any]], position: int, heads: Mapping[int, bytes]
+) -> tuple[list[CollectedLink], dict[int, bytes]]:
+    """Return the links of a page, and the newest hash of each stream after it.
+
+    Parameters
+    ----------
+    lines : iterable of mapping
+        As the cell sent them.
+    position : int
+        Link that the page follows.
+    heads : mapping
+        Newest hash of each stream before the page.
+
+    Raises
+    ------
+    UnreadableRowError
+        A line is no link, or not the one that comes next.
+    TamperedRecordError
+        A record is not that of its link, or is kept back.
+    """
+    after = dict(heads)
+    links: list[CollectedLink] = []
+    for line in lines:
+        link = _link(line)
+        if link.link != position + len(links) + 1:
+            raise UnreadableRowError(
+                f"Link {position + len(links) + 1} of the chain comes next; the cell sent link {link.link}."
+            )
+        links.append(link)
+        _require_own(link, after.get(link.stream, GENESIS))
+        after[link.stream] = link.hash
+    return links, after
+
+
+def _link(line: Any) -> CollectedLink:
+    if not isinstance(line, dict):
+        raise UnreadableRowError(f"The cell sent {line!r:.60}, which is no link.")
+    content = line.get("row", line.get("told"))
+    try:
+        return CollectedLink(
+            link=_whole(line, "link"),
+            stream=_whole(line, "stream"),
+            record=str(line["record"]),
+            record_id=_whole(line, "record_id"),
+            hash=_hash(line),
+            content=None if content is None else json.dumps(content, ensure_ascii=False),
+            row=None if content is None else untyped(content),
+            verified="row" in line,
+        )
+    except (KeyError, TypeError, ValueError) as error:
+        raise UnreadableRowError(f"The cell sent {line!r:.120}, which is no link ({error}).") from error
+
+
+def _whole(line: Mapping[str, Any], name: str) -> int:
+    found = line[name]
+    if type(found) is not int:
+        raise TypeError(f"{name} is no whole number")
+    return found
+
+
+def _hash(line: Mapping[str, Any]) -> bytes:
+    found = bytes.fromhex(line["hash"])
+    if len(found) != _HASH_BYTES:
+        raise ValueError("the hash does not have 32 bytes")
+    return found
+
+
+def _require_own(link: CollectedLink, before: bytes) -> None:
+    table = TABLE_NOW.get(link.record, link.record)
+    if link.row is None:
+        if table in LEAVING:
+            raise TamperedRecordError(
+                f"The cell keeps back {_named(link)}, which leaves every cell. Have 'truepose verify' look "
+                "through the cell's database."
+            )
+        return
+    if not link.verified:
+        if table not in _TOLD:
+            raise TamperedRecordError(f"The cell tells {_named(link)} otherwise than it was written.")
+        return
+    names, values = tuple(link.row), tuple(link.row.values())
+    if linked_hash(before, link.record, names, values) != link.hash or (
+        stream_of(link.record, names, values) != link.stream or link.row.get("id") != link.record_id
+    ):
+        raise TamperedRecordError(
+            f"{_named(link).capitalize()} is not as it was written; nothing of this page was kept. "
+            "Have 'truepose verify' look through the cell's database."
+        )
+
+
+def _named(link: CollectedLink) -> str:
+    return f"record {link.record_id} of the {link.record.replace('_', ' ')} (link {link.link})"

@@ -1,0 +1,104 @@
+"""One visit to a cell: clocks, the chain from where it was left, and what is handed down.
+
+However a visit ends, what was kept of it is whole, and the next one goes on behind it.
+"""
+
+from dataclasses import dataclass, replace
+from typing import Final
+
+from truepose.plant.asking import AskedCell, CellHead
+from truepose.plant.clocks import clock_seen
+from truepose.plant.errors import CellAnswerError
+from truepose.plant.verification import verified
+from truepose.storage.errors import AnotherChainError, TamperedRecordError, UnreadableRowError
+from truepose.storage.plant.hand_downs import HandDownRepository
+from truepose.storage.plant.journal import Collected, JournalRepository
+from truepose.storage.plant.records import Branch, ClockSeen, HandDownState, Outcome, Visit
+
+_TIMES_ASKED: Final = 3  # for the time: one answer may come late
+_LINKS: Final = 500  # a page
+
+
+@dataclass(frozen=True, slots=True)
+class Shelves:
+    """What a visit writes into."""
+
+    journal: JournalRepository
+    hand_downs: HandDownRepository
+
+
+async def visit(name: str, cell: AskedCell, shelves: Shelves) -> Visit:
+    """Visit a cell and return what came of it; nothing is raised for what a cell can do wrong.
+
+    Raises StorageError where the plant itself cannot keep what it collects.
+    """
+    begun = Visit(Outcome.WHOLE)
+    try:
+        known = await shelves.journal.collected(name)
+        begun = replace(begun, head=known.head.text)
+        head, clock = await _greeted(cell, known)
+        begun = replace(begun, clock=clock, newest=head.newest, version=head.version, schema=head.schema)
+        if head.newest < known.position or head.head != known.head.text:
+            return await _another_chain(name, cell, known, shelves, begun)
+        return await _collected(name, cell, known, shelves, begun)
+    except CellAnswerError as error:
+        return await _so_far(name, shelves, begun, Outcome.UNREACHABLE, error)
+    except (TamperedRecordError, UnreadableRowError) as error:
+        return await _so_far(name, shelves, begun, Outcome.REFUSED, error)
+
+
+async def _greeted(cell: AskedCell, known: Collected) -> tuple[CellHead, ClockSeen]:
+    heads = [await cell.head(known.position) for _ in range(_TIMES_ASKED)]
+    return heads[-1], clock_seen([head.clock for head in heads])
+
+
+async def _collected(name: str, cell: AskedCell, known: Collected, shelves: Shelves, begun: Visit) -> Visit:
+    position, heads, newest = known.position, known.heads, begun.newest or 0
+    while position < newest:
+        page = await cell.links(position, _LINKS)
+        links, heads = verified(page.lines, position, heads)
+        if not links:
+            raise CellAnswerError(f"{name} has {newest} links and sends none above {position}.")
+        await shelves.journal.keep(known.branch, links, begun.clock)
+        position, newest = links[-1].link, page.newest
+    await _handed_down(name, cell, shelves.hand_downs)
+    head = Collected(known.branch, position, heads).head
+    return replace(begun, collected=position - known.position, newest=newest, head=head.text)
+
+
+async def _handed_down(name: str, cell: AskedCell, hand_downs: HandDownRepository) -> None:
+    for record in await hand_downs.waiting(name):
+        handed = await cell.hand_down(record, f"hand-down-{record.id}-{record.recorded_at}")
+        state = HandDownState.REFUSED if handed.number is None else HandDownState.DELIVERED
+        await hand_downs.note(record.id, state, handed.sentence, handed.number)
+
+
+async def _so_far(name: str, shelves: Shelves, begun: Visit, outcome: Outcome, error: Exception) -> Visit:
+    known = await shelves.journal.collected(name)
+    return replace(begun, outcome=outcome, sentence=str(error), head=known.head.text)
+
+
+async def _another_chain(
+    name: str, cell: AskedCell, known: Collected, shelves: Shelves, begun: Visit
+) -> Visit:
+    """State that a cell shows another chain, and up to where the two are one."""
+    common = await _last_in_common(
+        cell, known.branch, min(known.position, begun.newest or 0), shelves.journal
+    )
+    error = AnotherChainError(
+        f"{name} shows another chain than the one collected from it: {known.position} links were collected, "
+        f"and only the first {common} are there as they were. Where a copy was put back or a disk exchanged, "
+        "accept the other chain; else look which database the cell has open. Nothing is collected until then."
+    )
+    return replace(begun, outcome=Outcome.ANOTHER_CHAIN, sentence=str(error), fork=common)
+
+
+async def _last_in_common(cell: AskedCell, branch: Branch, most: int, journal: JournalRepository) -> int:
+    """Return the last link up to which both chains are one: the two part once and never meet again."""
+    common, parted = 0, most + 1
+    while parted - common > 1:
+        middle = (common + parted) // 2
+        there = await cell.head(middle)
+        same = there.head == (await journal.head_at(branch, middle)).text
+        common, parted = (middle, parted) if same else (common, middle)
+    return common

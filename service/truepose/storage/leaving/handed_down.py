@@ -1,0 +1,109 @@
+"""What a plant handed down to this cell, and who used it: nothing of it moves anything by itself."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from sqlalchemy import Connection, Row, func, select
+
+from truepose.storage.database import Database
+from truepose.storage.errors import NotFoundError
+from truepose.storage.parts import Part
+from truepose.storage.records import Page, RequestKey
+from truepose.storage.request_keys import once
+from truepose.storage.rows import add_row
+from truepose.storage.tables import hand_down_uses, handed_down
+
+
+@dataclass(frozen=True, slots=True)
+class NewHandedDown:
+    """A plan or a model, as a plant hands it down."""
+
+    plant: str
+    kind: str
+    name: str
+    person: str
+    document: Mapping[str, Any]
+
+
+@dataclass(frozen=True, slots=True)
+class Use:
+    """Somebody used what was handed down."""
+
+    recorded_at: str
+    person: str
+    note: str
+
+
+@dataclass(frozen=True, slots=True)
+class HandedDownRecord:
+    """What was handed down, as it was kept."""
+
+    id: int
+    recorded_at: str
+    handed_down: NewHandedDown
+    uses: tuple[Use, ...]
+
+
+class HandedDownRepository:
+    """All queries about what was handed down to this cell."""
+
+    def __init__(self, database: Database) -> None:
+        self._database = database
+
+    async def add(self, new: NewHandedDown, key: RequestKey) -> int:
+        """Keep what a plant hands down, once for each key; raises KeyReusedError."""
+        return await self._database.write_new(lambda c: once(c, key, "handed_down", lambda i: _add(i, new)))
+
+    async def get(self, number: int) -> HandedDownRecord:
+        """Return what was handed down; raises NotFoundError."""
+        return await self._database.read(lambda connection: _get(connection, number))
+
+    async def page(self, page: Page) -> Part[HandedDownRecord]:
+        """Return what was handed down, oldest first."""
+        return await self._database.read(lambda connection: _page(connection, page))
+
+    async def note_use(self, number: int, person: str, note: str) -> None:
+        """Keep who used what was handed down; raises NotFoundError."""
+
+        def work(connection: Connection) -> None:
+            _get(connection, number)
+            add_row(connection, hand_down_uses, handed_down_id=number, person=person, note=note)
+
+        await self._database.write(work)
+
+
+def _add(connection: Connection, new: NewHandedDown) -> int:
+    return add_row(
+        connection,
+        handed_down,
+        plant=new.plant,
+        kind=new.kind,
+        name=new.name,
+        person=new.person,
+        document=dict(new.document),
+    )
+
+
+def _get(connection: Connection, number: int) -> HandedDownRecord:
+    row = connection.execute(select(handed_down).where(handed_down.c.id == number)).one_or_none()
+    if row is None:
+        raise NotFoundError("hand-down", number)
+    return _record(connection, row)
+
+
+def _page(connection: Connection, page: Page) -> Part[HandedDownRecord]:
+    query = select(handed_down).where(handed_down.c.id > page.after).order_by(handed_down.c.id)
+    rows = connection.execute(query.limit(page.limit + 1)).all()
+    some = rows[: page.limit]
+    total = connection.scalar(select(func.count()).select_from(handed_down)) or 0
+    following = some[-1].id if len(rows) > len(some) else None
+    return Part(tuple(_record(connection, row) for row in some), total, following)
+
+
+def _record(connection: Connection, row: Row[Any]) -> HandedDownRecord:
+    of_it = hand_down_uses.c.handed_down_id == row.id
+    used = connection.execute(select(hand_down_uses).where(of_it).order_by(hand_down_uses.c.id))
+    uses = tuple(Use(use.recorded_at, use.person, use.note) for use in used)
+    new = NewHandedDown(row.plant, row.kind, row.name, row.person, row.document)
+    return HandedDownRecord(row.id, row.recorded_at, new, uses)

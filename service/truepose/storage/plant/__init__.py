@@ -1,0 +1,1 @@
+"""What a plant has of its cells: their journals as they came, and what can be looked up of them."""

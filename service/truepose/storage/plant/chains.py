@@ -1,0 +1,83 @@
+"""The chains of a cell: branches, how far each was collected, and the hashes that the next links rest on.
+
+A branch has the links of its parent up to where it leaves it, and then its own.
+"""
+
+from collections.abc import Mapping
+
+from sqlalchemy import Connection, func, select
+
+from truepose.storage.plant.records import Branch
+from truepose.storage.plant.tables import plant_branches, plant_cells, plant_journal
+from truepose.storage.rows import add_row
+
+
+def cell_number(connection: Connection, name: str) -> int:
+    """Return the number of a cell; one that is new is entered, with its first branch."""
+    known = connection.scalar(select(plant_cells.c.id).where(plant_cells.c.name == name))
+    if known is not None:
+        return int(known)
+    number = add_row(connection, plant_cells, name=name)
+    add_row(connection, plant_branches, cell_id=number, after_link=0, person="", reason="")
+    return number
+
+
+def newest_branch(connection: Connection, cell_id: int) -> Branch:
+    """Return the branch that a cell is collected into."""
+    rows = connection.execute(
+        select(plant_branches).where(plant_branches.c.cell_id == cell_id).order_by(plant_branches.c.id)
+    ).all()
+    by_number = {row.id: row for row in rows}
+    row, last = rows[-1], None
+    segments: list[tuple[int, int | None]] = [(row.id, None)]
+    while row.parent_id is not None:
+        last = row.after_link if last is None else min(last, row.after_link)
+        row = by_number[row.parent_id]
+        segments.append((row.id, last))
+    return Branch(rows[-1].id, cell_id, tuple(reversed(segments)))
+
+
+def add_branch(connection: Connection, branch: Branch, after_link: int, person: str, reason: str) -> None:
+    """Have a cell collected into a further branch, which shares with `branch` what is up to a link."""
+    add_row(
+        connection,
+        plant_branches,
+        cell_id=branch.cell_id,
+        parent_id=branch.id,
+        after_link=after_link,
+        person=person,
+        reason=reason,
+    )
+
+
+def position(connection: Connection, branch: Branch) -> int:
+    """Return the newest link that was collected."""
+    own = select(func.max(plant_journal.c.link)).where(plant_journal.c.branch_id == branch.id)
+    after = select(plant_branches.c.after_link).where(plant_branches.c.id == branch.id)
+    return int(connection.scalar(own) or connection.scalar(after) or 0)
+
+
+def heads(connection: Connection, branch: Branch, at: int | None = None) -> Mapping[int, bytes]:
+    """Return the newest hash of each stream, as it was at a link, by default as it is."""
+    found: dict[int, bytes] = {}
+    for number, last in branch.segments:
+        upto = min((limit for limit in (last, at) if limit is not None), default=None)
+        found |= _heads_of(connection, number, upto)
+    return found
+
+
+def _heads_of(connection: Connection, branch_id: int, upto: int | None) -> dict[int, bytes]:
+    here = plant_journal.c.branch_id == branch_id
+    wanted = here if upto is None else here & (plant_journal.c.link <= upto)
+    newest = (
+        select(plant_journal.c.stream, func.max(plant_journal.c.link).label("link"))
+        .where(wanted)
+        .group_by(plant_journal.c.stream)
+        .subquery()
+    )
+    rows = connection.execute(
+        select(plant_journal.c.stream, plant_journal.c.hash).join(
+            newest, here & (plant_journal.c.link == newest.c.link)
+        )
+    )
+    return {stream: bytes(found) for stream, found in rows}

@@ -1,0 +1,109 @@
+"""What the storage of a plant takes and hands out."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import Any
+
+
+@dataclass(frozen=True, slots=True)
+class CollectedLink:
+    """A link of a cell's chain that was verified, and its record where that left the cell."""
+
+    link: int
+    stream: int
+    record: str
+    record_id: int
+    hash: bytes
+    content: str | None = None  # of the record, as it came
+    row: Mapping[str, Any] | None = None  # the same, read
+    verified: bool = False  # False: without a row, or with a secret taken out of it
+
+
+@dataclass(frozen=True, slots=True)
+class ClockSeen:
+    """The clock of a cell against the plant's, measured in one visit."""
+
+    offset_s: float  # cell's less the plant's
+    bound_s: float  # it is known within so much
+
+
+@dataclass(frozen=True, slots=True)
+class Branch:
+    """A chain of a cell: the first one, or one that a person accepted after another was shown."""
+
+    id: int
+    cell_id: int
+    segments: tuple[tuple[int, int | None], ...]  # branch and its last link that counts; oldest first
+
+
+class Outcome(StrEnum):
+    """What came of a visit."""
+
+    WHOLE = "whole"  # all is collected
+    UNREACHABLE = "unreachable"  # the cell does not answer as one
+    REFUSED = "refused"  # a record is not that of its link
+    ANOTHER_CHAIN = "another_chain"  # nothing is collected before a person has accepted it
+
+
+@dataclass(frozen=True, slots=True)
+class Visit:
+    """One visit to a cell."""
+
+    outcome: Outcome
+    sentence: str = ""  # empty: nothing is amiss
+    collected: int = 0  # links
+    newest: int | None = None
+    head: str | None = None  # of what was collected so far
+    fork: int | None = None  # last link in common with another chain
+    clock: ClockSeen | None = None
+    version: str | None = None
+    schema: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class VisitRecord:
+    """A visit as it was kept."""
+
+    id: int
+    recorded_at: str
+    visit: Visit
+
+
+class HandDownKind(StrEnum):
+    """What can be handed down."""
+
+    PLAN = "plan"
+    MODEL = "model"
+
+
+class HandDownState(StrEnum):
+    """Where a hand-down stands."""
+
+    WAITING = "waiting"  # for the next visit
+    DELIVERED = "delivered"  # the cell has it on its disk
+    REFUSED = "refused"
+
+
+@dataclass(frozen=True, slots=True)
+class HandDown:
+    """A plan or a model for a cell."""
+
+    cell: str
+    kind: HandDownKind
+    name: str
+    person: str
+    document: Mapping[str, Any]
+
+
+@dataclass(frozen=True, slots=True)
+class HandDownRecord:
+    """A hand-down and where it stands."""
+
+    id: int
+    recorded_at: str
+    hand_down: HandDown
+    state: HandDownState
+    sentence: str
+    number_in_cell: int | None
+    state_since: str

@@ -1,0 +1,51 @@
+"""What the plant hands down to this cell: it is kept and shown, and a person uses it, or nobody does."""
+
+from fastapi import Response, status
+
+from truepose.storage.leaving.handed_down import HandedDownRepository, NewHandedDown
+from truepose.web.context import Here
+from truepose.web.leaving.schemas import HandedDownReply, HandedDownRequest, UseRequest, handed_down_reply
+from truepose.web.people.asking import Asker
+from truepose.web.problems import problems
+from truepose.web.requests.paging import Paged, listing
+from truepose.web.requests.parameters import Id, RequiredKey
+from truepose.web.resources import resource
+
+router = resource("/hand-downs", tags=["plant"])
+
+
+@router.post("", status_code=status.HTTP_201_CREATED, responses=problems(400, 404, 409, 413, 415, 422, 503))
+async def accept_hand_down(
+    here: Here, asker: Asker, response: Response, wanted: HandedDownRequest, key: RequiredKey
+) -> HandedDownReply:
+    """Keep a plan or a model that the plant hands down. Nothing is planned and nothing moves by it."""
+    plant = asker.tablet_name or asker.name
+    new = NewHandedDown(plant, wanted.kind, wanted.name, wanted.person, wanted.document)
+    kept = HandedDownRepository(here.database)
+    number = await kept.add(new, key)
+    response.headers["Location"] = f"/api/v1/hand-downs/{number}"
+    return handed_down_reply(await kept.get(number))
+
+
+@router.get("", responses=listing(422, 503))
+async def list_hand_downs(here: Here, paging: Paged) -> list[HandedDownReply]:
+    """List what the plant handed down, oldest first."""
+    return paging.shown(await HandedDownRepository(here.database).page(paging.page), handed_down_reply)
+
+
+@router.get("/{id}", responses=problems(404, 422, 503))
+async def get_hand_down(here: Here, id: Id) -> HandedDownReply:
+    """Show what was handed down: of a plan, the body that `POST /sessions` takes."""
+    return handed_down_reply(await HandedDownRepository(here.database).get(id))
+
+
+@router.post(
+    "/{id}/uses",
+    status_code=status.HTTP_201_CREATED,
+    responses=problems(400, 404, 409, 413, 415, 422, 503),
+)
+async def use_hand_down(here: Here, id: Id, wanted: UseRequest) -> HandedDownReply:
+    """Put on record that somebody used what was handed down, and for what; the plant sees it as well."""
+    kept = HandedDownRepository(here.database)
+    await kept.note_use(id, wanted.person, wanted.note)
+    return handed_down_reply(await kept.get(id))

@@ -1,0 +1,143 @@
+"""A cell with records on a real database, and a plant beside it that reaches it without a network."""
+
+import contextlib
+import dataclasses
+import shutil
+from datetime import UTC, datetime
+
+import httpx
+import pytest
+
+from tests.helpers.domain.tracker_sessions import make_plan, make_point, make_setup, point_taken
+from tests.integration.web.bench import CELL, Bench
+from truepose.app import create_app
+from truepose.domain.cell.description import DeviceEntry
+from truepose.exchange.cells.of_plant import PlantCell
+from truepose.plant.asking import AskedCell
+from truepose.plant.visit import Shelves, visit
+from truepose.settings import Settings
+from truepose.storage.database import Database
+from truepose.storage.measurement.ledger import LedgerRepository
+from truepose.storage.measurement.sessions import SessionRepository
+from truepose.storage.plant.hand_downs import HandDownRepository
+from truepose.storage.plant.journal import JournalRepository
+from truepose.storage.plant.looking import PlantLooks
+from truepose.storage.plant.visits import VisitRepository
+
+
+@pytest.fixture(scope="session")
+def empty_database(tmp_path_factory):
+    file = tmp_path_factory.mktemp("schema") / "truepose.sqlite3"
+    Database(f"sqlite:///{file}").close()
+    return file
+
+
+class Cell:
+    """A cell's service in this process."""
+
+    def __init__(self, app):
+        self.app = app
+        self.transport = httpx.ASGITransport(app)
+
+    @property
+    def database(self):
+        return self.app.state.context.database
+
+    async def measure(self, readings=3, name="first", serial="120-1", instrument="T-7"):
+        """Measure a session; returns its number."""
+        tracker = DeviceEntry("tracker", "fake_tracker", {}, serial_number=instrument)
+        setup = make_setup()
+        told = dataclasses.replace(setup.cell, robot_serial_number=serial, devices=(tracker,))
+        stored = SessionRepository(self.database)
+        number = await stored.add(name, dataclasses.replace(setup, cell=told), make_plan())
+        ledger = LedgerRepository(self.database)
+        for nest in range(1, readings + 1):
+            await ledger.append(number, point_taken(make_point(1, nest=nest)))
+        return number
+
+    async def newest(self):
+        return (await self.database.head()).links
+
+
+class Plant:
+    """The storage of a plant, and visits to cells."""
+
+    def __init__(self, url):
+        self.database = Database(url)
+        self.journal = JournalRepository(self.database)
+        self.hand_downs = HandDownRepository(self.database)
+        self.visits = VisitRepository(self.database)
+        self.looks = PlantLooks(self.database)
+
+    async def visit(self, cell, name="left arm", transport=None, wall_time=None):
+        asked = AskedCell(PlantCell(name, "http://localhost"), wall_time, transport or cell.transport)
+        await self.journal.enter(name)
+        try:
+            found = await visit(name, asked, Shelves(self.journal, self.hand_downs))
+        finally:
+            await asked.close()
+        await self.visits.keep(name, found)
+        return found
+
+    async def kept(self):
+        """Return cell, link, record and number of every line of the journal, in the order of keeping."""
+        query = "SELECT branch_id, link, record, record_id FROM plant_journal ORDER BY id"
+        return await self.database.read(lambda c: [tuple(row) for row in c.exec_driver_sql(query)])
+
+    async def position(self, name="left arm"):
+        return (await self.journal.collected(name)).position
+
+
+@pytest.fixture
+def open_cell(tmp_path, empty_database):
+    """Return what opens a cell on a database of a name."""
+
+    @contextlib.asynccontextmanager
+    async def opened(name="cell"):
+        folder = tmp_path / name
+        file = folder / "truepose.sqlite3"
+        if not folder.exists():
+            folder.mkdir()
+            shutil.copy(empty_database, file)
+            (folder / "cell.toml").write_text(CELL)
+        settings = Settings(database_url=f"sqlite:///{file}", cell_file=folder / "cell.toml")
+        app = create_app(settings, Bench().registry())
+        async with app.router.lifespan_context(app):
+            yield Cell(app)
+
+    return opened
+
+
+@pytest.fixture
+async def cell(open_cell):
+    async with open_cell() as opened:
+        yield opened
+
+
+@pytest.fixture
+def open_plant(tmp_path, empty_database):
+    """Return what opens a plant's database of a name."""
+
+    @contextlib.contextmanager
+    def opened(name="plant"):
+        file = tmp_path / f"{name}.sqlite3"
+        if not file.exists():
+            shutil.copy(empty_database, file)
+        plant = Plant(f"sqlite:///{file}")
+        try:
+            yield plant
+        finally:
+            plant.database.close()
+
+    return opened
+
+
+@pytest.fixture
+def plant(open_plant):
+    with open_plant() as opened:
+        yield opened
+
+
+@pytest.fixture
+def noon():
+    return datetime(2026, 5, 4, 12, tzinfo=UTC)
