@@ -51,6 +51,16 @@ class Settings:
         return not self.allowed_hosts and not self.proxies and _is_loopback(self.host)
 
 
+@dataclass(frozen=True, slots=True)
+class PlantSettings:
+    """What a plant's service is started with, beside what every service is."""
+
+    service: Settings
+    cells_file: Path
+    every_s: float = 30.0  # between two visits to a cell
+    name: str = "plant"
+
+
 def _is_loopback(host: str) -> bool:
     try:
         return ipaddress.ip_address(host).is_loopback

@@ -159,7 +159,7 @@ async def open_context(
         stack.push_async_callback(rack.close)
         backups = _backups(database, settings)
         lookout = Lookout(database, rack, cell, backups, lines_lost)
-        people = await stack.enter_async_context(_people(database, settings))
+        people = await stack.enter_async_context(people_of(database, settings))
         context = _context(cell, present, database, rack, simulation, perform, lookout, people)
         await context.session_desk.recover()
         await context.job_desk.mark_interrupted(_RESTARTED)
@@ -167,13 +167,22 @@ async def open_context(
         stack.push_async_callback(context.session_desk.close)
         stack.push_async_callback(context.drawing_desk.kept.close)
         stack.callback(stop_streams, context)
-        _beside(stack, Guard(database).follow(), "storage guard")
+        beside(stack, Guard(database).follow(), "storage guard")
         if backups is not None:
-            _beside(stack, backups.follow(), "copies of the database")
+            beside(stack, backups.follow(), "copies of the database")
         yield context
 
 
-def _beside(stack: contextlib.AsyncExitStack, work: Coroutine[None, None, None], name: str) -> None:
+class _Streams(Protocol):
+    """What sends streams that end with the service."""
+
+    @property
+    def database(self) -> Database: ...
+    @property
+    def stopping(self) -> asyncio.Event: ...
+
+
+def beside(stack: contextlib.AsyncExitStack, work: Coroutine[None, None, None], name: str) -> None:
     """Have work done as long as the stack is open."""
     stack.push_async_callback(_end, asyncio.create_task(work, name=name))
 
@@ -182,7 +191,8 @@ def _backups(database: Database, settings: Settings) -> BackupSchedule | None:
     return None if settings.backups is None else BackupSchedule(settings.database_url, settings.backups)
 
 
-def _people(database: Database, settings: Settings) -> contextlib.AbstractAsyncContextManager[PeopleDesk]:
+def people_of(database: Database, settings: Settings) -> contextlib.AbstractAsyncContextManager[PeopleDesk]:
+    """Return what opens everything about who asks."""
     return open_people(database, asked_for=settings.accounts, alone=settings.reached_from_here_alone)
 
 
@@ -192,7 +202,7 @@ async def _end(task: asyncio.Task[None]) -> None:
         await task
 
 
-def stop_streams(context: Context) -> None:
+def stop_streams(context: _Streams) -> None:
     """End every event stream, so that their connections can close."""
     context.stopping.set()
     context.database.wake()

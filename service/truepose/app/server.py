@@ -9,8 +9,10 @@ import signal
 import socket
 import sys
 from collections.abc import Callable, Iterator
+from contextlib import AbstractAsyncContextManager
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Final
+from typing import Final, Generic, Protocol, TypeVar
 
 import uvicorn
 
@@ -25,12 +27,15 @@ from truepose.app.service_manager import keep_telling, tell
 from truepose.domain.errors import TrueposeError
 from truepose.effects.registry import unusable_causes
 from truepose.exchange.errors import ExchangeError
+from truepose.operation.people.desk import PeopleDesk
 from truepose.settings import Settings
 from truepose.storage.connection.address import database_file
+from truepose.storage.database import Database
 from truepose.storage.people.machine import ReachedService, told_beside
-from truepose.web.application import create_application
+from truepose.web.application import Application, create_application
 from truepose.web.context import Context
 from truepose.web.door.errors import DoorError
+from truepose.web.door.hosts import AllowedHosts
 from truepose.web.door.proxies import Proxies
 from truepose.words.error_codes import code_of
 from truepose_drivers.errors import DriverError
@@ -44,7 +49,45 @@ _UNHEARD_MS: Final = 30_000  # after which a connection ends whose other side ac
 _QUEUE: Final = 4096  # connections that wait in the system to be taken up; beyond, it asks them to come again
 
 
+class Opened(Protocol):
+    """What is behind the routes of any service."""
+
+    @property
+    def database(self) -> Database:
+        """Where records are kept."""
+
+    @property
+    def people(self) -> PeopleDesk:
+        """Who asks."""
+
+    @property
+    def stopping(self) -> asyncio.Event:
+        """Set when the service ends."""
+
+
+C = TypeVar("C", bound=Opened)
+
+
+@dataclass(frozen=True, slots=True)
+class Served(Generic[C]):
+    """A service: what opens all that is behind its routes, given how many lines of the log were lost."""
+
+    opened: Callable[[Callable[[], int]], AbstractAsyncContextManager[C]]
+    application: Callable[
+        [str, Callable[[], AbstractAsyncContextManager[C]], AllowedHosts, Proxies], Application
+    ]
+
+
 def serve(settings: Settings) -> int:
+    """Serve a cell until interrupted, as `run` does."""
+
+    def opened(lines_lost: Callable[[], int]) -> AbstractAsyncContextManager[Context]:
+        return open_context(settings, lines_lost=lines_lost)
+
+    return run(settings, Served(opened, create_application))
+
+
+def run(settings: Settings, served: Served[C]) -> int:
     """Serve until interrupted and return the exit status; prints one JSON line with `url` when ready.
 
     A start that fails writes one sentence to standard error: status 2 for a cell file, a scenario, an
@@ -56,7 +99,7 @@ def serve(settings: Settings) -> int:
             logging.getLogger("alembic").setLevel(logging.WARNING)
             for sentence in unusable_causes():
                 _LOG.warning("%s", sentence)
-            asyncio.run(_serve(settings, lambda: lost.lines))
+            asyncio.run(_serve(settings, served, lambda: lost.lines))
     except KeyboardInterrupt:  # before the service was ready and took care of signals itself
         return 0
     except (ExchangeError, ScenarioRefusedError, UnsafeStartError, DoorError) as error:
@@ -79,14 +122,14 @@ def _refuse(error: Exception, status: int) -> int:
     return status
 
 
-async def _serve(settings: Settings, lines_lost: Callable[[], int]) -> None:
+async def _serve(settings: Settings, served: Served[C], lines_lost: Callable[[], int]) -> None:
     hosts, proxies = allowed_hosts(settings), Proxies(settings.proxies)
     # The port first: a service that nobody can reach must not hold the database or start a cell.
     with _listening(settings.host, settings.port) as listener:
         census = Census(Limits(connection_limit()), proxies.includes)
-        async with open_context(settings, lines_lost=lines_lost) as context, looked_after(census):
+        async with served.opened(lines_lost) as context, looked_after(census):
             config = uvicorn.Config(
-                create_application(
+                served.application(
                     program_version(), lambda: contextlib.nullcontext(context), hosts, proxies
                 ),
                 # The server calls it like the class that it wants.
@@ -179,7 +222,7 @@ def _listening(host: str, port: int) -> Iterator[socket.socket]:
         yield listener
 
 
-def _said(context: Context, url: str) -> dict[str, str]:
+def _said(context: Opened, url: str) -> dict[str, str]:
     """Return what is told when the service is ready, and how the first person enters."""
     accounts = context.people.accounts
     if not accounts.asked_for or not accounts.nobody_entered:
@@ -190,7 +233,7 @@ def _said(context: Context, url: str) -> dict[str, str]:
     return {"url": url, "first_person": link}
 
 
-def _reached(context: Context, url: str, settings: Settings) -> ReachedService:
+def _reached(context: Opened, url: str, settings: Settings) -> ReachedService:
     """Return how commands of this machine reach the service."""
     certificate = settings.tls_certificate
     shown = None if certificate is None else str(certificate.resolve())

@@ -23,6 +23,7 @@ INTERRUPTED = 130
 _COMMANDS = {
     "demo": "cells",
     "serve": "cells",
+    "plant": "plants",
     "simulate": "cells",
     "identify": "calibration.campaigns",
     "diagnose": "calibration.diagnoses",

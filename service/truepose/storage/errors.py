@@ -14,6 +14,7 @@ StorageError
 ├── StorageUnavailableError  the disk refused (full, locked, read-only, gone); also a RecordRefusedError
 │   └── DamagedDatabaseError   what is on disk is not what was written
 ├── NotFoundError            no record of that number
+│   └── NotInPlantError        no cell of that name, or nothing of that serial number
 └── ConflictError            the record does not allow that now
     ├── KeyReusedError         an Idempotency-Key came back with another request
     └── UnfitReadingError      a delivered reading is not what its series is of
@@ -86,6 +87,13 @@ class NotFoundError(StorageError):
 
     def __init__(self, what: str, number: int) -> None:
         super().__init__(f"There is no {what} {number}.")
+
+
+class NotInPlantError(NotFoundError):
+    """There is no cell of that name in a plant, or nothing of that serial number was measured there."""
+
+    def __init__(self, sentence: str) -> None:
+        Exception.__init__(self, sentence)
 
 
 class ConflictError(StorageError):

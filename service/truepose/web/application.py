@@ -1,9 +1,9 @@
 """The web application: routes, problems, limits, and an OpenAPI document that hides nothing."""
 
 import contextlib
-from collections.abc import AsyncIterator, Callable
+from collections.abc import AsyncIterator, Callable, Sequence
 from contextlib import AbstractAsyncContextManager
-from typing import Any, Final, TypeAlias
+from typing import Any, Final, Protocol, TypeAlias
 
 from fastapi import FastAPI
 from fastapi.openapi.utils import get_openapi
@@ -11,6 +11,7 @@ from starlette.middleware.gzip import DEFAULT_EXCLUDED_CONTENT_TYPES, GZipMiddle
 from starlette.routing import BaseRoute
 from starlette.types import ASGIApp
 
+from truepose.storage.database import Database
 from truepose.web import events, jobs, pages, problems
 from truepose.web.again import routes as again
 from truepose.web.calibration import (
@@ -24,7 +25,6 @@ from truepose.web.calibration import (
     spaces,
     validations,
 )
-from truepose.web.context import Context
 from truepose.web.door.hosts import AllowedHosts
 from truepose.web.door.middleware import Door
 from truepose.web.door.proxies import Proxies
@@ -61,7 +61,17 @@ from truepose.web.requests.queries import drop_null_of_parameters
 from truepose.web.tablet import routes as tablet
 
 Application: TypeAlias = FastAPI
-OpenContext: TypeAlias = Callable[[], AbstractAsyncContextManager[Context]]
+
+
+class Opened(Protocol):
+    """What is behind the routes of an application."""
+
+    @property
+    def database(self) -> Database:
+        """Where records are kept."""
+
+
+OpenContext: TypeAlias = Callable[[], AbstractAsyncContextManager[Opened]]
 _RESOURCES: Final = (
     cells,
     devices,
@@ -135,8 +145,11 @@ def create_application(
     open_context: OpenContext,
     hosts: AllowedHosts | None = None,
     proxies: Proxies | None = None,
+    routes: Sequence[BaseRoute] | None = None,
 ) -> Application:
-    """Return the application; it opens its context when it starts and closes it when it ends.
+    """Return the application of these routes, by default a cell's.
+
+    It opens its context when it starts and closes it when it ends.
 
     It answers requests for `hosts` alone; where none are given, for those of loopback. Who asks is who has
     the connection, and behind one of `proxies` whom that tells. Raises MissingRightError where nobody has
@@ -163,7 +176,7 @@ def create_application(
         redirect_slashes=False,
         strict_content_type=False,  # `RequestLimits` answers 415 with a sentence
     )
-    app.router.routes += _routes()
+    app.router.routes += _routes() if routes is None else routes
     problems.install(app)
     app.add_middleware(Lanes)
     app.add_middleware(RequestLimits)

@@ -6,7 +6,7 @@ from typing import Any, Literal, TypeAlias
 from sqlalchemy import Column, ColumnElement, Connection, Row, ScalarSelect, Table, func, select
 
 from truepose.storage.database import Database
-from truepose.storage.errors import NotFoundError
+from truepose.storage.errors import NotFoundError, NotInPlantError
 from truepose.storage.parts import Part
 from truepose.storage.plant.tables import (
     plant_branches,
@@ -84,7 +84,7 @@ class PlantLooks:
         return await self._database.read(lambda c: _part(c, plant_robots, _robots(), page, _robot))
 
     async def robot(self, serial_number: str) -> SeenRobot:
-        """Return one robot; raises UnknownSerialError."""
+        """Return one robot; raises NotInPlantError."""
         query = _robots().where(plant_robots.c.serial_number == serial_number)
         return _robot(await self._one(query, "robot", serial_number))
 
@@ -95,7 +95,7 @@ class PlantLooks:
         )
 
     async def instrument(self, serial_number: str) -> SeenInstrument:
-        """Return one instrument; raises UnknownSerialError."""
+        """Return one instrument; raises NotInPlantError."""
         query = _instruments().where(plant_instruments.c.serial_number == serial_number)
         return _instrument(await self._one(query, "instrument", serial_number))
 
@@ -131,7 +131,7 @@ class PlantLooks:
     async def _one(self, query: Any, what: str, serial_number: str) -> Row[Any]:
         row = await self._database.read(lambda connection: connection.execute(query).one_or_none())
         if row is None:
-            raise UnknownSerialError(f"No {what} {serial_number} was measured in any cell of this plant.")
+            raise NotInPlantError(f"No {what} {serial_number} was measured in any cell of this plant.")
         return row
 
     async def _life(self, condition: ColumnElement[bool], limit: int) -> list[ResultSeen]:
@@ -155,13 +155,6 @@ class PlantLooks:
             .order_by(plant_days.c.measured_on)
         )
         return await self._database.read(lambda c: [DayMeasured(*row) for row in c.execute(query)])
-
-
-class UnknownSerialError(NotFoundError):
-    """Nothing with that serial number was measured in any cell."""
-
-    def __init__(self, sentence: str) -> None:
-        Exception.__init__(self, sentence)
 
 
 def _part(connection: Connection, table: Table, query: Any, page: Page, read: Any) -> Part[Any]:

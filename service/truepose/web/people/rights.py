@@ -48,6 +48,9 @@ _BY_LEAST: Final[Mapping[Role | Anybody, str]] = {
         bring_page draft_page list_drafts get_draft get_understood
         pause_session abort_session press_button press_button_of_session
         list_hand_downs get_hand_down
+        list_plant_cells get_plant_cell list_plant_hand_downs get_plant_hand_down
+        list_seen_robots get_robot_life list_seen_instruments get_instrument_life
+        list_plant_results get_plant_record
         sign_out show_again switch_person choose_secrets account_page not_yours_page get_authority
     """,
     Role.OPERATOR: """
@@ -57,10 +60,11 @@ _BY_LEAST: Final[Mapping[Role | Anybody, str]] = {
         make_campaign upload_campaign identify_campaign validate_model diagnose_campaign diagnose_session
         start_draft add_draft_file correct_draft remove_draft_file remove_draft make_campaign_of_draft
         start_series add_readings make_draft_of_series
-        use_hand_down
+        use_hand_down plan_visit
         cancel_job claim_authority give_up_authority list_watch_links make_watch_link revoke_watch_link
     """,
     Role.METROLOGIST: """
+        accept_branch add_hand_down
         close_session correct_file give_fault end_fault audit_page list_acts download_acts
     """,
     Role.ADMINISTRATOR: """

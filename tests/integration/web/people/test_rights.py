@@ -1,5 +1,6 @@
 """Every role at every operation and every page: who may is let through, everybody else is not."""
 
+import contextlib
 import itertools
 import re
 
@@ -11,9 +12,11 @@ from truepose.domain.people.accounts import Role
 from truepose.web.people.gate import Gate
 from truepose.web.people.operations import operations_of
 from truepose.web.people.rights import LEAST, Anybody, MissingRightError, may, require_complete
+from truepose.web.plant.application import create_plant_application
 
 in_one_loop = pytest.mark.asyncio(loop_scope="module")
 OPERATIONS = operations_of(routes_alone().routes)
+OF_PLANT = operations_of(create_plant_application("test", contextlib.nullcontext).routes)
 HOST = ("host", "localhost")
 ROLES = [None, *Role]
 # What is let through is not done: what the gate passes on ends here.
@@ -119,7 +122,7 @@ def test_an_operation_that_nobody_has_judged_keeps_the_service_from_starting():
 
 
 def test_the_table_names_nothing_that_is_not_there():
-    assert LEAST.keys() - {operation.name for operation in OPERATIONS} == set()
+    assert LEAST.keys() - {operation.name for operation in (*OPERATIONS, *OF_PLANT)} == set()
 
 
 @in_one_loop

@@ -1,0 +1,66 @@
+"""Joins a plant: opens its database, its people and its collector, and closes them in reverse order."""
+
+import asyncio
+import contextlib
+from collections.abc import AsyncIterator, Callable
+
+from truepose.app.composition import beside, people_of, program_version
+from truepose.app.server import Served, run
+from truepose.exchange.cells.of_plant import read_plant_cells
+from truepose.plant.collector import Collector, Pace, collecting
+from truepose.plant.visit import Shelves
+from truepose.settings import PlantSettings
+from truepose.storage.database import Database
+from truepose.storage.integrity.guard import Guard
+from truepose.storage.plant.hand_downs import HandDownRepository
+from truepose.storage.plant.journal import JournalRepository
+from truepose.storage.plant.looking import PlantLooks
+from truepose.storage.plant.visits import VisitRepository
+from truepose.web.plant.application import create_plant_application
+from truepose.web.plant.context import Place, PlantContext
+
+
+def serve_plant(settings: PlantSettings) -> int:
+    """Serve a plant until interrupted and return the exit status, as `serve` does a cell."""
+
+    def opened(_lines_lost: Callable[[], int]) -> contextlib.AbstractAsyncContextManager[PlantContext]:
+        return open_plant(settings)
+
+    return run(settings.service, Served(opened, create_plant_application))
+
+
+@contextlib.asynccontextmanager
+async def open_plant(settings: PlantSettings) -> AsyncIterator[PlantContext]:
+    """Open the storage of a plant and visit its cells as long as the context lasts.
+
+    Raises
+    ------
+    StorageError
+        The database cannot be used, or another service has it.
+    InputFileError
+        The cells file is wrong.
+    """
+    cells = read_plant_cells(settings.cells_file)
+    async with contextlib.AsyncExitStack() as stack:
+        database = await asyncio.to_thread(Database, settings.service.database_url)
+        stack.callback(database.close)
+        people = await stack.enter_async_context(people_of(database, settings.service))
+        journal, visits = JournalRepository(database), VisitRepository(database)
+        hand_downs = HandDownRepository(database)
+        collector = Collector(cells, Shelves(journal, hand_downs), visits, Pace(settings.every_s))
+        for cell in cells:
+            await journal.enter(cell.name)
+        beside(stack, Guard(database).follow(), "storage guard")
+        await stack.enter_async_context(collecting(collector))
+        yield PlantContext(
+            version=program_version(),
+            cell=Place(settings.name),
+            database=database,
+            people=people,
+            journal=journal,
+            visits=visits,
+            hand_downs=hand_downs,
+            looks=PlantLooks(database),
+            collector=collector,
+            stopping=asyncio.Event(),
+        )

@@ -1,0 +1,30 @@
+"""The web application of a plant: the same door, gate and people as a cell's, and routes of its own."""
+
+from collections.abc import Callable
+from contextlib import AbstractAsyncContextManager
+
+from starlette.routing import BaseRoute
+
+from truepose.web.application import Application, create_application
+from truepose.web.door.hosts import AllowedHosts
+from truepose.web.door.proxies import Proxies
+from truepose.web.people import acts, people, sign_ins
+from truepose.web.plant import cells, hand_downs, health, seen
+from truepose.web.plant.context import PlantContext
+
+_RESOURCES = (cells, hand_downs, seen, sign_ins, people, acts)
+
+
+def create_plant_application(
+    version: str,
+    open_context: Callable[[], AbstractAsyncContextManager[PlantContext]],
+    hosts: AllowedHosts | None = None,
+    proxies: Proxies | None = None,
+) -> Application:
+    """Return the application of a plant, as `create_application` does a cell's."""
+    return create_application(version, open_context, hosts, proxies, _routes())
+
+
+def _routes() -> list[BaseRoute]:
+    routers = (health.router, *(resource.router for resource in _RESOURCES))
+    return [route for router in routers for route in router.routes]

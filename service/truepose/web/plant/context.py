@@ -1,0 +1,46 @@
+"""What the routes of a plant work with; made once by the composition root."""
+
+import asyncio
+from dataclasses import dataclass
+from typing import Annotated, cast
+
+from fastapi import Depends, Request
+
+from truepose.operation.people.desk import PeopleDesk
+from truepose.plant.collector import Collector
+from truepose.storage.database import Database
+from truepose.storage.plant.hand_downs import HandDownRepository
+from truepose.storage.plant.journal import JournalRepository
+from truepose.storage.plant.looking import PlantLooks
+from truepose.storage.plant.visits import VisitRepository
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """What stands at the head of every page."""
+
+    name: str
+
+
+@dataclass(frozen=True, slots=True)
+class PlantContext:
+    """Everything behind the routes of a plant."""
+
+    version: str
+    cell: Place  # pages of people are those of a cell, and name what they are of
+    database: Database
+    people: PeopleDesk
+    journal: JournalRepository
+    visits: VisitRepository
+    hand_downs: HandDownRepository
+    looks: PlantLooks
+    collector: Collector
+    stopping: asyncio.Event  # set when the service ends
+    simulated: bool = False
+
+
+def _context(request: Request) -> PlantContext:
+    return cast(PlantContext, request.app.state.context)
+
+
+PlantHere = Annotated[PlantContext, Depends(_context)]

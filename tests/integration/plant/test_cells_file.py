@@ -1,0 +1,53 @@
+"""The cells file of a plant, and what is said where it cannot be meant."""
+
+import pytest
+
+from truepose.exchange.cells.of_plant import PlantCell, read_plant_cells
+from truepose.exchange.errors import InputFileError
+
+WHOLE = """
+[[cell]]
+name = "left arm"
+url = "https://cell-3.plant:8443/"
+token_file = "left.token"
+certificate = "plant-ca.pem"
+
+[[cell]]
+name = "right arm"
+url = "http://127.0.0.1:8001"
+"""
+
+
+def test_files_that_it_names_lie_beside_it(tmp_path):
+    file = tmp_path / "cells.toml"
+    file.write_text(WHOLE)
+
+    assert read_plant_cells(file) == (
+        PlantCell(
+            "left arm", "https://cell-3.plant:8443", tmp_path / "left.token", tmp_path / "plant-ca.pem"
+        ),
+        PlantCell("right arm", "http://127.0.0.1:8001"),
+    )
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("", "key cell is missing"),
+        ('[[cell]]\nname = "a"', "key url is missing"),
+        ('[[cell]]\nname = "a"\nurl = "cell-3"', "an address is http:// or https://"),
+        ('[[cell]]\nname = "a"\nurl = "http://c/api"', "an address is http:// or https://"),
+        ('[[cell]]\nname = "a"\nurl = "http://c"\ntoken = "x"', "this key is not known here"),
+        ('cells = 1\n[[cell]]\nname = "a"\nurl = "http://c"', "this key is not known here"),
+        ('[[cell]]\nname = "a"\nurl = "http://c"\n' * 2, "two cells are called 'a'"),
+        ("[[cell]", "cells.toml"),
+    ],
+)
+def test_what_cannot_be_meant_is_said(tmp_path, text, said):
+    file = tmp_path / "cells.toml"
+    file.write_text(text)
+
+    with pytest.raises(InputFileError, match=r"cells\.toml") as raised:
+        read_plant_cells(file)
+
+    assert said in str(raised.value)

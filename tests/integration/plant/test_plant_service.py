@@ -1,0 +1,129 @@
+"""The service of a plant: what it shows of its cells, and that a cell goes on without it."""
+
+import asyncio
+
+import httpx
+import pytest
+
+from tests.helpers.web.clients import client_of
+from truepose.app.plants import open_plant
+from truepose.plant import collector
+from truepose.plant.asking import AskedCell
+from truepose.settings import PlantSettings, Settings
+from truepose.storage.plant.records import HandDownState
+from truepose.web.people.operations import operations_of
+from truepose.web.people.rights import LEAST
+from truepose.web.plant.application import create_plant_application
+
+CELLS = '[[cell]]\nname = "left arm"\nurl = "http://localhost"\n'
+
+
+@pytest.fixture
+def cells_file(tmp_path):
+    file = tmp_path / "cells.toml"
+    file.write_text(CELLS)
+    return file
+
+
+@pytest.fixture
+async def service(tmp_path, cells_file, cell, monkeypatch):
+    """A client of a plant's service that reaches the cell without a network."""
+    monkeypatch.setattr(collector, "AskedCell", lambda of: AskedCell(of, transport=cell.transport))
+    settings = Settings(database_url=f"sqlite:///{tmp_path / 'plant.sqlite3'}")
+    plant = PlantSettings(settings, cells_file, every_s=0.02)
+    app = create_plant_application("test", lambda: open_plant(plant))
+    async with app.router.lifespan_context(app), client_of(app) as client:
+        yield client
+
+
+async def until(service, path, holds):
+    async with asyncio.timeout(20):
+        while not holds(found := (await service.get(path)).json()):
+            await asyncio.sleep(0.02)
+    return found
+
+
+async def collected(service, cell):
+    """Return the cell's entry once everything there is collected."""
+    newest = await cell.newest()
+
+    def holds(found):
+        visit = found["cell"]["newest_visit"]
+        return visit is not None and (visit["head"] or "").startswith(f"{newest}-")
+
+    return await until(service, "/api/v1/plant/cells/left arm", holds)
+
+
+async def test_a_plant_shows_its_cells_robots_and_instruments(service, cell):
+    await cell.measure()
+
+    shown = await collected(service, cell)
+    robots = (await service.get("/api/v1/plant/robots")).json()
+    life = (await service.get("/api/v1/plant/robots/120-1")).json()
+    instrument = (await service.get("/api/v1/plant/instruments/T-7")).json()
+
+    assert shown["cell"]["newest_visit"]["outcome"] == "whole"
+    assert shown["cell"]["newest_visit"]["head"] == (await cell.database.head()).text
+    assert [robot["serial_number"] for robot in robots] == ["120-1"]
+    assert [(day["cell"], day["readings"]) for day in life["days"]] == [("left arm", 3)]
+    assert sum(day["readings"] for day in instrument["days"]) == 3
+
+
+async def test_a_hand_down_reaches_the_cell_and_says_so(service, cell):
+    wanted = {"cell": "left arm", "kind": "plan", "name": "monthly", "person": "Ada", "document": {"a": 1}}
+
+    asked = await service.post("/api/v1/plant/hand-downs", json=wanted)
+
+    assert (asked.status_code, asked.json()["state"]) == (201, HandDownState.WAITING)
+    told = await until(service, asked.headers["Location"], lambda found: found["state"] == "delivered")
+    there = httpx.AsyncClient(transport=cell.transport, base_url="http://localhost")
+    async with there:
+        kept = (await there.get(f"/api/v1/hand-downs/{told['number_in_cell']}")).json()
+    assert (kept["name"], kept["document"]) == ("monthly", {"a": 1})
+
+
+@pytest.mark.parametrize(
+    ("path", "status"),
+    [
+        ("/health", 200),
+        ("/api/v1/plant/cells", 200),
+        ("/api/v1/plant/cells/right arm", 404),
+        ("/api/v1/plant/robots/none", 404),
+        ("/api/v1/plant/instruments/none", 404),
+        ("/api/v1/plant/campaigns", 200),
+        ("/api/v1/plant/wishes", 422),
+        ("/api/v1/plant/campaigns/7/record", 404),
+        ("/api/v1/plant/hand-downs/7", 404),
+    ],
+)
+async def test_what_is_there_is_shown_and_what_is_not_is_said(service, path, status):
+    assert (await service.get(path)).status_code == status
+
+
+async def test_a_chain_that_is_the_one_collected_needs_no_acceptance(service, cell):
+    await cell.measure()
+    await collected(service, cell)
+
+    answer = await service.post(
+        "/api/v1/plant/cells/left arm/branches", json={"person": "Ada", "reason": "to be sure"}
+    )
+
+    assert answer.status_code == 409
+    assert "shows the chain that was collected" in answer.json()["detail"]
+
+
+async def test_a_hand_down_to_a_cell_that_nobody_knows_is_refused(service):
+    wanted = {"cell": "right arm", "kind": "plan", "name": "monthly", "person": "Ada", "document": {}}
+
+    answer = await service.post("/api/v1/plant/hand-downs", json=wanted)
+
+    assert (answer.status_code, answer.json()["detail"]) == (
+        404,
+        "There is no cell 'right arm' in the cells file of this plant.",
+    )
+
+
+def test_every_operation_of_a_plant_has_its_least_role():
+    app = create_plant_application("test", lambda: None)
+
+    assert {operation.name for operation in operations_of(app.routes)} <= LEAST.keys()

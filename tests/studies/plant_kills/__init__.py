@@ -1,0 +1,1 @@
+"""A cell with a session running and its plant, both killed at random moments."""
