@@ -26,7 +26,7 @@ def reference(name: str, target: str, *, nullable: bool = False) -> sa.Column[in
 
 def records(name: str, *columns: SchemaItem) -> sa.Table:
     """Return a table of records."""
-    return sa.Table(name, metadata, number(name), recorded(), *columns, sqlite_autoincrement=True, default=next_number(table))
+    return sa.Table(name, metadata, number(name), recorded(), *columns, sqlite_autoincrement=True)
 
 
 def records_of_sessions(name: str, *columns: SchemaItem) -> sa.Table:
