@@ -96,7 +96,8 @@ def run(settings: Settings, served: Served[C]) -> int:
     try:
         require_safe(settings)
         with logged(log_file(settings), settings.log_level.upper()) as lost:
-            logging.getLogger("alembic").setLevel(logging.WARNING)
+            for loud in ("alembic", "httpx"):  # one line for every request to a cell
+                logging.getLogger(loud).setLevel(logging.WARNING)
             for sentence in unusable_causes():
                 _LOG.warning("%s", sentence)
             asyncio.run(_serve(settings, served, lambda: lost.lines))
