@@ -1,7 +1,9 @@
 """What pages and programs ask a plant for: robots, instruments, results, each by an index."""
 
+from collections import Counter
+from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Any, Literal, TypeAlias
+from typing import Any, Final, Literal, TypeAlias
 
 from sqlalchemy import Column, ColumnElement, Connection, Row, ScalarSelect, Table, func, select
 
@@ -21,6 +23,8 @@ from truepose.storage.records import Page
 ResultKind: TypeAlias = Literal[
     "campaign", "identification", "diagnosis", "validation", "model", "correction", "report", "closing"
 ]
+
+_MOST_DAYS: Final = 1000  # rows, newest first
 
 
 @dataclass(frozen=True, slots=True)
@@ -121,11 +125,11 @@ class PlantLooks:
         return await self._life(plant_results.c.instrument_serial_number == serial_number, limit)
 
     async def days_of_robot(self, serial_number: str) -> list[DayMeasured]:
-        """Return how much was measured of a robot on which day, oldest first."""
+        """Return how much was measured of a robot on which of its latest days, oldest first."""
         return await self._days(plant_days.c.robot_serial_number == serial_number)
 
     async def days_of_instrument(self, serial_number: str) -> list[DayMeasured]:
-        """Return how much was measured with an instrument on which day, oldest first."""
+        """Return how much was measured with an instrument on which of its latest days, oldest first."""
         return await self._days(plant_days.c.instrument_serial_number == serial_number)
 
     async def _one(self, query: Any, what: str, serial_number: str) -> Row[Any]:
@@ -145,16 +149,29 @@ class PlantLooks:
             plant_days.c.measured_on,
             plant_days.c.robot_serial_number,
             plant_days.c.instrument_serial_number,
+            plant_days.c.readings,
         )
         query = (
-            select(*columns, func.sum(plant_days.c.readings))
+            select(*columns)
             .join(plant_branches, plant_branches.c.id == plant_days.c.branch_id)
             .join(plant_cells, plant_cells.c.id == plant_branches.c.cell_id)
             .where(condition)
-            .group_by(*columns)
-            .order_by(plant_days.c.measured_on)
+            .order_by(plant_days.c.measured_on.desc())
+            .limit(_MOST_DAYS)
         )
-        return await self._database.read(lambda c: [DayMeasured(*row) for row in c.execute(query)])
+        rows = await self._database.read(lambda connection: connection.execute(query).all())
+        return _summed(rows)
+
+
+def _summed(rows: Iterable[Any]) -> list[DayMeasured]:
+    """Return days with all their readings: a day of a session may lie in several pages of a chain."""
+    readings: Counter[tuple[str, str, str, str]] = Counter()
+    for cell, day, robot, instrument, count in rows:
+        readings[day, cell, robot, instrument] += count
+    return [
+        DayMeasured(cell, day, robot, instrument, count)
+        for (day, cell, robot, instrument), count in sorted(readings.items())
+    ]
 
 
 def _part(connection: Connection, table: Table, query: Any, page: Page, read: Any) -> Part[Any]:
