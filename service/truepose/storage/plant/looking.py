@@ -116,11 +116,11 @@ class PlantLooks:
             raise NotFoundError("result", number)
         return _result(row)
 
-    async def life_of_robot(self, serial_number: str, limit: int = 1000) -> list[ResultSeen]:
+    async def life_of_robot(self, serial_number: str, limit: int = 500) -> list[ResultSeen]:
         """Return what was measured and made of a robot, newest day first."""
         return await self._life(plant_results.c.robot_serial_number == serial_number, limit)
 
-    async def life_of_instrument(self, serial_number: str, limit: int = 1000) -> list[ResultSeen]:
+    async def life_of_instrument(self, serial_number: str, limit: int = 500) -> list[ResultSeen]:
         """Return what was measured with an instrument, newest day first."""
         return await self._life(plant_results.c.instrument_serial_number == serial_number, limit)
 
