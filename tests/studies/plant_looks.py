@@ -18,7 +18,9 @@ from sqlalchemy import Connection, Table, insert
 from tests.studies.running import from_command_line
 from truepose.storage.database import Database
 from truepose.storage.plant.looking import PlantLooks
-from truepose.storage.plant.tables import (
+from truepose.storage.plant.visits import VisitRepository
+from truepose.storage.records import Page
+from truepose.storage.tables.of_plants import (
     plant_branches,
     plant_cells,
     plant_days,
@@ -27,8 +29,6 @@ from truepose.storage.plant.tables import (
     plant_results,
     plant_robots,
 )
-from truepose.storage.plant.visits import VisitRepository
-from truepose.storage.records import Page
 
 _CELLS: Final = 40
 _INSTRUMENTS: Final = 3

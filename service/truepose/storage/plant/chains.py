@@ -8,8 +8,8 @@ from collections.abc import Mapping
 from sqlalchemy import Connection, func, select
 
 from truepose.storage.plant.records import Branch
-from truepose.storage.plant.tables import plant_branches, plant_cells, plant_journal
 from truepose.storage.rows import add_row
+from truepose.storage.tables.of_plants import plant_branches, plant_cells, plant_journal
 
 
 def cell_number(connection: Connection, name: str) -> int:

@@ -9,10 +9,10 @@ from truepose.storage.errors import NotFoundError
 from truepose.storage.parts import Part
 from truepose.storage.plant.chains import cell_number
 from truepose.storage.plant.records import HandDown, HandDownKind, HandDownRecord, HandDownState
-from truepose.storage.plant.tables import plant_cells, plant_hand_down_states, plant_hand_downs
 from truepose.storage.records import Page, RequestKey
 from truepose.storage.request_keys import once
 from truepose.storage.rows import add_row
+from truepose.storage.tables.of_plants import plant_cells, plant_hand_down_states, plant_hand_downs
 
 
 class HandDownRepository:

@@ -15,9 +15,9 @@ from truepose.storage.integrity.head import Head, head_of
 from truepose.storage.plant.chains import add_branch, cell_number, heads, newest_branch, position
 from truepose.storage.plant.projections import project
 from truepose.storage.plant.records import Branch, ClockSeen, CollectedLink, Outcome
-from truepose.storage.plant.tables import plant_journal
 from truepose.storage.plant.visits import newest_visit
 from truepose.storage.rows import add_row
+from truepose.storage.tables.of_plants import plant_journal
 
 
 @dataclass(frozen=True, slots=True)

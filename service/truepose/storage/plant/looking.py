@@ -10,7 +10,8 @@ from sqlalchemy import Column, ColumnElement, Connection, Row, ScalarSelect, Tab
 from truepose.storage.database import Database
 from truepose.storage.errors import NotFoundError, NotInPlantError
 from truepose.storage.parts import Part
-from truepose.storage.plant.tables import (
+from truepose.storage.records import Page
+from truepose.storage.tables.of_plants import (
     plant_branches,
     plant_cells,
     plant_days,
@@ -18,7 +19,6 @@ from truepose.storage.plant.tables import (
     plant_results,
     plant_robots,
 )
-from truepose.storage.records import Page
 
 ResultKind: TypeAlias = Literal[
     "campaign", "identification", "diagnosis", "validation", "model", "correction", "report", "closing"

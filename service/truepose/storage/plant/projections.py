@@ -14,14 +14,14 @@ from typing import Any, Final, TypeAlias
 from sqlalchemy import Column, Connection, Row, Table, select
 
 from truepose.storage.plant.records import Branch, ClockSeen, CollectedLink
-from truepose.storage.plant.tables import (
+from truepose.storage.rows import add_row
+from truepose.storage.tables.of_plants import (
     plant_days,
     plant_instruments,
     plant_results,
     plant_robots,
     plant_sessions,
 )
-from truepose.storage.rows import add_row
 
 Document: TypeAlias = Mapping[str, Any]
 _LOG: Final = logging.getLogger(__name__)

@@ -8,8 +8,8 @@ from sqlalchemy import Connection, Row, func, select
 from truepose.storage.database import Database
 from truepose.storage.plant.chains import cell_number
 from truepose.storage.plant.records import ClockSeen, Outcome, Visit, VisitRecord
-from truepose.storage.plant.tables import plant_cells, plant_visits
 from truepose.storage.rows import add_row
+from truepose.storage.tables.of_plants import plant_cells, plant_visits
 
 _AT_LEAST_EVERY: Final = timedelta(hours=1)
 

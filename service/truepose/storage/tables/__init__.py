@@ -7,13 +7,13 @@ record becomes is a further row. Times of day are UTC in ISO 8601; `time_s` is t
 import sqlalchemy as sa
 
 from truepose.storage.column_types import BYTES, DOCUMENT, REAL, TEXT, WHOLE
-from truepose.storage.plant import tables as of_plants
-from truepose.storage.table_forms import metadata as metadata
-from truepose.storage.table_forms import number as _number
-from truepose.storage.table_forms import recorded as _recorded
-from truepose.storage.table_forms import records as _records
-from truepose.storage.table_forms import records_of_sessions as _records_of_sessions
-from truepose.storage.table_forms import reference as _reference
+from truepose.storage.tables import of_plants
+from truepose.storage.tables.forms import metadata as metadata
+from truepose.storage.tables.forms import number as _number
+from truepose.storage.tables.forms import recorded as _recorded
+from truepose.storage.tables.forms import records as _records
+from truepose.storage.tables.forms import records_of_sessions as _records_of_sessions
+from truepose.storage.tables.forms import reference as _reference
 
 sessions = _records(
     "sessions",

@@ -3,7 +3,7 @@
 import sqlalchemy as sa
 
 from truepose.storage.column_types import BYTES, DOCUMENT, REAL, TEXT, WHOLE
-from truepose.storage.table_forms import records, reference
+from truepose.storage.tables.forms import records, reference
 
 plant_cells = records("plant_cells", sa.Column("name", TEXT, nullable=False, unique=True))
 
