@@ -6,7 +6,7 @@ import time
 
 import httpx
 import pytest
-from playwright.sync_api import sync_playwright
+from playwright.sync_api import expect, sync_playwright
 
 from tests.browser.windows import Windows, without_complaint
 from tests.helpers.machine import CHROMIUM
@@ -19,6 +19,7 @@ from truepose.settings import Settings
 # The bare shell of the browser paints the same pages for a third of the work.
 _NAMES = ("chromium-headless-shell", "chromium", "chromium-browser", "google-chrome")
 _PATIENCE_S = 20.0
+expect.set_options(timeout=1000.0 * _PATIENCE_S)  # of 5 s by itself, which a page on a busy machine may take
 
 
 class Diagnostician:
