@@ -12,7 +12,6 @@ from contextlib import closing
 from pathlib import Path
 from typing import Any, Final
 
-from truepose.storage.backup.copying import copy_database
 from truepose.storage.backup.drafts import copy_drafts, restore_drafts
 from truepose.storage.connection.address import database_file, is_server, parsed_url, shown_address
 from truepose.storage.connection.engines import holding
@@ -20,6 +19,8 @@ from truepose.storage.connection.filling import fill_in, renumber
 from truepose.storage.connection.holding import Holding
 from truepose.storage.connection.reading import locked_for_reading, opened_at, refused_by
 from truepose.storage.connection.schema import newest_revision
+from truepose.storage.connection.sqlite.connections import opened_file
+from truepose.storage.connection.sqlite.library import LIBRARY
 from truepose.storage.errors import BackupError, DatabaseAddressError, DatabaseUsedError, NewerSchemaError
 from truepose.storage.integrity.chain import ROWID, numbered
 from truepose.storage.integrity.condition import Condition
@@ -156,7 +157,8 @@ def _newest(url: str) -> Iterator[str]:
         )
     with tempfile.TemporaryDirectory(prefix="truepose-") as folder:
         copy = Path(folder) / "copy.sqlite3"
-        copy_database(database_file(url), copy, lambda share: None)
+        with closing(opened_file(database_file(url))) as older, closing(LIBRARY.connect(copy)) as written:
+            older.backup(written)
         held = holding(f"sqlite:///{copy}", Condition(), contextlib.nullcontext)
         held.open()
         held.close()

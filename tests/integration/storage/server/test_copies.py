@@ -11,6 +11,7 @@ from contextlib import closing
 import pytest
 
 from tests.helpers.domain.tracker_sessions import make_plan, make_point, make_setup, point_taken
+from truepose.demo.night.earlier import earlier_schemas, write_earlier
 from truepose.storage.backup import transfer as transferring
 from truepose.storage.backup.addressed import back_up_at, restore_at
 from truepose.storage.backup.transfer import transfer
@@ -110,6 +111,22 @@ class _Stopped:
         from datetime import datetime
 
         return datetime(2026, 3, 3, 10, tzinfo=zone)
+
+
+@pytest.mark.parametrize("schema", [earlier_schemas()[0], earlier_schemas()[-1]])
+def test_a_file_of_an_earlier_version_arrives_in_the_newest_schema_and_stays_as_it_is(
+    schema, database_url, tmp_path
+):
+    file = tmp_path / "earlier.sqlite3"
+    write_earlier(schema, file)
+    before = file.read_bytes()
+
+    head, _ = transfer(f"sqlite:///{file}", database_url)
+
+    assert file.read_bytes() == before
+    verdict = verify_left_at(database_url)
+    assert (verdict.findings, verdict.head) == ((), head)
+    assert len(everything(database_url)["readings"]) > 150
 
 
 async def test_a_service_goes_on_where_the_other_engine_ended(file, database_url):
