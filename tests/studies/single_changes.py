@@ -17,6 +17,7 @@ import sqlalchemy as sa
 
 from tests.helpers.domain.tracker_sessions import make_setup
 from tests.studies.running import from_command_line
+from truepose.storage.column_types import Real
 from truepose.storage.connection.sqlite.library import LIBRARY
 from truepose.storage.database import Database
 from truepose.storage.documents import to_document
@@ -44,7 +45,7 @@ def _value(column, n):
         return to_document(make_setup())
     kinds = {
         sa.Integer: n + 1,
-        sa.Float: n + 0.5,
+        Real: n + 0.5,
         sa.JSON: {"value": n + 0.25, "text": f"of {n}"},
         sa.LargeBinary: bytes([n]) * 9,
     }
