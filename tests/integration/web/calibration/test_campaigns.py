@@ -11,7 +11,7 @@ import pytest
 
 from tests.helpers.domain.builders import make_campaign
 from tests.integration.web.bench import session_request
-from tests.integration.web.leaving import LeavingClient, Waiting
+from tests.integration.web.leaving_clients import LeavingClient, Waiting
 from truepose.analysis.workers.tasks import stored_campaign
 from truepose.analysis.workers.uploads import Uploads
 from truepose.exchange.campaigns.zip_file import read_campaign_zip, write_campaign_zip

@@ -7,7 +7,7 @@ import pytest
 from tests.helpers.web.clients import served
 from tests.integration.web.ballbar_bench import PLACEMENT, SESSIONS, WANTED, Tablet, with_ballbar
 from tests.integration.web.bench import Bench, session_request
-from tests.integration.web.leaving import LeavingClient, Waiting
+from tests.integration.web.leaving_clients import LeavingClient, Waiting
 
 
 @pytest.fixture
