@@ -86,6 +86,11 @@ async def test_a_hand_down_reaches_the_cell_and_says_so(service, cell):
     ("path", "status"),
     [
         ("/health", 200),
+        ("/sign-in", 200),
+        ("/people", 200),
+        ("/audit", 200),
+        ("/static/look.css", 200),
+        ("/docs", 200),
         ("/api/v1/plant/cells", 200),
         ("/api/v1/plant/cells/right arm", 404),
         ("/api/v1/plant/robots/none", 404),
@@ -127,3 +132,18 @@ def test_every_operation_of_a_plant_has_its_least_role():
     app = create_plant_application("test", lambda: None)
 
     assert {operation.name for operation in operations_of(app.routes)} <= LEAST.keys()
+
+
+async def test_the_first_person_of_a_plant_enters_by_the_link_that_it_prints(tmp_path, cells_file):
+    settings = Settings(database_url=f"sqlite:///{tmp_path / 'peopled.sqlite3'}", host="0.0.0.0")
+    app = create_plant_application("test", lambda: open_plant(PlantSettings(settings, cells_file)))
+    async with app.router.lifespan_context(app), client_of(app) as client:
+        secret = app.state.context.people.accounts.first_secret
+        page = await client.get(f"/first-person/{secret}")
+        entered = await client.post(
+            "/api/v1/first-person",
+            json={"secret": secret, "name": "Ada Byron", "password": "on the looms of Lyon"},
+        )
+        cells = await client.get("/api/v1/plant/cells")
+
+    assert (page.status_code, entered.status_code, cells.status_code) == (200, 201, 200)

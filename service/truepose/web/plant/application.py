@@ -8,10 +8,14 @@ from starlette.routing import BaseRoute
 from truepose.web.application import Application, create_application
 from truepose.web.door.hosts import AllowedHosts
 from truepose.web.door.proxies import Proxies
+from truepose.web.pages import router as pages
 from truepose.web.people import acts, people, sign_ins
+from truepose.web.people.pages import router as pages_of_people
 from truepose.web.plant import cells, hand_downs, health, seen
 from truepose.web.plant.context import PlantContext
 
+# What pages of people are made of; a plant has no cell to show.
+_OF_PAGES = frozenset({"static_file", "report_style", "colours", "package_file", "api_page"})
 _RESOURCES = (cells, hand_downs, seen, sign_ins, people, acts)
 
 
@@ -26,5 +30,6 @@ def create_plant_application(
 
 
 def _routes() -> list[BaseRoute]:
-    routers = (health.router, *(resource.router for resource in _RESOURCES))
-    return [route for router in routers for route in router.routes]
+    routers = (health.router, *(resource.router for resource in _RESOURCES), pages_of_people)
+    shared = [route for route in pages.routes if getattr(route, "name", "") in _OF_PAGES]
+    return [*(route for router in routers for route in router.routes), *shared]
