@@ -3,6 +3,7 @@
 import sqlalchemy as sa
 from alembic import op
 
+from truepose.storage.column_types import DOCUMENT, TEXT, WHOLE
 from truepose.storage.migrations.append_only import drop_protected, protect
 from truepose.storage.migrations.chain import chain_anew, chained_tables
 from truepose.storage.migrations.columns import number, recorded, reference
@@ -22,8 +23,8 @@ def upgrade() -> None:
         "series",
         number(),
         recorded(),
-        sa.Column("name", sa.Text, nullable=False),
-        sa.Column("columns", sa.JSON, nullable=False),
+        sa.Column("name", TEXT, nullable=False),
+        sa.Column("columns", DOCUMENT, nullable=False),
         sqlite_autoincrement=True,
     )
     op.create_table(
@@ -31,9 +32,9 @@ def upgrade() -> None:
         number(),
         recorded(),
         reference("series_id", "series"),
-        sa.Column("first", sa.Integer, nullable=False),
-        sa.Column("count", sa.Integer, nullable=False),
-        sa.Column("document", sa.JSON, nullable=False),
+        sa.Column("first", WHOLE, nullable=False),
+        sa.Column("count", WHOLE, nullable=False),
+        sa.Column("document", DOCUMENT, nullable=False),
         sa.UniqueConstraint("series_id", "first"),
         sqlite_autoincrement=True,
     )

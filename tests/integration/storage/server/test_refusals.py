@@ -307,3 +307,15 @@ def _killed_after_migrating():
         return newest()
 
     return killed
+
+
+def test_every_text_of_a_server_is_compared_byte_by_byte_and_every_whole_number_has_64_bits(database, server):
+    name = database.held.url.split("/")[3].split("?")[0]
+    with server.connect(name) as other:
+        found = other.execute(
+            "SELECT table_name, column_name, data_type, collation_name FROM information_schema.columns "
+            "WHERE table_schema = 'public' AND table_name <> 'alembic_version' AND (data_type = 'integer' "
+            "OR data_type = 'text' AND collation_name IS DISTINCT FROM 'C' OR data_type = 'jsonb')"
+        ).fetchall()
+
+    assert found == []
