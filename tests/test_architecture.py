@@ -10,7 +10,11 @@ from collections import Counter
 from importlib.metadata import entry_points
 from pathlib import Path
 
+import grimp
+import numpy as np
 import pytest
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 
 from truepose.web.application import create_application
 
@@ -89,6 +93,21 @@ def test_the_import_contracts_hold():
     )
 
     assert checked.returncode == 0, checked.stdout + checked.stderr
+
+
+@pytest.mark.parametrize("package", ["truepose", "truepose_drivers", "truepose_simulators"])
+def test_no_two_modules_lead_to_each_other(package):
+    """Imports inside functions and for types alone count: whoever reads one module must read the other."""
+    graph = grimp.build_graph(package, cache_dir=None)
+    number = {module: at for at, module in enumerate(sorted(graph.modules))}
+    pairs = [(number[a], number[b]) for a in number for b in graph.find_modules_directly_imported_by(a)]
+
+    rows, columns = np.array(pairs).T
+    imports = coo_array((np.ones(len(pairs)), (rows, columns)), shape=(len(number), len(number)))
+    circles, circle = connected_components(imports, connection="strong")
+
+    led = [module for module, at in number.items() if np.sum(circle == circle[at]) > 1]
+    assert (circles, led) == (len(number), [])
 
 
 def test_every_module_stays_below_its_limit():

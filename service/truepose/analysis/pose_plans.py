@@ -1,10 +1,11 @@
 """A test of ISO 9283 as the plan of a session in a cell."""
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 import numpy as np
 
+from truepose.analysis.pose_requests import PoseRequest
 from truepose.analysis.usual_poses import Wish, usual_poses
 from truepose.domain.arrays import FloatArray
 from truepose.domain.cell.description import Cell, Vector
@@ -17,14 +18,11 @@ from truepose.judgement.iso9283.plan import Cube, PosePlan, plan_poses
 from truepose.kinematics.frames import rotation_from_quaternion
 from truepose.planning.work_volume.cell_space import space_of_cell
 
-if TYPE_CHECKING:
-    from truepose.analysis.workers.tasks import PosePlanTask
-
 _SHORTEST: Final = 1e-3  # of a quaternion; rounded ones are of length 1 to the third digit
 _DOWN: Final = (0.0, 1.0, 0.0, 0.0)  # the tool looks at the floor
 
 
-def plan_pose_session(wanted: "PosePlanTask") -> SessionPlan:
+def plan_pose_session(wanted: PoseRequest) -> SessionPlan:
     """Return the cycles; raises ConfigurationError where nest or poses cannot be had."""
     if wanted.centre_mm is not None and wanted.edge_mm is not None:
         plan, nest = _stated(wanted, Cube(wanted.centre_mm, wanted.edge_mm, wanted.plane))
@@ -41,7 +39,7 @@ def plan_pose_session(wanted: "PosePlanTask") -> SessionPlan:
     )
 
 
-def _session(wanted: "PosePlanTask", plan: PosePlan, nest: int) -> SessionPlan:
+def _session(wanted: PoseRequest, plan: PosePlan, nest: int) -> SessionPlan:
     match wanted.test:
         case "poses":
             return plan.session(nest, wanted.cycles)
@@ -53,13 +51,13 @@ def _session(wanted: "PosePlanTask", plan: PosePlan, nest: int) -> SessionPlan:
             return drift_session(plan, nest, wanted.hours)
 
 
-def _stated(wanted: "PosePlanTask", cube: Cube) -> tuple[PosePlan, int]:
+def _stated(wanted: PoseRequest, cube: Cube) -> tuple[PosePlan, int]:
     cell, nest = wanted.setup.cell, wanted.nest or 1
     rotation = _rotation(np.array(wanted.quaternion or _DOWN))
     return plan_poses(_within_limits(cell), cube, rotation, _centre_mm(cell, nest)), nest
 
 
-def _usual(wanted: "PosePlanTask") -> tuple[PosePlan, int]:
+def _usual(wanted: PoseRequest) -> tuple[PosePlan, int]:
     cell = wanted.setup.cell
     if wanted.nest is not None:
         _centre_mm(cell, wanted.nest)

@@ -1,61 +1,31 @@
 """What tells one kind of session from another, as far as the desk is concerned."""
 
-import asyncio
 from abc import ABC, abstractmethod
-from typing import TYPE_CHECKING, Any, Final, Generic, TypeVar, cast
+from typing import Any, Generic, TypeVar
 
-from truepose.domain.errors import RecordRefusedError, TrueposeError
-from truepose.domain.measurement.ledger import Control
-from truepose.domain.measurement.session import SessionState
-from truepose.sequencing.engine.acts import Act, ActName
+from truepose.domain.errors import TrueposeError
+from truepose.sequencing.engine.acts import Act
 from truepose.sequencing.engine.runner import SessionRunner
-from truepose.sequencing.engine.states import after_restart, words
-from truepose.sequencing.errors import NotNowError
 from truepose.storage.errors import NotFoundError
 from truepose.storage.measurement.ledger import SessionLedger
-from truepose.storage.records import ActAnswer, RequestKey, SessionRecord, SessionSetup
-
-if TYPE_CHECKING:
-    from truepose.operation.sessions import SessionDesk
+from truepose.storage.records import SessionRecord, SessionSetup
 
 R = TypeVar("R", bound=SessionRunner[Any])
-_TAKES_UP: Final = {
-    SessionState.PLANNED: ActName.START,
-    SessionState.AWAITING_CONFIRMATION: ActName.CONFIRM,
-}
-_RESTARTED: Final = "The service was restarted during the session; look at the cell, then confirm."
-_STOPPED: Final = "The service was stopped during the session; look at the cell, then confirm."
 
 
 class SessionKind(ABC, Generic[R]):
-    """Sessions of one kind behind the desk."""
+    """What the desk asks of the sessions of one kind."""
 
     roles: frozenset[str]  # of the sessions of this kind
     called: str  # one of them, in a sentence
-
-    def __init__(self, desk: "SessionDesk") -> None:
-        self.desk = desk
-        desk.serve(self)
-
-    def running(self, session_id: int) -> R | None:
-        """Return what runs a session of this kind; None where nobody does."""
-        found = self.desk.under_way(session_id)
-        return cast(R, found.runner) if found is not None and found.kind is self else None
-
-    async def act(self, session_id: int, act: Act, key: RequestKey | None = None) -> ActAnswer:
-        """Do what a person asks of a session of this kind; see `SessionDesk.act`."""
-        return await self.desk.act(self, session_id, act, key)
 
     def owns(self, record: SessionRecord) -> bool:
         """Whether a session is of this kind."""
         return record.role in self.roles
 
+    @abstractmethod
     async def get(self, session_id: int) -> SessionRecord:
         """Return a session of this kind; raises NotFoundError, or what says that it is of another."""
-        record = await self.desk.sessions.get(session_id)
-        if not self.owns(record):
-            raise self.of_another_kind(record)
-        return record
 
     def of_another_kind(self, record: SessionRecord) -> TrueposeError:
         """Return what is raised of a session of another kind."""
@@ -84,50 +54,3 @@ class SessionKind(ABC, Generic[R]):
 
     async def leave(self, record: SessionRecord) -> None:
         """Put on record that the service ends while a session is under way."""
-
-
-class AskedSessionKind(SessionKind[R]):
-    """Sessions that nobody stands beside: started, they ask; after a restart they wait for an answer."""
-
-    async def start(self, session_id: int) -> str:
-        """Start a planned session and return what a person is asked before anything moves.
-
-        Raises NotFoundError, NotNowError, DeviceInUseError, MissingDeviceError, PlanRefusedError,
-        CellChangedError.
-        """
-        await self.desk.present.require_unchanged()
-        async with self.desk.turn:
-            record = await self.get(session_id)
-            if record.state is not SessionState.PLANNED:
-                raise NotNowError(
-                    f"Session {session_id} is {words(record.state)}; only a planned one starts."
-                )
-            return (await self.desk.start(self, record)).runner.question or ""
-
-    def require_startable(self, record: SessionRecord, act: Act) -> None:
-        """Raise NotNowError unless a planned one is started, or confirmed what an earlier service left."""
-        if _TAKES_UP.get(record.state) is not act.name:
-            raise NotNowError(f"Session {record.id} is {words(record.state)}; nothing of it is under way.")
-
-    async def begun(self, session_id: int, runner: R) -> None:
-        """Wait for the question; raises RecordRefusedError where it cannot be put on record."""
-        # The question comes first, the state that it puts the session in once the journal has it.
-        while self.running(session_id) is runner and (
-            runner.question is None or runner.state is SessionState.PLANNED
-        ):
-            if runner.trouble is not None:
-                raise RecordRefusedError(f"Session {session_id} was not started. {runner.trouble}")
-            await asyncio.sleep(0.001)
-
-    async def recover(self, record: SessionRecord) -> None:
-        """Have a session await a person's confirmation, which takes it up."""
-        await self._enter_after_restart(record, _RESTARTED)
-
-    async def leave(self, record: SessionRecord) -> None:
-        """Have a session await a person's confirmation of the next service."""
-        await self._enter_after_restart(record, _STOPPED)
-
-    async def _enter_after_restart(self, record: SessionRecord, reason: str) -> None:
-        state = after_restart(record.state)
-        if state is not record.state:
-            await self.desk.enter(record.id, state, reason, control=Control.RESTARTED)

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 from truepose.analysis.ballbar.assembly import Counting
 from truepose.analysis.errors import NothingMeasuredError
+from truepose.analysis.pose_requests import PoseRequest
 from truepose.analysis.workers.bringing import BroughtRead, ReadBroughtTask
 from truepose.analysis.workers.correcting import CheckFileTask, CorrectFileTask, FileChecked, FileCorrected
 from truepose.analysis.workers.drawing import DrawTask
@@ -27,7 +28,6 @@ from truepose.storage.columns import is_packed, pack, unpack
 from truepose.storage.records import CampaignSummary, SessionSetup
 
 if TYPE_CHECKING:
-    from truepose.judgement.iso9283.plan import Plane, PoseTestKind
     from truepose.planning.contacts.wish import ContactWish
 
 Report: TypeAlias = Callable[[float, str], None]  # fraction from 0 to 1, what is being done
@@ -142,20 +142,8 @@ class CirclePlanTask:
 
 
 @dataclass(frozen=True, slots=True)
-class PosePlanTask:
+class PosePlanTask(PoseRequest):
     """Plan the five poses of ISO 9283 and their cycles."""
-
-    setup: SessionSetup
-    template: SessionPlan  # role, speeds and limits
-    centre_mm: tuple[float, float, float] | None  # of the cube, in the base; None with the edge: chosen
-    edge_mm: float | None
-    plane: "Plane"
-    quaternion: tuple[float, float, float, float] | None  # w first, of the last frame in the base
-    nest: int | None
-    cycles: int
-    test: "PoseTestKind" = "poses"
-    approach_mm: float = 50.0  # of `directions`
-    hours: float = 8.0  # of `drift`
 
     @property
     def asked(self) -> dict[str, Any]:

@@ -17,7 +17,7 @@ from truepose.operation.ballbar.plans import BallbarWish, judged, kit_of
 from truepose.operation.ballbar.view import BallbarView, Fixed, sight_of
 from truepose.operation.followers import change
 from truepose.operation.requests_under_way import RequestsUnderWay
-from truepose.operation.session_kind import SessionKind
+from truepose.operation.served_kind import ServedKind
 from truepose.operation.sessions import SessionDesk
 from truepose.sequencing.ballbar.cell import BallbarCell
 from truepose.sequencing.ballbar.plan.dry_run import check_plan
@@ -42,7 +42,7 @@ ChoosePoses: TypeAlias = Callable[[SessionSetup, BallbarWish], Awaitable[Ballbar
 MakeRunner: TypeAlias = Callable[..., BallbarRunner]
 
 
-class BallbarSessions(SessionKind[BallbarRunner]):
+class BallbarSessions(ServedKind[BallbarRunner]):
     """Sessions in which a person in the cell connects the ballbar."""
 
     roles = frozenset({"ballbar"})

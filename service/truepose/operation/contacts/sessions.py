@@ -13,7 +13,7 @@ from truepose.domain.measurement.campaign import Campaign
 from truepose.domain.measurement.contacts import ContactPlan, ContactTaken
 from truepose.operation.ballbar.bar_put_away import require_ballbar_aside
 from truepose.operation.errors import MissingDeviceError
-from truepose.operation.session_kind import AskedSessionKind
+from truepose.operation.served_kind import AskedSessionKind
 from truepose.planning.contacts.plan import plan_of
 from truepose.planning.contacts.wish import ContactWish
 from truepose.planning.errors import PlanningError

@@ -9,7 +9,7 @@ from truepose.domain.cell.description import Cell
 from truepose.domain.measurement.ledger import LedgerEntry
 from truepose.domain.measurement.session import SessionPlan
 from truepose.operation.ballbar.bar_put_away import require_ballbar_aside
-from truepose.operation.session_kind import AskedSessionKind
+from truepose.operation.served_kind import AskedSessionKind
 from truepose.operation.sessions import SessionDesk
 from truepose.operation.tracker.plans import judged_addition, refuse_below_floor, require_fit
 from truepose.planning.tracker.added_stops import Addition, WantedStop, addition

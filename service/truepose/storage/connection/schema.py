@@ -8,13 +8,11 @@ from sqlalchemy import Connection, inspect, text
 from truepose.storage import migrations
 from truepose.storage.errors import ForeignDatabaseError, NewerSchemaError
 
-MIGRATIONS = Path(migrations.__file__).parent
-
 
 @cache
 def revisions() -> tuple[str, ...]:
     """Return every schema that this version of the program knows, the newest last, by the names of files."""
-    files = (MIGRATIONS / "versions").glob("[0-9]*.py")
+    files = (Path(migrations.__file__).parent / "versions").glob("[0-9]*.py")
     return tuple(sorted(file.name.split("_")[0] for file in files))
 
 
