@@ -15,6 +15,7 @@ from truepose.storage.integrity.guard import Guard
 from truepose.storage.plant.hand_downs import HandDownRepository
 from truepose.storage.plant.journal import JournalRepository
 from truepose.storage.plant.looking import PlantLooks
+from truepose.storage.plant.looking_over import PlantOverview
 from truepose.storage.plant.visits import VisitRepository
 from truepose.web.plant.application import create_plant_application
 from truepose.web.plant.context import Place, PlantContext
@@ -61,6 +62,7 @@ async def open_plant(settings: PlantSettings) -> AsyncIterator[PlantContext]:
             visits=visits,
             hand_downs=hand_downs,
             looks=PlantLooks(database),
+            overview=PlantOverview(database),
             collector=collector,
             stopping=asyncio.Event(),
         )

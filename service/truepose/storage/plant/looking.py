@@ -110,11 +110,11 @@ class PlantLooks:
 
     async def result(self, number: int) -> ResultSeen:
         """Return one result; raises NotFoundError."""
-        query = _results().where(plant_results.c.id == number)
+        query = results_seen().where(plant_results.c.id == number)
         row = await self._database.read(lambda connection: connection.execute(query).one_or_none())
         if row is None:
             raise NotFoundError("result", number)
-        return _result(row)
+        return result_seen(row)
 
     async def life_of_robot(self, serial_number: str, limit: int = 500) -> list[ResultSeen]:
         """Return what was measured and made of a robot, newest day first."""
@@ -140,8 +140,8 @@ class PlantLooks:
 
     async def _life(self, condition: ColumnElement[bool], limit: int) -> list[ResultSeen]:
         newest = (plant_results.c.measured_on.desc(), plant_results.c.id.desc())
-        query = _results().where(condition).order_by(*newest).limit(limit)
-        return await self._database.read(lambda c: [_result(row) for row in c.execute(query)])
+        query = results_seen().where(condition).order_by(*newest).limit(limit)
+        return await self._database.read(lambda c: [result_seen(row) for row in c.execute(query)])
 
     async def _days(self, condition: ColumnElement[bool]) -> list[DayMeasured]:
         columns = (
@@ -188,16 +188,16 @@ def _cut(connection: Connection, rows: Any, count: Any, page: Page, read: Any) -
 
 
 def _results_part(connection: Connection, condition: ColumnElement[bool], page: Page) -> Part[ResultSeen]:
-    query = _results().where(condition, plant_results.c.id > page.after).order_by(plant_results.c.id)
+    query = results_seen().where(condition, plant_results.c.id > page.after).order_by(plant_results.c.id)
     rows = connection.execute(query.limit(page.limit + 1)).all()
     count = select(func.count()).select_from(plant_results).where(condition)
-    return _cut(connection, rows, count, page, _result)
+    return _cut(connection, rows, count, page, result_seen)
 
 
 def _robots() -> Any:
     serial = plant_robots.c.serial_number
     of = plant_results.c.robot_serial_number
-    newest = select(plant_cells.c.name).select_from(_with_cells(plant_results)).where(of == serial)
+    newest = select(plant_cells.c.name).select_from(with_cells(plant_results)).where(of == serial)
     cell = newest.order_by(plant_results.c.measured_on.desc(), plant_results.c.id.desc()).limit(1)
     return select(plant_robots, cell.scalar_subquery().label("cell"), *_of_results(of, serial))
 
@@ -219,14 +219,16 @@ def _alone(query: Any) -> ScalarSelect[Any]:
     return answer
 
 
-def _with_cells(table: Table) -> Any:
+def with_cells(table: Table) -> Any:
+    """Return a table whose rows are of a branch, with its branch and cell."""
     of_branch = table.join(plant_branches, plant_branches.c.id == table.c.branch_id)
     return of_branch.join(plant_cells, plant_cells.c.id == plant_branches.c.cell_id)
 
 
-def _results() -> Any:
+def results_seen() -> Any:
+    """Return the query for all results."""
     cell = plant_cells.c.name.label("cell")
-    return select(plant_results, cell).select_from(_with_cells(plant_results))
+    return select(plant_results, cell).select_from(with_cells(plant_results))
 
 
 def _robot(row: Row[Any]) -> SeenRobot:
@@ -239,5 +241,6 @@ def _instrument(row: Row[Any]) -> SeenInstrument:
     return SeenInstrument(row.id, row.serial_number, row.results, row.last_measured_on or "")
 
 
-def _result(row: Row[Any]) -> ResultSeen:
+def result_seen(row: Row[Any]) -> ResultSeen:
+    """Return a result as it was read."""
     return ResultSeen(**{name: getattr(row, name) for name in ResultSeen.__dataclass_fields__})

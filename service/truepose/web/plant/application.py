@@ -12,6 +12,7 @@ from truepose.web.pages import router as pages
 from truepose.web.people import acts, people, sign_ins
 from truepose.web.people.pages import router as pages_of_people
 from truepose.web.plant import cells, hand_downs, health, seen
+from truepose.web.plant import pages as pages_of_plant
 from truepose.web.plant.context import PlantContext
 
 # What pages of people are made of; a plant has no cell to show.
@@ -30,6 +31,11 @@ def create_plant_application(
 
 
 def _routes() -> list[BaseRoute]:
-    routers = (health.router, *(resource.router for resource in _RESOURCES), pages_of_people)
+    routers = (
+        health.router,
+        *(resource.router for resource in _RESOURCES),
+        pages_of_plant.router,
+        pages_of_people,
+    )
     shared = [route for route in pages.routes if getattr(route, "name", "") in _OF_PAGES]
     return [*(route for router in routers for route in router.routes), *shared]

@@ -12,6 +12,7 @@ from truepose.storage.database import Database
 from truepose.storage.plant.hand_downs import HandDownRepository
 from truepose.storage.plant.journal import JournalRepository
 from truepose.storage.plant.looking import PlantLooks
+from truepose.storage.plant.looking_over import PlantOverview
 from truepose.storage.plant.visits import VisitRepository
 
 
@@ -34,9 +35,11 @@ class PlantContext:
     visits: VisitRepository
     hand_downs: HandDownRepository
     looks: PlantLooks
+    overview: PlantOverview
     collector: Collector
     stopping: asyncio.Event  # set when the service ends
     simulated: bool = False
+    places: tuple[tuple[str, str, str], ...] = (("cell", "/", "plant"),)  # icon, path, word: a plant has one
 
 
 def _context(request: Request) -> PlantContext:

@@ -1,0 +1,154 @@
+"""Pages of a plant's service: the plant at a glance, a robot's life, an instrument's life."""
+
+import asyncio
+import re
+from datetime import UTC, datetime, timedelta
+
+import pytest
+
+from tests.helpers.web.clients import client_of
+from truepose.app.plants import open_plant
+from truepose.plant import collector
+from truepose.plant.asking import AskedCell
+from truepose.settings import PlantSettings, Settings
+from truepose.storage.rows import add_row
+from truepose.storage.tables.of_plants import plant_days, plant_results, plant_robots
+from truepose.web.plant.application import create_plant_application
+from truepose.words.catalogue import LANGUAGES
+
+TODAY = datetime.now(UTC).date()
+
+
+@pytest.fixture
+async def service(tmp_path, empty_database, cell, monkeypatch):
+    """A client of a plant's service that visits its cell once, and when it is told to."""
+    monkeypatch.setattr(collector, "AskedCell", lambda of: AskedCell(of, transport=cell.transport))
+    file = tmp_path / "cells.toml"
+    file.write_text('[[cell]]\nname = "left arm"\nurl = "http://localhost"\n')
+    database = tmp_path / "plant.sqlite3"
+    database.write_bytes(empty_database.read_bytes())
+    settings = Settings(database_url=f"sqlite:///{database}")
+    app = create_plant_application("test", lambda: open_plant(PlantSettings(settings, file, every_s=3600)))
+    async with app.router.lifespan_context(app), client_of(app) as client:
+        client.here = app.state.context
+        yield client
+
+
+async def collect(service):
+    service.here.collector.visit_soon("left arm")
+    async with asyncio.timeout(20):
+        while not await service.here.overview.robots():
+            await asyncio.sleep(0.02)
+
+
+async def lay(service, *rows):
+    await service.here.database.write(lambda c: [add_row(c, table, **values) for table, values in rows])
+
+
+def robot(serial, days_ago=None, campaign=False):
+    """Return rows of a robot, and of its last day where it has one."""
+    rows = [(plant_robots, {"serial_number": serial, "robot": "IRB 120"})]
+    if days_ago is None:
+        return rows
+    day = (TODAY - timedelta(days=days_ago)).isoformat()
+    of = {"robot_serial_number": serial, "instrument_serial_number": "T-9", "measured_on": day}
+    rows.append((plant_days, {"branch_id": 1, "session_id": 1, "readings": 3, **of}))
+    if campaign:
+        told = {"kind": "campaign", "link": 1, "record_id": int(campaign), "name": "May", "robot": "IRB 120"}
+        rows.append((plant_results, {"branch_id": 1, **told, **of}))
+    return rows
+
+
+def due(page):
+    """Return serial number and reason of each robot that is to be measured next."""
+    part = page.partition("<h2>To be measured next</h2>")[2].partition("<h2>")[0]
+    rows = re.findall(r'<th><a href="/robots/[^"]+">([^<]+)</a></th>.*?data-label="Why">([^<]+)<', part)
+    return [*rows]
+
+
+async def page(service, path, language="en"):
+    answer = await service.get(path, headers={"Accept-Language": language})
+    assert (answer.status_code, answer.headers["content-type"]) == (200, "text/html; charset=utf-8")
+    return answer.text
+
+
+async def test_a_plant_without_robots_says_so(service):
+    shown = await page(service, "/")
+
+    assert "No cell has measured a robot yet." in shown
+    assert "Nothing came in from any cell in the last seven days." in shown
+    assert "left arm" in shown
+    assert due(shown) == []
+
+
+async def test_robots_are_due_in_the_order_that_the_page_says(service):
+    rows = [*robot("late", 45), *robot("later", 90), *robot("never"), *robot("tomorrows", -400)]
+    await lay(service, *rows, *robot("fresh", 30))
+
+    found = due(await page(service, "/"))
+
+    assert [serial for serial, _ in found] == ["never", "tomorrows", "later", "late"]
+    assert [reason.partition(",")[0] for _, reason in found] == [
+        "No measurement of it is on record.",
+        f"The last measurement is dated {TODAY + timedelta(days=400)}",
+        f"Last measured on {TODAY - timedelta(days=90)}",
+        f"Last measured on {TODAY - timedelta(days=45)}",
+    ]
+
+
+async def test_where_no_robot_is_due_none_is_listed(service):
+    await lay(service, *robot("fresh", 0), *robot("fresher", 12))
+
+    shown = await page(service, "/")
+
+    assert due(shown) == []
+    assert "Every robot was measured within the last 30 days." in shown
+
+
+async def test_what_came_in_leads_to_the_page_of_its_cell(service):
+    await lay(service, *robot("120-1", 3, campaign=7))
+
+    shown = [await page(service, path) for path in ("/", "/robots/120-1")]
+
+    assert all('<a href="http://localhost/campaigns/7">Campaign 7: May</a>' in text for text in shown)
+
+
+async def test_a_number_of_another_chain_leads_nowhere(service):
+    await lay(service, *robot("120-1", 3, campaign=7))
+    other = "INSERT INTO plant_branches (recorded_at, cell_id, parent_id, after_link, person, reason)"
+    await service.here.database.write(lambda c: c.exec_driver_sql(f"{other} VALUES ('', 1, 1, 0, '', '')"))
+
+    shown = await page(service, "/robots/120-1")
+
+    assert "Campaign 7: May" in shown
+    assert "/campaigns/7" not in shown
+
+
+async def test_lives_show_what_was_collected(service, cell):
+    await cell.measure()
+    await collect(service)
+
+    of_robot, of_instrument = await page(service, "/robots/120-1"), await page(service, "/instruments/T-7")
+    glance = await page(service, "/")
+
+    assert 'href="/instruments/T-7"' in of_robot
+    assert 'href="/robots/120-1"' in of_instrument
+    assert due(glance) == []
+    assert "Every robot was measured within the last 30 days." in glance
+
+
+@pytest.mark.parametrize("path", ["/robots/none", "/instruments/none"])
+async def test_a_serial_number_that_nobody_saw_is_said(service, path):
+    answer = await service.get(path)
+
+    assert answer.status_code == 404
+    assert "No robot and no instrument none is on record" in answer.text
+
+
+@pytest.mark.parametrize("language", LANGUAGES)
+async def test_every_language_shows_every_page(service, language):
+    await lay(service, *robot("120-1", 45, campaign=7), *robot("never"))
+    await lay(service, *robot("far", -400))
+
+    for path in ("/", "/robots/120-1", "/robots/never"):
+        assert f'<html lang="{language}"' in await page(service, path, language)
