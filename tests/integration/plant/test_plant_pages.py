@@ -11,6 +11,7 @@ from truepose.app.plants import open_plant
 from truepose.plant import collector
 from truepose.plant.asking import AskedCell
 from truepose.settings import PlantSettings, Settings
+from truepose.storage.plant.records import ClockSeen, Outcome, Visit
 from truepose.storage.rows import add_row
 from truepose.storage.tables.of_plants import plant_days, plant_results, plant_robots
 from truepose.web.plant.application import create_plant_application
@@ -39,6 +40,14 @@ async def collect(service):
     async with asyncio.timeout(20):
         while not await service.here.overview.robots():
             await asyncio.sleep(0.02)
+
+
+async def found(service, visit):
+    """Keep a visit after the one that the plant begins with."""
+    async with asyncio.timeout(20):
+        while (await service.here.visits.newest())["left arm"] is None:
+            await asyncio.sleep(0.02)
+    await service.here.visits.keep("left arm", visit)
 
 
 async def lay(service, *rows):
@@ -152,3 +161,23 @@ async def test_every_language_shows_every_page(service, language):
 
     for path in ("/", "/robots/120-1", "/robots/never"):
         assert f'<html lang="{language}"' in await page(service, path, language)
+
+
+async def test_a_cell_that_is_away_has_a_sentence_and_loses_nothing(service):
+    away = Visit(Outcome.UNREACHABLE, "left arm cannot be reached at http://localhost (refused).")
+    await found(service, away)
+
+    shown = await page(service, "/")
+
+    assert "It goes on measuring alone and loses nothing; the plant asks again." in shown
+    assert away.sentence in shown
+
+
+async def test_a_clock_and_another_chain_are_stated(service):
+    parted = Visit(Outcome.ANOTHER_CHAIN, "Both are one up to link 311.", clock=ClockSeen(-86400.5, 0.25))
+    await found(service, parted)
+
+    shown = await page(service, "/")
+
+    assert "-86400.50 s (± 0.250 s)" in shown
+    assert "Nothing is collected before a metrologist accepts it." in shown
