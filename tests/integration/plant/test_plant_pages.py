@@ -91,17 +91,24 @@ async def test_a_plant_without_robots_says_so(service):
 
 
 async def test_robots_are_due_in_the_order_that_the_page_says(service):
-    rows = [*robot("late", 45), *robot("later", 90), *robot("never"), *robot("tomorrows", -400)]
+    rows = [
+        *robot("late", 45),
+        *robot("later", 90),
+        *robot("never"),
+        *robot("tomorrows", -400),
+        *robot("just", 31),
+    ]
     await lay(service, *rows, *robot("fresh", 30))
 
     found = due(await page(service, "/"))
 
-    assert [serial for serial, _ in found] == ["never", "tomorrows", "later", "late"]
+    assert [serial for serial, _ in found] == ["never", "tomorrows", "later", "late", "just"]
     assert [reason.partition(",")[0] for _, reason in found] == [
         "No measurement of it is on record.",
         f"The last measurement is dated {TODAY + timedelta(days=400)}",
         f"Last measured on {TODAY - timedelta(days=90)}",
         f"Last measured on {TODAY - timedelta(days=45)}",
+        f"Last measured on {TODAY - timedelta(days=31)}",
     ]
 
 
