@@ -91,7 +91,7 @@ async def test_a_further_visit_brings_what_came_since_and_nothing_twice(plant, c
         (visiting, "verified"),  # received
         (journal, "position"),  # verified; the transaction has begun
         (journal, "project"),  # rows are in the transaction
-        (journal, "heads"),  # before anything
+        (journal, "newest_branch"),  # before anything
     ],
 )
 async def test_a_plant_that_is_killed_anywhere_goes_on_where_it_was(

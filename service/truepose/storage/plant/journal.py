@@ -39,6 +39,7 @@ class JournalRepository:
 
     def __init__(self, database: Database) -> None:
         self._database = database
+        self._known: dict[int, Collected] = {}  # by branch
 
     async def enter(self, cell: str) -> None:
         """Enter a cell where it is new."""
@@ -46,7 +47,9 @@ class JournalRepository:
 
     async def collected(self, cell: str) -> Collected:
         """Return how far a cell was collected; it was entered."""
-        return await self._database.read(lambda connection: _collected(connection, cell))
+        found = await self._database.read(lambda connection: _collected(connection, cell, self._known))
+        self._known[found.branch.id] = found
+        return found
 
     async def head_at(self, branch: Branch, link: int) -> Head:
         """Return the head of what was collected as it was at a link."""
@@ -67,9 +70,13 @@ class JournalRepository:
         return await self._database.read(lambda connection: connection.scalar(query))
 
 
-def _collected(connection: Connection, cell: str) -> Collected:
+def _collected(connection: Connection, cell: str, known: Mapping[int, Collected]) -> Collected:
+    """Return how far a cell was collected; `heads` reads a whole chain, and what was kept never changes."""
     branch = newest_branch(connection, cell_number(connection, cell))
-    return Collected(branch, position(connection, branch), heads(connection, branch))
+    newest, before = position(connection, branch), known.get(branch.id)
+    if before is not None and before.position == newest:
+        return before
+    return Collected(branch, newest, heads(connection, branch))
 
 
 def _keep(
