@@ -42,7 +42,7 @@ class PlantContext:
     places: tuple[tuple[str, str, str], ...] = (("cell", "/", "plant"),)  # icon, path, word: a plant has one
 
 
-def _context(request: Request) -> PlantContext:
+async def _context(request: Request) -> PlantContext:
     return cast(PlantContext, request.app.state.context)
 
 
