@@ -13,10 +13,18 @@ def listening(app):
     """Serve `app` and yield its URL."""
     with socket.create_server(("127.0.0.1", 0)) as listener:
         server = uvicorn.Server(uvicorn.Config(app, log_config=None, timeout_graceful_shutdown=1))
-        thread = threading.Thread(target=lambda: asyncio.run(server.serve([listener])))
+        thread = threading.Thread(target=lambda: asyncio.run(_serve(server, listener)))
         thread.start()
         try:
             yield f"http://127.0.0.1:{listener.getsockname()[1]}"
         finally:
             server.should_exit = True
             thread.join()
+
+
+async def _serve(server, listener):
+    """Serve until the end, and close what the other side has not closed by then: a stream of a page, say."""
+    await server.serve([listener])
+    for connection in list(server.server_state.connections):
+        connection.transport.abort()
+    await asyncio.sleep(0)  # a transport closes its socket in the loop's next turn
