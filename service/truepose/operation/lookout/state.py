@@ -37,6 +37,7 @@ class Records:
     """The database."""
 
     readable: bool = True
+    late: bool = False  # it did not answer the look; counts are those of an earlier one
     refused: str = ""  # why records are refused; empty: they are taken
     reserve_used: bool = False
     commit_s: float | None = None  # as it usually is of late

@@ -18,6 +18,7 @@ from truepose.storage.errors import StorageError
 
 _KEPT_S: Final = 2.0
 _PATIENCE_S: Final = 1.0  # with the database; health is asked for when something is wrong
+_SILENT_S: Final = 10.0  # after which it counts as unreadable; a computer may be busy for a second
 _OF_LATE_S: Final = 60.0
 
 
@@ -41,6 +42,7 @@ class Lookout:
         self._found: tuple[float, State] | None = None
         self._offset_s = _offset_s()  # of the clock, when the service started
         self._counts = Counts({}, {}, {}, 0, 0, None)
+        self._unanswered_since_s: float | None = None
 
     async def state(self) -> State:
         """Return the state of the service, two seconds old at most."""
@@ -69,19 +71,30 @@ class Lookout:
         )
 
     async def _count(self) -> bool:
-        """Count the records; returns whether the database could be read."""
+        """Count the records; returns whether the database can be read."""
         try:
             async with asyncio.timeout(_PATIENCE_S):
                 self._counts = await counted(self._database)
-        except (StorageError, TimeoutError):
+        except StorageError:
             return False
+        except TimeoutError:
+            return self._still_awaited()
+        self._unanswered_since_s = None
         return True
+
+    def _still_awaited(self) -> bool:
+        """Return whether the database has been silent for less than what a busy computer explains."""
+        now_s = time.monotonic()
+        if self._unanswered_since_s is None:
+            self._unanswered_since_s = now_s
+        return now_s - self._unanswered_since_s <= _SILENT_S
 
     async def _records(self, readable: bool) -> Records:
         database = self._database
         condition, file = database.condition, database.file
         return Records(
             readable=readable,
+            late=self._unanswered_since_s is not None,
             refused=condition.trouble or "",
             reserve_used=database.held.reserve_used,
             commit_s=await self._commit_s(),

@@ -32,7 +32,7 @@ async def get_health(visit: Visited) -> Health | Response:
 
     Strangers learn how it is, and not why. The status is 200 also where the disk refuses records: the
     readings that wait for it are in this process, and whoever watches must not end it. It is 503 where the
-    database cannot be read.
+    database cannot be read, or has been silent for ten seconds.
     """
     state = await visit.here.lookout.state()
     found = checks(state)

@@ -1,5 +1,6 @@
 """What is seen of the service from outside: names of requests, lines of the log, figures, health."""
 
+import asyncio
 import logging
 import re
 
@@ -14,6 +15,7 @@ from truepose.exchange.campaigns.zip_file import write_campaign_zip
 from truepose.storage.errors import StorageUnavailableError
 from truepose.web.observation.requests import LOGGER
 
+LOOKING = "truepose.operation.lookout.watch"
 CANARY = "SECRET-zQ7-canary"
 NAMES = []  # of the requests that led to tasks
 
@@ -143,3 +145,19 @@ async def test_a_database_that_cannot_be_read_is_no_service(app, client, monkeyp
     assert (answer.status_code, page.status_code) == (503, 503)
     assert "cannot be read" in answer.json()["detail"]
     assert "cannot be read" in page.text
+
+
+async def test_a_database_that_is_late_is_a_service_until_it_stays_silent(app, client, monkeypatch):
+    async def never(work):
+        await asyncio.Event().wait()
+
+    monkeypatch.setattr(app.state.context.database, "read", never)
+    monkeypatch.setattr(f"{LOOKING}._PATIENCE_S", 0.0)
+    monkeypatch.setattr(f"{LOOKING}._KEPT_S", 0.0)
+    monkeypatch.setattr(f"{LOOKING}._SILENT_S", 0.0)
+    late = await client.get("/health")
+    silent = await client.get("/health")
+
+    assert (late.status_code, late.json()["verdict"]) == (200, "warn")
+    assert "did not answer" in late.text
+    assert silent.status_code == 503
