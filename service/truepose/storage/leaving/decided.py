@@ -51,6 +51,8 @@ AT_HOME: Final = frozenset({
     "plant_sessions",
     "plant_days",
     "plant_results",
+    "plant_told",
+    "plant_certificates",
     "plant_robots",
     "plant_instruments",
     "plant_hand_downs",

@@ -145,11 +145,14 @@ diagnoses = _records(
 
 models = _records(
     "models",
-    # exactly one of the two
+    # exactly one of identification, diagnosis and what a plant handed down
     _reference("identification_id", "identifications", nullable=True),
     _reference("diagnosis_id", "diagnoses", nullable=True),
     sa.Column("robot", TEXT, nullable=False),
     sa.Column("document", DOCUMENT, nullable=False),
+    _reference("handed_down_id", "handed_down", nullable=True),
+    sa.Column("accepted_by", TEXT, nullable=True),  # of one that was handed down
+    sa.Index("uq_models_handed_down_id", "handed_down_id", unique=True),
 )
 
 validations = _records(

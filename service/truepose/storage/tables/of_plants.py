@@ -89,6 +89,37 @@ plant_results = records(
     sa.Index("ix_plant_results_instrument", "instrument_serial_number", "measured_on", "id"),
 )
 
+plant_told = records(
+    "plant_told",  # what a session, a result or a model tells, each once
+    reference("branch_id", "plant_branches"),
+    sa.Column("kind", TEXT, nullable=False),
+    sa.Column("link", WHOLE, nullable=False),
+    sa.Column("record_id", WHOLE, nullable=False),  # its number in the cell
+    sa.Column("robot_serial_number", TEXT, nullable=False),  # empty where nobody said it
+    sa.Column("measured_on", TEXT, nullable=False),  # a day; empty where nobody said it
+    sa.Column("verdict", TEXT, nullable=False),  # empty: it judges nothing
+    sa.Column("figure_mm", REAL, nullable=True),
+    sa.Column("limit_mm", REAL, nullable=True),  # that the figure is judged by
+    sa.Column("document", DOCUMENT, nullable=False),
+    sa.UniqueConstraint("branch_id", "link", name="uq_plant_told_link"),
+    sa.Index("ix_plant_told_robot", "robot_serial_number", "kind", "measured_on", "id"),
+    sa.Index("ix_plant_told_record", "branch_id", "kind", "record_id"),
+)
+
+plant_certificates = records(
+    "plant_certificates",  # where a cell states another one than before; the newest counts
+    reference("branch_id", "plant_branches"),
+    sa.Column("link", WHOLE, nullable=False),
+    sa.Column("what", TEXT, nullable=False),
+    sa.Column(
+        "serial_number", TEXT, nullable=False
+    ),  # empty: nobody said it, and it counts in its cell alone
+    sa.Column("certificate", TEXT, nullable=False),  # empty: the cell states none any more
+    sa.Column("expires", TEXT, nullable=False),  # a day; empty where nobody said it
+    sa.Column("stated_on", TEXT, nullable=False),
+    sa.Index("ix_plant_certificates_of", "serial_number", "branch_id", "what", "id"),
+)
+
 plant_robots = records(
     "plant_robots",
     sa.Column("serial_number", TEXT, nullable=False, unique=True),

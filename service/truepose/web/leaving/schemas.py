@@ -14,7 +14,7 @@ class ChainHeadReply(Reply):
 
     cell: str = Field(description="Name in the cell file.", examples=["left arm"])
     version: str = Field(description="Of the program.", examples=["0.1.0"])
-    schema_revision: str = Field(alias="schema", description="Of the database.", examples=["0013"])
+    schema_revision: str = Field(alias="schema", description="Of the database.", examples=["0014"])
     newest: int = Field(description="Number of the newest link.", examples=[4711])
     links: int = Field(description="How many links the head stands for.", examples=[4711])
     head: str = Field(description="As reports print it.", examples=["4711-K3QF-7ZWD-M2PA-XY5R"])

@@ -17,7 +17,7 @@ class PlantHealth(Reply):
     status: Literal["ok", "degraded"]
     fault: str | None
     version: str = Field(examples=["0.1.0"])
-    schema_revision: str = Field(alias="schema", examples=["0013"])
+    schema_revision: str = Field(alias="schema", examples=["0014"])
     cells: int = Field(description="How many stand in the cells file.", examples=[2])
 
 

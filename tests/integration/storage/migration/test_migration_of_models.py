@@ -19,7 +19,7 @@ ROWS = {
 ROWS_AS_NOW = {
     **ROWS,
     "campaigns": [(*campaign, None) for campaign in ROWS["campaigns"]],
-    "models": [(number, at, origin, None, *rest) for number, at, origin, *rest in ROWS["models"]],
+    "models": [(number, at, origin, None, *rest, None, None) for number, at, origin, *rest in ROWS["models"]],
 }
 OF_A_DIAGNOSIS = {
     "jobs": [(3, AT, "diagnosis", "{}"), (4, AT, "validation", "{}")],
@@ -27,7 +27,7 @@ OF_A_DIAGNOSIS = {
     "events": [(1, AT, "job.state", None, 3, "{}")],
     "request_keys": [("k", AT, "f", "diagnosis job", 3)],
     "diagnoses": [(1, AT, 3, 1, AT, "", "{}", "{}")],
-    "models": [(8, AT, None, 1, "arm", '{"a": 3}')],
+    "models": [(8, AT, None, 1, "arm", '{"a": 3}', None, None)],
     "validations": [(2, AT, 4, 8, 1, "{}")],
 }
 
@@ -77,13 +77,13 @@ def test_older_models_keep_their_numbers_and_their_validations(file):
     assert ask(file, "SELECT name FROM sqlite_master WHERE name = 'models_before'") == []
 
 
-@pytest.mark.parametrize("origins", [(None, None), (1, 1)])
+@pytest.mark.parametrize("origins", [(None, None, None), (1, 1, None), (1, None, 1)])
 def test_a_model_has_one_origin(file, origins):
     migrate(file, "head", up=True)
     insert(file, ROWS_AS_NOW)
 
     with pytest.raises(LIBRARY.IntegrityError, match="CHECK"):
-        insert(file, {"models": [(9, AT, *origins, "arm", "{}")]})
+        insert(file, {"models": [(9, AT, *origins[:2], "arm", "{}", origins[2], None)]})
 
 
 def test_on_the_way_down_diagnoses_go_with_everything_made_of_them(file):
@@ -97,4 +97,19 @@ def test_on_the_way_down_diagnoses_go_with_everything_made_of_them(file):
     assert ask(file, "SELECT id FROM validations") == [(1,)]
     assert ask(file, "SELECT DISTINCT kind FROM jobs") == [("identification",), ("validation",)]
     assert ask(file, "SELECT * FROM request_keys UNION SELECT id, 0, 0, 0, 0 FROM events") == []
+    assert ask(file, "PRAGMA foreign_key_check") == []
+
+
+def test_on_the_way_down_accepted_models_go_with_everything_made_of_them(file):
+    migrate(file, "head", up=True)
+    insert(file, ROWS_AS_NOW)
+    handed_down = [(1, AT, "plant", "model", "arm", "Ada Byron", "{}")]
+    accepted = [(8, AT, None, None, "arm", "{}", 1, "Grace Hopper")]
+    insert(file, {"handed_down": handed_down, "models": accepted, "validations": [(2, AT, 2, 8, 1, "{}")]})
+
+    migrate(file, "0013", up=False)
+    Database(f"sqlite:///{file}").close()
+
+    assert ask(file, "SELECT id FROM models") == [(4,), (7,)]
+    assert ask(file, "SELECT id FROM validations") == [(1,)]
     assert ask(file, "PRAGMA foreign_key_check") == []
