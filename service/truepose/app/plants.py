@@ -49,8 +49,7 @@ async def open_plant(settings: PlantSettings) -> AsyncIterator[PlantContext]:
         journal, visits = JournalRepository(database), VisitRepository(database)
         hand_downs = HandDownRepository(database)
         collector = Collector(cells, Shelves(journal, hand_downs), visits, Pace(settings.every_s))
-        for cell in cells:
-            await journal.enter(cell.name)
+        await journal.enter(*(cell.name for cell in cells))
         beside(stack, Guard(database).follow(), "storage guard")
         await stack.enter_async_context(collecting(collector))
         yield PlantContext(

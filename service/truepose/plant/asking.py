@@ -1,5 +1,6 @@
 """What a plant asks of a cell, over its REST interface: the head, links, and to take what is handed down."""
 
+import asyncio
 import json
 import ssl
 import time
@@ -87,8 +88,7 @@ class AskedCell:
         """Return links above a number; raises CellAnswerError, also for a page that was cut off."""
         answer = await self._get("/chain/links", {"after": after, "limit": limit})
         try:
-            *lines, end = [json.loads(line) for line in answer.splitlines()]
-            return CellPage(lines, int(end["newest"]))
+            return await asyncio.to_thread(_page, answer)
         except (ValueError, KeyError, TypeError) as error:
             raise self._no_cell(f"a page of its chain was cut off or cannot be read ({error})") from error
 
@@ -97,7 +97,7 @@ class AskedCell:
         told = record.hand_down
         body = {"kind": told.kind.value, "name": told.name, "person": told.person, "document": told.document}
         try:
-            client = self._connected()
+            client = await self._connected()
             headers = {"Idempotency-Key": key}
             answer = await client.post("/api/v1/hand-downs", json=body, headers=headers)
         except httpx.HTTPError as error:
@@ -116,7 +116,7 @@ class AskedCell:
 
     async def _get(self, path: str, parameters: dict[str, int]) -> bytes:
         try:
-            client = self._connected()
+            client = await self._connected()
             async with client.stream("GET", f"/api/v1{path}", params=parameters) as answer:
                 body = await self._body(answer)
         except (httpx.HTTPError, OSError, ssl.SSLError) as error:
@@ -133,15 +133,16 @@ class AskedCell:
                 raise self._no_cell("a page of its chain has no end")
         return bytes(body)
 
-    def _connected(self) -> httpx.AsyncClient:
+    async def _connected(self) -> httpx.AsyncClient:
         """Return the connection; made when it is needed, so that a token that was renewed counts."""
         if self._client is None:
             token = _token(self._cell.token_file)
+            trusted = await asyncio.to_thread(_trusted, self._cell)
             self._client = httpx.AsyncClient(
                 base_url=self._cell.url,
                 headers={"Authorization": f"Bearer {token}"} if token else {},
                 timeout=_PATIENCE,
-                verify=_trusted(self._cell.certificate),
+                verify=trusted,
                 trust_env=False,
                 transport=self._transport,
             )
@@ -163,8 +164,15 @@ def _token(file: Path | None) -> str:
     return "" if file is None else file.read_text(encoding="utf-8").strip()
 
 
-def _trusted(certificate: Path | None) -> ssl.SSLContext:
-    return _public() if certificate is None else ssl.create_default_context(cafile=str(certificate))
+def _page(answer: bytes) -> CellPage:
+    *lines, end = [json.loads(line) for line in answer.splitlines()]
+    return CellPage(lines, int(end["newest"]))
+
+
+def _trusted(cell: PlantCell) -> ssl.SSLContext:
+    if not cell.url.startswith("https:"):
+        return ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)  # nobody: it says nothing under TLS
+    return _public() if cell.certificate is None else ssl.create_default_context(cafile=str(cell.certificate))
 
 
 @cache

@@ -17,6 +17,7 @@ from truepose.storage.plant.visits import VisitRepository
 _LOG: Final = logging.getLogger(__name__)
 _TWICE: Final = 2.0  # as long, after each visit that came to nothing
 _LONGEST_S: Final = 300.0
+_APART_S: Final = 0.05
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,6 +32,10 @@ class Pace:
         if not failures:
             return self.every_s
         return min(self.first_retry_s * _TWICE ** min(failures - 1, 20), _LONGEST_S)
+
+    def apart_s(self, cells: int) -> float:
+        """Return how long after one cell the next of so many is visited first: pages come in between."""
+        return min(_APART_S, self.every_s / cells)
 
 
 class Collector:
@@ -64,18 +69,18 @@ class Collector:
         return found
 
     async def follow(self) -> None:
-        """Visit every cell until cancelled."""
-        for cell in self.cells:
-            await self._shelves.journal.enter(cell.name)
+        """Visit every cell, which was entered, until cancelled."""
         try:
             async with asyncio.TaskGroup() as group:
-                for cell in self.cells:
-                    group.create_task(self._follow(cell.name), name=f"cell {cell.name}")
+                for place, cell in enumerate(self.cells):
+                    first_s = place * self._pace.apart_s(len(self.cells))
+                    group.create_task(self._follow(cell.name, first_s), name=f"cell {cell.name}")
         finally:
             for asked in self._asked.values():
                 await asked.close()
 
-    async def _follow(self, name: str) -> None:
+    async def _follow(self, name: str, first_s: float) -> None:
+        await asyncio.sleep(first_s)
         failures = 0
         while True:
             self._wanted[name].clear()

@@ -3,6 +3,7 @@
 However a visit ends, what was kept of it is whole, and the next one goes on behind it.
 """
 
+import asyncio
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -12,7 +13,7 @@ from truepose.plant.errors import CellAnswerError
 from truepose.plant.verification import verified
 from truepose.storage.errors import AnotherChainError, TamperedRecordError, UnreadableRowError
 from truepose.storage.plant.hand_downs import HandDownRepository
-from truepose.storage.plant.journal import Collected, JournalRepository
+from truepose.storage.plant.journal import Collected, JournalRepository, Reached
 from truepose.storage.plant.records import Branch, ClockSeen, HandDownState, Outcome, Visit
 
 _TIMES_ASKED: Final = 3  # for the time: one answer may come late
@@ -33,22 +34,23 @@ async def visit(name: str, cell: AskedCell, shelves: Shelves) -> Visit:
     Raises StorageError where the plant itself cannot keep what it collects.
     """
     begun = Visit(Outcome.WHOLE)
+    reached = await shelves.journal.reached(name)
     try:
-        known = await shelves.journal.collected(name)
-        begun = replace(begun, head=known.head.text)
-        head, clock = await _greeted(cell, known)
+        head, clock = await _greeted(cell, reached)
         begun = replace(begun, clock=clock, newest=head.newest, version=head.version, schema=head.schema)
+        known = await shelves.journal.collected(reached)
+        begun = replace(begun, head=known.head.text)
         if head.newest < known.position or head.head != known.head.text:
             return await _another_chain(name, cell, known, shelves, begun)
         return await _collected(name, cell, known, shelves, begun)
     except CellAnswerError as error:
-        return await _so_far(name, shelves, begun, Outcome.UNREACHABLE, error)
+        return _so_far(shelves, reached.branch, begun, Outcome.UNREACHABLE, error)
     except (TamperedRecordError, UnreadableRowError) as error:
-        return await _so_far(name, shelves, begun, Outcome.REFUSED, error)
+        return _so_far(shelves, reached.branch, begun, Outcome.REFUSED, error)
 
 
-async def _greeted(cell: AskedCell, known: Collected) -> tuple[CellHead, ClockSeen]:
-    heads = [await cell.head(known.position) for _ in range(_TIMES_ASKED)]
+async def _greeted(cell: AskedCell, reached: Reached) -> tuple[CellHead, ClockSeen]:
+    heads = [await cell.head(reached.position) for _ in range(_TIMES_ASKED)]
     return heads[-1], clock_seen([head.clock for head in heads])
 
 
@@ -56,7 +58,7 @@ async def _collected(name: str, cell: AskedCell, known: Collected, shelves: Shel
     position, heads, newest = known.position, known.heads, begun.newest or 0
     while position < newest:
         page = await cell.links(position, _LINKS)
-        links, heads = verified(page.lines, position, heads)
+        links, heads = await asyncio.to_thread(verified, page.lines, position, heads)
         if not links:
             raise CellAnswerError(f"{name} has {newest} links and sends none above {position}.")
         await shelves.journal.keep(known.branch, links, begun.clock)
@@ -73,9 +75,9 @@ async def _handed_down(name: str, cell: AskedCell, hand_downs: HandDownRepositor
         await hand_downs.note(record.id, state, handed.sentence, handed.number)
 
 
-async def _so_far(name: str, shelves: Shelves, begun: Visit, outcome: Outcome, error: Exception) -> Visit:
-    known = await shelves.journal.collected(name)
-    return replace(begun, outcome=outcome, sentence=str(error), head=known.head.text)
+def _so_far(shelves: Shelves, branch: Branch, begun: Visit, outcome: Outcome, error: Exception) -> Visit:
+    head = shelves.journal.head(branch)
+    return replace(begun, outcome=outcome, sentence=str(error), head=None if head is None else head.text)
 
 
 async def _another_chain(

@@ -85,7 +85,7 @@ class Plant:
         return await self.database.read(lambda c: [tuple(row) for row in c.exec_driver_sql(query)])
 
     async def position(self, name="left arm"):
-        return (await self.journal.collected(name)).position
+        return (await self.journal.reached(name)).position
 
 
 @pytest.fixture

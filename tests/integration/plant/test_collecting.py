@@ -170,7 +170,7 @@ async def test_the_same_page_kept_twice_is_refused(plant, cell):
         seen.extend(links)
         return links
 
-    known = await plant.journal.collected("left arm")
+    known = await plant.journal.collected(await plant.journal.reached("left arm"))
     await cell.measure(name="second")
     await plant.visit(cell, transport=Between(cell, lines_changed(noted)))
     links, _ = visiting.verified(seen[:4], known.position, known.heads)

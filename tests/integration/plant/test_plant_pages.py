@@ -40,7 +40,7 @@ async def collect(service, cell):
     newest = await cell.newest()
     service.here.collector.visit_soon("left arm")
     async with asyncio.timeout(20):
-        while (await service.here.journal.collected("left arm")).position < newest:
+        while (await service.here.journal.reached("left arm")).position < newest:
             await asyncio.sleep(0.02)
 
 

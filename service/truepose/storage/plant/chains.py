@@ -5,7 +5,7 @@ A branch has the links of its parent up to where it leaves it, and then its own.
 
 from collections.abc import Mapping
 
-from sqlalchemy import Connection, func, select
+from sqlalchemy import CTE, Connection, func, select
 
 from truepose.storage.plant.records import Branch
 from truepose.storage.rows import add_row
@@ -57,27 +57,30 @@ def position(connection: Connection, branch: Branch) -> int:
     return int(connection.scalar(own) or connection.scalar(after) or 0)
 
 
-def heads(connection: Connection, branch: Branch, at: int | None = None) -> Mapping[int, bytes]:
-    """Return the newest hash of each stream, as it was at a link, by default as it is."""
+def heads(connection: Connection, branch: Branch, at: int) -> Mapping[int, bytes]:
+    """Return the newest hash of each stream, as it was at a link."""
     found: dict[int, bytes] = {}
     for number, last in branch.segments:
-        upto = min((limit for limit in (last, at) if limit is not None), default=None)
-        found |= _heads_of(connection, number, upto)
+        found |= _heads_of(connection, number, at if last is None else min(last, at))
     return found
 
 
-def _heads_of(connection: Connection, branch_id: int, upto: int | None) -> dict[int, bytes]:
-    here = plant_journal.c.branch_id == branch_id
-    wanted = here if upto is None else here & (plant_journal.c.link <= upto)
-    newest = (
-        select(plant_journal.c.stream, func.max(plant_journal.c.link).label("link"))
-        .where(wanted)
-        .group_by(plant_journal.c.stream)
-        .subquery()
-    )
+def _heads_of(connection: Connection, branch_id: int, upto: int) -> dict[int, bytes]:
+    streams = _streams(branch_id)
+    of_stream = (plant_journal.c.branch_id == branch_id) & (plant_journal.c.stream == streams.c.stream)
+    wanted = of_stream & (plant_journal.c.link <= upto)
+    newest = select(plant_journal.c.hash).where(wanted).order_by(plant_journal.c.link.desc()).limit(1)
     rows = connection.execute(
-        select(plant_journal.c.stream, plant_journal.c.hash).join(
-            newest, here & (plant_journal.c.link == newest.c.link)
-        )
+        select(streams.c.stream, newest.scalar_subquery()).where(streams.c.stream.is_not(None))
     )
-    return {stream: bytes(found) for stream, found in rows}
+    return {stream: bytes(found) for stream, found in rows if found is not None}
+
+
+def _streams(branch_id: int) -> CTE:
+    """Return every stream of a branch, from one to the next by the index: no link is looked through."""
+    here = select(func.min(plant_journal.c.stream).label("stream")).where(
+        plant_journal.c.branch_id == branch_id
+    )
+    before = here.cte("streams", recursive=True)
+    following = here.where(plant_journal.c.stream > before.c.stream).scalar_subquery()
+    return before.union_all(select(following).where(before.c.stream.is_not(None)))

@@ -4,8 +4,11 @@ A page, what follows from it and how far the cell was collected are one transact
 newest link itself, so that nothing can be kept without it, or it without what it stands for.
 """
 
+import asyncio
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
+from typing import Final
 
 from sqlalchemy import Connection, select
 
@@ -19,8 +22,18 @@ from truepose.storage.plant.visits import newest_visit
 from truepose.storage.rows import add_row
 from truepose.storage.tables.of_plants import plant_journal
 
+_CHAINS_AT_ONCE: Final = 1  # read for the first time: pages find a reader meanwhile
+
 
 @dataclass(frozen=True, slots=True)
+class Reached:
+    """How far a cell was collected."""
+
+    branch: Branch
+    position: int  # newest link
+
+
+@dataclass(frozen=True)
 class Collected:
     """How far a cell was collected, and what the next links rest on."""
 
@@ -28,36 +41,56 @@ class Collected:
     position: int
     heads: Mapping[int, bytes]
 
-    @property
+    @cached_property
     def head(self) -> Head:
         """The head of what was collected, as the cell's reports print it."""
         return head_of(self.position, self.heads)
 
 
 class JournalRepository:
-    """All queries about journals."""
+    """All queries about journals.
+
+    What the next links of a cell rest on is read once, when it first answers, and goes on with each page.
+    """
 
     def __init__(self, database: Database) -> None:
         self._database = database
         self._known: dict[int, Collected] = {}  # by branch
+        self._reading = asyncio.Semaphore(_CHAINS_AT_ONCE)
 
-    async def enter(self, cell: str) -> None:
-        """Enter a cell where it is new."""
-        await self._database.write(lambda connection: cell_number(connection, cell))
+    async def enter(self, *cells: str) -> None:
+        """Enter cells where they are new."""
+        await self._database.write(lambda connection: [cell_number(connection, cell) for cell in cells])
 
-    async def collected(self, cell: str) -> Collected:
+    async def reached(self, cell: str) -> Reached:
         """Return how far a cell was collected; it was entered."""
-        found = await self._database.read(lambda connection: _collected(connection, cell, self._known))
-        self._known[found.branch.id] = found
-        return found
+        return await self._database.read(lambda connection: _reached(connection, cell))
+
+    async def collected(self, reached: Reached) -> Collected:
+        """Return what the next links of a cell rest on."""
+        known = self._known_at(reached)
+        if known is not None:
+            return known
+        found = await self._heads(reached.branch, reached.position)
+        self._known[reached.branch.id] = Collected(reached.branch, reached.position, found)
+        return self._known[reached.branch.id]
+
+    def head(self, branch: Branch) -> Head | None:
+        """Return the head of what was collected; None: the cell has not answered since the start."""
+        known = self._known.get(branch.id)
+        return None if known is None else known.head
 
     async def head_at(self, branch: Branch, link: int) -> Head:
         """Return the head of what was collected as it was at a link."""
-        return await self._database.read(lambda c: head_of(link, heads(c, branch, link)))
+        return head_of(link, await self._heads(branch, link))
 
     async def keep(self, branch: Branch, page: Sequence[CollectedLink], clock: ClockSeen | None) -> None:
         """Keep links that follow what was collected, all or none; raises ConflictError where they do not."""
         await self._database.write(lambda connection: _keep(connection, branch, page, clock))
+        known = self._known_at(Reached(branch, page[0].link - 1))
+        if known is not None:
+            after = {**known.heads, **{link.stream: link.hash for link in page}}
+            self._known[branch.id] = Collected(branch, page[-1].link, after)
 
     async def accept_other_chain(self, cell: str, person: str, reason: str) -> None:
         """Collect the other chain that a cell shows into a branch of its own; raises ConflictError."""
@@ -69,14 +102,18 @@ class JournalRepository:
         query = select(plant_journal.c.content).where(plant_journal.c.branch_id == branch_id, wanted)
         return await self._database.read(lambda connection: connection.scalar(query))
 
+    async def _heads(self, branch: Branch, at: int) -> Mapping[int, bytes]:
+        async with self._reading:
+            return await self._database.read(lambda connection: heads(connection, branch, at))
 
-def _collected(connection: Connection, cell: str, known: Mapping[int, Collected]) -> Collected:
-    """Return how far a cell was collected; `heads` reads a whole chain, and what was kept never changes."""
+    def _known_at(self, reached: Reached) -> Collected | None:
+        known = self._known.get(reached.branch.id)
+        return known if known is not None and known.position == reached.position else None
+
+
+def _reached(connection: Connection, cell: str) -> Reached:
     branch = newest_branch(connection, cell_number(connection, cell))
-    newest, before = position(connection, branch), known.get(branch.id)
-    if before is not None and before.position == newest:
-        return before
-    return Collected(branch, newest, heads(connection, branch))
+    return Reached(branch, position(connection, branch))
 
 
 def _keep(
