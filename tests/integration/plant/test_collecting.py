@@ -13,7 +13,7 @@ from truepose.storage.errors import ConflictError
 from truepose.storage.integrity.chain import GENESIS, linked_hash
 from truepose.storage.integrity.verification import verify
 from truepose.storage.leaving.handed_down import HandedDownRepository
-from truepose.storage.plant import journal
+from truepose.storage.plant import journal, visits
 from truepose.storage.plant.hand_downs import HandDownRepository
 from truepose.storage.plant.records import HandDown, HandDownKind, HandDownState, Outcome
 from truepose.storage.records import Page
@@ -38,6 +38,13 @@ class Between(httpx.AsyncBaseTransport):
         if request.url.path.endswith("/chain/links"):
             body = self._change(body)
         return httpx.Response(answer.status_code, content=body)
+
+
+class Cut(httpx.AsyncBaseTransport):
+    """Stands for a network without a cell."""
+
+    async def handle_async_request(self, request):
+        raise httpx.ConnectError("no route to host", request=request)
 
 
 def lines_changed(change):
@@ -237,10 +244,6 @@ async def test_a_record_changed_in_the_cells_database_is_refused_and_named(plant
 
 
 async def test_a_cell_away_for_a_week_loses_nothing_and_measures_alone(plant, cell, monkeypatch):
-    class Cut(httpx.AsyncBaseTransport):
-        async def handle_async_request(self, request):
-            raise httpx.ConnectError("no route to host", request=request)
-
     await cell.measure()
     await plant.visit(cell)
     for day in range(1, 8):
@@ -256,6 +259,37 @@ async def test_a_cell_away_for_a_week_loses_nothing_and_measures_alone(plant, ce
     assert numbers(await plant.kept()) == [*range(1, await cell.newest() + 1)]
     outcomes = [record.visit.outcome for record in await plant.visits.of("left arm", 10)]
     assert outcomes == [Outcome.WHOLE, Outcome.UNREACHABLE, Outcome.WHOLE]  # one silence, said once
+
+
+async def test_a_visit_that_finds_the_same_is_remembered_and_not_kept(plant, cell, monkeypatch):
+    await cell.measure()
+    await plant.visit(cell)
+    for day in range(1, 8):
+        monkeypatch.setattr(visits, "_now", lambda now=f"2026-05-1{day}": now)
+        await plant.visit(cell)
+
+    (kept,) = await plant.visits.of("left arm", 10)
+
+    assert kept.found_at == "2026-05-17"
+    assert kept == (await plant.visits.newest())["left arm"]
+
+
+async def test_a_plant_started_beside_a_cell_that_is_away_looks_through_no_chain(
+    open_plant, cell, monkeypatch
+):
+    def looked_through(*given):
+        raise Killed
+
+    await cell.measure()
+    with open_plant() as plant:
+        before = await plant.visit(cell)
+    monkeypatch.setattr(journal, "heads", looked_through)
+    with open_plant() as plant:
+        found = await plant.visit(cell, transport=Cut())
+
+        assert found.outcome is Outcome.UNREACHABLE
+        newest, first = await plant.visits.of("left arm", 10)
+        assert newest.visit.head == first.visit.head == before.head
 
 
 @pytest.mark.parametrize("years", [-10, 10])

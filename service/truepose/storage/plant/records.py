@@ -63,11 +63,12 @@ class Visit:
 
 @dataclass(frozen=True, slots=True)
 class VisitRecord:
-    """A visit as it was kept."""
+    """A visit as it was kept, and when the newest one after it found the same."""
 
     id: int
     recorded_at: str
     visit: Visit
+    found_at: str  # since the start of the service; else when it was kept
 
 
 class HandDownKind(StrEnum):

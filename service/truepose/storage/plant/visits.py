@@ -1,7 +1,12 @@
-"""Visits to cells: what came of each, and the clocks. What tells nothing new within an hour is not kept."""
+"""Visits to cells: what came of each, and the clocks.
 
-from datetime import UTC, datetime, timedelta
-from typing import Any, Final
+A visit that finds the same as the one before is no record: when it was made is remembered as long as the
+service runs, so that what is kept grows with what happens, and not with time.
+"""
+
+from dataclasses import replace
+from datetime import UTC, datetime
+from typing import Any
 
 from sqlalchemy import Connection, Row, func, select
 
@@ -11,22 +16,26 @@ from truepose.storage.plant.records import ClockSeen, Outcome, Visit, VisitRecor
 from truepose.storage.rows import add_row
 from truepose.storage.tables.of_plants import plant_cells, plant_visits
 
-_AT_LEAST_EVERY: Final = timedelta(hours=1)
-
 
 class VisitRepository:
     """All queries about visits."""
 
     def __init__(self, database: Database) -> None:
         self._database = database
+        self._kept: dict[str, VisitRecord] = {}  # the newest one to each cell, since the start
+        self._found: dict[str, VisitRecord] = {}  # the same, as it was found last
 
     async def keep(self, cell: str, visit: Visit) -> None:
-        """Keep a visit where it tells anything new: records, another outcome, clocks that moved, an hour."""
-        await self._database.write(lambda connection: _keep(connection, cell, visit))
+        """Keep a visit where it tells anything new: records, another outcome, clocks that moved."""
+        kept = self._kept.get(cell) or (await self.newest()).get(cell)
+        found = visit if kept is None or visit.head is not None else replace(visit, head=kept.visit.head)
+        if kept is None or _tells_anything(kept.visit, visit):
+            kept = await self._database.write(lambda connection: _keep(connection, cell, found))
+        self._kept[cell], self._found[cell] = kept, replace(kept, visit=found, found_at=_now())
 
     async def newest(self) -> dict[str, VisitRecord | None]:
         """Return the newest visit to each cell, by its name; None: there was none yet."""
-        return await self._database.read(_newest)
+        return {**await self._database.read(_newest), **self._found}
 
     async def of(self, cell: str, limit: int) -> list[VisitRecord]:
         """Return the latest visits to a cell, newest first."""
@@ -37,7 +46,9 @@ class VisitRepository:
             .order_by(plant_visits.c.id.desc())
             .limit(limit)
         )
-        return await self._database.read(lambda c: [_record(row) for row in c.execute(query)])
+        kept = await self._database.read(lambda c: [_record(row) for row in c.execute(query)])
+        found = self._found.get(cell)
+        return [found if found is not None and found.id == record.id else record for record in kept]
 
 
 def newest_visit(connection: Connection, cell_id: int) -> VisitRecord | None:
@@ -48,26 +59,19 @@ def newest_visit(connection: Connection, cell_id: int) -> VisitRecord | None:
 
 
 def _newest(connection: Connection) -> dict[str, VisitRecord | None]:
-    last = (
-        select(plant_visits.c.cell_id, func.max(plant_visits.c.id).label("id"))
-        .group_by(plant_visits.c.cell_id)
-        .subquery()
-    )
-    visits = connection.execute(select(plant_visits).join(last, plant_visits.c.id == last.c.id))
-    found = {row.cell_id: _record(row) for row in visits}
-    cells = connection.execute(select(plant_cells).order_by(plant_cells.c.name))
-    return {row.name: found.get(row.id) for row in cells}
+    of_cell = plant_visits.c.cell_id == plant_cells.c.id
+    newest = select(func.max(plant_visits.c.id)).where(of_cell).correlate(plant_cells).scalar_subquery()
+    visits = plant_cells.outerjoin(plant_visits, plant_visits.c.id == newest)
+    query = select(plant_cells.c.name, plant_visits).select_from(visits).order_by(plant_cells.c.name)
+    return {row.name: None if row.id is None else _record(row) for row in connection.execute(query)}
 
 
-def _keep(connection: Connection, cell: str, visit: Visit) -> None:
-    number = cell_number(connection, cell)
-    before = newest_visit(connection, number)
-    if before is not None and not _tells_anything(before, visit):
-        return
-    add_row(
+def _keep(connection: Connection, cell: str, visit: Visit) -> VisitRecord:
+    cell_id = cell_number(connection, cell)
+    number = add_row(
         connection,
         plant_visits,
-        cell_id=number,
+        cell_id=cell_id,
         outcome=visit.outcome.value,
         sentence=visit.sentence,
         collected=visit.collected,
@@ -79,24 +83,23 @@ def _keep(connection: Connection, cell: str, visit: Visit) -> None:
         version=visit.version,
         cell_schema=visit.schema,
     )
+    return _record(connection.execute(select(plant_visits).where(plant_visits.c.id == number)).one())
 
 
-def _tells_anything(before: VisitRecord, visit: Visit) -> bool:
-    told = before.visit
-    same = (told.outcome, told.fork, told.version) == (visit.outcome, visit.fork, visit.version)
-    return not same or bool(visit.collected) or _moved(told.clock, visit.clock) or _is_old(before)
+def _tells_anything(kept: Visit, visit: Visit) -> bool:
+    same = (kept.outcome, kept.fork, kept.version) == (visit.outcome, visit.fork, visit.version)
+    return not same or bool(visit.collected) or _moved(kept.clock, visit.clock)
 
 
 def _moved(before: ClockSeen | None, now: ClockSeen | None) -> bool:
     """Whether clocks differ otherwise than before by more than either visit leaves open."""
     if before is None or now is None:
-        return before is not now
+        return now is not None
     return abs(now.offset_s - before.offset_s) > 1.0 + before.bound_s + now.bound_s
 
 
-def _is_old(before: VisitRecord) -> bool:
-    age = datetime.now(UTC) - datetime.fromisoformat(before.recorded_at)
-    return abs(age) >= _AT_LEAST_EVERY  # also where this computer's clock was put back
+def _now() -> str:
+    return datetime.now(UTC).isoformat(timespec="milliseconds")
 
 
 def _record(row: Row[Any]) -> VisitRecord:
@@ -112,4 +115,4 @@ def _record(row: Row[Any]) -> VisitRecord:
         row.version,
         row.cell_schema,
     )
-    return VisitRecord(row.id, row.recorded_at, visit)
+    return VisitRecord(row.id, row.recorded_at, visit, row.recorded_at)

@@ -26,6 +26,10 @@ class VisitReply(Reply):
 
     id: RecordId
     recorded_at: RecordedAt
+    found_at: str = Field(
+        description="When a visit found this last, since the start of the plant; else as `recorded_at`.",
+        examples=["2026-05-04T09:42:31.007+00:00"],
+    )
     outcome: Literal["whole", "unreachable", "refused", "another_chain"]
     sentence: str = Field(description="What is amiss and what to do; empty: nothing is.", examples=[""])
     collected: int = Field(description="Links that it brought.", examples=[120])
@@ -159,6 +163,7 @@ def visit_reply(record: VisitRecord) -> VisitReply:
     return VisitReply(
         id=record.id,
         recorded_at=record.recorded_at,
+        found_at=record.found_at,
         outcome=visit.outcome.value,
         sentence=visit.sentence,
         collected=visit.collected,
