@@ -70,6 +70,7 @@ class Collector:
 
     async def follow(self) -> None:
         """Visit every cell, which was entered, until cancelled."""
+        await self._catch_up()
         try:
             async with asyncio.TaskGroup() as group:
                 for place, cell in enumerate(self.cells):
@@ -78,6 +79,14 @@ class Collector:
         finally:
             for asked in self._asked.values():
                 await asked.close()
+
+    async def _catch_up(self) -> None:
+        while True:
+            try:
+                return await self._shelves.journal.catch_up()
+            except StorageError as error:  # the plant's own disk
+                _LOG.warning("what was collected before was not looked into: %s", error)
+            await asyncio.sleep(self._pace.every_s)
 
     async def _follow(self, name: str, first_s: float) -> None:
         await asyncio.sleep(first_s)

@@ -4,8 +4,9 @@ A branch has the links of its parent up to where it leaves it, and then its own.
 """
 
 from collections.abc import Mapping
+from typing import Any
 
-from sqlalchemy import CTE, Connection, func, select
+from sqlalchemy import CTE, ColumnElement, Connection, Row, Table, func, select
 
 from truepose.storage.plant.records import Branch
 from truepose.storage.rows import add_row
@@ -24,17 +25,28 @@ def cell_number(connection: Connection, name: str) -> int:
 
 def newest_branch(connection: Connection, cell_id: int) -> Branch:
     """Return the branch that a cell is collected into."""
-    rows = connection.execute(
-        select(plant_branches).where(plant_branches.c.cell_id == cell_id).order_by(plant_branches.c.id)
-    ).all()
+    return _branches(connection, plant_branches.c.cell_id == cell_id)[-1]
+
+
+def all_branches(connection: Connection) -> list[Branch]:
+    """Return every branch of every cell, each after the one that it parted from."""
+    return _branches(connection, plant_branches.c.id > 0)
+
+
+def _branches(connection: Connection, condition: ColumnElement[bool]) -> list[Branch]:
+    rows = connection.execute(select(plant_branches).where(condition).order_by(plant_branches.c.id)).all()
     by_number = {row.id: row for row in rows}
-    row, last = rows[-1], None
+    return [Branch(row.id, row.cell_id, _segments(row, by_number)) for row in rows]
+
+
+def _segments(row: Row[Any], by_number: Mapping[int, Row[Any]]) -> tuple[tuple[int, int | None], ...]:
+    last = None
     segments: list[tuple[int, int | None]] = [(row.id, None)]
     while row.parent_id is not None:
         last = row.after_link if last is None else min(last, row.after_link)
         row = by_number[row.parent_id]
         segments.append((row.id, last))
-    return Branch(rows[-1].id, cell_id, tuple(reversed(segments)))
+    return tuple(reversed(segments))
 
 
 def add_branch(connection: Connection, branch: Branch, after_link: int, person: str, reason: str) -> None:
@@ -63,6 +75,23 @@ def heads(connection: Connection, branch: Branch, at: int) -> Mapping[int, bytes
     for number, last in branch.segments:
         found |= _heads_of(connection, number, at if last is None else min(last, at))
     return found
+
+
+def newest_row(
+    connection: Connection, branch: Branch, table: Table, condition: ColumnElement[bool], *, by_link: bool
+) -> Row[Any] | None:
+    """Return the newest row of a branch, else of what it shares with those before it.
+
+    `by_link` says that a row belongs to a link, and counts up to where its branch was left.
+    """
+    for branch_id, last in reversed(branch.segments):
+        query = select(table).where(table.c.branch_id == branch_id, condition)
+        if by_link and last is not None:
+            query = query.where(table.c.link <= last)
+        row = connection.execute(query.order_by(table.c.id.desc()).limit(1)).one_or_none()
+        if row is not None:
+            return row
+    return None
 
 
 def _heads_of(connection: Connection, branch_id: int, upto: int) -> dict[int, bytes]:

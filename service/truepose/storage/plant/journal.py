@@ -7,7 +7,7 @@ newest link itself, so that nothing can be kept without it, or it without what i
 import asyncio
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Final
 
 from sqlalchemy import Connection, select
@@ -15,14 +15,23 @@ from sqlalchemy import Connection, select
 from truepose.storage.database import Database
 from truepose.storage.errors import ConflictError
 from truepose.storage.integrity.head import Head, head_of
-from truepose.storage.plant.chains import add_branch, cell_number, heads, newest_branch, position
+from truepose.storage.plant.chains import (
+    add_branch,
+    all_branches,
+    cell_number,
+    heads,
+    newest_branch,
+    position,
+)
 from truepose.storage.plant.projections import project
 from truepose.storage.plant.records import Branch, ClockSeen, CollectedLink, Outcome
+from truepose.storage.plant.told import tell_again, untold_links
 from truepose.storage.plant.visits import newest_visit
 from truepose.storage.rows import add_row
 from truepose.storage.tables.of_plants import plant_journal
 
 _CHAINS_AT_ONCE: Final = 1  # read for the first time: pages find a reader meanwhile
+_RECORDS_AT_ONCE: Final = 20  # read again in one transaction: a campaign may have many megabytes
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,6 +100,17 @@ class JournalRepository:
         if known is not None:
             after = {**known.heads, **{link.stream: link.hash for link in page}}
             self._known[branch.id] = Collected(branch, page[-1].link, after)
+
+    async def catch_up(self) -> None:
+        """Read again what an earlier version of this program collected and did not look into.
+
+        To be done before the next page is kept.
+        """
+        for branch in await self._database.read(all_branches):
+            untold = await self._database.read(partial(untold_links, branch_id=branch.id))
+            for first in range(0, len(untold), _RECORDS_AT_ONCE):
+                some = untold[first : first + _RECORDS_AT_ONCE]
+                await self._database.write(partial(tell_again, branch=branch, links=some))
 
     async def accept_other_chain(self, cell: str, person: str, reason: str) -> None:
         """Collect the other chain that a cell shows into a branch of its own; raises ConflictError."""

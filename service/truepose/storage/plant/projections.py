@@ -11,9 +11,11 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Final, TypeAlias
 
-from sqlalchemy import Column, Connection, Row, Table, select
+from sqlalchemy import Connection, Table, select
 
+from truepose.storage.plant.chains import newest_row
 from truepose.storage.plant.records import Branch, ClockSeen, CollectedLink
+from truepose.storage.plant.told import tell
 from truepose.storage.rows import add_row
 from truepose.storage.tables.of_plants import (
     plant_days,
@@ -48,6 +50,7 @@ def project(
     for link in page:
         if link.row is not None and link.record in _RECORDS:
             _look(seen, link, link.row)
+            tell(connection, branch, link, link.row)
     seen.add_days()
 
 
@@ -183,26 +186,16 @@ class _Seen:
     def _known(self, kind: str, record_id: Any) -> _Known:
         """Return what is known of an earlier result of the same chain."""
         here = (plant_results.c.kind == kind) & (plant_results.c.record_id == record_id)
-        found = self._newest(plant_results, plant_results.c.link, here)
+        found = newest_row(self._connection, self._branch, plant_results, here, by_link=True)
         names = _Known.__dataclass_fields__
         return _Known() if found is None else _Known(**{name: getattr(found, name) for name in names})
 
     def _known_session(self, session_id: Any) -> _Known:
-        found = self._newest(plant_sessions, None, plant_sessions.c.session_id == session_id)
+        here = plant_sessions.c.session_id == session_id
+        found = newest_row(self._connection, self._branch, plant_sessions, here, by_link=False)
         if found is None:
             return _Known()
         return _Known("", found.robot, found.robot_serial_number, found.instrument_serial_number)
-
-    def _newest(self, table: Table, link: Column[int] | None, condition: Any) -> Row[Any] | None:
-        """Return the newest row of this branch, else of what it shares with those before it."""
-        for branch_id, last in reversed(self._branch.segments):
-            query = select(table).where(table.c.branch_id == branch_id, condition)
-            if link is not None and last is not None:
-                query = query.where(link <= last)
-            row = self._connection.execute(query.order_by(table.c.id.desc()).limit(1)).one_or_none()
-            if row is not None:
-                return row
-        return None
 
 
 def _instrument(cell: Document) -> str:

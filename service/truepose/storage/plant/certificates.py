@@ -1,0 +1,130 @@
+"""Certificates as the records of cells state them; they follow the serial number, whichever cell says it."""
+
+import json
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any, Final, TypeAlias
+
+from sqlalchemy import Connection, select
+
+from truepose.domain.cell.certificates import Paper
+from truepose.storage.database import Database
+from truepose.storage.plant.records import Branch, CollectedLink
+from truepose.storage.rows import add_row
+from truepose.storage.tables.of_plants import plant_branches, plant_cells, plant_certificates
+
+Document: TypeAlias = Mapping[str, Any]
+_DAY: Final = 10  # letters of a date at the beginning of a time
+
+
+@dataclass(frozen=True, slots=True)
+class StatedPaper:
+    """A certificate, by the cell that stated it first, and when."""
+
+    paper: Paper
+    cell: str
+    stated_on: str
+
+
+class PlantCertificates:
+    """All queries about certificates."""
+
+    def __init__(self, database: Database) -> None:
+        self._database = database
+
+    async def of_instrument(self, serial_number: str) -> list[StatedPaper]:
+        """Return every certificate that was stated for a serial number, the one that holds longest first."""
+        query = _stated().where(plant_certificates.c.serial_number == serial_number)
+        return _longest_first(await self._all(query))
+
+    async def that_count(self) -> list[StatedPaper]:
+        """Return of each serial number the certificate that holds longest, the first to end first.
+
+        What has no number is told apart by cell and name.
+        """
+        counting: dict[tuple[str, ...], StatedPaper] = {}
+        for found in _longest_first(await self._all(_stated())):
+            serial = found.paper.serial_number
+            counting.setdefault((serial,) if serial else (found.cell, found.paper.of, ""), found)
+        return sorted(counting.values(), key=lambda found: found.paper.expires)
+
+    async def _all(self, query: Any) -> list[StatedPaper]:
+        rows = await self._database.read(lambda connection: connection.execute(query).all())
+        return [_stated_paper(*row) for row in rows]
+
+
+def _stated() -> Any:
+    known = plant_certificates.c
+    columns = (known.what, known.serial_number, known.certificate, known.expires)
+    return (
+        select(*columns, plant_cells.c.name, known.stated_on)
+        .join(plant_branches, plant_branches.c.id == known.branch_id)
+        .join(plant_cells, plant_cells.c.id == plant_branches.c.cell_id)
+        .order_by(known.id)
+    )
+
+
+def _stated_paper(
+    what: str, serial: str, certificate: str, expires: str, cell: str, stated_on: str
+) -> StatedPaper:
+    return StatedPaper(Paper(what, serial, certificate, expires), cell, stated_on)
+
+
+def _longest_first(found: Iterable[StatedPaper]) -> list[StatedPaper]:
+    return sorted(found, key=lambda one: (one.paper.expires, one.stated_on), reverse=True)
+
+
+def stated_certificates(record: str, row: Document) -> list[Paper]:
+    """Return the certificates that a record states, each with its text; none where it states none."""
+    read = STATING.get(record)
+    return [] if read is None else [paper for paper in read(row) if paper.certificate.strip()]
+
+
+def add_certificates(
+    connection: Connection, branch: Branch, link: CollectedLink, papers: Iterable[Paper]
+) -> None:
+    """Add certificates that were not stated before, inside the caller's transaction."""
+    day = str((link.row or {}).get("recorded_at", ""))[:_DAY]
+    for paper in papers:
+        if not _is_known(connection, branch, paper):
+            add_row(
+                connection,
+                plant_certificates,
+                branch_id=branch.id,
+                link=link.link,
+                what=paper.of,
+                serial_number=paper.serial_number,
+                certificate=paper.certificate,
+                expires=paper.expires,
+                stated_on=day,
+            )
+
+
+def _is_known(connection: Connection, branch: Branch, paper: Paper) -> bool:
+    known = plant_certificates.c
+    same = (known.certificate == paper.certificate) & (known.expires == paper.expires)
+    query = select(known.id).where(known.serial_number == paper.serial_number, same)
+    if not paper.serial_number:
+        query = query.where(known.branch_id == branch.id, known.what == paper.of)
+    return connection.scalar(query.limit(1)) is not None
+
+
+def _of_session(row: Document) -> Iterator[Paper]:
+    cell = json.loads(str(row["setup"])).get("cell", {})
+    bar = cell.get("ballbar") or {}
+    stated = (*cell.get("devices", ()), bar.get("instrument"), bar.get("calibrator"))
+    for one in (*stated, cell.get("tool"), cell.get("world")):
+        if one:
+            values = ("name", "serial_number", "certificate", "certificate_expires")
+            yield Paper(*(str(one.get(value) or "") for value in values))
+
+
+def _of_closing(row: Document) -> Iterator[Paper]:
+    for judged in json.loads(str(row["document"])):
+        yield Paper(**judged["paper"])
+
+
+STATING: Final[Mapping[str, Callable[[Document], Iterator[Paper]]]] = {
+    "sessions": _of_session,
+    "closings": _of_closing,
+}

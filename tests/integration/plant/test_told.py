@@ -1,0 +1,99 @@
+"""What results tell is kept beside them, also of what a plant of an earlier version collected."""
+
+import dataclasses
+
+from alembic import command
+from sqlalchemy import create_engine, event, select
+
+from tests.helpers.domain.tracker_sessions import make_plan, make_setup
+from tests.integration.web.bench import CELL
+from truepose.demo.night.earlier import write_earlier
+from truepose.domain.cell.artefacts import Artefact
+from truepose.domain.cell.description import DeviceEntry
+from truepose.storage.connection.migrating import migration_config
+from truepose.storage.integrity.verification import verify
+from truepose.storage.measurement.sessions import SessionRepository
+from truepose.storage.plant.certificates import PlantCertificates
+from truepose.storage.tables.of_plants import plant_told
+
+
+def one_version_back(file):
+    engine = create_engine(f"sqlite:///{file}")
+    event.listen(engine, "connect", lambda connection, _: connection.execute("PRAGMA foreign_keys=ON"))
+    config = migration_config()
+    with engine.begin() as connection:
+        config.attributes["connection"] = connection
+        command.downgrade(config, "0013")
+    engine.dispose()
+
+
+async def told(plant):
+    columns = [column for column in plant_told.c if column.name not in {"id", "recorded_at"}]
+    query = select(*columns).order_by(plant_told.c.link)
+    return await plant.database.read(lambda c: [tuple(row) for row in c.execute(query)])
+
+
+async def test_what_an_earlier_version_collected_tells_the_same(open_cell, open_plant, tmp_path):
+    (tmp_path / "cell").mkdir()
+    (tmp_path / "cell" / "cell.toml").write_text(CELL)
+    write_earlier("0013", tmp_path / "cell" / "truepose.sqlite3")
+    async with open_cell() as cell:
+        with open_plant() as plant:
+            await plant.visit(cell)
+            at_once = await told(plant)
+        one_version_back(tmp_path / "plant.sqlite3")
+        with open_plant() as plant:
+            before = await told(plant)
+            for _ in range(2):
+                await plant.journal.catch_up()
+            later = await told(plant)
+            await cell.measure()
+            await plant.visit(cell)
+            further = await told(plant)
+
+    kinds = ["session", "session", "campaign", "identification", "model", "validation", "diagnosis", "model"]
+    assert sorted(row[1] for row in at_once) == sorted(kinds)
+    assert (before, later) == ([], at_once)
+    assert [row[1] for row in further[len(later) :]] == ["session"]
+    assert verify(tmp_path / "plant.sqlite3").findings == ()
+
+
+async def test_results_tell_their_figures_and_what_the_robot_carried(open_cell, plant, tmp_path):
+    (tmp_path / "cell").mkdir()
+    (tmp_path / "cell" / "cell.toml").write_text(CELL)
+    write_earlier("0013", tmp_path / "cell" / "truepose.sqlite3")
+    async with open_cell() as cell:
+        await plant.visit(cell)
+
+    rows = {row.kind: row for row in await plant.database.read(lambda c: c.execute(select(plant_told)).all())}
+    validation = rows["validation"]
+    assert (validation.verdict, validation.document["promised"]) == ("passed", True)
+    assert round(validation.figure_mm, 4) == 0.0311
+    assert round(validation.limit_mm, 4) == 0.0301
+    assert (rows["diagnosis"].verdict, rows["diagnosis"].document["causes"]) == ("consistent", [])
+    assert rows["model"].document["tool"] == rows["session"].document["tool"]
+    assert rows["session"].document["tool"] == "triangular artefact, simulated"
+
+
+async def state(cell, serial, certificate, expires, tool=None):
+    """Plan a session in a cell whose file states a certificate of its tracker."""
+    tracker = DeviceEntry("tracker", "fake_tracker", {}, serial, certificate, expires)
+    setup = make_setup()
+    cell_then = dataclasses.replace(setup.cell, devices=(tracker,), tool=tool)
+    await SessionRepository(cell.database).add("s", dataclasses.replace(setup, cell=cell_then), make_plan())
+
+
+async def test_certificates_follow_the_serial_number(plant, cell):
+    await state(cell, "T-7", "report 1", "2026-03-31", Artefact("ball plate", "", "P 9", "2027-01-31"))
+    await state(cell, "T-7", "report 2", "2027-03-31", Artefact("ball plate", "", "P 9", "2027-01-31"))
+    await state(cell, "T-7", "report 1", "2026-03-31")  # an older cell file
+    await state(cell, "T-8", "", "")
+
+    await plant.visit(cell)
+
+    certificates = PlantCertificates(plant.database)
+    of_instrument = await certificates.of_instrument("T-7")
+    assert [one.paper.certificate for one in of_instrument] == ["report 2", "report 1"]
+    counting = [(one.paper.of, one.paper.expires, one.cell) for one in await certificates.that_count()]
+    assert counting == [("ball plate", "2027-01-31", "left arm"), ("tracker", "2027-03-31", "left arm")]
+    assert await certificates.of_instrument("T-8") == []
