@@ -1,10 +1,10 @@
 """The open database: one writer, many readers, commits that are on disk.
 
 Every write runs on one thread over one connection; what is asked for while a commit is under way shares the
-next transaction, each in a savepoint of its own. `write` returns once the commit is on the disk. Readers see
-the last commit and cannot write. The library's calls block, so both sides live on threads, off the event
-loop. Where a write is refused, further ones are refused at once until a trial has shown that writing works
-again. What differs from engine to engine is behind `connection.holding`.
+next transaction, and where one of them fails, each has a transaction of its own. `write` returns once the
+commit is on the disk. Readers see the last commit and cannot write. The library's calls block, so both sides
+live on threads, off the event loop. Where a write is refused, further ones are refused at once until a trial
+has shown that writing works again. What differs from engine to engine is behind `connection.holding`.
 """
 
 import asyncio
@@ -14,8 +14,8 @@ import threading
 import time
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import Future, ThreadPoolExecutor
-from dataclasses import dataclass, field
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
 from typing import Any, Final, TypeAlias, TypeVar
 
 from sqlalchemy import Connection
@@ -32,20 +32,22 @@ from truepose.storage.integrity.seal import Left
 from truepose.storage.integrity.verification import stream_findings
 
 T = TypeVar("T")
-_End: TypeAlias = tuple[Any, Exception | None]  # what a write gave, or why it failed
+One = TypeVar("One")
+End: TypeAlias = tuple[Any, Exception | None]  # what a write gave, or why it was refused
+Together: TypeAlias = Callable[[Connection, Sequence[One]], Sequence[End]]  # keeps several, an end for each
 _LOG: Final = logging.getLogger(__name__)
 _MOST_TOGETHER: Final = 256  # writes that share a transaction
 _IN_DOUBT: Final = "The connection to {} ended during a commit; whether that was made shows once it is back."
 _TRIAL_S: Final = 0.25  # between two trials whether writing works again
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class _Wanted:
     """A write that waits for its turn."""
 
-    work: Callable[[Connection], Any]
-    loop: asyncio.AbstractEventLoop  # of whoever waits
-    done: "Future[Any]" = field(default_factory=Future)
+    work: Together[Any]  # run once for all who want the same
+    one: Any
+    done: "asyncio.Future[Any]"  # of whoever waits
 
 
 class Database:
@@ -56,6 +58,7 @@ class Database:
         self.commits = Commits()
         self._commit = asyncio.Event()
         self._wanted: deque[_Wanted] = deque()
+        self._handed_over = False  # what waits: the writer is going to look
         self._doubtful: _Doubtful | None = None
         self._trial: asyncio.Task[None] | None = None
         self._reading = threading.BoundedSemaphore(READERS)  # all of them taken: nobody reads
@@ -72,12 +75,22 @@ class Database:
     async def write(self, work: Callable[[Connection], T]) -> T:
         """Run `work` in a transaction and return its result once that is committed.
 
-        Raises what `work` raises, and StorageUnavailableError; nothing of it was kept then.
+        It is run anew where another write that shares the transaction fails. Raises what `work` raises, and
+        StorageUnavailableError; nothing of it was kept then.
+        """
+        result: T = await self.write_together(_alone(work), None)
+        return result
+
+    async def write_together(self, work: Together[One], one: One) -> Any:
+        """Keep `one` by `work`, which keeps all that are given to it meanwhile in one go.
+
+        Returns or raises the end that `work` says for it, once that is committed: what it refuses it says
+        there, and keeps nothing of. Raises StorageUnavailableError.
         """
         if self.condition.trouble is not None:
             raise StorageUnavailableError(self.condition.trouble)
         try:
-            return await self._write_in_turn(work)
+            return await self._write_in_turn(work, one)
         except StorageUnavailableError as error:
             self._try_again_after(error)
             raise
@@ -150,18 +163,25 @@ class Database:
         self._commit.set()
         self._commit = asyncio.Event()
 
-    async def _write_in_turn(self, work: Callable[[Connection], T]) -> T:
-        wanted = _Wanted(work, asyncio.get_running_loop())
-        self._wanted.append(wanted)
-        self._writer.submit(self._write_wanted)
-        committed: asyncio.Future[T] = asyncio.wrap_future(wanted.done)
-        committed.add_done_callback(self._announce)
-        # Shielded: a caller that is cancelled meanwhile does not take the announcement with it.
-        return await asyncio.shield(committed)
+    def _write_in_turn(self, work: Together[One], one: One) -> "asyncio.Future[Any]":
+        done = asyncio.get_running_loop().create_future()
+        self._wanted.append(_Wanted(work, one, done))
+        if not self._handed_over:
+            self._handed_over = True
+            self._writer.submit(self._write_wanted)
+        return done
 
-    def _announce(self, write: "asyncio.Future[Any]") -> None:
-        if not write.cancelled() and write.exception() is None:
+    def _announce(self, ended: Sequence[tuple[_Wanted, End]]) -> None:
+        """Tell each how its write ended, unless it waits no more, and everybody that there was a commit."""
+        if any(failure is None for _, (_, failure) in ended):
             self.wake()
+        for wanted, (result, failure) in ended:
+            if wanted.done.done():
+                continue
+            if failure is None:
+                wanted.done.set_result(result)
+            else:
+                wanted.done.set_exception(failure)
 
     def _try_again_after(self, error: StorageUnavailableError) -> None:
         self.condition.trouble = str(error)
@@ -174,7 +194,7 @@ class Database:
             while self.condition.trouble is not None:
                 await asyncio.sleep(_TRIAL_S)
                 try:
-                    await self._write_in_turn(self.held.write_a_little)
+                    await self._write_in_turn(_alone(self.held.write_a_little), None)
                 except StorageUnavailableError as error:
                     self.condition.trouble = str(error)
                 else:
@@ -186,31 +206,30 @@ class Database:
     # on the writer's thread
 
     def _write_wanted(self) -> None:
-        """Run what waits in one transaction; who came later shares the next one."""
-        together = [self._wanted.popleft() for _ in range(min(len(self._wanted), _MOST_TOGETHER))]
-        if not together:
-            return
-        if len(together) == 1:
-            self._write_alone(together[0])
-            return
+        """Run what waits in one transaction; who comes later shares the next one."""
+        self._handed_over = False
+        for _ in range(0, len(self._wanted), _MOST_TOGETHER):
+            self._write_these([self._wanted.popleft() for _ in range(min(len(self._wanted), _MOST_TOGETHER))])
+
+    def _write_these(self, together: Sequence[_Wanted]) -> None:
         try:
-            refused = self.held.refused
-            _tell(together, self._write(lambda c: [_beside(wanted, c, refused) for wanted in together]))
+            self._tell(together, self._write(lambda connection: _run(connection, together)))
         except _NotTogetherError:
             for wanted in together:
-                self._write_alone(wanted)
+                self._write_these([wanted])
         except _DoubtError as doubt:
             self._wait_for_certainty(_Doubtful(together, doubt.result, doubt.newest))
         except Exception as error:
-            _tell(together, [(None, error) for _ in together])
+            self._tell(together, [(None, error)] * len(together))
 
-    def _write_alone(self, wanted: _Wanted) -> None:
-        try:
-            _tell([wanted], [(self._write(wanted.work), None)])
-        except _DoubtError as doubt:
-            self._wait_for_certainty(_Doubtful([wanted], [(doubt.result, None)], doubt.newest))
-        except Exception as error:
-            _tell([wanted], [(None, error)])
+    def _tell(self, together: Sequence[_Wanted], ends: Sequence[End]) -> None:
+        """Tell whoever waits how it ended; each loop is woken once."""
+        of_loops: dict[asyncio.AbstractEventLoop, list[tuple[_Wanted, End]]] = {}
+        for wanted, end in zip(together, ends, strict=True):
+            of_loops.setdefault(wanted.done.get_loop(), []).append((wanted, end))
+        for loop, ended in of_loops.items():
+            with contextlib.suppress(RuntimeError):  # it was closed: nobody waits any more
+                loop.call_soon_threadsafe(self._announce, ended)
 
     def _write(self, work: Callable[[Connection], T]) -> T:
         try:
@@ -247,19 +266,19 @@ class Database:
         self._doubtful = doubtful
         error = StorageUnavailableError(_IN_DOUBT.format(self.held.where))
         self.condition.trouble = str(error)
-        doubtful.together[0].loop.call_soon_threadsafe(self._try_again_after, error)
+        doubtful.together[0].done.get_loop().call_soon_threadsafe(self._try_again_after, error)
 
     def _tell_certainty(self, doubtful: "_Doubtful", made: bool) -> None:
         self._doubtful = None
         refused = StorageUnavailableError(f"The connection to {self.held.where} ended; nothing was kept.")
         _LOG.warning("the commit during which the connection ended was %s", "made" if made else "not made")
-        _tell(doubtful.together, doubtful.ends if made else [(None, refused) for _ in doubtful.ends])
+        self._tell(doubtful.together, doubtful.ends if made else [(None, refused)] * len(doubtful.ends))
 
     def _leave(self) -> None:
         """Leave the database as it should be left; what is still in doubt stays so."""
         if self._doubtful is not None:
             unknown = StorageUnavailableError(_IN_DOUBT.format(self.held.where))
-            _tell(self._doubtful.together, [(None, unknown) for _ in self._doubtful.ends])
+            self._tell(self._doubtful.together, [(None, unknown)] * len(self._doubtful.ends))
         self.held.close()
 
     @contextlib.contextmanager
@@ -307,7 +326,7 @@ class _Doubtful:
     """Writes of a commit that may have been made."""
 
     together: Sequence[_Wanted]
-    ends: Sequence[_End]  # if it was
+    ends: Sequence[End]  # if it was
     newest: Left  # link that the database has if it was
 
 
@@ -320,27 +339,25 @@ class _DoubtError(Exception):
 
 
 class _NotTogetherError(Exception):
-    """One of several writes has spoilt the transaction that they share."""
+    """One of several writes has failed, and with it the transaction that they share."""
 
 
-def _beside(wanted: _Wanted, connection: Connection, refused: tuple[type[Exception], ...]) -> _End:
-    """Return what a write gives that shares its transaction; what it did is undone where it fails."""
-    links = linking(connection)
-    before = links.waiting
+def _alone(work: Callable[[Connection], Any]) -> Together[None]:
+    """Return a write of its own as one of which there is no other."""
+    return lambda connection, _: [(work(connection), None)]
+
+
+def _run(connection: Connection, together: Sequence[_Wanted]) -> list[End]:
+    """Return how each of these writes ends in one transaction; raises what a single one raises."""
+    of_works: dict[Together[Any], list[_Wanted]] = {}
+    for wanted in together:
+        of_works.setdefault(wanted.work, []).append(wanted)
+    ends: dict[_Wanted, End] = {}
     try:
-        with connection.begin_nested():
-            return wanted.work(connection), None
-    except refused as error:
-        # The library may have ended the whole transaction by itself; alone, each has its own answer.
-        raise _NotTogetherError from error
+        for work, wanting in of_works.items():
+            ends.update(zip(wanting, work(connection, [wanted.one for wanted in wanting]), strict=True))
     except Exception as error:
-        links.back_to(before)
-        return None, error
-
-
-def _tell(together: Sequence[_Wanted], ends: Sequence[_End]) -> None:
-    for wanted, (result, failure) in zip(together, ends, strict=True):
-        if failure is None:
-            wanted.done.set_result(result)
-        else:
-            wanted.done.set_exception(failure)
+        if len(together) == 1:
+            raise
+        raise _NotTogetherError from error
+    return [ends[wanted] for wanted in together]

@@ -103,6 +103,17 @@ def number_at(column: Any, path: str) -> ColumnElement[int]:
     return cast(text_at(column, path), WHOLE)
 
 
+class newest_number(FunctionElement[int]):  # noqa: N801
+    """The newest number that a table with the column `id` has given, 0 before the first."""
+
+    name = "newest_number"
+    type = WHOLE
+    inherit_cache = True
+
+    def __init__(self, table: str) -> None:
+        super().__init__(literal_column(f"'{table}'"), literal_column(table))
+
+
 class next_number(FunctionElement[int]):  # noqa: N801
     """The number of a new record in a table with the column `id`.
 
@@ -128,6 +139,7 @@ _SQLITE = {
     position_of: "instr({}, {})",
     leading_number: "CAST({} AS INTEGER)",
     moment_s: "(86400.0 * julianday({}))",
+    newest_number: "coalesce((SELECT seq FROM sqlite_sequence WHERE name = {}), 0)",
     next_number: "NULL",
 }
 _POSTGRESQL = {
@@ -140,6 +152,7 @@ _POSTGRESQL = {
     position_of: "strpos({}, {})",
     leading_number: "CAST(substring({} FROM '^[0-9]+') AS BIGINT)",
     moment_s: "CAST(extract(epoch FROM CAST({} AS timestamptz)) AS double precision)",
+    newest_number: "(SELECT coalesce(max(id), 0) FROM {1})",
     next_number: "(SELECT coalesce(max(id), 0) + 1 FROM {})",
 }
 

@@ -17,17 +17,12 @@ _MOST: Final = 150  # in one statement: SQLite took no more than 999 values once
 
 
 class Linking:
-    """Of one connection that writes; `back_to` and `forget` undo what a transaction undoes."""
+    """Of one connection that writes; `forget` undoes what a transaction undoes."""
 
     def __init__(self) -> None:
         self._heads: dict[int, bytes] = {}  # by stream
         self._newest: Left | None = None  # link that is written; None: not known
         self._waiting: list[tuple[int, str, int, bytes]] = []  # stream, record, number, hash
-
-    @property
-    def waiting(self) -> int:
-        """How many links are not written yet."""
-        return len(self._waiting)
 
     def add(
         self, connection: Any, record: str, record_id: int, names: tuple[str, ...], values: Sequence[Any]
@@ -41,7 +36,7 @@ class Linking:
     def write(self, connection: Any) -> Left:
         """Write what waits and return the newest link; raises what the library raises."""
         newest = self._newest or newest_link(connection)
-        for some in range(0, self.waiting, _MOST):
+        for some in range(0, len(self._waiting), _MOST):
             links = self._waiting[some : some + _MOST]
             values = [value for n, link in enumerate(links, newest.link + 1) for value in (n, *link)]
             connection.execute(_COLUMNS + ", ".join(["(?, ?, ?, ?, ?)"] * len(links)), values)
@@ -50,14 +45,10 @@ class Linking:
         self._newest = newest
         return newest
 
-    def back_to(self, waiting: int) -> None:
-        """Forget the links after the first `waiting` ones."""
-        del self._waiting[waiting:]
-        self._heads = {stream: found for stream, _, _, found in self._waiting}
-
     def forget(self) -> None:
         """Know nothing: the transaction was undone."""
-        self.back_to(0)
+        self._waiting.clear()
+        self._heads.clear()
         self._newest = None
 
 

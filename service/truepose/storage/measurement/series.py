@@ -4,18 +4,19 @@ A delivery says where it belongs. One that was kept is answered again when it co
 a gap, or says something else of a number that is taken, is refused: no key and no clock is needed for that.
 """
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
 from typing import Any, Final
 
-from sqlalchemy import Column, Connection, Row, Select, func, select
+from sqlalchemy import Column, Connection, Row, Select, bindparam, func, select
 
 from truepose.domain.measurement.series import Delivery, Series, Values
-from truepose.storage.database import Database
+from truepose.storage.database import Database, End
+from truepose.storage.dialects import length_at
 from truepose.storage.errors import ConflictError, NotFoundError, UnfitReadingError
 from truepose.storage.numbered import NumberedRecords
 from truepose.storage.records import Page
-from truepose.storage.rows import add_row
+from truepose.storage.rows import add_row, add_rows
 from truepose.storage.tables import deliveries, series
 
 _END: Final = deliveries.c.first + deliveries.c.count
@@ -58,7 +59,7 @@ class SeriesRepository(NumberedRecords[SeriesRecord]):
         Raises NotFoundError, UnfitReadingError, ConflictError where they do not follow,
         StorageUnavailableError.
         """
-        await self._database.write(lambda connection: _deliver(connection, series_id, delivery))
+        await self._database.write_together(_deliver, (series_id, delivery))
 
     async def readings(self, series_id: int, page: Page) -> list[NumberedValues]:
         """Return readings with numbers above `page.after`, in order."""
@@ -73,29 +74,55 @@ class SeriesRepository(NumberedRecords[SeriesRecord]):
         return found[: page.limit]
 
 
-def _deliver(connection: Connection, series_id: int, delivery: Delivery) -> None:
-    found = connection.execute(_records().where(series.c.id == series_id)).one_or_none()
-    if found is None:
-        raise NotFoundError(_KIND, series_id)
+@dataclass
+class _Filled:
+    """A series within a transaction that adds to it."""
+
+    id: int
+    columns: int
+    readings: int
+    added: dict[int, Delivery] = field(default_factory=dict)  # by the number of their first reading
+
+
+def _deliver(connection: Connection, several: Sequence[tuple[int, Delivery]]) -> list[End]:
+    """Keep deliveries in the order in which they came; each that does not follow is refused alone."""
+    asked = {"ids": sorted({series_id for series_id, _ in several})}
+    filled = {row.id: _Filled(*row) for row in connection.execute(_FILLED, asked)}
+    ends = [_end(connection, filled.get(series_id), series_id, delivery) for series_id, delivery in several]
+    add_rows(connection, deliveries, [row for one in filled.values() for row in _rows(one)])
+    return ends
+
+
+def _end(connection: Connection, found: _Filled | None, series_id: int, delivery: Delivery) -> End:
+    try:
+        if found is None:
+            raise NotFoundError(_KIND, series_id)
+        _fill(connection, found, delivery)
+    except (NotFoundError, UnfitReadingError, ConflictError) as refusal:
+        return None, refusal
+    return None, None
+
+
+def _fill(connection: Connection, found: _Filled, delivery: Delivery) -> None:
     _require_columns(found, delivery)
     if delivery.first == found.readings + 1:
-        add_row(
-            connection,
-            deliveries,
-            series_id=series_id,
-            first=delivery.first,
-            count=len(delivery.readings),
-            document=delivery.readings,
-        )
-    elif not _kept(connection, series_id, delivery):
-        raise ConflictError(_refusal(series_id, found.readings + 1, delivery.first))
+        found.added[delivery.first] = delivery
+        found.readings += len(delivery.readings)
+    elif not _kept(connection, found, delivery):
+        raise ConflictError(_refusal(found.id, found.readings + 1, delivery.first))
 
 
-def _require_columns(found: Row[Any], delivery: Delivery) -> None:
+def _rows(filled: _Filled) -> Iterator[dict[str, Any]]:
+    for first, delivery in filled.added.items():
+        readings = delivery.readings
+        yield {"series_id": filled.id, "first": first, "count": len(readings), "document": readings}
+
+
+def _require_columns(found: _Filled, delivery: Delivery) -> None:
     for number, values in enumerate(delivery.readings, start=delivery.first):
-        if len(values) != len(found.columns):
+        if len(values) != found.columns:
             raise UnfitReadingError(
-                f"Reading {number} has {len(values)} values, series {found.id} has {len(found.columns)} "
+                f"Reading {number} has {len(values)} values, series {found.id} has {found.columns} "
                 "columns; send a null for what was not read."
             )
 
@@ -105,8 +132,10 @@ def _end_of(series_id: int | Column[int]) -> Select[tuple[int]]:
     return select(_END).where(deliveries.c.series_id == series_id).order_by(latest).limit(1)
 
 
-def _kept(connection: Connection, series_id: int, delivery: Delivery) -> bool:
-    of_this = deliveries.c.series_id == series_id, deliveries.c.first == delivery.first
+def _kept(connection: Connection, found: _Filled, delivery: Delivery) -> bool:
+    if delivery.first in found.added:
+        return found.added[delivery.first] == delivery
+    of_this = deliveries.c.series_id == found.id, deliveries.c.first == delivery.first
     document = connection.scalar(select(deliveries.c.document).where(*of_this))
     return document is not None and _read(document) == delivery.readings
 
@@ -122,9 +151,17 @@ def _refusal(series_id: int, next_number: int, first: int) -> str:
     )
 
 
+def _count() -> Any:
+    return func.coalesce(_end_of(series.c.id).scalar_subquery() - 1, 0).label("readings")
+
+
 def _records() -> Select[Any]:
-    count = func.coalesce(_end_of(series.c.id).scalar_subquery() - 1, 0)
-    return select(series, count.label("readings"))
+    return select(series, _count())
+
+
+_FILLED: Final = select(series.c.id, length_at(series.c.columns), _count()).where(
+    series.c.id.in_(bindparam("ids", expanding=True))
+)
 
 
 def _record(row: Row[Any]) -> SeriesRecord:

@@ -4,11 +4,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from sqlalchemy import Connection, Row, Select, func, or_, select
+from sqlalchemy import Row, Select, func, or_, select
 
 from truepose.storage.database import Database
 from truepose.storage.records import Page
-from truepose.storage.rows import add_row
+from truepose.storage.rows import add_rows
 from truepose.storage.tables import acts
 
 
@@ -45,12 +45,8 @@ class ActRepository:
 
     async def add(self, several: Sequence[PersonsAct]) -> None:
         """Keep acts in their order, all or none."""
-
-        def work(connection: Connection) -> None:
-            for act in several:
-                add_row(connection, acts, **{name: getattr(act, name) for name in _COLUMNS})
-
-        await self._database.write(work)
+        rows = [{name: getattr(act, name) for name in _COLUMNS} for act in several]
+        await self._database.write(lambda connection: add_rows(connection, acts, rows))
 
     async def page(self, page: Page, search: str = "") -> list[ActRecord]:
         """Return acts in which `search` stands, oldest first."""

@@ -8,7 +8,7 @@ from sqlalchemy import Connection, Row, func, select
 
 from truepose.domain.people.accounts import Person, Role
 from truepose.storage.database import Database
-from truepose.storage.rows import add_row
+from truepose.storage.rows import add_row, add_rows
 from truepose.storage.tables import credentials, people, person_states, revocations
 
 
@@ -102,13 +102,9 @@ class CredentialRepository:
 
     async def revoke(self, numbers: tuple[int, ...], by: str) -> None:
         """Record that these open nothing any more."""
-
-        def work(connection: Connection) -> None:
-            for number in numbers:
-                add_row(connection, revocations, credential_id=number, by=by)
-
-        if numbers:
-            await self._database.write(work)
+        rows = [{"credential_id": number, "by": by} for number in numbers]
+        if rows:
+            await self._database.write(lambda connection: add_rows(connection, revocations, rows))
 
 
 def _entered(connection: Connection) -> Entered:

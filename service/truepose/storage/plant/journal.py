@@ -8,7 +8,7 @@ import asyncio
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
-from typing import Final
+from typing import Any, Final
 
 from sqlalchemy import Connection, select
 
@@ -27,7 +27,7 @@ from truepose.storage.plant.projections import project
 from truepose.storage.plant.records import Branch, ClockSeen, CollectedLink, Outcome
 from truepose.storage.plant.told import tell_again, untold_links
 from truepose.storage.plant.visits import newest_visit
-from truepose.storage.rows import add_row
+from truepose.storage.rows import add_rows
 from truepose.storage.tables.of_plants import plant_journal
 
 _CHAINS_AT_ONCE: Final = 1  # read for the first time: pages find a reader meanwhile
@@ -142,20 +142,21 @@ def _keep(
     follows = position(connection, branch) + 1
     if not page or page[0].link != follows:
         raise ConflictError(f"Link {follows} comes next; somebody has collected meanwhile.")
-    for link in page:
-        add_row(
-            connection,
-            plant_journal,
-            branch_id=branch.id,
-            link=link.link,
-            stream=link.stream,
-            record=link.record,
-            record_id=link.record_id,
-            hash=link.hash,
-            content=link.content,
-            verified=int(link.verified),
-        )
+    add_rows(connection, plant_journal, [_row(branch, link) for link in page])
     project(connection, branch, page, clock)
+
+
+def _row(branch: Branch, link: CollectedLink) -> dict[str, Any]:
+    return {
+        "branch_id": branch.id,
+        "link": link.link,
+        "stream": link.stream,
+        "record": link.record,
+        "record_id": link.record_id,
+        "hash": link.hash,
+        "content": link.content,
+        "verified": int(link.verified),
+    }
 
 
 def _accept(connection: Connection, cell: str, person: str, reason: str) -> None:

@@ -53,6 +53,13 @@ async def test_whoever_lost_the_answer_sends_the_same_again_and_it_is_kept_once(
     assert (await client.get(series)).json()["readings"] == 3
 
 
+async def test_the_same_sent_many_times_at_once_is_kept_once(client, series):
+    answers = await asyncio.gather(*(deliver(client, series, 1, *numbered(2)) for _ in range(8)))
+
+    assert {answer.status_code for answer in answers} == {201}
+    assert (await client.get(series)).json()["readings"] == 2
+
+
 @pytest.mark.parametrize(
     ("first", "readings", "said"),
     [
