@@ -59,6 +59,7 @@ class PlantSettings:
     cells_file: Path
     every_s: float = 30.0  # between two visits to a cell
     name: str = "plant"
+    due_after_days: float = 30.0  # since its last measurement, until a robot is due; a quick check each month
 
 
 def _is_loopback(host: str) -> bool:

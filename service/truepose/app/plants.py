@@ -6,16 +6,19 @@ from collections.abc import AsyncIterator, Callable
 
 from truepose.app.composition import beside, people_of, program_version
 from truepose.app.server import Served, run
-from truepose.exchange.cells.of_plant import read_plant_cells
+from truepose.exchange.cells.of_plant import read_plant_file
 from truepose.plant.collector import Collector, Pace, collecting
+from truepose.plant.due import DueAfter
 from truepose.plant.visit import Shelves
 from truepose.settings import PlantSettings
 from truepose.storage.database import Database
 from truepose.storage.integrity.guard import Guard
+from truepose.storage.plant.certificates import PlantCertificates
 from truepose.storage.plant.hand_downs import HandDownRepository
 from truepose.storage.plant.journal import JournalRepository
 from truepose.storage.plant.looking import PlantLooks
 from truepose.storage.plant.looking_over import PlantOverview
+from truepose.storage.plant.newest import PlantTold
 from truepose.storage.plant.visits import VisitRepository
 from truepose.web.plant.application import create_plant_application
 from truepose.web.plant.context import Place, PlantContext
@@ -41,15 +44,15 @@ async def open_plant(settings: PlantSettings) -> AsyncIterator[PlantContext]:
     InputFileError
         The cells file is wrong.
     """
-    cells = read_plant_cells(settings.cells_file)
+    plant = read_plant_file(settings.cells_file)
     async with contextlib.AsyncExitStack() as stack:
         database = await asyncio.to_thread(Database, settings.service.database_url)
         stack.callback(database.close)
         people = await stack.enter_async_context(people_of(database, settings.service))
         journal, visits = JournalRepository(database), VisitRepository(database)
         hand_downs = HandDownRepository(database)
-        collector = Collector(cells, Shelves(journal, hand_downs), visits, Pace(settings.every_s))
-        await journal.enter(*(cell.name for cell in cells))
+        collector = Collector(plant.cells, Shelves(journal, hand_downs), visits, Pace(settings.every_s))
+        await journal.enter(*(cell.name for cell in plant.cells))
         beside(stack, Guard(database).follow(), "storage guard")
         await stack.enter_async_context(collecting(collector))
         yield PlantContext(
@@ -62,6 +65,9 @@ async def open_plant(settings: PlantSettings) -> AsyncIterator[PlantContext]:
             hand_downs=hand_downs,
             looks=PlantLooks(database),
             overview=PlantOverview(database),
+            told=PlantTold(database),
+            certificates=PlantCertificates(database),
+            due=DueAfter(settings.due_after_days, plant.due_after_days),
             collector=collector,
             stopping=asyncio.Event(),
         )

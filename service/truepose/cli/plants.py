@@ -8,6 +8,8 @@ import typer
 from truepose.cli.administration.durations import seconds
 from truepose.settings import LogLevel
 
+_DAY_S = 86400.0
+
 
 def plant_command(
     cells: Annotated[Path, typer.Option(help="Cells file (TOML): name, address, token and certificate.")],
@@ -17,6 +19,14 @@ def plant_command(
     every: Annotated[
         float, typer.Option(parser=seconds, help="Time between two visits to a cell.", metavar="30s|10m|1h")
     ] = 30.0,
+    due_after: Annotated[
+        float,
+        typer.Option(
+            parser=seconds,
+            help="Time after its last measurement until a robot is due; per type in the cells file.",
+            metavar="14d|30d|90d",
+        ),
+    ] = 30 * _DAY_S,
     name: Annotated[str, typer.Option(help="What the plant is called.")] = "plant",
     allowed_host: Annotated[
         list[str] | None,
@@ -58,4 +68,4 @@ def plant_command(
         tls_key=tls_key,
         accounts=accounts,
     )
-    return serve_plant(PlantSettings(service, cells, every, name))
+    return serve_plant(PlantSettings(service, cells, every, name, due_after / _DAY_S))

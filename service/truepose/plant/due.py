@@ -1,51 +1,114 @@
-"""Which robots are to be measured next, and why: by the days since each was measured last.
+"""Which robots are to be measured next, and why: every reason with its figures, the most urgent first.
 
-First those of which nobody knows how they stand, then the longest ago; equal ones by serial number. The
-clock of a cell may be wrong: a robot whose last day has not come yet would otherwise never be due.
+First those of which nobody knows how they stand; then those of which a measurement says that their model no
+longer holds; then those whose last measurement proves nothing; then age; and last what is merely asked for.
+The clock of a cell may be wrong: a robot whose last day has not come yet would otherwise never be due.
 """
 
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
 from datetime import date
 from enum import StrEnum
 from typing import Final
 
+from truepose.domain.sentences import Sentence, Value, said
 from truepose.storage.plant.looking_over import RobotMeasured
+from truepose.storage.plant.newest import ToldSeen
+from truepose.storage.plant.telling import FAILED, ToldKind
 
-DUE_AFTER_DAYS: Final = 30  # a quick check each month
+_MONTH_DAYS: Final = 30.0  # a quick check each month
 _AHEAD_DAYS: Final = 1  # of the plant's day, in another time zone
+_UNEXPLAINED: Final = "unexplained"
 
 
-class Standing(StrEnum):
-    """How a robot stands, the most urgent first."""
+class Why(StrEnum):
+    """What speaks for measuring a robot, the most urgent first."""
 
     UNMEASURED = "unmeasured"
     DOUBTFUL = "doubtful"  # its last day is not over yet, or is no day
+    FAILED = "failed"  # its last validation
+    UNCERTIFIED = "uncertified"  # what measured it last had no valid certificate
+    CHANGED = "changed"  # tool or place since its model was made
+    UNEXPLAINED = "unexplained"  # by its last diagnosis
     OVERDUE = "overdue"
-    CURRENT = "current"
+    ASKED = "asked"  # for more, by its last diagnosis
+
+
+@dataclass(frozen=True, slots=True)
+class DueAfter:
+    """How many days after its last measurement a robot is due."""
+
+    days: float = _MONTH_DAYS
+    by_type: Mapping[str, float] = field(default_factory=dict)  # of robots of a type; else `days`
+
+    def of(self, robot: str) -> float:
+        """Return the days of robots of a type."""
+        return self.by_type.get(robot, self.days)
+
+
+@dataclass(frozen=True, slots=True)
+class Evidence:
+    """What is on record beside the days on which robots were measured."""
+
+    told: Mapping[str, Mapping[ToldKind, ToldSeen]] = field(default_factory=dict)  # by robot
+    expires: Mapping[str, str] = field(default_factory=dict)  # last day of an instrument's certificate
+
+
+@dataclass(frozen=True, slots=True)
+class Reason:
+    """One reason to measure a robot."""
+
+    why: Why
+    sentence: Sentence
+    weight: float = 0.0  # among reasons of the same kind, the greatest first
+    record: ToldSeen | None = None  # that says so
 
 
 @dataclass(frozen=True, slots=True)
 class StandingRobot:
-    """A robot, how it stands, and for how long."""
+    """A robot, and what speaks for measuring it, the most urgent first; nothing: it is not due."""
 
     measured: RobotMeasured
-    standing: Standing
-    days: int  # since it was measured last; 0 where that is not known
+    reasons: tuple[Reason, ...]
 
 
-def standing_robots(robots: Iterable[RobotMeasured], today: date) -> list[StandingRobot]:
+def standing_robots(
+    robots: Iterable[RobotMeasured], evidence: Evidence, due: DueAfter, today: date
+) -> list[StandingRobot]:
     """Return how robots stand on a day, those first that are to be measured first."""
-    return sorted((_standing(robot, today) for robot in robots), key=_urgency)
+    return sorted((_standing(robot, evidence, due, today) for robot in robots), key=_urgency)
 
 
-def _standing(robot: RobotMeasured, today: date) -> StandingRobot:
-    if not robot.last_measured_on:
-        return StandingRobot(robot, Standing.UNMEASURED, 0)
-    days = _days_between(robot.last_measured_on, today)
+def _standing(robot: RobotMeasured, evidence: Evidence, due: DueAfter, today: date) -> StandingRobot:
+    told = evidence.told.get(robot.serial_number, {})
+    found = (
+        *_of_days(robot, due.of(robot.robot), today),
+        *_of_certificate(robot, evidence.expires.get(robot.instrument_serial_number, "")),
+        *_of_validation(told),
+        *_of_change(told),
+        *_of_diagnosis(told, robot.last_measured_on),
+    )
+    return StandingRobot(robot, tuple(sorted(found, key=lambda reason: [*Why].index(reason.why))))
+
+
+def _urgency(robot: StandingRobot) -> tuple[int, float, str]:
+    if not robot.reasons:
+        return len(Why), 0.0, robot.measured.serial_number
+    first = robot.reasons[0]
+    return [*Why].index(first.why), -first.weight, robot.measured.serial_number
+
+
+def _of_days(robot: RobotMeasured, due_days: float, today: date) -> Iterator[Reason]:
+    last = robot.last_measured_on
+    if not last:
+        yield Reason(Why.UNMEASURED, said("plant.why.unmeasured"))
+        return
+    days = _days_between(last, today)
     if days is None or days < -_AHEAD_DAYS:
-        return StandingRobot(robot, Standing.DOUBTFUL, 0)
-    return StandingRobot(robot, Standing.OVERDUE if days > DUE_AFTER_DAYS else Standing.CURRENT, max(days, 0))
+        yield Reason(Why.DOUBTFUL, said("plant.why.doubtful", day=last, cell=robot.cell))
+    elif days > due_days:
+        sentence = said("plant.why.overdue", day=last, days=days, due=due_days)
+        yield Reason(Why.OVERDUE, sentence, days / due_days)
 
 
 def _days_between(day: str, today: date) -> int | None:
@@ -55,5 +118,60 @@ def _days_between(day: str, today: date) -> int | None:
         return None
 
 
-def _urgency(robot: StandingRobot) -> tuple[int, int, str]:
-    return [*Standing].index(robot.standing), -robot.days, robot.measured.serial_number
+def _of_certificate(robot: RobotMeasured, expires: str) -> Iterator[Reason]:
+    if expires and expires < robot.last_measured_on:
+        instrument, day = robot.instrument_serial_number, robot.last_measured_on
+        sentence = said("plant.why.uncertified", day=day, instrument=instrument, expires=expires)
+        yield Reason(Why.UNCERTIFIED, sentence)
+
+
+def _of_validation(told: Mapping[ToldKind, ToldSeen]) -> Iterator[Reason]:
+    """Yield that the last validation failed; a model that was made after it answers it."""
+    found, model = told.get("validation"), told.get("model")
+    if found is None or found.verdict != FAILED or found.figure_mm is None:
+        return
+    if model is not None and model.is_later_than(found):
+        return
+    values: dict[str, Value] = {
+        "number": found.record_id,
+        "day": found.measured_on,
+        "figure": found.figure_mm,
+    }
+    if found.limit_mm is None:
+        yield Reason(Why.FAILED, said("plant.why.failed", **values), 1.0, found)
+        return
+    weight = found.figure_mm / found.limit_mm if found.limit_mm > 0.0 else 1.0
+    if found.document.get("promised"):
+        sentence = said("plant.why.broken_promise", **values, promised=found.limit_mm)
+    else:
+        sentence = said("plant.why.beyond_limit", **values, limit=found.limit_mm)
+    yield Reason(Why.FAILED, sentence, weight, found)
+
+
+def _of_change(told: Mapping[ToldKind, ToldSeen]) -> Iterator[Reason]:
+    """Yield that a robot carries another tool, or stands elsewhere, than when its model was made."""
+    model, now = told.get("model"), told.get("campaign")
+    if model is None or now is None or not now.is_later_than(model):
+        return
+    before_tool, tool = model.document.get("tool"), now.document.get("tool")
+    before_base, base = model.document.get("base"), now.document.get("base")
+    values: dict[str, Value] = {"number": model.record_id, "day": now.measured_on}
+    if before_tool and tool and before_tool != tool:
+        sentence = said("plant.why.another_tool", **values, before=before_tool, tool=tool)
+        yield Reason(Why.CHANGED, sentence, record=model)
+    elif before_base and base and before_base != base:
+        yield Reason(Why.CHANGED, said("plant.why.another_base", **values), record=model)
+
+
+def _of_diagnosis(told: Mapping[ToldKind, ToldSeen], last_measured_on: str) -> Iterator[Reason]:
+    """Yield what the last diagnosis leaves open; a later measurement answers it."""
+    found = told.get("diagnosis")
+    if found is None or found.measured_on < last_measured_on:
+        return
+    values: dict[str, Value] = {"number": found.record_id, "day": found.measured_on}
+    if found.verdict == _UNEXPLAINED and found.figure_mm is not None:
+        sentence = said("plant.why.unexplained", **values, figure=found.figure_mm)
+        yield Reason(Why.UNEXPLAINED, sentence, found.figure_mm, found)
+    asks = int(found.document.get("asks", 0))
+    if asks:
+        yield Reason(Why.ASKED, said("plant.why.asked", **values, count=asks), float(asks), found)

@@ -43,9 +43,11 @@ class Cell:
     def database(self):
         return self.app.state.context.database
 
-    async def measure(self, readings=3, name="first", serial="120-1", instrument="T-7"):
+    async def measure(
+        self, readings=3, name="first", serial="120-1", instrument="T-7", certificate="", expires=""
+    ):
         """Measure a session; returns its number."""
-        tracker = DeviceEntry("tracker", "fake_tracker", {}, serial_number=instrument)
+        tracker = DeviceEntry("tracker", "fake_tracker", {}, instrument, certificate, expires)
         setup = make_setup()
         told = dataclasses.replace(setup.cell, robot_serial_number=serial, devices=(tracker,))
         stored = SessionRepository(self.database)

@@ -2,7 +2,7 @@
 
 import pytest
 
-from truepose.exchange.cells.of_plant import PlantCell, read_plant_cells
+from truepose.exchange.cells.of_plant import PlantCell, read_plant_file
 from truepose.exchange.errors import InputFileError
 
 WHOLE = """
@@ -15,6 +15,9 @@ certificate = "plant-ca.pem"
 [[cell]]
 name = "right arm"
 url = "http://127.0.0.1:8001"
+
+[due_after_days]
+"ABB IRB 120" = 14
 """
 
 
@@ -22,12 +25,13 @@ def test_files_that_it_names_lie_beside_it(tmp_path):
     file = tmp_path / "cells.toml"
     file.write_text(WHOLE)
 
-    assert read_plant_cells(file) == (
+    assert read_plant_file(file).cells == (
         PlantCell(
             "left arm", "https://cell-3.plant:8443", tmp_path / "left.token", tmp_path / "plant-ca.pem"
         ),
         PlantCell("right arm", "http://127.0.0.1:8001"),
     )
+    assert read_plant_file(file).due_after_days == {"ABB IRB 120": 14.0}
 
 
 @pytest.mark.parametrize(
@@ -40,6 +44,8 @@ def test_files_that_it_names_lie_beside_it(tmp_path):
         ('[[cell]]\nname = "a"\nurl = "http://c"\ntoken = "x"', "this key is not known here"),
         ('cells = 1\n[[cell]]\nname = "a"\nurl = "http://c"', "this key is not known here"),
         ('[[cell]]\nname = "a"\nurl = "http://c"\n' * 2, "two cells are called 'a'"),
+        ('[[cell]]\nname = "a"\nurl = "http://c"\n[due_after_days]\n"IRB" = 0', "0 must be greater than 0"),
+        ('[[cell]]\nname = "a"\nurl = "http://c"\n[due_after_days]\n"IRB" = "30d"', "is not a number"),
         ("[[cell]", "cells.toml"),
     ],
 )
@@ -48,6 +54,6 @@ def test_what_cannot_be_meant_is_said(tmp_path, text, said):
     file.write_text(text)
 
     with pytest.raises(InputFileError, match=r"cells\.toml") as raised:
-        read_plant_cells(file)
+        read_plant_file(file)
 
     assert said in str(raised.value)

@@ -73,8 +73,10 @@ def robot(serial, days_ago=None, campaign=False):
 def due(page):
     """Return serial number and reason of each robot that is to be measured next."""
     part = page.partition("<h2>To be measured next</h2>")[2].partition("<h2>")[0]
-    rows = re.findall(r'<th><a href="/robots/[^"]+">([^<]+)</a></th>.*?data-label="Why">([^<]+)<', part)
-    return [*rows]
+    rows = re.findall(
+        r'<th><a href="/robots/[^"]+">([^<]+)</a></th>.*?data-label="Why">(.*?)</td>', part, re.S
+    )
+    return [(serial, re.sub("<[^>]+>", "", reasons).strip()) for serial, reasons in rows]
 
 
 async def page(service, path, language="en"):
@@ -120,7 +122,7 @@ async def test_where_no_robot_is_due_none_is_listed(service):
     shown = await page(service, "/")
 
     assert due(shown) == []
-    assert "Every robot was measured within the last 30 days." in shown
+    assert "No robot is due: each was measured in its time" in shown
 
 
 async def test_what_came_in_leads_to_the_page_of_its_cell(service):
@@ -152,7 +154,23 @@ async def test_lives_show_what_was_collected(service, cell):
     assert 'href="/instruments/T-7"' in of_robot
     assert 'href="/robots/120-1"' in of_instrument
     assert due(glance) == []
-    assert "Every robot was measured within the last 30 days." in glance
+    assert "No robot is due: each was measured in its time" in glance
+
+
+async def test_a_certificate_that_ended_is_said_at_a_glance_and_of_its_instrument(service, cell):
+    await cell.measure(certificate="report 1", expires=(TODAY - timedelta(days=1)).isoformat())
+    await cell.measure(name="second", instrument="T-8", certificate="report 2", expires="2099-01-01")
+    await collect(service, cell)
+
+    glance, ended = await page(service, "/"), await page(service, "/instruments/T-7")
+    told = (await service.get("/api/v1/plant/instruments/T-8")).json()["certificates"]
+
+    ending = glance.partition("<h2>Certificates that ended or soon will</h2>")[2].partition("<h2>")[0]
+    assert re.findall(r"<th>(report \d)</th>", ending) == ["report 1"]
+    assert "report 1" in ended
+    assert [(one["certificate"], one["expires"], one["standing"]) for one in told] == [
+        ("report 2", "2099-01-01", "holds")
+    ]
 
 
 @pytest.mark.parametrize("path", ["/robots/none", "/instruments/none"])

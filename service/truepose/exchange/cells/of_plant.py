@@ -1,6 +1,7 @@
 """Cells files of a plant: TOML, one [[cell]] each, described in docs/plant.md with an example."""
 
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Final
 from urllib.parse import urlsplit
@@ -20,6 +21,14 @@ class PlantCell:
     certificate: Path | None = None  # PEM that the cell shows, or of who signed it; None: of a public one
 
 
+@dataclass(frozen=True, slots=True)
+class PlantFile:
+    """What the cells file of a plant says."""
+
+    cells: tuple[PlantCell, ...]
+    due_after_days: Mapping[str, float] = field(default_factory=dict)  # by type of robot, as cells name it
+
+
 def _read_url(node: Node) -> str:
     text = node.text().rstrip("/")
     parts = urlsplit(text)
@@ -30,6 +39,7 @@ def _read_url(node: Node) -> str:
     return text
 
 
+_DUE: Final = "due_after_days"
 _FILE: Final = Form(lambda node: Path(node.text()))
 _CELL: Final = [
     Key("name", "name", TEXT),
@@ -39,7 +49,7 @@ _CELL: Final = [
 ]
 
 
-def read_plant_cells(path: Path) -> tuple[PlantCell, ...]:
+def read_plant_file(path: Path) -> PlantFile:
     """Read the cells file of a plant; files that it names are looked for beside it.
 
     Raises
@@ -48,15 +58,19 @@ def read_plant_cells(path: Path) -> tuple[PlantCell, ...]:
         With file and key, and line where the text is not TOML at all.
     """
     root = toml_document(path.name, read_bytes(path))
-    for entry in root.unlisted(["cell"]):
-        entry.fail("this key is not known here; cells stand as [[cell]]")
+    for entry in root.unlisted(["cell", _DUE]):
+        entry.fail(f"this key is not known here; cells stand as [[cell]], days of robot types in [{_DUE}]")
     cells: dict[str, PlantCell] = {}
     for node in root.key("cell").items():
         cell = _read_cell(node, path.parent)
         if cell.name in cells:
             node.key("name").fail(f"two cells are called {cell.name!r}; names must differ")
         cells[cell.name] = cell
-    return tuple(cells.values())
+    return PlantFile(tuple(cells.values()), _read_due(root.optional(_DUE)))
+
+
+def _read_due(node: Node | None) -> dict[str, float]:
+    return {} if node is None else {robot: node.key(robot).number(above=0.0) for robot in node.entries()}
 
 
 def _read_cell(node: Node, folder: Path) -> PlantCell:

@@ -3,11 +3,12 @@
 import json
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from datetime import date
 from typing import Any, Final, TypeAlias
 
 from sqlalchemy import Connection, select
 
-from truepose.domain.cell.certificates import Paper
+from truepose.domain.cell.certificates import Paper, Standing
 from truepose.storage.database import Database
 from truepose.storage.plant.records import Branch, CollectedLink
 from truepose.storage.rows import add_row
@@ -24,6 +25,13 @@ class StatedPaper:
     paper: Paper
     cell: str
     stated_on: str
+
+    def standing(self, on: date) -> Standing:
+        """Return how it stands on a day; what states a day that is none is undated."""
+        try:
+            return self.paper.standing(on)
+        except ValueError:
+            return "undated"
 
 
 class PlantCertificates:

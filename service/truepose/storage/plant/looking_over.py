@@ -27,6 +27,7 @@ class RobotMeasured:
     robot: str  # its type
     last_measured_on: str  # a day, by the cell's clock; empty: never
     cell: str  # empty: never measured
+    instrument_serial_number: str = ""  # that measured it then; empty: nobody said it
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,17 +74,17 @@ def _robots(connection: Connection) -> list[RobotMeasured]:
         plant_robots.c.robot,
         _newest(plant_days, days.measured_on),
         _newest(plant_days, plant_cells.c.name),
+        _newest(plant_days, days.instrument_serial_number),
         _newest(plant_results, results.measured_on, measured),
         _newest(plant_results, plant_cells.c.name, measured),
+        _newest(plant_results, results.instrument_serial_number, measured),
     )
     return [_robot(*row) for row in connection.execute(select(*columns))]
 
 
-def _robot(
-    serial: str, robot: str, day: str | None, cell: str | None, *of_results: str | None
-) -> RobotMeasured:
-    last = max((day or "", cell or ""), (of_results[0] or "", of_results[1] or ""))
-    return RobotMeasured(serial, robot, *last)
+def _robot(serial: str, robot: str, *told: str | None) -> RobotMeasured:
+    of_days, of_results = (tuple(one or "" for one in told[first : first + 3]) for first in (0, 3))
+    return RobotMeasured(serial, robot, *max(of_days, of_results))
 
 
 def _newest(table: Any, wanted: Any, *conditions: Any) -> ScalarSelect[Any]:

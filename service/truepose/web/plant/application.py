@@ -11,7 +11,7 @@ from truepose.web.door.proxies import Proxies
 from truepose.web.pages import router as pages
 from truepose.web.people import acts, people, sign_ins
 from truepose.web.people.pages import router as pages_of_people
-from truepose.web.plant import cells, hand_downs, health, seen
+from truepose.web.plant import cells, glance, hand_downs, health, seen
 from truepose.web.plant import pages as pages_of_plant
 from truepose.web.plant.context import PlantContext
 
@@ -34,6 +34,7 @@ def _routes() -> list[BaseRoute]:
     routers = (
         health.router,
         *(resource.router for resource in _RESOURCES),
+        glance.router,
         pages_of_plant.router,
         pages_of_people,
     )

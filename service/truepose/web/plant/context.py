@@ -8,11 +8,14 @@ from fastapi import Depends, Request
 
 from truepose.operation.people.desk import PeopleDesk
 from truepose.plant.collector import Collector
+from truepose.plant.due import DueAfter
 from truepose.storage.database import Database
+from truepose.storage.plant.certificates import PlantCertificates
 from truepose.storage.plant.hand_downs import HandDownRepository
 from truepose.storage.plant.journal import JournalRepository
 from truepose.storage.plant.looking import PlantLooks
 from truepose.storage.plant.looking_over import PlantOverview
+from truepose.storage.plant.newest import PlantTold
 from truepose.storage.plant.visits import VisitRepository
 
 
@@ -36,6 +39,9 @@ class PlantContext:
     hand_downs: HandDownRepository
     looks: PlantLooks
     overview: PlantOverview
+    told: PlantTold
+    certificates: PlantCertificates
+    due: DueAfter
     collector: Collector
     stopping: asyncio.Event  # set when the service ends
     simulated: bool = False

@@ -1,9 +1,12 @@
 """What a plant's service takes and gives."""
 
+from datetime import date
 from typing import Any, Literal
 
 from pydantic import Field
 
+from truepose.domain.cell.certificates import Standing
+from truepose.storage.plant.certificates import StatedPaper
 from truepose.storage.plant.looking import DayMeasured, ResultKind, ResultSeen, SeenInstrument, SeenRobot
 from truepose.storage.plant.records import HandDownRecord, VisitRecord
 from truepose.web.schemas.base import VISIBLE, PersonName, RecordedAt, RecordId, Reply, Request
@@ -149,10 +152,22 @@ class RobotLifeReply(Reply):
     results: list[PlantResultReply]
 
 
+class StatedCertificateReply(Reply):
+    """A certificate that a cell stated, and how it stands today."""
+
+    what: str = Field(description="Of what it is, as the cell calls it.", examples=["tracker"])
+    certificate: str = Field(examples=["ISO 10360-10 report 2026-0815"])
+    expires: str = Field(description="ISO date; empty: nobody said it.", examples=["2027-03-31"])
+    standing: Standing = Field(description="`ends soon`: 30 days or less are left.")
+    cell: str = Field(description="Which stated it first.", examples=["left arm"])
+    stated_on: str = Field(description=_DAY, examples=["2026-05-04"])
+
+
 class InstrumentLifeReply(Reply):
     """An instrument, and what was measured with it, newest day first."""
 
     instrument: SeenInstrumentReply
+    certificates: list[StatedCertificateReply] = Field(description="The one that holds longest first.")
     days: list[DayReply]
     results: list[PlantResultReply]
 
@@ -201,6 +216,18 @@ def robot_reply(seen: SeenRobot) -> SeenRobotReply:
 def instrument_reply(seen: SeenInstrument) -> SeenInstrumentReply:
     """Return an instrument as it travels."""
     return SeenInstrumentReply(**{name: getattr(seen, name) for name in SeenInstrumentReply.model_fields})
+
+
+def certificate_reply(stated: StatedPaper, today: date) -> StatedCertificateReply:
+    """Return a certificate as it travels."""
+    return StatedCertificateReply(
+        what=stated.paper.of,
+        certificate=stated.paper.certificate,
+        expires=stated.paper.expires,
+        standing=stated.standing(today),
+        cell=stated.cell,
+        stated_on=stated.stated_on,
+    )
 
 
 def day_reply(day: DayMeasured) -> DayReply:

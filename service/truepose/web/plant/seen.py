@@ -1,6 +1,7 @@
 """What a plant has seen: robots and instruments by serial number, and what was measured and made of it."""
 
 import json
+from datetime import UTC, datetime
 from typing import Annotated, Any, Final, Literal, TypeAlias
 
 from fastapi import Path
@@ -14,6 +15,7 @@ from truepose.web.plant.schemas import (
     RobotLifeReply,
     SeenInstrumentReply,
     SeenRobotReply,
+    certificate_reply,
     day_reply,
     instrument_reply,
     result_reply,
@@ -75,6 +77,10 @@ async def get_instrument_life(here: PlantHere, serial: Serial) -> InstrumentLife
     """Show the life of an instrument: what it measured on which day, in which cell."""
     return InstrumentLifeReply(
         instrument=instrument_reply(await here.looks.instrument(serial)),
+        certificates=[
+            certificate_reply(stated, datetime.now(UTC).date())
+            for stated in await here.certificates.of_instrument(serial)
+        ],
         days=[day_reply(day) for day in await here.looks.days_of_instrument(serial)],
         results=[result_reply(result) for result in await here.looks.life_of_instrument(serial)],
     )

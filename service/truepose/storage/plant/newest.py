@@ -1,0 +1,70 @@
+"""The newest that each robot's results tell, by kind: what speaks for measuring it next, or against."""
+
+from collections import defaultdict
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Final
+
+from sqlalchemy import Connection, Row, select
+
+from truepose.storage.database import Database
+from truepose.storage.plant.looking import with_cells
+from truepose.storage.plant.telling import Document, ToldKind
+from truepose.storage.tables.of_plants import plant_cells, plant_robots, plant_told
+
+_KINDS: Final[tuple[ToldKind, ...]] = ("campaign", "model", "validation", "diagnosis")
+
+
+@dataclass(frozen=True, slots=True)
+class ToldSeen:
+    """What a result tells, and where it stands."""
+
+    id: int
+    branch_id: int
+    cell: str
+    kind: ToldKind
+    record_id: int  # its number in the cell
+    robot_serial_number: str
+    measured_on: str
+    verdict: str
+    figure_mm: float | None
+    limit_mm: float | None
+    document: Document
+
+    def is_later_than(self, other: "ToldSeen") -> bool:
+        """Whether it was measured later, or told later of the same day."""
+        return (self.measured_on, self.id) > (other.measured_on, other.id)
+
+
+class PlantTold:
+    """All queries about what results tell."""
+
+    def __init__(self, database: Database) -> None:
+        self._database = database
+
+    async def newest(self) -> Mapping[str, Mapping[ToldKind, ToldSeen]]:
+        """Return the newest of each kind of every robot that has any, by serial number."""
+        return await self._database.read(_newest)
+
+
+def _newest(connection: Connection) -> Mapping[str, Mapping[ToldKind, ToldSeen]]:
+    found: defaultdict[str, dict[ToldKind, ToldSeen]] = defaultdict(dict)
+    for kind in _KINDS:
+        for row in connection.execute(_newest_of(kind)):
+            found[row.robot_serial_number][kind] = told_seen(row)
+    return found
+
+
+def _newest_of(kind: ToldKind) -> Any:
+    every = plant_told.alias("every")
+    of_robot = (every.c.robot_serial_number == plant_robots.c.serial_number) & (every.c.kind == kind)
+    last_first = (every.c.measured_on.desc(), every.c.id.desc())
+    newest = select(every.c.id).where(of_robot).order_by(*last_first).limit(1).scalar_subquery()
+    return select(plant_told, plant_cells.c.name.label("cell")).select_from(
+        with_cells(plant_told).join(plant_robots, plant_told.c.id == newest)
+    )
+
+
+def told_seen(row: Row[Any]) -> ToldSeen:
+    """Return what a result tells as it was read."""
+    return ToldSeen(**{name: getattr(row, name) for name in ToldSeen.__dataclass_fields__})
