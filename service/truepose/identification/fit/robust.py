@@ -188,6 +188,7 @@ def _soft_rounds(
     structure: Structure, blocks: tuple[Block, ...], start: FloatArray
 ) -> tuple[Structure, tuple[Block, ...], Solution[Joint]]:
     stated, typical = structure, np.inf
+    held = frozenset[str]().union(*(block.held() for block in blocks))
     values, point = start, linearise_blocks(structure, blocks, start, None)
     for _ in range(_SOFT_ROUNDS):
         before, typical = typical, _typical(point.results[0])
@@ -196,7 +197,7 @@ def _soft_rounds(
         blocks = tuple(_softly(block, result) for block, result in zip(blocks, point.results, strict=True))
         solution = _refit(structure, blocks, values, point)
         values, point = solution.values, solution.final
-        structure = _widened(stated, values, solution.covariance)
+        structure = _widened(stated, held, values, solution.covariance)
     return structure, blocks, solution
 
 
@@ -204,12 +205,21 @@ def _typical(result: BlockResult) -> float:
     return float(np.median(np.linalg.norm(result.residual, axis=1)))
 
 
-def _widened(stated: Structure, values: FloatArray, covariance: FloatArray) -> Structure:
-    """Widen the priors of the geometry together where the data ask for more than they state.
+def _widened(
+    stated: Structure, held: frozenset[str], values: FloatArray, covariance: FloatArray
+) -> Structure:
+    """Widen the priors of the geometry together, but for those held, where the data ask for more.
 
     The factor is the evidence's: squared deviations per parameter that the data determine.
     """
-    chosen = np.array([owner in effects_with(Trait.GEOMETRY) for owner in stated.owners], dtype=bool)
+    geometry = effects_with(Trait.GEOMETRY)
+    chosen = np.array(
+        [
+            owner in geometry and name not in held
+            for name, owner in zip(stated.names, stated.owners, strict=True)
+        ],
+        dtype=bool,
+    )
     if not chosen.any():
         return stated
     widths = stated.prior_widths[chosen]

@@ -1,7 +1,7 @@
 """What is believed of parameters together, as readings of sums of them: one a row, each of variance 1."""
 
 from dataclasses import dataclass
-from typing import ClassVar, Self
+from typing import ClassVar, Final, NamedTuple, Self
 
 import numpy as np
 
@@ -14,6 +14,15 @@ from truepose.identification.observations.blocks import Block, BlockResult
 from truepose.identification.observations.whitening import Whitener
 
 QUANTITY = "belief"
+_TAUGHT: Final = 0.01  # share of a direction's variance that readings took away; less tells nothing
+
+
+class Unlikeness(NamedTuple):
+    """How far a robot lies off what is believed of its type."""
+
+    chance: float  # that a robot of the type lies as far off
+    parameter: str  # that lies off most
+    off_u: float  # by how much, in the standard uncertainties of what readings taught
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -28,6 +37,8 @@ class BeliefBlock(Block):
     names: tuple[str, ...]  # of the Q parameters
     rows: FloatArray  # (S, Q) sums of them, per unit
     read: FloatArray  # (S,)
+    mean: FloatArray  # (Q,) what is believed of them altogether
+    believed: FloatArray  # (Q, Q) its covariance
 
     def result(self, structure: Structure, values: FloatArray, previous: BlockResult | None) -> BlockResult:
         """Return residuals and derivatives; parameters that a structure lacks stand at 0."""
@@ -78,18 +89,53 @@ class BeliefBlock(Block):
         """Return none."""
         return np.zeros_like(off)
 
-    def contradiction(self, result: BlockResult) -> float:
-        """Return the chance that a robot of the type lies so far off what is believed of it."""
-        return chi2_exceeded(float(self.squared(result).sum()), float(len(self.read)))
+    def held(self) -> frozenset[str]:
+        """Return its parameters: what is believed of them counts on their stated widths."""
+        return frozenset(self.names)
+
+    def unlikeness(self, structure: Structure, values: FloatArray, covariance: FloatArray) -> Unlikeness:
+        """Return how far a robot that was identified with the belief lies off it.
+
+        Of a robot of the type the estimate p lies off the mean m by as much as the readings taught,
+        p - m ~ N(0, S - C), with the belief's covariance S and the estimate's C (R. A. Johnson,
+        D. W. Wichern, Applied Multivariate Statistical Analysis, 6th ed., 2007, section 4.6).
+        """
+        at = np.array([structure.names.index(name) for name in self.names], dtype=np.int64)
+        off = values[at] - self.mean
+        taught = self.believed - covariance[np.ix_(at, at)]
+        root = np.linalg.cholesky(self.believed)
+        white = np.linalg.solve(root, np.linalg.solve(root, taught).T)
+        share, turns = np.linalg.eigh(0.5 * (white + white.T))
+        known = share > _TAUGHT
+        squared = (turns.T @ np.linalg.solve(root, off))[known] ** 2 / share[known]
+        each = np.abs(off) / np.sqrt(np.maximum(np.diag(taught), _TAUGHT * np.diag(self.believed)))
+        most = int(np.argmax(each))
+        chance = chi2_exceeded(float(squared.sum()), float(known.sum())) if known.any() else 1.0
+        return Unlikeness(chance, self.names[most], float(each[most]))
 
 
-def belief_block(names: tuple[str, ...], rows: FloatArray, read: FloatArray, n_joints: int) -> BeliefBlock:
-    """Return the block of sums (S, Q) of named parameters and what they are believed to be, (S,)."""
+def belief_block(
+    names: tuple[str, ...],
+    told: tuple[FloatArray, FloatArray],
+    believed: tuple[FloatArray, FloatArray],
+    n_joints: int,
+) -> BeliefBlock:
+    """Return the block of Q named parameters: S sums (S, Q) with what they are, and mean and covariance."""
+    rows, read = told
     n = len(read)
     # Numbers that no configuration of an arm has: nothing is shared with one.
     stops = Stops(config=-(10**9) - np.arange(n), joints_rad=np.zeros((n, n_joints)))
     targets = Targets(stops, np.ones(n, dtype=np.int64))
-    return BeliefBlock(targets=targets, weights=np.ones(n), names=names, rows=rows, read=read)
+    mean, covariance = believed
+    return BeliefBlock(
+        targets=targets,
+        weights=np.ones(n),
+        names=names,
+        rows=rows,
+        read=read,
+        mean=mean,
+        believed=covariance,
+    )
 
 
 def _each_alone(n: int) -> Whitener:

@@ -141,6 +141,10 @@ class Block(Table, ABC):
         """Return the chance that readings lie so far off a model that does not judge them; else 1."""
         return 1.0
 
+    def held(self) -> frozenset[str]:
+        """Return the parameters whose stated widths are a part of what the block says."""
+        return frozenset()
+
     def moved_by_nest(self, result: BlockResult, nest: int) -> FloatArray:
         """Return the motion of each prediction per motion of a held tool nest, shape (3, n, d)."""
         return np.zeros((3, *result.residual.shape))

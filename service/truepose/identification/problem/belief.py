@@ -7,7 +7,8 @@ w, about the stated means n, it is worth
 
 of which each direction's first unit is the stated prior itself; what it knows beyond that enters as one
 reading a direction, of sqrt(l - 1) v' p~ with the value that makes both together the belief. Directions of
-which a belief knows less than was stated (l < 1) keep the stated prior.
+which a belief knows less than was stated (l < 1) keep the stated prior. The stated widths of these parameters
+therefore stay as they are (`identification.fit.robust` widens others where readings ask for it).
 
 Sources: as `identification.fit.solver`; A. Gelman et al., Bayesian Data Analysis, 3rd ed., 2013, section 14.8
 (a prior as further readings).
@@ -82,7 +83,9 @@ def with_belief(problem: Problem, belief: Belief) -> Problem:
     rows, read = belief.beyond_stated()
     telling = rows.any(axis=1)
     rows, read = rows[telling], read[telling]
-    block = belief_block(belief.names, rows, read, structure.robot.n_joints)
+    block = belief_block(
+        belief.names, (rows, read), (belief.mean, belief.covariance), structure.robot.n_joints
+    )
     blocks = (*problem.blocks, block) if len(read) else problem.blocks
     return replace(problem, structure=structure, start=start, blocks=blocks)
 

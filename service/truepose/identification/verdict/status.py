@@ -12,6 +12,7 @@ from truepose.effects.ports import Trait
 from truepose.effects.registry import effect_named, effects_with
 from truepose.identification.fit.robust import RobustFit
 from truepose.identification.model.parameters.structure import NOMINAL_EFFECTS
+from truepose.identification.observations.believed import BeliefBlock
 from truepose.identification.problem.build import Problem
 from truepose.identification.problem.setting import known_placement, setting_of
 from truepose.identification.verdict.changes import Change, Evidence
@@ -28,6 +29,7 @@ _IDENTIFIED_SHARE = 0.0015  # of the reach: no identified model of the right rob
 _SUSPICIOUS_CHI2 = 2.0
 _CERTAINLY_NEGATIVE = 5.0  # standard uncertainties; at 3 a spring that is hardly loaded would be accused
 _ONE_PARAMETER = 1.0  # what is learnt of all, each from 0 for its prior to 1 for the data alone
+_UNLIKE = 1e-3  # chance of a robot of the type to be called unlike it
 _FAR_WIDTHS = 3.0  # of the base's prior
 
 
@@ -190,9 +192,7 @@ def _converged_message(problem: Problem, identified: RobustFit, gross: int) -> S
     fixed = _bad_looks(identified)
     if fixed:
         parts.append(said("status.one_bad_look" if fixed == 1 else "status.bad_looks", readings=fixed))
-    elsewhere = _base_elsewhere(problem, identified)
-    if elsewhere:
-        parts.append(elsewhere)
+    parts += [told for told in (_base_elsewhere(problem, identified), _unlike_its_type(identified)) if told]
     strange = implausible_parameter(problem, identified)
     if strange:
         parts.append(said("status.strange", parameter=strange))
@@ -215,6 +215,16 @@ def _bad_looks(identified: RobustFit) -> int:
         for block, flags in zip(identified.blocks, identified.gross, strict=True)
         if block.table == "reference"
     )
+
+
+def _unlike_its_type(identified: RobustFit) -> Sentence | None:
+    """Say so where the robot is not as robots of its type are believed to be."""
+    beliefs = (block for block in identified.blocks if isinstance(block, BeliefBlock))
+    for belief in beliefs:
+        off = belief.unlikeness(identified.structure, identified.values, identified.solution.covariance)
+        if off.chance < _UNLIKE:
+            return said("status.unlike_its_type", parameter=off.parameter, off_u=off.off_u)
+    return None
 
 
 def _springs_that_push(problem: Problem, identified: RobustFit) -> list[str]:

@@ -1,5 +1,7 @@
 """What a fleet says of a robot beforehand, and an identification that takes it."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -11,6 +13,7 @@ from truepose.fleet.information import fleet_effects, information_of
 from truepose.fleet.pooled import of_a_new_robot, of_robot_now
 from truepose.identification import identify
 from truepose.identification.problem.belief import Belief
+from truepose.words.catalogue import english
 from truepose_simulators.cell.clock import CellClock
 from truepose_simulators.cell.true_cell import Cell
 from truepose_simulators.recording import Wishes
@@ -67,6 +70,16 @@ def test_a_belief_that_knows_no_more_than_what_was_stated_changes_nothing(campai
     assert not vague.beyond_stated()[0].any()
     assert left_open  # as fifteen readings leave it
     assert found.counts.observations == 45
+
+
+def test_a_robot_unlike_its_type_is_said_to_be(campaign, told):
+    widths = np.array([spec.prior_width for spec in told.specs])
+    found = np.linalg.solve(told.normal + np.diag(widths**-2.0), told.right)
+    alike = Belief(told.specs, told.owners, found, np.diag((0.3 * widths) ** 2))
+    unlike = replace(alike, mean=found + 3.0 * widths * (np.array(told.names) == "theta_3"))
+
+    assert "as its type" not in english(identify(campaign, believed=alike).message)
+    assert "as its type lets expect, above all theta_3" in english(identify(campaign, believed=unlike).message)
 
 
 def test_a_covariance_that_is_none_is_refused(told):

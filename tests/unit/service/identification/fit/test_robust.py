@@ -16,10 +16,12 @@ from truepose.effects.ports import Trait
 from truepose.effects.registry import effects_with
 from truepose.identification.fit.robust import robust_fit, settled
 from truepose.identification.model.evaluation import evaluate
+from truepose.identification.problem.belief import Belief, with_belief
 from truepose.identification.problem.build import build
 from truepose.kinematics.frames import rotation_from_vector
 
 EFFECTS = ("base", "geometry")
+HELD = ("alpha_2", "a_2", "theta_3")
 # Neither springs nor scatter of the arm: the noise of the readings is all there is.
 ARM = replace(IRB_120, masses=(), repeatability_mm=0.0)
 N = 60
@@ -111,6 +113,24 @@ def test_priors_of_the_geometry_widen_together_where_the_data_ask_for_it():
     # 19 draws of width 4 know their own width to 16 %, three times that
     assert ratio[geometric][0] == pytest.approx(4.0, rel=0.5)
     assert ratio[~geometric] == pytest.approx(1.0)
+
+
+def test_widths_that_a_belief_counts_on_stay_as_stated_and_others_widen():
+    problem = build(campaign_of(share=4.0), EFFECTS)
+    known = [at for at, name in enumerate(problem.structure.names) if name in HELD]
+    specs = tuple(problem.structure.specs[at] for at in known)
+    widths = np.array([spec.prior_width for spec in specs])
+    belief = Belief(specs, ("geometry",) * len(specs), np.zeros(len(specs)), np.diag((0.7 * widths) ** 2))
+    told = with_belief(problem, belief)
+
+    fit = robust_fit(told.structure, told.blocks, told.start)
+
+    ratio = fit.structure.prior_widths / problem.structure.prior_widths
+    geometric = np.array([owner in effects_with(Trait.GEOMETRY) for owner in fit.structure.owners])
+    others = geometric & ~np.isin(np.arange(len(ratio)), known)
+    assert ratio[known] == pytest.approx(1.0)
+    assert ratio[others] == pytest.approx(ratio[others][0])
+    assert ratio[others][0] > 2.0
 
 
 def test_gross_readings_are_flagged_and_no_others():
