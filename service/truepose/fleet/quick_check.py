@@ -9,7 +9,9 @@ and E the directions of the causes,
 
 is the covariance of parameters and changes. Configurations are taken one after another, each the one that
 lowers most the sum over the causes of their variance over what is asked (a cause that is known well enough
-counts 1); it is enough where a growth of the asked size would be told with 95 % at a level of 5 %.
+counts 1); it is enough where a growth of the asked size would be told with 95 % at a level of 5 %. That is
+asked of the readings alone: the precision of d, less that of its prior, which is a part of each diagonal
+element of the inverse by itself.
 
 References
 ----------
@@ -78,10 +80,12 @@ def quick_check(
     Raises
     ------
     ConfigurationError
-        No cause was given, or the growth is not above 0.
+        No cause was given, one is an instrument's, or the growth is not above 0.
     """
     if not causes or not grown_mm > 0.0:
         raise ConfigurationError("A quick check is of at least one cause, and of a growth above 0 mm.")
+    if not all(cause.directions[:-1].any() for cause in causes):
+        raise ConfigurationError("A quick check is of what ages in a robot, not of an instrument's scale.")
     knowledge = ArmKnowledge(space, candidates, knowns.believing(belief))
     told = knowledge.told(candidates.joints_rad, candidates.nest).rows
     motion = knowledge.places(candidates.joints_rad, candidates.nest).motion
@@ -96,21 +100,26 @@ def quick_check(
         owner += [number] * across.shape[1]
     directions = np.concatenate(columns, axis=1)  # (P, q)
     size = ((motion @ directions) ** 2).sum(axis=1).mean(axis=0)  # mm2 per squared unit of each
-    goal = (grown_mm / TOLD) ** 2 / np.maximum(size, 1e-300)
+    prior = grown_mm**2 / np.maximum(size, 1e-300)
+    goal = prior / (TOLD**2 + 1.0)  # with the prior; of the readings alone that is prior / TOLD**2
     rows = np.concatenate([told, told @ directions], axis=2)
     p, q = directions.shape
     known = np.zeros((p + q, p + q))
     known[:p, :p] = knowledge.prior()
-    known[p:, p:] = np.diag(np.maximum(size, 1e-300)) / grown_mm**2
+    known[p:, p:] = np.diag(1.0 / prior)
     order, reached = _chosen(rows, np.linalg.inv(known), p, goal, most)
     of = np.array(owner)
-    told_mm = grown_mm * np.sqrt(
-        np.array([[one[of == k].max() for k in range(len(causes))] for one in reached])
-    )
+    told_mm = grown_mm * np.array([
+        [_told(float(one[of == k].max())) for k in range(len(causes))] for one in reached
+    ])
     chosen = candidates.subset(order)
-    return QuickCheck(
-        chosen.joints_rad, chosen.nest, told_mm, bool(len(told_mm) and told_mm[-1].max() <= grown_mm)
-    )
+    return QuickCheck(chosen.joints_rad, chosen.nest, told_mm, bool(reached and reached[-1].max() <= 1.0))
+
+
+def _told(ratio: float) -> float:
+    """Return which growth the readings alone tell, over the asked one; `ratio` of a variance to its goal."""
+    precision = (TOLD**2 + 1.0) / ratio - 1.0  # of the readings alone, in those of the prior
+    return TOLD / np.sqrt(precision) if precision > 0.0 else np.inf
 
 
 def _chosen(

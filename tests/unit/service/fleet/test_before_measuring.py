@@ -1,5 +1,7 @@
 """What is promised and planned with what a fleet says, in the cell of the simulated arm."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -105,7 +107,8 @@ def test_what_a_quick_check_states_is_what_its_information_says(space, belief, k
     motion = knowledge.places(candidates.joints_rad, candidates.nest).motion[:, :, place]
     size = np.sqrt((motion**2).sum(axis=1).mean(axis=0))
     prior[rows.shape[1] :, rows.shape[1] :] = np.diag(size / _LIMIT_MM) ** 2
-    spread = np.sqrt(np.diag(np.linalg.inv(both.T @ both + prior))[-2:])
+    precision = 1.0 / np.diag(np.linalg.inv(both.T @ both + prior))[-2:]
+    spread = 1.0 / np.sqrt(precision - (size / _LIMIT_MM) ** 2)  # what readings alone say of a growth
 
     assert found.told_mm[-1, 0] == pytest.approx(TOLD * (spread * size).max(), rel=1e-6)
 
@@ -126,6 +129,15 @@ def test_what_cannot_be_told_is_said_not_to_be(space, belief, knowns):
     found = quick_check(space, candidates, belief, [_wave(belief)], 1e-4, knowns)
 
     assert not found.enough
+
+
+def test_an_instruments_scale_is_no_part_of_a_quick_check(space, belief, knowns):
+    candidates = draw_candidates(space, 20, np.random.default_rng(2))
+    wave = _wave(belief)
+    scale = replace(wave, directions=np.zeros_like(wave.directions))
+
+    with pytest.raises(ConfigurationError, match="instrument's scale"):
+        quick_check(space, candidates, belief, [wave, scale], _LIMIT_MM, knowns)
 
 
 def test_a_quick_check_of_nothing_is_refused(space, belief, knowns):

@@ -78,8 +78,10 @@ def test_a_robot_unlike_its_type_is_said_to_be(campaign, told):
     alike = Belief(told.specs, told.owners, found, np.diag((0.3 * widths) ** 2))
     unlike = replace(alike, mean=found + 3.0 * widths * (np.array(told.names) == "theta_3"))
 
-    assert "as its type" not in english(identify(campaign, believed=alike).message)
-    assert "as its type lets expect, above all theta_3" in english(identify(campaign, believed=unlike).message)
+    as_usual, strange = (english(identify(campaign, believed=one).message) for one in (alike, unlike))
+
+    assert "as its type" not in as_usual
+    assert "as its type lets expect, above all theta_3" in strange
 
 
 def test_a_covariance_that_is_none_is_refused(told):
