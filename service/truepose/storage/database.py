@@ -1,10 +1,10 @@
 """The open database: one writer, many readers, commits that are on disk.
 
 Every write runs on one thread over one connection; what is asked for while a commit is under way shares the
-next transaction, and where one of them fails, each has a transaction of its own. `write` returns once the
-commit is on the disk. Readers see the last commit and cannot write. The library's calls block, so both sides
-live on threads, off the event loop. Where a write is refused, further ones are refused at once until a trial
-has shown that writing works again. What differs from engine to engine is behind `connection.holding`.
+next transaction, and one of them that fails has a transaction of its own. `write` returns once the commit is
+on the disk. Readers see the last commit and cannot write. The library's calls block, so both sides live on
+threads, off the event loop. Where a write is refused, further ones are refused at once until a trial has
+shown that writing works again. What differs from engine to engine is behind `connection.holding`.
 """
 
 import asyncio
@@ -212,11 +212,23 @@ class Database:
             self._write_these([self._wanted.popleft() for _ in range(min(len(self._wanted), _MOST_TOGETHER))])
 
     def _write_these(self, together: Sequence[_Wanted]) -> None:
+        """Write together what does not fail, then what does, each alone: in a transaction of its own."""
+        alone: list[_Wanted] = []
+        while together:
+            try:
+                self._write_all(together)
+                break
+            except _NotTogetherError as error:
+                alone += error.failed
+                together = [wanted for wanted in together if wanted not in error.failed]
+        for wanted in alone:
+            self._write_all([wanted])
+
+    def _write_all(self, together: Sequence[_Wanted]) -> None:
         try:
             self._tell(together, self._write(lambda connection: _run(connection, together)))
         except _NotTogetherError:
-            for wanted in together:
-                self._write_these([wanted])
+            raise
         except _DoubtError as doubt:
             self._wait_for_certainty(_Doubtful(together, doubt.result, doubt.newest))
         except Exception as error:
@@ -260,6 +272,7 @@ class Database:
         self.held.make_ready()
         if self._doubtful is not None:
             self._tell_certainty(self._doubtful, self.held.has(self._doubtful.newest))
+        self.held.require_ours()
 
     def _wait_for_certainty(self, doubtful: "_Doubtful") -> None:
         """Answer nobody of a commit that may have been made, and refuse others until that is known."""
@@ -341,6 +354,10 @@ class _DoubtError(Exception):
 class _NotTogetherError(Exception):
     """One of several writes has failed, and with it the transaction that they share."""
 
+    def __init__(self, failed: Sequence[_Wanted]) -> None:
+        super().__init__()
+        self.failed = failed
+
 
 def _alone(work: Callable[[Connection], Any]) -> Together[None]:
     """Return a write of its own as one of which there is no other."""
@@ -353,11 +370,11 @@ def _run(connection: Connection, together: Sequence[_Wanted]) -> list[End]:
     for wanted in together:
         of_works.setdefault(wanted.work, []).append(wanted)
     ends: dict[_Wanted, End] = {}
-    try:
-        for work, wanting in of_works.items():
+    for work, wanting in of_works.items():
+        try:
             ends.update(zip(wanting, work(connection, [wanted.one for wanted in wanting]), strict=True))
-    except Exception as error:
-        if len(together) == 1:
-            raise
-        raise _NotTogetherError from error
+        except Exception as error:
+            if len(together) == 1:
+                raise
+            raise _NotTogetherError(wanting) from error
     return [ends[wanted] for wanted in together]

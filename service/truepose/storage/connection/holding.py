@@ -67,6 +67,10 @@ class Holding(ABC):
         """
 
     @abstractmethod
+    def require_ours(self) -> None:
+        """See, once it is ready again, that nobody else has written meanwhile; raises StorageError."""
+
+    @abstractmethod
     def commit(self, transaction: Transaction, newest: Left) -> None:
         """Commit and note the newest link; raises InDoubtError and what the library raises."""
 

@@ -35,6 +35,14 @@ async def names(database):
     return [record.name for record in await SessionRepository(database).page(Page())]
 
 
+async def _as_soon_as_it_is_free(database_url):
+    while True:
+        try:
+            return Database(database_url)
+        except DatabaseInUseError:
+            await asyncio.sleep(0.05)
+
+
 @pytest.fixture
 def line(server, tmp_path_factory):
     folder = tmp_path_factory.mktemp("line")
@@ -98,12 +106,7 @@ async def test_who_has_lost_the_database_to_another_service_writes_nothing_any_m
     await add(database)
     line.cut()
     async with asyncio.timeout(PATIENCE_S):
-        while True:
-            try:
-                other = Database(database_url)
-                break
-            except DatabaseInUseError:
-                await asyncio.sleep(0.05)
+        other = await _as_soon_as_it_is_free(database_url)
     line.mend()
 
     with pytest.raises(StorageUnavailableError):
@@ -120,6 +123,31 @@ async def test_who_has_lost_the_database_to_another_service_writes_nothing_any_m
     with pytest.raises(StorageUnavailableError, match="written by another service"):
         await add(database, "second")
     assert await names(database) == ["first", "theirs"]
+
+
+@pytest.mark.parametrize("when", ["before", "after"])
+async def test_a_commit_in_doubt_is_answered_also_where_another_service_came_between(
+    database_over_line, line, database_url, when
+):
+    database = database_over_line
+    await add(database)
+    line.closed = True  # to new connections
+    line.cut_next_commit(when)
+    second = asyncio.create_task(add(database, "second"))
+    async with asyncio.timeout(PATIENCE_S):
+        while "ended during a commit" not in (database.condition.trouble or ""):
+            await asyncio.sleep(0.01)
+        other = await _as_soon_as_it_is_free(database_url)
+        await add(other, "theirs")
+        other.close()
+        line.mend()
+        await asyncio.wait({second})
+
+    made = second.exception() is None
+    assert made is (when == "after")
+    assert await names(database) == ["first", *["second"] * made, "theirs"]
+    with pytest.raises(StorageUnavailableError, match="written by another service"):
+        await add(database, "third")
 
 
 async def test_a_connection_that_the_server_ends_is_begun_anew(database, server):

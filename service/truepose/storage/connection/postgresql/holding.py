@@ -42,6 +42,7 @@ class ServerDatabase(Holding):
         self._seal = Seal(self.file)
         self._doubtful: Left | None = None  # newest link of a commit that may have been made
         self._lost: str | None = None  # why nothing is written any more
+        self._was_away = False  # and nobody has looked yet what was written meanwhile
         self._size_bytes = 0
 
     def open(self) -> str:
@@ -91,7 +92,7 @@ class ServerDatabase(Holding):
             raise
 
     def make_ready(self) -> None:
-        """Connect anew where the connection has ended, if nobody else has had the database meanwhile."""
+        """Connect anew where the connection has ended, if nobody else has the database."""
         if self._lost is not None:
             raise StorageUnavailableError(self._lost)
         if not (self.connection.closed or self.connection.invalidated or self.plain.server.closed):
@@ -101,7 +102,7 @@ class ServerDatabase(Holding):
             self._connect(patient=False)
         except DatabaseInUseError as error:  # or the server has not yet noticed that ours has ended
             raise StorageUnavailableError(str(error)) from error
-        self._require_ours()
+        self._was_away = True
         _LOG.warning("connected to %s anew", self.where)
 
     def _let_go(self) -> None:
@@ -110,8 +111,10 @@ class ServerDatabase(Holding):
                 self.connection.invalidate()
             self.connection.close()
 
-    def _require_ours(self) -> None:
+    def require_ours(self) -> None:
         """Raise StorageUnavailableError where the newest link is not the last one that was written here."""
+        if not self._was_away:
+            return
         newest = newest_link(self.plain)
         if newest not in (self._seal.noted, self._doubtful):
             self._lost = (
@@ -120,7 +123,7 @@ class ServerDatabase(Holding):
             )
             self.connection.close()
             raise StorageUnavailableError(self._lost)
-        self._doubtful = None
+        self._was_away, self._doubtful = False, None
         self._seal.note(newest)
 
     def commit(self, transaction: Transaction, newest: Left) -> None:

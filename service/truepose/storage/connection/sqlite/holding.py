@@ -100,6 +100,9 @@ class SQLiteFile(Holding):
             self.place = Place(self.file)
             self._connect()
 
+    def require_ours(self) -> None:
+        """Do nothing: the lock on the file is never lost."""
+
     def commit(self, transaction: Transaction, newest: Left) -> None:
         """Commit and note the newest link; raises what the library raises, and then nothing was kept."""
         transaction.commit()
