@@ -147,6 +147,8 @@ class CampaignSummary:
     measured_by: str | None = None
     instrument: str | None = None
     certificate: str | None = None  # of the instrument
+    robot_serial_number: str | None = None  # None: nobody said; so below
+    instrument_serial_number: str | None = None
 
 
 class JobKind(StrEnum):

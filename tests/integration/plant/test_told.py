@@ -5,15 +5,20 @@ import dataclasses
 from alembic import command
 from sqlalchemy import create_engine, event, select
 
+from tests.helpers.diagnosis.answers import make_diagnosis
 from tests.helpers.domain.tracker_sessions import make_plan, make_setup
 from tests.integration.web.bench import CELL
 from truepose.demo.night.earlier import write_earlier
 from truepose.domain.cell.artefacts import Artefact
 from truepose.domain.cell.description import DeviceEntry
+from truepose.storage.calibration.campaigns import CampaignRepository, NewCampaign
+from truepose.storage.calibration.diagnoses import DiagnosisRepository
+from truepose.storage.calibration.jobs import JobRepository
 from truepose.storage.connection.migrating import migration_config
 from truepose.storage.integrity.verification import verify
 from truepose.storage.measurement.sessions import SessionRepository
 from truepose.storage.plant.certificates import PlantCertificates
+from truepose.storage.records import CampaignSummary, JobKind
 from truepose.storage.tables.of_plants import plant_told
 
 
@@ -73,6 +78,26 @@ async def test_results_tell_their_figures_and_what_the_robot_carried(open_cell, 
     assert (rows["diagnosis"].verdict, rows["diagnosis"].document["causes"]) == ("consistent", [])
     assert rows["model"].document["tool"] == rows["session"].document["tool"]
     assert rows["session"].document["tool"] == "triangular artefact, simulated"
+
+
+async def test_what_was_brought_with_a_serial_number_stands_in_the_life_of_its_robot(plant, cell):
+    said = {"robot_serial_number": "120-9", "instrument_serial_number": "T-9", "certificate": "report 9"}
+    summary = CampaignSummary(30, 0, 0, 0, 0, measured_on="2026-03-03")
+    stored = CampaignRepository(cell.database)
+    number = await stored.add(NewCampaign("told", "arm", dataclasses.replace(summary, **said), b"", b"zip"))
+    await stored.add(NewCampaign("silent", "arm", summary, b"", b"zip"))
+    jobs = JobRepository(cell.database)
+    job = await jobs.add(JobKind.DIAGNOSIS, {"campaign_id": number})
+    found = make_diagnosis(robot="arm")
+    await DiagnosisRepository(cell.database).keep(job, number, found, None)
+
+    await plant.visit(cell)
+
+    life = [(one.kind, one.name, one.measured_on) for one in await plant.looks.life_of_robot("120-9")]
+    assert {("campaign", "told", "2026-03-03"), ("diagnosis", "told", "2026-03-03")} <= {*life}
+    assert [one.name for one in await plant.looks.life_of_instrument("T-9")] != []
+    (paper,) = await PlantCertificates(plant.database).of_instrument("T-9")
+    assert paper.paper.certificate == "report 9"
 
 
 async def state(cell, serial, certificate, expires, tool=None):

@@ -2,9 +2,9 @@
 
 import asyncio
 from collections.abc import Awaitable, Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from datetime import date
-from typing import TypeAlias
+from typing import Any, Final, TypeAlias
 
 from truepose.analysis.campaigns.assembly import assemble_campaign, judged_by
 from truepose.analysis.campaigns.measured import measured_session
@@ -19,11 +19,47 @@ from truepose.storage.calibration.campaigns import CampaignRepository, NewCampai
 from truepose.storage.columns import pack
 from truepose.storage.measurement.sessions import SessionRepository
 from truepose.storage.measurement.tracker_readings import ReadingRepository
-from truepose.storage.records import RequestKey
+from truepose.storage.records import CampaignSummary, RequestKey
 
 OfBallbar: TypeAlias = Callable[[int], Awaitable[Campaign]]  # of a ballbar session, by its number
 # Of a session of closed loops, by its number; held out: another of its kind.
 OfContacts: TypeAlias = Callable[[int, int | None], Awaitable[Campaign]]
+
+
+@dataclass(frozen=True, slots=True)
+class Stated:
+    """What is said of an upload beside its archive; what is None stays as the archive says."""
+
+    measured_on: date | None = None
+    robot_serial_number: str | None = None
+    instrument_serial_number: str | None = None
+
+    def in_summary(self, summary: CampaignSummary) -> CampaignSummary:
+        """Return a summary with what was said."""
+        said: dict[str, Any] = self.said
+        return replace(summary, **said)
+
+    def before(self, other: "Stated") -> "Stated":
+        """Return what is said here, and else what is said there."""
+        return Stated(
+            self.measured_on or other.measured_on,
+            self.robot_serial_number or other.robot_serial_number,
+            self.instrument_serial_number or other.instrument_serial_number,
+        )
+
+    @property
+    def said(self) -> dict[str, str]:
+        """What was said, as a summary has it."""
+        day = None if self.measured_on is None else self.measured_on.isoformat()
+        named = {
+            "measured_on": day,
+            "robot_serial_number": self.robot_serial_number,
+            "instrument_serial_number": self.instrument_serial_number,
+        }
+        return {name: value for name, value in named.items() if value}
+
+
+NOTHING: Final = Stated()
 
 
 class CampaignDesk:
@@ -46,20 +82,17 @@ class CampaignDesk:
         self._of_contacts = of_contacts
 
     async def upload(
-        self, archive: bytes, name: str, measured_on: date | None = None, key: RequestKey | None = None
+        self, archive: bytes, name: str, stated: Stated = NOTHING, key: RequestKey | None = None
     ) -> int:
         """Store an uploaded zip as it is and return its number; call it within a turn of `uploads`.
 
-        `measured_on` is the day of the readings, where it is not that of the archive. Cancelling it ends the
-        reading, and nothing is stored. Raises as `Uploads.read`, KeyReusedError.
+        Cancelling it ends the reading, and nothing is stored. Raises as `Uploads.read`, KeyReusedError.
         """
         made = None if key is None else await self._campaigns.answered(key)
         if made is not None:
             return made
         found = await self.uploads.read(archive, name)
-        summary = found.summary
-        if measured_on is not None:
-            summary = replace(summary, measured_on=measured_on.isoformat())
+        summary = stated.in_summary(found.summary)
         stored = NewCampaign(name, found.robot, summary, found.campaign, archive)
         return await self._campaigns.add(stored, key)
 

@@ -24,6 +24,8 @@ def summary_of(campaign: Campaign) -> CampaignSummary:
         notes=_first(campaign.notes),
         simulated=campaign.simulated,
         measured_on=None if campaign.measured_on is None else campaign.measured_on.isoformat(),
+        robot_serial_number=campaign.robot_serial_number or None,
+        instrument_serial_number=campaign.instrument_serial_number or None,
     )
 
 

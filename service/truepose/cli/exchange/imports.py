@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from datetime import date, datetime
 from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -70,6 +70,12 @@ def import_command(
             "--measured-on", formats=["%Y-%m-%d"], metavar="YYYY-MM-DD", help="Day of the readings."
         ),
     ] = None,
+    robot_serial_number: Annotated[
+        str, typer.Option("--robot-serial", help="Serial number of the robot: whose life it stands in.")
+    ] = "",
+    instrument_serial_number: Annotated[
+        str, typer.Option("--instrument-serial", help="Serial number of what measured.")
+    ] = "",
     accept_changes: Annotated[
         bool,
         typer.Option("--accept-changes", help="Of a table: make the changes of convention that are offered."),
@@ -89,15 +95,19 @@ def import_command(
     if out.exists() and any(out.iterdir()):
         raise ConfigurationError(f"{out} is not empty: name another folder.")
     day = None if measured_on is None else measured_on.date()
+    serials: dict[str, Any] = {
+        "robot_serial_number": robot_serial_number,
+        "instrument_serial_number": instrument_serial_number,
+    }
     if joints is None:
-        choices = Choices(robot=robot, u_mm=u_mm, measured_on=day, undated=True)
+        choices = Choices(robot=robot, u_mm=u_mm, measured_on=day, undated=True, **serials)
         return _import_table(points, out, choices, accept_changes=accept_changes, json=json)
     if robot is None:
         raise ConfigurationError("A list of points does not say its robot: name it with --robot.")
     centres = [_centre(text) for text in nest or ()]
     stated = Stated(robot, unit and unit.value, u_mm, names, centres, nest_u_mm)
     campaign, found = import_points(points, joints, stated)
-    write_campaign(dataclasses.replace(campaign, measured_on=day), out)
+    write_campaign(dataclasses.replace(campaign, measured_on=day, **serials), out)
     _remark_undated(day)
     if json:
         left = {"points": list(found.points_alone), "lines": list(found.rows_alone)}

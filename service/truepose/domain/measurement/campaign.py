@@ -237,6 +237,8 @@ class Campaign:
     setup_uncertainty_mm: float | None = None
     simulated: bool | None = None  # no robot and no instrument took part; None: nobody said
     measured_on: date | None = None  # None: nobody said
+    robot_serial_number: str = ""  # empty: nobody said
+    instrument_serial_number: str = ""  # of the one that read all of it; empty: nobody said, or several did
     notes: tuple[str, ...] = ()
     ignored: tuple[Text, ...] = ()  # columns and keys kept but not understood, one sentence each
 

@@ -30,6 +30,8 @@ class Choices:
     changes: tuple[Change, ...] = ()
     u_mm: float | None = None
     measured_on: date | None = None
+    robot_serial_number: str = ""  # empty: nothing was said; so below
+    instrument_serial_number: str = ""
     undated: bool = False  # the day may stay unknown: whoever asks is not made a record of
     notes: tuple[str, ...] = ()
 
@@ -47,6 +49,8 @@ def choices_of(document: Mapping[str, Any], notes: Sequence[str] = ()) -> Choice
         changes=tuple(Change(**change) for change in document.get("changes") or ()),
         u_mm=document.get("u_mm"),
         measured_on=None if day is None else date.fromisoformat(day),
+        robot_serial_number=document.get("robot_serial_number") or "",
+        instrument_serial_number=document.get("instrument_serial_number") or "",
         notes=tuple(notes),
     )
 

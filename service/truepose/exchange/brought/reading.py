@@ -133,13 +133,18 @@ def _of_a_folder(found: tuple[Piece, ...], campaign: Campaign, choices: Choices)
 def _finished(campaign: Campaign, choices: Choices, understood: Understood) -> Reading:
     """Return the reading of a campaign that is whole but for the day, which only people know."""
     day = choices.measured_on
+    serials: dict[str, Any] = {
+        "robot_serial_number": choices.robot_serial_number or campaign.robot_serial_number,
+        "instrument_serial_number": choices.instrument_serial_number or campaign.instrument_serial_number,
+    }
     seen = replace(
         understood,
         questions=(*understood.questions, *_of_day(choices)),
         measured_on=None if day is None else day.isoformat(),
         simulated=bool(campaign.simulated),
+        **serials,
     )
-    noted = replace(campaign, measured_on=day, notes=(*campaign.notes, *choices.notes))
+    noted = replace(campaign, measured_on=day, notes=(*campaign.notes, *choices.notes), **serials)
     return Reading(seen, noted if seen.ready else None)
 
 

@@ -96,6 +96,8 @@ class Understood:
     notes: tuple[Sentence, ...] = ()  # what was done without being asked
     u_mm: float | None = None  # from revisits, where no column and nobody says it
     measured_on: str | None = None  # as the files themselves say
+    robot_serial_number: str = ""  # as somebody said, or the files themselves; so below
+    instrument_serial_number: str = ""
     readings: int = 0
     simulated: bool = False  # as the files say of themselves
 

@@ -1,7 +1,8 @@
 """`campaign.json`: everything of a campaign but its tables.
 
-Three optional keys are this program's own. `simulated` is true where no robot and no instrument took part;
-where it is absent nobody said so. `measured_on` is the day of the readings, as 2026-03-03. And
+Five optional keys are this program's own. `simulated` is true where no robot and no instrument took part;
+where it is absent nobody said so. `measured_on` is the day of the readings, as 2026-03-03;
+`robot_serial_number` and `instrument_serial_number` say which robot was measured by what. And
 `world_registration` is an object with `covariance_mm_rad`, the 6x6 covariance (rows and columns: translation
 x y z in mm, rotation vector x y z in rad) of a small motion about the world origin by which the readings may
 sit wrong in the world.
@@ -68,7 +69,8 @@ _IN_ORDER = (
     "masses", "gravity_m_s2_world", "robot_repeatability_mm", "u_includes_repeatability", "gear_ratio",
     "typical_compliance_rad_per_Nmm", "tool_nest_axis", "tool_rotation_u_deg", "tracker_position_world_mm",
     "fixed_nests_certified_mm", "fixed_nest_u_mm", "ballbar_nominal_mm", "ballbar_range_mm", "setup_u_mm",
-    "simulated", "measured_on", "world_registration", "notes", "files",
+    "simulated", "measured_on", "robot_serial_number", "instrument_serial_number", "world_registration",
+    "notes", "files",
 )  # fmt: skip
 KEYS = frozenset(_IN_ORDER)
 _NULL_IF_UNKNOWN = frozenset({"base_in_world_nominal", "tool_nest_u_mm"})  # the others are left out
@@ -192,6 +194,7 @@ def _registration_document(registration: WorldRegistration) -> Json:
 
 _LENGTH = number(above=0.0)
 _ANGLE = Form(lambda node: math.radians(node.number(above=0.0)), degrees)
+_STATED = Form(Node.text, lambda text: text or None)  # left out where nobody said it
 _CAMPAIGN = (
     Key("base_in_world_nominal", "base_nominal", or_null(PLACEMENT)),
     Key("gravity_m_s2_world", "gravity_m_s2", GRAVITY),
@@ -201,6 +204,8 @@ _CAMPAIGN = (
     Key("ballbar_nominal_mm", "ballbar_nominal_mm", _LENGTH, absent=None),
     Key("ballbar_range_mm", "ballbar_range_mm", _LENGTH, absent=None),
     Key("setup_u_mm", "setup_uncertainty_mm", _LENGTH, absent=None),
+    Key("robot_serial_number", "robot_serial_number", _STATED, absent=""),
+    Key("instrument_serial_number", "instrument_serial_number", _STATED, absent=""),
     Key("measured_on", "measured_on", Form(read_day, date.isoformat), absent=None),
     Key("world_registration", "registration", Form(_read_registration, _registration_document), absent=None),
     Key("notes", "notes", each(TEXT), absent=()),

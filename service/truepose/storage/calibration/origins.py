@@ -74,7 +74,8 @@ class Origin:
         return last
 
     def robot_serial_number(self) -> str:
-        """Return what the session's cell file said; "" where nobody did."""
+        """Return what the session's cell file said, else the campaign itself; "" where nobody did."""
         query = select(sessions.c.setup).where(sessions.c.id == self._session_id)
         setup = self._connection.scalar(query)
-        return "" if setup is None else str(setup["cell"].get("robot_serial_number", ""))
+        told = self._summary if setup is None else setup["cell"]
+        return str(told.get("robot_serial_number") or "")

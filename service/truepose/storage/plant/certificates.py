@@ -132,7 +132,16 @@ def _of_closing(row: Document) -> Iterator[Paper]:
         yield Paper(**judged["paper"])
 
 
+def _of_campaign(row: Document) -> Iterator[Paper]:
+    """Yield what was said of the instrument where readings were brought; one without a number is no one's."""
+    said = json.loads(str(row["summary"]))
+    if said.get("instrument_serial_number"):
+        values = ("instrument", "instrument_serial_number", "certificate")
+        yield Paper(*(str(said.get(value) or "") for value in values))
+
+
 STATING: Final[Mapping[str, Callable[[Document], Iterator[Paper]]]] = {
     "sessions": _of_session,
     "closings": _of_closing,
+    "campaigns": _of_campaign,
 }

@@ -92,7 +92,16 @@ class _Seen:
         summary, sessions = _json(row, "summary"), json.loads(str(row["session_ids"]))
         of_session = self._known_session(sessions[0]) if sessions else _Known()
         day = summary.get("measured_on") or (str(row["recorded_at"])[:_DAY] if sessions else "")
-        known = replace(of_session, name=str(row["name"]), robot=str(row["robot"]), measured_on=str(day))
+        known = replace(
+            of_session,
+            name=str(row["name"]),
+            robot=str(row["robot"]),
+            robot_serial_number=of_session.robot_serial_number or _stated(summary, "robot_serial_number"),
+            instrument_serial_number=(
+                of_session.instrument_serial_number or _stated(summary, "instrument_serial_number")
+            ),
+            measured_on=str(day),
+        )
         self._result(link, "campaign", known)
 
     def diagnosis(self, link: CollectedLink, row: Document) -> None:
@@ -204,6 +213,11 @@ def _instrument(cell: Document) -> str:
     named = [device.get("serial_number", "") for device in devices if device.get("name") != "robot"]
     of_ballbar = ((cell.get("ballbar") or {}).get("instrument") or {}).get("serial_number", "")
     return next((str(serial) for serial in (*named, of_ballbar) if serial), "")
+
+
+def _stated(summary: Document, name: str) -> str:
+    """Return what an upload says; earlier versions asked nobody."""
+    return str(summary.get(name) or "")
 
 
 def _json(row: Document, column: str) -> Any:

@@ -177,11 +177,17 @@ _SESSIONS = Source(
         _people(),
     ),
 )
+_SAID_SERIAL = _said(campaigns.c.summary, "$.robot_serial_number")  # of one that was brought
 _CAMPAIGNS = Source(
     campaigns,
     campaigns,
-    {"name": campaigns.c.name, "robot": campaigns.c.robot, "simulated": simulated_campaign()},
-    (campaigns.c.name, campaigns.c.robot),
+    {
+        "name": campaigns.c.name,
+        "robot": campaigns.c.robot,
+        "serial_number": _SAID_SERIAL,
+        "simulated": simulated_campaign(),
+    },
+    (campaigns.c.name, campaigns.c.robot, _SAID_SERIAL),
 )
 _IDENTIFICATIONS = Source(
     identifications,

@@ -3,15 +3,15 @@
 import asyncio
 import json
 from dataclasses import dataclass
-from datetime import date
 from pathlib import PurePath
-from typing import Annotated, Any, Final
+from typing import Annotated, Any, Final, TypeAlias, TypeVar
 
 from fastapi import HTTPException, Query, Request, Response, status
 from fastapi.exceptions import RequestValidationError
-from pydantic import TypeAdapter, ValidationError
-from starlette.datastructures import UploadFile
+from pydantic import Field, TypeAdapter, ValidationError
+from starlette.datastructures import FormData, UploadFile
 
+from truepose.analysis.campaigns.stored import NOTHING, Stated
 from truepose.web.context import Context, Here
 from truepose.web.problems import problems
 from truepose.web.requests.paging import Paged, listing
@@ -26,12 +26,16 @@ from truepose.web.schemas.calibration.campaigns import (
     campaign_reply,
 )
 
+T = TypeVar("T")
 router = resource(tags=["campaigns"])
-_DAY_READER: Final = TypeAdapter(Day)
+_DAY_READER: Final[TypeAdapter[Day]] = TypeAdapter(Day)
 _RECEIVING_S = 60.0  # 16 MB at 2 Mbit/s
 _BINARY = {"type": "string", "format": "binary", "description": "Zip of the campaign folder."}
 _DAY = {"type": "string", "format": "date", "description": "Day of the readings."}
-_FORM = {"type": "object", "required": ["file"], "properties": {"file": _BINARY, "measured_on": _DAY}}
+_SERIAL = {"type": "string", "maxLength": 200, "description": "Serial number."}
+_SERIALS: Final = ("robot_serial_number", "instrument_serial_number")
+_SAID = {"file": _BINARY, "measured_on": _DAY, **dict.fromkeys(_SERIALS, _SERIAL)}
+_FORM = {"type": "object", "required": ["file"], "properties": _SAID}
 _BODY: dict[str, Any] = {
     "requestBody": {
         "required": True,
@@ -57,6 +61,17 @@ MeasuredOn = Annotated[
     ),
 ]
 
+SerialNumber: TypeAlias = Annotated[str, Field(min_length=1, max_length=200, pattern=VISIBLE)]
+_SERIAL_READER: Final[TypeAdapter[str]] = TypeAdapter(SerialNumber)
+RobotSerial = Annotated[
+    SerialNumber | None,
+    Query(description="Of the robot; else as the form, or the description, says.", examples=["120-500123"]),
+]
+InstrumentSerial = Annotated[
+    SerialNumber | None,
+    Query(description="Of what read all of it; else as the robot's.", examples=["391234"]),
+]
+
 
 @dataclass(frozen=True, slots=True)
 class _Upload:
@@ -64,7 +79,7 @@ class _Upload:
 
     archive: bytes
     file_name: str
-    measured_on: date | None = None
+    stated: Stated = NOTHING
 
 
 @router.post(
@@ -79,6 +94,8 @@ async def upload_campaign(
     response: Response,
     name: CampaignName = None,
     measured_on: MeasuredOn = None,
+    robot_serial_number: RobotSerial = None,
+    instrument_serial_number: InstrumentSerial = None,
     key: IdempotencyKey = None,
 ) -> CampaignReply:
     """Store a campaign: the zip of a folder, as the body or as a form's file, or sessions to make it of.
@@ -91,8 +108,9 @@ async def upload_campaign(
         number = await _of_sessions(here, request, key)
         response.headers["Location"] = f"/api/v1/campaigns/{number}"
         return campaign_reply(await here.campaigns.get(number))
+    stated = Stated(measured_on, robot_serial_number, instrument_serial_number)
     async with here.campaign_desk.uploads.turn():
-        number = await _stored(here, request, name, measured_on, key)
+        number = await _stored(here, request, name, stated, key)
     response.headers["Location"] = f"/api/v1/campaigns/{number}"
     return campaign_reply(await here.campaigns.get(number))
 
@@ -138,9 +156,7 @@ async def download_campaign(here: Here, id: Id) -> Response:
     return Response(archive, media_type="application/zip", headers=saved_as)
 
 
-async def _stored(
-    here: Context, request: Request, name: str | None, measured_on: date | None, key: str | None
-) -> int:
+async def _stored(here: Context, request: Request, name: str | None, stated: Stated, key: str | None) -> int:
     """Receive an archive and store it, unless the client goes away meanwhile."""
     try:
         async with asyncio.timeout(_RECEIVING_S):
@@ -150,10 +166,11 @@ async def _stored(
             status.HTTP_408_REQUEST_TIMEOUT,
             f"The archive did not arrive within {_RECEIVING_S:.0f} s; nothing was stored, send it again.",
         ) from error
-    stored_as, day = name or PurePath(sent.file_name).stem or "campaign", measured_on or sent.measured_on
-    said = sent.archive if day is None else sent.archive + day.isoformat().encode()
+    stored_as = name or PurePath(sent.file_name).stem or "campaign"
+    told = stated.before(sent.stated)
+    said = sent.archive + "".join(told.said.values()).encode()
     by_key = None if key is None else await asyncio.to_thread(request_key, request, key, said)
-    return await while_present(request, here.campaign_desk.upload(sent.archive, stored_as, day, by_key))
+    return await while_present(request, here.campaign_desk.upload(sent.archive, stored_as, told, by_key))
 
 
 async def _of_sessions(here: Context, request: Request, key: str | None) -> int:
@@ -199,18 +216,21 @@ async def _received(request: Request) -> _Upload:
 
 async def _in_form(request: Request) -> _Upload:
     async with request.form() as form:
-        sent, said = form.get("file"), form.get("measured_on")
+        sent = form.get("file")
         if not isinstance(sent, UploadFile):
             return _Upload(b"", "")
-        return _Upload(await sent.read(), sent.filename or "", _day_in_form(said))
+        day = _in_field(form, "measured_on", _DAY_READER)
+        serials = (_in_field(form, name, _SERIAL_READER) for name in _SERIALS)
+        return _Upload(await sent.read(), sent.filename or "", Stated(day, *serials))
 
 
-def _day_in_form(said: object) -> date | None:
-    """Return the day that a form states; one left empty states none. Raises RequestValidationError."""
+def _in_field(form: FormData, name: str, reader: TypeAdapter[T]) -> T | None:
+    """Return what a form states; a field left empty states nothing. Raises RequestValidationError."""
+    said = form.get(name)
     if said is None or said == "":
         return None
     try:
-        return _DAY_READER.validate_python(said)
+        return reader.validate_python(said)
     except ValidationError as error:
-        faults = [{**fault, "loc": ("body", "measured_on")} for fault in error.errors()]
+        faults = [{**fault, "loc": ("body", name)} for fault in error.errors()]
         raise RequestValidationError(faults) from error

@@ -80,6 +80,26 @@ async def test_the_day_of_the_readings_is_asked_for_and_not_made_up(client):
     assert days == [None, "2026-03-03", "2026-03-03", None, "2025-11-03", "2026-03-03"]
 
 
+async def test_whose_readings_they_are_is_as_somebody_says(client):
+    told = write_campaign_zip(make_campaign(robot_serial_number="120-1", instrument_serial_number="T-7"))
+    said = {"robot_serial_number": "120-2"}
+
+    answers = [
+        await client.post(CAMPAIGNS, content=write_campaign_zip(make_campaign()), headers=ZIP),
+        await client.post(CAMPAIGNS, content=told, headers=ZIP),
+        await client.post(CAMPAIGNS, content=told, headers=ZIP, params=said),
+        await client.post(CAMPAIGNS, files={"file": ("a.zip", told, "application/zip")}, data=said),
+    ]
+    refused = await client.post(CAMPAIGNS, content=told, headers=ZIP, params={"robot_serial_number": " "})
+    silent, of_robot = [(await client.get(f"/campaigns/{number}")).text for number in (1, 3)]
+
+    found = [[reply.json()[f"{of}_serial_number"] for of in ("robot", "instrument")] for reply in answers]
+    assert found == [[None, None], ["120-1", "T-7"], ["120-2", "T-7"], ["120-2", "T-7"]]
+    assert (refused.status_code, "robot_serial_number" in refused.json()["detail"]) == (422, True)
+    assert "robot_serial_number in campaign.json" in silent
+    assert "120-2" in of_robot
+
+
 @pytest.mark.parametrize("said", ["3 March", "1700006400", "1700006400000", "2026-02-30"])
 async def test_a_day_that_is_none_is_refused_and_nothing_is_stored(client, said):
     archive = write_campaign_zip(make_campaign())

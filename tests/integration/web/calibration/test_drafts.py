@@ -61,6 +61,7 @@ async def test_a_table_becomes_a_campaign_with_its_diagnosis_under_way(client, a
     asked = (await client.get(f"{path}/understood")).json()
     early = await client.post(f"{path}/campaign", json={})
     said = {"measured_on": "2026-03-03", "measured_by": "Ada", "instrument": "AT960", "certificate": "7"}
+    said |= {"robot_serial_number": "120-1", "instrument_serial_number": "T-7"}
     await client.patch(path, json=said)
 
     made = await client.post(f"{path}/campaign", json={"name": "left arm"})
@@ -78,6 +79,7 @@ async def test_a_table_becomes_a_campaign_with_its_diagnosis_under_way(client, a
         30,
     )
     assert campaign["simulated"] is False
+    assert (campaign["robot_serial_number"], campaign["instrument_serial_number"]) == ("120-1", "T-7")
     assert jobs == ["identification", "diagnosis"]
     summary = (await app.state.context.campaigns.get(campaign["id"])).summary
     assert (summary.measured_by, summary.instrument, summary.certificate) == ("Ada", "AT960", "7")

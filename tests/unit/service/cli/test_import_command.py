@@ -54,12 +54,20 @@ def test_the_campaign_has_the_readings_as_they_were(exported, capsys):
 def test_the_day_is_kept_where_somebody_says_it_and_asked_for_where_nobody_does(exported, capsys):
     (exported / "readings.csv").write_bytes(plain())
 
-    imported(exported, measured_on=datetime(2026, 3, 3))
-    import_command(exported / "readings.csv", out=exported / "table", measured_on=datetime(2026, 3, 4))
+    imported(exported, measured_on=datetime(2026, 3, 3), instrument_serial_number="T-7")
+    import_command(
+        exported / "readings.csv",
+        out=exported / "table",
+        measured_on=datetime(2026, 3, 4),
+        robot_serial_number="120-1",
+    )
     dated = capsys.readouterr().err
     imported(exported, "undated")
 
-    days = [read_campaign(exported / name).measured_on for name in ("mine", "table", "undated")]
+    read = [read_campaign(exported / name) for name in ("mine", "table", "undated")]
+    days = [campaign.measured_on for campaign in read]
+    assert [campaign.robot_serial_number for campaign in read] == ["", "120-1", ""]
+    assert [campaign.instrument_serial_number for campaign in read] == ["T-7", "", ""]
     assert days == [date(2026, 3, 3), date(2026, 3, 4), None]
     assert "--measured-on" not in dated
     assert "--measured-on" in capsys.readouterr().err

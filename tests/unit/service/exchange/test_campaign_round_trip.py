@@ -178,12 +178,14 @@ def test_unknown_values_become_empty_cells_and_not_nan():
 
 
 @pytest.mark.parametrize("simulated", [True, False, None])
-def test_whether_it_is_simulated_and_its_day_travel_with_a_campaign(simulated):
-    campaign = make_campaign(simulated=simulated, measured_on=date(2025, 11, 3))
+def test_what_was_measured_by_what_and_on_which_day_travels_with_a_campaign(simulated):
+    who = {"robot_serial_number": "A-7", "instrument_serial_number": "T-9"}
+    campaign = make_campaign(simulated=simulated, measured_on=date(2025, 11, 3), **who)
 
     read = written_and_read(campaign)
 
     assert (read.simulated, read.measured_on, read.ignored) == (simulated, date(2025, 11, 3), ())
+    assert (read.robot_serial_number, read.instrument_serial_number) == ("A-7", "T-9")
 
 
 @pytest.mark.parametrize(

@@ -50,6 +50,13 @@ class CampaignReply(Reply):
         description="Day of the readings, as the upload or its description said; null: neither did.",
         examples=["2026-03-03"],
     )
+    robot_serial_number: str | None = Field(
+        description="As the upload or its description said; null: neither did. Of sessions, see theirs.",
+        examples=["120-500123"],
+    )
+    instrument_serial_number: str | None = Field(
+        description="Of what read all of it, as the robot's.", examples=["391234"]
+    )
     calibration_points: int = Field(examples=[55])
     validation_points: int = Field(examples=[1000])
     calibration_legs: int

@@ -148,6 +148,8 @@ class DraftRequest(Request):
         None, ge=1e-6, le=100, description="Standard uncertainty per axis of all readings."
     )
     measured_on: Day | None = Field(None, description="Day of the readings, where they were taken.")
+    robot_serial_number: Words | None = Field(None, examples=["120-500123"])
+    instrument_serial_number: Words | None = Field(None, examples=["391234"])
     measured_zone: Words | None = Field(None, examples=["Europe/Paris"])
     measured_by: Words | None = None
     instrument: Words | None = None
@@ -276,6 +278,8 @@ class UnderstoodReply(Reply):
     notes: list[str] = Field(description="What was done without being asked.")
     u_mm: Quantity = Field(description="From places measured again, where nobody says it; null: none.")
     measured_on: str | None = Field(description="As somebody said, or the files themselves.")
+    robot_serial_number: str = Field(description="The same; empty: nobody said it.")
+    instrument_serial_number: str = Field(description="The same; empty: nobody said it.")
     simulated: bool = Field(description="As the files say of themselves.")
 
 
