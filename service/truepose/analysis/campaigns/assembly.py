@@ -58,6 +58,8 @@ def assemble_campaign(calibration: MeasuredSession, validation: MeasuredSession 
         fixed_nests=cell.fixed_nests,
         registration=None if registration is None else WorldRegistration(registration.covariance),
         simulated=any(session.setup.simulated for session in sessions),
+        robot_serial_number=cell.robot_serial_number,
+        instrument_serial_number=_instrument(sessions),
         notes=tuple(_notes(calibration, validation)),
     )
 
@@ -190,6 +192,12 @@ def _notes(calibration: MeasuredSession, validation: MeasuredSession | None) -> 
         if text:
             yield f"{what}: {text}"
     yield from cell.conditions.notes
+
+
+def _instrument(sessions: Sequence[MeasuredSession]) -> str:
+    """Return the serial number of what read all of it; nothing where several did, or it tells none."""
+    serials = {point.instrument_serial for session in sessions for point in session.points}
+    return serials.pop() if len(serials) == 1 else ""
 
 
 def _trackers(sessions: Sequence[MeasuredSession]) -> Iterator[str]:
