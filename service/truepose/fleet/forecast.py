@@ -18,6 +18,7 @@ from typing import Final
 
 import numpy as np
 
+from truepose.domain.arrays import BoolArray
 from truepose.fleet.campaigns import Fleet
 from truepose.fleet.changes import Named
 
@@ -47,7 +48,7 @@ def passing(fleet: Fleet, named: Named, limit_mm: float) -> Passing | None:
     """
     if named.change.kind != "linear":
         return None
-    days = fleet.day[_concerned(fleet, named)]
+    days = fleet.day[concerned(fleet, named)]
     first, last = float(days.min()), float(days.max())
 
     def at(size_mm: float) -> float:
@@ -59,7 +60,7 @@ def passing(fleet: Fleet, named: Named, limit_mm: float) -> Passing | None:
 
 def probability_passed(fleet: Fleet, named: Named, limit_mm: float, day: float) -> float:
     """Return the probability that a change that goes on evenly has passed a limit by a day."""
-    days = fleet.day[_concerned(fleet, named)]
+    days = fleet.day[concerned(fleet, named)]
     first, last = float(days.min()), float(days.max())
     if day <= first:
         return 0.0
@@ -67,7 +68,8 @@ def probability_passed(fleet: Fleet, named: Named, limit_mm: float, day: float) 
     return 0.5 * math.erfc((needed - named.size_mm) / (named.size_u_mm * math.sqrt(2.0)))
 
 
-def _concerned(fleet: Fleet, named: Named) -> np.ndarray:
+def concerned(fleet: Fleet, named: Named) -> BoolArray:
+    """Return which campaigns a change concerns, shape (C,)."""
     change = named.change
     if change.scope == "robot":
         return np.asarray(fleet.robot == fleet.robots.index(change.of))

@@ -13,7 +13,7 @@ from truepose.domain.errors import ConfigurationError
 from truepose.fleet import campaigns as measured
 from truepose.fleet.changes import Account, Named, account_of
 from truepose.fleet.components import uncertainties
-from truepose.fleet.course import course
+from truepose.fleet.course import along
 from truepose.fleet.forecast import passing
 from truepose.fleet.information import information_of
 from truepose.fleet.pooled import of_a_new_robot
@@ -78,22 +78,16 @@ class Fleet:
         ])
 
     def course(self, number: int) -> "DataFrame":
-        """Return how a robot's named change (1 for the first) went: one row a campaign after the first.
+        """Return how a named change (1 for the first) went: one row a campaign or day after the first.
 
-        `size_mm` is by how much a campaign sees it differ from the first, along the change as it was named,
+        `size_mm` is by how much it is seen to differ from the first, along the change as it was named,
         and `u_mm` its standard uncertainty. Raises ConfigurationError where there is no such change.
         """
         told = self.account.named[number - 1 : number] if number >= 1 else ()
-        if not told or told[0].change.scope != "robot":
-            raise ConfigurationError(f"There is no change {number} of a robot among those that were named.")
-        named = told[0]
-        found = course(self.account, named.change.of, named.change.cause, named.trial.excess)
-        way = named.amount / float(named.amount @ named.amount)
-        return frame({
-            "day": found.day,
-            "size_mm": named.size_mm * found.amount @ way,
-            "u_mm": named.size_mm * np.sqrt(np.einsum("p,npq,q->n", way, found.covariance, way)),
-        })
+        if not told:
+            raise ConfigurationError(f"There is no change {number} among those that were named.")
+        found = along(self.account, told[0])
+        return frame({"day": found.day, "size_mm": found.size_mm, "u_mm": found.u_mm})
 
     def to_frame(self) -> "DataFrame":
         """Return one row a parameter: the type's value, how robots differ, and how well that is known.

@@ -72,5 +72,5 @@ def test_it_says_how_a_change_went(fleet):
     assert course["size_mm"].iloc[-1] == pytest.approx(
         fleet.changes["size_mm"][0], abs=4.0 * course["u_mm"].max()
     )
-    with pytest.raises(tp.TrueposeError, match="no change 2 of a robot"):
+    with pytest.raises(tp.TrueposeError, match="no change 2 among"):
         fleet.course(2)

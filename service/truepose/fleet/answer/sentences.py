@@ -1,0 +1,141 @@
+"""What is said of a fleet whose days are those of the calendar (`date.toordinal`)."""
+
+import math
+from collections.abc import Iterator
+from datetime import date
+from typing import Final
+
+from truepose.domain.sentences import Sentence, Text, said, together
+from truepose.fleet.answer.due import Due
+from truepose.fleet.causes import AgeingCause
+from truepose.fleet.changes import Account, Named
+from truepose.fleet.forecast import Passing, concerned
+from truepose.fleet.trials import Change, Kind
+
+_KINDS: Final[dict[Kind, str]] = {
+    "linear": "fleet.as.linear",
+    "step": "fleet.as.step",
+    "day": "fleet.as.day",
+}
+_LAST: Final = float(date.max.toordinal())
+
+
+def day_of(day: float) -> str | None:
+    """Return a day of a fleet as the calendar has it; None: not in its reach."""
+    return date.fromordinal(int(day)).isoformat() if 1.0 <= day <= _LAST else None
+
+
+def what(change: Change) -> Text:
+    """Return what changed: a robot, an instrument, or the type."""
+    return change.of or said("fleet.the_type")
+
+
+def cause_said(cause: AgeingCause) -> Sentence:
+    """Return a cause in words."""
+    if cause.order:
+        return said("fleet.wave", effect=cause.effect, subject=cause.subject, order=cause.order)
+    return said("fleet.cause", effect=cause.effect, subject=cause.subject)
+
+
+def headline(account: Account) -> Sentence:
+    """Return how many changes there are; where there is none, how much was tried."""
+    if account.named:
+        number = len(account.named)
+        return said("fleet.changes.one" if number == 1 else "fleet.changes", number=number)
+    return said("fleet.nothing", tried=account.tried)
+
+
+def compared(account: Account) -> Sentence:
+    """Return of what a fleet is."""
+    fleet = account.fleet
+    return said(
+        "fleet.compared",
+        robots=len(fleet.robots),
+        instruments=len(fleet.instruments),
+        campaigns=len(fleet.day),
+        first=day_of(float(fleet.day.min())) or "",
+        last=day_of(float(fleet.day.max())) or "",
+    )
+
+
+def change_said(change: Change) -> Sentence:
+    """Return what changes, its cause, and since when."""
+    since = day_of(change.since) or ""
+    return said(_KINDS[change.kind], who=what(change), cause=cause_said(change.cause), since=since)
+
+
+def told_of(account: Account, named: Named, passes: Passing | None) -> Iterator[Sentence]:
+    """Yield a change with its size, what else it may be, and when it passes the limit."""
+    days = account.fleet.day[concerned(account.fleet, named)]
+    yield said(
+        "fleet.size",
+        change=change_said(named.change),
+        size_mm=named.size_mm,
+        u_mm=named.size_u_mm,
+        last=day_of(float(days.max())) or "",
+    )
+    yield from rivals_said(named)
+    if not named.rivals:
+        yield said("fleet.no_rival")
+    if named.change.kind == "step":
+        yield said("fleet.no_forecast")
+    elif passes is not None:
+        yield passing_said(passes, float(days.max()))
+    if named.change.scope == "instrument":
+        yield said("fleet.check_instrument", instrument=named.change.of)
+
+
+def rivals_said(named: Named) -> Iterator[Sentence]:
+    """Yield what else explains a change as well, where anything does."""
+    if named.rivals:
+        rivals = tuple(change_said(one.change) for one in named.rivals)
+        yield said("fleet.rivals", change=change_said(named.change), rivals=rivals)
+
+
+def passing_said(passes: Passing, last: float) -> Sentence:
+    """Return when a limit is passed, with its 5 and 95 %."""
+    day, earliest, latest = (day_of(one) for one in (passes.day, passes.earliest, passes.latest))
+    if earliest is None:
+        return said("fleet.passes.never", limit_mm=passes.limit_mm)
+    if day is None or latest is None:
+        return said("fleet.passes.perhaps", limit_mm=passes.limit_mm, earliest=earliest)
+    key = "fleet.passes" if passes.day > last else "fleet.passed"
+    return said(key, limit_mm=passes.limit_mm, day=day, earliest=earliest, latest=latest)
+
+
+def next_said(first: Due, limit_mm: float) -> Sentence:
+    """Return which robot is to be measured next, and why."""
+    return said("fleet.next", robot=first.robot, why=why_said(first, limit_mm))
+
+
+def why_said(one: Due, limit_mm: float) -> Text:
+    """Return what speaks for measuring a robot, and by what."""
+    by = said("fleet.next.by", instrument=one.instrument) if one.instrument else ""
+    return together(_why(one, limit_mm), by)
+
+
+def _why(one: Due, limit_mm: float) -> Sentence:
+    if one.named is None:
+        return said("fleet.next.longest", last=day_of(one.last_day) or "")
+    cause = cause_said(one.named.change.cause)
+    if one.passing is not None:
+        return _passing_of(one, cause, one.passing)
+    since = day_of(one.named.change.since) or ""
+    if one.why == "changed":
+        return said("fleet.next.changed", cause=cause, since=since)
+    return said("fleet.next.beyond", cause=cause, since=since, limit_mm=limit_mm)
+
+
+def _passing_of(one: Due, cause: Sentence, passes: Passing) -> Sentence:
+    day, earliest, limit_mm = day_of(passes.day), day_of(passes.earliest), passes.limit_mm
+    if day is None or earliest is None:
+        return said("fleet.next.someday", cause=cause, limit_mm=limit_mm)
+    if passes.day <= one.last_day:
+        return said("fleet.next.passed", cause=cause, limit_mm=limit_mm, day=day)
+    return said("fleet.next.passes", cause=cause, limit_mm=limit_mm, day=day, earliest=earliest)
+
+
+def scatter_said(account: Account) -> Iterator[Sentence]:
+    """Yield by how much campaigns scatter more than their readings say, where they do."""
+    if account.birge_ratio > 1.0:
+        yield said("fleet.scatter", times=math.sqrt(account.birge_ratio))
