@@ -29,6 +29,7 @@ _COMMANDS = {
     "diagnose": "calibration.diagnoses",
     "predict": "calibration.campaigns",
     "reanalyse": "calibration.archives",
+    "fleet": "calibration.fleets",
     "resample": "calibration.resampling",
     "validate": "calibration.validation",
     "plan": "calibration.plans",

@@ -8,6 +8,7 @@ import io
 import zipfile
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from datetime import date
 from pathlib import Path
 from typing import Final
 
@@ -15,10 +16,12 @@ from truepose.analysis.archive.outcome import Found
 from truepose.domain.errors import ConfigurationError
 from truepose.exchange.campaigns.folder import DESCRIPTION
 from truepose.exchange.input_file import read_bytes
+from truepose.exchange.tables.visits import NOT_STATED, Stated
 from truepose.storage.calibration.campaigns import CampaignRepository
 from truepose.storage.calibration.diagnoses import DiagnosisRepository
 from truepose.storage.calibration.results import ResultRepository
 from truepose.storage.database import Database
+from truepose.storage.plant.campaigns import CollectedCampaigns
 from truepose.storage.records import CampaignRecord, DiagnosisRecord, IdentificationRecord, Page
 
 _EPOCH: Final = (1980, 1, 1, 0, 0, 0)  # the same files give the same bytes
@@ -32,6 +35,7 @@ class Archived:
     name: str
     load: Callable[[], bytes]  # as the storage keeps it, or the zip of its folder
     before: Callable[[], Found | None]  # what is stored of it
+    stated: Stated = NOT_STATED  # what is on record beside it
 
 
 def sha256(data: bytes) -> str:
@@ -88,18 +92,39 @@ def in_database(url: str) -> Iterator[list[Archived]]:
         It holds no campaign.
     """
     with contextlib.closing(Database(url)) as database, asyncio.Runner() as runner:
-        campaigns, stored = CampaignRepository(database), _Stored(database, runner)
-        records = list(_all(runner, campaigns))
-        if not records:
+        found = [*_own(database, runner), *_collected(database, runner)]
+        if not found:
             raise ConfigurationError(f"{url} holds no campaign.")
-        yield [
-            Archived(
-                f"{record.id} {record.name}",
-                lambda number=record.id: runner.run(campaigns.content(number)),  # type: ignore[misc]
-                functools.partial(stored.newest, record),
-            )
-            for record in records
-        ]
+        yield found
+
+
+def _own(database: Database, runner: asyncio.Runner) -> Iterator[Archived]:
+    """Yield what was measured or uploaded here."""
+    campaigns, stored = CampaignRepository(database), _Stored(database, runner)
+    for record in _all(runner, campaigns):
+        serial, day = runner.run(campaigns.measured(record.id))
+        yield Archived(
+            f"{record.id} {record.name}",
+            lambda number=record.id: runner.run(campaigns.content(number)),  # type: ignore[misc]
+            functools.partial(stored.newest, record),
+            _stated(serial, "", day),
+        )
+
+
+def _collected(database: Database, runner: asyncio.Runner) -> Iterator[Archived]:
+    """Yield what a plant has collected from its cells."""
+    collected = CollectedCampaigns(database)
+    for seen in runner.run(collected.all()):
+        yield Archived(
+            f"{seen.cell} {seen.record_id} {seen.name}",
+            lambda seen=seen: runner.run(collected.content(seen)),  # type: ignore[misc]
+            _nothing,
+            _stated(seen.robot_serial_number, seen.instrument_serial_number, seen.measured_on),
+        )
+
+
+def _stated(robot: str, instrument: str, day: str) -> Stated:
+    return Stated(robot, instrument, date.fromisoformat(day) if day else None)
 
 
 def _all(runner: asyncio.Runner, campaigns: CampaignRepository) -> Iterator[CampaignRecord]:

@@ -97,13 +97,7 @@ class Results:
 
     def keep(self, key: Key, text: str) -> None:
         """Keep the text of a result; once this returns it is on disk."""
-        whole = self._folder / key.file_name
-        begun = whole.with_suffix(".part")
-        with begun.open("w", encoding="utf-8") as file:
-            file.write(text + "\n")
-            file.flush()
-            os.fsync(file.fileno())
-        begun.replace(whole)
+        keep_whole(self._folder / key.file_name, f"{text}\n".encode())
 
     @functools.cached_property
     def _by_name(self) -> dict[str, list[Path]]:
@@ -121,6 +115,16 @@ class Results:
             if same and document["program"] != key.program:
                 return _of_document(document)
         return None
+
+
+def keep_whole(path: Path, data: bytes) -> None:
+    """Write a file that is there whole or not at all; once this returns it is on disk."""
+    begun = path.with_suffix(".part")
+    with begun.open("wb") as file:
+        file.write(data)
+        file.flush()
+        os.fsync(file.fileno())
+    begun.replace(path)
 
 
 def _plain(name: str) -> str:

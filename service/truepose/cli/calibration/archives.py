@@ -43,7 +43,7 @@ def reanalyse_command(
     Example: truepose reanalyse campaigns --out results --workers dask://10.0.0.5:8786
     """
     names = effect_names(effects)
-    with _campaigns(archive) as campaigns:
+    with campaigns_of(archive) as campaigns:
         anew = _computed(campaigns, out, names, against, workers)
     table = out / _TABLE
     _write(table, anew.changes)
@@ -55,7 +55,8 @@ def reanalyse_command(
 
 
 @contextlib.contextmanager
-def _campaigns(archive: str) -> "Iterator[Sequence[Archived]]":
+def campaigns_of(archive: str) -> "Iterator[Sequence[Archived]]":
+    """Offer the campaigns of a folder or a database; raises ConfigurationError, StorageError."""
     from truepose.analysis.archive.campaigns import in_database, in_folder
 
     path = Path(archive)

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from truepose.domain.measurement.campaign import Campaign
     from truepose.domain.results.identification import Identification
     from truepose.exchange.json_text import Json as JsonValue
+    from truepose.identification.problem.belief import Belief
 
 
 def identify_command(
@@ -31,6 +32,10 @@ def identify_command(
     effects: Annotated[
         str, typer.Option(help="`auto`, or names separated by commas, e.g. base,tool,geometry.")
     ] = "auto",
+    fleet: Annotated[
+        Path | None,
+        typer.Option(help="What robots of its type say of a further one (`truepose fleet --pooled`)."),
+    ] = None,
     model_out: Annotated[Path | None, typer.Option(help="Write the identified model here (JSON).")] = None,
     report: ReportFile = None,
     compare_thesis: Annotated[
@@ -53,7 +58,8 @@ def identify_command(
     words = catalogue(language)
     measured = read_measured(campaign)
     remark(map(words.spoken, measured.ignored))
-    answer = identify(measured, effect_names(effects))
+    believed = None if fleet is None else _believed(fleet, measured)
+    answer = identify(measured, effect_names(effects), believed=believed)
     # Files first: who reads "converged" may rely on the model being there.
     if model_out is not None:
         _write_model(model_out, answer, words)
@@ -69,6 +75,18 @@ def identify_command(
         _show(answer, words)
         remark(() if thesis is None else (words.spoken(thesis[1]),))
     return 0 if _converged(answer) else 1
+
+
+def _believed(file: Path, campaign: "Campaign") -> "Belief":
+    from truepose.exchange.models.pooled import read_pooled
+
+    pooled = read_pooled(file)
+    if pooled.robot != campaign.robot.name:
+        raise ConfigurationError(
+            f"{file.name} is of robots of the type {pooled.robot}, and the campaign is of a "
+            f"{campaign.robot.name}: give that of its own type."
+        )
+    return pooled.belief
 
 
 def _as_thesis(campaign: "Campaign") -> "tuple[dict[str, JsonValue], Sentence]":

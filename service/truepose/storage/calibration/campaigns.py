@@ -5,7 +5,7 @@ from typing import Any
 
 from sqlalchemy import ColumnElement, Connection, Row, Select, func, select
 
-from truepose.storage.calibration.origins import simulated_campaign
+from truepose.storage.calibration.origins import Origin, simulated_campaign
 from truepose.storage.database import Database
 from truepose.storage.documents import from_document, to_document
 from truepose.storage.errors import NotFoundError
@@ -16,6 +16,7 @@ from truepose.storage.request_keys import answered, once
 from truepose.storage.rows import add_row
 from truepose.storage.tables import campaigns
 
+_DAY = 10  # letters of a date at the beginning of a time
 _LISTED = [column for column in campaigns.c if column.name not in {"archive", "campaign"}]
 
 
@@ -49,6 +50,10 @@ class CampaignRepository(NumberedRecords[CampaignRecord]):
         """Return the zip that was uploaded, empty where none was; raises NotFoundError."""
         return await self._content(campaigns.c.archive, campaign_id)
 
+    async def measured(self, campaign_id: int) -> tuple[str, str]:
+        """Return serial number of the robot and day as sessions and upload say them; empty: they do not."""
+        return await self._database.read(lambda c: _measured(c, campaign_id))
+
     async def content(self, campaign_id: int) -> bytes:
         """Return a campaign as `storage.columns` packs it, an older one as its zip; raises NotFoundError."""
         return await self._content(func.coalesce(campaigns.c.campaign, campaigns.c.archive), campaign_id)
@@ -59,6 +64,11 @@ class CampaignRepository(NumberedRecords[CampaignRecord]):
         if found is None:
             raise NotFoundError("campaign", campaign_id)
         return bytes(found)
+
+
+def _measured(connection: Connection, campaign_id: int) -> tuple[str, str]:
+    origin = Origin(connection, campaign_id)
+    return origin.robot_serial_number(), origin.measured_at()[:_DAY]
 
 
 def _add(connection: Connection, campaign: NewCampaign) -> int:

@@ -1,0 +1,1 @@
+"""Fleets from archives: what each campaign tells, computed once and kept, and the robots compared."""

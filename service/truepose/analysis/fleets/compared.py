@@ -1,0 +1,205 @@
+"""The robots of one type compared from an archive of campaigns, each told once for its data and version."""
+
+import hashlib
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+
+from truepose.analysis.archive.campaigns import Archived, sha256
+from truepose.analysis.archive.outcome import keep_whole
+from truepose.analysis.cluster.alike import program
+from truepose.analysis.cluster.cluster import Cluster
+from truepose.analysis.cluster.parts import Failed, Part
+from truepose.analysis.fleets.told import Told, tell, told_from
+from truepose.domain.errors import ConfigurationError, TrueposeError
+from truepose.domain.robot import Robot
+from truepose.exchange.tables.visits import NOT_STATED, Stated
+from truepose.fleet.campaigns import Measured, fleet_of
+from truepose.fleet.changes import Account, account_of
+
+Progress = Callable[[float, str], None]
+_KEPT: Final = "told"
+_FEWEST_VISITS: Final = 2
+
+
+@dataclass(frozen=True, slots=True)
+class LeftOut:
+    """A campaign that is not compared, and the sentence that says why."""
+
+    campaign: str
+    why: str
+
+
+@dataclass(frozen=True, slots=True)
+class FleetFound:
+    """Robots of one type, compared."""
+
+    robot: Robot  # nominal
+    account: Account
+    campaigns: tuple[str, ...]  # as the fleet has them
+    left_out: tuple[LeftOut, ...]
+    simulated: bool  # a campaign is
+
+    def last_campaign_of(self, robot: str) -> str:
+        """Return the name of a robot's last campaign."""
+        fleet = self.account.fleet
+        own = np.flatnonzero(fleet.robot == fleet.robots.index(robot))
+        return self.campaigns[int(own[np.argmax(fleet.day[own])])]
+
+
+class FleetArchive:
+    """Campaigns of robots, and the folder in which what they tell is kept.
+
+    Parameters
+    ----------
+    campaigns : sequence of Archived
+    visits : mapping of str to Stated, optional
+        What a table says of campaigns by their names; it goes before what they say themselves.
+    kept : Path, optional
+        Nothing is kept without it.
+    """
+
+    def __init__(
+        self,
+        campaigns: Sequence[Archived],
+        visits: Mapping[str, Stated] | None = None,
+        kept: Path | None = None,
+    ) -> None:
+        self._campaigns = campaigns
+        self._visits = visits or {}
+        self._folder = None if kept is None else kept / _KEPT
+        self._told: dict[int, Told] = {}  # by the place of the campaign in the archive
+        self._failed: dict[int, str] = {}
+        self._asked: list[tuple[int, Path | None]] = []
+        _check_named(campaigns, self._visits)
+
+    def tell(self, cluster: Cluster, progress: Progress) -> None:
+        """Have every campaign tell what it does, once for its data and this version of the program.
+
+        Raises ClusterError where workers are lost for good: what was told is on disk, and the next run goes
+        on from there.
+        """
+        if self._folder is not None:
+            self._folder.mkdir(parents=True, exist_ok=True)
+        for outcome in cluster.outcomes(tell, self._missing()):
+            place, file = self._asked[outcome.number]
+            if isinstance(outcome, Failed):
+                self._failed[place] = outcome.why
+            else:
+                self._keep(place, outcome.answer, file)
+            done = len(self._told) + len(self._failed)
+            progress(done / len(self._campaigns), outcome.name)
+
+    def compare(self, of_type: str | None = None) -> FleetFound:
+        """Compare the robots of a type, from what their campaigns told; None: all are of one.
+
+        Raises
+        ------
+        ConfigurationError
+            Campaigns are of several types, of fewer than two robots, or no robot was measured twice.
+        """
+        wanted = _type_wanted(of_type, [one.robot.name for one in self._told.values()])
+        among = {place: one for place, one in sorted(self._told.items()) if one.robot.name == wanted}
+        measured, left_out, names = [], self._without_answer(), []
+        for place, told in among.items():
+            archived = self._campaigns[place]
+            stated = self._stated(archived, told)
+            lacking = _lacking(stated)
+            if lacking or stated.day is None:
+                left_out.append(LeftOut(archived.name, lacking))
+                continue
+            day = float(stated.day.toordinal())
+            measured.append(Measured(stated.robot, stated.instrument, day, told.information))
+            names.append(archived.name)
+        _check_enough(measured, left_out)
+        robot = next(iter(among.values())).robot
+        account = account_of(fleet_of(measured), robot)
+        simulated = any(one.simulated for one in among.values())
+        return FleetFound(robot, account, tuple(names), tuple(left_out), simulated)
+
+    def _missing(self) -> Iterator[Part[bytes]]:
+        for place, campaign in enumerate(self._campaigns):
+            try:
+                content = campaign.load()
+            except TrueposeError as error:
+                self._failed[place] = str(error)
+                continue
+            file = self._file(content)
+            if file is not None and file.is_file():
+                self._told[place] = told_from(file.read_bytes())
+            else:
+                self._asked.append((place, file))
+                yield Part(campaign.name, content)
+
+    def _file(self, content: bytes) -> Path | None:
+        """Return where a campaign's answer is kept: it follows from its data and the program alone."""
+        if self._folder is None:
+            return None
+        of = f"{program()}\n{sha256(content)}"
+        return self._folder / f"{hashlib.sha256(of.encode()).hexdigest()[:32]}.told"
+
+    def _keep(self, place: int, answer: bytes, file: Path | None) -> None:
+        if file is not None:
+            keep_whole(file, answer)
+        self._told[place] = told_from(answer)
+
+    def _stated(self, archived: Archived, told: Told) -> Stated:
+        by_table = self._visits.get(archived.name, NOT_STATED)
+        return by_table.or_else(told.stated).or_else(archived.stated)
+
+    def _without_answer(self) -> list[LeftOut]:
+        return [LeftOut(self._campaigns[place].name, why) for place, why in sorted(self._failed.items())]
+
+
+def _check_named(campaigns: Sequence[Archived], visits: Mapping[str, Stated]) -> None:
+    unknown = sorted(visits.keys() - {campaign.name for campaign in campaigns})
+    if unknown:
+        raise ConfigurationError(
+            f"The table names {unknown[0]!r}, and the archive has no campaign of that name; it has "
+            f"{campaigns[0].name!r}, for instance."
+        )
+
+
+def _type_wanted(of_type: str | None, names: Sequence[str]) -> str:
+    """Return the type to compare; raises ConfigurationError where that is not said."""
+    counts = Counter(names)
+    listed = ", ".join(f"{name} ({count})" for name, count in sorted(counts.items())) or "none"
+    if of_type is not None and of_type not in counts:
+        raise ConfigurationError(f"No campaign is of the type {of_type!r}; there are {listed}.")
+    if of_type is None and len(counts) > 1:
+        raise ConfigurationError(f"The campaigns are of several types, {listed}: say which with --type.")
+    return of_type or next(iter(counts), "")
+
+
+def _lacking(stated: Stated) -> str:
+    """Return in a sentence what nobody says of a campaign; empty: all is said."""
+    known = {
+        "robot_serial_number": stated.robot,
+        "instrument_serial_number": stated.instrument,
+        "measured_on": stated.day,
+    }
+    lacking = [name for name, value in known.items() if not value]
+    if not lacking:
+        return ""
+    return f"Nobody says its {', '.join(lacking)}: write that into its campaign.json, or give a table."
+
+
+def _check_enough(measured: Sequence[Measured], left_out: Sequence[LeftOut]) -> None:
+    if not measured:
+        raise ConfigurationError(
+            f"No campaign can be compared. {left_out[0].campaign}: {left_out[0].why}"
+            if left_out
+            else "There is no campaign to compare."
+        )
+    days: dict[str, set[float]] = {}
+    for one in measured:
+        days.setdefault(one.robot, set()).add(one.day)
+    if len(days) > 1 and max(map(len, days.values())) < _FEWEST_VISITS:
+        raise ConfigurationError(
+            f"{len(days)} robots were measured on one day each: what changes shows where a robot was "
+            "measured on two days at least."
+        )

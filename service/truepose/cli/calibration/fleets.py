@@ -1,0 +1,152 @@
+"""The command that compares robots of one type. Heavy imports wait until it runs."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from truepose.cli.calibration.archives import campaigns_of
+from truepose.cli.exchange.files import Json, Language, ReportFile, Workers, require_folders, writing
+from truepose.cli.output import print_json, print_lines, print_tables, remark, shown_progress
+from truepose.domain.errors import ConfigurationError
+from truepose.words.catalogue import ENGLISH, Catalogue, catalogue
+
+if TYPE_CHECKING:
+    from truepose.analysis.archive.campaigns import Archived
+    from truepose.analysis.fleets.compared import FleetFound
+
+
+def fleet_command(
+    archive: Annotated[
+        str,
+        typer.Argument(
+            help="Folder of campaign folders or zips, or a database of a service or a plant (file or URL)."
+        ),
+    ],
+    table: Annotated[
+        Path | None,
+        typer.Option(
+            help="Which robot was measured by what and when: campaign, robot, instrument, day (CSV)."
+        ),
+    ] = None,
+    of_type: Annotated[
+        str | None, typer.Option("--type", help="Type of the robots, where the archive has several.")
+    ] = None,
+    limit: Annotated[float, typer.Option(help="Change [mm] that is not to be passed.")] = 0.1,
+    out: Annotated[
+        Path | None, typer.Option(help="Folder in which what each campaign tells is kept.")
+    ] = None,
+    check: Annotated[
+        Path | None, typer.Option(help="Write the quick check of the robot that is next here (CSV).")
+    ] = None,
+    growth: Annotated[float, typer.Option(help="Growth [mm] that the quick check is to tell.")] = 0.05,
+    pooled: Annotated[
+        Path | None,
+        typer.Option(help="Write what is believed of a further robot here, for `identify --fleet`."),
+    ] = None,
+    report: ReportFile = None,
+    workers: Workers = None,
+    language: Language = ENGLISH,
+    json: Json = False,
+) -> int:
+    """Compare robots of one type over months: what changes, since when, and who is to be measured next.
+
+    It may be interrupted and started again with the same --out. Status 1: a campaign is not compared.
+
+    Example: truepose fleet campaigns --out told --report fleet.html
+    """
+    require_folders(check, pooled, report)
+    _require_above_zero("--limit", limit)
+    _require_above_zero("--growth", growth)
+    words = catalogue(language)
+    with campaigns_of(archive) as campaigns:
+        found = _compared(campaigns, table, out, of_type, workers)
+        if check is not None:
+            remark(_write_check(check, found, campaigns, (limit, growth), words))
+    if pooled is not None:
+        _write_pooled(pooled, found)
+    if report is not None:
+        _write_report(report, found, limit, words)
+    _print(found, limit, words, as_json=json)
+    return 1 if found.left_out else 0
+
+
+def _require_above_zero(option: str, size_mm: float) -> None:
+    if not 0.0 < size_mm < float("inf"):
+        raise ConfigurationError(f"{option} {size_mm:g}: give a size above 0 mm.")
+
+
+def _compared(
+    campaigns: "Sequence[Archived]",
+    table: Path | None,
+    out: Path | None,
+    of_type: str | None,
+    where: str | None,
+) -> "FleetFound":
+    from truepose.analysis.cluster.chosen import workers
+    from truepose.analysis.fleets.compared import FleetArchive
+    from truepose.exchange.tables.visits import read_visits
+
+    work = FleetArchive(campaigns, None if table is None else read_visits(table), out)
+    with workers(where, len(campaigns)) as cluster, shown_progress() as told:
+        work.tell(cluster, told)
+    return work.compare(of_type)
+
+
+def _write_check(
+    file: Path,
+    found: "FleetFound",
+    campaigns: "Sequence[Archived]",
+    limit_and_growth_mm: tuple[float, float],
+    words: Catalogue,
+) -> list[str]:
+    from truepose.analysis.fleets.checks import check_from
+    from truepose.analysis.workers.tasks import stored_campaign
+    from truepose.exchange.tables.plans import write_configurations
+    from truepose.fleet.answer.check import GAP, asked_of
+    from truepose.fleet.answer.due import due
+
+    limit_mm, grown_mm = limit_and_growth_mm
+    robot = due(found.account, limit_mm)[0].robot
+    name = found.last_campaign_of(robot)
+    content = next(one for one in campaigns if one.name == name).load()
+    chosen = check_from(found.account, robot, stored_campaign(content), grown_mm)
+    with writing(file):
+        write_configurations(file, chosen.joints_rad, chosen.nest)
+    counts = {"number": len(chosen.nest), "causes": len(asked_of(found.account))}
+    key = "fleet.check" if chosen.enough else "fleet.check.not_enough"
+    told = [words.say(key, robot=robot, grown_mm=grown_mm, **counts)]
+    gaps = any(one.change.cause.effect == GAP for one in found.account.named)
+    return [*told, *([words.say("fleet.check.gaps")] if gaps else [])]
+
+
+def _write_pooled(file: Path, found: "FleetFound") -> None:
+    from truepose.exchange.models.pooled import Pooled, write_pooled
+    from truepose.fleet.pooled import of_a_new_robot
+
+    with writing(file):
+        write_pooled(file, Pooled(found.robot.name, of_a_new_robot(found.account)))
+
+
+def _write_report(file: Path, found: "FleetFound", limit_mm: float, words: Catalogue) -> None:
+    from truepose.reports.fleets.report import FleetInput, write_fleet_report
+
+    left_out = tuple((one.campaign, one.why) for one in found.left_out)
+    given = FleetInput(found.account, found.robot.name, limit_mm, left_out, simulated=found.simulated)
+    write_fleet_report(file, given, words)
+
+
+def _print(found: "FleetFound", limit_mm: float, words: Catalogue, *, as_json: bool) -> None:
+    if as_json:
+        from truepose.exchange.results.fleet import fleet_document
+
+        document = fleet_document(
+            found.account, found.robot, limit_mm, found.left_out, simulated=found.simulated
+        )
+        print_json(document.printed())
+        return
+    from truepose.reports.terminal.fleet import fleet_summary
+
+    print_tables(fleet_summary(found.account, limit_mm, words))
+    print_lines(words.say("fleet.left_out", campaign=one.campaign, why=one.why) for one in found.left_out)

@@ -1,0 +1,249 @@
+"""What the campaigns of robots of one type say, as a document."""
+
+from collections.abc import Sequence
+from datetime import date
+from typing import Self
+
+import numpy as np
+from pydantic import Field
+
+from truepose.domain.robot import Robot
+from truepose.domain.sentences import Sentence
+from truepose.exchange.models.document import file_factor, file_unit
+from truepose.exchange.outgoing import Quantity
+from truepose.exchange.results.document_base import Document, Spoken
+from truepose.fleet.answer.due import Due, Why, due
+from truepose.fleet.answer.sentences import (
+    change_said,
+    compared,
+    day_of,
+    headline,
+    next_said,
+    passing_said,
+    scatter_said,
+    told_of,
+    why_said,
+)
+from truepose.fleet.causes import AgeingCause
+from truepose.fleet.changes import Account, Named
+from truepose.fleet.components import uncertainties
+from truepose.fleet.course import along
+from truepose.fleet.forecast import Passing, concerned, passing
+from truepose.fleet.trials import Kind, Scope, Trial
+
+
+class CauseDocument(Document):
+    """What changes in a robot or an instrument."""
+
+    effect: str
+    subject: str
+    waves_per_turn: float | None = Field(description="Null: it is no wave.")
+
+    @classmethod
+    def of_cause(cls, cause: AgeingCause) -> Self:
+        """Return a cause."""
+        return cls(effect=cause.effect, subject=cause.subject, waves_per_turn=cause.order or None)
+
+
+class RivalDocument(Document):
+    """What explains a change as well, at odds of no worse than twenty to one."""
+
+    scope: Scope
+    what: str = Field(description="Serial number of a robot or an instrument; empty: the type.")
+    cause: CauseDocument
+    kind: Kind
+    since: date
+    sentence: Spoken
+
+    @classmethod
+    def of_trial(cls, trial: Trial) -> Self:
+        """Return a rival."""
+        change = trial.change
+        return cls(
+            scope=change.scope,
+            what=change.of,
+            cause=CauseDocument.of_cause(change.cause),
+            kind=change.kind,
+            since=_date(change.since),
+            sentence=change_said(change),  # type: ignore[arg-type]  # spoken as it is taken
+        )
+
+
+class PassingDocument(Document):
+    """When a limit is passed if a change goes on as it did; null: not in the reach of a calendar."""
+
+    limit_mm: float
+    day: str | None = Field(description="Half of the probability is before it.")
+    earliest: str | None = Field(description="5 %.")
+    latest: str | None = Field(description="95 %; null: perhaps never.")
+    sentence: Spoken
+
+
+class AlongDocument(Document):
+    """How far a change had come on each day after the first."""
+
+    day: date
+    size_mm: Quantity
+    standard_uncertainty_mm: Quantity
+
+
+class ChangeDocument(RivalDocument):
+    """A change that is beyond chance."""
+
+    size_mm: Quantity = Field(description="Root mean square of what it moves at the measured configurations.")
+    standard_uncertainty_mm: Quantity
+    chance: Quantity = Field(description="Of so much where nothing changes, of this one try.")
+    rivals: list[RivalDocument]
+    passes: PassingDocument | None = Field(description="Null: it does not go on, as a step.")
+    course: list[AlongDocument]
+    sentences: list[Spoken]
+
+    @classmethod
+    def of_named(cls, account: Account, named: Named, limit_mm: float) -> Self:
+        """Return a change with everything that is said of it."""
+        passes, told = passing(account.fleet, named, limit_mm), along(account, named)
+        course = zip(told.day.tolist(), told.size_mm.tolist(), told.u_mm.tolist(), strict=True)
+        return cls.of(
+            RivalDocument.of_trial(named.trial),
+            size_mm=named.size_mm,
+            standard_uncertainty_mm=named.size_u_mm,
+            chance=named.trial.chance,
+            rivals=[RivalDocument.of_trial(one) for one in named.rivals],
+            passes=None if passes is None else _passing(account, named, passes),
+            course=[
+                AlongDocument(day=_date(day), size_mm=size, standard_uncertainty_mm=u)
+                for day, size, u in course
+            ],
+            sentences=list(told_of(account, named, passes)),
+        )
+
+
+class DueDocument(Document):
+    """A robot, and what speaks for measuring it."""
+
+    robot: str
+    why: Why
+    last_measured_on: date
+    instrument: str | None = Field(description="That tells its change from a rival; null: any.")
+    sentence: Spoken
+
+    @classmethod
+    def of_due(cls, one: Due, limit_mm: float) -> Self:
+        """Return a robot."""
+        return cls.of(
+            one,
+            last_measured_on=_date(one.last_day),
+            instrument=one.instrument or None,
+            sentence=why_said(one, limit_mm),
+        )
+
+
+class SharedDocument(Document):
+    """A parameter as the type has it, in the unit that it names."""
+
+    name: str
+    effect: str
+    unit: str
+    value: Quantity
+    between_robots: Quantity = Field(description="Standard deviation from robot to robot.")
+    between_robots_u: Quantity = Field(description="How well that is known.")
+
+
+class LeftOutDocument(Document):
+    """A campaign that is not compared."""
+
+    campaign: str
+    why: str
+
+
+class FleetDocument(Document):
+    """What `truepose fleet --json` prints."""
+
+    robot: str = Field(description="The type.")
+    robots: list[str]
+    instruments: list[str]
+    campaigns: int
+    first: date
+    last: date
+    simulated: bool
+    limit_mm: float
+    tried: int = Field(description="Ways in which robots, type and instruments may change.")
+    scatter: Quantity = Field(description="Of campaigns, over what their readings say; 1: as they say.")
+    changes: list[ChangeDocument]
+    next: list[DueDocument] = Field(description="Every robot, the one to be measured next first.")
+    type: list[SharedDocument] = Field(description="What robots of the type have in common.")
+    left_out: list[LeftOutDocument]
+    sentences: list[Spoken]
+
+
+def fleet_document(
+    account: Account,
+    robot: Robot,
+    limit_mm: float,
+    left_out: Sequence[object] = (),
+    *,
+    simulated: bool = False,
+) -> FleetDocument:
+    """Return the document of a fleet whose days are those of the calendar (`date.toordinal`)."""
+    fleet = account.fleet
+    return FleetDocument.of(
+        fleet,
+        robot=robot.name,
+        campaigns=len(fleet.day),
+        first=_date(fleet.day.min()),
+        last=_date(fleet.day.max()),
+        simulated=simulated,
+        limit_mm=limit_mm,
+        tried=account.tried,
+        scatter=float(np.sqrt(account.birge_ratio)),
+        changes=[ChangeDocument.of_named(account, one, limit_mm) for one in account.named],
+        next=[DueDocument.of_due(one, limit_mm) for one in due(account, limit_mm)],
+        type=list(shared(account)),
+        left_out=list(left_out),
+        sentences=[compared(account), headline(account), *_next(account, limit_mm), *scatter_said(account)],
+    )
+
+
+def _next(account: Account, limit_mm: float) -> list[Sentence]:
+    return [next_said(one, limit_mm) for one in due(account, limit_mm)[:1]]
+
+
+def shared(account: Account) -> list[SharedDocument]:
+    """Return what the robots have in common, parameter by parameter."""
+    fleet, estimated = account.fleet, account.estimated
+    own = slice(len(fleet.specs))
+    spread = np.sqrt(estimated.variances.robot)
+    columns = zip(
+        fleet.specs,
+        fleet.owners,
+        (fleet.means + fleet.widths * estimated.posterior.shared[own]).tolist(),
+        (fleet.widths * spread).tolist(),
+        (fleet.widths * uncertainties(estimated) / (2.0 * spread)).tolist(),
+        strict=True,
+    )
+    return [
+        SharedDocument(
+            name=spec.name,
+            effect=owner,
+            unit=file_unit(spec.unit),
+            value=value * file_factor(spec.unit),
+            between_robots=between * file_factor(spec.unit),
+            between_robots_u=u * file_factor(spec.unit),
+        )
+        for spec, owner, value, between, u in columns
+    ]
+
+
+def _passing(account: Account, named: Named, passes: Passing) -> PassingDocument:
+    last = float(account.fleet.day[concerned(account.fleet, named)].max())
+    return PassingDocument(
+        limit_mm=passes.limit_mm,
+        day=day_of(passes.day),
+        earliest=day_of(passes.earliest),
+        latest=day_of(passes.latest),
+        sentence=passing_said(passes, last),  # type: ignore[arg-type]  # spoken as it is taken
+    )
+
+
+def _date(day: float) -> date:
+    return date.fromordinal(int(day))

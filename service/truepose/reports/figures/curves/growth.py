@@ -1,0 +1,107 @@
+"""A change over months: what each day saw of it, how it was named, and when it passes a limit."""
+
+from dataclasses import dataclass
+from datetime import date
+from typing import Final, Literal
+
+import numpy as np
+from markupsafe import Markup
+from matplotlib.axes import Axes
+
+from truepose.domain.arrays import FloatArray
+from truepose.reports.figures.canvas import (
+    AFTER,
+    BEFORE,
+    MUTED,
+    label,
+    marked_in,
+    new_figure,
+    page_style,
+    to_svg,
+)
+from truepose.reports.wording.causes import printed_unit
+from truepose.words.catalogue import Catalogue
+
+_BAND: Final = 1.96  # standard uncertainties of 95 %
+_TICKS: Final = 6
+_BEYOND: Final = 2.0  # of the months that were measured, shown after the last of them
+
+
+@dataclass(frozen=True, slots=True)
+class Growth:
+    """A change; days are `date.toordinal`."""
+
+    first: float  # day
+    day: FloatArray  # (n,) later ones
+    size_mm: FloatArray  # (n,) from the first
+    u_mm: FloatArray  # (n,)
+    kind: Literal["linear", "step", "day"]
+    since: float
+    named_mm: float  # at the end
+    named_u_mm: float
+    limit_mm: float
+    passed: tuple[float, float] | None  # days of 5 and 95 %
+
+
+def growth_figure(growth: Growth, ident: str, description: str, words: Catalogue) -> Markup:
+    """Draw a change with its band, the limit, and the days within which that is passed."""
+    with page_style():
+        figure = new_figure(8.0, 2.8)
+        axes = figure.add_subplot()
+        _named(axes, growth, words.say("fleet.course.named"))
+        axes.errorbar(
+            np.append(growth.first, growth.day),
+            np.append(0.0, growth.size_mm),
+            np.append(0.0, _BAND * growth.u_mm),
+            fmt=".",
+            color=BEFORE,
+            capsize=3.0,
+        )
+        axes.axhline(growth.limit_mm, color=MUTED, linestyle="--", label=words.say("fleet.course.limit"))
+        _limit(axes, growth)
+        _days(axes, growth)
+        conversion = words.units.conversion("mm")
+        axes.set_ylabel(label(words.say("fleet.course.size"), 26, printed_unit(conversion.symbol)))
+        marked_in(axes.yaxis, conversion)
+        figure.legend(loc="outside upper left", ncols=2)
+        return to_svg(figure, ident, description)
+
+
+def _end(growth: Growth) -> float:
+    """Return the last day that is shown: that of 95 %, if it is not far."""
+    last = float(growth.day[-1])
+    most = last + _BEYOND * (last - growth.first)
+    wanted = last if growth.passed is None else growth.passed[1]
+    return float(np.clip(wanted, last, most))
+
+
+def _named(axes: Axes, growth: Growth, name: str) -> None:
+    end = _end(growth) if growth.kind == "linear" else float(growth.day[-1])
+    if growth.kind == "linear":
+        day = np.array([growth.first, end])
+        share = (day - growth.first) / (float(growth.day[-1]) - growth.first)
+    else:
+        day = np.array([growth.first, growth.since, growth.since, end])
+        share = np.array([0.0, 0.0, 1.0, 1.0])
+    if growth.kind == "day":
+        day, share = np.array([growth.since - 0.5, growth.since + 0.5]), np.ones(2)
+    size, u = growth.named_mm * share, _BAND * growth.named_u_mm * share
+    axes.fill_between(day, size - u, size + u, color=AFTER, alpha=0.2, linewidth=0.0)
+    axes.plot(day, size, color=AFTER, label=name)
+
+
+def _limit(axes: Axes, growth: Growth) -> None:
+    if growth.passed is None:
+        return
+    early, late = (float(np.clip(day, growth.first, _end(growth))) for day in growth.passed)
+    axes.plot(
+        [early, late], [growth.limit_mm] * 2, color=MUTED, linewidth=6.0, alpha=0.5, solid_capstyle="butt"
+    )
+
+
+def _days(axes: Axes, growth: Growth) -> None:
+    end = _end(growth)
+    room = 0.04 * (end - growth.first)
+    axes.set_xlim(growth.first - room, end + room)
+    named = np.linspace(growth.first, end, _TICKS).round().astype(int)
+    axes.set_xticks(named.tolist(), [date.fromordinal(int(day)).isoformat() for day in named])
