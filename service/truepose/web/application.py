@@ -55,6 +55,7 @@ from truepose.web.people.gate import Gate
 from truepose.web.people.operations import operations_of
 from truepose.web.people.pages import router as pages_of_people
 from truepose.web.people.rights import require_complete
+from truepose.web.requests.by_path import Routing
 from truepose.web.requests.lanes import Lanes
 from truepose.web.requests.limits import RequestLimits
 from truepose.web.requests.queries import drop_null_of_parameters
@@ -177,6 +178,7 @@ def create_application(
         strict_content_type=False,  # `RequestLimits` answers 415 with a sentence
     )
     app.router.routes += _routes() if routes is None else routes
+    app.router.middleware_stack = Routing(app.router.middleware_stack, app.routes)
     problems.install(app)
     app.add_middleware(Lanes)
     app.add_middleware(RequestLimits)

@@ -7,13 +7,24 @@ start a tenth later: whoever gathers routers takes their routes as they are.
 from collections.abc import Sequence
 from typing import Final
 
-from fastapi import APIRouter, Depends
+from fastapi import APIRouter
 from fastapi.routing import APIRoute
+from starlette.types import Receive, Scope, Send
 
 from truepose.web.problems import problems
-from truepose.web.requests.queries import only_known_parameters
+from truepose.web.requests.queries import require_known_parameters
 
 _PREFIX: Final = "/api/v1"
+
+
+class _Operation(APIRoute):
+    """An operation that refuses a query that it does not understand."""
+
+    async def handle(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Answer a request at the path of the operation."""
+        if scope["query_string"] and scope["method"] in self.methods:
+            require_known_parameters(self, scope)
+        await super().handle(scope, receive, send)
 
 
 def resource(prefix: str = "", *, tags: Sequence[str] = ()) -> APIRouter:
@@ -21,7 +32,7 @@ def resource(prefix: str = "", *, tags: Sequence[str] = ()) -> APIRouter:
     return APIRouter(
         prefix=_PREFIX + prefix,
         tags=[*tags],
-        dependencies=[Depends(only_known_parameters)],
+        route_class=_Operation,
         responses=problems(401, 403, 422),
         generate_unique_id_function=_operation_id,
     )

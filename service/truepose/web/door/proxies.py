@@ -4,6 +4,7 @@ A proxy tells in X-Forwarded-For from whom it has a request, behind whatever was
 last address that is no proxy of ours is the one that one of ours has seen; what stands before it is hearsay.
 """
 
+import functools
 import ipaddress
 from collections.abc import Iterable, Sequence
 from typing import Final, TypeAlias
@@ -61,6 +62,7 @@ def _network(told: str) -> ipaddress.IPv4Network | ipaddress.IPv6Network:
     return network
 
 
+@functools.lru_cache(maxsize=1024)
 def _address(text: str) -> _Address | None:
     """Return an address, with a port or without; one of IPv4 in IPv6 as what it is. None for what is none."""
     bare = text[1:].partition("]")[0] if text.startswith("[") else text

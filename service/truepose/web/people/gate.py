@@ -24,6 +24,7 @@ from truepose.web.people.asking import Asking, begin
 from truepose.web.people.operations import Operation, asked_operation
 from truepose.web.people.rights import FRESH, LEAST, OF_MACHINE, Anybody, may
 from truepose.web.problems import FRESH_SIGN_IN, SIGN_IN, problem_response
+from truepose.web.requests.by_path import ByPath
 
 COOKIE: Final = "truepose_sign_in"
 SECURE_COOKIE: Final = f"__Host-{COOKIE}"  # browsers take it over TLS only, for this host and all paths
@@ -46,7 +47,7 @@ class Gate:
 
     def __init__(self, app: ASGIApp, operations: Sequence[Operation]) -> None:
         self._app = app
-        self._operations = operations
+        self._operations = ByPath((operation.path, operation) for operation in operations)
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Pass a request on, or answer it."""

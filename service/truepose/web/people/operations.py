@@ -1,11 +1,13 @@
 """Which operation a request asks for, before anything of it is read."""
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
 from fastapi.responses import HTMLResponse
+
+from truepose.web.requests.by_path import ByPath
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,6 +35,6 @@ def operations_of(routes: Iterable[Any]) -> tuple[Operation, ...]:
     )
 
 
-def asked_operation(operations: Sequence[Operation], method: str, path: str) -> Operation | None:
+def asked_operation(operations: ByPath[Operation], method: str, path: str) -> Operation | None:
     """Return what is asked for; None where there is no such thing."""
-    return next((o for o in operations if method in o.methods and o.matches.match(path)), None)
+    return next((o for o in operations.at(path) if method in o.methods and o.matches.match(path)), None)

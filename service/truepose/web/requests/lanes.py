@@ -52,7 +52,17 @@ class _Lane:
     @contextlib.asynccontextmanager
     async def place(self) -> AsyncIterator[None]:
         """Hold a place within the context; raises _FullError."""
-        if self.inside.locked() and self.waiting >= self.queue:
+        if self.inside.locked():
+            await self._wait()
+        else:
+            await self.inside.acquire()  # at once
+        try:
+            yield
+        finally:
+            self.inside.release()
+
+    async def _wait(self) -> None:
+        if self.waiting >= self.queue:
             raise _FullError
         self.waiting += 1
         try:
@@ -63,10 +73,6 @@ class _Lane:
             raise _FullError from error
         finally:
             self.waiting -= 1
-        try:
-            yield
-        finally:
-            self.inside.release()
 
 
 class Lanes:

@@ -6,17 +6,18 @@ A misspelt `limit` or `superseded` would otherwise be answered with another list
 import difflib
 from typing import Any, Final
 
-from fastapi import Request
 from fastapi.dependencies.utils import get_flat_params
 from fastapi.exceptions import RequestValidationError
 from fastapi.params import Query
 from fastapi.routing import APIRoute
+from starlette.datastructures import QueryParams
+from starlette.types import Scope
 
 UNKNOWN_PARAMETER: Final = "unknown_parameter"  # the type of the fault
 _ALIKE: Final = 0.7  # `limt` and `limit` 0.89; `state` and `after`, which nobody confuses, 0.6
 
 
-async def only_known_parameters(request: Request) -> None:
+def require_known_parameters(route: APIRoute, scope: Scope) -> None:
     """Refuse a request with a parameter in its query that its operation does not take.
 
     Raises
@@ -24,9 +25,8 @@ async def only_known_parameters(request: Request) -> None:
     RequestValidationError
         Names the first one, and the known one that it resembles most, or all that there are.
     """
-    given = request.query_params
-    known = _taken(request.scope["route"]) if given else ()
-    unknown = next((name for name in given if name not in known), None)
+    known = _taken(route)
+    unknown = next((name for name in QueryParams(scope["query_string"]) if name not in known), None)
     if unknown is not None:
         fault = {"type": UNKNOWN_PARAMETER, "loc": ("query", unknown), "msg": _hint(unknown, known)}
         raise RequestValidationError([fault])
