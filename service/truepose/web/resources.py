@@ -22,7 +22,7 @@ class _Operation(APIRoute):
 
     async def handle(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Answer a request at the path of the operation."""
-        if scope["query_string"] and scope["method"] in self.methods:
+        if scope["query_string"] and scope["method"] in (self.methods or ()):
             require_known_parameters(self, scope)
         await super().handle(scope, receive, send)
 

@@ -1,0 +1,29 @@
+"""What may be at a path: all that the list in its order would have given, and little more."""
+
+import pytest
+
+from truepose.web.requests.by_path import ByPath
+
+PATHS = ("/", "/{name}", "/work", "/api/v1/jobs", "/api/v1/jobs/{id}", "/api/v1/{any}/x", "/work/{id}")
+
+
+@pytest.mark.parametrize(
+    ("asked", "found"),
+    [
+        pytest.param("/", ["/", "/{name}", "/api/v1/{any}/x"], id="the root"),
+        pytest.param("/work", ["/{name}", "/work", "/api/v1/{any}/x", "/work/{id}"], id="a page"),
+        pytest.param(
+            "/api/v1/jobs/3",
+            ["/{name}", "/api/v1/jobs", "/api/v1/jobs/{id}", "/api/v1/{any}/x"],
+            id="a record",
+        ),
+        pytest.param("/api/v1/no", ["/{name}", "/api/v1/{any}/x"], id="no resource"),
+        pytest.param("", ["/{name}", "/api/v1/{any}/x"], id="no path"),
+    ],
+)
+def test_what_begins_otherwise_is_passed_over_and_what_is_left_keeps_its_order(asked, found):
+    assert list(ByPath((path, path) for path in PATHS).at(asked)) == found
+
+
+def test_where_nothing_has_an_open_first_word_nothing_is_found_elsewhere():
+    assert list(ByPath([("/work", 1)]).at("/other")) == []
