@@ -28,9 +28,11 @@ class VisitRepository:
     async def keep(self, cell: str, visit: Visit) -> None:
         """Keep a visit where it tells anything new: records, another outcome, clocks that moved."""
         kept = self._kept.get(cell) or (await self.newest()).get(cell)
-        found = visit if kept is None or visit.head is not None else replace(visit, head=kept.visit.head)
+        if kept is not None and visit.head is None:
+            visit = replace(visit, head=kept.visit.head)
         if kept is None or _tells_anything(kept.visit, visit):
-            kept = await self._database.write(lambda connection: _keep(connection, cell, found))
+            kept = await self._database.write(lambda connection: _keep(connection, cell, visit))
+        found = replace(visit, collected=kept.visit.collected)
         self._kept[cell], self._found[cell] = kept, replace(kept, visit=found, found_at=_now())
 
     async def newest(self) -> dict[str, VisitRecord | None]:

@@ -14,9 +14,11 @@ from truepose.web.people.pages import router as pages_of_people
 from truepose.web.plant import cells, glance, hand_downs, health, seen
 from truepose.web.plant import pages as pages_of_plant
 from truepose.web.plant.context import PlantContext
+from truepose.web.visiting.rendering import prepare
 
 # What pages of people are made of; a plant has no cell to show.
 _OF_PAGES = frozenset({"static_file", "report_style", "colours", "package_file", "api_page"})
+_TEMPLATES = ("frame.html", "people/chip.html", "people/dialogue.html", "plant/")
 _RESOURCES = (cells, hand_downs, seen, sign_ins, people, acts)
 
 
@@ -26,7 +28,8 @@ def create_plant_application(
     hosts: AllowedHosts | None = None,
     proxies: Proxies | None = None,
 ) -> Application:
-    """Return the application of a plant, as `create_application` does a cell's."""
+    """Return the application of a plant, as `create_application` does a cell's; its pages are ready."""
+    prepare(*_TEMPLATES)
     return create_application(version, open_context, hosts, proxies, _routes())
 
 

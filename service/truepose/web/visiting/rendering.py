@@ -20,3 +20,10 @@ _TEMPLATES.globals["parts"] = _TEMPLATES.get_template("parts.html").module
 def rendered(template: str, **context: object) -> str:
     """Return a template of this package, filled in."""
     return _TEMPLATES.get_template(template).render(**context)
+
+
+def prepare(*beginnings: str) -> None:
+    """Compile templates whose names begin so, a tenth of a second of work, before somebody waits for it."""
+    for name in _TEMPLATES.list_templates():
+        if name.startswith(beginnings):
+            _TEMPLATES.get_template(name)
