@@ -2,6 +2,7 @@
 
 import asyncio
 import json
+import re
 import ssl
 import time
 from collections.abc import Callable
@@ -22,6 +23,10 @@ _PATIENCE: Final = httpx.Timeout(30.0, connect=10.0)
 _MOST_BYTES: Final = 256 * 2**20  # of a page: one record of the largest kind, and no more than memory holds
 _CREATED: Final = 201
 _REFUSED: Final = frozenset({400, 404, 409, 413, 415, 422})
+_SILENT: Final = (httpx.HTTPError, httpx.InvalidURL, OSError, UnicodeError)  # the last: no name of a host
+_UNREADABLE: Final = (ArithmeticError, LookupError, RecursionError, TypeError, ValueError)
+_NUMBERS: Final = range(2**63)  # that a database holds
+_TOKEN: Final = re.compile("[!-~]+")  # what a header carries
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,15 +78,14 @@ class AskedCell:
         took_s = time.monotonic() - begun_s
         try:
             told = json.loads(answer)
-            clock = Answered(asked_at, took_s, datetime.fromisoformat(told["time"]))
             return CellHead(
-                version=str(told["version"]),
-                schema=str(told["schema"]),
-                newest=int(told["newest"]),
+                version=_text(told["version"]),
+                schema=_text(told["schema"]),
+                newest=_number(told["newest"]),
                 head=str(told["head"]),
-                clock=clock,
+                clock=Answered(asked_at, took_s, _moment(told["time"])),
             )
-        except (ValueError, KeyError, TypeError) as error:
+        except _UNREADABLE as error:
             raise self._no_cell(f"its head cannot be read ({error})") from error
 
     async def links(self, after: int, limit: int) -> CellPage:
@@ -89,21 +93,20 @@ class AskedCell:
         answer = await self._get("/chain/links", {"after": after, "limit": limit})
         try:
             return await asyncio.to_thread(_page, answer)
-        except (ValueError, KeyError, TypeError) as error:
+        except _UNREADABLE as error:
             raise self._no_cell(f"a page of its chain was cut off or cannot be read ({error})") from error
 
     async def hand_down(self, record: HandDownRecord, key: str) -> Handed:
         """Have a cell keep a plan or a model; the key lets it be kept once; raises CellAnswerError."""
         told = record.hand_down
-        body = {"kind": told.kind.value, "name": told.name, "person": told.person, "document": told.document}
+        said = {"kind": told.kind.value, "name": told.name, "person": told.person, "document": told.document}
         try:
-            client = await self._connected()
-            headers = {"Idempotency-Key": key}
-            answer = await client.post("/api/v1/hand-downs", json=body, headers=headers)
-        except httpx.HTTPError as error:
-            raise self._unreachable(error) from error
+            body = json.dumps(said, allow_nan=False).encode()
+        except ValueError:  # kept by a version that took such numbers
+            return Handed(None, "It holds a number that is not finite, which JSON cannot say")
+        answer = await self._post("/hand-downs", body, key)
         if answer.status_code == _CREATED:
-            return Handed(int(answer.json()["id"]), "")
+            return Handed(self._created(answer), "")
         if answer.status_code in _REFUSED:
             return Handed(None, _detail(answer.content))
         raise self._no_cell(f"it answers {answer.status_code}: {_detail(answer.content)}")
@@ -119,11 +122,25 @@ class AskedCell:
             client = await self._connected()
             async with client.stream("GET", f"/api/v1{path}", params=parameters) as answer:
                 body = await self._body(answer)
-        except (httpx.HTTPError, OSError, ssl.SSLError) as error:
+        except _SILENT as error:
             raise self._unreachable(error) from error
         if answer.status_code != httpx.codes.OK:
             raise self._no_cell(f"it answers {answer.status_code}: {_detail(body)}")
         return body
+
+    async def _post(self, path: str, body: bytes, key: str) -> httpx.Response:
+        headers = {"Content-Type": "application/json", "Idempotency-Key": key}
+        try:
+            client = await self._connected()
+            return await client.post(f"/api/v1{path}", content=body, headers=headers)
+        except _SILENT as error:
+            raise self._unreachable(error) from error
+
+    def _created(self, answer: httpx.Response) -> int:
+        try:
+            return _number(json.loads(answer.content)["id"])
+        except _UNREADABLE as error:
+            raise self._no_cell(f"what it says to a hand-down cannot be read ({error})") from error
 
     async def _body(self, answer: httpx.Response) -> bytes:
         body = bytearray()
@@ -136,7 +153,7 @@ class AskedCell:
     async def _connected(self) -> httpx.AsyncClient:
         """Return the connection; made when it is needed, so that a token that was renewed counts."""
         if self._client is None:
-            token = _token(self._cell.token_file)
+            token = self._token()
             trusted = await asyncio.to_thread(_trusted, self._cell)
             self._client = httpx.AsyncClient(
                 base_url=self._cell.url,
@@ -147,6 +164,24 @@ class AskedCell:
                 transport=self._transport,
             )
         return self._client
+
+    def _token(self) -> str:
+        file = self._cell.token_file
+        if file is None:
+            return ""
+        try:
+            token = file.read_text(encoding="utf-8-sig").strip()
+        except (OSError, ValueError) as error:
+            raise self._no_token(file, f"cannot be read ({error})") from error
+        if not _TOKEN.fullmatch(token):
+            raise self._no_token(file, "holds no token")
+        return token
+
+    def _no_token(self, file: Path, said: str) -> CellAnswerError:
+        return CellAnswerError(
+            f"{self._cell.name} is not asked: its token file {file} {said}; write into it the secret that "
+            "'truepose people token' printed, as plain text."
+        )
 
     def _unreachable(self, error: Exception) -> CellAnswerError:
         said = str(error) or type(error).__name__
@@ -160,13 +195,28 @@ def _wall_time() -> datetime:
     return datetime.now(UTC)
 
 
-def _token(file: Path | None) -> str:
-    return "" if file is None else file.read_text(encoding="utf-8").strip()
+def _number(told: Any) -> int:
+    if type(told) is not int or told not in _NUMBERS:
+        raise ValueError(f"{told!r:.40} is no number of a record")
+    return told
+
+
+def _text(told: Any) -> str:
+    if not isinstance(told, str) or not told.isprintable():
+        raise ValueError(f"{told!r:.40} is no text")
+    return told
+
+
+def _moment(told: Any) -> datetime:
+    moment = datetime.fromisoformat(told)
+    if moment.tzinfo is None:
+        raise ValueError(f"{told!r:.40} is a time without a zone")
+    return moment
 
 
 def _page(answer: bytes) -> CellPage:
     *lines, end = [json.loads(line) for line in answer.splitlines()]
-    return CellPage(lines, int(end["newest"]))
+    return CellPage(lines, _number(end["newest"]))
 
 
 def _trusted(cell: PlantCell) -> ssl.SSLContext:
@@ -184,5 +234,5 @@ def _public() -> ssl.SSLContext:
 def _detail(body: bytes) -> str:
     try:
         return str(json.loads(body)["detail"]).rstrip(".")
-    except (ValueError, KeyError, TypeError):
+    except _UNREADABLE:
         return "without a sentence"

@@ -10,7 +10,7 @@ from typing import Final
 from truepose.exchange.cells.of_plant import PlantCell
 from truepose.plant.asking import AskedCell
 from truepose.plant.visit import Shelves, visit
-from truepose.storage.errors import ConflictError, StorageError
+from truepose.storage.errors import StorageError, StorageUnavailableError
 from truepose.storage.plant.records import Outcome, Visit
 from truepose.storage.plant.visits import VisitRepository
 
@@ -45,6 +45,7 @@ class Collector:
         self, cells: Sequence[PlantCell], shelves: Shelves, visits: VisitRepository, pace: Pace
     ) -> None:
         self.cells = tuple(cells)
+        self.has_ended = False  # no cell is visited any more
         self._asked = {cell.name: AskedCell(cell) for cell in cells}
         self._shelves = shelves
         self._visits = visits
@@ -61,22 +62,25 @@ class Collector:
 
     async def visit(self, name: str) -> Visit:
         """Visit a cell once and keep what came of it; raises StorageError."""
-        asked = self._asked[name]
-        found = await visit(name, asked, self._shelves)
-        if found.outcome is not Outcome.WHOLE:
-            await asked.close()  # another token, address or certificate may count at the next one
+        asked, found = self._asked[name], None
+        try:
+            found = await visit(name, asked, self._shelves)
+        finally:
+            if found is None or found.outcome is not Outcome.WHOLE:
+                await asked.close()  # another token, address or certificate may count at the next one
         await self._visits.keep(name, found)
         return found
 
     async def follow(self) -> None:
         """Visit every cell, which was entered, until cancelled."""
-        await self._catch_up()
         try:
+            await self._catch_up()
             async with asyncio.TaskGroup() as group:
                 for place, cell in enumerate(self.cells):
                     first_s = place * self._pace.apart_s(len(self.cells))
                     group.create_task(self._follow(cell.name, first_s), name=f"cell {cell.name}")
         finally:
+            self.has_ended = True
             for asked in self._asked.values():
                 await asked.close()
 
@@ -86,6 +90,8 @@ class Collector:
                 return await self._shelves.journal.catch_up()
             except StorageError as error:  # the plant's own disk
                 _LOG.warning("what was collected before was not looked into: %s", error)
+            except Exception:
+                _LOG.exception("what was collected before was not looked into")
             await asyncio.sleep(self._pace.every_s)
 
     async def _follow(self, name: str, first_s: float) -> None:
@@ -101,13 +107,23 @@ class Collector:
     async def _went_well(self, name: str) -> bool:
         try:
             found = await self.visit(name)
-        except (StorageError, OSError) as error:  # the plant's own disk, a token that cannot be read
-            if not isinstance(error, ConflictError):
-                _LOG.warning("the visit to %s was not kept: %s", name, error)
+        except StorageUnavailableError as error:  # the plant's own disk
+            _LOG.warning("the visit to %s was not kept: %s", name, error)
+            return False
+        except Exception as error:  # whatever a cell makes go wrong here, no other cell waits for it
+            _LOG.exception("the visit to %s failed", name)
+            await self._note_failed(name, error)
             return False
         if found.sentence:
             _LOG.warning("%s", found.sentence)
         return found.outcome is Outcome.WHOLE
+
+    async def _note_failed(self, name: str, error: Exception) -> None:
+        sentence = f"The visit to {name} failed in the plant ({type(error).__name__}); its log says where."
+        try:
+            await self._visits.keep(name, Visit(Outcome.REFUSED, sentence))
+        except Exception:
+            _LOG.exception("that the visit to %s failed was not kept", name)
 
 
 @contextlib.asynccontextmanager

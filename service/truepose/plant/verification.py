@@ -11,7 +11,7 @@ from typing import Any, Final
 from truepose.storage.errors import TamperedRecordError, UnreadableRowError
 from truepose.storage.integrity.chain import GENESIS, TABLE_NOW, linked_hash, stream_of
 from truepose.storage.leaving.decided import LEAVING
-from truepose.storage.leaving.typed_rows import untyped
+from truepose.storage.leaving.typed_rows import WHOLE_NUMBERS, untyped
 from truepose.storage.plant.records import CollectedLink
 
 _HASH_BYTES: Final = 32
@@ -74,8 +74,8 @@ def _link(line: Any) -> CollectedLink:
 
 def _whole(line: Mapping[str, Any], name: str) -> int:
     found = line[name]
-    if type(found) is not int:
-        raise TypeError(f"{name} is no whole number")
+    if type(found) is not int or found not in WHOLE_NUMBERS:
+        raise TypeError(f"{name} is no whole number of 64 bits")
     return found
 
 

@@ -33,6 +33,7 @@ async def service(tmp_path, cells_file, cell, monkeypatch):
     plant = PlantSettings(settings, cells_file, every_s=0.02)
     app = create_plant_application("test", lambda: open_plant(plant))
     async with app.router.lifespan_context(app), client_of(app) as client:
+        client.plant = app.state.context
         yield client
 
 
@@ -126,6 +127,27 @@ async def test_a_hand_down_to_a_cell_that_nobody_knows_is_refused(service):
         404,
         "There is no cell 'right arm' in the cells file of this plant.",
     )
+
+
+async def test_a_hand_down_that_no_cell_could_take_is_refused_at_the_door(service):
+    body = b'{"cell": "left arm", "kind": "plan", "name": "m", "person": "Ada", "document": {"a": NaN}}'
+
+    answer = await service.post(
+        "/api/v1/plant/hand-downs", content=body, headers={"Content-Type": "application/json"}
+    )
+
+    assert answer.status_code == 422
+    assert answer.json()["detail"].startswith("document: a number that is not finite")
+
+
+async def test_a_plant_that_visits_nobody_any_more_says_so(service, monkeypatch):
+    before = (await service.get("/health")).json()
+    monkeypatch.setattr(service.plant.collector, "has_ended", True)
+
+    after = (await service.get("/health")).json()
+
+    assert (before["status"], before["fault"]) == ("ok", None)
+    assert (after["status"], after["fault"][:30]) == ("degraded", "No cell is visited any more; t")
 
 
 def test_every_operation_of_a_plant_has_its_least_role():

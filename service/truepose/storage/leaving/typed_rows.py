@@ -12,6 +12,7 @@ from typing import Any, Final, TypeAlias
 from truepose.storage.errors import UnreadableRowError
 
 Value: TypeAlias = str | int | float | bytes | None
+WHOLE_NUMBERS: Final = range(-(2**63), 2**63)  # that a database holds
 _FLOAT: Final = "float"
 _BYTES: Final = "base64"
 
@@ -42,7 +43,9 @@ def _read(name: str, value: Any) -> Value:
     match value:
         case bool() | float():
             pass
-        case str() | int():
+        case str():
+            return value
+        case int() if value in WHOLE_NUMBERS:
             return value
         case {"float": str(decimal)} if len(value) == 1:
             return _float(name, decimal)

@@ -15,6 +15,7 @@ from sqlalchemy import Connection, Table, select
 
 from truepose.storage.plant.chains import newest_row
 from truepose.storage.plant.records import Branch, ClockSeen, CollectedLink
+from truepose.storage.plant.telling import UNKNOWN_FORM
 from truepose.storage.plant.told import tell
 from truepose.storage.rows import add_row
 from truepose.storage.tables.of_plants import (
@@ -58,7 +59,7 @@ def _look(seen: "_Seen", link: CollectedLink, row: Document) -> None:
     """Add what one record tells; one of a form that this version does not know is kept, and tells nothing."""
     try:
         _RECORDS[link.record](seen, link, row)
-    except (LookupError, ValueError, TypeError, AttributeError) as error:
+    except UNKNOWN_FORM as error:
         _LOG.warning("record %d of the %s tells nothing (%r)", link.record_id, link.record, error)
 
 

@@ -1,16 +1,26 @@
 """What records tell about a robot beyond of whom they are: figures, verdicts, causes, what it carried.
 
 Pure: a record as it was collected in, what it tells out. A record of a form that nobody here knows raises
-LookupError, ValueError, TypeError or AttributeError.
+one of UNKNOWN_FORM. A figure that is not finite tells nothing: no page can show it, and not every database
+keeps it.
 """
 
 import json
+import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Final, Literal, TypeAlias
 
 Document: TypeAlias = Mapping[str, Any]
 ToldKind: TypeAlias = Literal["session", "campaign", "identification", "diagnosis", "validation", "model"]
+UNKNOWN_FORM: Final = (
+    ArithmeticError,
+    AttributeError,
+    LookupError,
+    RecursionError,
+    TypeError,
+    ValueError,
+)
 PASSED: Final = "passed"
 FAILED: Final = "failed"
 
@@ -30,7 +40,30 @@ class Telling:
 def telling(record: str, row: Document) -> Telling | None:
     """Return what a record tells; None: nothing, whatever is in it."""
     read = TELLING.get(record)
-    return None if read is None else read(row)
+    return None if read is None else _finite(read(row))
+
+
+def _finite(told: Telling) -> Telling:
+    figure_mm, limit_mm = _figure(told.figure_mm), _figure(told.limit_mm)
+    return replace(told, figure_mm=figure_mm, limit_mm=limit_mm, document=_of_finite(told.document))
+
+
+def _of_finite(value: Any) -> Any:
+    match value:
+        case dict():
+            return {name: _of_finite(one) for name, one in value.items()}
+        case list():
+            return [_of_finite(one) for one in value]
+        case float():
+            return _figure(value)
+        case _:
+            return value
+
+
+def _figure(value: Any) -> float | None:
+    """Return a figure; None: there is none, or it is infinite, which documents say as text."""
+    is_number = isinstance(value, int | float) and not isinstance(value, bool)
+    return float(value) if is_number and math.isfinite(value) else None
 
 
 def _session(row: Document) -> Telling:
@@ -66,7 +99,8 @@ def _diagnosis(row: Document) -> Telling:
 
 def _cause(finding: Document) -> dict[str, Any]:
     known = ("effect", "subject", "unit", "amplitude", "amplitude_standard_uncertainty")
-    return {name: finding[name] for name in known}
+    figures = {name: _figure(finding[name]) for name in known if name.startswith("amplitude")}
+    return {name: finding[name] for name in known} | figures
 
 
 def _validation(row: Document) -> Telling:
@@ -90,7 +124,7 @@ def _of(row: Document, kind: ToldKind) -> tuple[ToldKind, int] | None:
 
 
 def _mean(statistics: Document | None) -> float | None:
-    return None if statistics is None else statistics.get("mean_mm")
+    return None if statistics is None else _figure(statistics.get("mean_mm"))
 
 
 def _json(row: Document, column: str) -> Any:

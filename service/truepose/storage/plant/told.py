@@ -15,7 +15,7 @@ from truepose.storage.leaving.typed_rows import untyped
 from truepose.storage.plant.certificates import STATING, add_certificates, stated_certificates
 from truepose.storage.plant.chains import newest_row
 from truepose.storage.plant.records import Branch, CollectedLink
-from truepose.storage.plant.telling import TELLING, Document, Telling, ToldKind, telling
+from truepose.storage.plant.telling import TELLING, UNKNOWN_FORM, Document, Telling, ToldKind, telling
 from truepose.storage.rows import add_row
 from truepose.storage.tables.of_plants import plant_journal, plant_results, plant_told
 
@@ -31,12 +31,11 @@ def tell(connection: Connection, branch: Branch, link: CollectedLink, row: Docum
     """
     try:
         found, papers = telling(link.record, row), stated_certificates(link.record, row)
-    except (LookupError, ValueError, TypeError, AttributeError) as error:
+        if found is not None:
+            _add(connection, branch, link, found, str(row["recorded_at"])[:_DAY])
+        add_certificates(connection, branch, link, papers)
+    except UNKNOWN_FORM as error:
         _LOG.warning("record %d of the %s tells nothing (%r)", link.record_id, link.record, error)
-        return
-    if found is not None:
-        _add(connection, branch, link, found, str(row["recorded_at"])[:_DAY])
-    add_certificates(connection, branch, link, papers)
 
 
 def untold_links(connection: Connection, branch_id: int) -> list[int]:

@@ -6,7 +6,7 @@ from pydantic import Field
 
 from truepose.domain.people.names import LONGEST_NAME
 from truepose.storage.leaving.handed_down import HandedDownRecord
-from truepose.web.schemas.base import VISIBLE, PersonName, RecordedAt, RecordId, Reply, Request
+from truepose.web.schemas.base import VISIBLE, FreeDocument, PersonName, RecordedAt, RecordId, Reply, Request
 
 
 class ChainHeadReply(Reply):
@@ -39,7 +39,7 @@ class HandedDownRequest(Request):
         description="Who hands it down, at the plant.",
         examples=["Ada Byron"],
     )
-    document: dict[str, Any] = Field(
+    document: FreeDocument = Field(
         description="Of a plan, what `POST /sessions` takes; of a model, the model as it is downloaded.",
         examples=[{"name": "monthly check"}],
     )

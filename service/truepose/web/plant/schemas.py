@@ -9,7 +9,7 @@ from truepose.domain.cell.certificates import Standing
 from truepose.storage.plant.certificates import StatedPaper
 from truepose.storage.plant.looking import DayMeasured, ResultKind, ResultSeen, SeenInstrument, SeenRobot
 from truepose.storage.plant.records import HandDownRecord, VisitRecord
-from truepose.web.schemas.base import VISIBLE, PersonName, RecordedAt, RecordId, Reply, Request
+from truepose.web.schemas.base import VISIBLE, FreeDocument, PersonName, RecordedAt, RecordId, Reply, Request
 
 _DAY = "A day, by the cell's clock; empty: nobody said it."
 
@@ -77,7 +77,7 @@ class HandDownRequest(Request):
     kind: Literal["plan", "model"]
     name: str = Field(min_length=1, max_length=200, pattern=VISIBLE, examples=["monthly check"])
     person: PersonName
-    document: dict[str, Any] = Field(
+    document: FreeDocument = Field(
         description="Of a plan, what `POST /sessions` of the cell takes; of a model, the model.",
         examples=[{"name": "monthly check"}],
     )

@@ -2,6 +2,7 @@
 
 import functools
 import inspect
+import json
 import math
 import re
 from collections.abc import Callable
@@ -115,6 +116,23 @@ def _day(value: object) -> object:
 
 
 Day = Annotated[date, BeforeValidator(_day)]
+
+
+def _sayable(document: dict[str, Any]) -> dict[str, Any]:
+    """Refuse what Python reads as JSON and nobody else does: it is kept and sent on as it came."""
+    try:
+        json.dumps(document, allow_nan=False, ensure_ascii=False).encode()
+    except UnicodeEncodeError as error:
+        raise PydanticCustomError("half_a_character", "half a character (as \\ud800) is no text") from error
+    except ValueError as error:
+        said = "a number that is not finite (NaN, Infinity) is no JSON; send null, or leave it out"
+        raise PydanticCustomError("finite_number", said) from error
+    except RecursionError as error:
+        raise PydanticCustomError("too_deep", "it is nested too deep") from error
+    return document
+
+
+FreeDocument = Annotated[dict[str, Any], AfterValidator(_sayable)]  # of which the service knows no form
 Simulated = Annotated[
     bool,
     Field(description="True: the readings say of themselves that no robot and no instrument took part."),

@@ -1,9 +1,12 @@
 """What a plant hands down: kept once, shown, used by a person, and nothing moves by itself."""
 
+import json
+
 import pytest
 
 PLAN = {"kind": "plan", "name": "monthly check", "person": "Ada Byron", "document": {"name": "monthly"}}
 KEY = {"Idempotency-Key": "hand-down-1"}
+JSON = {"Content-Type": "application/json"}
 
 
 @pytest.fixture
@@ -56,3 +59,21 @@ async def test_what_is_no_hand_down_is_refused(client, wrong):
     answer = await client.post("/api/v1/hand-downs", json=PLAN | wrong, headers=KEY)
 
     assert answer.status_code == 422
+
+
+@pytest.mark.parametrize(
+    ("said", "because"),
+    [
+        ("NaN", "document: a number that is not finite"),
+        ('[{"b": -Infinity}]', "document: a number that is not finite"),
+        ("1e999", "document: a number that is not finite"),
+        ('"\\ud800"', "document: half a character"),
+    ],
+)
+async def test_what_no_other_program_takes_for_json_is_refused(client, said, because):
+    body = json.dumps(PLAN).replace('"monthly"', said)
+
+    answer = await client.post("/api/v1/hand-downs", content=body, headers=KEY | JSON)
+
+    assert (answer.status_code, answer.json()["detail"][: len(because)]) == (422, because)
+    assert (await client.get("/api/v1/hand-downs")).json() == []

@@ -1,0 +1,173 @@
+"""A cell that says nonsense, or cannot be asked, costs no other cell anything and is named."""
+
+import asyncio
+import json
+from datetime import UTC, datetime
+
+import httpx
+import pytest
+from sqlalchemy import select
+
+from truepose.exchange.cells.of_plant import PlantCell
+from truepose.plant import collector
+from truepose.plant.asking import AskedCell
+from truepose.plant.collector import Collector, Pace, collecting
+from truepose.plant.errors import CellAnswerError
+from truepose.plant.visit import Shelves
+from truepose.storage.integrity.head import head_of
+from truepose.storage.plant.records import (
+    CollectedLink,
+    HandDown,
+    HandDownKind,
+    HandDownRecord,
+    HandDownState,
+    Outcome,
+    Visit,
+)
+from truepose.storage.tables.of_plants import plant_told
+
+GOOD = {
+    "version": "1",
+    "schema": "0014",
+    "newest": 0,
+    "head": head_of(0, {}).text,
+    "time": datetime(2026, 5, 4, tzinfo=UTC).isoformat(),
+}
+
+
+def answering(status, body):
+    return httpx.MockTransport(lambda request: httpx.Response(status, content=body))
+
+
+def asked(status=200, body=b"", cell=None):
+    return AskedCell(cell or PlantCell("left arm", "http://localhost"), transport=answering(status, body))
+
+
+async def until(holds):
+    async with asyncio.timeout(20):
+        while not (found := await holds()):
+            await asyncio.sleep(0.005)
+    return found
+
+
+@pytest.fixture
+def follow(plant):
+    """Return what visits two cells until the context ends."""
+    cells = [PlantCell(name, "http://localhost") for name in ("left arm", "right arm")]
+    shelves = Shelves(plant.journal, plant.hand_downs)
+    return Collector(cells, shelves, plant.visits, Pace(0.005, 0.005))
+
+
+async def test_a_visit_that_fails_is_told_and_every_other_cell_is_visited(plant, follow, monkeypatch, caplog):
+    async def visited(name, *_):
+        if name == "left arm":
+            raise ValueError("of a kind that nobody foresaw")
+        return Visit(Outcome.WHOLE, collected=1)
+
+    monkeypatch.setattr(collector, "visit", visited)
+    await plant.journal.enter("left arm", "right arm")
+
+    async def several():
+        right = await plant.visits.of("right arm", 10)
+        return len(right) > 2 and (await plant.visits.newest())["left arm"]
+
+    async with collecting(follow):
+        left = await until(several)
+        assert not follow.has_ended
+
+    assert follow.has_ended
+    assert left.visit.outcome is Outcome.REFUSED
+    assert left.visit.sentence == (
+        "The visit to left arm failed in the plant (ValueError); its log says where."
+    )
+    assert "of a kind that nobody foresaw" in caplog.text
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        b'{"newest": ' + b"[" * 100_000,
+        json.dumps(GOOD | {"time": "2026-05-04T12:00:00"}).encode(),
+        json.dumps(GOOD | {"time": 7}).encode(),
+        json.dumps(GOOD | {"newest": 2**63}).encode(),
+        json.dumps(GOOD | {"newest": -1}).encode(),
+        json.dumps(GOOD | {"newest": float("inf")}).encode(),
+        json.dumps(GOOD | {"version": "1\0"}).encode(),
+        b"[]",
+    ],
+)
+async def test_a_head_that_cannot_be_read_is_said(wrong):
+    with pytest.raises(CellAnswerError, match="left arm does not answer as a cell does: its head"):
+        await asked(body=wrong).head()
+
+
+def hand_down(document):
+    told = HandDown("left arm", HandDownKind.PLAN, "monthly", "Ada Byron", document)
+    return HandDownRecord(1, "now", told, HandDownState.WAITING, "", None, "now")
+
+
+@pytest.mark.parametrize("body", [b"", b"[]", b"{}", b'{"id": "1"}', b'{"id": %d}' % 2**63])
+async def test_a_hand_down_taken_in_words_that_nobody_understands_is_not_taken(body):
+    with pytest.raises(CellAnswerError, match="what it says to a hand-down cannot be read"):
+        await asked(201, body).hand_down(hand_down({}), "key")
+
+
+async def test_a_hand_down_that_was_kept_and_cannot_be_sent_is_refused_and_not_tried_for_ever():
+    handed = await asked(201, b'{"id": 1}').hand_down(hand_down({"a": float("nan")}), "key")
+
+    assert (handed.number, handed.sentence) == (
+        None,
+        "It holds a number that is not finite, which JSON cannot say",
+    )
+
+
+@pytest.mark.parametrize(
+    ("written", "said"),
+    [
+        ("tp-secret".encode("utf-16"), "cannot be read"),
+        ("tp-secrét".encode(), "holds no token"),
+        (b"tp-secret\nanother", "holds no token"),
+        (b"", "holds no token"),
+        (None, "cannot be read"),
+    ],
+)
+async def test_a_token_that_cannot_be_used_is_said_with_its_file(tmp_path, written, said):
+    file = tmp_path / "left.token"
+    if written is not None:
+        file.write_bytes(written)
+    cell = PlantCell("left arm", "http://localhost", file)
+
+    with pytest.raises(CellAnswerError) as raised:
+        await asked(cell=cell, body=json.dumps(GOOD).encode()).head()
+
+    assert f"left arm is not asked: its token file {file} {said}" in str(raised.value)
+
+
+async def test_a_token_as_an_editor_of_windows_saves_it_is_used(tmp_path):
+    file = tmp_path / "left.token"
+    file.write_bytes(b"\xef\xbb\xbftp-secret\r\n")
+    sent = []
+
+    def answer(request):
+        sent.append(request.headers["authorization"])
+        return httpx.Response(200, json=GOOD)
+
+    cell = AskedCell(PlantCell("left arm", "http://localhost", file), transport=httpx.MockTransport(answer))
+    await cell.head()
+    await cell.close()
+
+    assert sent == ["Bearer tp-secret"]
+
+
+@pytest.mark.parametrize("figure", ["inf", float("inf"), float("nan"), None, True, [1.0]])
+async def test_a_figure_that_is_not_finite_tells_nothing_and_its_record_is_kept(plant, figure):
+    held_out = {"identified": {"mean_mm": figure}, "nominal": {"mean_mm": 0.25}}
+    document = json.dumps({"status": "converged", "validation": held_out})
+    row = {"id": 1, "recorded_at": "2026-11-01T00:00:00+00:00", "campaign_id": 1, "document": document}
+    await plant.journal.enter("left arm")
+    branch = (await plant.journal.reached("left arm")).branch
+
+    await plant.journal.keep(branch, [CollectedLink(1, 0, "identifications", 1, bytes(32), "{}", row)], None)
+
+    told = await plant.database.read(lambda c: c.execute(select(plant_told)).one())
+    assert (told.verdict, told.figure_mm, told.document) == ("converged", None, {"before_mm": 0.25})
