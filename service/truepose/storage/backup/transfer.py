@@ -26,12 +26,10 @@ from truepose.storage.integrity.chain import ROWID, numbered
 from truepose.storage.integrity.condition import Condition
 from truepose.storage.integrity.head import Head, newest_head
 from truepose.storage.integrity.verification import findings_within
-from truepose.storage.tables import metadata
+from truepose.storage.tables import metadata, read_at_once
 
 Told = Callable[[float, str], None]  # which share is done, and of what
-_ROWS: Final = 1000  # at a time
 _WRITING: Final = 0.5  # of the time that everything takes
-_BIG: Final = {"campaigns", "corrections", "reports"}  # a row may have many megabytes
 
 
 def transfer(source: str, target: str, told: Told = lambda share, doing: None) -> tuple[Head, int]:
@@ -101,7 +99,7 @@ def _copy_tables(source: Any, target: Any, links: int, told: Told) -> None:
 
 def _rows(source: Any, record: str, names: list[str]) -> Iterator[list[Any]]:
     """Yield the rows of a table by their numbers, some at a time."""
-    number, last, some = numbered(record), 0, 1 if record in _BIG else _ROWS
+    number, last, some = numbered(record), 0, read_at_once(record)
     columns = ", ".join(f'"{name}"' for name in (number, *names))
     query = f'SELECT {columns} FROM "{record}" WHERE {number} > ? ORDER BY {number} LIMIT ?'
     while rows := source.execute(query, (last, some)).fetchall():

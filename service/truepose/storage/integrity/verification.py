@@ -22,13 +22,11 @@ from truepose.storage.integrity.chain import (
     stream_of,
 )
 from truepose.storage.integrity.head import Head, contradicted, newest_head
-from truepose.storage.tables import metadata
+from truepose.storage.tables import metadata, read_at_once
 
 Told = Callable[[float], None]  # which share is done
 _MOST_FINDINGS: Final = 20
 _LINKS: Final = 2000  # at a time
-_ROWS: Final = 200
-_ONE_AT_A_TIME: Final = {"campaigns"}  # an archive may have many megabytes
 
 
 @dataclass(frozen=True, slots=True)
@@ -170,7 +168,7 @@ class _Rows:
         self._connection = connection
         number = numbered(record)
         self._query = f'SELECT {number}, * FROM "{record}" WHERE {number} > ? ORDER BY {number} LIMIT ?'
-        self._some = 1 if record in _ONE_AT_A_TIME else _ROWS
+        self._some = read_at_once(record)
         self._ahead: list[Any] = []
         self.names: tuple[str, ...] = ()
         self.last = 0

@@ -58,7 +58,6 @@ AT_HOME: Final = frozenset({
     "plant_hand_downs",
     "plant_hand_down_states",
 })
-LARGE: Final = frozenset({"campaigns", "corrections", "reports"})  # a record may have many megabytes
 _SET_UP: Final = "setup"  # of a session: the cell with the options of its devices
 _SECRET: Final = frozenset({"password", "passphrase", "pin", "secret", "token"})  # options of devices
 _TAKEN_OUT: Final = "taken out"

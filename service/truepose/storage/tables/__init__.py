@@ -4,6 +4,8 @@ Every table is append-only (the migrations add triggers that refuse UPDATE and D
 record becomes is a further row. Times of day are UTC in ISO 8601; `time_s` is the cell's clock.
 """
 
+from typing import Final
+
 import sqlalchemy as sa
 
 from truepose.storage.column_types import BYTES, DOCUMENT, REAL, TEXT, WHOLE
@@ -14,6 +16,17 @@ from truepose.storage.tables.forms import recorded as _recorded
 from truepose.storage.tables.forms import records as _records
 from truepose.storage.tables.forms import records_of_sessions as _records_of_sessions
 from truepose.storage.tables.forms import reference as _reference
+
+# Of these a record may have many megabytes: each is read by itself.
+LARGE: Final = frozenset({"campaigns", "corrections", "reports"})
+_MIXED: Final = {of_plants.plant_journal.name: 50}  # of all kinds, most of them small
+_SMALL: Final = 1000
+
+
+def read_at_once(table: str) -> int:
+    """Return how many records of a table are read at a time, so that they have room in memory."""
+    return 1 if table in LARGE else _MIXED.get(table, _SMALL)
+
 
 sessions = _records(
     "sessions",
