@@ -91,3 +91,16 @@ def measured_data() -> Path:
     if not (folder / "campaigns").is_dir():
         pytest.skip(MEASURED_DATA.reason)
     return folder
+
+
+@pytest.fixture(scope="session")
+def empty_database(tmp_path_factory) -> Path:
+    """A database of the newest schema without records, to be copied.
+
+    To make a schema anew takes longer than most tests that need one.
+    """
+    from truepose.storage.database import Database  # unit tests need no storage
+
+    file = tmp_path_factory.mktemp("schema") / "truepose.sqlite3"
+    Database(f"sqlite:///{file}").close()
+    return file

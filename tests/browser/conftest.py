@@ -92,9 +92,10 @@ class Service:
 
 
 @pytest.fixture
-def service(tmp_path):
+def service(tmp_path, empty_database):
     (tmp_path / "cell.toml").write_text(CELL)
-    where = Settings(database_url=f"sqlite:///{tmp_path}/t.sqlite3", cell_file=tmp_path / "cell.toml")
+    database = shutil.copy(empty_database, tmp_path)
+    where = Settings(database_url=f"sqlite:///{database}", cell_file=tmp_path / "cell.toml")
     worker = Diagnostician()
     application = create_app(where, Bench().registry(), worker)
     with listening(application) as url, httpx.Client(base_url=url, timeout=_PATIENCE_S) as client:

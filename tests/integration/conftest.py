@@ -1,7 +1,10 @@
 """A real database in a folder of the test's own."""
 
+import shutil
+
 import pytest
 
+from truepose.storage.connection.address import database_file
 from truepose.storage.database import Database
 
 
@@ -11,7 +14,10 @@ def database_url(tmp_path):
 
 
 @pytest.fixture
-def database(database_url):
+def database(database_url, empty_database):
+    """A copy of the empty database, open."""
+    if database_url.startswith("sqlite:"):
+        shutil.copy(empty_database, database_file(database_url))
     opened = Database(database_url)
     yield opened
     opened.close()

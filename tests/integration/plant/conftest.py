@@ -25,13 +25,6 @@ from truepose.storage.plant.looking import PlantLooks
 from truepose.storage.plant.visits import VisitRepository
 
 
-@pytest.fixture(scope="session")
-def empty_database(tmp_path_factory):
-    file = tmp_path_factory.mktemp("schema") / "truepose.sqlite3"
-    Database(f"sqlite:///{file}").close()
-    return file
-
-
 class Cell:
     """A cell's service in this process."""
 

@@ -12,15 +12,6 @@ from truepose.analysis.workers.process import perform_in_worker
 from truepose.analysis.workers.uploads import Uploads
 from truepose.app import create_app
 from truepose.settings import Settings
-from truepose.storage.database import Database
-
-
-@pytest.fixture(scope="session")
-def empty_database(tmp_path_factory):
-    """A database of the newest schema in which nothing was recorded yet."""
-    file = tmp_path_factory.mktemp("schema") / "truepose.sqlite3"
-    Database(f"sqlite:///{file}").close()
-    return file
 
 
 @pytest.fixture
