@@ -17,6 +17,7 @@ from truepose.domain.errors import ConfigurationError
 from truepose.exchange.campaigns.folder import DESCRIPTION
 from truepose.exchange.input_file import read_bytes
 from truepose.exchange.tables.visits import NOT_STATED, Stated
+from truepose.storage.backup.transfer import snapshot
 from truepose.storage.calibration.campaigns import CampaignRepository
 from truepose.storage.calibration.diagnoses import DiagnosisRepository
 from truepose.storage.calibration.results import ResultRepository
@@ -82,16 +83,22 @@ def _content(path: Path) -> bytes:
 
 @contextlib.contextmanager
 def in_database(url: str) -> Iterator[list[Archived]]:
-    """Offer the campaigns of a database, which no service has open, with the newest that is stored of each.
+    """Offer the campaigns of a database as it is at this moment, with the newest that is stored of each.
+
+    They are read from a copy: the database stays as it is, and a service may have it open.
 
     Raises
     ------
     StorageError
-        The database cannot be opened.
+        There is no such database, or it cannot be read.
     ConfigurationError
         It holds no campaign.
     """
-    with contextlib.closing(Database(url)) as database, asyncio.Runner() as runner:
+    with (
+        snapshot(url) as copy,
+        contextlib.closing(Database(copy)) as database,
+        asyncio.Runner() as runner,
+    ):
         found = [*_own(database, runner), *_collected(database, runner)]
         if not found:
             raise ConfigurationError(f"{url} holds no campaign.")

@@ -108,13 +108,21 @@ class Results:
         return found
 
     def of_another_program(self, key: Key) -> Found | None:
-        """Return the newest result of the same data by another version; None where there is none."""
+        """Return the newest result of the same data and effects by another version; None: there is none."""
         for file in sorted(self._by_name.get(_plain(key.campaign), ()), key=os.path.getmtime, reverse=True):
             document = json.loads(file.read_text(encoding="utf-8"))
-            same = document["data_sha256"] == key.data_sha256 and document["campaign"] == key.campaign
-            if same and document["program"] != key.program:
+            if _asks(document) == _asks_of(key) and document["program"] != key.program:
                 return _of_document(document)
         return None
+
+
+def _asks(document: Document) -> tuple[object, ...]:
+    """Return what a result answers, whoever computed it."""
+    return document["campaign"], document["data_sha256"], document["effects"]
+
+
+def _asks_of(key: Key) -> tuple[object, ...]:
+    return key.campaign, key.data_sha256, None if key.effects is None else list(key.effects)
 
 
 def keep_whole(path: Path, data: bytes) -> None:

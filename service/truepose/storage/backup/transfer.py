@@ -52,6 +52,24 @@ def transfer(source: str, target: str, told: Told = lambda share, doing: None) -
     return head, _bring_drafts(database_file(source), database_file(target))
 
 
+@contextlib.contextmanager
+def snapshot(url: str) -> Iterator[str]:
+    """Yield the address of a copy of a database as it is at this moment, which stays as it is; for readers.
+
+    The copy is a file of the newest schema. Raises StorageError.
+    """
+    _require_there(url)
+    with tempfile.TemporaryDirectory(prefix="truepose-") as folder:
+        copy = Path(folder) / "copy.sqlite3"
+        with closing(opened_at(url)) as connection:
+            _require_readable(url, _schema(url, connection))
+        if is_server(parsed_url(url)):
+            fill(url, f"sqlite:///{copy}")
+        else:
+            _copy_file(database_file(url), copy)
+        yield f"sqlite:///{copy}"
+
+
 def fill(source: str, target: str, told: Told = lambda share, doing: None) -> Head:
     """Copy what a database holds at this moment, also while a service writes to it; raises as `transfer`."""
     refused: tuple[type[Exception], ...] = (*refused_by(source), *refused_by(target), ValueError)
@@ -130,8 +148,12 @@ def _require_same(source: Any, target: Any, head: Head, told: Told) -> None:
 def _require_two(source: str, target: str) -> None:
     if database_file(source) == database_file(target):
         raise BackupError(f"{shown_address(source)} is both source and target; name another target.")
-    if not is_server(parsed_url(source)) and not database_file(source).is_file():
-        raise DatabaseAddressError(f"There is no database {database_file(source)}.")
+    _require_there(source)
+
+
+def _require_there(url: str) -> None:
+    if not is_server(parsed_url(url)) and not database_file(url).is_file():
+        raise DatabaseAddressError(f"There is no database {database_file(url)}.")
 
 
 def _require_empty(held: Holding) -> None:
@@ -149,18 +171,28 @@ def _newest(url: str) -> Iterator[str]:
     if schema == newest_revision():
         yield url
         return
-    if is_server(parsed_url(url)):
+    _require_readable(url, schema)
+    with tempfile.TemporaryDirectory(prefix="truepose-") as folder:
+        copy = Path(folder) / "copy.sqlite3"
+        _copy_file(database_file(url), copy)
+        yield f"sqlite:///{copy}"
+
+
+def _require_readable(url: str, schema: str) -> None:
+    """Raise BackupError for a server of an older schema, which is brought up to date in place only."""
+    if is_server(parsed_url(url)) and schema != newest_revision():
         raise BackupError(
             f"{shown_address(url)} has schema {schema}; start this version's service on it first."
         )
-    with tempfile.TemporaryDirectory(prefix="truepose-") as folder:
-        copy = Path(folder) / "copy.sqlite3"
-        with closing(opened_file(database_file(url))) as older, closing(LIBRARY.connect(copy)) as written:
-            older.backup(written)
-        held = holding(f"sqlite:///{copy}", Condition(), contextlib.nullcontext)
-        held.open()
-        held.close()
-        yield f"sqlite:///{copy}"
+
+
+def _copy_file(older: Path, copy: Path) -> None:
+    """Copy a file as it is at this moment, and bring the copy up to date."""
+    with closing(opened_file(older)) as source, closing(LIBRARY.connect(copy)) as written:
+        source.backup(written)
+    held = holding(f"sqlite:///{copy}", Condition(), contextlib.nullcontext)
+    held.open()
+    held.close()
 
 
 def _schema(url: str, connection: Any) -> str:

@@ -103,6 +103,14 @@ def test_the_same_results_of_another_version_differ_in_nothing(archive, out):
     assert [row.campaign for row in anew.changes if row.differs] == []
 
 
+def test_what_another_version_found_with_other_effects_says_nothing_of_this_one(archive, out):
+    _found_by_another_version(out, lambda document: document.update(effects=["base"]))
+
+    anew, _ = computed(archive, out)
+
+    assert not any(change.compared for change in anew.changes)
+
+
 def test_what_another_version_found_otherwise_is_told(archive, out):
     def other(document):
         if document["campaign"] != "campaign-2":

@@ -1,10 +1,15 @@
 """The archive of a database: its campaigns, and what was stored of them."""
 
 import asyncio
+import contextlib
+import lzma
+import sqlite3
+from importlib.resources import files
 
 import pytest
 
 from tests.helpers.archive import ThisProcess, written_archive
+from tests.helpers.domain.builders import make_campaign
 from truepose.analysis.archive.campaigns import in_database
 from truepose.analysis.archive.run import Archive
 from truepose.analysis.campaigns.summary import summary_of
@@ -19,7 +24,10 @@ from truepose.storage.calibration.jobs import JobRepository
 from truepose.storage.calibration.results import ResultRepository
 from truepose.storage.columns import pack
 from truepose.storage.database import Database
+from truepose.storage.errors import DatabaseAddressError
 from truepose.storage.records import JobKind
+
+EARLIER = files("truepose.demo.night.earlier") / "schema_0013.sql.xz"
 
 
 async def _filled(url, campaign):
@@ -52,8 +60,41 @@ def test_stored_results_are_what_new_ones_are_compared_with(tmp_path):
 
 
 def test_a_database_without_campaigns_is_refused(tmp_path):
+    url = f"sqlite:///{tmp_path / 'empty.sqlite3'}"
+    Database(url).close()
+
+    with pytest.raises(ConfigurationError, match="holds no campaign"), in_database(url):
+        pass
+
+
+def test_a_database_that_is_not_there_is_refused_and_not_made(tmp_path):
     with (
-        pytest.raises(ConfigurationError, match="holds no campaign"),
-        in_database(f"sqlite:///{tmp_path / 'empty.sqlite3'}"),
+        pytest.raises(DatabaseAddressError, match="There is no database"),
+        in_database(f"sqlite:///{tmp_path / 'typo.sqlite3'}"),
     ):
         pass
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_database_is_read_as_it_is_also_while_a_service_has_it(tmp_path):
+    file = tmp_path / "cell.sqlite3"
+    database = Database(f"sqlite:///{file}")
+    new = NewCampaign("as measured", "ABB IRB 120", summary_of(make_campaign()), pack(make_campaign()))
+    asyncio.run(CampaignRepository(database).add(new))
+
+    with in_database(f"sqlite:///{file}") as campaigns:
+        assert [one.name for one in campaigns] == ["1 as measured"]
+    database.close()
+
+
+def test_a_database_of_an_earlier_version_stays_of_that_version(tmp_path):
+    file = tmp_path / "earlier.sqlite3"
+    with contextlib.closing(sqlite3.connect(file)) as earlier:
+        earlier.executescript(lzma.decompress(EARLIER.read_bytes()).decode())
+    before = file.read_bytes()
+
+    with in_database(f"sqlite:///{file}") as campaigns:
+        assert campaigns
+
+    assert file.read_bytes() == before
+    assert [one.name for one in tmp_path.iterdir()] == ["earlier.sqlite3"]
