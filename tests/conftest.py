@@ -104,3 +104,10 @@ def empty_database(tmp_path_factory) -> Path:
     file = tmp_path_factory.mktemp("schema") / "truepose.sqlite3"
     Database(f"sqlite:///{file}").close()
     return file
+
+
+@pytest.fixture
+def empty_pictures(monkeypatch):
+    """Pictures are put together but not painted, which takes most of the time; for who reads the text."""
+    empty = '<svg height="1pt" width="1pt" viewBox="0 0 1 1"></svg>'
+    monkeypatch.setattr("truepose.reports.figures.canvas._write_svg", lambda _, file: file.write(empty))

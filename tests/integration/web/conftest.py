@@ -20,6 +20,11 @@ def database_url(empty_database, tmp_path):
     return f"sqlite:///{shutil.copy(empty_database, tmp_path)}"
 
 
+@pytest.fixture(autouse=True)
+def hardly_drawn(empty_pictures):
+    """What pictures show is tested in `tests/unit/service/reports` and `tests/browser`."""
+
+
 @pytest.fixture
 def bench():
     return Bench()
@@ -64,10 +69,13 @@ def until(client):
 
 
 def asking(client):
-    """Return what asks a resource until a key has one of the values given; fails after ten seconds."""
+    """Return what asks a resource until a key has one of the values given; fails after a minute.
+
+    A worker that begins takes a second on an idle machine, and many on a busy one.
+    """
 
     async def ask(path, key, *values):
-        async with asyncio.timeout(10):
+        async with asyncio.timeout(60):
             while (found := (await client.get(path)).json()).get(key) not in values:
                 await asyncio.sleep(0.005)
         return found

@@ -54,6 +54,10 @@ class SlowHand:
 
 class TestAPageThatTakesItsTime:
     @pytest.fixture
+    def empty_pictures(self):
+        """The curve is looked at here."""
+
+    @pytest.fixture
     def worker(self):
         return SlowHand()
 

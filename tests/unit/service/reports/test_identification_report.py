@@ -22,6 +22,7 @@ from truepose.reports import (
 )
 from truepose.reports.errors import UnwritableReportError
 
+PAINTED_ELSEWHERE = pytest.mark.usefixtures("empty_pictures")
 HOSTILE = "<script>alert('x')</script><img src=http://evil.example/x onerror=alert(1)>\"&"
 
 
@@ -160,6 +161,7 @@ def test_a_simulated_measurement_says_so_before_anything_else(tmp_path, campaign
     assert 0 < html.index("SIMULATED.") < html.index("<h1>")
 
 
+@PAINTED_ELSEWHERE
 def test_without_held_out_readings_the_report_warns_that_its_pictures_flatter(
     tmp_path, campaign_without_validation
 ):
@@ -180,6 +182,7 @@ def test_an_identification_without_a_model_says_why_and_shows_no_picture(tmp_pat
     assert "Conditions" in page.text
 
 
+@PAINTED_ELSEWHERE
 def test_outliers_stand_with_their_reason_and_figures_with_and_without(tmp_path, identification, campaign):
     spoilt = campaign.calibration.position_mm.copy()
     spoilt[7, 2] += 5.0
@@ -223,6 +226,7 @@ def test_true_values_stand_beside_the_identified_ones(tmp_path, campaign):
     assert "a_3 0.210 0.200 0.010 mm +1.0" in text
 
 
+@PAINTED_ELSEWHERE
 def test_lengths_are_reported_as_lengths(tmp_path, campaign):
     points = campaign.calibration
     foot = np.array([250.0, -400.0, 900.0])

@@ -15,6 +15,7 @@ from truepose.reports.traceability.conditions import ReportConditions
 from truepose.reports.traceability.traced import Traced
 from truepose.words.catalogue import IN_ENGLISH, catalogue
 
+PAINTED_ELSEWHERE = pytest.mark.usefixtures("empty_pictures")
 N = 12
 TRACED = Traced(
     "ABB IRB 120",
@@ -51,6 +52,7 @@ def shown(found, words=IN_ENGLISH, **more):
     return proof_content(ProofInput(found, "Model 3", TRACED, **more), words)
 
 
+@PAINTED_ELSEWHERE
 @pytest.mark.parametrize(
     ("found", "look", "begins"),
     [
@@ -75,6 +77,7 @@ def test_the_verdict_is_one_sentence_with_the_gain_and_its_interval(found, look,
     assert "Next:" in text
 
 
+@PAINTED_ELSEWHERE
 def test_absolute_and_relative_errors_stand_side_by_side():
     text = Page(shown(proof())).text
 
@@ -82,6 +85,7 @@ def test_absolute_and_relative_errors_stand_side_by_side():
     assert "Relative without correction 12 0.480" in text
 
 
+@PAINTED_ELSEWHERE
 def test_of_three_targets_no_relative_errors_are_made_up():
     text = Page(shown(replace(proof(), before_relative=None, after_relative=None))).text
 
@@ -89,6 +93,7 @@ def test_of_three_targets_no_relative_errors_are_made_up():
     assert "Relative without correction" not in text
 
 
+@PAINTED_ELSEWHERE
 def test_what_speaks_against_the_correction_is_said_before_any_figure():
     other = said("proof.other_serial", made_for="120-2", here="120-1")
     found = proof(0.5, (0.4, 0.6), cautions=(said("proof.corrects_itself", share=0.05),))

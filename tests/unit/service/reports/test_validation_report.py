@@ -29,6 +29,7 @@ from truepose.reports.validation.pose_test_rows import pose_test_rows
 from truepose.reports.validation.report import validation_content
 from truepose.reports.wording.rounding import millimetres, rounded, uncertainty
 
+PAINTED_ELSEWHERE = pytest.mark.usefixtures("empty_pictures")
 _CENTRES = tuple(NestCentre(number, centre) for number, centre in enumerate(NESTS, start=1))
 _PLACED = {"base": FramePlacement(), "nests": _CENTRES, "nominal_nests": _CENTRES}
 _ZONE = measured_zone(IRB_120, configurations(50))
@@ -74,6 +75,7 @@ def test_the_report_says_verdict_places_and_distances(tmp_path, points):
     assert "ISO 9283" not in text
 
 
+@PAINTED_ELSEWHERE
 def test_the_report_of_a_test_has_figures_conditions_and_what_they_do_not_prove(tmp_path, points):
     conditions = ReportConditions(
         load="2.6 kg",
@@ -99,6 +101,7 @@ def content(points, **more):
     return Page(re.sub("<svg.*?</svg>", "", validation_content(found), flags=re.DOTALL)).text
 
 
+@PAINTED_ELSEWHERE
 def test_the_page_of_a_test_leads_with_its_worst_figures_and_what_they_do_not_prove(points):
     text = content(points, pose_test=pose_test(_MODEL, points))
 
@@ -112,6 +115,7 @@ def test_the_page_of_a_test_leads_with_its_worst_figures_and_what_they_do_not_pr
         assert hash in text
 
 
+@PAINTED_ELSEWHERE
 def test_where_nothing_else_was_measured_the_page_sets_the_claim_beside(points):
     text = content(points, pose_test=replace(pose_test(_MODEL, points), work_space=None))
 
@@ -119,6 +123,7 @@ def test_where_nothing_else_was_measured_the_page_sets_the_claim_beside(points):
     assert "Largest error in the work space" not in text
 
 
+@PAINTED_ELSEWHERE
 def test_the_page_and_the_document_state_the_same_numbers(points):
     test = pose_test(_MODEL, points)
     page, told = content(points, pose_test=test), accuracy_document(validate(_MODEL, points), test)
@@ -133,6 +138,7 @@ def test_the_page_and_the_document_state_the_same_numbers(points):
             assert " ".join([str(one.n), *map(millimetres, sizes)]) in page
 
 
+@PAINTED_ELSEWHERE
 def test_what_nobody_said_is_not_stated(tmp_path, points):
     _, text = written(tmp_path, points, pose_test=pose_test(_MODEL, points))
 
@@ -140,6 +146,7 @@ def test_what_nobody_said_is_not_stated(tmp_path, points):
     assert "Load not stated" in text
 
 
+@PAINTED_ELSEWHERE
 @pytest.mark.parametrize(
     ("limit_mm", "sentence"),
     [
@@ -206,6 +213,7 @@ def test_the_terminal_says_the_same(points, capsys):
     assert "Five poses do not prove accuracy" in text
 
 
+@PAINTED_ELSEWHERE
 def test_the_conditions_name_the_cube_and_the_share_of_the_rated_speed(tmp_path, points):
     test = pose_test(_MODEL, points)
 
@@ -274,6 +282,7 @@ def test_without_a_limit_the_budget_is_of_the_largest_error_and_has_no_guard_ban
     assert budget_of(points, limit_mm=0.2, rule="simple")[1].guard_mm is None
 
 
+@PAINTED_ELSEWHERE
 def test_the_budget_of_the_decision_is_printed(tmp_path, points):
     found, budget = budget_of(points, limit_mm=0.2)
     path = tmp_path / "report.html"
