@@ -3,9 +3,11 @@
 import asyncio
 import contextlib
 import re
+from http.cookiejar import DefaultCookiePolicy
 
 import jsonschema_rs
 import pytest
+import requests
 import schemathesis
 from hypothesis import HealthCheck, given, settings
 from hypothesis.errors import Unsatisfiable
@@ -51,27 +53,37 @@ def api(tmp_path_factory):
         yield schemathesis.openapi.from_url(f"{url}/openapi.json")
 
 
-def answers_as_documented(operation, mode):
+@pytest.fixture(scope="module")
+def connection():
+    """One for all requests: to connect anew takes as long as most answers."""
+    with requests.Session() as session:
+        session.trust_env = False
+        session.cookies.set_policy(DefaultCookiePolicy(allowed_domains=[]))
+        yield session
+
+
+def answers_as_documented(operation, mode, connection):
     # That bytes are a campaign or a program is more than a schema can say.
     upload = (operation.method, operation.path) in UPLOADS
 
     @settings(max_examples=ENOUGH, deadline=None, database=None, suppress_health_check=list(HealthCheck))
     @given(case=operation.as_strategy(generation_mode=mode))
     def answers(case):
-        case.call_and_validate(excluded_checks=[positive_data_acceptance] if upload else [], timeout=10)
+        unchecked = [positive_data_acceptance] if upload else []
+        case.call_and_validate(excluded_checks=unchecked, timeout=60, session=connection)
 
     answers()
 
 
 @pytest.mark.parametrize(("method", "path"), OPERATIONS)
-def test_what_fits_the_schema_is_answered_as_documented(api, method, path):
-    answers_as_documented(api[path][method], GenerationMode.POSITIVE)
+def test_what_fits_the_schema_is_answered_as_documented(api, connection, method, path):
+    answers_as_documented(api[path][method], GenerationMode.POSITIVE, connection)
 
 
 @pytest.mark.parametrize(("method", "path"), OPERATIONS)
-def test_what_does_not_fit_the_schema_is_refused_as_documented(api, method, path):
+def test_what_does_not_fit_the_schema_is_refused_as_documented(api, connection, method, path):
     with contextlib.suppress(Unsatisfiable):  # nothing can be wrong about a request without parameters
-        answers_as_documented(api[path][method], GenerationMode.NEGATIVE)
+        answers_as_documented(api[path][method], GenerationMode.NEGATIVE, connection)
 
 
 def fields(schema, found):
