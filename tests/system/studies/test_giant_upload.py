@@ -9,7 +9,7 @@ def test_a_giant_is_a_campaign_of_so_many_rows():
 
 
 async def test_uploads_are_watched_one_and_four_at_once(tmp_path):
-    found, size = await study(tmp_path, rows=2000)
+    found, size = await study(tmp_path, rows=500)
 
     assert [(crowd.uploads, set(crowd.answers)) for crowd in found] == [(1, {201}), (4, {201})]
     assert all(crowd.with_workers_mb >= crowd.service_mb > 10.0 for crowd in found)
