@@ -50,7 +50,7 @@ def api(tmp_path_factory):
     (folder / "cell.toml").write_text(CELL)
     where = Settings(database_url=f"sqlite:///{folder}/truepose.sqlite3", cell_file=folder / "cell.toml")
     with listening(create_app(where, Bench().registry(), never_done)) as url:
-        yield schemathesis.openapi.from_url(f"{url}/openapi.json")
+        yield schemathesis.openapi.from_url(f"{url}/openapi.json", timeout=60)  # a second on an idle machine
 
 
 @pytest.fixture(scope="module")
