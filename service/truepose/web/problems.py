@@ -6,7 +6,7 @@ from typing import Any, Final
 
 from fastapi import FastAPI, Request
 from fastapi.exceptions import RequestValidationError
-from fastapi.responses import JSONResponse
+from fastapi.responses import JSONResponse, Response
 from pydantic import BaseModel, Field
 from starlette.exceptions import HTTPException
 from starlette.requests import ClientDisconnect
@@ -54,6 +54,7 @@ from truepose.sequencing.errors import (
 from truepose.storage.errors import ConflictError, NotFoundError, StorageUnavailableError
 from truepose.web.requests.queries import UNKNOWN_PARAMETER
 from truepose.web.schemas.base import ANOTHER_PERSON, KEY, VISIBLE
+from truepose.web.visiting.refusals import refused_page, wants_a_page
 from truepose.words.catalogue import ENGLISH, catalogue
 from truepose.words.error_codes import code_named, code_of, explained
 from truepose_drivers.errors import DeviceRefusedError, DriverError
@@ -219,8 +220,10 @@ def install(app: FastAPI) -> None:
     app.add_exception_handler(ClientDisconnect, _on_nobody)
 
 
-async def _on_refusal(request: Request, error: Exception) -> JSONResponse:
+async def _on_refusal(request: Request, error: Exception) -> Response:
     status = status_of(error)
+    if wants_a_page(request):
+        return refused_page(request, status, str(error), code_of(error))
     headers = None
     if isinstance(error, BusyError | TooManyGuessesError):
         headers = {"Retry-After": str(error.retry_after_s)}

@@ -7,13 +7,18 @@ import pytest
 
 from tests.helpers.web.clients import client_of
 from truepose.app.plants import open_plant
+from truepose.domain.people.accounts import MACHINE, Role
 from truepose.plant import collector
 from truepose.plant.asking import AskedCell
 from truepose.settings import PlantSettings, Settings
+from truepose.storage.errors import StorageUnavailableError
+from truepose.storage.plant.looking_over import PlantOverview
 from truepose.storage.plant.records import HandDownState
 from truepose.web.people.operations import operations_of
 from truepose.web.people.rights import LEAST
 from truepose.web.plant.application import create_plant_application
+from truepose.words.catalogue import catalogue
+from truepose.words.error_codes import explained
 
 CELLS = '[[cell]]\nname = "left arm"\nurl = "http://localhost"\n'
 
@@ -104,6 +109,46 @@ async def test_a_hand_down_reaches_the_cell_and_says_so(service, cell):
 )
 async def test_what_is_there_is_shown_and_what_is_not_is_said(service, path, status):
     assert (await service.get(path)).status_code == status
+
+
+@pytest.fixture
+def gone(monkeypatch):
+    """The plant's server is away; the sentence with which that is told."""
+    sentence = "The server of postgresql://plant does not answer; see that it runs."
+
+    async def robots(_overview):
+        raise StorageUnavailableError(sentence)
+
+    monkeypatch.setattr(PlantOverview, "robots", robots)
+    return sentence
+
+
+async def test_a_page_that_cannot_be_shown_says_why_and_what_to_do(service, gone):
+    page = await service.get("/", headers={"Accept": "text/html,*/*;q=0.8", "Accept-Language": "de"})
+    document = await service.get("/")
+
+    assert (page.status_code, document.status_code) == (503, 503)
+    assert gone in page.text
+    assert explained("TP-6001", catalogue("de")).do in page.text
+    assert document.json()["detail"] == gone
+
+
+async def test_health_tells_strangers_that_something_is_amiss_and_people_what(
+    tmp_path, cells_file, monkeypatch
+):
+    service = Settings(database_url=f"sqlite:///{tmp_path / 'plant.sqlite3'}")
+    app = create_plant_application("test", lambda: open_plant(PlantSettings(service, cells_file)))
+    async with app.router.lifespan_context(app), client_of(app) as client:
+        here = app.state.context
+        ada, _ = await here.people.accounts.enter_by_machine("Ada", Role.ADMINISTRATOR)
+        _, secret = await here.people.accounts.make_token(ada, "watch", Role.VIEWER, 1, MACHINE)
+        monkeypatch.setattr(type(here.database.condition), "fault", "The disk is full.")
+
+        stranger = (await client.get("/health")).json()
+        known = (await client.get("/health", headers={"Authorization": f"Bearer {secret}"})).json()
+
+    assert (stranger["status"], stranger["fault"]) == ("degraded", "Something is amiss; sign in to see what.")
+    assert known["fault"] == "The disk is full."
 
 
 async def test_a_chain_that_is_the_one_collected_needs_no_acceptance(service, cell):

@@ -30,4 +30,4 @@ async def error_page(visit: Visited, code: str) -> HTMLResponse:
     wanted = code.upper()
     if wanted not in CODES:
         return visit.page("errors/no_error.html", HTTPStatus.NOT_FOUND, code=code)
-    return visit.page("errors/error.html", told=explained(wanted, visit.words))
+    return visit.page("errors/error.html", told=explained(wanted, visit.words), sentence="")

@@ -8,16 +8,20 @@ from truepose.web.plant.context import PlantContext, PlantHere
 from truepose.web.plant.schemas import PlantHealth
 from truepose.web.problems import problems
 from truepose.web.resources import outside_the_api
+from truepose.web.visiting.visits import Visited
 
 router = outside_the_api(tags=["health"])
 
 
 @router.get("/health", responses=problems(503), response_model_by_alias=True)
-async def get_health(here: PlantHere, response: Response) -> PlantHealth:
-    """Say that the plant works; a cell that is away is no fault of the plant."""
+async def get_health(visit: Visited, here: PlantHere, response: Response) -> PlantHealth:
+    """Say that the plant works; a cell that is away is no fault of the plant.
+
+    Strangers learn of a fault of the records that there is one, and not which.
+    """
     if here.database.condition.damaged:
         response.status_code = HTTPStatus.SERVICE_UNAVAILABLE
-    fault = _fault(here)
+    fault = _fault(here, known=visit.may("plant_page"))
     return PlantHealth(
         status="ok" if fault is None else "degraded",
         fault=fault,
@@ -27,10 +31,11 @@ async def get_health(here: PlantHere, response: Response) -> PlantHealth:
     )
 
 
-def _fault(here: PlantContext) -> str | None:
-    """Return what is amiss as anybody may hear it."""
-    if here.database.condition.fault is not None:
-        return "Something is amiss; sign in to see what."
+def _fault(here: PlantContext, *, known: bool) -> str | None:
+    """Return what is amiss, of the records as anybody may hear it, or as those who are known may."""
+    of_records = here.database.condition.fault
+    if of_records is not None:
+        return of_records if known else "Something is amiss; sign in to see what."
     if here.collector.has_ended:
         return "No cell is visited any more; the log says why, and a new start begins again."
     return None

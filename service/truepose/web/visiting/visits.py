@@ -80,10 +80,15 @@ class Visit:
         return chosen | ({"units": "-".join(self.words.units.chosen)} if "units" in asked else {})
 
 
-async def _visit(request: Request, here: Here) -> Visit:
+def visit_of(request: Request, here: Context) -> Visit:
+    """Return a request as a visit."""
     wanted = (request.query_params.get("look"), request.cookies.get("look"))
     look = next((look for look in wanted if look in LOOKS), LOOKS[0])
     return Visit(request, here, wanted_words(request), look or LOOKS[0])
+
+
+async def _visit(request: Request, here: Here) -> Visit:
+    return visit_of(request, here)
 
 
 Visited = Annotated[Visit, Depends(_visit)]
