@@ -20,6 +20,7 @@ from truepose.plant.errors import CellAnswerError
 from truepose.storage.plant.records import HandDownRecord
 
 _PATIENCE: Final = httpx.Timeout(30.0, connect=10.0)
+_LATE: Final = "no answer for half a minute, or no connection in ten seconds"
 _MOST_BYTES: Final = 256 * 2**20  # of a page: one record of the largest kind, and no more than memory holds
 _CREATED: Final = 201
 _REFUSED: Final = frozenset({400, 404, 409, 413, 415, 422})
@@ -184,7 +185,7 @@ class AskedCell:
         )
 
     def _unreachable(self, error: Exception) -> CellAnswerError:
-        said = str(error) or type(error).__name__
+        said = _LATE if isinstance(error, httpx.TimeoutException) else str(error) or type(error).__name__
         return CellAnswerError(f"{self._cell.name} cannot be reached at {self._cell.url} ({said}).")
 
     def _no_cell(self, said: str) -> CellAnswerError:
