@@ -10,7 +10,7 @@ from truepose.domain.people.accounts import Role
 
 Name = Annotated[str, typer.Argument(help="Name of the person.")]
 Database = Annotated[
-    str | None, typer.Option(help="URL of the SQLite database; by default the one in the user's data folder.")
+    str | None, typer.Option(help="URL of the database; by default the one in the user's data folder.")
 ]
 RoleOption = Annotated[Role, typer.Option(help="What they may do.")]
 
