@@ -52,9 +52,20 @@ class Server:
 
     def crash(self):
         """Have the server end as if it were killed, and start it again."""
-        again = [programs() / "pg_ctl", "-D", self.folder / "data", "-m", "immediate", "-w", "restart"]
+        self._control("-m", "immediate", "restart")
+
+    def stop(self):
+        """Have the server end as an administrator does, whoever is connected."""
+        self._control("-m", "fast", "stop")
+
+    def restart(self):
+        """Start the server, as it was started before."""
+        self._control("restart")
+
+    def _control(self, *words):
+        control = [programs() / "pg_ctl", "-D", self.folder / "data", "-w", *words]
         with (self.folder / "log").open("ab") as log:
-            command = as_owner([str(part) for part in again], self.folder)
+            command = as_owner([str(part) for part in control], self.folder)
             subprocess.run(
                 command, stdout=log, stderr=log, stdin=subprocess.DEVNULL, cwd=self.folder, check=True
             )
