@@ -1,0 +1,1 @@
+"""A maintenance manager's day: two cells and their plant set up, cut off, lost, restored and asked."""
