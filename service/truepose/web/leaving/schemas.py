@@ -31,6 +31,7 @@ class ChainHeadReply(Reply):
 class HandedDownRequest(Request):
     """A plan or a model that a plant hands down."""
 
+    person_asks = False  # the plant's service asks, for somebody whom the cell need not know
     kind: Literal["plan", "model"]
     name: str = Field(min_length=1, max_length=200, pattern=VISIBLE, examples=["monthly check"])
     person: str = Field(

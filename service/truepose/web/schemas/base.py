@@ -7,7 +7,7 @@ import math
 import re
 from collections.abc import Callable
 from datetime import date
-from typing import Annotated, Any, TypeVar
+from typing import Annotated, Any, ClassVar, TypeVar
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 from pydantic_core import PydanticCustomError
@@ -67,6 +67,7 @@ class Request(BaseModel):
     """A body that a client sends: unknown keys are refused, numbers are finite."""
 
     model_config = ConfigDict(extra="forbid", allow_inf_nan=False, strict=True)
+    person_asks: ClassVar[bool] = True  # whom a body names as `person` is whoever sends it
 
     @model_validator(mode="before")
     @classmethod
@@ -82,7 +83,7 @@ class Request(BaseModel):
         if not isinstance(body, dict) or not asked.caller.name:
             return body
         asked.reason = str(body["reason"]) if body.get("reason") else asked.reason
-        if "person" not in cls.model_fields:
+        if "person" not in cls.model_fields or not cls.person_asks:
             return body
         named = body.get("person")
         if isinstance(named, str) and not same_person(named, asked.caller.name):

@@ -282,3 +282,14 @@ async def test_a_stream_ends_with_the_right_to_it(house):
     answer = await asked(served, "GET", "/api/v1/events", [("host", "localhost"), token])
 
     assert (answer.status, answer.body) == (200, b"before")
+
+
+async def test_a_plant_hands_down_for_somebody_whom_the_cell_does_not_know(house):
+    plan = {"kind": "plan", "name": "monthly", "person": "Emmy Noether", "document": {"name": "monthly"}}
+
+    async with house.of(Role.PLANT) as plant, house.of(Role.OPERATOR) as operator:
+        handed = await plant.post("/api/v1/hand-downs", json=plan, headers={"Idempotency-Key": "monthly-1"})
+        used = await operator.post(f"{handed.headers['Location']}/uses", json={"person": "Emmy Noether"})
+
+    assert (handed.status_code, handed.json()["person"]) == (201, "Emmy Noether")
+    assert used.status_code == 403  # whoever uses it is there, and signed in
