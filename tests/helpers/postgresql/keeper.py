@@ -44,6 +44,8 @@ def main(folder, programs, *options):
         running = folder / "data/postmaster.pid"
         if running.exists():  # a test may have stopped it
             os.kill(int(running.read_text().split()[0]), signal.SIGQUIT)
+        while running.exists():  # one that was started again is nobody's child here
+            time.sleep(0.05)
         server.wait()
         shutil.rmtree(folder)
 
