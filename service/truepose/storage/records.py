@@ -235,15 +235,17 @@ class DiagnosisRecord:
 
 @dataclass(frozen=True, slots=True)
 class ModelRecord:
-    """A stored model; exactly one of its two origins is given."""
+    """A stored model; exactly one of its three origins is given."""
 
     id: int
     recorded_at: str
     identification_id: int | None
     diagnosis_id: int | None
     robot: str
-    simulated: bool  # as the campaign that it was made from
+    simulated: bool  # as the campaign that it was made from; of one that was handed down nobody says it
     model: Model
+    handed_down_id: int | None = None
+    accepted_by: str | None = None  # of one that was handed down
 
 
 @dataclass(frozen=True, slots=True)

@@ -103,7 +103,7 @@ def _records() -> Select[Any]:
         .join(models, models.c.id == corrections.c.model_id)
         .outerjoin(identifications, identifications.c.id == models.c.identification_id)
         .outerjoin(diagnoses, diagnoses.c.id == models.c.diagnosis_id)
-        .join(campaigns, campaigns.c.id == made_from)
+        .outerjoin(campaigns, campaigns.c.id == made_from)
     )
 
 

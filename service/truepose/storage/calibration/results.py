@@ -172,14 +172,15 @@ def _models() -> Select[Any]:
         select(models, simulated_campaign())
         .outerjoin(identifications, identifications.c.id == models.c.identification_id)
         .outerjoin(diagnoses, diagnoses.c.id == models.c.diagnosis_id)
-        .join(campaigns, campaigns.c.id == made_from)
+        .outerjoin(campaigns, campaigns.c.id == made_from)
     )
 
 
 def _model(row: Row[Any]) -> ModelRecord:
     model = from_document(Model, row.document)
     origin = row.identification_id, row.diagnosis_id
-    return ModelRecord(row.id, row.recorded_at, *origin, row.robot, bool(row.simulated), model)
+    accepted = row.handed_down_id, row.accepted_by
+    return ModelRecord(row.id, row.recorded_at, *origin, row.robot, bool(row.simulated), model, *accepted)
 
 
 def _validations() -> Select[Any]:

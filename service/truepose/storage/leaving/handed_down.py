@@ -6,13 +6,15 @@ from typing import Any
 
 from sqlalchemy import Connection, Row, func, select
 
+from truepose.domain.results.identification import Model
 from truepose.storage.database import Database
-from truepose.storage.errors import NotFoundError
+from truepose.storage.documents import to_document
+from truepose.storage.errors import ConflictError, NotFoundError
 from truepose.storage.parts import Part
 from truepose.storage.records import Page, RequestKey
 from truepose.storage.request_keys import once
 from truepose.storage.rows import add_row
-from truepose.storage.tables import hand_down_uses, handed_down
+from truepose.storage.tables import hand_down_uses, handed_down, models
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,6 +45,7 @@ class HandedDownRecord:
     recorded_at: str
     handed_down: NewHandedDown
     uses: tuple[Use, ...]
+    model_id: int | None  # as which it was accepted; None: it was not
 
 
 class HandedDownRepository:
@@ -63,6 +66,18 @@ class HandedDownRepository:
         """Return what was handed down, oldest first."""
         return await self._database.read(lambda connection: _page(connection, page))
 
+    async def newest(self, count: int) -> list[HandedDownRecord]:
+        """Return what was handed down last, newest first."""
+        query = select(handed_down).order_by(handed_down.c.id.desc()).limit(count)
+        return await self._database.read(lambda c: [_record(c, row) for row in c.execute(query).all()])
+
+    async def accept_model(self, number: int, model: Model, person: str) -> int:
+        """Keep a handed-down model as one of this cell, with who accepts it; return its number there.
+
+        Raises NotFoundError, and ConflictError where it was accepted before.
+        """
+        return await self._database.write(lambda connection: _accept(connection, number, model, person))
+
     async def note_use(self, number: int, person: str, note: str) -> None:
         """Keep who used what was handed down; raises NotFoundError."""
 
@@ -71,6 +86,19 @@ class HandedDownRepository:
             add_row(connection, hand_down_uses, handed_down_id=number, person=person, note=note)
 
         await self._database.write(work)
+
+
+def _accept(connection: Connection, number: int, model: Model, person: str) -> int:
+    _get(connection, number)
+    before = connection.scalar(select(models.c.id).where(models.c.handed_down_id == number))
+    if before is not None:
+        raise ConflictError(f"Hand-down {number} was accepted already, as model {before}.")
+    named = {"handed_down_id": number, "accepted_by": person, "robot": model.robot.name}
+    made = add_row(connection, models, **named, document=to_document(model))
+    add_row(
+        connection, hand_down_uses, handed_down_id=number, person=person, note=f"Accepted as model {made}."
+    )
+    return made
 
 
 def _add(connection: Connection, new: NewHandedDown) -> int:
@@ -106,4 +134,5 @@ def _record(connection: Connection, row: Row[Any]) -> HandedDownRecord:
     used = connection.execute(select(hand_down_uses).where(of_it).order_by(hand_down_uses.c.id))
     uses = tuple(Use(use.recorded_at, use.person, use.note) for use in used)
     new = NewHandedDown(row.plant, row.kind, row.name, row.person, row.document)
-    return HandedDownRecord(row.id, row.recorded_at, new, uses)
+    accepted = connection.scalar(select(models.c.id).where(models.c.handed_down_id == row.id))
+    return HandedDownRecord(row.id, row.recorded_at, new, uses, accepted)

@@ -28,6 +28,7 @@ from truepose.storage.tables import (
     campaigns,
     corrections,
     diagnoses,
+    handed_down,
     identifications,
     job_states,
     jobs,
@@ -223,12 +224,13 @@ _FOUND_BY = func.coalesce(identifications.c.campaign_id, diagnoses.c.campaign_id
 
 
 def _with_origin(joined: FromClause) -> FromClause:
-    """Return models, or what is joined with them, beside the campaign that each was made from."""
+    """Return models, or what is joined with them, beside the campaign or hand-down that each comes from."""
     return (
         joined
         .outerjoin(identifications, identifications.c.id == models.c.identification_id)
         .outerjoin(diagnoses, diagnoses.c.id == models.c.diagnosis_id)
-        .join(campaigns, campaigns.c.id == _FOUND_BY)
+        .outerjoin(campaigns, campaigns.c.id == _FOUND_BY)
+        .outerjoin(handed_down, handed_down.c.id == models.c.handed_down_id)
     )
 
 
@@ -236,12 +238,12 @@ _MODELS = Source(
     models,
     _with_origin(models),
     {
-        "name": campaigns.c.name,
+        "name": func.coalesce(campaigns.c.name, handed_down.c.name),
         "robot": models.c.robot,
         "serial_number": diagnoses.c.robot_serial_number,
         "simulated": simulated_campaign(),
     },
-    (campaigns.c.name, models.c.robot, diagnoses.c.robot_serial_number),
+    (campaigns.c.name, handed_down.c.name, models.c.robot, diagnoses.c.robot_serial_number),
 )
 _VALIDATIONS = Source(
     validations,

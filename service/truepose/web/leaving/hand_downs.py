@@ -1,15 +1,26 @@
 """What the plant hands down to this cell: it is kept and shown, and a person uses it, or nobody does."""
 
+import asyncio
+
 from fastapi import Response, status
 
+from truepose.exchange.models.of_cell import fitting_model
+from truepose.storage.errors import ConflictError
 from truepose.storage.leaving.handed_down import HandedDownRepository, NewHandedDown
 from truepose.web.context import Here
-from truepose.web.leaving.schemas import HandedDownReply, HandedDownRequest, UseRequest, handed_down_reply
+from truepose.web.leaving.schemas import (
+    AcceptanceRequest,
+    HandedDownReply,
+    HandedDownRequest,
+    UseRequest,
+    handed_down_reply,
+)
 from truepose.web.people.asking import Asker
 from truepose.web.problems import problems
 from truepose.web.requests.paging import Paged, listing
 from truepose.web.requests.parameters import Id, RequiredKey
 from truepose.web.resources import resource
+from truepose.web.schemas.calibration.results import ModelReply, model_reply
 
 router = resource("/hand-downs", tags=["plant"])
 
@@ -37,6 +48,28 @@ async def list_hand_downs(here: Here, paging: Paged) -> list[HandedDownReply]:
 async def get_hand_down(here: Here, id: Id) -> HandedDownReply:
     """Show what was handed down: of a plan, the body that `POST /sessions` takes."""
     return handed_down_reply(await HandedDownRepository(here.database).get(id))
+
+
+@router.post(
+    "/{id}/acceptance",
+    status_code=status.HTTP_201_CREATED,
+    responses=problems(400, 404, 409, 413, 415, 422, 503),
+)
+async def accept_handed_down_model(
+    here: Here, id: Id, wanted: AcceptanceRequest, response: Response
+) -> ModelReply:
+    """Accept a model that was handed down as one of this cell, of the same robot and with the same tool.
+
+    It then corrects programs and is validated as one that was identified here. Once is enough (409).
+    """
+    kept = HandedDownRepository(here.database)
+    told = (await kept.get(id)).handed_down
+    if told.kind != "model":
+        raise ConflictError(f"Hand-down {id} is a {told.kind} and no model; a session is planned with it.")
+    model = await asyncio.to_thread(fitting_model, told.document, here.cell)
+    number = await kept.accept_model(id, model, wanted.person)
+    response.headers["Location"] = f"/api/v1/models/{number}"
+    return model_reply(await here.results.model(number))
 
 
 @router.post(

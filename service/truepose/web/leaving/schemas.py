@@ -55,6 +55,12 @@ class UseRequest(Request):
     )
 
 
+class AcceptanceRequest(Request):
+    """Who accepts a model that was handed down."""
+
+    person: PersonName
+
+
 class UseReply(Reply):
     """Somebody used what was handed down."""
 
@@ -74,6 +80,9 @@ class HandedDownReply(Reply):
     person: str = Field(description="Who handed it down, at the plant.")
     document: dict[str, Any] = Field(examples=[{"name": "monthly check"}])
     uses: list[UseReply]
+    model_id: RecordId | None = Field(
+        description="As which it was accepted in this cell; null: it was not.", examples=[7]
+    )
 
 
 def handed_down_reply(record: HandedDownRecord) -> HandedDownReply:
@@ -87,6 +96,7 @@ def handed_down_reply(record: HandedDownRecord) -> HandedDownReply:
         "name": told.name,
         "person": told.person,
         "document": told.document,
+        "model_id": record.model_id,
         "uses": [
             {"recorded_at": use.recorded_at, "person": use.person, "note": use.note} for use in record.uses
         ],

@@ -6,6 +6,7 @@ from fastapi import APIRouter, Query
 from fastapi.responses import HTMLResponse
 
 from truepose.effects.registry import EFFECTS
+from truepose.storage.leaving.handed_down import HandedDownRepository
 from truepose.storage.work.items import WorkKind
 from truepose.web.records.links import link_to
 from truepose.web.visiting.visits import Visited
@@ -37,8 +38,10 @@ PageNumber = Annotated[int, Query(ge=1, le=1_000_000, description="Which part of
 async def work_page(visit: Visited, q: Searched = "", kind: View = "", page: PageNumber = 1) -> HTMLResponse:
     """List what was recorded, newest first, or the robots of which something was."""
     work, words = visit.here.work, visit.words
+    handed_down = await HandedDownRepository(visit.here.database).newest(1)
     if kind == ROBOTS:
-        return visit.page("work.html", q="", kind=kind, robots=await work.robots())
+        robots = await work.robots()
+        return visit.page("work.html", q="", kind=kind, robots=robots, handed_down=handed_down)
     kinds = _VIEWS.get(kind, _VIEWS[""])
     found = await work.page(kinds, _texts(q.strip(), words), skip=(page - 1) * _ROWS, limit=_ROWS)
     return visit.page(
@@ -46,6 +49,7 @@ async def work_page(visit: Visited, q: Searched = "", kind: View = "", page: Pag
         q=q,
         kind=kind if kind in _VIEWS else "",
         robots=None,
+        handed_down=handed_down,
         links=[link_to(item, words) for item in found.items],
         total=found.total,
         part=page,

@@ -1,8 +1,16 @@
 """What a plant hands down: kept once, shown, used by a person, and nothing moves by itself."""
 
 import json
+from dataclasses import replace
 
 import pytest
+
+from tests.helpers.domain.robots import IRB_120
+from tests.helpers.identification.models import model_of, plain_parameters
+from tests.helpers.web.clients import made
+from tests.helpers.web.performing import perform_here
+from truepose.domain.results.identification import NestCentre
+from truepose.exchange.models.file import model_text
 
 PLAN = {"kind": "plan", "name": "monthly check", "person": "Ada Byron", "document": {"name": "monthly"}}
 KEY = {"Idempotency-Key": "hand-down-1"}
@@ -77,3 +85,71 @@ async def test_what_no_other_program_takes_for_json_is_refused(client, said, bec
 
     assert (answer.status_code, answer.json()["detail"][: len(because)]) == (422, because)
     assert (await client.get("/api/v1/hand-downs")).json() == []
+
+
+def handed_model(app, **changes):
+    """Return a model as a plant hands it down, made with the tool of the cell."""
+    nests = [NestCentre(n, nest.centre_mm) for n, nest in enumerate(app.state.context.cell.nests, 1)]
+    model = replace(model_of(IRB_120, *plain_parameters(IRB_120)), nests=tuple(nests))
+    document = json.loads(model_text(model))
+    return PLAN | {"kind": "model", "name": "of the type", "document": document | changes}
+
+
+@pytest.fixture
+def worker():
+    """Does the jobs here."""
+    return perform_here
+
+
+async def test_a_model_is_one_of_the_cell_only_once_somebody_accepts_it(client, app):
+    await client.post("/api/v1/hand-downs", json=handed_model(app), headers=KEY)
+    before = (await client.get("/api/v1/models")).json()
+
+    accepted = await client.post("/api/v1/hand-downs/1/acceptance", json={"person": "Grace Hopper"})
+    again = await client.post("/api/v1/hand-downs/1/acceptance", json={"person": "Grace Hopper"})
+
+    assert (before, accepted.status_code, again.status_code) == ([], 201, 409), accepted.text
+    (model,) = (await client.get("/api/v1/models")).json()
+    assert accepted.json() == model
+    assert (model["identification_id"], model["diagnosis_id"]) == (None, None)
+    assert (model["handed_down_id"], model["accepted_by"]) == (1, "Grace Hopper")
+    (handed,) = (await client.get("/api/v1/hand-downs")).json()
+    assert handed["model_id"] == model["id"]
+    assert [use["person"] for use in handed["uses"]] == ["Grace Hopper"]
+
+
+async def test_an_accepted_model_corrects_and_is_listed_with_its_origin(client, app):
+    await client.post("/api/v1/hand-downs", json=handed_model(app), headers=KEY)
+    await client.post("/api/v1/hand-downs/1/acceptance", json={"person": "Grace Hopper"})
+    target = b"target,x_mm,y_mm,z_mm,qw,qx,qy,qz,note\nnear,350,100,400,0,0,1,0,ok\n"
+
+    sent = await client.post("/api/v1/models/1/corrections", files=[("file", ("t.csv", target))])
+    corrected = (await client.get(await made(client, sent))).json()
+    paths = ("/models/1", "/work", "/hand-downs")
+    page, work, handed_down = [(await client.get(path)).text for path in paths]
+
+    assert corrected["model_id"] == 1
+    assert (await client.get("/api/v1/models/1/corrections")).json()[0]["id"] == corrected["id"]
+    assert "accepted by Grace Hopper" in page
+    assert "Model 1: of the type" in work
+    assert 'href="/models/1"' in handed_down
+
+
+async def test_a_model_of_another_robot_or_no_model_is_refused_with_a_sentence(client, app):
+    document = handed_model(app)["document"]
+    other = document["robot"] | {"name": "KUKA KR 6"}
+    for number, changes in enumerate(({"robot": other}, {"format": "something"}), 1):
+        await client.post(
+            "/api/v1/hand-downs", json=handed_model(app, **changes), headers={"Idempotency-Key": f"k{number}"}
+        )
+    await client.post("/api/v1/hand-downs", json=PLAN, headers=KEY)
+
+    answers = [
+        await client.post(f"/api/v1/hand-downs/{number}/acceptance", json={"person": "Ada"})
+        for number in (1, 2, 3, 4)
+    ]
+
+    assert [answer.status_code for answer in answers] == [409, 422, 409, 404]
+    assert "KUKA KR 6; this cell has ABB IRB 120" in answers[0].json()["detail"]
+    assert "is a plan and no model" in answers[2].json()["detail"]
+    assert (await client.get("/api/v1/models")).json() == []

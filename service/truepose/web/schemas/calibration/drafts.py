@@ -278,8 +278,8 @@ class UnderstoodReply(Reply):
     notes: list[str] = Field(description="What was done without being asked.")
     u_mm: Quantity = Field(description="From places measured again, where nobody says it; null: none.")
     measured_on: str | None = Field(description="As somebody said, or the files themselves.")
-    robot_serial_number: str = Field(description="The same; empty: nobody said it.")
-    instrument_serial_number: str = Field(description="The same; empty: nobody said it.")
+    robot_serial_number: str = Field(description="The same; empty: nobody said it.", examples=["120-500123"])
+    instrument_serial_number: str = Field(description="The same; empty: nobody said it.", examples=["391234"])
     simulated: bool = Field(description="As the files say of themselves.")
 
 

@@ -76,8 +76,12 @@ class ModelReply(Reply):
 
     id: RecordId
     recorded_at: RecordedAt
-    identification_id: RecordId | None = Field(description="Which made it; null: a diagnosis did.")
-    diagnosis_id: RecordId | None = Field(description="Which made it; null: an identification did.")
+    identification_id: RecordId | None = Field(description="Which made it; null: it did not come of one.")
+    diagnosis_id: RecordId | None = Field(description="Which made it; null: it did not come of one.")
+    handed_down_id: RecordId | None = Field(
+        description="Under which number a plant handed it down; null: it was made here."
+    )
+    accepted_by: str | None = Field(description="Who accepted it; null: it was made here.")
     robot: str = Field(examples=["ABB IRB 120"])
     simulated: Simulated
     effects: list[str] = Field(examples=[["base", "geometry", "compliance"]])
