@@ -4,6 +4,10 @@ import asyncio
 import contextlib
 from collections.abc import AsyncIterator, Callable
 
+from truepose.analysis.drawing import DrawingDesk
+from truepose.analysis.fleets.desk import FleetDesk
+from truepose.analysis.kept import KeptDrawings
+from truepose.analysis.workers.process import perform_in_worker
 from truepose.app.composition import beside, people_of, program_version
 from truepose.app.server import Served, run
 from truepose.exchange.cells.of_plant import read_plant_file
@@ -12,7 +16,9 @@ from truepose.plant.due import DueAfter
 from truepose.plant.visit import Shelves
 from truepose.settings import PlantSettings
 from truepose.storage.database import Database
+from truepose.storage.files.drawn import DrawnFolder
 from truepose.storage.integrity.guard import Guard
+from truepose.storage.plant.campaigns import CollectedCampaigns
 from truepose.storage.plant.certificates import PlantCertificates
 from truepose.storage.plant.hand_downs import HandDownRepository
 from truepose.storage.plant.journal import JournalRepository
@@ -55,6 +61,8 @@ async def open_plant(settings: PlantSettings) -> AsyncIterator[PlantContext]:
         await journal.enter(*(cell.name for cell in plant.cells))
         beside(stack, Guard(database).follow(), "storage guard")
         await stack.enter_async_context(collecting(collector))
+        drawing = DrawingDesk(perform_in_worker, KeptDrawings(DrawnFolder.beside(database.file)))
+        stack.push_async_callback(drawing.kept.close)
         yield PlantContext(
             version=program_version(),
             cell=Place(settings.name),
@@ -67,6 +75,8 @@ async def open_plant(settings: PlantSettings) -> AsyncIterator[PlantContext]:
             overview=PlantOverview(database),
             told=PlantTold(database),
             certificates=PlantCertificates(database),
+            fleets=FleetDesk(CollectedCampaigns(database), FleetDesk.folder(database.file), drawing),
+            drawing_desk=drawing,
             due=DueAfter(settings.due_after_days, plant.due_after_days),
             collector=collector,
             stopping=asyncio.Event(),

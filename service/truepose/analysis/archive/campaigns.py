@@ -114,7 +114,7 @@ def _own(database: Database, runner: asyncio.Runner) -> Iterator[Archived]:
             f"{record.id} {record.name}",
             lambda number=record.id: runner.run(campaigns.content(number)),  # type: ignore[misc]
             functools.partial(stored.newest, record),
-            _stated(serial, "", day),
+            _stated(serial, record.summary.instrument_serial_number or "", day),
         )
 
 

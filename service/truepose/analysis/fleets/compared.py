@@ -51,6 +51,44 @@ class FleetFound:
         return self.campaigns[int(own[np.argmax(fleet.day[own])])]
 
 
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """A campaign as a fleet takes it."""
+
+    campaign: str
+    stated: Stated
+    told: Told
+
+
+def fleet_found(
+    entries: Sequence[Entry], left_out: Sequence[LeftOut] = (), of_type: str | None = None
+) -> FleetFound:
+    """Compare the robots of a type; None: all are of one.
+
+    Raises
+    ------
+    ConfigurationError
+        Campaigns are of several types, of fewer than two robots, or no robot was measured twice.
+    """
+    wanted = _type_wanted(of_type, [one.told.robot.name for one in entries])
+    measured, without, names = [], list(left_out), []
+    among = [one for one in entries if one.told.robot.name == wanted]
+    for one in among:
+        lacking, day = _lacking(one.stated), one.stated.day
+        if lacking or day is None:
+            without.append(LeftOut(one.campaign, lacking))
+            continue
+        measured.append(
+            Measured(one.stated.robot, one.stated.instrument, float(day.toordinal()), one.told.information)
+        )
+        names.append(one.campaign)
+    _check_enough(measured, without)
+    robot = among[0].told.robot
+    account = account_of(fleet_of(measured), robot)
+    simulated = any(one.told.simulated for one in among)
+    return FleetFound(robot, account, tuple(names), tuple(without), simulated)
+
+
 class FleetArchive:
     """Campaigns of robots, and the folder in which what they tell is kept.
 
@@ -95,31 +133,12 @@ class FleetArchive:
             progress(done / len(self._campaigns), outcome.name)
 
     def compare(self, of_type: str | None = None) -> FleetFound:
-        """Compare the robots of a type, from what their campaigns told; None: all are of one.
-
-        Raises
-        ------
-        ConfigurationError
-            Campaigns are of several types, of fewer than two robots, or no robot was measured twice.
-        """
-        wanted = _type_wanted(of_type, [one.robot.name for one in self._told.values()])
-        among = {place: one for place, one in sorted(self._told.items()) if one.robot.name == wanted}
-        measured, left_out, names = [], self._without_answer(), []
-        for place, told in among.items():
-            archived = self._campaigns[place]
-            stated = self._stated(archived, told)
-            lacking = _lacking(stated)
-            if lacking or stated.day is None:
-                left_out.append(LeftOut(archived.name, lacking))
-                continue
-            day = float(stated.day.toordinal())
-            measured.append(Measured(stated.robot, stated.instrument, day, told.information))
-            names.append(archived.name)
-        _check_enough(measured, left_out)
-        robot = next(iter(among.values())).robot
-        account = account_of(fleet_of(measured), robot)
-        simulated = any(one.simulated for one in among.values())
-        return FleetFound(robot, account, tuple(names), tuple(left_out), simulated)
+        """Compare the robots of a type, from what their campaigns told; raises as `fleet_found`."""
+        entries = [
+            Entry(self._campaigns[place].name, self._stated(self._campaigns[place], told), told)
+            for place, told in sorted(self._told.items())
+        ]
+        return fleet_found(entries, self._without_answer(), of_type)
 
     def _missing(self) -> Iterator[Part[bytes]]:
         for place, campaign in enumerate(self._campaigns):

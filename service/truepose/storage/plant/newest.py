@@ -46,6 +46,18 @@ class PlantTold:
         """Return the newest of each kind of every robot that has any, by serial number."""
         return await self._database.read(_newest)
 
+    async def of_robot(self, serial_number: str, limit: int = 500) -> list[ToldSeen]:
+        """Return what the latest results of a robot tell that have a day, the oldest first."""
+        return await self._database.read(lambda connection: _of_robot(connection, serial_number, limit))
+
+
+def _of_robot(connection: Connection, serial_number: str, limit: int) -> list[ToldSeen]:
+    own = (plant_told.c.robot_serial_number == serial_number) & (plant_told.c.measured_on > "")
+    query = select(plant_told, plant_cells.c.name.label("cell")).select_from(with_cells(plant_told))
+    last_first = (plant_told.c.measured_on.desc(), plant_told.c.id.desc())
+    rows = connection.execute(query.where(own).order_by(*last_first).limit(limit))
+    return [told_seen(row) for row in rows][::-1]
+
 
 def _newest(connection: Connection) -> Mapping[str, Mapping[ToldKind, ToldSeen]]:
     found: defaultdict[str, dict[ToldKind, ToldSeen]] = defaultdict(dict)

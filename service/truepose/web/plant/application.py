@@ -11,7 +11,7 @@ from truepose.web.door.proxies import Proxies
 from truepose.web.pages import router as pages
 from truepose.web.people import acts, people, sign_ins
 from truepose.web.people.pages import router as pages_of_people
-from truepose.web.plant import cells, glance, hand_downs, health, seen
+from truepose.web.plant import cells, fleets, glance, hand_downs, health, seen
 from truepose.web.plant import pages as pages_of_plant
 from truepose.web.plant.context import PlantContext
 from truepose.web.visiting.rendering import prepare
@@ -38,6 +38,7 @@ def _routes() -> list[BaseRoute]:
         health.router,
         *(resource.router for resource in _RESOURCES),
         glance.router,
+        fleets.router,
         pages_of_plant.router,
         pages_of_people,
     )

@@ -6,6 +6,8 @@ from typing import Annotated, cast
 
 from fastapi import Depends, Request
 
+from truepose.analysis.drawing import DrawingDesk
+from truepose.analysis.fleets.desk import FleetDesk
 from truepose.operation.people.desk import PeopleDesk
 from truepose.plant.collector import Collector
 from truepose.plant.due import DueAfter
@@ -42,6 +44,8 @@ class PlantContext:
     told: PlantTold
     certificates: PlantCertificates
     due: DueAfter
+    fleets: FleetDesk
+    drawing_desk: DrawingDesk
     collector: Collector
     stopping: asyncio.Event  # set when the service ends
     simulated: bool = False

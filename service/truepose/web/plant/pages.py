@@ -5,18 +5,32 @@ from dataclasses import dataclass
 from datetime import UTC, datetime
 from http import HTTPStatus
 from itertools import groupby
+from typing import Final
 
 from fastapi import APIRouter
 from fastapi.responses import HTMLResponse
+from markupsafe import Markup
 
 from truepose.storage.errors import NotInPlantError
 from truepose.storage.plant.looking import DayMeasured
 from truepose.web.plant.context import PlantHere
+from truepose.web.plant.life_drawn import CoursesAsked, drawn_courses
 from truepose.web.plant.seen import Serial
 from truepose.web.plant.shown import places_of, shown_results
+from truepose.web.visiting.drawn import Whole, drawn_part
 from truepose.web.visiting.visits import Visit, Visited
 
+_OVER_DAYS: Final = ("identification", "diagnosis")
+
 router = APIRouter(include_in_schema=False)
+
+
+@dataclass(frozen=True, slots=True)
+class Courses:
+    """Pictures over days; None: they are being drawn, or there are none."""
+
+    drawn: Markup | None
+    is_there: bool
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,15 +45,29 @@ class Share:
 
 
 @router.get("/robots/{serial}", response_class=HTMLResponse)
-async def robot_life_page(visit: Visited, here: PlantHere, serial: Serial) -> HTMLResponse:
-    """Show what was measured and made of a robot, newest day first."""
+async def robot_life_page(
+    visit: Visited, here: PlantHere, serial: Serial, whole: Whole = False
+) -> HTMLResponse:
+    """Show what was measured and made of a robot, newest day first, and how its error and its causes went."""
     try:
         robot = await here.looks.robot(serial)
     except NotInPlantError:
         return _missing(visit, serial)
     results = shown_results(await here.looks.life_of_robot(serial), await places_of(here))
     days = await here.looks.days_of_robot(serial)
-    return visit.page("plant/robot.html", robot=robot, results=results, days=days[::-1])
+    courses = await _courses(visit, here, serial, whole=whole)
+    return visit.page("plant/robot.html", robot=robot, results=results, days=days[::-1], courses=courses)
+
+
+async def _courses(visit: Visit, here: PlantHere, serial: str, *, whole: bool) -> Courses:
+    """Return the courses of a robot's error and causes, drawn as soon as there is something over days."""
+    told = tuple(one for one in await here.told.of_robot(serial) if one.kind in _OVER_DAYS)
+    if not told:
+        return Courses(None, is_there=False)
+    asked = CoursesAsked(told, visit.words.tag)
+    of = f"courses {serial} {len(told)} {max(one.id for one in told)}"
+    drawn = await drawn_part(visit, of, lambda: here.drawing_desk.draw(drawn_courses, asked), whole=whole)
+    return Courses(drawn, is_there=True)
 
 
 @router.get("/instruments/{serial}", response_class=HTMLResponse)

@@ -1,0 +1,80 @@
+"""Robots of a type compared on a plant's page, and the courses of a robot's life."""
+
+import json
+
+import pytest
+
+from tests.integration.plant.test_plant_pages import lay, page, service
+from tests.studies.fleet.archive import FIRST
+from tests.studies.fleet.simulated import draw_fleet, record_robot
+from truepose.storage.columns import pack
+from truepose.storage.leaving.typed_rows import typed
+from truepose.storage.tables.of_plants import plant_journal, plant_results, plant_robots, plant_told
+
+__all__ = ["service"]  # a fixture
+WHOLE = "/fleet?whole=true"
+
+
+def result(number, serial, day, **more):
+    """Return the row of a collected campaign."""
+    told = {"kind": "campaign", "link": number, "record_id": number, "name": f"campaign {number}"}
+    of = {"robot": "ABB IRB 120", "robot_serial_number": serial, "measured_on": day}
+    return plant_results, {"branch_id": 1, **told, **of, "instrument_serial_number": "T-9", **more}
+
+
+@pytest.fixture(scope="module")
+def campaigns():
+    """Two robots in two months: in neither anything changes."""
+    fleet = draw_fleet(1, 2, ageing=0, drifting=False)
+    return [
+        (f"A-{robot.number}", FIRST.replace(month=3 + month), record_robot(robot, month, "T-9", fleet, 15))
+        for robot in fleet.robots
+        for month in (0, 1)
+    ]
+
+
+async def test_a_plant_without_campaigns_says_so(service):
+    assert "No campaign was collected from any cell yet." in await page(service, "/fleet")
+
+
+async def test_too_few_robots_are_told_what_is_missing(service):
+    nobody = result(3, "", "2026-05-01")
+    await lay(service, result(1, "A-1", "2026-03-01"), result(2, "A-2", "2026-03-01"), nobody)
+
+    shown = await page(service, "/fleet")
+
+    assert "So far 2 have a campaign" in shown
+    assert "and 0 of them on two days or more." in shown
+    assert "which are not compared: 1." in shown
+
+
+async def test_robots_are_compared_from_what_was_collected(service, campaigns):
+    for number, (serial, day, recorded) in enumerate(campaigns, start=1):
+        content = json.dumps(typed({"campaign": pack(recorded.campaign)}))
+        row = {"branch_id": 1, "link": number, "stream": 1, "record": "campaigns", "record_id": number}
+        kept = {**row, "hash": b"-", "content": content, "verified": 1}
+        await lay(service, (plant_journal, kept), result(number, serial, day.isoformat()))
+
+    shown = await page(service, WHOLE)
+
+    assert "2 robots, 1 instruments and 4 campaigns from 2026-03-02 to 2026-04-02 were compared." in shown
+    assert "Nothing changes beyond chance" in shown
+    assert "Computed on " in shown
+    assert "every reading comes from a simulated cell" in shown
+
+
+async def test_a_robots_error_and_causes_are_drawn_over_the_days(service):
+    cause = {"effect": "backlash", "subject": "joint 4", "unit": "deg", "amplitude": 0.02}
+    found = {"causes": [{**cause, "amplitude_standard_uncertainty": 0.002}]}
+    rows = [(plant_robots, {"serial_number": "A-1", "robot": "ABB IRB 120"})]
+    for number, kind in enumerate(("identification", "diagnosis") * 2, start=1):
+        told = {"branch_id": 1, "kind": kind, "link": number, "record_id": number, "verdict": "converged"}
+        of = {"robot_serial_number": "A-1", "measured_on": f"2026-0{2 + number}-01", "figure_mm": 0.05}
+        rows.append((plant_told, {**told, **of, "document": found if kind == "diagnosis" else {}}))
+    await lay(service, *rows)
+
+    shown = await page(service, "/robots/A-1?whole=true")
+
+    assert shown.count("<svg") >= 2
+    assert "backlash, joint 4" in shown
+    assert "Mean error of each identification at points that it never saw" in shown
