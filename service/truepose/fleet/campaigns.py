@@ -91,7 +91,7 @@ def fleet_of(campaigns: Sequence[Measured]) -> Fleet:
     specs = _all_specs(campaigns)
     own = {name: spec for name, (spec, _) in specs.items() if name != _SCALE}
     names = (*own, _SCALE)
-    arrays = [_over(one.told, names) for one in campaigns]
+    arrays = [_over(one.told, [specs[name][0] for name in names]) for one in campaigns]
     return Fleet(
         robots=robots,
         instruments=instruments,
@@ -114,14 +114,17 @@ def _all_specs(campaigns: Sequence[Measured]) -> dict[str, tuple[ParameterSpec, 
     return found
 
 
-def _over(told: Information, names: tuple[str, ...]) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return normal matrix, right side and motions over `names`, in widths from the means."""
-    place = {name: k for k, name in enumerate(names)}
+def _over(told: Information, specs: Sequence[ParameterSpec]) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return normal matrix, right side and motions over these parameters, in their widths from their means.
+
+    In those of the fleet: a campaign may have stated others, and what it tells does not depend on them.
+    """
+    place = {spec.name: k for k, spec in enumerate(specs)}
     to = np.array([place[name] for name in told.names], dtype=np.int64)
-    widths = np.array([spec.prior_width for spec in told.specs])
-    means = np.array([spec.prior_mean for spec in told.specs])
-    normal, motion = np.zeros((2, len(names), len(names)))
-    right = np.zeros(len(names))
+    widths = np.array([specs[k].prior_width for k in to])
+    means = np.array([specs[k].prior_mean for k in to])
+    normal, motion = np.zeros((2, len(specs), len(specs)))
+    right = np.zeros(len(specs))
     normal[np.ix_(to, to)] = told.normal * np.outer(widths, widths)
     motion[np.ix_(to, to)] = told.motion_mm2 * np.outer(widths, widths)
     right[to] = widths * (told.right - told.normal @ means)

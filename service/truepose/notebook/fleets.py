@@ -1,6 +1,6 @@
 """Fleets in a notebook: what robots of one type share, and which of them changes over months."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from datetime import date
 from functools import cached_property
@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, TypeAlias
 import numpy as np
 
 from truepose.domain.errors import ConfigurationError
+from truepose.domain.measurement.campaign import Campaign as Measured
 from truepose.fleet import campaigns as measured
 from truepose.fleet.changes import Account, Named, account_of
 from truepose.fleet.components import uncertainties
@@ -50,11 +51,14 @@ class Fleet:
     >>> fleet = tp.fleet_of([(robot, "tracker", day, folder) for robot in robots for day in days])
     >>> fleet
     Fleet of 2 robots, 1 instrument, 4 campaigns: nothing changes beyond chance
-    >>> tp.identify("docs/examples/campaign", fleet=fleet).status
-    'converged'
+    >>> tp.identify("docs/examples/campaign", fleet=fleet)
+    Traceback (most recent call last):
+    ...
+    truepose.domain.errors.ConfigurationError: The fleet has this campaign: it would count twice. ...
     """
 
     account: Account
+    _held: tuple[Measured, ...] = ()
 
     @property
     def changes(self) -> "DataFrame":
@@ -113,6 +117,19 @@ class Fleet:
         """What is believed of a further robot of the type: `tp.identify(campaign, fleet=fleet)` takes it."""
         return of_a_new_robot(self.account)
 
+    def believed_of(self, campaign: Measured) -> Belief:
+        """Return what is believed of the robot of a further campaign.
+
+        Raises ConfigurationError where the robot is of another type, or the fleet has the campaign.
+        """
+        _require_one_type((*self._held, campaign))
+        if any(_same_readings(one, campaign) for one in self._held):
+            raise ConfigurationError(
+                "The fleet has this campaign: it would count twice. Give one that the fleet has not, or "
+                "leave the fleet away."
+            )
+        return self.belief
+
     def __repr__(self) -> str:
         fleet = self.account.fleet
         sizes = (
@@ -147,7 +164,7 @@ def fleet_of(campaigns: Iterable[Visit], progress: Progress | None = None) -> Fl
     Raises
     ------
     ConfigurationError
-        There are fewer than two robots, or what is given is no campaign.
+        There are fewer than two robots, they are of several types, or what is given is no campaign.
     InputFileError
         A folder or zip cannot be read, with file, line and column.
 
@@ -159,18 +176,32 @@ def fleet_of(campaigns: Iterable[Visit], progress: Progress | None = None) -> Fl
     ...
     truepose.domain.errors.ConfigurationError: A fleet has at least two robots of one type, ...
     """
-    visits = list(campaigns)
-    told, nominal = [], None
-    for number, (robot, instrument, day, given) in enumerate(visits):
+    visits = [(*visit[:3], campaign_given(visit[3]).data) for visit in campaigns]
+    held = tuple(data for *_, data in visits)
+    _require_one_type(held)
+    told = []
+    for number, (robot, instrument, day, data) in enumerate(visits):
         if progress is not None:
             progress(0.9 * number / len(visits), "identifying")
-        data = campaign_given(given).data
-        nominal = data.robot
         told.append(measured.Measured(robot, instrument, _days(day), information_of(data)))
     together = measured.fleet_of(told)
     if progress is not None:
         progress(0.9, "comparing")
-    return Fleet(account_of(together, nominal))
+    return Fleet(account_of(together, held[-1].robot), held)
+
+
+def _require_one_type(campaigns: Sequence[Measured]) -> None:
+    types = dict.fromkeys(campaign.robot.name for campaign in campaigns)
+    if len(types) > 1:
+        raise ConfigurationError(
+            f"A fleet is of robots of one type, and these are {', '.join(types)}: "
+            "compare each type by itself."
+        )
+
+
+def _same_readings(one: Measured, other: Measured) -> bool:
+    mine, theirs = one.readings, other.readings
+    return mine is not None and theirs is not None and np.array_equal(mine.observed_mm, theirs.observed_mm)
 
 
 def _days(day: date | float) -> float:

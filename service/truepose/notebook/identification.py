@@ -165,7 +165,8 @@ def identify(
     UnknownEffectError
         There is no effect of that name; the sentence lists those that there are.
     ConfigurationError
-        An effect is named twice or does not go with the campaign, or what is given is no campaign.
+        An effect is named twice or does not go with the campaign, what is given is no campaign, or the fleet
+        has it already or is of another type.
     InputFileError
         The folder or zip cannot be read, with file, line and column.
 
@@ -185,5 +186,5 @@ def identify(
     truepose.domain.errors.ConfigurationError: A list is no campaign: give a folder, ... tp.read_campaign...
     """
     data = campaign_given(campaign).data
-    believed = None if fleet is None else fleet.belief
+    believed = None if fleet is None else fleet.believed_of(data)
     return Identification(identify_campaign(data, effects_given(effects), progress, believed=believed), data)

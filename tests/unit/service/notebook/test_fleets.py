@@ -1,5 +1,6 @@
 """Fleets in a notebook: robots of a simulated type, of which one ages."""
 
+from dataclasses import replace
 from datetime import date, timedelta
 
 import pytest
@@ -74,3 +75,33 @@ def test_it_says_how_a_change_went(fleet):
     )
     with pytest.raises(tp.TrueposeError, match="no change 2 among"):
         fleet.course(2)
+
+
+def test_a_new_robot_is_identified_with_what_its_type_is(fleet):
+    pytest.importorskip("pandas")
+    newcomer = draw_fleet(3, robots=5, ageing=0, drifting=False).robots[4]
+    recorded = record_robot(newcomer, 0, TRACKERS[0], FleetTruth(3, (newcomer,), None), 15)
+
+    found = tp.identify(Campaign(recorded.campaign), fleet=fleet)
+
+    assert found.status == "converged"
+    assert set(fleet.belief.names) <= set(found.to_frame()["name"])
+
+
+def test_a_campaign_counts_once(fleet):
+    robot = FleetTruth(3, draw_fleet(3, robots=4, ageing=0, drifting=False).robots, None).robots[0]
+    again = record_robot(robot, 0, TRACKERS[robot.number % 2], FleetTruth(3, (robot,), None), 25)
+
+    with pytest.raises(tp.TrueposeError, match="would count twice"):
+        tp.identify(Campaign(again.campaign), fleet=fleet)
+
+
+def test_robots_of_two_types_are_no_fleet(fleet):
+    robot = draw_fleet(3, robots=2, ageing=0, drifting=False).robots[0]
+    one = record_robot(robot, 0, TRACKERS[0], FleetTruth(3, (robot,), None), 15).campaign
+    other = replace(one, robot=replace(one.robot, name="Another"))
+
+    with pytest.raises(tp.TrueposeError, match=r"one type, and these are .*120.*, Another"):
+        tp.fleet_of([("left", "tracker", 0, Campaign(one)), ("right", "tracker", 0, Campaign(other))])
+    with pytest.raises(tp.TrueposeError, match="compare each type by itself"):
+        tp.identify(Campaign(other), fleet=fleet)
