@@ -99,13 +99,15 @@ def create_app(
     return create_application(program_version(), opened, hosts, proxies)
 
 
-def _restore(database: Path) -> None:
-    """Begin with the copy that 'truepose restore' has laid ready, if it has."""
-    found = put_ready_in_place(database)
+def opened_database(url: str) -> Database:
+    """Return the database of a service, which begins with the copy that 'truepose restore' has laid ready."""
+    file = database_file(url)
+    found = put_ready_in_place(file)
     if found is not None:
         head, kept = found
         before = "" if kept is None else f"; what was there is kept as {kept}"
-        _LOG.warning("%s: %d records restored, chain head %s%s", database, head.links, head.text, before)
+        _LOG.warning("%s: %d records restored, chain head %s%s", file, head.links, head.text, before)
+    return Database(url)
 
 
 def allowed_hosts(settings: Settings) -> AllowedHosts:
@@ -148,8 +150,7 @@ async def open_context(
     async with contextlib.AsyncExitStack() as stack:
         cell = _cell(settings)
         present = _present(cell, settings)
-        await asyncio.to_thread(_restore, database_file(settings.database_url))
-        database = await asyncio.to_thread(Database, settings.database_url)
+        database = await asyncio.to_thread(opened_database, settings.database_url)
         stack.callback(database.close)
         state = database.file.with_name(f"{database.file.name}.cell.json")
         simulation = await _simulation(cell, settings, state, stack)
@@ -157,7 +158,7 @@ async def open_context(
         rack = _rack(cell, simulation, drivers)
         stack.push_async_callback(_close_clock, rack.clock)
         stack.push_async_callback(rack.close)
-        backups = _backups(database, settings)
+        backups = copies_of(settings, stack)
         lookout = Lookout(database, rack, cell, backups, lines_lost)
         people = await stack.enter_async_context(people_of(database, settings))
         context = _context(cell, present, database, rack, simulation, perform, lookout, people)
@@ -168,8 +169,6 @@ async def open_context(
         stack.push_async_callback(context.drawing_desk.kept.close)
         stack.callback(stop_streams, context)
         beside(stack, Guard(database).follow(), "storage guard")
-        if backups is not None:
-            beside(stack, backups.follow(), "copies of the database")
         yield context
 
 
@@ -187,8 +186,13 @@ def beside(stack: contextlib.AsyncExitStack, work: Coroutine[None, None, None], 
     stack.push_async_callback(_end, asyncio.create_task(work, name=name))
 
 
-def _backups(database: Database, settings: Settings) -> BackupSchedule | None:
-    return None if settings.backups is None else BackupSchedule(settings.database_url, settings.backups)
+def copies_of(settings: Settings, stack: contextlib.AsyncExitStack) -> BackupSchedule | None:
+    """Have copies made as long as the stack is open, where some are wanted."""
+    if settings.backups is None:
+        return None
+    copies = BackupSchedule(settings.database_url, settings.backups)
+    beside(stack, copies.follow(), "copies of the database")
+    return copies
 
 
 def people_of(database: Database, settings: Settings) -> contextlib.AbstractAsyncContextManager[PeopleDesk]:

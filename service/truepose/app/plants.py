@@ -8,20 +8,20 @@ from truepose.analysis.drawing import DrawingDesk
 from truepose.analysis.fleets.desk import FleetDesk
 from truepose.analysis.kept import KeptDrawings
 from truepose.analysis.workers.process import perform_in_worker
-from truepose.app.composition import beside, people_of, program_version
+from truepose.app.composition import beside, copies_of, opened_database, people_of, program_version
 from truepose.app.server import Served, run
 from truepose.exchange.cells.of_plant import read_plant_file
 from truepose.plant.collector import Collector, Pace, collecting
 from truepose.plant.due import DueAfter
 from truepose.plant.visit import Shelves
 from truepose.settings import PlantSettings
-from truepose.storage.database import Database
 from truepose.storage.files.drawn import DrawnFolder
 from truepose.storage.integrity.guard import Guard
 from truepose.storage.plant.campaigns import CollectedCampaigns
 from truepose.storage.plant.certificates import PlantCertificates
 from truepose.storage.plant.hand_downs import HandDownRepository
 from truepose.storage.plant.journal import JournalRepository
+from truepose.storage.plant.lines import JournalLines
 from truepose.storage.plant.looking import PlantLooks
 from truepose.storage.plant.looking_over import PlantOverview
 from truepose.storage.plant.newest import PlantTold
@@ -52,7 +52,7 @@ async def open_plant(settings: PlantSettings) -> AsyncIterator[PlantContext]:
     """
     plant = read_plant_file(settings.cells_file)
     async with contextlib.AsyncExitStack() as stack:
-        database = await asyncio.to_thread(Database, settings.service.database_url)
+        database = await asyncio.to_thread(opened_database, settings.service.database_url)
         stack.callback(database.close)
         people = await stack.enter_async_context(people_of(database, settings.service))
         journal, visits = JournalRepository(database), VisitRepository(database)
@@ -60,6 +60,7 @@ async def open_plant(settings: PlantSettings) -> AsyncIterator[PlantContext]:
         collector = Collector(plant.cells, Shelves(journal, hand_downs), visits, Pace(settings.every_s))
         await journal.enter(*(cell.name for cell in plant.cells))
         beside(stack, Guard(database).follow(), "storage guard")
+        copies = copies_of(settings.service, stack)
         await stack.enter_async_context(collecting(collector))
         drawing = DrawingDesk(perform_in_worker, KeptDrawings(DrawnFolder.beside(database.file)))
         stack.push_async_callback(drawing.kept.close)
@@ -71,6 +72,7 @@ async def open_plant(settings: PlantSettings) -> AsyncIterator[PlantContext]:
             journal=journal,
             visits=visits,
             hand_downs=hand_downs,
+            lines=JournalLines(database),
             looks=PlantLooks(database),
             overview=PlantOverview(database),
             told=PlantTold(database),
@@ -79,5 +81,6 @@ async def open_plant(settings: PlantSettings) -> AsyncIterator[PlantContext]:
             drawing_desk=drawing,
             due=DueAfter(settings.due_after_days, plant.due_after_days),
             collector=collector,
+            copies=copies,
             stopping=asyncio.Event(),
         )

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from truepose.cli.administration.durations import seconds
+from truepose.cli.copies import A_DAY_S, A_WEEK, BackupEvery, BackupKeep, BackupTo, wanted_copies
 from truepose.cli.output import remark
 from truepose.settings import LogLevel
 
@@ -107,13 +107,9 @@ def serve_command(
         bool, typer.Option("--accounts/--no-accounts", help="Ask who somebody is; without, on loopback only.")
     ] = True,
     faults: Faults = None,
-    backup_to: Annotated[
-        Path | None, typer.Option(help="Folder for copies of the database, made while the service runs.")
-    ] = None,
-    backup_every: Annotated[
-        float, typer.Option(parser=seconds, help="Time between two copies.", metavar="90s|30m|24h|7d")
-    ] = 24 * 3600.0,
-    backup_keep: Annotated[int, typer.Option(min=1, help="So many of the newest copies stay.")] = 7,
+    backup_to: BackupTo = None,
+    backup_every: BackupEvery = A_DAY_S,
+    backup_keep: BackupKeep = A_WEEK,
     log_file: Annotated[
         Path | None, typer.Option(help="Log of JSON lines, 48 MB at most; by default beside the database.")
     ] = None,
@@ -127,7 +123,6 @@ def serve_command(
     """
     from truepose.app import serve
     from truepose.settings import Settings, default_database_url
-    from truepose.storage.backup.plan import BackupPlan
 
     return serve(
         Settings(
@@ -138,7 +133,7 @@ def serve_command(
             proxies=tuple(behind_proxy or ()),
             cell_file=cell,
             simulated_faults=faults,
-            backups=None if backup_to is None else BackupPlan(backup_to, backup_every, backup_keep),
+            backups=wanted_copies(backup_to, backup_every, backup_keep),
             log_file=log_file,
             log_level=log_level,
             tls_certificate=tls_certificate,

@@ -6,6 +6,7 @@ from typing import Annotated
 import typer
 
 from truepose.cli.administration.durations import seconds
+from truepose.cli.copies import A_DAY_S, A_WEEK, BackupEvery, BackupKeep, BackupTo, wanted_copies
 from truepose.settings import LogLevel
 
 _DAY_S = 86400.0
@@ -42,6 +43,9 @@ def plant_command(
     accounts: Annotated[
         bool, typer.Option("--accounts/--no-accounts", help="Ask who somebody is; without, on loopback only.")
     ] = True,
+    backup_to: BackupTo = None,
+    backup_every: BackupEvery = A_DAY_S,
+    backup_keep: BackupKeep = A_WEEK,
     log_file: Annotated[
         Path | None, typer.Option(help="Log of JSON lines, 48 MB at most; by default beside the database.")
     ] = None,
@@ -62,6 +66,7 @@ def plant_command(
         port=port,
         allowed_hosts=tuple(allowed_host or ()),
         proxies=tuple(behind_proxy or ()),
+        backups=wanted_copies(backup_to, backup_every, backup_keep),
         log_file=log_file,
         log_level=log_level,
         tls_certificate=tls_certificate,

@@ -2,6 +2,8 @@
 
 import contextlib
 import dataclasses
+import itertools
+import os
 import shutil
 from datetime import UTC, datetime
 
@@ -9,6 +11,8 @@ import httpx
 import pytest
 
 from tests.helpers.domain.tracker_sessions import make_plan, make_point, make_setup, point_taken
+from tests.helpers.machine import POSTGRESQL
+from tests.helpers.postgresql.server import programs, shared_server
 from tests.integration.web.bench import CELL, Bench
 from truepose.app import create_app
 from truepose.domain.cell.description import DeviceEntry
@@ -23,6 +27,31 @@ from truepose.storage.plant.hand_downs import HandDownRepository
 from truepose.storage.plant.journal import JournalRepository
 from truepose.storage.plant.looking import PlantLooks
 from truepose.storage.plant.visits import VisitRepository
+
+_NUMBERS = itertools.count()
+
+
+@pytest.fixture(scope="session")
+def server():
+    if programs() is None:
+        pytest.skip(POSTGRESQL.reason)
+    with shared_server() as running:
+        yield running
+
+
+@pytest.fixture
+def on_server(server, tmp_path, monkeypatch):
+    """Return what makes a database of its own on a server and returns its address."""
+    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "beside"))
+    made = []
+
+    def address():
+        made.append(f"plant_{os.getpid()}_{next(_NUMBERS)}")
+        return server.make(made[-1])
+
+    yield address
+    for name in made:
+        server.drop(name)
 
 
 class Cell:
@@ -85,17 +114,17 @@ class Plant:
 
 @pytest.fixture
 def open_cell(tmp_path, empty_database):
-    """Return what opens a cell on a database of a name."""
+    """Return what opens a cell on a file of a name, or on a server's database."""
 
     @contextlib.asynccontextmanager
-    async def opened(name="cell"):
+    async def opened(name="cell", url=None):
         folder = tmp_path / name
         file = folder / "truepose.sqlite3"
         if not folder.exists():
             folder.mkdir()
             shutil.copy(empty_database, file)
             (folder / "cell.toml").write_text(CELL)
-        settings = Settings(database_url=f"sqlite:///{file}", cell_file=folder / "cell.toml")
+        settings = Settings(database_url=url or f"sqlite:///{file}", cell_file=folder / "cell.toml")
         app = create_app(settings, Bench().registry())
         async with app.router.lifespan_context(app):
             yield Cell(app)

@@ -1,19 +1,40 @@
 """The cells of a plant: how far each was collected, what came of the visits, and another chain accepted."""
 
-from fastapi import status
+from typing import Annotated
+
+from fastapi import Query, status
 
 from truepose.storage.errors import NotInPlantError
 from truepose.storage.plant.records import VisitRecord
 from truepose.web.people.asking import asking
 from truepose.web.plant.context import PlantContext, PlantHere
-from truepose.web.plant.schemas import BranchRequest, PlantCellReply, VisitReply, VisitsReply, visit_reply
+from truepose.web.plant.schemas import (
+    BranchRequest,
+    PlantCellReply,
+    PlantRecordReply,
+    VisitReply,
+    VisitsReply,
+    record_reply,
+    visit_reply,
+)
 from truepose.web.problems import problems
-from truepose.web.requests.paging import Counted, listing
+from truepose.web.requests.paging import Counted, Paged, listing
 from truepose.web.requests.parameters import Name
 from truepose.web.resources import resource
+from truepose.web.schemas.base import VISIBLE
 
 router = resource("/plant/cells", tags=["plant"])
 _VISITS = 200
+KindOfRecord = Annotated[
+    str | None,
+    Query(
+        min_length=1,
+        max_length=80,
+        pattern=VISIBLE,
+        description="Only records of this kind, as `readings`, `deliveries` or `campaigns`.",
+        examples=["readings"],
+    ),
+]
 
 
 @router.get("", responses=listing(422, 503))
@@ -31,6 +52,16 @@ async def get_plant_cell(here: PlantHere, name: Name) -> VisitsReply:
         raise NotInPlantError(f"There is no cell '{name}' in this plant.")
     visits = [visit_reply(record) for record in await here.visits.of(name, _VISITS)]
     return VisitsReply(cell=_reply(here, name, newest[name]), visits=visits)
+
+
+@router.get("/{name}/records", responses=listing(404, 422, 503))
+async def list_plant_records(
+    here: PlantHere, name: Name, paging: Paged, kind: KindOfRecord = None
+) -> list[PlantRecordReply]:
+    """List what was collected from a cell, in order: all that is left of a cell whose disk is lost."""
+    if name not in await here.visits.newest():
+        raise NotInPlantError(f"There is no cell '{name}' in this plant.")
+    return paging.shown(await here.lines.of(name, paging.page, kind), record_reply)
 
 
 @router.post(

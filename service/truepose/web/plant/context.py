@@ -11,10 +11,12 @@ from truepose.analysis.fleets.desk import FleetDesk
 from truepose.operation.people.desk import PeopleDesk
 from truepose.plant.collector import Collector
 from truepose.plant.due import DueAfter
+from truepose.storage.backup.schedule import BackupSchedule
 from truepose.storage.database import Database
 from truepose.storage.plant.certificates import PlantCertificates
 from truepose.storage.plant.hand_downs import HandDownRepository
 from truepose.storage.plant.journal import JournalRepository
+from truepose.storage.plant.lines import JournalLines
 from truepose.storage.plant.looking import PlantLooks
 from truepose.storage.plant.looking_over import PlantOverview
 from truepose.storage.plant.newest import PlantTold
@@ -39,6 +41,7 @@ class PlantContext:
     journal: JournalRepository
     visits: VisitRepository
     hand_downs: HandDownRepository
+    lines: JournalLines
     looks: PlantLooks
     overview: PlantOverview
     told: PlantTold
@@ -47,6 +50,7 @@ class PlantContext:
     fleets: FleetDesk
     drawing_desk: DrawingDesk
     collector: Collector
+    copies: BackupSchedule | None  # None: none are wanted
     stopping: asyncio.Event  # set when the service ends
     simulated: bool = False
     places: tuple[tuple[str, str, str], ...] = (("cell", "/", "plant"),)  # icon, path, word: a plant has one

@@ -28,6 +28,7 @@ async def get_health(visit: Visited, here: PlantHere, response: Response) -> Pla
         version=here.version,
         schema=here.database.schema,
         cells=len(here.collector.cells),
+        newest_copy_age_s=None if here.copies is None else here.copies.age_s,
     )
 
 
@@ -38,4 +39,6 @@ def _fault(here: PlantContext, *, known: bool) -> str | None:
         return of_records if known else "Something is amiss; sign in to see what."
     if here.collector.has_ended:
         return "No cell is visited any more; the log says why, and a new start begins again."
+    if here.copies is not None and here.copies.fault is not None:
+        return "No copy of the database could be made; the log says why."
     return None

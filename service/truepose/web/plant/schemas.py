@@ -7,6 +7,7 @@ from pydantic import Field
 
 from truepose.domain.cell.certificates import Standing
 from truepose.storage.plant.certificates import StatedPaper
+from truepose.storage.plant.lines import JournalLine
 from truepose.storage.plant.looking import DayMeasured, ResultKind, ResultSeen, SeenInstrument, SeenRobot
 from truepose.storage.plant.records import HandDownRecord, VisitRecord
 from truepose.web.schemas.base import VISIBLE, FreeDocument, PersonName, RecordedAt, RecordId, Reply, Request
@@ -22,6 +23,10 @@ class PlantHealth(Reply):
     version: str = Field(examples=["0.1.0"])
     schema_revision: str = Field(alias="schema", examples=["0014"])
     cells: int = Field(description="How many stand in the cells file.", examples=[2])
+    newest_copy_age_s: float | None = Field(
+        description="How old the newest copy of its database is; null: there is none, or none is wanted.",
+        examples=[3600.0],
+    )
 
 
 class VisitReply(Reply):
@@ -144,6 +149,29 @@ class PlantResultReply(Reply):
     )
 
 
+class PlantRecordReply(Reply):
+    """A link of a cell's chain with its record, as it was collected."""
+
+    id: RecordId
+    recorded_at: RecordedAt
+    branch: int = Field(
+        description="Of the cell's chain; another one since a copy was put back.", examples=[1]
+    )
+    link: int = Field(description="Its number in the cell's chain.", examples=[4711])
+    stream: int = Field(description="Number of its session; 0: it belongs to none.", examples=[3])
+    record: str = Field(description="What kind of record it is.", examples=["readings"])
+    record_id: int = Field(description="Its number in the cell.", examples=[3])
+    hash: str = Field(
+        description="Of the link, in hexadecimal.",
+        examples=["9f86d081884c7d659a2feaa0c55ad015a3bf4f1b2b0b822cd15d6c15b0f00a08"],
+    )
+    row: dict[str, Any] | None = Field(
+        description="The record, every value with its kind; null: it never leaves the cell.",
+        examples=[{"id": 3, "time_s": {"float": "0.1"}}],
+    )
+    verified: bool = Field(description="Whether the hash is that of the record.")
+
+
 class RobotLifeReply(Reply):
     """A robot, and what was measured and made of it, newest day first."""
 
@@ -188,6 +216,12 @@ def visit_reply(record: VisitRecord) -> VisitReply:
         clock_bound_s=None if clock is None else clock.bound_s,
         version=visit.version,
     )
+
+
+def record_reply(line: JournalLine) -> PlantRecordReply:
+    """Return a line of a journal as it travels."""
+    told = {name: getattr(line, name) for name in PlantRecordReply.model_fields}
+    return PlantRecordReply(**(told | {"hash": line.hash.hex()}))
 
 
 def hand_down_reply(record: HandDownRecord) -> HandDownReply:
