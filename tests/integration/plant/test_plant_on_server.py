@@ -1,43 +1,165 @@
 """A plant whose records lie on a PostgreSQL server: the same journal, the same head, the same answers."""
 
-import os
+import asyncio
+import contextlib
+import re
+import shutil
 
 import pytest
 
-from tests.helpers.machine import POSTGRESQL
-from tests.helpers.postgresql.server import programs, shared_server
+from tests.helpers.web.clients import client_of, until
 from tests.integration.plant.conftest import Plant
+from tests.integration.web.bench import session_request
+from truepose.app.plants import open_plant
+from truepose.plant import collector
+from truepose.plant.asking import AskedCell
+from truepose.settings import PlantSettings, Settings
 from truepose.storage.plant.records import Outcome
-from truepose.storage.records import Page
+from truepose.storage.rows import add_row
+from truepose.storage.tables.of_plants import plant_results
+from truepose.web.plant.application import create_plant_application
+
+PAGES = ("/", "/robots/120-1", "/robots/none", "/instruments/T-7")
+LOOKED_UP = (
+    "cells",
+    "robots?limit=1",
+    "robots/120-1",
+    "robots/none",
+    "instruments",
+    "instruments/T-7",
+    "campaigns",
+    "models?after=1",
+    "hand-downs",
+    "cells/left arm/records?limit=3",
+    "cells/left arm/records?kind=readings",
+)
+# What two plants that collected the same cannot have in common: when, and what number the cell gave.
+APART = re.compile(
+    r"\d{4}-\d\d-\d\dT[\d:.+]+Z?|\d\d:\d\d|\"(clock_\w+|number_in_cell)\": ?-?[\d.e-]+|[-+±]?\d+\.\d+ m?s"
+)
+RESULT = {"branch_id": 1, "link": 1, "robot": "IRB 120", "instrument_serial_number": "T-7"}
 
 
 @pytest.fixture
-def plant(tmp_path, monkeypatch):
-    if programs() is None:
-        pytest.skip(POSTGRESQL.reason)
-    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "beside"))
-    with shared_server() as server:
-        name = f"plant_{os.getpid()}"
-        opened = Plant(server.make(name))
-        try:
-            yield opened
-        finally:
-            opened.database.close()
-            server.drop(name)
+def plant(on_server):
+    opened = Plant(on_server())
+    yield opened
+    opened.database.close()
 
 
-async def test_a_cell_is_collected_onto_a_server(plant, cell):
-    await cell.measure(3, serial="120-1", instrument="T-7")
-    first = await plant.visit(cell)
-    await cell.measure(2, name="second", serial="120-2", instrument="T-7")
-    found = await plant.visit(cell)
+@pytest.fixture
+def served_plant(tmp_path, cell, monkeypatch):
+    """Return what serves a plant on a database that has collected the cell."""
+    monkeypatch.setattr(collector, "AskedCell", lambda of: AskedCell(of, transport=cell.transport))
+    file = tmp_path / "cells.toml"
+    file.write_text('[[cell]]\nname = "left arm"\nurl = "http://localhost"\n')
 
+    @contextlib.asynccontextmanager
+    async def served(url):
+        settings = PlantSettings(Settings(database_url=url, accounts=False), file, every_s=3600)
+        app = create_plant_application("test", lambda: open_plant(settings))
+        async with app.router.lifespan_context(app), client_of(app) as client:
+            client.here = app.state.context
+            await collected(client, cell)
+            yield client
+
+    return served
+
+
+async def collected(client, cell):
     newest = await cell.newest()
-    assert (first.outcome, found.outcome) == (Outcome.WHOLE, Outcome.WHOLE)
-    assert [link for _, link, *_ in await plant.kept()] == [*range(1, newest + 1)]
-    assert found.head == (await cell.database.head()).text
-    robots = await plant.looks.robots(Page())
-    assert [robot.serial_number for robot in robots] == ["120-1", "120-2"]
-    days = await plant.looks.days_of_instrument("T-7")
-    assert sum(day.readings for day in days) == 5
-    assert (await plant.visits.newest())["left arm"].visit.head == found.head
+    client.here.collector.visit_soon("left arm")
+    async with asyncio.timeout(20):
+        while (await client.here.journal.reached("left arm")).position < newest:
+            await asyncio.sleep(0.02)
+
+
+async def work_with(client):
+    """Have results of two kinds, and hand a plan down, which is delivered."""
+    results = [("campaign", 1, "120-1", "2026-05-04"), ("model", 2, "120-2", ""), ("model", 3, "120-2", "")]
+
+    def lay(connection):
+        for kind, number, serial, day in results:
+            told = {"kind": kind, "record_id": number, "robot_serial_number": serial, "measured_on": day}
+            add_row(connection, plant_results, name=f"Zoë's {kind}", **told, **RESULT)
+
+    await client.here.database.write(lay)
+    wanted = {"cell": "left arm", "kind": "plan", "name": "monthly", "person": "Ada", "document": {"ä": 1.5}}
+    for _ in range(2):  # as somebody whose answer was lost
+        answer = await client.post(
+            "/api/v1/plant/hand-downs", json=wanted, headers={"Idempotency-Key": "monthly"}
+        )
+    async with asyncio.timeout(20):
+        while (await client.get(answer.headers["Location"])).json()["state"] != "delivered":
+            await asyncio.sleep(0.02)
+
+
+async def answers(client):
+    """Return what a plant answers, without what two plants cannot have in common."""
+    asked = [*PAGES, *(f"/api/v1/plant/{path}" for path in LOOKED_UP)]
+    return {path: _comparable(await client.get(path)) for path in asked}
+
+
+def _comparable(answer):
+    return answer.status_code, answer.headers.get("Total-Count"), APART.sub("", answer.text)
+
+
+async def test_a_plant_on_a_server_answers_what_one_on_a_file_does(
+    served_plant, cell, on_server, tmp_path, empty_database
+):
+    await cell.measure(3, serial="120-1", instrument="T-7")
+    await cell.measure(2, name="second", serial="120-2", instrument="T-7")
+    shutil.copy(empty_database, tmp_path / "plant.sqlite3")
+
+    async with (
+        served_plant(f"sqlite:///{tmp_path}/plant.sqlite3") as on_file,
+        served_plant(on_server()) as of_server,
+    ):
+        plants = on_file, of_server
+        for plant in plants:
+            await work_with(plant)
+        for plant in plants:
+            await collected(plant, cell)
+        of_file, found = [await answers(plant) for plant in plants]
+
+    assert {status for status, _, _ in of_file.values()} == {200, 404}
+    assert found == of_file
+
+
+async def test_another_chain_is_accepted_on_a_server(open_cell, plant, tmp_path):
+    async with open_cell() as cell:
+        await cell.measure()
+        common = await cell.newest()
+    shutil.copytree(tmp_path / "cell", tmp_path / "copy")
+    async with open_cell() as cell:
+        await cell.measure(name="lost with the disk")
+        await plant.visit(cell)
+    async with open_cell("copy") as cell:
+        await cell.measure(6, name="measured since")
+        parted = await plant.visit(cell)
+        await plant.journal.accept_other_chain("left arm", "Ada Byron", "the disk was exchanged")
+        accepted = await plant.visit(cell)
+        newest = await cell.newest()
+
+    assert (parted.outcome, parted.fork) == (Outcome.ANOTHER_CHAIN, common)
+    assert (accepted.outcome, accepted.collected) == (Outcome.WHOLE, newest - common)
+    own = [link for branch, link, *_ in await plant.kept() if branch == 2]
+    assert own == [*range(common + 1, newest + 1)]
+
+
+async def test_a_session_of_a_cell_on_a_server_is_measured_and_collected(open_cell, plant, on_server):
+    async with open_cell(url=on_server()) as cell, client_of(cell.app) as client:
+        path = (await client.post("/api/v1/sessions", json=session_request(2))).headers["Location"]
+        await client.post(f"{path}/start")
+        await until(client, path, lambda session: session["state"] == "awaiting_confirmation")
+        await client.post(f"{path}/confirm", json={"person": "Ada"})
+        await until(client, path, lambda session: session["state"] == "finished")
+        found = await plant.visit(cell)
+        head = (await cell.database.head()).text
+        readings = await cell.database.read(
+            lambda c: c.exec_driver_sql("SELECT count(*) FROM readings").scalar()
+        )
+
+    assert (found.outcome, found.head) == (Outcome.WHOLE, head)
+    days = await plant.looks.days_of_robot("120-1")
+    assert sum(day.readings for day in days) == readings > 2
