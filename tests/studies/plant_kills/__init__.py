@@ -1,1 +1,1 @@
-"""A cell with a session running and its plant, both killed at random moments."""
+"""Cells, their plant, its database server and workers, killed at random moments."""

@@ -1,10 +1,18 @@
-"""A cell with a ballbar session running and its plant, killed at random moments: nothing lost or doubled.
+"""Cells, their plant, the database server and workers are killed at random moments: nothing lost or doubled.
 
-    python -m tests.studies.plant_kills --kills 200 --out out/plant-kills
+    python -m tests.studies.plant_kills --kills 1000 --out out/plant-kills
 
-Each kill is a SIGKILL to the cell's service with its workers, or to the plant's, which is started again. The
-person at the cell repeats what got no answer. In the end every link of the cell's chain is in the plant once,
-in its order, and so is every act that was acknowledged to the person.
+One cell is on SQLite, the other and the plant are on a PostgreSQL server of the study's own. Programs deliver
+readings to both cells, a planner hands plans down through the plant, and two workers of Dask compute. Cells,
+plant, server (kill -9 of its first process, an immediate stop, kill -9 of the process behind a connection)
+and workers are killed and started again, each in its own time. Whoever got no answer sends the same again.
+After every two hundred kills nobody is killed until the plant has everything. Then each link of the cells'
+chains is in the plant once, in its order, under the branch that there was; each reading and each plan that
+was acknowledged is in cell and plant once and says what was sent; and `truepose verify` finds nothing in any
+database. With `--sessions` a person at a tablet walks through ballbar sessions at the first cell as well.
+
+What was killed is in kills.jsonl of the folder, a line each, what was found in checks.jsonl: the same command
+goes on there, with the same databases, until so many kills are made.
 """
 
 import argparse
@@ -12,183 +20,249 @@ import asyncio
 import contextlib
 import json
 import os
-import signal
-import sqlite3
 import sys
-import tempfile
 import time
-from collections.abc import Sequence
-from dataclasses import asdict, dataclass, field
+from collections import Counter
+from collections.abc import AsyncIterator, Sequence
+from dataclasses import asdict
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 import httpx
 import numpy as np
 
-from tests.helpers.ports import free_port
-from tests.studies.interruptions.killed_service import KilledService, standing_cell
-from tests.studies.plant_kills.compared import Compared, chain_of, compared, journal_of, keys_of
-from truepose.demo.cell.person_at_tablet import PersonAtTablet
+from tests.helpers.postgresql.bare import BareServer
+from tests.studies.interruptions.killed_service import standing_cell
+from tests.studies.plant_kills.compared import (
+    Compared,
+    chain_of,
+    compared,
+    journal_of,
+    read_acknowledged,
+    waiting_hand_downs,
+)
+from tests.studies.plant_kills.delivering import Acknowledged, Sender, deliver, hand_down
+from tests.studies.plant_kills.killing import Kills, kill_server, kill_service, kill_workers
+from tests.studies.plant_kills.services import KilledService, ServedCell, ServedPlant
+from tests.studies.plant_kills.walking import walk_sessions
+from tests.studies.plant_kills.workers import Workers, two_workers
 from truepose.demo.errors import ServiceFailedError
 
-_ALIVE_S: Final = (0.02, 1.5)  # between two kills
-_START_S: Final = 90.0
-_ANSWER_S: Final = 900.0
-_PATIENCE_S: Final = 120.0  # for the plant to have everything once nobody kills any more
-_ASK_S: Final = 0.05
+_CELLS: Final = ("on a file", "on a server")
+_DATABASES: Final = ("cell", "plant")
+_PROGRAMS: Final = 2  # that deliver to a cell
+_CHECK_EVERY: Final = 200
+_PATIENCE_S: Final = 300.0  # for the plant to have everything once nobody kills any more
+_SCENARIO: Final = "lrmate-tilted"
+WITHOUT_INSTRUMENTS: Final = """
+robot = "fanuc-lr-mate-200ic"
+[[device]]
+name = "clock"
+driver = "monotonic_clock"
+"""
 
 
-@dataclass(slots=True)
-class Tally:
-    """What was seen."""
+class _Site:
+    """Everything that stands: databases, services, workers, and what is known of them."""
 
-    kills_of_cell: int = 0
-    kills_of_plant: int = 0
-    sessions: int = 0
-    links: int = 0
-    acts: int = 0
-    load: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    took_s: float = 0.0
-    found: Compared | None = None
-    keys: list[str] = field(default_factory=list)
+    def __init__(self, folder: Path, workers: Workers, cell_file: Path, *, sessions: bool) -> None:
+        self.folder, self.workers, self.sessions = folder, workers, sessions
+        self.server = BareServer(folder / "server")
+        self.server.make(*_DATABASES)
+        self.databases = {
+            "on a file": f"sqlite:///{folder / 'cell.sqlite3'}",
+            "on a server": self.server.url("cell"),
+        }
+        self.plant_database = self.server.url("plant")
+        self.cells = {
+            name: KilledService(
+                f"cell {name}",
+                ServedCell(cell_file, url, folder / f"cell-{number}.log"),
+                folder / f"cell-{number}.said",
+            )
+            for number, (name, url) in enumerate(self.databases.items(), start=1)
+        }
+        cells_file = folder / "cells.toml"
+        cells_file.write_text(
+            "".join(f'[[cell]]\nname = "{name}"\nurl = "{cell.url}"\n' for name, cell in self.cells.items())
+        )
+        self.plant = KilledService(
+            "plant",
+            ServedPlant(cells_file, self.plant_database, folder / "plant.log"),
+            folder / "plant.said",
+        )
 
     @property
-    def passed(self) -> bool:
-        """Whether something was tried, and nothing was wrong."""
-        return self.found is not None and self.links > 0 and not any(asdict(self.found).values())
+    def services(self) -> list[KilledService]:
+        """Cells and plant."""
+        return [*self.cells.values(), self.plant]
+
+    async def end(self) -> None:
+        """Kill whatever runs."""
+        for service in self.services:
+            await service.kill()
+        await self.server.stop_at_once()
 
 
-class KilledPlant:
-    """A plant's service as `truepose plant` starts it."""
-
-    def __init__(self, cells: Path, database: Path, log: Path) -> None:
-        self._cells, self._database, self._log = cells, database, log
-        self._port = free_port()
-        self._process: asyncio.subprocess.Process | None = None
-
-    async def start(self) -> None:
-        """Start it; it is killed also before it is ready."""
-        with self._log.open("ab") as log:
-            self._process = await asyncio.create_subprocess_exec(
-                *(sys.executable, "-m", "truepose", "plant", "--port", str(self._port), "--every", "0.1s"),
-                *("--cells", str(self._cells), "--database", f"sqlite:///{self._database}"),
-                stdout=asyncio.subprocess.DEVNULL,
-                stderr=log,
-                start_new_session=True,
-            )
-
-    async def kill(self) -> None:
-        """End it as a power cut would."""
-        if self._process is not None:
-            with contextlib.suppress(ProcessLookupError):
-                os.killpg(self._process.pid, signal.SIGKILL)
-            await self._process.wait()
+async def study(folder: Path, kills: int, seed: int, *, sessions: bool) -> bool:
+    """Kill until so many kills stand in the folder; returns whether nothing was found wrong."""
+    with two_workers(folder / "campaigns") as workers:
+        async with _cell_file(folder, seed, sessions=sessions) as cell_file:
+            site = _Site(folder, workers, cell_file, sessions=sessions)
+            try:
+                await site.server.start()
+                while (made := len(_lines(folder / "kills.jsonl"))) < kills:
+                    await _killed(site, min(_CHECK_EVERY, kills - made), made, seed)
+                    if not await _checked(site):
+                        return False
+            finally:
+                await site.end()
+    return True
 
 
-async def kill_both(tally: Tally, kills: int, seed: int, folder: Path, scenario: str) -> None:
-    """Kill cell and plant by turns that are drawn, and compare what they have in the end."""
-    rng = np.random.default_rng(seed)
-    began = time.monotonic()
-    async with standing_cell(scenario, seed, 0, folder / "cell.log") as cell_file:
-        (folder / "cell.toml").write_text(cell_file, encoding="utf-8")
-        cell = KilledService(folder / "cell.toml", folder / "cell.sqlite3", folder / "service.log")
-        (folder / "cells.toml").write_text(f'[[cell]]\nname = "cell"\nurl = "{cell.url}"\n', encoding="utf-8")
-        plant = KilledPlant(folder / "cells.toml", folder / "plant.sqlite3", folder / "plant.log")
-        await cell.start()
-        await plant.start()
-        try:
-            async with httpx.AsyncClient(base_url=cell.url, timeout=_ANSWER_S, trust_env=False) as http:
-                while tally.kills_of_cell + tally.kills_of_plant < kills:
-                    await _session(tally, kills, rng, http, cell, plant)
-            await _all_collected(folder)
-        finally:
-            await plant.kill()
-            await cell.kill()
-    tally.load, tally.took_s = os.getloadavg(), time.monotonic() - began
-    _compare(tally, folder)
-
-
-async def _session(
-    tally: Tally,
-    kills: int,
-    rng: np.random.Generator,
-    http: httpx.AsyncClient,
-    cell: KilledService,
-    plant: KilledPlant,
-) -> None:
-    wanted = {"name": "killed", "seed": tally.sessions, "poses": 8}
-    created = await http.post("/api/v1/ballbar-sessions", json=wanted)
-    created.raise_for_status()
-    tally.sessions += 1
-    person = PersonAtTablet(http, created.json()["id"], f"tablet-{tally.sessions}")
-    walking = asyncio.create_task(person.walk())
-    try:
-        while tally.kills_of_cell + tally.kills_of_plant < kills and not walking.done():
-            await asyncio.wait({walking}, timeout=float(rng.uniform(*_ALIVE_S)))
-            await _kill_one(tally, rng, person, cell, plant)
-    finally:
-        walking.cancel()
-        with contextlib.suppress(asyncio.CancelledError):
-            await walking
-        tally.keys += [act.key for act in person.ledger.acts if act.entry is not None]
-    await person.act("abort")
-
-
-async def _kill_one(
-    tally: Tally,
-    rng: np.random.Generator,
-    person: PersonAtTablet,
-    cell: KilledService,
-    plant: KilledPlant,
-) -> None:
-    if rng.uniform() < 0.5:
-        tally.kills_of_plant += 1
-        await plant.kill()
-        await plant.start()
-        await asyncio.sleep(float(rng.uniform(0.0, 4.0)))  # it needs two seconds before it visits
+@contextlib.asynccontextmanager
+async def _cell_file(folder: Path, seed: int, *, sessions: bool) -> AsyncIterator[Path]:
+    """Offer a cell: with instruments that stay as they are where sessions are wanted, else with none."""
+    file = folder / "cell.toml"
+    if not sessions:
+        file.write_text(WITHOUT_INSTRUMENTS)
+        yield file
         return
-    tally.kills_of_cell += 1
-    person.hands_free.clear()
-    await cell.kill()
-    await cell.start()
-    person.hands_free.set()
+    async with standing_cell(_SCENARIO, seed, 0, folder / "standing.log") as text:
+        file.write_text(text)
+        yield file
 
 
-async def _all_collected(folder: Path) -> None:
-    """Return once the plant is as far as the cell; raises ServiceFailedError."""
+async def _killed(site: _Site, count: int, before: int, seed: int) -> None:
+    """Let people work and kill so many times."""
+    kills = Kills(site.folder / "kills.jsonl", count, before)
+    acknowledged = Acknowledged(site.folder / "acknowledged.jsonl")
+    rngs = iter(np.random.default_rng([seed, before]).spawn(20))
+    senders = {service.name: Sender(service.url) for service in site.services}
+    ended, unharmed = asyncio.Event(), {service.name: asyncio.Lock() for service in site.services}
+
+    async def killing() -> None:
+        async with asyncio.TaskGroup() as killers:
+            for service in site.services:
+                sender, lock = senders[service.name], unharmed[service.name]
+                killers.create_task(kill_service(service, sender, acknowledged, kills, next(rngs), lock))
+            killers.create_task(kill_server(site.server, _DATABASES, kills, next(rngs)))
+            killers.create_task(kill_workers(site.workers, kills, next(rngs)))
+        for service in site.services:
+            await service.up()
+        ended.set()
+
+    try:
+        async with asyncio.TaskGroup() as people:
+            for name, cell in site.cells.items():
+                for _ in range(_PROGRAMS):
+                    people.create_task(deliver(name, senders[cell.name], acknowledged, next(rngs), ended))
+            people.create_task(
+                hand_down(list(site.cells), senders[site.plant.name], acknowledged, next(rngs), ended)
+            )
+            if site.sessions:
+                first = _CELLS[0]
+                people.create_task(
+                    walk_sessions(
+                        first,
+                        site.cells[first].url,
+                        acknowledged,
+                        int(next(rngs).integers(1 << 31)),
+                        ended,
+                        unharmed[site.cells[first].name],
+                    )
+                )
+            people.create_task(killing())
+    finally:
+        for sender in senders.values():
+            await sender.close()
+
+
+async def _checked(site: _Site) -> bool:
+    """Compare everything once the plant has it; returns whether nothing is wrong."""
+    await _all_collected(site)
+    acknowledged = read_acknowledged(site.folder / "acknowledged.jsonl")
+    found, there = await asyncio.to_thread(compared, site.databases, site.plant_database, acknowledged)
+    found.unwell = await _unwell(site)
+    workers = {"parts": site.workers.computed, "parts_lost": site.workers.lost}
+    workers["parts_with_other_bits"] = site.workers.other_bits
+    made = len(_lines(site.folder / "kills.jsonl"))
+    line = {"kills": made, **there, **workers, "found": asdict(found), "load": os.getloadavg()}
+    with (site.folder / "checks.jsonl").open("a", encoding="utf-8") as checks:
+        checks.write(json.dumps(line) + "\n")
+    sys.stderr.write(json.dumps(line) + "\n")
+    return _is_clean(line)
+
+
+def _is_clean(check: dict[str, Any]) -> bool:
+    return Compared(**check["found"]).clean and not check["parts_lost"] + check["parts_with_other_bits"]
+
+
+async def _unwell(site: _Site) -> int:
+    async with httpx.AsyncClient(trust_env=False, timeout=60) as http:
+        answers = [await http.get(f"{service.url}/health") for service in site.services]
+    return sum(answer.json()["status"] != "ok" for answer in answers)
+
+
+async def _all_collected(site: _Site) -> None:
+    """Return once the plant is as far as the cells; raises ServiceFailedError."""
     until_s = time.monotonic() + _PATIENCE_S
-    while time.monotonic() < until_s:
-        with contextlib.suppress(sqlite3.OperationalError):
-            if len(journal_of(folder / "plant.sqlite3")) >= len(chain_of(folder / "cell.sqlite3")):
-                return
-        await asyncio.sleep(_ASK_S)
-    raise ServiceFailedError("The plant did not collect everything within two minutes; see plant.log.")
+    async with httpx.AsyncClient(base_url=site.plant.url, trust_env=False, timeout=60) as http:
+        while await asyncio.to_thread(_behind, site):
+            if time.monotonic() > until_s:
+                raise ServiceFailedError("The plant did not collect everything in five minutes.")
+            for name in site.cells:
+                with contextlib.suppress(httpx.TransportError):
+                    await http.post(f"/api/v1/plant/cells/{name}/visits", json={})
+            await asyncio.sleep(0.5)
 
 
-def _compare(tally: Tally, folder: Path) -> None:
-    chain, plant = chain_of(folder / "cell.sqlite3"), folder / "plant.sqlite3"
-    tally.links, tally.acts = len(chain), len(tally.keys)
-    tally.found = compared(chain, journal_of(plant), tally.keys, keys_of(plant))
+def _behind(site: _Site) -> bool:
+    missing = (
+        len(chain_of(url)) - len(journal_of(site.plant_database, name))
+        for name, url in site.databases.items()
+    )
+    return any(one > 0 for one in missing) or waiting_hand_downs(site.plant_database) > 0
+
+
+def _lines(file: Path) -> list[dict[str, Any]]:
+    return [json.loads(line) for line in file.read_text().splitlines()] if file.exists() else []
+
+
+def summary(folder: Path) -> dict[str, Any]:
+    """Return what all runs in a folder came to."""
+    kills, checks = _lines(folder / "kills.jsonl"), _lines(folder / "checks.jsonl")
+    loads = [kill["load"] for kill in kills]
+    ready_s = [kill["ready_s"] for kill in kills if kill.get("ready_s")]
+    return {
+        "kills": dict(Counter(kill["victim"] for kill in kills)),
+        "all": len(kills),
+        "with_requests_under_way": sum(kill.get("under_way", 0) > 0 for kill in kills),
+        "load": [min(loads, default=0.0), max(loads, default=0.0)],
+        "ready_s": float(np.median(ready_s)) if ready_s else None,
+        "last_check": checks[-1] if checks else None,
+        "pass": bool(checks) and all(map(_is_clean, checks)),
+    }
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run from the command line."""
+    """Run from the command line; exit status 1 where anything was found wrong."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("--kills", type=int, default=200)
+    parser.add_argument("--kills", type=int, default=1000, help="in the folder, with those of earlier runs")
     parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--scenario", default="lrmate-tilted")
+    parser.add_argument("--sessions", action="store_true", help="ballbar sessions at the first cell as well")
     parser.add_argument("--out", type=Path, required=True)
     wanted = parser.parse_args(arguments)
-    wanted.out.mkdir(parents=True, exist_ok=True)
-    tally = Tally()
-    with tempfile.TemporaryDirectory(dir=wanted.out) as folder:
-        asyncio.run(kill_both(tally, wanted.kills, wanted.seed, Path(folder), wanted.scenario))
-    told = {name: value for name, value in asdict(tally).items() if name != "keys"} | {"pass": tally.passed}
-    (wanted.out / "plant_kills.json").write_text(json.dumps(told, indent=1))
+    folder = wanted.out.resolve()
+    folder.mkdir(parents=True, exist_ok=True)
+    os.environ["XDG_DATA_HOME"] = str(folder / "beside")  # notes beside databases of a server
+    clean = asyncio.run(study(folder, wanted.kills, wanted.seed, sessions=wanted.sessions))
+    told = summary(folder)
+    (folder / "plant_kills.json").write_text(json.dumps(told, indent=1))
     sys.stdout.write(json.dumps(told, indent=1) + "\n")
-    return 0 if tally.passed else 1
+    return 0 if clean and told["pass"] else 1
 
 
 if __name__ == "__main__":
