@@ -22,7 +22,7 @@ from truepose.analysis.errors import ClusterError
 
 _CAMPAIGNS: Final = 3
 _READINGS: Final = 40
-_PATIENCE_S: Final = 60.0
+_PATIENCE_S: Final = 120.0
 
 
 class Workers:
@@ -36,7 +36,11 @@ class Workers:
         self._compute()
 
     def round(self, rng: np.random.Generator) -> bool:
-        """Compute all parts while a worker is killed; returns whether they were still being computed then."""
+        """Compute all parts while a worker is killed; returns whether they were still being computed then.
+
+        Both have joined before: one that is killed while it starts is given up by Dask itself.
+        """
+        self._places.client.wait_for_workers(2, timeout=_PATIENCE_S)
         computing = threading.Event()
         computing.set()
         seen: list[bool] = []
