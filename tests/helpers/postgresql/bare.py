@@ -30,17 +30,18 @@ class BareServer:
         self._folder, self._data = folder, folder / "data" if data is None else data
         self._process: asyncio.subprocess.Process | None = None
 
-    def make(self, *databases: str, small_log: bool = False) -> None:
-        """Make the server and its databases where there are none; a small log has pieces of 1 MB."""
+    def make(self, *databases: str, log: Path | None = None) -> None:
+        """Make server and databases where there are none; where `log` is named, pieces of 1 MB lie there."""
         if (self._data / "PG_VERSION").exists():
             return
-        for place in (self._folder, self._data):
+        for place in (self._folder, self._data, *([] if log is None else [log])):
             place.mkdir(parents=True, exist_ok=True)
             if os.getuid() == 0:
                 shutil.chown(place, _OWNER, _OWNER)
         self._data.chmod(0o700)
         made = [str(programs() / "initdb"), "-k", "-D", str(self._data), "-U", _OWNER, "-A", "trust"]
-        made += ["-E", "UTF8", "--locale=C.UTF-8", *(["--wal-segsize=1"] if small_log else [])]
+        made += ["-E", "UTF8", "--locale=C.UTF-8", *([] if log is None else ["--wal-segsize=1"])]
+        made += [] if log is None else ["-X", str(log)]
         subprocess.run(made, check=True, stdout=subprocess.DEVNULL, cwd=self._folder, **_as_owner())
         text = "".join(f"CREATE DATABASE {name}\n" for name in databases)
         alone = [str(programs() / "postgres"), "--single", "-D", str(self._data), "postgres"]

@@ -1,9 +1,10 @@
 """The disk of a database server fills up while programs deliver readings: what is kept, how soon it goes on.
 
 `python -m tests.studies.hardening.full_server --out DIR [--runs N]` fills the file system of DIR, so that has
-to be a small one (`mount -t tmpfs -o size=160m tmpfs DIR`); the server's data and log lie there, and nothing
-else does. Each run fills it to within a few blocks, waits until deliveries are refused, and makes room. A
-server that ends, as it does where its log finds no room, is started again, as a service manager would.
+to be a small one (`mount -t tmpfs -o size=160m tmpfs DIR`); the server's data and log lie there, with
+`--only-log` its log alone, and nothing else does. Each run fills it to within a few blocks, waits until
+deliveries are refused, and makes room. A server that ends, as it does where its log finds no room, is started
+again, as a service manager would.
 """
 
 import argparse
@@ -55,10 +56,10 @@ class Filled:
     load: list[float] = field(default_factory=list)
 
 
-async def full_server(disk: Path, folder: Path, runs: int, seed: int) -> Filled:
+async def full_server(disk: Path, folder: Path, runs: int, seed: int, *, only_log: bool) -> Filled:
     """Fill the disk so often."""
-    server = BareServer(folder / "server", disk / "data")
-    server.make("cell", small_log=True)
+    server = BareServer(folder / "server", (folder if only_log else disk) / "data")
+    server.make("cell", log=disk / "log")
     (folder / "cell.toml").write_text(WITHOUT_INSTRUMENTS)
     served = ServedCell(folder / "cell.toml", server.url("cell"), folder / "cell.log")
     service, found, rng = (
@@ -173,6 +174,7 @@ def main() -> int:
     parser.add_argument("--out", type=Path, required=True)
     parser.add_argument("--runs", type=int, default=10)
     parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--only-log", action="store_true", help="the server's data are elsewhere")
     wanted = parser.parse_args()
     disk = wanted.out.resolve()
     if shutil.disk_usage(disk).total > _LARGEST:
@@ -180,8 +182,11 @@ def main() -> int:
     with tempfile.TemporaryDirectory(prefix="truepose-") as folder:
         Path(folder).chmod(0o755)
         os.environ["XDG_DATA_HOME"] = f"{folder}/beside"
-        found = asyncio.run(full_server(disk, Path(folder), wanted.runs, wanted.seed))
-    shutil.rmtree(disk / "data")
+        found = asyncio.run(
+            full_server(disk, Path(folder), wanted.runs, wanted.seed, only_log=wanted.only_log)
+        )
+    for place in ("data", "log"):
+        shutil.rmtree(disk / place, ignore_errors=True)
     (disk / "full_server.json").write_text(json.dumps(asdict(found), indent=1))
     sys.stdout.write(told(found))
     return 0 if not found.lost + found.findings + found.unsaid else 1
