@@ -10,7 +10,7 @@ from typing import Final
 from truepose.exchange.cells.of_plant import PlantCell
 from truepose.plant.asking import AskedCell
 from truepose.plant.visit import Shelves, visit
-from truepose.storage.errors import StorageError, StorageUnavailableError
+from truepose.storage.errors import CollectedMeanwhileError, StorageError, StorageUnavailableError
 from truepose.storage.plant.records import Outcome, Visit
 from truepose.storage.plant.visits import VisitRepository
 
@@ -107,7 +107,7 @@ class Collector:
     async def _went_well(self, name: str) -> bool:
         try:
             found = await self.visit(name)
-        except StorageUnavailableError as error:  # the plant's own disk
+        except (StorageUnavailableError, CollectedMeanwhileError) as error:  # the plant's own disk
             _LOG.warning("the visit to %s was not kept: %s", name, error)
             return False
         except Exception as error:  # whatever a cell makes go wrong here, no other cell waits for it

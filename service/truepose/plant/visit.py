@@ -4,6 +4,7 @@ However a visit ends, what was kept of it is whole, and the next one goes on beh
 """
 
 import asyncio
+import logging
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -11,11 +12,18 @@ from truepose.plant.asking import AskedCell, CellHead
 from truepose.plant.clocks import clock_seen
 from truepose.plant.errors import CellAnswerError
 from truepose.plant.verification import verified
-from truepose.storage.errors import AnotherChainError, TamperedRecordError, UnreadableRowError
+from truepose.storage.errors import (
+    AnotherChainError,
+    CollectedMeanwhileError,
+    ConflictError,
+    TamperedRecordError,
+    UnreadableRowError,
+)
 from truepose.storage.plant.hand_downs import HandDownRepository
 from truepose.storage.plant.journal import Collected, JournalRepository, Reached
 from truepose.storage.plant.records import Branch, ClockSeen, HandDownState, Outcome, Visit
 
+_LOG: Final = logging.getLogger(__name__)
 _TIMES_ASKED: Final = 3  # for the time: one answer may come late
 _LINKS: Final = 500  # a page
 
@@ -31,7 +39,7 @@ class Shelves:
 async def visit(name: str, cell: AskedCell, shelves: Shelves) -> Visit:
     """Visit a cell and return what came of it; nothing is raised for what a cell can do wrong.
 
-    Raises StorageError where the plant itself cannot keep what it collects.
+    Raises StorageError where the plant itself cannot keep what it collects, or has collected meanwhile.
     """
     begun = Visit(Outcome.WHOLE)
     reached = await shelves.journal.reached(name)
@@ -47,6 +55,12 @@ async def visit(name: str, cell: AskedCell, shelves: Shelves) -> Visit:
         return _so_far(shelves, reached.branch, begun, Outcome.UNREACHABLE, error)
     except (TamperedRecordError, UnreadableRowError) as error:
         return _so_far(shelves, reached.branch, begun, Outcome.REFUSED, error)
+    except CollectedMeanwhileError:
+        raise
+    except ConflictError as error:
+        _LOG.warning("a page of %s was refused", name, exc_info=True)
+        unfit = ConflictError(f"{name} sends records that cannot be kept here: {error}")
+        return _so_far(shelves, reached.branch, begun, Outcome.REFUSED, unfit)
 
 
 async def _greeted(cell: AskedCell, reached: Reached) -> tuple[CellHead, ClockSeen]:

@@ -16,6 +16,7 @@ StorageError
 ├── NotFoundError            no record of that number
 │   └── NotInPlantError        no cell of that name, or nothing of that serial number
 └── ConflictError            the record does not allow that now
+    ├── CollectedMeanwhileError  links of a cell that were collected already
     ├── KeyReusedError         an Idempotency-Key came back with another request
     └── UnfitReadingError      a delivered reading is not what its series is of
 """
@@ -98,6 +99,10 @@ class NotInPlantError(NotFoundError):
 
 class ConflictError(StorageError):
     """The record does not allow that in its present state."""
+
+
+class CollectedMeanwhileError(ConflictError):
+    """Links of a cell do not follow what is collected by now: somebody has collected meanwhile."""
 
 
 class KeyReusedError(ConflictError):

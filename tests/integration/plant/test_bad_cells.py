@@ -14,6 +14,8 @@ from truepose.plant.asking import AskedCell
 from truepose.plant.collector import Collector, Pace, collecting
 from truepose.plant.errors import CellAnswerError
 from truepose.plant.visit import Shelves
+from truepose.storage.errors import NotInPlantError
+from truepose.storage.integrity.chain import GENESIS, linked_hash
 from truepose.storage.integrity.head import head_of
 from truepose.storage.plant.records import (
     CollectedLink,
@@ -171,3 +173,35 @@ async def test_a_figure_that_is_not_finite_tells_nothing_and_its_record_is_kept(
 
     told = await plant.database.read(lambda c: c.execute(select(plant_told)).one())
     assert (told.verdict, told.figure_mm, told.document) == ("converged", None, {"before_mm": 0.25})
+
+
+def campaigns_twice():
+    """Return the links of two records of one number, each verified by its hash."""
+    before, lines = GENESIS, []
+    for link in (1, 2):
+        row = {"id": 1, "recorded_at": "2026", "name": f"c {link}", "robot": "r", "summary": "{}"}
+        row["session_ids"] = "[]"
+        before = linked_hash(before, "campaigns", tuple(row), tuple(row.values()))
+        line = {"link": link, "stream": 0, "record": "campaigns", "record_id": 1, "hash": before.hex()}
+        lines.append(json.dumps(line | {"row": row}))
+    return "\n".join([*lines, json.dumps({"end": 2, "newest": 2})])
+
+
+async def test_records_that_cannot_be_kept_are_refused_with_a_visit_and_a_line_in_the_log(plant, caplog):
+    def answer(request):
+        if request.url.path.endswith("/head"):
+            return httpx.Response(200, json=GOOD | {"newest": 2})
+        return httpx.Response(200, text=campaigns_twice())
+
+    found = await plant.visit(None, transport=httpx.MockTransport(answer))
+
+    assert found.outcome is Outcome.REFUSED
+    assert found.sentence.startswith("left arm sends records that cannot be kept here: The records do not")
+    assert (await plant.visits.newest())["left arm"].visit.sentence == found.sentence
+    assert await plant.kept() == []
+    assert "a page of left arm was refused" in caplog.text
+
+
+async def test_how_far_a_cell_was_collected_that_nobody_entered_is_not_known(plant):
+    with pytest.raises(NotInPlantError, match="There is no cell 'nobody' in this plant"):
+        await plant.journal.reached("nobody")

@@ -8,19 +8,29 @@ from typing import Any
 
 from sqlalchemy import CTE, ColumnElement, Connection, Row, Table, func, select
 
+from truepose.storage.errors import NotInPlantError
 from truepose.storage.plant.records import Branch
 from truepose.storage.rows import add_row
 from truepose.storage.tables.of_plants import plant_branches, plant_cells, plant_journal
 
 
+def enter_cell(connection: Connection, name: str) -> None:
+    """Enter a cell where it is new, with its first branch."""
+    if _known_number(connection, name) is None:
+        number = add_row(connection, plant_cells, name=name)
+        add_row(connection, plant_branches, cell_id=number, after_link=0, person="", reason="")
+
+
 def cell_number(connection: Connection, name: str) -> int:
-    """Return the number of a cell; one that is new is entered, with its first branch."""
-    known = connection.scalar(select(plant_cells.c.id).where(plant_cells.c.name == name))
-    if known is not None:
-        return int(known)
-    number = add_row(connection, plant_cells, name=name)
-    add_row(connection, plant_branches, cell_id=number, after_link=0, person="", reason="")
+    """Return the number of a cell that was entered; raises NotInPlantError."""
+    number = _known_number(connection, name)
+    if number is None:
+        raise NotInPlantError(f"There is no cell '{name}' in this plant.")
     return number
+
+
+def _known_number(connection: Connection, name: str) -> int | None:
+    return connection.scalar(select(plant_cells.c.id).where(plant_cells.c.name == name))
 
 
 def newest_branch(connection: Connection, cell_id: int) -> Branch:

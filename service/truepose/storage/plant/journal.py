@@ -13,12 +13,13 @@ from typing import Any, Final
 from sqlalchemy import Connection, select
 
 from truepose.storage.database import Database
-from truepose.storage.errors import ConflictError
+from truepose.storage.errors import CollectedMeanwhileError, ConflictError
 from truepose.storage.integrity.head import Head, head_of
 from truepose.storage.plant.chains import (
     add_branch,
     all_branches,
     cell_number,
+    enter_cell,
     heads,
     newest_branch,
     position,
@@ -69,10 +70,10 @@ class JournalRepository:
 
     async def enter(self, *cells: str) -> None:
         """Enter cells where they are new."""
-        await self._database.write(lambda connection: [cell_number(connection, cell) for cell in cells])
+        await self._database.write(lambda connection: _enter(connection, cells))
 
     async def reached(self, cell: str) -> Reached:
-        """Return how far a cell was collected; it was entered."""
+        """Return how far a cell was collected; raises NotInPlantError for one that was never entered."""
         return await self._database.read(lambda connection: _reached(connection, cell))
 
     async def collected(self, reached: Reached) -> Collected:
@@ -94,7 +95,10 @@ class JournalRepository:
         return head_of(link, await self._heads(branch, link))
 
     async def keep(self, branch: Branch, page: Sequence[CollectedLink], clock: ClockSeen | None) -> None:
-        """Keep links that follow what was collected, all or none; raises ConflictError where they do not."""
+        """Keep links that follow what was collected, all or none.
+
+        Raises CollectedMeanwhileError where they do not follow, ConflictError where they cannot be kept.
+        """
         await self._database.write(lambda connection: _keep(connection, branch, page, clock))
         known = self._known_at(Reached(branch, page[0].link - 1))
         if known is not None:
@@ -131,6 +135,11 @@ class JournalRepository:
         return known if known is not None and known.position == reached.position else None
 
 
+def _enter(connection: Connection, cells: Sequence[str]) -> None:
+    for cell in cells:
+        enter_cell(connection, cell)
+
+
 def _reached(connection: Connection, cell: str) -> Reached:
     branch = newest_branch(connection, cell_number(connection, cell))
     return Reached(branch, position(connection, branch))
@@ -141,7 +150,7 @@ def _keep(
 ) -> None:
     follows = position(connection, branch) + 1
     if not page or page[0].link != follows:
-        raise ConflictError(f"Link {follows} comes next; somebody has collected meanwhile.")
+        raise CollectedMeanwhileError(f"Link {follows} comes next; somebody has collected meanwhile.")
     add_rows(connection, plant_journal, [_row(branch, link) for link in page])
     project(connection, branch, page, clock)
 
