@@ -15,7 +15,14 @@ from truepose.storage.integrity.verification import verify
 from truepose.storage.leaving.handed_down import HandedDownRepository
 from truepose.storage.plant import journal, visits
 from truepose.storage.plant.hand_downs import HandDownRepository
-from truepose.storage.plant.records import HandDown, HandDownKind, HandDownState, Outcome
+from truepose.storage.plant.records import (
+    CollectedLink,
+    HandDown,
+    HandDownKind,
+    HandDownState,
+    Outcome,
+    Visit,
+)
 from truepose.storage.records import Page
 from truepose.web.leaving import chain
 
@@ -377,6 +384,38 @@ async def test_a_cell_restored_from_an_older_copy_is_not_mixed_in(open_cell, pla
         assert accepted.head == (await cell.database.head()).text
         sessions = await plant.looks.days_of_robot("120-1")
         assert sum(day.readings for day in sessions) == 3 + 3 + 6
+
+
+async def test_another_chain_is_accepted_once_for_each_visit_that_saw_it(plant):
+    async def collected():
+        return await plant.journal.collected(await plant.journal.reached("left arm"))
+
+    async def collect(*hashes):
+        known = await collected()
+        links = [
+            CollectedLink(number, 0, "notes", number, hashed)
+            for number, hashed in enumerate(hashes, known.position + 1)
+        ]
+        await plant.journal.keep(known.branch, links, None)
+
+    async def see_another():
+        head = (await collected()).head.text
+        await plant.visits.keep("left arm", Visit(Outcome.ANOTHER_CHAIN, "x", newest=2, head=head, fork=0))
+
+    await plant.journal.enter("left arm")
+    await collect(b"a" * 32, b"b" * 32)
+    await see_another()
+    await plant.journal.accept_other_chain("left arm", "Ada", "the disk was exchanged")
+    for hashed in (b"c" * 32, b"d" * 32):  # the visit that goes on has kept none, some, as many links
+        with pytest.raises(ConflictError, match="accepted already"):
+            await plant.journal.accept_other_chain("left arm", "Ada", "once more")
+        await collect(hashed)
+    with pytest.raises(ConflictError, match="accepted already"):
+        await plant.journal.accept_other_chain("left arm", "Ada", "once more")
+    await see_another()
+    await plant.journal.accept_other_chain("left arm", "Ada", "and once more")
+
+    assert (await plant.journal.reached("left arm")).branch.id == 3
 
 
 async def test_a_cell_with_the_chain_that_was_collected_has_no_other_to_accept(plant, cell):

@@ -117,8 +117,9 @@ class JournalRepository:
                 await self._database.write(partial(tell_again, branch=branch, links=some))
 
     async def accept_other_chain(self, cell: str, person: str, reason: str) -> None:
-        """Collect the other chain that a cell shows into a branch of its own; raises ConflictError."""
-        await self._database.write(lambda connection: _accept(connection, cell, person, reason))
+        """Collect the other chain that a cell shows into a branch of its own, once; raises ConflictError."""
+        known = await self.collected(await self.reached(cell))
+        await self._database.write(lambda connection: _accept(connection, cell, known, person, reason))
 
     async def content(self, branch_id: int, record: str, record_id: int) -> str | None:
         """Return a record as it came, as JSON with typed values; None: it was not collected."""
@@ -168,7 +169,7 @@ def _row(branch: Branch, link: CollectedLink) -> dict[str, Any]:
     }
 
 
-def _accept(connection: Connection, cell: str, person: str, reason: str) -> None:
+def _accept(connection: Connection, cell: str, known: Collected, person: str, reason: str) -> None:
     number = cell_number(connection, cell)
     seen = newest_visit(connection, number)
     if seen is None or seen.visit.outcome is not Outcome.ANOTHER_CHAIN or seen.visit.fork is None:
@@ -176,4 +177,9 @@ def _accept(connection: Connection, cell: str, person: str, reason: str) -> None
             f"{cell} shows the chain that was collected from it; there is no other to accept."
         )
     branch = newest_branch(connection, number)
+    if branch != known.branch or seen.visit.head != known.head.text:
+        raise ConflictError(
+            f"The other chain of {cell} was accepted already, and is being collected; look again after the "
+            "next visit."
+        )
     add_branch(connection, branch, seen.visit.fork, person, reason)

@@ -90,7 +90,8 @@ def _keep(connection: Connection, cell: str, visit: Visit) -> VisitRecord:
 
 def _tells_anything(kept: Visit, visit: Visit) -> bool:
     same = (kept.outcome, kept.fork, kept.version) == (visit.outcome, visit.fork, visit.version)
-    return not same or bool(visit.collected) or _moved(kept.clock, visit.clock)
+    parted_elsewhere = visit.fork is not None and visit.head != kept.head
+    return not same or parted_elsewhere or bool(visit.collected) or _moved(kept.clock, visit.clock)
 
 
 def _moved(before: ClockSeen | None, now: ClockSeen | None) -> bool:
