@@ -16,14 +16,15 @@ import httpx
 
 from truepose.exchange.cells.of_plant import PlantCell
 from truepose.plant.clocks import Answered
-from truepose.plant.errors import CellAnswerError
+from truepose.plant.errors import CellAnswerError, CellSilentError
 from truepose.storage.plant.records import HandDownRecord
 
 _PATIENCE: Final = httpx.Timeout(30.0, connect=10.0)
 _LATE: Final = "no answer for half a minute, or no connection in ten seconds"
 _MOST_BYTES: Final = 256 * 2**20  # of a page: one record of the largest kind, and no more than memory holds
 _CREATED: Final = 201
-_REFUSED: Final = frozenset({400, 404, 409, 413, 415, 422})
+_REFUSED: Final = frozenset({400, 409, 413, 422})  # for good: what stands in the hand-down itself
+_OURS: Final = "urn:truepose:problem:"  # of a cell; what stands between here and there says no such thing
 _SILENT: Final = (httpx.HTTPError, httpx.InvalidURL, OSError, UnicodeError)  # the last: no name of a host
 _UNREADABLE: Final = (ArithmeticError, LookupError, RecursionError, TypeError, ValueError)
 _NUMBERS: Final = range(2**63)  # that a database holds
@@ -98,7 +99,10 @@ class AskedCell:
             raise self._no_cell(f"a page of its chain was cut off or cannot be read ({error})") from error
 
     async def hand_down(self, record: HandDownRecord, key: str) -> Handed:
-        """Have a cell keep a plan or a model; the key lets it be kept once; raises CellAnswerError."""
+        """Have a cell keep a plan or a model; the key lets it be kept once.
+
+        Raises CellAnswerError where the cell has neither taken nor refused it.
+        """
         told = record.hand_down
         said = {"kind": told.kind.value, "name": told.name, "person": told.person, "document": told.document}
         try:
@@ -108,7 +112,7 @@ class AskedCell:
         answer = await self._post("/hand-downs", body, key)
         if answer.status_code == _CREATED:
             return Handed(self._created(answer), "")
-        if answer.status_code in _REFUSED:
+        if answer.status_code in _REFUSED and _said(answer.content, "type").startswith(_OURS):
             return Handed(None, _detail(answer.content))
         raise self._no_cell(f"it answers {answer.status_code}: {_detail(answer.content)}")
 
@@ -184,9 +188,9 @@ class AskedCell:
             "'truepose people token' printed, as plain text."
         )
 
-    def _unreachable(self, error: Exception) -> CellAnswerError:
+    def _unreachable(self, error: Exception) -> CellSilentError:
         said = _LATE if isinstance(error, httpx.TimeoutException) else str(error) or type(error).__name__
-        return CellAnswerError(f"{self._cell.name} cannot be reached at {self._cell.url} ({said}).")
+        return CellSilentError(f"{self._cell.name} cannot be reached at {self._cell.url} ({said}).")
 
     def _no_cell(self, said: str) -> CellAnswerError:
         return CellAnswerError(f"{self._cell.name} does not answer as a cell does: {said}.")
@@ -233,7 +237,12 @@ def _public() -> ssl.SSLContext:
 
 
 def _detail(body: bytes) -> str:
+    return _said(body, "detail").rstrip(".") or "without a sentence"
+
+
+def _said(body: bytes, name: str) -> str:
+    """Return what a problem document says; empty: nothing, or it is none."""
     try:
-        return str(json.loads(body)["detail"]).rstrip(".")
+        return str(json.loads(body)[name])
     except _UNREADABLE:
-        return "without a sentence"
+        return ""

@@ -66,7 +66,7 @@ class Collector:
         try:
             found = await visit(name, asked, self._shelves)
         finally:
-            if found is None or found.outcome is not Outcome.WHOLE:
+            if found is None or found.sentence:
                 await asked.close()  # another token, address or certificate may count at the next one
         await self._visits.keep(name, found)
         return found

@@ -2,6 +2,7 @@
 
 PlantError
 └── CellAnswerError    a cell does not answer, or not as one
+    └── CellSilentError  it does not answer at all
 
 What a cell's records can be wrong in is among the errors of the storage: it keeps none of those.
 """
@@ -15,3 +16,7 @@ class PlantError(TrueposeError):
 
 class CellAnswerError(PlantError):
     """A cell does not answer, or not as one."""
+
+
+class CellSilentError(CellAnswerError):
+    """A cell does not answer at all."""

@@ -10,7 +10,7 @@ from typing import Final
 
 from truepose.plant.asking import AskedCell, CellHead
 from truepose.plant.clocks import clock_seen
-from truepose.plant.errors import CellAnswerError
+from truepose.plant.errors import CellAnswerError, CellSilentError
 from truepose.plant.verification import verified
 from truepose.storage.errors import (
     AnotherChainError,
@@ -77,16 +77,25 @@ async def _collected(name: str, cell: AskedCell, known: Collected, shelves: Shel
             raise CellAnswerError(f"{name} has {newest} links and sends none above {position}.")
         await shelves.journal.keep(known.branch, links, begun.clock)
         position, newest = links[-1].link, page.newest
-    await _handed_down(name, cell, shelves.hand_downs)
-    head = Collected(known.branch, position, heads).head
-    return replace(begun, collected=position - known.position, newest=newest, head=head.text)
+    waits = await _handed_down(name, cell, shelves.hand_downs)
+    collected, head = position - known.position, Collected(known.branch, position, heads).head
+    return replace(begun, sentence=waits, collected=collected, newest=newest, head=head.text)
 
 
-async def _handed_down(name: str, cell: AskedCell, hand_downs: HandDownRepository) -> None:
+async def _handed_down(name: str, cell: AskedCell, hand_downs: HandDownRepository) -> str:
+    """Hand down what waits, and return why some of it still does; empty: nothing does."""
+    waits = ""
     for record in await hand_downs.waiting(name):
-        handed = await cell.hand_down(record, f"hand-down-{record.id}-{record.recorded_at}")
+        try:
+            handed = await cell.hand_down(record, f"hand-down-{record.id}-{record.recorded_at}")
+        except CellAnswerError as error:
+            waits = waits or f"All is collected, and hand-down {record.id} waits: {error}"
+            if isinstance(error, CellSilentError):
+                break
+            continue
         state = HandDownState.REFUSED if handed.number is None else HandDownState.DELIVERED
         await hand_downs.note(record.id, state, handed.sentence, handed.number)
+    return waits
 
 
 def _so_far(shelves: Shelves, branch: Branch, begun: Visit, outcome: Outcome, error: Exception) -> Visit:

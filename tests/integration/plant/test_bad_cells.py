@@ -175,25 +175,34 @@ async def test_a_figure_that_is_not_finite_tells_nothing_and_its_record_is_kept(
     assert (told.verdict, told.figure_mm, told.document) == ("converged", None, {"before_mm": 0.25})
 
 
-def campaigns_twice():
-    """Return the links of two records of one number, each verified by its hash."""
+def campaigns(number):
+    """Return the links of some records that all have the number 1, each verified by its hash."""
     before, lines = GENESIS, []
-    for link in (1, 2):
+    for link in range(1, number + 1):
         row = {"id": 1, "recorded_at": "2026", "name": f"c {link}", "robot": "r", "summary": "{}"}
         row["session_ids"] = "[]"
         before = linked_hash(before, "campaigns", tuple(row), tuple(row.values()))
         line = {"link": link, "stream": 0, "record": "campaigns", "record_id": 1, "hash": before.hex()}
         lines.append(json.dumps(line | {"row": row}))
-    return "\n".join([*lines, json.dumps({"end": 2, "newest": 2})])
+    return "\n".join([*lines, json.dumps({"end": number, "newest": number})])
+
+
+def cell_with(links, hand_downs=lambda request: None):
+    """Return a cell with so many links, and what it answers to a hand-down."""
+
+    def answer(request):
+        if request.method == "POST":
+            return hand_downs(request)
+        if request.url.path.endswith("/head"):
+            asked_for = int(request.url.params.get("links", links))
+            return httpx.Response(200, json=GOOD | {"newest": links, "head": head_of(asked_for, {}).text})
+        return httpx.Response(200, text=campaigns(links))
+
+    return httpx.MockTransport(answer)
 
 
 async def test_records_that_cannot_be_kept_are_refused_with_a_visit_and_a_line_in_the_log(plant, caplog):
-    def answer(request):
-        if request.url.path.endswith("/head"):
-            return httpx.Response(200, json=GOOD | {"newest": 2})
-        return httpx.Response(200, text=campaigns_twice())
-
-    found = await plant.visit(None, transport=httpx.MockTransport(answer))
+    found = await plant.visit(None, transport=cell_with(2))
 
     assert found.outcome is Outcome.REFUSED
     assert found.sentence.startswith("left arm sends records that cannot be kept here: The records do not")
@@ -205,3 +214,68 @@ async def test_records_that_cannot_be_kept_are_refused_with_a_visit_and_a_line_i
 async def test_how_far_a_cell_was_collected_that_nobody_entered_is_not_known(plant):
     with pytest.raises(NotInPlantError, match="There is no cell 'nobody' in this plant"):
         await plant.journal.reached("nobody")
+
+
+def problem(status, kind="", **more):
+    return httpx.Response(status, json={"type": f"urn:truepose:problem:{kind}", "detail": "No.", **more})
+
+
+@pytest.mark.parametrize(
+    "answer",
+    [
+        httpx.Response(400, text="<html>Bad Request</html>"),
+        httpx.Response(404, text="<html>Not Found</html>"),
+        httpx.Response(413, text="<html>too large for this proxy</html>"),
+        httpx.Response(422, json={"type": "about:blank", "detail": "of another program"}),
+        httpx.Response(422, json=[]),
+        problem(403),
+        problem(404),  # a cell of an earlier version takes nothing yet
+        problem(415),
+        problem(503),
+    ],
+)
+async def test_what_passes_keeps_a_hand_down_waiting_and_collecting_goes_on(plant, answer):
+    def first_not(request):
+        is_first = json.loads(request.content)["name"] == "first"
+        return answer if is_first else httpx.Response(201, json={"id": 7})
+
+    await plant.journal.enter("left arm")
+    waiting, behind = [
+        await plant.hand_downs.add(HandDown("left arm", HandDownKind.PLAN, name, "Ada", {}))
+        for name in ("first", "second")
+    ]
+
+    found = await plant.visit(None, transport=cell_with(1, first_not))
+
+    assert (found.outcome, found.collected) == (Outcome.WHOLE, 1)
+    assert found.sentence.startswith(f"All is collected, and hand-down {waiting} waits: left arm does not")
+    states = [(await plant.hand_downs.get(number)).state for number in (waiting, behind)]
+    assert states == [HandDownState.WAITING, HandDownState.DELIVERED]
+
+
+@pytest.mark.parametrize("status", [400, 409, 413, 422])
+async def test_what_a_cell_itself_cannot_take_is_refused_with_its_sentence(plant, status):
+    await plant.journal.enter("left arm")
+    number = await plant.hand_downs.add(HandDown("left arm", HandDownKind.PLAN, "monthly", "Ada", {}))
+
+    found = await plant.visit(None, transport=cell_with(0, lambda request: problem(status)))
+
+    refused = await plant.hand_downs.get(number)
+    assert (refused.state, refused.sentence) == (HandDownState.REFUSED, "No")
+    assert (found.outcome, found.sentence) == (Outcome.WHOLE, "")
+
+
+async def test_a_cell_that_falls_silent_is_not_asked_for_each_hand_down_that_waits(plant):
+    asked_for = []
+
+    def silent(request):
+        asked_for.append(request)
+        raise httpx.ConnectError("no route to host", request=request)
+
+    await plant.journal.enter("left arm")
+    for name in ("first", "second"):
+        await plant.hand_downs.add(HandDown("left arm", HandDownKind.PLAN, name, "Ada", {}))
+
+    found = await plant.visit(None, transport=cell_with(1, silent))
+
+    assert (found.outcome, found.collected, len(asked_for)) == (Outcome.WHOLE, 1, 1)
