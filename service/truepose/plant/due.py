@@ -7,7 +7,7 @@ The clock of a cell may be wrong: a robot whose last day has not come yet would 
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
-from datetime import date
+from datetime import date, timedelta
 from enum import StrEnum
 from typing import Final
 
@@ -17,7 +17,7 @@ from truepose.storage.plant.newest import ToldSeen
 from truepose.storage.plant.telling import FAILED, ToldKind
 
 _MONTH_DAYS: Final = 30.0  # a quick check each month
-_AHEAD_DAYS: Final = 1  # of the plant's day, in another time zone
+_AHEAD: Final = timedelta(days=1)  # of the plant's day, in another time zone
 _UNEXPLAINED: Final = "unexplained"
 
 
@@ -72,6 +72,11 @@ class StandingRobot:
     reasons: tuple[Reason, ...]
 
 
+def latest_day(today: date) -> date:
+    """Return the last day that a cell whose clock is right may say."""
+    return today + _AHEAD
+
+
 def standing_robots(
     robots: Iterable[RobotMeasured], evidence: Evidence, due: DueAfter, today: date
 ) -> list[StandingRobot]:
@@ -104,7 +109,7 @@ def _of_days(robot: RobotMeasured, due_days: float, today: date) -> Iterator[Rea
         yield Reason(Why.UNMEASURED, said("plant.why.unmeasured"))
         return
     days = _days_between(last, today)
-    if days is None or days < -_AHEAD_DAYS:
+    if days is None or days < -_AHEAD.days:
         yield Reason(Why.DOUBTFUL, said("plant.why.doubtful", day=last, cell=robot.cell))
     elif days > due_days:
         sentence = said("plant.why.overdue", day=last, days=days, due=due_days)

@@ -13,7 +13,7 @@ from truepose.plant.asking import AskedCell
 from truepose.settings import PlantSettings, Settings
 from truepose.storage.plant.records import ClockSeen, Outcome, Visit
 from truepose.storage.rows import add_row
-from truepose.storage.tables.of_plants import plant_days, plant_results, plant_robots
+from truepose.storage.tables.of_plants import plant_days, plant_results, plant_robots, plant_told
 from truepose.web.plant.application import create_plant_application
 from truepose.words.catalogue import LANGUAGES
 
@@ -70,6 +70,14 @@ def robot(serial, days_ago=None, campaign=False):
     return rows
 
 
+def validation(serial, number, days_ago, verdict):
+    """Return the row of what a validation tells."""
+    day = (TODAY - timedelta(days=days_ago)).isoformat()
+    of = {"kind": "validation", "link": number, "record_id": number, "robot_serial_number": serial}
+    told = {"verdict": verdict, "figure_mm": 0.4, "limit_mm": 0.3, "document": {}}
+    return plant_told, {"branch_id": 1, "measured_on": day, **of, **told}
+
+
 def due(page):
     """Return serial number and reason of each robot that is to be measured next."""
     part = page.partition("<h2>To be measured next</h2>")[2].partition("<h2>")[0]
@@ -102,7 +110,7 @@ async def test_robots_are_due_in_the_order_that_the_page_says(service):
         *robot("tomorrows", -400),
         *robot("just", 31),
     ]
-    await lay(service, *rows, *robot("fresh", 30))
+    await lay(service, *rows, *robot("fresh", 30), *robot("late", -400)[1:])
 
     found = due(await page(service, "/"))
 
@@ -117,7 +125,9 @@ async def test_robots_are_due_in_the_order_that_the_page_says(service):
 
 
 async def test_where_no_robot_is_due_none_is_listed(service):
-    await lay(service, *robot("fresh", 0), *robot("fresher", 12))
+    of_a_wrong_clock = [*robot("fresh", -400)[1:], *robot("fresher", -400, campaign=True)[1:]]
+    judged = [validation("fresh", 1, -400, "failed"), validation("fresh", 2, 0, "passed")]
+    await lay(service, *robot("fresh", 0), *robot("fresher", 12), *of_a_wrong_clock, *judged)
 
     shown = await page(service, "/")
 

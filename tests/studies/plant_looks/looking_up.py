@@ -3,6 +3,7 @@
 import statistics
 import time
 from collections.abc import Awaitable, Callable
+from datetime import UTC, datetime
 from typing import Any, Final
 
 from truepose.storage.database import Database
@@ -28,7 +29,7 @@ async def looked_up(url: str, robots: int) -> dict[str, tuple[float, float]]:
 def _asked(database: Database, robot: str) -> dict[str, Callable[[], Awaitable[Any]]]:
     looks, visits, overview = PlantLooks(database), VisitRepository(database), PlantOverview(database)
     return {
-        "all robots with their last day": overview.robots,
+        "all robots with their last day": lambda: overview.robots(datetime.now(UTC).date()),
         "500 robots": lambda: looks.robots(Page(limit=500)),
         "one robot": lambda: looks.robot(robot),
         "life of a robot": lambda: looks.life_of_robot(robot),

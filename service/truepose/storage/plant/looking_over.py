@@ -1,7 +1,7 @@
 """What the first page of a plant asks for: all robots with their last day, and what came in lately."""
 
 from dataclasses import dataclass
-from datetime import datetime
+from datetime import date, datetime
 from typing import Any, Final
 
 from sqlalchemy import Connection, ScalarSelect, func, select
@@ -45,9 +45,12 @@ class PlantOverview:
     def __init__(self, database: Database) -> None:
         self._database = database
 
-    async def robots(self) -> list[RobotMeasured]:
-        """Return every robot with its last day."""
-        return await self._database.read(_robots)
+    async def robots(self, upto: date) -> list[RobotMeasured]:
+        """Return every robot with its last day up to one; a later one where it has no other.
+
+        A clock that was wrong once would else be the last that anybody heard of a robot.
+        """
+        return await self._database.read(lambda connection: _robots(connection, upto.isoformat()))
 
     async def lately(self, since: datetime, limit: int) -> Lately:
         """Return what came in since a moment."""
@@ -66,25 +69,31 @@ class PlantOverview:
         return dict(tuple(row) for row in rows)
 
 
-def _robots(connection: Connection) -> list[RobotMeasured]:
+def _robots(connection: Connection, upto: str) -> list[RobotMeasured]:
     days, results = plant_days.c, plant_results.c
     measured = results.kind.not_in(_MADE_LATER)
     columns = (
         plant_robots.c.serial_number,
         plant_robots.c.robot,
-        _newest(plant_days, days.measured_on),
-        _newest(plant_days, plant_cells.c.name),
-        _newest(plant_days, days.instrument_serial_number),
-        _newest(plant_results, results.measured_on, measured),
-        _newest(plant_results, plant_cells.c.name, measured),
-        _newest(plant_results, results.instrument_serial_number, measured),
+        _last(plant_days, days.measured_on, upto),
+        _last(plant_days, plant_cells.c.name, upto),
+        _last(plant_days, days.instrument_serial_number, upto),
+        _last(plant_results, results.measured_on, upto, measured),
+        _last(plant_results, plant_cells.c.name, upto, measured),
+        _last(plant_results, results.instrument_serial_number, upto, measured),
     )
-    return [_robot(*row) for row in connection.execute(select(*columns))]
+    return [_robot(upto, *row) for row in connection.execute(select(*columns))]
 
 
-def _robot(serial: str, robot: str, *told: str | None) -> RobotMeasured:
-    of_days, of_results = (tuple(one or "" for one in told[first : first + 3]) for first in (0, 3))
-    return RobotMeasured(serial, robot, *max(of_days, of_results))
+def _robot(upto: str, serial: str, robot: str, *told: str | None) -> RobotMeasured:
+    found = [tuple(one or "" for one in told[first : first + 3]) for first in (0, 3)]
+    return RobotMeasured(serial, robot, *max(found, key=lambda last: ("" < last[0] <= upto, last)))
+
+
+def _last(table: Any, wanted: Any, upto: str, *conditions: Any) -> Any:
+    """Return what the row of a robot's last day says: of one up to a day, else of any."""
+    counting = table.c.measured_on.between("0", upto)  # an empty one is no day
+    return func.coalesce(_newest(table, wanted, counting, *conditions), _newest(table, wanted, *conditions))
 
 
 def _newest(table: Any, wanted: Any, *conditions: Any) -> ScalarSelect[Any]:

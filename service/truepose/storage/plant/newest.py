@@ -3,9 +3,10 @@
 from collections import defaultdict
 from collections.abc import Mapping
 from dataclasses import dataclass
+from datetime import date
 from typing import Any, Final
 
-from sqlalchemy import Connection, Row, select
+from sqlalchemy import Connection, Row, func, select
 
 from truepose.storage.database import Database
 from truepose.storage.plant.looking import with_cells
@@ -42,9 +43,12 @@ class PlantTold:
     def __init__(self, database: Database) -> None:
         self._database = database
 
-    async def newest(self) -> Mapping[str, Mapping[ToldKind, ToldSeen]]:
-        """Return the newest of each kind of every robot that has any, by serial number."""
-        return await self._database.read(_newest)
+    async def newest(self, upto: date) -> Mapping[str, Mapping[ToldKind, ToldSeen]]:
+        """Return the newest of each kind of every robot that has any, by serial number.
+
+        It is one up to a day, and a later one where there is no other.
+        """
+        return await self._database.read(lambda connection: _newest(connection, upto.isoformat()))
 
     async def of_robot(self, serial_number: str, limit: int = 500) -> list[ToldSeen]:
         """Return what the latest results of a robot tell that have a day, the oldest first."""
@@ -59,19 +63,21 @@ def _of_robot(connection: Connection, serial_number: str, limit: int) -> list[To
     return [told_seen(row) for row in rows][::-1]
 
 
-def _newest(connection: Connection) -> Mapping[str, Mapping[ToldKind, ToldSeen]]:
+def _newest(connection: Connection, upto: str) -> Mapping[str, Mapping[ToldKind, ToldSeen]]:
     found: defaultdict[str, dict[ToldKind, ToldSeen]] = defaultdict(dict)
     for kind in _KINDS:
-        for row in connection.execute(_newest_of(kind)):
+        for row in connection.execute(_newest_of(kind, upto)):
             found[row.robot_serial_number][kind] = told_seen(row)
     return found
 
 
-def _newest_of(kind: ToldKind) -> Any:
+def _newest_of(kind: ToldKind, upto: str) -> Any:
     every = plant_told.alias("every")
     of_robot = (every.c.robot_serial_number == plant_robots.c.serial_number) & (every.c.kind == kind)
     last_first = (every.c.measured_on.desc(), every.c.id.desc())
-    newest = select(every.c.id).where(of_robot).order_by(*last_first).limit(1).scalar_subquery()
+    every_one = select(every.c.id).where(of_robot).order_by(*last_first).limit(1)
+    counting = every_one.where(every.c.measured_on <= upto)
+    newest = func.coalesce(counting.scalar_subquery(), every_one.scalar_subquery())
     return select(plant_told, plant_cells.c.name.label("cell")).select_from(
         with_cells(plant_told).join(plant_robots, plant_told.c.id == newest)
     )

@@ -10,7 +10,7 @@ from fastapi import APIRouter
 from fastapi.responses import HTMLResponse
 
 from truepose.domain.cell.certificates import Standing
-from truepose.plant.due import Evidence, Reason, StandingRobot, Why, standing_robots
+from truepose.plant.due import Evidence, Reason, StandingRobot, Why, latest_day, standing_robots
 from truepose.storage.plant.certificates import StatedPaper
 from truepose.storage.plant.looking_over import RobotMeasured
 from truepose.web.plant.context import PlantContext, PlantHere
@@ -68,8 +68,9 @@ async def plant_page(visit: Visited, here: PlantHere) -> HTMLResponse:
 
 async def _standing(here: PlantContext, papers: Iterable[StatedPaper], today: date) -> list[StandingRobot]:
     expires = {stated.paper.serial_number: stated.paper.expires for stated in papers}
-    evidence = Evidence(await here.told.newest(), expires)
-    return standing_robots(await here.overview.robots(), evidence, here.due, today)
+    upto = latest_day(today)
+    evidence = Evidence(await here.told.newest(upto), expires)
+    return standing_robots(await here.overview.robots(upto), evidence, here.due, today)
 
 
 def _ending(papers: Iterable[StatedPaper], today: date) -> list[tuple[StatedPaper, Standing]]:
