@@ -41,6 +41,14 @@ def test_files_that_it_names_lie_beside_it(tmp_path):
         ('[[cell]]\nname = "a"', "key url is missing"),
         ('[[cell]]\nname = "a"\nurl = "cell-3"', "an address is http:// or https://"),
         ('[[cell]]\nname = "a"\nurl = "http://c/api"', "an address is http:// or https://"),
+        ('[[cell]]\nname = "a"\nurl = "https://c?a=b"', "an address is http:// or https://"),
+        ('[[cell]]\nname = "a"\nurl = "https://c#"', "an address is http:// or https://"),
+        ('[[cell]]\nname = "a"\nurl = "https://ada:pw@c"', "an address is http:// or https://"),
+        ('[[cell]]\nname = "a"\nurl = "https://c:84433"', "an address is http:// or https://"),
+        ('[[cell]]\nname = "a"\nurl = "https://c:0"', "an address is http:// or https://"),
+        ('[[cell]]\nname = "a"\nurl = "https://c:x"', "an address is http:// or https://"),
+        ('[[cell]]\nname = "a"\nurl = "https://[::1"', "an address is http:// or https://"),
+        ('[[cell]]\nname = "a"\nurl = "http://10.0.0.7:8000"\ntoken_file = "t"', "sent over https:// alone"),
         ('[[cell]]\nname = "a"\nurl = "http://c"\ntoken = "x"', "this key is not known here"),
         ('cells = 1\n[[cell]]\nname = "a"\nurl = "http://c"', "this key is not known here"),
         ('[[cell]]\nname = "a"\nurl = "http://c"\n' * 2, "two cells are called 'a'"),
@@ -57,3 +65,13 @@ def test_what_cannot_be_meant_is_said(tmp_path, text, said):
         read_plant_file(file)
 
     assert said in str(raised.value)
+
+
+@pytest.mark.parametrize(
+    "url", ["https://10.0.0.7", "http://localhost:8000", "http://127.0.0.1:8000", "http://[::1]:8000"]
+)
+def test_a_token_goes_where_nobody_else_reads_it(tmp_path, url):
+    file = tmp_path / "cells.toml"
+    file.write_text(f'[[cell]]\nname = "a"\nurl = "{url}"\ntoken_file = "t"\n')
+
+    assert read_plant_file(file).cells == (PlantCell("a", url, tmp_path / "t"),)

@@ -1,10 +1,11 @@
 """Cells files of a plant: TOML, one [[cell]] each, described in docs/plant.md with an example."""
 
+import ipaddress
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Final
-from urllib.parse import urlsplit
+from urllib.parse import SplitResult, urlsplit
 
 from truepose.exchange.document import Node, toml_document
 from truepose.exchange.input_file import read_bytes
@@ -31,12 +32,39 @@ class PlantFile:
 
 def _read_url(node: Node) -> str:
     text = node.text().rstrip("/")
-    parts = urlsplit(text)
-    if parts.scheme not in {"http", "https"} or not parts.hostname or parts.path or parts.query:
+    parts = _parts(text)
+    if parts is None or parts.scheme not in {"http", "https"} or not _is_place(text, parts):
         node.fail(
             "an address is http:// or https://, a name and perhaps a port, as https://cell-3.plant:8443"
         )
     return text
+
+
+def _parts(text: str) -> SplitResult | None:
+    """Return the parts of an address; None: it is none, or its port is no port."""
+    try:
+        parts = urlsplit(text)
+        return None if parts.port == 0 else parts
+    except ValueError:
+        return None
+
+
+def _is_place(text: str, parts: SplitResult) -> bool:
+    """Whether an address has a host and perhaps a port, and nothing else: pages and sentences show it."""
+    return bool(parts.hostname) and not parts.path and not any(sign in text for sign in "?#@")
+
+
+def _stays_secret(url: str) -> bool:
+    """Whether what is sent to an address is read there alone: over TLS, or to this very computer."""
+    parts = urlsplit(url)
+    return parts.scheme == "https" or _is_loopback(parts.hostname or "")
+
+
+def _is_loopback(host: str) -> bool:
+    try:
+        return ipaddress.ip_address(host).is_loopback
+    except ValueError:
+        return host == "localhost"
 
 
 _DUE: Final = "due_after_days"
@@ -77,6 +105,11 @@ def _read_cell(node: Node, folder: Path) -> PlantCell:
     for entry in node.unlisted([key.name for key in _CELL]):
         entry.fail("this key is not known here; a cell has name, url, token_file and certificate")
     cell = PlantCell(**read_keys(node, _CELL))
+    if cell.token_file is not None and not _stays_secret(cell.url):
+        node.key("token_file").fail(
+            "a token is sent over https:// alone, or to this very computer: over http:// everybody on the "
+            "network could read it"
+        )
     token, certificate = (
         None if file is None else folder / file for file in (cell.token_file, cell.certificate)
     )
