@@ -95,14 +95,12 @@ def _require_own(link: CollectedLink, before: bytes) -> None:
                 "through the cell's database."
             )
         return
-    if not link.verified:
-        if table not in _TOLD:
-            raise TamperedRecordError(f"The cell tells {_named(link)} otherwise than it was written.")
-        return
+    if not link.verified and table not in _TOLD:
+        raise TamperedRecordError(f"The cell tells {_named(link)} otherwise than it was written.")
     names, values = tuple(link.row), tuple(link.row.values())
-    if linked_hash(before, link.record, names, values) != link.hash or (
-        stream_of(link.record, names, values) != link.stream or link.row.get("id") != link.record_id
-    ):
+    is_of_link = stream_of(link.record, names, values) == link.stream and link.row.get("id") == link.record_id
+    is_as_written = not link.verified or linked_hash(before, link.record, names, values) == link.hash
+    if not (is_of_link and is_as_written):
         raise TamperedRecordError(
             f"{_named(link).capitalize()} is not as it was written; nothing of this page was kept. "
             "Have 'truepose verify' look through the cell's database."

@@ -9,7 +9,7 @@ import httpx
 import pytest
 
 from truepose.plant import visit as visiting
-from truepose.storage.errors import ConflictError
+from truepose.storage.errors import ConflictError, TamperedRecordError
 from truepose.storage.integrity.chain import GENESIS, linked_hash
 from truepose.storage.integrity.verification import verify
 from truepose.storage.leaving.handed_down import HandedDownRepository
@@ -218,6 +218,18 @@ async def test_a_record_that_was_changed_is_refused_and_named(plant, cell):
 
 def _with_another_name(link):
     return link | {"row": link["row"] | {"name": "another"}}
+
+
+@pytest.mark.parametrize("moved", [{"record_id": 2}, {"stream": 2}])
+def test_a_session_told_without_its_secret_is_still_that_of_its_link(moved):
+    told = {"id": 1, "recorded_at": "2026", "name": "first", "role": "calibration", "setup": "{}"}
+    line = {"link": 1, "stream": 1, "record": "sessions", "record_id": 1, "hash": "00" * 32, "told": told}
+
+    (link,), _ = visiting.verified([line], 0, {})
+
+    assert not link.verified
+    with pytest.raises(TamperedRecordError, match=r"of the sessions .* is not as"):
+        visiting.verified([line | moved], 0, {})
 
 
 @pytest.mark.parametrize("record", ["readings", "sessions"])

@@ -12,7 +12,8 @@ from truepose.storage.database import Database
 from truepose.storage.dialects import as_kept
 from truepose.storage.integrity.chain import TABLE_NOW
 from truepose.storage.integrity.head import Head, head_after
-from truepose.storage.leaving.decided import LEAVING, without_secrets
+from truepose.storage.leaving.decided import LEAVING
+from truepose.storage.leaving.without_secrets import without_secrets
 from truepose.storage.tables import LARGE, links, metadata
 
 _AT_A_TIME: Final = 100  # links that are read in one turn: whoever measures is never behind more

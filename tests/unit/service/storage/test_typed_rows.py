@@ -9,7 +9,6 @@ from hypothesis import strategies as st
 
 from truepose.storage.errors import UnreadableRowError
 from truepose.storage.integrity.chain import GENESIS, linked_hash
-from truepose.storage.leaving.decided import without_secrets
 from truepose.storage.leaving.typed_rows import typed, untyped
 
 VALUES = (
@@ -55,19 +54,3 @@ def test_a_whole_number_is_no_float_and_no_text():
 def test_what_is_no_record_is_said_to_be_none(document):
     with pytest.raises(UnreadableRowError):
         untyped(document)
-
-
-def test_what_opens_a_device_is_taken_out_of_a_set_up_wherever_it_stands():
-    setup = {"cell": {"devices": [{"name": "robot", "options": {"host": "r1", "password": "robotics"}}]}}
-    row = {"id": 1, "setup": json.dumps(setup)}
-
-    told = without_secrets(row)
-
-    assert "robotics" not in json.dumps(told)
-    assert json.loads(told["setup"])["cell"]["devices"][0]["options"]["host"] == "r1"
-
-
-def test_a_set_up_without_a_secret_leaves_as_it_was_kept():
-    row = {"id": 1, "setup": '{ "cell" : {"devices": []} }'}
-
-    assert without_secrets(row) is row
