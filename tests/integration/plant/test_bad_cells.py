@@ -14,9 +14,10 @@ from truepose.plant.asking import AskedCell
 from truepose.plant.collector import Collector, Pace, collecting
 from truepose.plant.errors import CellAnswerError
 from truepose.plant.visit import Shelves
-from truepose.storage.errors import NotInPlantError
+from truepose.storage.errors import ConflictError, NotInPlantError
 from truepose.storage.integrity.chain import GENESIS, linked_hash
 from truepose.storage.integrity.head import head_of
+from truepose.storage.plant import journal
 from truepose.storage.plant.records import (
     CollectedLink,
     HandDown,
@@ -279,3 +280,25 @@ async def test_a_cell_that_falls_silent_is_not_asked_for_each_hand_down_that_wai
     found = await plant.visit(None, transport=cell_with(1, silent))
 
     assert (found.outcome, found.collected, len(asked_for)) == (Outcome.WHOLE, 1, 1)
+
+
+async def test_a_record_that_cannot_be_told_again_keeps_no_other_from_it(plant, monkeypatch):
+    def told_again(connection, branch, links):
+        if 2 in links:
+            raise ConflictError("The records do not allow that.")
+        true(connection, branch, links)
+
+    true = journal.tell_again
+    row = json.dumps({"id": 1, "recorded_at": "2026", "campaign_id": 1, "document": '{"status": "ok"}'})
+    await plant.journal.enter("left arm")
+    branch = (await plant.journal.reached("left arm")).branch
+    with monkeypatch.context() as patched:
+        patched.setattr(journal, "project", lambda *_: None)  # by a version that did not look into them
+        links = [CollectedLink(link, 0, "identifications", link, bytes(32), row) for link in (1, 2, 3)]
+        await plant.journal.keep(branch, links, None)
+    monkeypatch.setattr(journal, "tell_again", told_again)
+
+    await plant.journal.catch_up()
+
+    told = await plant.database.read(lambda c: [*c.scalars(select(plant_told.c.link))])
+    assert sorted(told) == [1, 3]

@@ -5,6 +5,7 @@ newest link itself, so that nothing can be kept without it, or it without what i
 """
 
 import asyncio
+import logging
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
@@ -31,6 +32,7 @@ from truepose.storage.plant.visits import newest_visit
 from truepose.storage.rows import add_rows
 from truepose.storage.tables.of_plants import plant_journal
 
+_LOG: Final = logging.getLogger(__name__)
 _CHAINS_AT_ONCE: Final = 1  # read for the first time: pages find a reader meanwhile
 _RECORDS_AT_ONCE: Final = 20  # read again in one transaction: a campaign may have many megabytes
 
@@ -113,8 +115,7 @@ class JournalRepository:
         for branch in await self._database.read(all_branches):
             untold = await self._database.read(partial(untold_links, branch_id=branch.id))
             for first in range(0, len(untold), _RECORDS_AT_ONCE):
-                some = untold[first : first + _RECORDS_AT_ONCE]
-                await self._database.write(partial(tell_again, branch=branch, links=some))
+                await self._tell_again(branch, untold[first : first + _RECORDS_AT_ONCE])
 
     async def accept_other_chain(self, cell: str, person: str, reason: str) -> None:
         """Collect the other chain that a cell shows into a branch of its own, once; raises ConflictError."""
@@ -126,6 +127,16 @@ class JournalRepository:
         wanted = (plant_journal.c.record == record) & (plant_journal.c.record_id == record_id)
         query = select(plant_journal.c.content).where(plant_journal.c.branch_id == branch_id, wanted)
         return await self._database.read(lambda connection: connection.scalar(query))
+
+    async def _tell_again(self, branch: Branch, links: Sequence[int]) -> None:
+        try:
+            await self._database.write(partial(tell_again, branch=branch, links=links))
+        except ConflictError as error:  # of what one of them tells: that one alone tells nothing
+            if len(links) == 1:
+                _LOG.warning("link %d of branch %d tells nothing (%s)", links[0], branch.id, error)
+                return
+            for link in links:
+                await self._tell_again(branch, [link])
 
     async def _heads(self, branch: Branch, at: int) -> Mapping[int, bytes]:
         async with self._reading:
