@@ -1,12 +1,17 @@
 """Robots of a type compared on a plant's page, and the courses of a robot's life."""
 
+import asyncio
 import json
+from datetime import date
 
 import pytest
 
 from tests.integration.plant.test_plant_pages import lay, page, service
 from tests.studies.fleet.archive import FIRST
 from tests.studies.fleet.simulated import draw_fleet, record_robot
+from truepose.analysis.archive.campaigns import in_database
+from truepose.analysis.workers.tasks import stored_campaign
+from truepose.exchange.tables.visits import Stated
 from truepose.storage.columns import pack
 from truepose.storage.leaving.typed_rows import typed
 from truepose.storage.tables.of_plants import plant_journal, plant_results, plant_robots, plant_told
@@ -61,6 +66,16 @@ async def test_robots_are_compared_from_what_was_collected(service, campaigns):
     assert "Nothing changes beyond chance" in shown
     assert "Computed on " in shown
     assert "every reading comes from a simulated cell" in shown
+    found = await asyncio.to_thread(_archived, service.here.database.file)
+    assert [one for one, _ in found] == [f"left arm {number} campaign {number}" for number in range(1, 5)]
+    assert found[0][1] == Stated("A-0", "T-9", date(2026, 3, 2))
+
+
+def _archived(file):
+    """Return names and what is stated of the campaigns in a plant's database; each can be read."""
+    with in_database(f"sqlite:///{file}") as campaigns:
+        assert all(stored_campaign(one.load()).calibration is not None for one in campaigns)
+        return [(one.name, one.stated) for one in campaigns]
 
 
 async def test_a_robots_error_and_causes_are_drawn_over_the_days(service):
