@@ -1,6 +1,7 @@
 """What results tell is kept beside them, also of what a plant of an earlier version collected."""
 
 import dataclasses
+from datetime import date
 
 from alembic import command
 from sqlalchemy import create_engine, event, select
@@ -18,8 +19,12 @@ from truepose.storage.connection.migrating import migration_config
 from truepose.storage.integrity.verification import verify
 from truepose.storage.measurement.sessions import SessionRepository
 from truepose.storage.plant.certificates import PlantCertificates
+from truepose.storage.plant.newest import PlantTold
 from truepose.storage.records import CampaignSummary, JobKind
-from truepose.storage.tables.of_plants import plant_told
+from truepose.storage.rows import add_row
+from truepose.storage.tables.of_plants import plant_robots, plant_told
+
+DAY = date(2026, 5, 4)
 
 
 def one_version_back(file):
@@ -98,6 +103,31 @@ async def test_what_was_brought_with_a_serial_number_stands_in_the_life_of_its_r
     assert [one.name for one in await plant.looks.life_of_instrument("T-9")] != []
     (paper,) = await PlantCertificates(plant.database).of_instrument("T-9")
     assert paper.paper.certificate == "report 9"
+
+
+async def test_the_newest_of_a_robot_is_the_one_that_was_measured_last(plant, cell):
+    told = PlantTold(plant.database)
+    await plant.journal.enter("left arm")
+
+    async def came(link, kind, day, robot="120-1"):
+        of = {"robot_serial_number": robot, "measured_on": day, "verdict": "", "document": {}}
+        values = {"branch_id": 1, "kind": kind, "link": link, "record_id": link, **of}
+        await plant.database.write(lambda c: add_row(c, plant_told, **values))
+        return {kind: one.record_id for kind, one in (await told.newest(DAY)).get("120-1", {}).items()}
+
+    await plant.database.write(lambda c: add_row(c, plant_robots, serial_number="120-1", robot="arm"))
+    found = [
+        await came(1, "model", "2026-03-03"),
+        await came(2, "validation", "2026-03-04"),
+        await came(3, "model", "2026-01-01"),  # of an earlier day, collected later
+        await came(4, "model", "2026-03-03", robot="120-2"),
+        await came(5, "model", "2026-03-03"),
+        await came(6, "model", "2042-01-01"),  # by a clock that was wrong
+    ]
+
+    assert found == [{"model": 1}, *[{"model": 1, "validation": 2}] * 3, *[{"model": 5, "validation": 2}] * 2]
+    anew = (await PlantTold(plant.database).newest(DAY))["120-1"]
+    assert {kind: one.record_id for kind, one in anew.items()} == found[-1]
 
 
 async def state(cell, serial, certificate, expires, tool=None):

@@ -4,6 +4,7 @@ from collections import defaultdict
 from collections.abc import Mapping
 from dataclasses import dataclass
 from datetime import date
+from functools import partial
 from typing import Any, Final
 
 from sqlalchemy import Connection, Row, func, select
@@ -38,17 +39,34 @@ class ToldSeen:
 
 
 class PlantTold:
-    """All queries about what results tell."""
+    """All queries about what results tell.
+
+    What was told never changes: the newest of each robot is read once a day, and then only what came since.
+    """
 
     def __init__(self, database: Database) -> None:
         self._database = database
+        self._day = ""  # up to which what follows counts
+        self._newest: defaultdict[str, dict[ToldKind, ToldSeen]] = defaultdict(dict)
+        self._read_up_to = 0  # number of a row
 
     async def newest(self, upto: date) -> Mapping[str, Mapping[ToldKind, ToldSeen]]:
         """Return the newest of each kind of every robot that has any, by serial number.
 
         It is one up to a day, and a later one where there is no other.
         """
-        return await self._database.read(lambda connection: _newest(connection, upto.isoformat()))
+        day = upto.isoformat()
+        after = self._read_up_to if day == self._day else 0
+        last, came = await self._database.read(partial(_came_after, number=after, upto=day))
+        if after == 0:
+            self._newest, self._day, self._read_up_to = defaultdict(dict), day, 0
+        for told in came:
+            of_robot = self._newest[told.robot_serial_number]
+            before = of_robot.get(told.kind)
+            if before is None or _counts_before(told, before, day):
+                of_robot[told.kind] = told
+        self._read_up_to = max(self._read_up_to, last)
+        return self._newest
 
     async def of_robot(self, serial_number: str, limit: int = 500) -> list[ToldSeen]:
         """Return what the latest results of a robot tell that have a day, the oldest first."""
@@ -63,12 +81,24 @@ def _of_robot(connection: Connection, serial_number: str, limit: int) -> list[To
     return [told_seen(row) for row in rows][::-1]
 
 
-def _newest(connection: Connection, upto: str) -> Mapping[str, Mapping[ToldKind, ToldSeen]]:
-    found: defaultdict[str, dict[ToldKind, ToldSeen]] = defaultdict(dict)
-    for kind in _KINDS:
-        for row in connection.execute(_newest_of(kind, upto)):
-            found[row.robot_serial_number][kind] = told_seen(row)
-    return found
+def _counts_before(told: ToldSeen, other: ToldSeen, upto: str) -> bool:
+    """Whether one counts as the newest before another: up to a day, the later one."""
+    due, other_due = told.measured_on <= upto, other.measured_on <= upto
+    return told.is_later_than(other) if due == other_due else due
+
+
+def _came_after(connection: Connection, number: int, upto: str) -> tuple[int, list[ToldSeen]]:
+    """Return the number of the last row, and what may be newest among those above a number."""
+    last = int(connection.scalar(select(func.max(plant_told.c.id))) or 0)
+    queries = [_above(number)] if number else [_newest_of(kind, upto) for kind in _KINDS]
+    rows = (row for query in queries if last > number for row in connection.execute(query))
+    return last, [told_seen(row) for row in rows]
+
+
+def _above(number: int) -> Any:
+    of_a_robot = plant_told.c.kind.in_(_KINDS) & (plant_told.c.robot_serial_number != "")
+    query = select(plant_told, plant_cells.c.name.label("cell")).select_from(with_cells(plant_told))
+    return query.where(plant_told.c.id > number, of_a_robot)
 
 
 def _newest_of(kind: ToldKind, upto: str) -> Any:
