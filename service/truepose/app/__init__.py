@@ -1,6 +1,14 @@
 """The composition root: settings -> storage -> drivers -> routes; the one place that knows everything."""
 
-from truepose.app.composition import create_app
-from truepose.app.server import serve
+from typing import TYPE_CHECKING
+
+from truepose.lazy_names import loader
+
+if TYPE_CHECKING:
+    from truepose.app.cells import serve
+    from truepose.app.composition import create_app
 
 __all__ = ["create_app", "serve"]
+
+if not TYPE_CHECKING:
+    __getattr__ = loader(__name__, {"create_app": "composition", "serve": "cells"})

@@ -5,8 +5,7 @@ import contextlib
 import dataclasses
 import functools
 import logging
-from collections.abc import AsyncIterator, Callable, Coroutine, Sequence
-from importlib.metadata import PackageNotFoundError, version
+from collections.abc import AsyncIterator, Callable, Sequence
 from pathlib import Path
 from typing import Final, Protocol, runtime_checkable
 
@@ -19,6 +18,15 @@ from truepose.analysis.promising import PromiseDesk
 from truepose.analysis.workers.process import Perform, perform_in_worker
 from truepose.analysis.workers.uploads import Uploads
 from truepose.app.errors import ScenarioRefusedError, StartError
+from truepose.app.joined import (
+    allowed_hosts,
+    beside,
+    copies_of,
+    opened_database,
+    people_of,
+    program_version,
+    stop_streams,
+)
 from truepose.app.simulation import Simulation, running_simulation
 from truepose.domain.cell.description import Cell, DeviceEntry
 from truepose.exchange.cells.file import read_cell, simulated_cell
@@ -30,7 +38,7 @@ from truepose.operation.devices import MountedDevice, Rack
 from truepose.operation.guided.outlooks import Outlooks
 from truepose.operation.guided.sessions import GuidedSessions
 from truepose.operation.lookout.watch import Lookout
-from truepose.operation.people.desk import PeopleDesk, open_people
+from truepose.operation.people.desk import PeopleDesk
 from truepose.operation.present_cell import PresentCell
 from truepose.operation.repeated_diagnosis import RepeatedDiagnosis
 from truepose.operation.sessions import SessionDesk
@@ -38,15 +46,12 @@ from truepose.operation.simulated_faults import FaultsDesk
 from truepose.operation.simulated_hands import HandsDesk
 from truepose.operation.tracker.sessions import TrackerSessions
 from truepose.settings import Settings
-from truepose.storage.backup.restoring import put_ready_in_place
-from truepose.storage.backup.schedule import BackupSchedule
 from truepose.storage.calibration.campaigns import CampaignRepository
 from truepose.storage.calibration.corrections import CorrectionRepository
 from truepose.storage.calibration.diagnoses import DiagnosisRepository
 from truepose.storage.calibration.jobs import JobRepository
 from truepose.storage.calibration.reports import ReportRepository
 from truepose.storage.calibration.results import ResultRepository
-from truepose.storage.connection.address import database_file
 from truepose.storage.database import Database
 from truepose.storage.events import EventRepository
 from truepose.storage.files.drafts import DraftFolder
@@ -60,10 +65,10 @@ from truepose.storage.measurement.sessions import SessionRepository
 from truepose.storage.measurement.tracker_readings import ReadingRepository
 from truepose.storage.work.lineage import Lineages
 from truepose.storage.work.listing import WorkList
-from truepose.web.application import Application, create_application
+from truepose.web.application import create_application
 from truepose.web.context import Context, Endpoint
-from truepose.web.door.hosts import AllowedHosts
 from truepose.web.door.proxies import Proxies
+from truepose.web.served import Application
 from truepose_drivers.api import Clock, DriverPlugin
 from truepose_drivers.registry import DriverRegistry, load_registry
 
@@ -97,31 +102,6 @@ def create_app(
     hosts, proxies = allowed_hosts(settings), Proxies(settings.proxies)
     opened = functools.partial(open_context, settings, registry, perform)
     return create_application(program_version(), opened, hosts, proxies)
-
-
-def opened_database(url: str) -> Database:
-    """Return the database of a service, which begins with the copy that 'truepose restore' has laid ready."""
-    file = database_file(url)
-    found = put_ready_in_place(file)
-    if found is not None:
-        head, kept = found
-        before = "" if kept is None else f"; what was there is kept as {kept}"
-        _LOG.warning("%s: %d records restored, chain head %s%s", file, head.links, head.text, before)
-    return Database(url)
-
-
-def allowed_hosts(settings: Settings) -> AllowedHosts:
-    """Return the names under which the service may be asked; raises UnusableHostError."""
-    scheme = "http" if settings.tls_certificate is None else "https"
-    return AllowedHosts(settings.allowed_hosts, settings.host, scheme)
-
-
-def program_version() -> str:
-    """Return the version of the program; a checkout that was never installed has none."""
-    try:
-        return version("truepose")
-    except PackageNotFoundError:
-        return "0+checkout"
 
 
 @contextlib.asynccontextmanager
@@ -170,46 +150,6 @@ async def open_context(
         stack.callback(stop_streams, context)
         beside(stack, Guard(database).follow(), "storage guard")
         yield context
-
-
-class _Streams(Protocol):
-    """What sends streams that end with the service."""
-
-    @property
-    def database(self) -> Database: ...
-    @property
-    def stopping(self) -> asyncio.Event: ...
-
-
-def beside(stack: contextlib.AsyncExitStack, work: Coroutine[None, None, None], name: str) -> None:
-    """Have work done as long as the stack is open."""
-    stack.push_async_callback(_end, asyncio.create_task(work, name=name))
-
-
-def copies_of(settings: Settings, stack: contextlib.AsyncExitStack) -> BackupSchedule | None:
-    """Have copies made as long as the stack is open, where some are wanted."""
-    if settings.backups is None:
-        return None
-    copies = BackupSchedule(settings.database_url, settings.backups)
-    beside(stack, copies.follow(), "copies of the database")
-    return copies
-
-
-def people_of(database: Database, settings: Settings) -> contextlib.AbstractAsyncContextManager[PeopleDesk]:
-    """Return what opens everything about who asks."""
-    return open_people(database, asked_for=settings.accounts, alone=settings.reached_from_here_alone)
-
-
-async def _end(task: asyncio.Task[None]) -> None:
-    task.cancel()
-    with contextlib.suppress(asyncio.CancelledError):
-        await task
-
-
-def stop_streams(context: _Streams) -> None:
-    """End every event stream, so that their connections can close."""
-    context.stopping.set()
-    context.database.wake()
 
 
 def _cell(settings: Settings) -> Cell:

@@ -8,7 +8,7 @@ from truepose.analysis.drawing import DrawingDesk
 from truepose.analysis.fleets.desk import FleetDesk
 from truepose.analysis.kept import KeptDrawings
 from truepose.analysis.workers.process import perform_in_worker
-from truepose.app.composition import beside, copies_of, opened_database, people_of, program_version
+from truepose.app.joined import beside, copies_of, opened_database, people_of, program_version
 from truepose.app.server import Served, run
 from truepose.exchange.cells.of_plant import read_plant_file
 from truepose.plant.collector import Collector, Pace, collecting

@@ -16,11 +16,11 @@ from typing import Final, Generic, Protocol, TypeVar
 
 import uvicorn
 
-from truepose.app.composition import allowed_hosts, open_context, program_version, stop_streams
 from truepose.app.connections.census import Census, Limits, looked_after
 from truepose.app.connections.descriptors import connection_limit
 from truepose.app.connections.protocol import WatchedProtocol
 from truepose.app.errors import PortInUseError, ScenarioRefusedError, UnsafeStartError
+from truepose.app.joined import allowed_hosts, program_version, stop_streams
 from truepose.app.logs.journal import logged
 from truepose.app.safety import require_safe, speak_tls
 from truepose.app.service_manager import keep_telling, tell
@@ -32,11 +32,10 @@ from truepose.settings import Settings
 from truepose.storage.connection.address import database_file
 from truepose.storage.database import Database
 from truepose.storage.people.machine import ReachedService, told_beside
-from truepose.web.application import Application, create_application
-from truepose.web.context import Context
 from truepose.web.door.errors import DoorError
 from truepose.web.door.hosts import AllowedHosts
 from truepose.web.door.proxies import Proxies
+from truepose.web.served import Application
 from truepose.words.error_codes import code_of
 from truepose_drivers.errors import DriverError
 
@@ -76,15 +75,6 @@ class Served(Generic[C]):
     application: Callable[
         [str, Callable[[], AbstractAsyncContextManager[C]], AllowedHosts, Proxies], Application
     ]
-
-
-def serve(settings: Settings) -> int:
-    """Serve a cell until interrupted, as `run` does."""
-
-    def opened(lines_lost: Callable[[], int]) -> AbstractAsyncContextManager[Context]:
-        return open_context(settings, lines_lost=lines_lost)
-
-    return run(settings, Served(opened, create_application))
 
 
 def run(settings: Settings, served: Served[C]) -> int:

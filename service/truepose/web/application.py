@@ -1,18 +1,10 @@
-"""The web application: routes, problems, limits, and an OpenAPI document that hides nothing."""
+"""The web application of a cell: all of its routes."""
 
-import contextlib
-from collections.abc import AsyncIterator, Callable, Sequence
-from contextlib import AbstractAsyncContextManager
-from typing import Any, Final, Protocol, TypeAlias
+from typing import Final
 
-from fastapi import FastAPI
-from fastapi.openapi.utils import get_openapi
-from starlette.middleware.gzip import DEFAULT_EXCLUDED_CONTENT_TYPES, GZipMiddleware
 from starlette.routing import BaseRoute
-from starlette.types import ASGIApp
 
-from truepose.storage.database import Database
-from truepose.web import events, jobs, pages, problems
+from truepose.web import events, jobs, pages
 from truepose.web.again import routes as again
 from truepose.web.calibration import (
     campaigns,
@@ -26,9 +18,7 @@ from truepose.web.calibration import (
     validations,
 )
 from truepose.web.door.hosts import AllowedHosts
-from truepose.web.door.middleware import Door
 from truepose.web.door.proxies import Proxies
-from truepose.web.examples import add_examples
 from truepose.web.healthiness import routes as health
 from truepose.web.leaving import chain, hand_downs
 from truepose.web.measurement import (
@@ -48,31 +38,11 @@ from truepose.web.measurement.ballbar import sessions as ballbar_sessions
 from truepose.web.measurement.simulated import faults as simulated_faults
 from truepose.web.measurement.simulated import hands as simulated_hands
 from truepose.web.observation import routes as metrics
-from truepose.web.observation.metrics import Metrics
-from truepose.web.observation.requests import Observed
 from truepose.web.people import acts, authority, people, sign_ins, watching
-from truepose.web.people.gate import Gate
-from truepose.web.people.operations import operations_of
 from truepose.web.people.pages import router as pages_of_people
-from truepose.web.people.rights import require_complete
-from truepose.web.requests.by_path import Routing
-from truepose.web.requests.lanes import Lanes
-from truepose.web.requests.limits import RequestLimits
-from truepose.web.requests.queries import drop_null_of_parameters
+from truepose.web.served import Application, OpenContext, application_of
 from truepose.web.tablet import routes as tablet
 
-Application: TypeAlias = FastAPI
-
-
-class Opened(Protocol):
-    """What is behind the routes of an application."""
-
-    @property
-    def database(self) -> Database:
-        """Where records are kept."""
-
-
-OpenContext: TypeAlias = Callable[[], AbstractAsyncContextManager[Opened]]
 _RESOURCES: Final = (
     cells,
     devices,
@@ -108,37 +78,6 @@ _RESOURCES: Final = (
     chain,
     hand_downs,
 )
-_AS_IT_IS: Final = (
-    *DEFAULT_EXCLUDED_CONTENT_TYPES,
-    "application/pdf",
-    "application/octet-stream",
-    chain.LINES,
-)
-_DESCRIPTION: Final = (
-    "Measures industrial robots, identifies what their nominal model gets wrong, validates the result, "
-    "and names the causes of what is left. Every quantity names its unit; angles are in degrees. Errors "
-    "are problem documents (RFC 9457) with one sentence in `detail`. Any request may be answered with 421 "
-    "where it names another host than the service, 403 where a browser sends it from somebody else's "
-    "page or the role of whoever asks is too low, 401 where nobody is signed in, 415 where it is a form, "
-    "and 503 with Retry-After where too many are under way. Programs send their token as `Authorization: "
-    "Bearer`. This software is not the safety function: nothing moves before a named person has confirmed, "
-    "and the emergency "
-    "stop stays in reach."
-)
-
-
-class _Guarded(FastAPI):
-    """Has its door before everything, the framework's own answer to a failure included."""
-
-    def __init__(self, hosts: AllowedHosts, proxies: Proxies, **options: Any) -> None:
-        super().__init__(**options)
-        self._hosts = hosts
-        self._proxies = proxies
-        self.state.metrics = Metrics()
-
-    def build_middleware_stack(self) -> ASGIApp:
-        door = Door(super().build_middleware_stack(), self._hosts, self._proxies)
-        return Observed(door, self.state.metrics)
 
 
 def create_application(
@@ -146,49 +85,9 @@ def create_application(
     open_context: OpenContext,
     hosts: AllowedHosts | None = None,
     proxies: Proxies | None = None,
-    routes: Sequence[BaseRoute] | None = None,
 ) -> Application:
-    """Return the application of these routes, by default a cell's.
-
-    It opens its context when it starts and closes it when it ends.
-
-    It answers requests for `hosts` alone; where none are given, for those of loopback. Who asks is who has
-    the connection, and behind one of `proxies` whom that tells. Raises MissingRightError where nobody has
-    said who may ask for one of its operations.
-    """
-
-    @contextlib.asynccontextmanager
-    async def lifespan(started: FastAPI) -> AsyncIterator[None]:
-        async with open_context() as context:
-            started.state.context = context
-            context.database.commits.told = started.state.metrics.committed
-            yield
-
-    app = _Guarded(
-        hosts or AllowedHosts(),
-        proxies or Proxies(),
-        title="truepose",
-        version=version,
-        description=_DESCRIPTION,
-        lifespan=lifespan,
-        # FastAPI's own pages load their scripts from a content network; a shop floor has none.
-        docs_url=None,
-        redoc_url=None,
-        redirect_slashes=False,
-        strict_content_type=False,  # `RequestLimits` answers 415 with a sentence
-    )
-    app.router.routes += _routes() if routes is None else routes
-    app.router.middleware_stack = Routing(app.router.middleware_stack, app.routes)
-    problems.install(app)
-    app.add_middleware(Lanes)
-    app.add_middleware(RequestLimits)
-    operations = operations_of(app.routes)
-    require_complete(operation.name for operation in operations)
-    app.add_middleware(Gate, operations=operations)
-    # Outermost, so that refusals are compressed as well; streams and what is packed already are left alone.
-    app.add_middleware(GZipMiddleware, minimum_size=1024, compresslevel=5, exclude_content_types=_AS_IT_IS)
-    _complete_openapi(app)
-    return app
+    """Return the application of a cell, as `application_of` does that of any routes."""
+    return application_of(_routes(), version, open_context, hosts, proxies)
 
 
 def _routes() -> list[BaseRoute]:
@@ -196,20 +95,3 @@ def _routes() -> list[BaseRoute]:
     of_api = [resource.router for resource in _RESOURCES]
     routers = (health.router, metrics.router, *of_api, pages.router, pages_of_people, tablet.router)
     return [route for router in routers for route in router.routes]
-
-
-def _complete_openapi(app: FastAPI) -> None:
-    """Let the document define the problem schema that every route refers to."""
-
-    def document() -> dict[str, Any]:
-        if app.openapi_schema is None:
-            app.openapi_schema = get_openapi(
-                title=app.title, version=app.version, description=app.description, routes=app.routes
-            )
-            schemas = app.openapi_schema.setdefault("components", {}).setdefault("schemas", {})
-            schemas["Problem"] = problems.Problem.model_json_schema()
-            drop_null_of_parameters(app.openapi_schema)
-            add_examples(app.openapi_schema)
-        return app.openapi_schema
-
-    app.openapi = document  # type: ignore[method-assign]  # the framework's own way to extend it

@@ -1,44 +1,50 @@
-"""What the routes work with; made once by the composition root."""
+"""What the routes work with; made once by the composition root.
+
+What it holds is loaded by who makes it: routes that a plant has as well know it by name alone.
+"""
+
+from __future__ import annotations
 
 import asyncio
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Annotated, cast
+from typing import TYPE_CHECKING, Annotated, cast
 
 from fastapi import Depends, Request
 
-from truepose.analysis.campaigns.stored import CampaignDesk
-from truepose.analysis.drafts import DraftDesk
-from truepose.analysis.drawing import DrawingDesk
-from truepose.analysis.jobs import JobDesk
-from truepose.analysis.promising import PromiseDesk
-from truepose.domain.cell.description import Cell
-from truepose.operation.ballbar.sessions import BallbarSessions
-from truepose.operation.closing import ClosingDesk
-from truepose.operation.contacts.sessions import ContactSessions
-from truepose.operation.devices import Rack
-from truepose.operation.guided.sessions import GuidedSessions
-from truepose.operation.lookout.watch import Lookout
-from truepose.operation.people.desk import PeopleDesk
-from truepose.operation.sessions import SessionDesk
-from truepose.operation.simulated_faults import FaultsDesk
-from truepose.operation.simulated_hands import HandsDesk
-from truepose.operation.tracker.sessions import TrackerSessions
-from truepose.storage.calibration.campaigns import CampaignRepository
-from truepose.storage.calibration.corrections import CorrectionRepository
-from truepose.storage.calibration.diagnoses import DiagnosisRepository
-from truepose.storage.calibration.jobs import JobRepository
-from truepose.storage.calibration.reports import ReportRepository
-from truepose.storage.calibration.results import ResultRepository
-from truepose.storage.database import Database
-from truepose.storage.events import EventRepository
-from truepose.storage.measurement.closings import ClosingRepository
-from truepose.storage.measurement.series import SeriesRepository
-from truepose.storage.measurement.sessions import SessionRepository
-from truepose.storage.measurement.tracker_readings import ReadingRepository
-from truepose.storage.records import SessionRecord
-from truepose.storage.work.lineage import Lineages
-from truepose.storage.work.listing import WorkList
+if TYPE_CHECKING:
+    from truepose.analysis.campaigns.stored import CampaignDesk
+    from truepose.analysis.drafts import DraftDesk
+    from truepose.analysis.drawing import DrawingDesk
+    from truepose.analysis.jobs import JobDesk
+    from truepose.analysis.promising import PromiseDesk
+    from truepose.domain.cell.description import Cell
+    from truepose.operation.ballbar.sessions import BallbarSessions
+    from truepose.operation.closing import ClosingDesk
+    from truepose.operation.contacts.sessions import ContactSessions
+    from truepose.operation.devices import Rack
+    from truepose.operation.guided.sessions import GuidedSessions
+    from truepose.operation.lookout.watch import Lookout
+    from truepose.operation.people.desk import PeopleDesk
+    from truepose.operation.sessions import SessionDesk
+    from truepose.operation.simulated_faults import FaultsDesk
+    from truepose.operation.simulated_hands import HandsDesk
+    from truepose.operation.tracker.sessions import TrackerSessions
+    from truepose.storage.calibration.campaigns import CampaignRepository
+    from truepose.storage.calibration.corrections import CorrectionRepository
+    from truepose.storage.calibration.diagnoses import DiagnosisRepository
+    from truepose.storage.calibration.jobs import JobRepository
+    from truepose.storage.calibration.reports import ReportRepository
+    from truepose.storage.calibration.results import ResultRepository
+    from truepose.storage.database import Database
+    from truepose.storage.events import EventRepository
+    from truepose.storage.measurement.closings import ClosingRepository
+    from truepose.storage.measurement.series import SeriesRepository
+    from truepose.storage.measurement.sessions import SessionRepository
+    from truepose.storage.measurement.tracker_readings import ReadingRepository
+    from truepose.storage.records import SessionRecord
+    from truepose.storage.work.lineage import Lineages
+    from truepose.storage.work.listing import WorkList
 
 
 @dataclass(frozen=True, slots=True)

@@ -15,13 +15,12 @@ from fastapi.responses import Response, StreamingResponse
 from truepose.storage.leaving.links import LeavingLink, LeavingRecords
 from truepose.storage.leaving.typed_rows import typed
 from truepose.web.context import Here
-from truepose.web.leaving.schemas import ChainHeadReply
+from truepose.web.leaving.schemas import LINES, ChainHeadReply
 from truepose.web.problems import problems
 from truepose.web.resources import resource
 from truepose.web.schemas.base import NUMBER_LIMIT
 
 router = resource("/chain", tags=["plant"])
-LINES: Final = "application/x-ndjson"
 MOST_LINKS: Final = 5000
 MOST_BYTES: Final = 8 * 2**20  # of a page, unless its first record alone has more
 _CONTENT: Final = {

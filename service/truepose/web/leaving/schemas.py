@@ -1,12 +1,14 @@
 """What a plant is told of a cell, and what it hands down."""
 
-from typing import Any, Literal
+from typing import Any, Final, Literal
 
 from pydantic import Field
 
 from truepose.domain.people.names import LONGEST_NAME
 from truepose.storage.leaving.handed_down import HandedDownRecord
 from truepose.web.schemas.base import VISIBLE, FreeDocument, PersonName, RecordedAt, RecordId, Reply, Request
+
+LINES: Final = "application/x-ndjson"  # media type of links
 
 
 class ChainHeadReply(Reply):

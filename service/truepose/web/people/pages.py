@@ -8,13 +8,11 @@ from fastapi.responses import HTMLResponse, RedirectResponse, Response
 
 from truepose.domain.people.accounts import OF_PROGRAMS, Role
 from truepose.storage.people.credentials import CredentialKind
-from truepose.web.people import watching
 from truepose.web.people.acts import Before
 from truepose.web.people.people import listed_people, listed_tokens
 from truepose.web.visiting.visits import Visited
 
 router = APIRouter(include_in_schema=False)
-router.routes += watching.pages.routes
 _SHOWN: Final = 100
 
 
