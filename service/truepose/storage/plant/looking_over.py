@@ -1,13 +1,15 @@
 """What the first page of a plant asks for: all robots with their last day, and what came in lately."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from datetime import date, datetime
 from typing import Any, Final
 
-from sqlalchemy import Connection, ScalarSelect, func, select
+from sqlalchemy import ColumnElement, Connection, ScalarSelect, Table, cast, func, select
 
+from truepose.storage.column_types import TEXT
 from truepose.storage.database import Database
-from truepose.storage.plant.looking import ResultSeen, result_seen, results_seen, with_cells
+from truepose.storage.plant.looking import ResultSeen, result_seen, results_seen
 from truepose.storage.tables.of_plants import (
     plant_branches,
     plant_cells,
@@ -17,6 +19,7 @@ from truepose.storage.tables.of_plants import (
 )
 
 _MADE_LATER: Final = ("report", "closing")  # their day is none of measuring
+_BETWEEN: Final = "\x1f"  # unit separator: in no day and no serial number
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,43 +73,46 @@ class PlantOverview:
 
 
 def _robots(connection: Connection, upto: str) -> list[RobotMeasured]:
-    days, results = plant_days.c, plant_results.c
-    measured = results.kind.not_in(_MADE_LATER)
-    columns = (
-        plant_robots.c.serial_number,
-        plant_robots.c.robot,
-        _last(plant_days, days.measured_on, upto),
-        _last(plant_days, plant_cells.c.name, upto),
-        _last(plant_days, days.instrument_serial_number, upto),
-        _last(plant_results, results.measured_on, upto, measured),
-        _last(plant_results, plant_cells.c.name, upto, measured),
-        _last(plant_results, results.instrument_serial_number, upto, measured),
-    )
-    return [_robot(upto, *row) for row in connection.execute(select(*columns))]
+    cells = _cells_of_branches(connection)
+    measured = plant_results.c.kind.not_in(_MADE_LATER)
+    robot = (plant_robots.c.serial_number, plant_robots.c.robot)
+    query = select(*robot, _last(plant_days, upto), _last(plant_results, upto, measured))
+    return [
+        RobotMeasured(serial, robot, *_later(upto, _read(cells, of_days), _read(cells, of_results)))
+        for serial, robot, of_days, of_results in connection.execute(query)
+    ]
 
 
-def _robot(upto: str, serial: str, robot: str, *told: str | None) -> RobotMeasured:
-    found = [tuple(one or "" for one in told[first : first + 3]) for first in (0, 3)]
-    return RobotMeasured(serial, robot, *max(found, key=lambda last: ("" < last[0] <= upto, last)))
+def _later(upto: str, *found: tuple[str, str, str]) -> tuple[str, str, str]:
+    return max(found, key=lambda last: ("" < last[0] <= upto, last))
 
 
-def _last(table: Any, wanted: Any, upto: str, *conditions: Any) -> Any:
+def _last(table: Table, upto: str, *conditions: ColumnElement[bool]) -> ColumnElement[str]:
     """Return what the row of a robot's last day says: of one up to a day, else of any."""
     counting = table.c.measured_on.between("0", upto)  # an empty one is no day
-    return func.coalesce(_newest(table, wanted, counting, *conditions), _newest(table, wanted, *conditions))
+    return func.coalesce(_newest(table, counting, *conditions), _newest(table, *conditions))
 
 
-def _newest(table: Any, wanted: Any, *conditions: Any) -> ScalarSelect[Any]:
-    """Return what the row of a robot's newest day says."""
-    query: ScalarSelect[Any] = (
-        select(wanted)
-        .select_from(with_cells(table))
-        .where(table.c.robot_serial_number == plant_robots.c.serial_number, *conditions)
-        .order_by(table.c.measured_on.desc(), table.c.id.desc())
-        .limit(1)
-        .scalar_subquery()
-    )
-    return query
+def _newest(table: Table, *conditions: ColumnElement[bool]) -> ScalarSelect[str]:
+    """Return branch, day and instrument of a robot's newest day, in one text: it is sought once."""
+    told = (cast(table.c.branch_id, TEXT), table.c.measured_on, table.c.instrument_serial_number)
+    query = select(told[0] + _BETWEEN + told[1] + _BETWEEN + told[2])
+    of_robot = query.where(table.c.robot_serial_number == plant_robots.c.serial_number, *conditions)
+    return of_robot.order_by(table.c.measured_on.desc(), table.c.id.desc()).limit(1).scalar_subquery()
+
+
+def _read(cells: Mapping[int, str], told: str | None) -> tuple[str, str, str]:
+    """Return day, cell and instrument; empty where there are none."""
+    if told is None:
+        return "", "", ""
+    branch, day, instrument = told.split(_BETWEEN, 2)
+    return day, cells[int(branch)], instrument
+
+
+def _cells_of_branches(connection: Connection) -> dict[int, str]:
+    of_branch = plant_branches.c.cell_id == plant_cells.c.id
+    query = select(plant_branches.c.id, plant_cells.c.name).join(plant_cells, of_branch)
+    return dict(tuple(row) for row in connection.execute(query))
 
 
 def _lately(connection: Connection, since: str, limit: int) -> Lately:
