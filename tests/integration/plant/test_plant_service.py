@@ -116,7 +116,7 @@ def gone(monkeypatch):
     """The plant's server is away; the sentence with which that is told."""
     sentence = "The server of postgresql://plant does not answer; see that it runs."
 
-    async def robots(_overview):
+    async def robots(_overview, _upto):
         raise StorageUnavailableError(sentence)
 
     monkeypatch.setattr(PlantOverview, "robots", robots)

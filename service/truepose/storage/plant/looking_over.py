@@ -89,7 +89,7 @@ def _later(upto: str, *found: tuple[str, str, str]) -> tuple[str, str, str]:
 
 def _last(table: Table, upto: str, *conditions: ColumnElement[bool]) -> ColumnElement[str]:
     """Return what the row of a robot's last day says: of one up to a day, else of any."""
-    counting = table.c.measured_on.between("0", upto)  # an empty one is no day
+    counting = (table.c.measured_on > "") & (table.c.measured_on <= upto)
     return func.coalesce(_newest(table, counting, *conditions), _newest(table, *conditions))
 
 
