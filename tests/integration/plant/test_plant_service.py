@@ -97,6 +97,8 @@ async def test_a_hand_down_reaches_the_cell_and_says_so(service, cell):
         ("/audit", 200),
         ("/static/look.css", 200),
         ("/docs", 200),
+        ("/errors", 200),
+        ("/errors/TP-6001", 200),
         ("/api/v1/plant/cells", 200),
         ("/api/v1/plant/cells/right arm", 404),
         ("/api/v1/plant/robots/none", 404),

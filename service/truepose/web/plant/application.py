@@ -9,6 +9,7 @@ from truepose.web.door.hosts import AllowedHosts
 from truepose.web.door.proxies import Proxies
 from truepose.web.people import acts, people, sign_ins
 from truepose.web.people.pages import router as pages_of_people
+from truepose.web.places import error_pages
 from truepose.web.plant import cells, fleets, glance, hand_downs, health, seen
 from truepose.web.plant import pages as pages_of_plant
 from truepose.web.plant.context import PlantContext
@@ -40,5 +41,6 @@ def _routes() -> list[BaseRoute]:
         pages_of_plant.router,
         pages_of_people,
         everywhere.router,
+        error_pages.router,  # to which problem documents lead
     )
     return [route for router in routers for route in router.routes]
