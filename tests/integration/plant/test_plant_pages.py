@@ -124,6 +124,16 @@ async def test_robots_are_due_in_the_order_that_the_page_says(service):
     ]
 
 
+async def test_a_robot_that_was_never_measured_stands_in_the_cell_that_planned_for_it(service, cell):
+    await cell.measure(0, serial="120-9")
+    await collect(service, cell)
+
+    shown = await page(service, "/")
+
+    assert due(shown) == [("120-9", "No measurement of it is on record.")]
+    assert '<td data-label="Cell">left arm</td>' in shown
+
+
 async def test_where_no_robot_is_due_none_is_listed(service):
     of_a_wrong_clock = [*robot("fresh", -400)[1:], *robot("fresher", -400, campaign=True)[1:]]
     judged = [validation("fresh", 1, -400, "failed"), validation("fresh", 2, 0, "passed")]

@@ -1,7 +1,7 @@
 """What the first page of a plant asks for: all robots with their last day, and what came in lately."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import date, datetime
 from typing import Any, Final
 
@@ -16,6 +16,7 @@ from truepose.storage.tables.of_plants import (
     plant_days,
     plant_results,
     plant_robots,
+    plant_sessions,
 )
 
 _MADE_LATER: Final = ("report", "closing")  # their day is none of measuring
@@ -29,7 +30,7 @@ class RobotMeasured:
     serial_number: str
     robot: str  # its type
     last_measured_on: str  # a day, by the cell's clock; empty: never
-    cell: str  # empty: never measured
+    cell: str  # where that was, or where it is to be measured; empty: nobody said it
     instrument_serial_number: str = ""  # that measured it then; empty: nobody said it
 
 
@@ -77,10 +78,24 @@ def _robots(connection: Connection, upto: str) -> list[RobotMeasured]:
     measured = plant_results.c.kind.not_in(_MADE_LATER)
     robot = (plant_robots.c.serial_number, plant_robots.c.robot)
     query = select(*robot, _last(plant_days, upto), _last(plant_results, upto, measured))
-    return [
+    robots = [
         RobotMeasured(serial, robot, *_later(upto, _read(cells, of_days), _read(cells, of_results)))
         for serial, robot, of_days, of_results in connection.execute(query)
     ]
+    return _where_planned(connection, cells, robots)
+
+
+def _where_planned(
+    connection: Connection, cells: Mapping[int, str], robots: list[RobotMeasured]
+) -> list[RobotMeasured]:
+    """Return robots with the cell that planned for them, where none has measured them."""
+    unmeasured = {robot.serial_number for robot in robots if not robot.cell}
+    if not unmeasured:
+        return robots
+    planned = select(plant_sessions.c.robot_serial_number, plant_sessions.c.branch_id)
+    rows = connection.execute(planned.order_by(plant_sessions.c.id))
+    places = {serial: cells[branch] for serial, branch in rows if serial in unmeasured}
+    return [replace(robot, cell=robot.cell or places.get(robot.serial_number, "")) for robot in robots]
 
 
 def _later(upto: str, *found: tuple[str, str, str]) -> tuple[str, str, str]:
