@@ -23,6 +23,7 @@ from truepose.storage.tables.of_plants import (
     plant_results,
     plant_robots,
     plant_sessions,
+    plant_told,
 )
 
 CELLS: Final = 40
@@ -30,6 +31,7 @@ _INSTRUMENTS: Final = 3
 _MONTHS: Final = 24
 _DAYS: Final = 30  # of a month
 _KINDS: Final = ("campaign", "identification", "model", "diagnosis", "report")
+_TOLD: Final = ("campaign", "identification", "model", "diagnosis")  # what they tell is beside them
 _READING: Final = '{"id":%d,"session_id":%d,"recorded_at":"%s","kind":"point","document":"' + "0" * 240 + '"}'
 _OF_NONE: Final = 0  # stream of what belongs to no session
 
@@ -149,6 +151,9 @@ def _of_session(chain: CellChain, session: _Session) -> Iterator[tuple[Table, di
             "robot": "IRB 120",
         }
         yield plant_results, {**stamp, **session.of, **told, "measured_on": session.on, "clock_offset_s": 0.5}
+        if kind in _TOLD:
+            tells = {**told, "measured_on": session.on, "verdict": "", "document": "{}"}
+            yield plant_told, {**stamp, **session.of, **tells}
 
 
 def _journal(
