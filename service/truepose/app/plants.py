@@ -3,6 +3,7 @@
 import asyncio
 import contextlib
 from collections.abc import AsyncIterator, Callable
+from datetime import UTC, datetime
 
 from truepose.analysis.drawing import DrawingDesk
 from truepose.analysis.fleets.desk import FleetDesk
@@ -12,7 +13,7 @@ from truepose.app.joined import beside, copies_of, opened_database, people_of, p
 from truepose.app.server import Served, run
 from truepose.exchange.cells.of_plant import read_plant_file
 from truepose.plant.collector import Collector, Pace, collecting
-from truepose.plant.due import DueAfter
+from truepose.plant.due import DueAfter, latest_day
 from truepose.plant.visit import Shelves
 from truepose.settings import PlantSettings
 from truepose.storage.files.drawn import DrawnFolder
@@ -62,6 +63,8 @@ async def open_plant(settings: PlantSettings) -> AsyncIterator[PlantContext]:
         beside(stack, Guard(database).follow(), "storage guard")
         copies = copies_of(settings.service, stack)
         await stack.enter_async_context(collecting(collector))
+        told = PlantTold(database)
+        await told.newest(latest_day(datetime.now(UTC).date()))  # of all robots: no page waits for it
         drawing = DrawingDesk(perform_in_worker, KeptDrawings(DrawnFolder.beside(database.file)))
         stack.push_async_callback(drawing.kept.close)
         yield PlantContext(
@@ -75,7 +78,7 @@ async def open_plant(settings: PlantSettings) -> AsyncIterator[PlantContext]:
             lines=JournalLines(database),
             looks=PlantLooks(database),
             overview=PlantOverview(database),
-            told=PlantTold(database),
+            told=told,
             certificates=PlantCertificates(database),
             fleets=FleetDesk(CollectedCampaigns(database), FleetDesk.folder(database.file), drawing),
             drawing_desk=drawing,
