@@ -147,11 +147,11 @@ async def test_a_database_that_cannot_be_read_is_no_service(app, client, monkeyp
     assert "cannot be read" in page.text
 
 
-async def test_a_database_that_is_late_is_a_service_until_it_stays_silent(app, client, monkeypatch):
-    async def never(work):
+async def test_a_database_that_is_late_is_a_service_until_it_stays_silent(client, monkeypatch):
+    async def never(database):
         await asyncio.Event().wait()
 
-    monkeypatch.setattr(app.state.context.database, "read", never)
+    monkeypatch.setattr(f"{LOOKING}.counted", never)
     monkeypatch.setattr(f"{LOOKING}._PATIENCE_S", 0.0)
     monkeypatch.setattr(f"{LOOKING}._KEPT_S", 0.0)
     monkeypatch.setattr(f"{LOOKING}._SILENT_S", 0.0)
