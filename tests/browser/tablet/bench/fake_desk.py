@@ -14,8 +14,8 @@ from fastapi import FastAPI, Header, Request
 from fastapi.responses import JSONResponse, Response, StreamingResponse
 
 from truepose.sequencing.engine.notices import motion_notice
-from truepose.web.pages import colours, static_file
 from truepose.web.tablet import routes
+from truepose.web.visiting.everywhere import colours, static_file
 from truepose_drivers.api import MotionGuard
 
 ALL_ACTS = ["store", "retry", "skip", "back", "pause", "stop", "abort", "confirm", "answer", "resume"]
