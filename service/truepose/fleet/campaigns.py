@@ -1,6 +1,6 @@
 """The campaigns of robots of one type, as arrays over the same parameters in units of their stated widths."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Final
@@ -90,8 +90,8 @@ def fleet_of(campaigns: Sequence[Measured]) -> Fleet:
     instruments = tuple(sorted({one.instrument for one in campaigns}))
     specs = _all_specs(campaigns)
     own = {name: spec for name, (spec, _) in specs.items() if name != _SCALE}
-    names = (*own, _SCALE)
-    arrays = [_over(one.told, [specs[name][0] for name in names]) for one in campaigns]
+    each = {name: spec for name, (spec, _) in specs.items()}
+    arrays = [_over(one.told, each, (*own, _SCALE)) for one in campaigns]
     return Fleet(
         robots=robots,
         instruments=instruments,
@@ -114,17 +114,19 @@ def _all_specs(campaigns: Sequence[Measured]) -> dict[str, tuple[ParameterSpec, 
     return found
 
 
-def _over(told: Information, specs: Sequence[ParameterSpec]) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return normal matrix, right side and motions over these parameters, in their widths from their means.
+def _over(
+    told: Information, specs: Mapping[str, ParameterSpec], names: tuple[str, ...]
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return normal matrix, right side and motions over `names`, in the widths of `specs` from their means.
 
     In those of the fleet: a campaign may have stated others, and what it tells does not depend on them.
     """
-    place = {spec.name: k for k, spec in enumerate(specs)}
+    place = {name: k for k, name in enumerate(names)}
     to = np.array([place[name] for name in told.names], dtype=np.int64)
-    widths = np.array([specs[k].prior_width for k in to])
-    means = np.array([specs[k].prior_mean for k in to])
-    normal, motion = np.zeros((2, len(specs), len(specs)))
-    right = np.zeros(len(specs))
+    widths = np.array([specs[name].prior_width for name in told.names])
+    means = np.array([specs[name].prior_mean for name in told.names])
+    normal, motion = np.zeros((2, len(names), len(names)))
+    right = np.zeros(len(names))
     normal[np.ix_(to, to)] = told.normal * np.outer(widths, widths)
     motion[np.ix_(to, to)] = told.motion_mm2 * np.outer(widths, widths)
     right[to] = widths * (told.right - told.normal @ means)
