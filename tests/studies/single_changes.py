@@ -56,10 +56,21 @@ def _fill(connection):
     for n in range(_ROWS):
         for table in TABLES:
             columns = [column for column in table.columns if column.name not in {"id", "recorded_at"}]
-            # Of two columns that exclude each other, each is empty in every other row.
-            empty = [column for column in columns if column.nullable][n % 2 :: 2]
+            empty = _empty([column for column in columns if column.nullable], n)
             values = {column.name: _value(column, n) for column in columns if column not in empty}
             add_row(connection, table, **values)
+
+
+def _empty(nullable, n):
+    """Return what a row leaves empty: of what it may refer to all but one, of the rest every other one."""
+    referring = [column for column in nullable if column.foreign_keys]
+    if len(referring) < 2:
+        return nullable[n % 2 :: 2]
+    rest = [column for column in nullable if not column.foreign_keys]
+    return [
+        *(column for column in referring if column is not referring[n % len(referring)]),
+        *rest[n % 2 :: 2],
+    ]
 
 
 async def _base(folder):
