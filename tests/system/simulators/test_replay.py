@@ -170,7 +170,7 @@ def test_the_command_announces_the_models_cell_and_it_stands_where_predicted(gea
     command = [sys.executable, "-m", "truepose", "simulate", "--pace", "0", "--model", geared / "model.json"]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
         endpoints = {}
-        while "hands" not in endpoints:  # the last one: nobody is left who would write into a closed pipe
+        while "hands" not in endpoints:
             entry = json.loads(process.stdout.readline())
             endpoints[entry["device"]] = entry
         joints = [0.3, 0.5, -0.4, 1.0, -0.7, 2.0]
@@ -180,6 +180,7 @@ def test_the_command_announces_the_models_cell_and_it_stands_where_predicted(gea
             )
             answer = json.loads(truth.makefile("rb").readline())
         process.terminate()
+        process.communicate()  # what it still announces must not meet a closed pipe
 
     assert process.returncode == 0
     assert list(endpoints) == ["tracker", "robot", "robot-log", "clock", "truth", "ballbar", "hands"]
