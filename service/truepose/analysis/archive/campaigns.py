@@ -6,11 +6,11 @@ import functools
 import hashlib
 import io
 import zipfile
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Coroutine, Iterator
 from dataclasses import dataclass
 from datetime import date
 from pathlib import Path
-from typing import Final
+from typing import Final, TypeVar
 
 from truepose.analysis.archive.outcome import Found
 from truepose.domain.errors import ConfigurationError
@@ -25,6 +25,7 @@ from truepose.storage.database import Database
 from truepose.storage.plant.campaigns import CollectedCampaigns
 from truepose.storage.records import CampaignRecord, DiagnosisRecord, IdentificationRecord, Page
 
+T = TypeVar("T")
 _EPOCH: Final = (1980, 1, 1, 0, 0, 0)  # the same files give the same bytes
 _PAGE: Final = 500
 
@@ -112,7 +113,7 @@ def _own(database: Database, runner: asyncio.Runner) -> Iterator[Archived]:
         serial, day = runner.run(campaigns.measured(record.id))
         yield Archived(
             f"{record.id} {record.name}",
-            lambda number=record.id: runner.run(campaigns.content(number)),  # type: ignore[misc]
+            functools.partial(_run, runner, campaigns.content, record.id),
             functools.partial(stored.newest, record),
             _stated(serial, record.summary.instrument_serial_number or "", day),
         )
@@ -124,10 +125,15 @@ def _collected(database: Database, runner: asyncio.Runner) -> Iterator[Archived]
     for seen in runner.run(collected.all()):
         yield Archived(
             f"{seen.cell} {seen.record_id} {seen.name}",
-            lambda seen=seen: runner.run(collected.content(seen)),  # type: ignore[misc]
+            functools.partial(_run, runner, collected.content, seen),
             _nothing,
             _stated(seen.robot_serial_number, seen.instrument_serial_number, seen.measured_on),
         )
+
+
+def _run(runner: asyncio.Runner, content: Callable[[T], Coroutine[None, None, bytes]], of: T) -> bytes:
+    """Return the data of a campaign that a database has."""
+    return runner.run(content(of))
 
 
 def _stated(robot: str, instrument: str, day: str) -> Stated:

@@ -30,6 +30,7 @@ from truepose.fleet.components import uncertainties
 from truepose.fleet.course import along
 from truepose.fleet.forecast import Passing, concerned, passing
 from truepose.fleet.trials import Kind, Scope, Trial
+from truepose.words.catalogue import english
 
 
 class CauseDocument(Document):
@@ -65,7 +66,7 @@ class RivalDocument(Document):
             cause=CauseDocument.of_cause(change.cause),
             kind=change.kind,
             since=_date(change.since),
-            sentence=change_said(change),  # type: ignore[arg-type]  # spoken as it is taken
+            sentence=english(change_said(change)),
         )
 
 
@@ -241,7 +242,7 @@ def _passing(account: Account, named: Named, passes: Passing) -> PassingDocument
         day=day_of(passes.day),
         earliest=day_of(passes.earliest),
         latest=day_of(passes.latest),
-        sentence=passing_said(passes, last),  # type: ignore[arg-type]  # spoken as it is taken
+        sentence=english(passing_said(passes, last)),
     )
 
 
