@@ -4,8 +4,19 @@ import shutil
 
 import pytest
 
+from tests.helpers.machine import POSTGRESQL
+from tests.helpers.postgresql.server import programs, shared_server
 from truepose.storage.connection.address import database_file
 from truepose.storage.database import Database
+
+
+@pytest.fixture(scope="session")
+def server():
+    """A real PostgreSQL server, which a whole run shares."""
+    if programs() is None:
+        pytest.skip(POSTGRESQL.reason)
+    with shared_server() as running:
+        yield running
 
 
 @pytest.fixture

@@ -1,5 +1,6 @@
 """A cell with records on a real database, and a plant beside it that reaches it without a network."""
 
+import asyncio
 import contextlib
 import dataclasses
 import itertools
@@ -11,15 +12,16 @@ import httpx
 import pytest
 
 from tests.helpers.domain.tracker_sessions import make_plan, make_point, make_setup, point_taken
-from tests.helpers.machine import POSTGRESQL
-from tests.helpers.postgresql.server import programs, shared_server
+from tests.helpers.web.clients import client_of
 from tests.integration.web.bench import CELL, Bench
 from truepose.app import create_app
+from truepose.app.plants import open_plant as opened_plant
 from truepose.domain.cell.description import DeviceEntry
 from truepose.exchange.cells.of_plant import PlantCell
+from truepose.plant import collector
 from truepose.plant.asking import AskedCell
 from truepose.plant.visit import Shelves, visit
-from truepose.settings import Settings
+from truepose.settings import PlantSettings, Settings
 from truepose.storage.database import Database
 from truepose.storage.measurement.ledger import LedgerRepository
 from truepose.storage.measurement.sessions import SessionRepository
@@ -27,16 +29,9 @@ from truepose.storage.plant.hand_downs import HandDownRepository
 from truepose.storage.plant.journal import JournalRepository
 from truepose.storage.plant.looking import PlantLooks
 from truepose.storage.plant.visits import VisitRepository
+from truepose.web.plant.application import create_plant_application
 
 _NUMBERS = itertools.count()
-
-
-@pytest.fixture(scope="session")
-def server():
-    if programs() is None:
-        pytest.skip(POSTGRESQL.reason)
-    with shared_server() as running:
-        yield running
 
 
 @pytest.fixture
@@ -165,3 +160,55 @@ def plant(open_plant):
 @pytest.fixture
 def noon():
     return datetime(2026, 5, 4, 12, tzinfo=UTC)
+
+
+@pytest.fixture
+def cells_file(tmp_path):
+    """A file that names the cell."""
+    file = tmp_path / "cells.toml"
+    file.write_text('[[cell]]\nname = "left arm"\nurl = "http://localhost"\n')
+    return file
+
+
+@pytest.fixture
+def served_plant(cells_file, cell, monkeypatch):
+    """Return what serves a plant on a database, which reaches the cell without a network."""
+    monkeypatch.setattr(collector, "AskedCell", lambda of: AskedCell(of, transport=cell.transport))
+
+    @contextlib.asynccontextmanager
+    async def served(url, every_s=3600.0, **differing):
+        settings = PlantSettings(Settings(database_url=url, **differing), cells_file, every_s=every_s)
+        app = create_plant_application("test", lambda: opened_plant(settings))
+        async with app.router.lifespan_context(app), client_of(app) as client:
+            client.here = app.state.context
+            yield client
+
+    return served
+
+
+async def all_collected(client, cell):
+    """Wait until all that the cell has is there: a visit may fall between two records of a measurement."""
+    newest = await cell.newest()
+    client.here.collector.visit_soon("left arm")
+    async with asyncio.timeout(20):
+        while (await client.here.journal.reached("left arm")).position < newest:
+            await asyncio.sleep(0.02)
+
+
+@contextlib.asynccontextmanager
+async def restored_from_an_older_copy(open_cell, plant, tmp_path):
+    """Yield a cell that measured on since its copy was put back, and its links in the copy and in the plant.
+
+    What it measured between the copy and the loss of its disk is in the plant alone.
+    """
+    async with open_cell() as cell:
+        await cell.measure()
+        common = await cell.newest()
+    shutil.copytree(tmp_path / "cell", tmp_path / "copy")
+    async with open_cell() as cell:
+        await cell.measure(name="lost with the disk")
+        await plant.visit(cell)
+        collected = await cell.newest()
+    async with open_cell("copy") as cell:
+        await cell.measure(6, name="measured since")
+        yield cell, common, collected

@@ -1,13 +1,13 @@
 """A plant collects from its cells once and in order, whatever ends, repeats, jumps or is changed."""
 
 import json
-import shutil
 import sqlite3
 from datetime import UTC, datetime, timedelta
 
 import httpx
 import pytest
 
+from tests.integration.plant.conftest import restored_from_an_older_copy
 from truepose.plant import visit as visiting
 from truepose.storage.errors import ConflictError, TamperedRecordError
 from truepose.storage.integrity.chain import GENESIS, linked_hash
@@ -367,17 +367,7 @@ async def test_a_newer_cell_with_a_table_that_nobody_knows_is_collected_and_veri
 
 
 async def test_a_cell_restored_from_an_older_copy_is_not_mixed_in(open_cell, plant, tmp_path):
-    async with open_cell() as cell:
-        await cell.measure()
-        common = await cell.newest()
-    shutil.copytree(tmp_path / "cell", tmp_path / "copy")
-    async with open_cell() as cell:
-        await cell.measure(name="lost with the disk")
-        await plant.visit(cell)
-        collected = await cell.newest()
-    async with open_cell("copy") as cell:
-        await cell.measure(6, name="measured since")
-
+    async with restored_from_an_older_copy(open_cell, plant, tmp_path) as (cell, common, collected):
         found = await plant.visit(cell)
         silent = await plant.visit(cell)
 

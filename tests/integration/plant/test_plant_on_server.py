@@ -8,16 +8,11 @@ import shutil
 import pytest
 
 from tests.helpers.web.clients import client_of, until
-from tests.integration.plant.conftest import Plant
+from tests.integration.plant.conftest import Plant, all_collected, restored_from_an_older_copy
 from tests.integration.web.bench import session_request
-from truepose.app.plants import open_plant
-from truepose.plant import collector
-from truepose.plant.asking import AskedCell
-from truepose.settings import PlantSettings, Settings
 from truepose.storage.plant.records import Outcome
 from truepose.storage.rows import add_row
 from truepose.storage.tables.of_plants import plant_results
-from truepose.web.plant.application import create_plant_application
 
 PAGES = ("/", "/robots/120-1", "/robots/none", "/instruments/T-7")
 LOOKED_UP = (
@@ -48,30 +43,16 @@ def plant(on_server):
 
 
 @pytest.fixture
-def served_plant(tmp_path, cell, monkeypatch):
+def whole_plant(served_plant, cell):
     """Return what serves a plant on a database that has collected the cell."""
-    monkeypatch.setattr(collector, "AskedCell", lambda of: AskedCell(of, transport=cell.transport))
-    file = tmp_path / "cells.toml"
-    file.write_text('[[cell]]\nname = "left arm"\nurl = "http://localhost"\n')
 
     @contextlib.asynccontextmanager
     async def served(url):
-        settings = PlantSettings(Settings(database_url=url, accounts=False), file, every_s=3600)
-        app = create_plant_application("test", lambda: open_plant(settings))
-        async with app.router.lifespan_context(app), client_of(app) as client:
-            client.here = app.state.context
-            await collected(client, cell)
+        async with served_plant(url, accounts=False) as client:
+            await all_collected(client, cell)
             yield client
 
     return served
-
-
-async def collected(client, cell):
-    newest = await cell.newest()
-    client.here.collector.visit_soon("left arm")
-    async with asyncio.timeout(20):
-        while (await client.here.journal.reached("left arm")).position < newest:
-            await asyncio.sleep(0.02)
 
 
 async def work_with(client):
@@ -105,21 +86,21 @@ def _comparable(answer):
 
 
 async def test_a_plant_on_a_server_answers_what_one_on_a_file_does(
-    served_plant, cell, on_server, tmp_path, empty_database
+    whole_plant, cell, on_server, tmp_path, empty_database
 ):
     await cell.measure(3, serial="120-1", instrument="T-7")
     await cell.measure(2, name="second", serial="120-2", instrument="T-7")
     shutil.copy(empty_database, tmp_path / "plant.sqlite3")
 
     async with (
-        served_plant(f"sqlite:///{tmp_path}/plant.sqlite3") as on_file,
-        served_plant(on_server()) as of_server,
+        whole_plant(f"sqlite:///{tmp_path}/plant.sqlite3") as on_file,
+        whole_plant(on_server()) as of_server,
     ):
         plants = on_file, of_server
         for plant in plants:
             await work_with(plant)
         for plant in plants:
-            await collected(plant, cell)
+            await all_collected(plant, cell)
         of_file, found = [await answers(plant) for plant in plants]
 
     assert {status for status, _, _ in of_file.values()} == {200, 404}
@@ -127,15 +108,7 @@ async def test_a_plant_on_a_server_answers_what_one_on_a_file_does(
 
 
 async def test_another_chain_is_accepted_on_a_server(open_cell, plant, tmp_path):
-    async with open_cell() as cell:
-        await cell.measure()
-        common = await cell.newest()
-    shutil.copytree(tmp_path / "cell", tmp_path / "copy")
-    async with open_cell() as cell:
-        await cell.measure(name="lost with the disk")
-        await plant.visit(cell)
-    async with open_cell("copy") as cell:
-        await cell.measure(6, name="measured since")
+    async with restored_from_an_older_copy(open_cell, plant, tmp_path) as (cell, common, _):
         parted = await plant.visit(cell)
         await plant.journal.accept_other_chain("left arm", "Ada Byron", "the disk was exchanged")
         accepted = await plant.visit(cell)

@@ -6,42 +6,22 @@ from datetime import UTC, datetime, timedelta
 
 import pytest
 
-from tests.helpers.web.clients import client_of
-from truepose.app.plants import open_plant
-from truepose.plant import collector
-from truepose.plant.asking import AskedCell
-from truepose.settings import PlantSettings, Settings
+from tests.integration.plant.conftest import all_collected
 from truepose.storage.plant.records import ClockSeen, Outcome, Visit
 from truepose.storage.rows import add_row
 from truepose.storage.tables.of_plants import plant_days, plant_results, plant_robots, plant_told
-from truepose.web.plant.application import create_plant_application
 from truepose.words.catalogue import LANGUAGES
 
 TODAY = datetime.now(UTC).date()
 
 
 @pytest.fixture
-async def service(tmp_path, empty_database, cell, monkeypatch):
+async def service(tmp_path, empty_database, served_plant):
     """A client of a plant's service that visits its cell once, and when it is told to."""
-    monkeypatch.setattr(collector, "AskedCell", lambda of: AskedCell(of, transport=cell.transport))
-    file = tmp_path / "cells.toml"
-    file.write_text('[[cell]]\nname = "left arm"\nurl = "http://localhost"\n')
     database = tmp_path / "plant.sqlite3"
     database.write_bytes(empty_database.read_bytes())
-    settings = Settings(database_url=f"sqlite:///{database}")
-    app = create_plant_application("test", lambda: open_plant(PlantSettings(settings, file, every_s=3600)))
-    async with app.router.lifespan_context(app), client_of(app) as client:
-        client.here = app.state.context
+    async with served_plant(f"sqlite:///{database}") as client:
         yield client
-
-
-async def collect(service, cell):
-    """Wait until all that the cell has is there: a visit may fall between two records of a measurement."""
-    newest = await cell.newest()
-    service.here.collector.visit_soon("left arm")
-    async with asyncio.timeout(20):
-        while (await service.here.journal.reached("left arm")).position < newest:
-            await asyncio.sleep(0.02)
 
 
 async def found(service, visit):
@@ -126,7 +106,7 @@ async def test_robots_are_due_in_the_order_that_the_page_says(service):
 
 async def test_a_robot_that_was_never_measured_stands_in_the_cell_that_planned_for_it(service, cell):
     await cell.measure(0, serial="120-9")
-    await collect(service, cell)
+    await all_collected(service, cell)
 
     shown = await page(service, "/")
 
@@ -166,7 +146,7 @@ async def test_a_number_of_another_chain_leads_nowhere(service):
 
 async def test_lives_show_what_was_collected(service, cell):
     await cell.measure()
-    await collect(service, cell)
+    await all_collected(service, cell)
 
     of_robot, of_instrument = await page(service, "/robots/120-1"), await page(service, "/instruments/T-7")
     glance = await page(service, "/")
@@ -180,7 +160,7 @@ async def test_lives_show_what_was_collected(service, cell):
 async def test_a_certificate_that_ended_is_said_at_a_glance_and_of_its_instrument(service, cell):
     await cell.measure(certificate="report 1", expires=(TODAY - timedelta(days=1)).isoformat())
     await cell.measure(name="second", instrument="T-8", certificate="report 2", expires="2099-01-01")
-    await collect(service, cell)
+    await all_collected(service, cell)
 
     glance, ended = await page(service, "/"), await page(service, "/instruments/T-7")
     told = (await service.get("/api/v1/plant/instruments/T-8")).json()["certificates"]

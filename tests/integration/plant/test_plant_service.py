@@ -8,8 +8,6 @@ import pytest
 from tests.helpers.web.clients import client_of
 from truepose.app.plants import open_plant
 from truepose.domain.people.accounts import MACHINE, Role
-from truepose.plant import collector
-from truepose.plant.asking import AskedCell
 from truepose.settings import PlantSettings, Settings
 from truepose.storage.errors import StorageUnavailableError
 from truepose.storage.plant.looking_over import PlantOverview
@@ -20,25 +18,11 @@ from truepose.web.plant.application import create_plant_application
 from truepose.words.catalogue import catalogue
 from truepose.words.error_codes import explained
 
-CELLS = '[[cell]]\nname = "left arm"\nurl = "http://localhost"\n'
-
 
 @pytest.fixture
-def cells_file(tmp_path):
-    file = tmp_path / "cells.toml"
-    file.write_text(CELLS)
-    return file
-
-
-@pytest.fixture
-async def service(tmp_path, cells_file, cell, monkeypatch):
-    """A client of a plant's service that reaches the cell without a network."""
-    monkeypatch.setattr(collector, "AskedCell", lambda of: AskedCell(of, transport=cell.transport))
-    settings = Settings(database_url=f"sqlite:///{tmp_path / 'plant.sqlite3'}")
-    plant = PlantSettings(settings, cells_file, every_s=0.02)
-    app = create_plant_application("test", lambda: open_plant(plant))
-    async with app.router.lifespan_context(app), client_of(app) as client:
-        client.plant = app.state.context
+async def service(tmp_path, served_plant):
+    """A client of a plant's service that looks for news all the time."""
+    async with served_plant(f"sqlite:///{tmp_path / 'plant.sqlite3'}", every_s=0.02) as client:
         yield client
 
 
@@ -189,7 +173,7 @@ async def test_a_hand_down_that_no_cell_could_take_is_refused_at_the_door(servic
 
 async def test_a_plant_that_visits_nobody_any_more_says_so(service, monkeypatch):
     before = (await service.get("/health")).json()
-    monkeypatch.setattr(service.plant.collector, "has_ended", True)
+    monkeypatch.setattr(service.here.collector, "has_ended", True)
 
     after = (await service.get("/health")).json()
 

@@ -5,9 +5,6 @@ import os
 
 import pytest
 
-from tests.helpers.machine import POSTGRESQL
-from tests.helpers.postgresql.server import programs, shared_server
-
 ENGINES = ("sqlite", "postgresql")
 _NUMBERS = itertools.count()
 
@@ -16,14 +13,6 @@ def pytest_generate_tests(metafunc):
     if "database_url" in metafunc.fixturenames:
         only = metafunc.definition.get_closest_marker("engine")
         metafunc.parametrize("engine", ENGINES if only is None else only.args, scope="function")
-
-
-@pytest.fixture(scope="session")
-def server():
-    if programs() is None:
-        pytest.skip(POSTGRESQL.reason)
-    with shared_server() as running:
-        yield running
 
 
 @pytest.fixture

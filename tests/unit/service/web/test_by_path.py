@@ -4,14 +4,14 @@ import pytest
 
 from truepose.web.requests.by_path import ByPath
 
-PATHS = ("/", "/{name}", "/work", "/api/v1/jobs", "/api/v1/jobs/{id}", "/api/v1/{any}/x", "/work/{id}")
+PATHS = ("/", "/{name}", "/jobs", "/api/v1/jobs", "/api/v1/jobs/{id}", "/api/v1/{any}/x", "/jobs/{id}")
 
 
 @pytest.mark.parametrize(
     ("asked", "found"),
     [
         pytest.param("/", ["/", "/{name}", "/api/v1/{any}/x"], id="the root"),
-        pytest.param("/work", ["/{name}", "/work", "/api/v1/{any}/x", "/work/{id}"], id="a page"),
+        pytest.param("/jobs", ["/{name}", "/jobs", "/api/v1/{any}/x", "/jobs/{id}"], id="a page"),
         pytest.param(
             "/api/v1/jobs/3",
             ["/{name}", "/api/v1/jobs", "/api/v1/jobs/{id}", "/api/v1/{any}/x"],
@@ -26,4 +26,4 @@ def test_what_begins_otherwise_is_passed_over_and_what_is_left_keeps_its_order(a
 
 
 def test_where_nothing_has_an_open_first_word_nothing_is_found_elsewhere():
-    assert list(ByPath([("/work", 1)]).at("/other")) == []
+    assert list(ByPath([("/jobs", 1)]).at("/other")) == []
