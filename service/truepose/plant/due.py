@@ -5,6 +5,7 @@ longer holds; then those whose last measurement proves nothing; then age; and la
 The clock of a cell may be wrong: a robot whose last day has not come yet would otherwise never be due.
 """
 
+import math
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from datetime import date, timedelta
@@ -133,24 +134,29 @@ def _of_certificate(robot: RobotMeasured, expires: str) -> Iterator[Reason]:
 def _of_validation(told: Mapping[ToldKind, ToldSeen]) -> Iterator[Reason]:
     """Yield that the last validation failed; a model that was made after it answers it."""
     found, model = told.get("validation"), told.get("model")
-    if found is None or found.verdict != FAILED or found.figure_mm is None:
+    if found is None or found.verdict != FAILED:
         return
-    if model is not None and model.is_later_than(found):
-        return
-    values: dict[str, Value] = {
-        "number": found.record_id,
-        "day": found.measured_on,
-        "figure": found.figure_mm,
-    }
+    if model is None or not model.is_later_than(found):
+        yield Reason(Why.FAILED, _failed(found), _times_allowed(found), found)
+
+
+def _failed(found: ToldSeen) -> Sentence:
+    """Return that a validation failed, with the figures that it has."""
+    of: dict[str, Value] = {"number": found.record_id, "day": found.measured_on}
+    if found.figure_mm is None:
+        return said("plant.why.failed_beyond_measure", **of)
     if found.limit_mm is None:
-        yield Reason(Why.FAILED, said("plant.why.failed", **values), 1.0, found)
-        return
-    weight = found.figure_mm / found.limit_mm if found.limit_mm > 0.0 else 1.0
+        return said("plant.why.failed", **of, figure=found.figure_mm)
     if found.document.get("promised"):
-        sentence = said("plant.why.broken_promise", **values, promised=found.limit_mm)
-    else:
-        sentence = said("plant.why.beyond_limit", **values, limit=found.limit_mm)
-    yield Reason(Why.FAILED, sentence, weight, found)
+        return said("plant.why.broken_promise", **of, figure=found.figure_mm, promised=found.limit_mm)
+    return said("plant.why.beyond_limit", **of, figure=found.figure_mm, limit=found.limit_mm)
+
+
+def _times_allowed(found: ToldSeen) -> float:
+    """Return by how many times an error exceeds what is allowed; 1 where nobody said what is."""
+    if found.figure_mm is None:
+        return math.inf  # no finite number was kept: it is beyond every limit
+    return found.figure_mm / found.limit_mm if found.limit_mm else 1.0
 
 
 def _of_change(told: Mapping[ToldKind, ToldSeen]) -> Iterator[Reason]:

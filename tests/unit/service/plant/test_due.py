@@ -60,6 +60,18 @@ def test_a_validation_that_failed_says_by_how_much():
     assert promise[1].endswith("0.412 mm on average, where the model claims 0.031 mm.")
 
 
+def test_an_error_without_a_finite_figure_is_a_failure_before_all_others():
+    endless = told("validation", 3, "failed", None, 0.3, promised=False)
+
+    (found,) = reasons(endless)
+
+    assert found == (
+        Why.FAILED,
+        "Validation 3 of 2026-11-20 did not pass: its error is no finite number.",
+    )
+    assert reasons(endless, told("model", 2)) == []
+
+
 def test_a_model_that_was_made_after_it_answers_a_failed_validation():
     failed = told("validation", 9, "failed", 0.412, 0.3, promised=False)
 
@@ -121,20 +133,21 @@ def test_a_type_has_its_own_interval():
 def test_the_first_is_the_most_urgent():
     robots = [
         robot("asked", 2), robot("late", 45), robot("later", 90), robot("never", None),
-        robot("bad", 2), robot("worse", 2), robot("tomorrows", -400), robot("unproved", 2, "T-9"),
-        robot("fresh", 2),
+        robot("bad", 2), robot("worse", 2), robot("worst", 2), robot("tomorrows", -400),
+        robot("unproved", 2, "T-9"), robot("fresh", 2),
     ]  # fmt: skip
     evidence = Evidence(
         {
             "asked": dict([told("diagnosis", 2, "explained", 0.02, asks=1)]),
             "bad": dict([told("validation", 2, "failed", 0.2, 0.1, promised=False)]),
             "worse": dict([told("validation", 2, "failed", 0.4, 0.1, promised=False)]),
+            "worst": dict([told("validation", 2, "failed", None, 0.1, promised=False)]),
         },
         {"T-9": day(10)},
     )
 
     found = standing_robots(robots, evidence, DueAfter(), TODAY)
 
-    order = ["never", "tomorrows", "worse", "bad", "unproved", "later", "late", "asked", "fresh"]
+    order = ["never", "tomorrows", "worst", "worse", "bad", "unproved", "later", "late", "asked", "fresh"]
     assert [one.measured.serial_number for one in found] == order
     assert found[-1].reasons == ()
