@@ -10,9 +10,9 @@ from truepose.web.door.proxies import Proxies
 from truepose.web.people import acts, people, sign_ins
 from truepose.web.people.pages import router as pages_of_people
 from truepose.web.places import error_pages
-from truepose.web.plant import cells, fleets, glance, hand_downs, health, seen
-from truepose.web.plant import pages as pages_of_plant
+from truepose.web.plant import cells, fleets, hand_downs, health, seen
 from truepose.web.plant.context import PlantContext
+from truepose.web.plant.pages import glance, lives
 from truepose.web.served import Application, application_of
 from truepose.web.visiting import everywhere
 from truepose.web.visiting.rendering import prepare
@@ -38,7 +38,7 @@ def _routes() -> list[BaseRoute]:
         *(resource.router for resource in _RESOURCES),
         glance.router,
         fleets.router,
-        pages_of_plant.router,
+        lives.router,
         pages_of_people,
         everywhere.router,
         error_pages.router,  # to which problem documents lead

@@ -16,13 +16,16 @@ _AT_ONCE_S: Final = 0.3  # that a page waits for what is quick to draw
 Whole = Annotated[bool, Query(description="Answer once everything of the page is drawn.")]
 
 
-async def drawn_part(visit: Visit, of: str, draw: Draw, *, whole: bool) -> Markup | None:
+async def drawn_part(
+    visit: Visit, of: str, draw: Draw, *, whole: bool, at_once_s: float = _AT_ONCE_S
+) -> Markup | None:
     """Return a part of a page; None while it is being drawn, unless the whole page was asked for.
 
-    `of` is all that the part follows from beside language and units. Raises what `draw` raises.
+    `of` is all that the part follows from beside language and units; a page that is to be there at once waits
+    `at_once_s` for it, which is what reading a kept drawing takes. Raises what `draw` raises.
     """
     drawing = visit.here.drawing_desk.kept.drawing(f"{visit.words.tag}\n{of}", draw)
-    await asyncio.wait({drawing}, timeout=None if whole else _AT_ONCE_S)
+    await asyncio.wait({drawing}, timeout=None if whole else at_once_s)
     return Markup(drawing.result().body.decode()) if drawing.done() else None
 
 

@@ -1,4 +1,4 @@
-"""Pages of a plant for who keeps its robots: a robot's life, an instrument's life."""
+"""A robot's life, an instrument's life."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -14,13 +14,14 @@ from markupsafe import Markup
 from truepose.storage.errors import NotInPlantError
 from truepose.storage.plant.looking import DayMeasured
 from truepose.web.plant.context import PlantHere
-from truepose.web.plant.life_drawn import CoursesAsked, drawn_courses
+from truepose.web.plant.pages.life_drawn import CoursesAsked, drawn_courses
+from truepose.web.plant.pages.shown import places_of, shown_results
 from truepose.web.plant.seen import Serial
-from truepose.web.plant.shown import places_of, shown_results
 from truepose.web.visiting.drawn import Whole, drawn_part
 from truepose.web.visiting.visits import Visit, Visited
 
 _OVER_DAYS: Final = ("identification", "diagnosis")
+_AT_ONCE_S: Final = 0.03  # that pictures may hold up a life: those that are kept are there by then
 
 router = APIRouter(include_in_schema=False)
 
@@ -66,19 +67,22 @@ async def _courses(visit: Visit, here: PlantHere, serial: str, *, whole: bool) -
         return Courses(None, is_there=False)
     asked = CoursesAsked(told, visit.words.tag)
     of = f"courses {serial} {len(told)} {max(one.id for one in told)}"
-    drawn = await drawn_part(visit, of, lambda: here.drawing_desk.draw(drawn_courses, asked), whole=whole)
+    drawn = await drawn_part(
+        visit, of, lambda: here.drawing_desk.draw(drawn_courses, asked), whole=whole, at_once_s=_AT_ONCE_S
+    )
     return Courses(drawn, is_there=True)
 
 
 @router.get("/instruments/{serial}", response_class=HTMLResponse)
 async def instrument_life_page(visit: Visited, here: PlantHere, serial: Serial) -> HTMLResponse:
     """Show which robots an instrument measured, and on which days."""
+    today = datetime.now(UTC).date()
     try:
         instrument = await here.looks.instrument(serial)
     except NotInPlantError:
         return _missing(visit, serial)
     days = await here.looks.days_of_instrument(serial)
-    today, stated = datetime.now(UTC).date(), await here.certificates.of_instrument(serial)
+    stated = await here.certificates.of_instrument(serial)
     return visit.page(
         "plant/instrument.html",
         instrument=instrument,

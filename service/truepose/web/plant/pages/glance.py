@@ -14,7 +14,7 @@ from truepose.plant.due import Evidence, Reason, StandingRobot, Why, latest_day,
 from truepose.storage.plant.certificates import StatedPaper
 from truepose.storage.plant.looking_over import RobotMeasured
 from truepose.web.plant.context import PlantContext, PlantHere
-from truepose.web.plant.shown import Places, places_of, shown_cells, shown_results
+from truepose.web.plant.pages.shown import Places, places_of, shown_cells, shown_results
 from truepose.web.visiting.moments import moment
 from truepose.web.visiting.visits import Visited
 
