@@ -433,12 +433,17 @@ async def test_what_was_collected_can_be_looked_up_by_robot_and_instrument(plant
     await cell.measure(2, name="second", serial="120-2", instrument="T-7")
     await plant.visit(cell)
 
-    robots = await plant.looks.robots(Page())
-    instruments = await plant.looks.instruments(Page())
+    today = datetime.now(UTC).date()
+    robots = await plant.looks.robots(Page(), today)
+    instruments = await plant.looks.instruments(Page(), today)
     days = await plant.looks.days_of_instrument("T-7")
 
-    assert [robot.serial_number for robot in robots] == ["120-1", "120-2"]
-    assert [instrument.serial_number for instrument in instruments] == ["T-7"]
+    last = today.isoformat()
+    assert [(robot.serial_number, robot.cell, robot.last_measured_on) for robot in robots] == [
+        ("120-1", "left arm", last),
+        ("120-2", "left arm", last),
+    ]
+    assert [(one.serial_number, one.last_measured_on) for one in instruments] == [("T-7", last)]
     assert {(day.robot_serial_number, day.readings) for day in days} == {("120-1", 3), ("120-2", 2)}
 
 

@@ -9,7 +9,13 @@ import pytest
 from tests.integration.plant.conftest import all_collected
 from truepose.storage.plant.records import ClockSeen, Outcome, Visit
 from truepose.storage.rows import add_row
-from truepose.storage.tables.of_plants import plant_days, plant_results, plant_robots, plant_told
+from truepose.storage.tables.of_plants import (
+    plant_days,
+    plant_instruments,
+    plant_results,
+    plant_robots,
+    plant_told,
+)
 from truepose.words.catalogue import LANGUAGES
 
 TODAY = datetime.now(UTC).date()
@@ -102,6 +108,24 @@ async def test_robots_are_due_in_the_order_that_the_page_says(service):
         f"Last measured on {TODAY - timedelta(days=45)}",
         f"Last measured on {TODAY - timedelta(days=31)}",
     ]
+
+
+async def test_programs_hear_of_no_day_that_is_yet_to_come_where_there_is_another(service):
+    honest = (TODAY - timedelta(days=45)).isoformat()
+    await lay(service, *robot("late", 45, campaign=7), *robot("late", -400, campaign=8)[1:])
+    await lay(service, (plant_instruments, {"serial_number": "T-9"}), *robot("tomorrows", -400))
+
+    async def last(what):
+        found = (await service.get(f"/api/v1/plant/{what}")).json()
+        return [(one["serial_number"], one["last_measured_on"]) for one in found]
+
+    assert await last("robots") == [
+        ("late", honest),
+        ("tomorrows", (TODAY + timedelta(days=400)).isoformat()),
+    ]
+    assert await last("instruments") == [("T-9", honest)]
+    life = (await service.get("/api/v1/plant/robots/late")).json()["robot"]
+    assert (life["last_measured_on"], life["cell"], life["results"]) == (honest, "left arm", 2)
 
 
 async def test_a_robot_that_was_never_measured_stands_in_the_cell_that_planned_for_it(service, cell):

@@ -27,14 +27,15 @@ async def looked_up(url: str, robots: int) -> dict[str, tuple[float, float]]:
 
 
 def _asked(database: Database, robot: str) -> dict[str, Callable[[], Awaitable[Any]]]:
+    today = datetime.now(UTC).date()
     looks, visits, overview = PlantLooks(database), VisitRepository(database), PlantOverview(database)
     return {
-        "all robots with their last day": lambda: overview.robots(datetime.now(UTC).date()),
-        "500 robots": lambda: looks.robots(Page(limit=500)),
-        "one robot": lambda: looks.robot(robot),
+        "all robots with their last day": lambda: overview.robots(today),
+        "500 robots": lambda: looks.robots(Page(limit=500), today),
+        "one robot": lambda: looks.robot(robot, today),
         "life of a robot": lambda: looks.life_of_robot(robot),
         "days of a robot": lambda: looks.days_of_robot(robot),
-        "instruments": lambda: looks.instruments(Page()),
+        "instruments": lambda: looks.instruments(Page(), today),
         "newest of an instrument": lambda: looks.life_of_instrument("T-1"),
         "days of an instrument": lambda: looks.days_of_instrument("T-1"),
         "100 campaigns": lambda: looks.results("campaign", Page()),

@@ -1,12 +1,14 @@
 """What pages and programs ask a plant for: robots, instruments, results, each by an index."""
 
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any, Final, Literal, TypeAlias
+from datetime import date
+from typing import Any, Final, Literal, TypeAlias, TypeVar
 
-from sqlalchemy import Column, ColumnElement, Connection, Row, ScalarSelect, Table, func, select
+from sqlalchemy import ColumnElement, Connection, Row, ScalarSelect, Table, cast, func, select
 
+from truepose.storage.column_types import TEXT
 from truepose.storage.database import Database
 from truepose.storage.errors import NotFoundError, NotInPlantError
 from truepose.storage.parts import Part
@@ -25,6 +27,8 @@ ResultKind: TypeAlias = Literal[
 ]
 
 _MOST_DAYS: Final = 1000  # rows, newest first
+_MADE_LATER: Final = ("report", "closing")  # their day is none of measuring
+_BETWEEN: Final = "\x1f"  # unit separator: in no day and no serial number
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,7 +38,7 @@ class SeenRobot:
     id: int
     serial_number: str
     robot: str  # its type
-    cell: str  # where it was measured last; empty: nothing came of it yet
+    cell: str  # where it was measured last; empty: nowhere yet
     results: int
     last_measured_on: str  # a day; empty: never
 
@@ -47,6 +51,15 @@ class SeenInstrument:
     serial_number: str
     results: int
     last_measured_on: str
+
+
+@dataclass(frozen=True, slots=True)
+class LastDay:
+    """When something was measured last, or measured itself, and where."""
+
+    branch_id: int
+    measured_on: str
+    instrument_serial_number: str  # empty: nobody said it
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,31 +90,35 @@ class ResultSeen:
     branch_id: int
 
 
+Seen = TypeVar("Seen", SeenRobot, SeenInstrument)
+_Told: TypeAlias = Callable[[Row[Any], tuple[str, str]], Seen]
+_WHOSE: Final = {plant_robots: "robot_serial_number", plant_instruments: "instrument_serial_number"}
+
+
 class PlantLooks:
     """All queries about what a plant has seen."""
 
     def __init__(self, database: Database) -> None:
         self._database = database
 
-    async def robots(self, page: Page) -> Part[SeenRobot]:
-        """Return robots in the order in which they were first seen."""
-        return await self._database.read(lambda c: _part(c, plant_robots, _robots(), page, _robot))
+    async def robots(self, page: Page, upto: date) -> Part[SeenRobot]:
+        """Return robots in the order in which they were first seen, each with its last day up to one.
 
-    async def robot(self, serial_number: str) -> SeenRobot:
+        A later one is told where there is no other: the clock of a cell may have been wrong once.
+        """
+        return await self._database.read(lambda c: _seen_part(c, plant_robots, page, upto, _robot))
+
+    async def robot(self, serial_number: str, upto: date) -> SeenRobot:
         """Return one robot; raises NotInPlantError."""
-        query = _robots().where(plant_robots.c.serial_number == serial_number)
-        return _robot(await self._one(query, "robot", serial_number))
+        return await self._one(plant_robots, serial_number, upto, _robot)
 
-    async def instruments(self, page: Page) -> Part[SeenInstrument]:
+    async def instruments(self, page: Page, upto: date) -> Part[SeenInstrument]:
         """Return instruments in the order in which they were first seen."""
-        return await self._database.read(
-            lambda c: _part(c, plant_instruments, _instruments(), page, _instrument)
-        )
+        return await self._database.read(lambda c: _seen_part(c, plant_instruments, page, upto, _instrument))
 
-    async def instrument(self, serial_number: str) -> SeenInstrument:
+    async def instrument(self, serial_number: str, upto: date) -> SeenInstrument:
         """Return one instrument; raises NotInPlantError."""
-        query = _instruments().where(plant_instruments.c.serial_number == serial_number)
-        return _instrument(await self._one(query, "instrument", serial_number))
+        return await self._one(plant_instruments, serial_number, upto, _instrument)
 
     async def results(self, kind: ResultKind, page: Page) -> Part[ResultSeen]:
         """Return results of a kind in the order in which they were collected."""
@@ -132,11 +149,13 @@ class PlantLooks:
         """Return how much was measured with an instrument on which of its latest days, oldest first."""
         return await self._days(plant_days.c.instrument_serial_number == serial_number)
 
-    async def _one(self, query: Any, what: str, serial_number: str) -> Row[Any]:
-        row = await self._database.read(lambda connection: connection.execute(query).one_or_none())
-        if row is None:
+    async def _one(self, table: Table, serial_number: str, upto: date, seen: _Told[Seen]) -> Seen:
+        query = _seen(table, upto.isoformat()).where(table.c.serial_number == serial_number)
+        found = await self._database.read(lambda c: _with_last_days(c, c.execute(query).all(), upto))
+        if not found:
+            what = _WHOSE[table].partition("_")[0]
             raise NotInPlantError(f"No {what} {serial_number} was measured in any cell of this plant.")
-        return row
+        return seen(*found[0])
 
     async def _life(self, condition: ColumnElement[bool], limit: int) -> list[ResultSeen]:
         newest = (plant_results.c.measured_on.desc(), plant_results.c.id.desc())
@@ -174,11 +193,12 @@ def _summed(rows: Iterable[Any]) -> list[DayMeasured]:
     ]
 
 
-def _part(connection: Connection, table: Table, query: Any, page: Page, read: Any) -> Part[Any]:
-    wanted = query.where(table.c.id > page.after).order_by(table.c.id).limit(page.limit + 1)
-    return _cut(
-        connection, connection.execute(wanted).all(), select(func.count()).select_from(table), page, read
-    )
+def _seen_part(connection: Connection, table: Table, page: Page, upto: date, seen: _Told[Seen]) -> Part[Seen]:
+    query = _seen(table, upto.isoformat()).where(table.c.id > page.after).order_by(table.c.id)
+    rows = connection.execute(query.limit(page.limit + 1)).all()
+    told = {row.id: last for row, last in _with_last_days(connection, rows, upto)}
+    count = select(func.count()).select_from(table)
+    return _cut(connection, rows, count, page, lambda row: seen(row, told[row.id]))
 
 
 def _cut(connection: Connection, rows: Any, count: Any, page: Page, read: Any) -> Part[Any]:
@@ -194,29 +214,63 @@ def _results_part(connection: Connection, condition: ColumnElement[bool], page: 
     return _cut(connection, rows, count, page, result_seen)
 
 
-def _robots() -> Any:
-    serial = plant_robots.c.serial_number
-    of = plant_results.c.robot_serial_number
-    newest = select(plant_cells.c.name).select_from(with_cells(plant_results)).where(of == serial)
-    cell = newest.order_by(plant_results.c.measured_on.desc(), plant_results.c.id.desc()).limit(1)
-    return select(plant_robots, cell.scalar_subquery().label("cell"), *_of_results(of, serial))
+def _seen(table: Table, upto: str) -> Any:
+    """Return the query for robots or instruments: with how much came of each, and its last day."""
+    own = plant_results.c[_WHOSE[table]] == table.c.serial_number
+    results = select(func.count()).select_from(plant_results).where(own).scalar_subquery()
+    return select(table, results.label("results"), *last_days(table, upto))
 
 
-def _instruments() -> Any:
-    serial = plant_instruments.c.serial_number
-    return select(plant_instruments, *_of_results(plant_results.c.instrument_serial_number, serial))
+def last_days(table: Table, upto: str) -> tuple[ColumnElement[str], ColumnElement[str]]:
+    """Return what is on record of the last day of robots or instruments up to a day, else of any.
+
+    Of readings, and of what was made of them: what `last_day` reads.
+    """
+    measured = plant_results.c.kind.not_in(_MADE_LATER)
+    return _last(table, plant_days, upto), _last(table, plant_results, upto, measured)
 
 
-def _of_results(of: Column[str], serial: Column[str]) -> tuple[Any, Any]:
-    return (
-        _alone(select(func.count()).where(of == serial)).label("results"),
-        _alone(select(func.max(plant_results.c.measured_on)).where(of == serial)).label("last_measured_on"),
-    )
+def _last(table: Table, measured: Table, upto: str, *conditions: ColumnElement[bool]) -> ColumnElement[str]:
+    own = (measured.c[_WHOSE[table]] == table.c.serial_number, *conditions)
+    counting = (measured.c.measured_on > "") & (measured.c.measured_on <= upto)
+    return func.coalesce(_newest(measured, counting, *own), _newest(measured, *own))
 
 
-def _alone(query: Any) -> ScalarSelect[Any]:
-    answer: ScalarSelect[Any] = query.select_from(plant_results).scalar_subquery()
-    return answer
+def _newest(table: Table, *conditions: ColumnElement[bool]) -> ScalarSelect[str]:
+    """Return branch, day and instrument of the newest day, in one text: it is sought once."""
+    told = (cast(table.c.branch_id, TEXT), table.c.measured_on, table.c.instrument_serial_number)
+    query = select(told[0] + _BETWEEN + told[1] + _BETWEEN + told[2]).where(*conditions)
+    return query.order_by(table.c.measured_on.desc(), table.c.id.desc()).limit(1).scalar_subquery()
+
+
+def last_day(upto: str, *told: str | None) -> LastDay | None:
+    """Return the later of some last days, one up to a day before others; None: there is none."""
+    each = [LastDay(*_read(one)) for one in told if one is not None]
+    return max(each, key=lambda one: ("" < one.measured_on <= upto, one.measured_on), default=None)
+
+
+def _read(told: str) -> tuple[int, str, str]:
+    branch, day, instrument = told.split(_BETWEEN, 2)
+    return int(branch), day, instrument
+
+
+def cells_of_branches(connection: Connection, branches: Iterable[int] | None = None) -> dict[int, str]:
+    """Return the cell of each branch, or of some."""
+    of_cell = plant_branches.c.cell_id == plant_cells.c.id
+    query = select(plant_branches.c.id, plant_cells.c.name).join(plant_cells, of_cell)
+    if branches is not None:
+        query = query.where(plant_branches.c.id.in_(sorted(set(branches))))
+    return dict(tuple(row) for row in connection.execute(query))
+
+
+def _with_last_days(
+    connection: Connection, rows: Sequence[Row[Any]], upto: date
+) -> list[tuple[Row[Any], tuple[str, str]]]:
+    """Return rows of robots or instruments, each with cell and day of its last measurement."""
+    last = [last_day(upto.isoformat(), *row[-2:]) for row in rows]
+    cells = cells_of_branches(connection, (one.branch_id for one in last if one is not None))
+    told = [("", "") if one is None else (cells[one.branch_id], one.measured_on) for one in last]
+    return [*zip(rows, told, strict=True)]
 
 
 def with_cells(table: Table) -> Any:
@@ -231,16 +285,20 @@ def results_seen() -> Any:
     return select(plant_results, cell).select_from(with_cells(plant_results))
 
 
-def _robot(row: Row[Any]) -> SeenRobot:
-    return SeenRobot(
-        row.id, row.serial_number, row.robot, row.cell or "", row.results, row.last_measured_on or ""
-    )
+def _robot(row: Row[Any], last: tuple[str, str]) -> SeenRobot:
+    return SeenRobot(row.id, row.serial_number, row.robot, last[0], row.results, last[1])
 
 
-def _instrument(row: Row[Any]) -> SeenInstrument:
-    return SeenInstrument(row.id, row.serial_number, row.results, row.last_measured_on or "")
+def _instrument(row: Row[Any], last: tuple[str, str]) -> SeenInstrument:
+    return SeenInstrument(row.id, row.serial_number, row.results, last[1])
 
 
 def result_seen(row: Row[Any]) -> ResultSeen:
     """Return a result as it was read."""
     return ResultSeen(**{name: getattr(row, name) for name in ResultSeen.__dataclass_fields__})
+
+
+def last_before(connection: Connection, table: Table, since: str) -> int:
+    """Return the last row that was there before; sought from the newest one: old rows cost nothing."""
+    query = select(table.c.id).where(table.c.recorded_at < since).order_by(table.c.id.desc()).limit(1)
+    return connection.scalar(query) or 0

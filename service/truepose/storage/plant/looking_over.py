@@ -3,24 +3,26 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from datetime import date, datetime
-from typing import Any, Final
 
-from sqlalchemy import ColumnElement, Connection, ScalarSelect, Table, cast, func, select
+from sqlalchemy import Connection, func, select
 
-from truepose.storage.column_types import TEXT
 from truepose.storage.database import Database
-from truepose.storage.plant.looking import ResultSeen, result_seen, results_seen
+from truepose.storage.plant.looking import (
+    ResultSeen,
+    cells_of_branches,
+    last_before,
+    last_day,
+    last_days,
+    result_seen,
+    results_seen,
+)
 from truepose.storage.tables.of_plants import (
     plant_branches,
     plant_cells,
-    plant_days,
     plant_results,
     plant_robots,
     plant_sessions,
 )
-
-_MADE_LATER: Final = ("report", "closing")  # their day is none of measuring
-_BETWEEN: Final = "\x1f"  # unit separator: in no day and no serial number
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,14 +76,15 @@ class PlantOverview:
 
 
 def _robots(connection: Connection, upto: str) -> list[RobotMeasured]:
-    cells = _cells_of_branches(connection)
-    measured = plant_results.c.kind.not_in(_MADE_LATER)
-    robot = (plant_robots.c.serial_number, plant_robots.c.robot)
-    query = select(*robot, _last(plant_days, upto), _last(plant_results, upto, measured))
-    robots = [
-        RobotMeasured(serial, robot, *_later(upto, _read(cells, of_days), _read(cells, of_results)))
-        for serial, robot, of_days, of_results in connection.execute(query)
-    ]
+    cells = cells_of_branches(connection)
+    query = select(plant_robots.c.serial_number, plant_robots.c.robot, *last_days(plant_robots, upto))
+    robots = []
+    for serial, robot, *told in connection.execute(query):
+        last = last_day(upto, *told)
+        at = ("", "", "")
+        if last is not None:
+            at = (last.measured_on, cells[last.branch_id], last.instrument_serial_number)
+        robots.append(RobotMeasured(serial, robot, *at))
     return _where_planned(connection, cells, robots)
 
 
@@ -98,53 +101,15 @@ def _where_planned(
     return [replace(robot, cell=robot.cell or places.get(robot.serial_number, "")) for robot in robots]
 
 
-def _later(upto: str, *found: tuple[str, str, str]) -> tuple[str, str, str]:
-    return max(found, key=lambda last: ("" < last[0] <= upto, last))
-
-
-def _last(table: Table, upto: str, *conditions: ColumnElement[bool]) -> ColumnElement[str]:
-    """Return what the row of a robot's last day says: of one up to a day, else of any."""
-    counting = (table.c.measured_on > "") & (table.c.measured_on <= upto)
-    return func.coalesce(_newest(table, counting, *conditions), _newest(table, *conditions))
-
-
-def _newest(table: Table, *conditions: ColumnElement[bool]) -> ScalarSelect[str]:
-    """Return branch, day and instrument of a robot's newest day, in one text: it is sought once."""
-    told = (cast(table.c.branch_id, TEXT), table.c.measured_on, table.c.instrument_serial_number)
-    query = select(told[0] + _BETWEEN + told[1] + _BETWEEN + told[2])
-    of_robot = query.where(table.c.robot_serial_number == plant_robots.c.serial_number, *conditions)
-    return of_robot.order_by(table.c.measured_on.desc(), table.c.id.desc()).limit(1).scalar_subquery()
-
-
-def _read(cells: Mapping[int, str], told: str | None) -> tuple[str, str, str]:
-    """Return day, cell and instrument; empty where there are none."""
-    if told is None:
-        return "", "", ""
-    branch, day, instrument = told.split(_BETWEEN, 2)
-    return day, cells[int(branch)], instrument
-
-
-def _cells_of_branches(connection: Connection) -> dict[int, str]:
-    of_branch = plant_branches.c.cell_id == plant_cells.c.id
-    query = select(plant_branches.c.id, plant_cells.c.name).join(plant_cells, of_branch)
-    return dict(tuple(row) for row in connection.execute(query))
-
-
 def _lately(connection: Connection, since: str, limit: int) -> Lately:
-    before = _last_before(connection, plant_results, since)
+    before = last_before(connection, plant_results, since)
     recent = plant_results.c.id > before
     counts = select(plant_results.c.kind, func.count()).where(recent).group_by(plant_results.c.kind)
     newest = results_seen().where(recent).order_by(plant_results.c.id.desc()).limit(limit)
-    robots_before = _last_before(connection, plant_robots, since)
+    robots_before = last_before(connection, plant_robots, since)
     robots = select(func.count()).select_from(plant_robots).where(plant_robots.c.id > robots_before)
     return Lately(
         robots=connection.scalar(robots) or 0,
         results=dict(tuple(row) for row in connection.execute(counts)),
         newest=[result_seen(row) for row in connection.execute(newest)],
     )
-
-
-def _last_before(connection: Connection, table: Any, since: str) -> int:
-    """Return the last row that was there before; sought from the newest one: old rows cost nothing."""
-    query = select(table.c.id).where(table.c.recorded_at < since).order_by(table.c.id.desc()).limit(1)
-    return connection.scalar(query) or 0

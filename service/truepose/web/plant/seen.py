@@ -1,11 +1,12 @@
 """What a plant has seen: robots and instruments by serial number, and what was measured and made of it."""
 
 import json
-from datetime import UTC, datetime
+from datetime import UTC, date, datetime
 from typing import Annotated, Any, Final, Literal, TypeAlias
 
 from fastapi import Path
 
+from truepose.plant.due import latest_day
 from truepose.storage.errors import NotInPlantError
 from truepose.storage.plant.looking import ResultKind
 from truepose.web.plant.context import PlantHere
@@ -53,14 +54,14 @@ Serial = Annotated[str, Path(min_length=1, max_length=200, description="Serial n
 @router.get("/robots", responses=listing(422, 503))
 async def list_seen_robots(here: PlantHere, paging: Paged) -> list[SeenRobotReply]:
     """List the robots of all cells, in the order in which they were first seen."""
-    return paging.shown(await here.looks.robots(paging.page), robot_reply)
+    return paging.shown(await here.looks.robots(paging.page, _upto()), robot_reply)
 
 
 @router.get("/robots/{serial}", responses=problems(404, 422, 503))
 async def get_robot_life(here: PlantHere, serial: Serial) -> RobotLifeReply:
     """Show the life of a robot: what was measured of it on which day, and what was made of that."""
     return RobotLifeReply(
-        robot=robot_reply(await here.looks.robot(serial)),
+        robot=robot_reply(await here.looks.robot(serial, _upto())),
         days=[day_reply(day) for day in await here.looks.days_of_robot(serial)],
         results=[result_reply(result) for result in await here.looks.life_of_robot(serial)],
     )
@@ -69,14 +70,14 @@ async def get_robot_life(here: PlantHere, serial: Serial) -> RobotLifeReply:
 @router.get("/instruments", responses=listing(422, 503))
 async def list_seen_instruments(here: PlantHere, paging: Paged) -> list[SeenInstrumentReply]:
     """List the instruments of all cells, in the order in which they were first seen."""
-    return paging.shown(await here.looks.instruments(paging.page), instrument_reply)
+    return paging.shown(await here.looks.instruments(paging.page, _upto()), instrument_reply)
 
 
 @router.get("/instruments/{serial}", responses=problems(404, 422, 503))
 async def get_instrument_life(here: PlantHere, serial: Serial) -> InstrumentLifeReply:
     """Show the life of an instrument: what it measured on which day, in which cell."""
     return InstrumentLifeReply(
-        instrument=instrument_reply(await here.looks.instrument(serial)),
+        instrument=instrument_reply(await here.looks.instrument(serial, _upto())),
         certificates=[
             certificate_reply(stated, datetime.now(UTC).date())
             for stated in await here.certificates.of_instrument(serial)
@@ -101,3 +102,7 @@ async def get_plant_record(here: PlantHere, kind: Kinds, id: Id) -> dict[str, An
         raise NotInPlantError(f"There is no record {id} among the {kind}.")
     found: dict[str, Any] = json.loads(content)
     return found
+
+
+def _upto() -> date:
+    return latest_day(datetime.now(UTC).date())

@@ -11,6 +11,7 @@ from fastapi import APIRouter
 from fastapi.responses import HTMLResponse
 from markupsafe import Markup
 
+from truepose.plant.due import latest_day
 from truepose.storage.errors import NotInPlantError
 from truepose.storage.plant.looking import DayMeasured
 from truepose.web.plant.context import PlantHere
@@ -51,7 +52,7 @@ async def robot_life_page(
 ) -> HTMLResponse:
     """Show what was measured and made of a robot, newest day first, and how its error and its causes went."""
     try:
-        robot = await here.looks.robot(serial)
+        robot = await here.looks.robot(serial, latest_day(datetime.now(UTC).date()))
     except NotInPlantError:
         return _missing(visit, serial)
     results = shown_results(await here.looks.life_of_robot(serial), await places_of(here))
@@ -78,7 +79,7 @@ async def instrument_life_page(visit: Visited, here: PlantHere, serial: Serial) 
     """Show which robots an instrument measured, and on which days."""
     today = datetime.now(UTC).date()
     try:
-        instrument = await here.looks.instrument(serial)
+        instrument = await here.looks.instrument(serial, latest_day(today))
     except NotInPlantError:
         return _missing(visit, serial)
     days = await here.looks.days_of_instrument(serial)
