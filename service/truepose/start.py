@@ -1,4 +1,4 @@
-"""How a process of this program begins and ends: without searches that find nothing."""
+"""How a process of this program begins and ends: one thread, and no searches that find nothing."""
 
 import gc
 import os
@@ -7,9 +7,20 @@ from typing import Final
 # Importing makes a hundred thousand objects and hardly a cycle; by default they are searched at every 700.
 _OBJECTS_BETWEEN_SEARCHES: Final = 500_000
 
+# A library of linear algebra adds in an order that depends on the number of its threads, so that the last
+# bits of a result would follow from the computer and the shell. Of matrices as small as ours several threads
+# make nothing quicker: docs/computing.md has the figures.
+ONE_THREAD: Final = dict.fromkeys(
+    ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "BLIS_NUM_THREADS"), "1"
+)
+
 
 def begin_lightly() -> None:
-    """Search for garbage seldom and for plug-ins never; to be called before anything large is loaded."""
+    """Compute with one thread, search for garbage seldom and for plug-ins never.
+
+    To be called before anything large is loaded. Processes that this one starts compute with one thread, too.
+    """
+    os.environ.update(ONE_THREAD)
     gc.set_threshold(_OBJECTS_BETWEEN_SEARCHES)
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "1")  # to find none takes a look at every package
 

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 import scipy
 
-from truepose.analysis.cluster.processes import ONE_THREAD
+from truepose.start import ONE_THREAD
 from truepose.version import __version__, program_sha256
 
 _SIZE = 60  # smaller than what a linear algebra library gives to several threads

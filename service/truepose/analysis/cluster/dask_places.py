@@ -14,9 +14,9 @@ from typing import Any, Final
 from truepose.analysis.cluster.alike import Arithmetic, arithmetic
 from truepose.analysis.cluster.cluster import ALLOWED_FAILURES, lost_reply
 from truepose.analysis.cluster.parts import Reply, Task
-from truepose.analysis.cluster.processes import ONE_THREAD
 from truepose.analysis.errors import ClusterError, WorkersUnlikeError
 from truepose.domain.errors import ConfigurationError
+from truepose.start import ONE_THREAD
 
 try:
     import dask

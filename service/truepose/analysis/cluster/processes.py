@@ -1,7 +1,6 @@
 """Places in processes of this computer, one task after the other in each.
 
-A process is this program itself, spoken to over its own pipe (`lane`). It computes with one thread, as with
-several the sums of a linear algebra library are added in an order that depends on their number.
+A process is this program itself, spoken to over its own pipe (`lane`).
 """
 
 import os
@@ -16,10 +15,8 @@ from truepose.analysis.cluster.cluster import ALLOWED_FAILURES, lost_reply
 from truepose.analysis.cluster.parts import Reply, Task
 from truepose.analysis.errors import ClusterError
 from truepose.analysis.workers.pipe import packed, receive
+from truepose.start import ONE_THREAD
 
-ONE_THREAD: Final = dict.fromkeys(
-    ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "BLIS_NUM_THREADS"), "1"
-)
 _COMMAND: Final = (sys.executable, "-m", "truepose.analysis.cluster.lane")
 _AHEAD: Final = 2  # tasks that a process holds: the next one is there when it ends one
 

@@ -21,6 +21,7 @@ from truepose.analysis.workers.pipe import (
     unpacked,
 )
 from truepose.analysis.workers.tasks import Answer, Task
+from truepose.start import ONE_THREAD
 
 _LOG = logging.getLogger(__name__)
 Told = Callable[[float, str], Awaitable[None]]
@@ -70,6 +71,7 @@ async def perform_in_worker(
             stdin=pipe,
             stdout=pipe,
             stderr=pipe,
+            env=os.environ | ONE_THREAD,
             start_new_session=True,
         )
     except OSError as error:
