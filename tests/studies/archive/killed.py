@@ -10,7 +10,8 @@ from tests.studies.archive.compared import Tell, bits_of, parts_of
 from truepose.analysis.archive.campaigns import Archived
 from truepose.analysis.archive.outcome import analyse
 from truepose.analysis.cluster.cluster import Cluster
-from truepose.analysis.cluster.dask_places import DaskPlaces, of_this_computer
+from truepose.analysis.cluster.dask_clusters import of_this_computer
+from truepose.analysis.cluster.dask_places import DaskPlaces
 from truepose.analysis.cluster.parts import Done
 
 

@@ -16,7 +16,8 @@ from tests.studies.archive.recorded import recorded_archive
 from truepose.analysis.archive.campaigns import Archived
 from truepose.analysis.archive.outcome import analyse
 from truepose.analysis.cluster.cluster import Cluster
-from truepose.analysis.cluster.dask_places import DaskPlaces, of_this_computer
+from truepose.analysis.cluster.dask_clusters import of_this_computer
+from truepose.analysis.cluster.dask_places import DaskPlaces
 from truepose.analysis.cluster.parts import Done
 from truepose.analysis.errors import ClusterError
 
@@ -38,9 +39,8 @@ class Workers:
     def round(self, rng: np.random.Generator) -> bool:
         """Compute all parts while a worker is killed; returns whether they were still being computed then.
 
-        Both have joined before: one that is killed while it starts is given up by Dask itself.
+        It may be one that starts: it is started again as well.
         """
-        self._places.client.wait_for_workers(2, timeout=_PATIENCE_S)
         computing = threading.Event()
         computing.set()
         seen: list[bool] = []

@@ -36,11 +36,13 @@ def workers(where: str | None, parts: int) -> Iterator[Cluster]:
     count = max(1, min(_cores(), parts))
     with contextlib.ExitStack() as held:
         if where is not None and where.startswith(_SCHEME):
-            from truepose.analysis.cluster.dask_places import of_scheduler
+            _require_dask()
+            from truepose.analysis.cluster.dask_clusters import of_scheduler
 
             yield Cluster(held.enter_context(of_scheduler(_address(where))))
         elif where == "dask" or (where is None and _is_worth_dask(parts, count)):
-            from truepose.analysis.cluster.dask_places import of_this_computer
+            _require_dask()
+            from truepose.analysis.cluster.dask_clusters import of_this_computer
 
             yield Cluster(held.enter_context(of_this_computer(count)))
         else:
@@ -48,7 +50,19 @@ def workers(where: str | None, parts: int) -> Iterator[Cluster]:
 
 
 def _is_worth_dask(parts: int, count: int) -> bool:
-    return count > 1 and parts >= MANY and find_spec("distributed") is not None
+    return count > 1 and parts >= MANY and _has_dask()
+
+
+def _has_dask() -> bool:
+    return find_spec("distributed") is not None
+
+
+def _require_dask() -> None:
+    if not _has_dask():
+        raise ConfigurationError(
+            "Workers on Dask need its package, which is not installed: pip install 'truepose[dask]', or "
+            "leave --workers out."
+        )
 
 
 def _address(where: str) -> str:

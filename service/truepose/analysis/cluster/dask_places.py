@@ -1,77 +1,96 @@
-"""Places on Dask: a scheduler that somebody runs, or one of this computer for the length of the work.
+"""Places on the workers of Dask, however many there are at the time."""
 
-Dask's workers trade pickles: whoever reaches the scheduler can have anything computed by them. Who may is
-decided by Dask's own configuration (TLS, `distributed.comm`), which holds here as for any client of it.
-"""
-
-import contextlib
-import logging
-import os
+import queue
 import time
-from collections.abc import Iterator
+from collections.abc import Callable
 from typing import Any, Final
 
+import dask
+from distributed import Client, Future, KilledWorker
+
 from truepose.analysis.cluster.alike import Arithmetic, arithmetic
-from truepose.analysis.cluster.cluster import ALLOWED_FAILURES, lost_reply
+from truepose.analysis.cluster.cluster import lost_reply
 from truepose.analysis.cluster.parts import Reply, Task
 from truepose.analysis.errors import ClusterError, WorkersUnlikeError
-from truepose.domain.errors import ConfigurationError
-from truepose.start import ONE_THREAD
 
-try:
-    import dask
-    from distributed import Client, Future, KilledWorker, LocalCluster, Security, as_completed
-except ImportError as error:
-    raise ConfigurationError(
-        "Workers on Dask need its package, which is not installed: pip install 'truepose[dask]', or leave "
-        "--workers out."
-    ) from error
-
+LOOKED_S: Final = 1.0  # between two looks at who is there
 _AHEAD: Final = 3  # tasks per thread of a worker: what travels does not keep one waiting
-_LOOKED_S: Final = 1.0  # between two looks at how many workers there are
-_PATIENCE_S: Final = 30.0  # for a scheduler to answer, and for its first worker
+_WITHOUT_S: Final = 120.0  # that work waits for a worker where the last one has left
 
 
 class DaskPlaces:
-    """The workers of a scheduler, however many there are at the time."""
+    """The workers of a scheduler."""
 
-    def __init__(self, client: "Client") -> None:
+    def __init__(self, client: Client, mended: str, keep: Callable[[], None] | None = None) -> None:
+        """Ask the workers what they compute with.
+
+        Parameters
+        ----------
+        client : Client
+        mended : str
+            What somebody does where no worker is left, as part of a sentence.
+        keep : callable, optional
+            Starts workers again that were given up.
+        """
         self.client = client
+        self._mended, self._keep = mended, keep
         self._alike = _alike(client)
-        self._ended = as_completed(loop=client.loop)
-        self._futures: dict[Any, int] = {}  # numbers by key
-        self._threads, self._looked_s = 0, -_LOOKED_S
+        self._ended: queue.SimpleQueue[Future[Any]] = queue.SimpleQueue()
+        self._futures: dict[Any, tuple[int, Future[Any]]] = {}  # with their numbers, by key
+        self._threads, self._looked_s = 0, -LOOKED_S
+        self._there_s = time.monotonic()  # when a worker was seen last
 
     def room(self) -> int:
         """Return how many more tasks are taken."""
-        if time.monotonic() - self._looked_s >= _LOOKED_S:
-            self._threads = self._count_threads()
-            self._looked_s = time.monotonic()
+        self._look()
         return max(_AHEAD * self._threads, 1) - len(self._futures)
+
+    def begin(self, task: Task) -> None:
+        """Send a task to the scheduler."""
+        future = self.client.submit(_perform, task, self._alike, pure=False)
+        self._futures[future.key] = task.number, future
+        future.add_done_callback(self._ended.put)
+
+    def ended(self) -> tuple[int, Reply]:
+        """Wait for the next answer; the scheduler gives the task of a lost worker to another one."""
+        while True:
+            self._look()
+            try:
+                future = self._ended.get(timeout=LOOKED_S)
+            except queue.Empty:
+                continue
+            if future.key in self._futures:  # otherwise it was given up
+                number, _ = self._futures.pop(future.key)
+                return number, _reply(future)
+
+    def give_up(self) -> None:
+        """Forget the tasks that have not ended; what a worker has begun it ends, for nobody."""
+        left = [future for _, future in self._futures.values()]
+        self._futures.clear()
+        self.client.cancel(left, force=True)
+
+    def _look(self) -> None:
+        """See who is there, once a second; raises ClusterError where nobody has been for long."""
+        now_s = time.monotonic()
+        if now_s - self._looked_s < LOOKED_S:
+            return
+        self._looked_s = now_s
+        if self._keep is not None:
+            self._keep()
+        self._threads = self._count_threads()
+        if self._threads or not self._futures:
+            self._there_s = now_s
+        elif now_s - self._there_s > _WITHOUT_S:
+            raise ClusterError(
+                f"No worker has been left for {_WITHOUT_S:.0f} s; what came before stands. To go on, "
+                f"{self._mended}, then start this command again."
+            )
 
     def _count_threads(self) -> int:
         try:
             return sum(self.client.nthreads().values())
         except OSError as error:
             raise _gone() from error
-
-    def begin(self, task: Task) -> None:
-        """Send a task to the scheduler."""
-        future = self.client.submit(_perform, task, self._alike, pure=False)
-        self._futures[future.key] = task.number
-        self._ended.add(future)
-
-    def ended(self) -> tuple[int, Reply]:
-        """Wait for the next answer; the scheduler gives the task of a lost worker to another one."""
-        future = next(self._ended)
-        number = self._futures.pop(future.key)
-        return number, _reply(future)
-
-    def give_up(self) -> None:
-        """Forget the tasks that have not ended; what a worker has begun it ends, for nobody."""
-        self.client.cancel(list(self._ended.futures), force=True)
-        self._ended.clear()
-        self._futures.clear()
 
 
 def _perform(task: Task, expected: Arithmetic) -> Reply:
@@ -80,7 +99,7 @@ def _perform(task: Task, expected: Arithmetic) -> Reply:
     return task.perform()
 
 
-def _reply(future: "Future[Any]") -> Reply:
+def _reply(future: Future[Any]) -> Reply:
     if future.status == "finished":
         reply: Reply = future.result()
         return reply
@@ -101,8 +120,10 @@ def _gone() -> ClusterError:
     )
 
 
-def _alike(client: "Client") -> Arithmetic:
+def _alike(client: Client) -> Arithmetic:
     """Return what the workers compute like, which is what this program computes like.
+
+    One that is lost meanwhile, or joins later, is asked before its first part.
 
     Raises
     ------
@@ -111,6 +132,8 @@ def _alike(client: "Client") -> Arithmetic:
     """
     own = as_one_thread(arithmetic())
     for address, found in client.run(arithmetic, on_error="return").items():
+        if isinstance(found, OSError):
+            continue  # it is gone
         if not isinstance(found, Arithmetic):
             raise WorkersUnlikeError(
                 f"Worker {address} cannot say what it computes with ({type(found).__name__}: {found}): "
@@ -132,63 +155,3 @@ def _require_alike(expected: Arithmetic, found: Arithmetic, who: str) -> None:
             f"{who} {difference}, or stop that worker: its results would differ from the others' in their "
             "last bits."
         )
-
-
-@contextlib.contextmanager
-def of_scheduler(address: str) -> Iterator[DaskPlaces]:
-    """Offer the workers of the scheduler at `host:port`.
-
-    Raises
-    ------
-    ClusterError
-        Nobody answers there, or no worker has joined.
-    WorkersUnlikeError
-        A worker would not compute the same bits.
-    """
-    # That it is gone, and cannot be reached again, is said in a sentence, not in its client's own log.
-    logging.getLogger("distributed.client").setLevel(logging.CRITICAL)
-    encrypted = dask.config.get("distributed.comm.require-encryption")
-    url = f"{'tls' if encrypted else 'tcp'}://{address}"
-    try:
-        client = Client(url, timeout=_PATIENCE_S, set_as_default=False, security=Security())
-    except (OSError, ValueError) as error:
-        raise ClusterError(
-            f"No Dask scheduler answers at {url} ({error}); is it running, and reachable from here?"
-        ) from error
-    with client:
-        try:
-            client.wait_for_workers(1, timeout=_PATIENCE_S)
-        except TimeoutError as error:
-            raise ClusterError(
-                f"The scheduler at {url} has no worker; start one: dask worker {url}"
-            ) from error
-        yield DaskPlaces(client)
-
-
-@contextlib.contextmanager
-def of_this_computer(count: int) -> Iterator[DaskPlaces]:
-    """Offer `count` workers of Dask on this computer, reached by nobody else, for as long as it takes."""
-    with (
-        _environment(ONE_THREAD),
-        dask.config.set({"distributed.scheduler.allowed-failures": ALLOWED_FAILURES}),
-        LocalCluster(
-            n_workers=count,
-            threads_per_worker=1,
-            host="127.0.0.1",
-            dashboard_address="127.0.0.1:0",  # any free port, reached by nobody else
-        ) as cluster,
-        Client(cluster, set_as_default=False) as client,
-    ):
-        yield DaskPlaces(client)
-
-
-@contextlib.contextmanager
-def _environment(values: dict[str, str]) -> Iterator[None]:
-    """Let processes that are started meanwhile inherit some variables."""
-    before: dict[str, Any] = {name: os.environ.get(name) for name in values}
-    os.environ.update(values)
-    try:
-        yield
-    finally:
-        for name, value in before.items():
-            os.environ.pop(name) if value is None else os.environ.update({name: value})

@@ -5,11 +5,12 @@ import sys
 
 import pytest
 
-from tests.helpers.parts import killed_at_first, odd_is_refused, sums_of_noise, waited_for
+from tests.helpers.parts import odd_is_refused, sums_of_noise, waited_for
 from truepose.analysis.cluster.alike import arithmetic
 from truepose.analysis.cluster.chosen import workers
 from truepose.analysis.cluster.cluster import Cluster
-from truepose.analysis.cluster.dask_places import DaskPlaces, of_scheduler, of_this_computer
+from truepose.analysis.cluster.dask_clusters import of_scheduler, of_this_computer
+from truepose.analysis.cluster.dask_places import DaskPlaces
 from truepose.analysis.cluster.parts import Done, Failed, Part, Task, in_order
 from truepose.analysis.cluster.processes import Processes
 from truepose.analysis.errors import ClusterError, WorkersUnlikeError
@@ -57,12 +58,6 @@ def test_what_fails_is_named_and_the_others_go_on(cluster):
     assert (outcomes[1].name, outcomes[1].why) == ("part 3", "3 cannot be halved.")
 
 
-def test_a_task_that_loses_its_worker_is_computed_by_another(cluster, tmp_path):
-    (tmp_path / "once").touch()
-
-    assert cluster.answers(killed_at_first, [Part("unlucky", str(tmp_path))]) == ["at last"]
-
-
 def test_a_work_that_is_given_up_leaves_the_workers_to_the_next(cluster):
     outcomes = cluster.outcomes(waited_for, _parts([0.0, 0.05, 0.05, 0.05, 0.05]))
     next(outcomes)
@@ -75,7 +70,7 @@ def test_what_a_scheduler_drops_ends_the_run_with_a_sentence_and_what_came_befor
     outcomes = cluster.outcomes(waited_for, _parts([0.0, 0.5, 0.51, 0.52]))
     first = next(outcomes)
 
-    places.client.cancel(list(places._ended.futures), force=True)
+    places.client.cancel([future for _, future in places._futures.values()], force=True)
 
     assert first.answer == 0.0
     with pytest.raises(ClusterError, match="what came before stands"):
@@ -103,7 +98,7 @@ def test_a_run_with_such_a_worker_ends_with_a_sentence(places, monkeypatch):
     monkeypatch.setattr("truepose.analysis.cluster.dask_places.as_one_thread", lambda _: other)
 
     with pytest.raises(WorkersUnlikeError, match="Worker tcp://127"):
-        DaskPlaces(places.client)
+        DaskPlaces(places.client, "start one")
 
 
 def test_a_worker_that_joins_later_and_differs_ends_the_run(places, monkeypatch):
@@ -121,7 +116,7 @@ def test_a_scheduler_is_found_at_its_address(places):
 
 
 def test_where_no_scheduler_answers_it_says_so(monkeypatch, unused_tcp_port):
-    monkeypatch.setattr("truepose.analysis.cluster.dask_places._PATIENCE_S", 0.2)
+    monkeypatch.setattr("truepose.analysis.cluster.dask_clusters._PATIENCE_S", 0.2)
 
     with (
         pytest.raises(ClusterError, match=f"No Dask scheduler answers at tcp://127.0.0.1:{unused_tcp_port}"),
@@ -138,7 +133,6 @@ def test_workers_that_nobody_can_mean_are_refused(where):
 
 def test_without_dask_one_sentence_says_what_to_install(monkeypatch):
     monkeypatch.setitem(sys.modules, "distributed", None)
-    monkeypatch.delitem(sys.modules, "truepose.analysis.cluster.dask_places")
 
     with pytest.raises(ConfigurationError, match=r"pip install 'truepose\[dask\]'"), workers("dask", parts=2):
         pass
