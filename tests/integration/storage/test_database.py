@@ -12,6 +12,7 @@ from alembic.runtime.migration import MigrationContext
 from alembic.script import ScriptDirectory
 from sqlalchemy import create_engine, inspect, text
 
+from truepose.storage.connection.address import shown_address
 from truepose.storage.connection.migrating import migration_config
 from truepose.storage.connection.reading import opened_at
 from truepose.storage.connection.schema import newest_revision, revisions
@@ -150,6 +151,27 @@ def test_another_programs_database_is_refused_and_untouched(tmp_path):
 def test_what_is_no_database_of_ours_is_refused(url):
     with pytest.raises(DatabaseAddressError, match="write sqlite:///"):
         Database(url)
+
+
+@pytest.mark.parametrize(
+    "url",
+    [
+        "postgresql//ada:se/cret@host/db",
+        "postgresql://ada:secret@host:port/db",
+        "postgresql://host:port/db?password=secret",
+        "mysql://ada:secret@host/db?password=secret",
+    ],
+)
+def test_a_password_in_what_is_no_database_is_not_said(url):
+    with pytest.raises(DatabaseAddressError, match="write sqlite:///") as raised:
+        Database(url)
+
+    assert "cret" not in str(raised.value)
+
+
+@pytest.mark.parametrize("scheme", ["postgresql", "postgres", "postgresql+psycopg"])
+def test_a_server_is_the_same_by_each_name_of_its_kind(scheme):
+    assert shown_address(f"{scheme}://ada:secret@host/db") == "postgresql://ada@host/db"
 
 
 def test_a_folder_that_cannot_be_made_is_named(tmp_path):

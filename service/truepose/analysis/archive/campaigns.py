@@ -21,6 +21,7 @@ from truepose.storage.backup.transfer import snapshot
 from truepose.storage.calibration.campaigns import CampaignRepository
 from truepose.storage.calibration.diagnoses import DiagnosisRepository
 from truepose.storage.calibration.results import ResultRepository
+from truepose.storage.connection.address import shown_address
 from truepose.storage.database import Database
 from truepose.storage.plant.campaigns import CollectedCampaigns
 from truepose.storage.records import CampaignRecord, DiagnosisRecord, IdentificationRecord, Page
@@ -102,7 +103,7 @@ def in_database(url: str) -> Iterator[list[Archived]]:
     ):
         found = [*_own(database, runner), *_collected(database, runner)]
         if not found:
-            raise ConfigurationError(f"{url} holds no campaign.")
+            raise ConfigurationError(f"{shown_address(url)} holds no campaign.")
         yield found
 
 

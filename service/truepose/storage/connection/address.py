@@ -12,6 +12,7 @@ from truepose.storage.errors import DatabaseAddressError
 
 _WRITE: Final = "write sqlite:///folder/file.sqlite3 or postgresql://user@host/database."
 _IN_MEMORY: Final = {None, "", ":memory:"}
+_ALSO: Final = {"postgres": "postgresql", "postgresql+psycopg": "postgresql"}  # as other programs write it
 
 
 def database_file(url: str) -> Path:
@@ -29,8 +30,9 @@ def parsed_url(url: str) -> URL:
     """Return the parts of a URL; raises DatabaseAddressError for what names no database of ours."""
     try:
         parsed = make_url(url)
-    except ArgumentError as error:
-        raise DatabaseAddressError(f"'{url}' is not a database URL; {_WRITE}") from error
+    except (ArgumentError, ValueError) as error:  # the latter: its port is no number
+        raise DatabaseAddressError(f"{_said(url)} is not a database URL; {_WRITE}") from error
+    parsed = parsed.set(drivername=_ALSO.get(parsed.drivername, parsed.drivername))
     known = parsed.get_backend_name() in {"sqlite", "postgresql"} and "+" not in parsed.drivername
     if not known or parsed.database in _IN_MEMORY:
         raise DatabaseAddressError(f"'{shown(parsed)}' is no database that holds records; {_WRITE}")
@@ -45,13 +47,20 @@ def is_server(parsed: URL) -> bool:
 def shown(parsed: URL) -> str:
     """Return a URL as people are told of it: without password and options."""
     kept = {name: value for name, value in parsed.query.items() if name in {"host", "port"}}
-    return parsed.set(password=None).set(query=kept).render_as_string()
+    return URL.create(
+        parsed.drivername, parsed.username, None, parsed.host, parsed.port, parsed.database, kept
+    ).render_as_string()
 
 
 def shown_address(url: str) -> str:
     """Return what people are told of a database: its file, or a URL without password and options."""
     parsed = parsed_url(url)
     return shown(parsed) if is_server(parsed) else str(database_file(url))
+
+
+def _said(url: str) -> str:
+    """Return what may be said of a text that is no URL: none of it where a password may stand in it."""
+    return "What was given" if "@" in url or "?" in url else f"'{url}'"
 
 
 def _place(parsed: URL) -> str:
