@@ -21,7 +21,13 @@ from truepose.storage.plant.records import HandDownRecord
 
 _PATIENCE: Final = httpx.Timeout(30.0, connect=10.0)
 _LATE: Final = "no answer for half a minute, or no connection in ten seconds"
+_ANSWER_S: Final = (
+    60.0  # for an answer that says next to nothing, and a second more for each of so many bytes
+)
+_SLOWEST: Final = 1000.0
+_SLOW: Final = "its answer comes with less than a thousand bytes a second"
 _MOST_BYTES: Final = 256 * 2**20  # of a page: one record of the largest kind, and no more than memory holds
+_LONGEST: Final = 500  # letters of what a cell says to people
 _CREATED: Final = 201
 _REFUSED: Final = frozenset({400, 409, 413, 422})  # for good: what stands in the hand-down itself
 _OURS: Final = "urn:truepose:problem:"  # of a cell; what stands between here and there says no such thing
@@ -84,7 +90,7 @@ class AskedCell:
                 version=_text(told["version"]),
                 schema=_text(told["schema"]),
                 newest=_number(told["newest"]),
-                head=str(told["head"]),
+                head=_text(told["head"]),
                 clock=Answered(asked_at, took_s, _moment(told["time"])),
             )
         except _UNREADABLE as error:
@@ -109,12 +115,13 @@ class AskedCell:
             body = json.dumps(said, allow_nan=False).encode()
         except ValueError:  # kept by a version that took such numbers
             return Handed(None, "It holds a number that is not finite, which JSON cannot say")
-        answer = await self._post("/hand-downs", body, key)
-        if answer.status_code == _CREATED:
+        headers = {"Content-Type": "application/json", "Idempotency-Key": key}
+        status, answer = await self._asked("POST", "/hand-downs", content=body, headers=headers)
+        if status == _CREATED:
             return Handed(self._created(answer), "")
-        if answer.status_code in _REFUSED and _said(answer.content, "type").startswith(_OURS):
-            return Handed(None, _detail(answer.content))
-        raise self._no_cell(f"it answers {answer.status_code}: {_detail(answer.content)}")
+        if status in _REFUSED and _said(answer, "type").startswith(_OURS):
+            return Handed(None, _detail(answer))
+        raise self._no_cell(f"it answers {status}: {_detail(answer)}")
 
     async def close(self) -> None:
         """Let go of the connection."""
@@ -123,36 +130,37 @@ class AskedCell:
             self._client = None
 
     async def _get(self, path: str, parameters: dict[str, int]) -> bytes:
-        try:
-            client = await self._connected()
-            async with client.stream("GET", f"/api/v1{path}", params=parameters) as answer:
-                body = await self._body(answer)
-        except _SILENT as error:
-            raise self._unreachable(error) from error
-        if answer.status_code != httpx.codes.OK:
-            raise self._no_cell(f"it answers {answer.status_code}: {_detail(body)}")
+        status, body = await self._asked("GET", path, params=parameters)
+        if status != httpx.codes.OK:
+            raise self._no_cell(f"it answers {status}: {_detail(body)}")
         return body
 
-    async def _post(self, path: str, body: bytes, key: str) -> httpx.Response:
-        headers = {"Content-Type": "application/json", "Idempotency-Key": key}
+    async def _asked(self, method: str, path: str, **asked: Any) -> tuple[int, bytes]:
+        """Return status and body of an answer; raises CellSilentError, also where it comes byte by byte."""
         try:
             client = await self._connected()
-            return await client.post(f"/api/v1{path}", content=body, headers=headers)
+            patience_s = _ANSWER_S + len(asked.get("content", b"")) / _SLOWEST
+            async with (
+                asyncio.timeout(patience_s) as patience,
+                client.stream(method, f"/api/v1{path}", **asked) as answer,
+            ):
+                return answer.status_code, await self._body(answer, patience)
         except _SILENT as error:
             raise self._unreachable(error) from error
 
-    def _created(self, answer: httpx.Response) -> int:
+    def _created(self, answer: bytes) -> int:
         try:
-            return _number(json.loads(answer.content)["id"])
+            return _number(json.loads(answer)["id"])
         except _UNREADABLE as error:
             raise self._no_cell(f"what it says to a hand-down cannot be read ({error})") from error
 
-    async def _body(self, answer: httpx.Response) -> bytes:
+    async def _body(self, answer: httpx.Response, patience: asyncio.Timeout) -> bytes:
         body = bytearray()
         async for part in answer.aiter_bytes():
             body += part
             if len(body) > _MOST_BYTES:
-                raise self._no_cell("a page of its chain has no end")
+                raise self._no_cell("what it sends has no end")
+            patience.reschedule((patience.when() or 0.0) + len(part) / _SLOWEST)
         return bytes(body)
 
     async def _connected(self) -> httpx.AsyncClient:
@@ -189,7 +197,7 @@ class AskedCell:
         )
 
     def _unreachable(self, error: Exception) -> CellSilentError:
-        said = _LATE if isinstance(error, httpx.TimeoutException) else str(error) or type(error).__name__
+        said = _of_silence(error)
         return CellSilentError(f"{self._cell.name} cannot be reached at {self._cell.url} ({said}).")
 
     def _no_cell(self, said: str) -> CellAnswerError:
@@ -200,6 +208,12 @@ def _wall_time() -> datetime:
     return datetime.now(UTC)
 
 
+def _of_silence(error: Exception) -> str:
+    if isinstance(error, TimeoutError):
+        return _SLOW
+    return _LATE if isinstance(error, httpx.TimeoutException) else str(error) or type(error).__name__
+
+
 def _number(told: Any) -> int:
     if type(told) is not int or told not in _NUMBERS:
         raise ValueError(f"{told!r:.40} is no number of a record")
@@ -207,7 +221,7 @@ def _number(told: Any) -> int:
 
 
 def _text(told: Any) -> str:
-    if not isinstance(told, str) or not told.isprintable():
+    if not isinstance(told, str) or not told.isprintable() or len(told) > _LONGEST:
         raise ValueError(f"{told!r:.40} is no text")
     return told
 
@@ -241,8 +255,9 @@ def _detail(body: bytes) -> str:
 
 
 def _said(body: bytes, name: str) -> str:
-    """Return what a problem document says; empty: nothing, or it is none."""
+    """Return what a problem document says, as far as people read it; empty: nothing, or it is none."""
     try:
-        return str(json.loads(body)[name])
+        said = str(json.loads(body)[name])
     except _UNREADABLE:
         return ""
+    return "".join(sign if sign.isprintable() else " " for sign in said[:_LONGEST])

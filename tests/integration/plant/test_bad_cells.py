@@ -9,10 +9,10 @@ import pytest
 from sqlalchemy import select
 
 from truepose.exchange.cells.of_plant import PlantCell
-from truepose.plant import collector
+from truepose.plant import asking, collector
 from truepose.plant.asking import AskedCell
 from truepose.plant.collector import Collector, Pace, collecting
-from truepose.plant.errors import CellAnswerError
+from truepose.plant.errors import CellAnswerError, CellSilentError
 from truepose.plant.visit import Shelves
 from truepose.storage.errors import ConflictError, NotInPlantError
 from truepose.storage.integrity.chain import GENESIS, linked_hash
@@ -96,12 +96,41 @@ async def test_a_visit_that_fails_is_told_and_every_other_cell_is_visited(plant,
         json.dumps(GOOD | {"newest": -1}).encode(),
         json.dumps(GOOD | {"newest": float("inf")}).encode(),
         json.dumps(GOOD | {"version": "1\0"}).encode(),
+        json.dumps(GOOD | {"version": "1" * 501}).encode(),
+        json.dumps(GOOD | {"head": "\ud800"}).encode(),
         b"[]",
     ],
 )
 async def test_a_head_that_cannot_be_read_is_said(wrong):
     with pytest.raises(CellAnswerError, match="left arm does not answer as a cell does: its head"):
         await asked(body=wrong).head()
+
+
+async def byte_by_byte():
+    while True:
+        yield b" "
+        await asyncio.sleep(0)
+
+
+async def test_an_answer_that_comes_byte_by_byte_is_not_waited_for(monkeypatch):
+    monkeypatch.setattr(asking, "_ANSWER_S", 0.05)
+    cell = AskedCell(
+        PlantCell("left arm", "http://localhost"),
+        transport=httpx.MockTransport(lambda request: httpx.Response(200, content=byte_by_byte())),
+    )
+    monkeypatch.setattr(asking, "_SLOWEST", float("inf"))
+
+    with pytest.raises(
+        CellSilentError, match=r"cannot be reached at http://localhost \(its answer comes with"
+    ):
+        await cell.head()
+
+
+async def test_what_a_cell_says_to_people_is_cut_where_nobody_would_read_on():
+    with pytest.raises(CellAnswerError) as raised:
+        await asked(503, json.dumps({"detail": "No\0\ud800" * 1000}).encode()).head()
+
+    assert str(raised.value).endswith("it answers 503: " + "No  " * 125 + ".")
 
 
 def hand_down(document):
