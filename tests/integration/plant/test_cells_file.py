@@ -52,6 +52,7 @@ def test_files_that_it_names_lie_beside_it(tmp_path):
         ('[[cell]]\nname = "a"\nurl = "http://c"\ntoken = "x"', "this key is not known here"),
         ('cells = 1\n[[cell]]\nname = "a"\nurl = "http://c"', "this key is not known here"),
         ('[[cell]]\nname = "a"\nurl = "http://c"\n' * 2, "two cells are called 'a'"),
+        ('[[cell]]\nname = "a"\nurl = "http://c"\n[[cell]]\nname = "b"\nurl = "http://c/"', "'a' has this"),
         ('[[cell]]\nname = "a"\nurl = "http://c"\n[due_after_days]\n"IRB" = 0', "0 must be greater than 0"),
         ('[[cell]]\nname = "a"\nurl = "http://c"\n[due_after_days]\n"IRB" = "30d"', "is not a number"),
         ("[[cell]", "cells.toml"),

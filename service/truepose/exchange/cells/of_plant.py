@@ -93,6 +93,9 @@ def read_plant_file(path: Path) -> PlantFile:
         cell = _read_cell(node, path.parent)
         if cell.name in cells:
             node.key("name").fail(f"two cells are called {cell.name!r}; names must differ")
+        twin = next((one.name for one in cells.values() if one.url == cell.url), None)
+        if twin is not None:
+            node.key("url").fail(f"{twin!r} has this address; one cell would be collected twice")
         cells[cell.name] = cell
     return PlantFile(tuple(cells.values()), _read_due(root.optional(_DUE)))
 
