@@ -120,9 +120,7 @@ async def test_an_answer_that_comes_byte_by_byte_is_not_waited_for(monkeypatch):
     )
     monkeypatch.setattr(asking, "_SLOWEST", float("inf"))
 
-    with pytest.raises(
-        CellSilentError, match=r"cannot be reached at http://localhost \(its answer comes with"
-    ):
+    with pytest.raises(CellSilentError, match=r"http://localhost \(its answer comes with"):
         await cell.head()
 
 

@@ -128,6 +128,15 @@ async def test_programs_hear_of_no_day_that_is_yet_to_come_where_there_is_anothe
     assert (life["last_measured_on"], life["cell"], life["results"]) == (honest, "left arm", 2)
 
 
+async def test_a_serial_number_may_have_slashes(service):
+    await lay(service, *robot("120/5 01/7?a", 3), (plant_instruments, {"serial_number": "T-9"}))
+
+    link = re.search('href="(/robots/[^"]+)"', await page(service, "/instruments/T-9"))[1]
+
+    assert "120/5 01/7?a</h1>" in await page(service, link)
+    assert (await service.get(f"/api/v1/plant{link}")).json()["robot"]["serial_number"] == "120/5 01/7?a"
+
+
 async def test_a_robot_that_was_never_measured_stands_in_the_cell_that_planned_for_it(service, cell):
     await cell.measure(0, serial="120-9")
     await all_collected(service, cell)

@@ -42,7 +42,7 @@ class Pair:
     later: DiagnosisRecord
 
 
-@router.get("/{name}", response_class=HTMLResponse)
+@router.get("/{name:path}", response_class=HTMLResponse)
 async def robot_page(
     visit: Visited,
     name: str,

@@ -44,17 +44,7 @@ async def list_plant_cells(here: PlantHere, paging: Counted) -> list[PlantCellRe
     return paging.of([*newest.items()], lambda item: _reply(here, *item))
 
 
-@router.get("/{name}", responses=problems(404, 422, 503))
-async def get_plant_cell(here: PlantHere, name: Name) -> VisitsReply:
-    """Show a cell, and the latest visits to it, newest first."""
-    newest = await here.visits.newest()
-    if name not in newest:
-        raise NotInPlantError(f"There is no cell '{name}' in this plant.")
-    visits = [visit_reply(record) for record in await here.visits.of(name, _VISITS)]
-    return VisitsReply(cell=_reply(here, name, newest[name]), visits=visits)
-
-
-@router.get("/{name}/records", responses=listing(404, 422, 503))
+@router.get("/{name:path}/records", responses=listing(404, 422, 503))
 async def list_plant_records(
     here: PlantHere, name: Name, paging: Paged, kind: KindOfRecord = None
 ) -> list[PlantRecordReply]:
@@ -64,8 +54,18 @@ async def list_plant_records(
     return paging.shown(await here.lines.of(name, paging.page, kind), record_reply)
 
 
+@router.get("/{name:path}", responses=problems(404, 422, 503))
+async def get_plant_cell(here: PlantHere, name: Name) -> VisitsReply:
+    """Show a cell, and the latest visits to it, newest first."""
+    newest = await here.visits.newest()
+    if name not in newest:
+        raise NotInPlantError(f"There is no cell '{name}' in this plant.")
+    visits = [visit_reply(record) for record in await here.visits.of(name, _VISITS)]
+    return VisitsReply(cell=_reply(here, name, newest[name]), visits=visits)
+
+
 @router.post(
-    "/{name}/branches",
+    "/{name:path}/branches",
     status_code=status.HTTP_201_CREATED,
     responses=problems(400, 404, 409, 413, 415, 422, 503),
 )
@@ -78,7 +78,7 @@ async def accept_branch(here: PlantHere, name: Name, wanted: BranchRequest) -> P
     return _reply(here, name, (await here.visits.newest())[name])
 
 
-@router.post("/{name}/visits", status_code=status.HTTP_202_ACCEPTED, responses=problems(404, 422, 503))
+@router.post("/{name:path}/visits", status_code=status.HTTP_202_ACCEPTED, responses=problems(404, 422, 503))
 async def plan_visit(here: PlantHere, name: Name) -> PlantCellReply:
     """Have a cell visited now, and not only when it is due."""
     _require(here, name)

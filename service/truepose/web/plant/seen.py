@@ -57,7 +57,7 @@ async def list_seen_robots(here: PlantHere, paging: Paged) -> list[SeenRobotRepl
     return paging.shown(await here.looks.robots(paging.page, _upto()), robot_reply)
 
 
-@router.get("/robots/{serial}", responses=problems(404, 422, 503))
+@router.get("/robots/{serial:path}", responses=problems(404, 422, 503))
 async def get_robot_life(here: PlantHere, serial: Serial) -> RobotLifeReply:
     """Show the life of a robot: what was measured of it on which day, and what was made of that."""
     return RobotLifeReply(
@@ -73,7 +73,7 @@ async def list_seen_instruments(here: PlantHere, paging: Paged) -> list[SeenInst
     return paging.shown(await here.looks.instruments(paging.page, _upto()), instrument_reply)
 
 
-@router.get("/instruments/{serial}", responses=problems(404, 422, 503))
+@router.get("/instruments/{serial:path}", responses=problems(404, 422, 503))
 async def get_instrument_life(here: PlantHere, serial: Serial) -> InstrumentLifeReply:
     """Show the life of an instrument: what it measured on which day, in which cell."""
     return InstrumentLifeReply(

@@ -46,7 +46,7 @@ class Share:
     last: str
 
 
-@router.get("/robots/{serial}", response_class=HTMLResponse)
+@router.get("/robots/{serial:path}", response_class=HTMLResponse)
 async def robot_life_page(
     visit: Visited, here: PlantHere, serial: Serial, whole: Whole = False
 ) -> HTMLResponse:
@@ -74,7 +74,7 @@ async def _courses(visit: Visit, here: PlantHere, serial: str, *, whole: bool) -
     return Courses(drawn, is_there=True)
 
 
-@router.get("/instruments/{serial}", response_class=HTMLResponse)
+@router.get("/instruments/{serial:path}", response_class=HTMLResponse)
 async def instrument_life_page(visit: Visited, here: PlantHere, serial: Serial) -> HTMLResponse:
     """Show which robots an instrument measured, and on which days."""
     today = datetime.now(UTC).date()
