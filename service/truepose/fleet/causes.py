@@ -31,6 +31,11 @@ class AgeingCause:
     directions: FloatArray  # (P + 1, q) in stated widths, the scale last
     order: float = 0.0  # of waves
 
+    @property
+    def key(self) -> tuple[str, str, float]:
+        """What tells it from every other cause."""
+        return self.effect, self.subject, self.order
+
 
 def robot_causes(fleet: Fleet, robot: Robot | None = None) -> tuple[AgeingCause, ...]:
     """Return what may change in a robot: each spring, gap, wave, zero and link.

@@ -9,7 +9,8 @@ and all is tried again until nothing is beyond chance. Rivals of a change explai
 it, at odds of no worse than twenty to one.
 """
 
-from collections.abc import Iterator, Sequence
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -49,6 +50,20 @@ class Named:
 
 
 @dataclass(frozen=True, slots=True)
+class Tries:
+    """What was tried beside the changes that are named."""
+
+    causes: tuple[AgeingCause, ...]  # of robots and the type
+    excess: tuple[float, ...]  # of each: by which its variances exceed what the readings state
+    number: Mapping[Scope, int]
+    level: float
+
+    def chance(self, scope: Scope) -> float:
+        """Return the chance up to which one try is beyond what chance gives over all."""
+        return self.level / (_SCOPES * max(self.number.get(scope, 0), 1))
+
+
+@dataclass(frozen=True, slots=True)
 class Account:
     """What the campaigns of a fleet say."""
 
@@ -56,7 +71,12 @@ class Account:
     estimated: Estimated  # with the named changes in the model
     birge_ratio: float  # of variances; 1: campaigns scatter as their readings say
     named: tuple[Named, ...]
-    tried: int
+    tries: Tries
+
+    @property
+    def tried(self) -> int:
+        """How many ways of changing were tried."""
+        return sum(self.tries.number.values())
 
 
 def account_of(fleet: Fleet, robot: Robot | None = None, level: float = LEVEL) -> Account:
@@ -82,13 +102,18 @@ def account_of(fleet: Fleet, robot: Robot | None = None, level: float = LEVEL) -
     causes = robot_causes(fleet, robot)
     found: list[Trial] = []
     trials = tuple(_trials(estimated.posterior, causes))
-    tried = len(trials)
     while len(found) < _MOST and (best := _beyond_chance(trials, level)) is not None:
         found.append(best)
         estimated = estimate(Equations(fleet, [one.change.named for one in found]), estimated.variances)
         trials = tuple(_trials(estimated.posterior, causes))
     named = tuple(_named(estimated, found, number, causes) for number in range(len(found)))
-    return Account(fleet, estimated, ratio, named, tried)
+    return Account(fleet, estimated, ratio, named, _tries(causes, trials, level))
+
+
+def _tries(causes: tuple[AgeingCause, ...], trials: Sequence[Trial], level: float) -> Tries:
+    number = Counter[Scope](one.change.scope for one in trials)
+    excess = {one.change.cause.key: one.excess for one in trials}
+    return Tries(causes, tuple(excess.get(cause.key, 1.0) for cause in causes), number, level)
 
 
 def _trials(posterior: Posterior, causes: Sequence[AgeingCause]) -> Iterator[Trial]:
@@ -131,11 +156,9 @@ def _instrument_trials(posterior: Posterior) -> Iterator[Trial]:
 
 def _beyond_chance(trials: Sequence[Trial], level: float) -> Trial | None:
     """Return the change with the largest ratio among those that chance does not explain; None: nothing is."""
-    counts = {
-        scope: sum(one.change.scope == scope for one in trials) for scope in ("robot", "type", "instrument")
-    }
+    number = Counter(one.change.scope for one in trials)
     beyond = [
-        one for one in trials if one.ratio > 0.0 and one.chance * counts[one.change.scope] * _SCOPES <= level
+        one for one in trials if one.ratio > 0.0 and one.chance * number[one.change.scope] * _SCOPES <= level
     ]
     return max(beyond, key=lambda one: one.ratio, default=None)
 

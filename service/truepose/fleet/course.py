@@ -115,5 +115,4 @@ def _course(
 
 
 def _is_of(change: Change, robot: str, cause: AgeingCause) -> bool:
-    named = (change.of, change.cause.effect, change.cause.subject, change.cause.order)
-    return named == (robot, cause.effect, cause.subject, cause.order)
+    return (change.of, change.cause.key) == (robot, cause.key)

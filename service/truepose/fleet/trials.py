@@ -63,8 +63,7 @@ class Change:
     @property
     def key(self) -> tuple[str | float, ...]:
         """What tells it from every other change."""
-        cause = self.cause
-        return (self.scope, self.of, cause.effect, cause.subject, cause.order, self.kind, self.since)
+        return (self.scope, self.of, *self.cause.key, self.kind, self.since)
 
 
 @dataclass(frozen=True, slots=True)
@@ -179,6 +178,14 @@ def largest_ratio(squares: FloatArray, information: FloatArray) -> float:
     return max(float(each.sum(axis=1).max()), 0.0)
 
 
+class Line(NamedTuple):
+    """A change over the days of an instrument, as it is found at a variance of days."""
+
+    likelihood: float  # its logarithm
+    amount: float  # in stated widths
+    u: float  # standard uncertainty
+
+
 class InstrumentDays:
     """The scales of instruments on their days, and what explains them."""
 
@@ -191,7 +198,7 @@ class InstrumentDays:
         self.scale = self.covariance @ (known @ posterior.shared[visits])  # (D,) in stated widths
         instrument = np.array([visit[0] for visit in posterior.equations.fleet.visits])
         self._levels = (instrument[:, None] == np.unique(instrument)).astype(float)
-        self._without = max(self._fitted(self._levels, day)[0] for day in _DAYS.tolist())
+        self._without = self._best(self._levels).likelihood
 
     def of(self, shape: FloatArray) -> tuple[float, float]:
         """Return twice the log likelihood ratio of a change (D,) over the visits, and its chance."""
@@ -199,11 +206,22 @@ class InstrumentDays:
         left = len(shape) - columns.shape[1]
         if left < 1:
             return 0.0, 1.0
-        best = max((self._fitted(columns, day) for day in _DAYS.tolist()), key=lambda one: one[0])
-        return max(2.0 * (best[0] - self._without), 0.0), f_exceeded(best[1], 1.0, float(left))
+        best = self._best(columns)
+        chance = f_exceeded((best.amount / best.u) ** 2, 1.0, float(left))
+        return max(2.0 * (best.likelihood - self._without), 0.0), chance
 
-    def _fitted(self, columns: FloatArray, day: float) -> tuple[float, float]:
-        """Return the log likelihood, and the squared ratio of the last column to its uncertainty.
+    def judging(self, shape: FloatArray) -> tuple[float, int]:
+        """Return the standard uncertainty by which a change (D,) is judged, and its degrees of freedom."""
+        columns = np.column_stack([self._levels, shape])
+        left = len(shape) - columns.shape[1]
+        return (self._best(columns).u, left) if left >= 1 else (np.inf, 0)
+
+    def _best(self, columns: FloatArray) -> "Line":
+        each = (self._fitted(columns, day) for day in _DAYS.tolist())
+        return max(each, key=lambda one: one.likelihood)
+
+    def _fitted(self, columns: FloatArray, day: float) -> "Line":
+        """Return what of the last column is found at a variance of days.
 
         The variance of days is that of the restricted likelihood's scale: of D values, as many are free as
         columns leave.
@@ -218,4 +236,4 @@ class InstrumentDays:
         # its word by few days.
         spread = max(squared / max(len(read) - columns.shape[1], 1), 1.0)
         likelihood = -0.5 * (squared + 2.0 * float(np.log(np.diag(root)).sum()))
-        return likelihood, float(found[-1] ** 2 / (inverse[-1, -1] * spread))
+        return Line(likelihood, float(found[-1]), float(np.sqrt(inverse[-1, -1] * spread)))

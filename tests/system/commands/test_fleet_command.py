@@ -35,6 +35,9 @@ def test_where_nothing_changes_the_command_names_nothing_and_keeps_what_was_told
     found = json.loads(document)
     assert (found["robots"], found["campaigns"], found["changes"]) == (["robot 00", "robot 01"], 4, [])
     assert (found["first"], found["last"], found["simulated"]) == ("2026-03-02", "2026-04-01", True)
+    assert all(one["size_mm"] >= one["best_mm"] > 0.0 for one in found["would_show"])
+    assert [one["size_mm"] for one in found["drifts_would_show"]] == [None, None]  # of two days each
+    assert "would have shown with 95 % from these sizes on" in " ".join(said.split())
     assert len(kept) == 4
     assert {file.name: file.stat().st_mtime_ns for file in out.rglob("*.told")} == kept
 

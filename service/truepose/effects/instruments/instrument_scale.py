@@ -11,7 +11,7 @@ from truepose.effects.causes import Candidate, Fitted, Scene, Shown
 from truepose.effects.ports import NOTHING, Need, ParameterSpec, Port, PortKind, Rows, Setting, Term, Trait
 
 NAME = "instrument_scale"
-_WIDTH = 1e-4  # ten times what a tracker in a workshop without weather station would show
+WIDTH = 1e-4  # ten times what a tracker in a workshop without weather station would show
 _TRACKER, _BALLBAR = "scale", "ballbar_scale"
 _LENGTHS_OF_THE_ARM = ("a_", "d_")
 
@@ -54,7 +54,7 @@ class InstrumentScale:
 
 
 def _spec(name: str) -> ParameterSpec:
-    return ParameterSpec(name, "1", 0.0, _WIDTH)
+    return ParameterSpec(name, "1", 0.0, WIDTH)
 
 
 def _term(k: int, name: str, rows: Rows) -> Term:

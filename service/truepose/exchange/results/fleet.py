@@ -1,6 +1,7 @@
 """What the campaigns of robots of one type say, as a document."""
 
-from collections.abc import Sequence
+import math
+from collections.abc import Iterator, Sequence
 from datetime import date
 from typing import Self
 
@@ -17,7 +18,9 @@ from truepose.fleet.answer.sentences import (
     change_said,
     compared,
     day_of,
+    drift_um_per_m,
     headline,
+    least_said,
     next_said,
     passing_said,
     scatter_said,
@@ -29,6 +32,7 @@ from truepose.fleet.changes import Account, Named
 from truepose.fleet.components import uncertainties
 from truepose.fleet.course import along
 from truepose.fleet.forecast import Passing, concerned, passing
+from truepose.fleet.least import Least, least_of_instruments, least_of_robots
 from truepose.fleet.trials import Kind, Scope, Trial
 from truepose.words.catalogue import english
 
@@ -150,6 +154,23 @@ class SharedDocument(Document):
     between_robots_u: Quantity = Field(description="How well that is known.")
 
 
+class LeastDocument(Document):
+    """From which size on a cause that grows from the first campaign on would have been shown with 95 %."""
+
+    cause: CauseDocument
+    size_mm: Quantity | None = Field(description="In every robot measured twice; null: in one at no size.")
+    best_mm: Quantity | None = Field(description="In the robot in which it shows best.")
+
+
+class LeastDriftDocument(Document):
+    """From which size on a drift of an instrument would have been shown with 95 %."""
+
+    instrument: str
+    days: Quantity = Field(description="From its first campaign to its last, over which it drifts.")
+    size_mm: Quantity | None = Field(description="At what it measured; null: at no size.")
+    um_per_m: Quantity | None = Field(description="Of all lengths.")
+
+
 class LeftOutDocument(Document):
     """A campaign that is not compared."""
 
@@ -171,6 +192,8 @@ class FleetDocument(Document):
     tried: int = Field(description="Ways in which robots, type and instruments may change.")
     scatter: Quantity = Field(description="Of campaigns, over what their readings say; 1: as they say.")
     changes: list[ChangeDocument]
+    would_show: list[LeastDocument] = Field(description="A change smaller than that may be there unseen.")
+    drifts_would_show: list[LeastDriftDocument]
     next: list[DueDocument] = Field(description="Every robot, the one to be measured next first.")
     type: list[SharedDocument] = Field(description="What robots of the type have in common.")
     left_out: list[LeftOutDocument]
@@ -198,15 +221,44 @@ def fleet_document(
         tried=account.tried,
         scatter=float(np.sqrt(account.birge_ratio)),
         changes=[ChangeDocument.of_named(account, one, limit_mm) for one in account.named],
+        would_show=[_least(one) for one in least_of_robots(account) if one.of],
+        drifts_would_show=list(_least_drifts(account)),
         next=[DueDocument.of_due(one, limit_mm) for one in due(account, limit_mm)],
         type=list(shared(account)),
         left_out=list(left_out),
-        sentences=[compared(account), headline(account), *_next(account, limit_mm), *scatter_said(account)],
+        sentences=[
+            compared(account),
+            headline(account),
+            *least_said(account),
+            *_next(account, limit_mm),
+            *scatter_said(account),
+        ],
     )
 
 
 def _next(account: Account, limit_mm: float) -> list[Sentence]:
     return [next_said(one, limit_mm) for one in due(account, limit_mm)[:1]]
+
+
+def _least(one: Least) -> LeastDocument:
+    return LeastDocument(
+        cause=CauseDocument.of_cause(one.cause),
+        size_mm=_finite(float(one.size_mm.max())),
+        best_mm=_finite(float(one.size_mm.min())),
+    )
+
+
+def _least_drifts(account: Account) -> Iterator[LeastDriftDocument]:
+    found = least_of_instruments(account)
+    for name, size_mm, days in zip(found.of, found.size_mm.tolist(), found.days.tolist(), strict=True):
+        um_per_m = drift_um_per_m(account.fleet, size_mm)
+        yield LeastDriftDocument(
+            instrument=name, days=days, size_mm=_finite(size_mm), um_per_m=_finite(um_per_m)
+        )
+
+
+def _finite(value: float) -> float | None:
+    return value if math.isfinite(value) else None
 
 
 def shared(account: Account) -> list[SharedDocument]:

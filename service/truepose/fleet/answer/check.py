@@ -24,16 +24,14 @@ def asked_of(account: Account) -> tuple[AgeingCause, ...]:
     A gap is none of them: configurations that are approached from one side never show it.
     """
     named = {
-        (one.change.cause.effect, one.change.cause.subject, one.change.cause.order)
+        one.change.cause.key
         for one in account.named
         if one.change.scope == "robot" and one.change.cause.effect != GAP
     }
     return tuple(
         cause
         for cause in robot_causes(account.fleet)
-        if cause.effect == _SPRING
-        or cause.order > _GEAR_LINES
-        or (cause.effect, cause.subject, cause.order) in named
+        if cause.effect == _SPRING or cause.order > _GEAR_LINES or cause.key in named
     )
 
 

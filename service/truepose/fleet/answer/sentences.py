@@ -5,11 +5,16 @@ from collections.abc import Iterator
 from datetime import date
 from typing import Final
 
+import numpy as np
+
 from truepose.domain.sentences import Sentence, Text, said, together
+from truepose.effects.instruments.instrument_scale import WIDTH
 from truepose.fleet.answer.due import Due
+from truepose.fleet.campaigns import Fleet
 from truepose.fleet.causes import AgeingCause
 from truepose.fleet.changes import Account, Named
 from truepose.fleet.forecast import Passing, concerned
+from truepose.fleet.least import least_of_instruments, least_of_robots
 from truepose.fleet.trials import Change, Kind
 
 _KINDS: Final[dict[Kind, str]] = {
@@ -139,3 +144,36 @@ def scatter_said(account: Account) -> Iterator[Sentence]:
     """Yield by how much campaigns scatter more than their readings say, where they do."""
     if account.birge_ratio > 1.0:
         yield said("fleet.scatter", times=math.sqrt(account.birge_ratio))
+
+
+def least_said(account: Account) -> Iterator[Sentence]:
+    """Yield from which sizes on changes would have shown: what "nothing changes" leaves room for."""
+    robots = least_of_robots(account)
+    sizes: dict[str, float] = {}
+    for one in robots:
+        shown = one.size_mm[np.isfinite(one.size_mm)]
+        sizes[one.cause.effect] = max(sizes.get(one.cause.effect, 0.0), *shown.tolist(), 0.0)
+    kinds = tuple(
+        said("fleet.least.kind", effect=effect, size_mm=size) for effect, size in sizes.items() if size
+    )
+    if kinds:
+        yield said("fleet.least", kinds=kinds)
+    hidden = tuple(cause_said(one.cause) for one in robots if np.isinf(one.size_mm).any())
+    if hidden:
+        yield said("fleet.least.hidden", causes=hidden)
+    yield from _least_drifts(account)
+
+
+def _least_drifts(account: Account) -> Iterator[Sentence]:
+    found = least_of_instruments(account)
+    for name, size_mm, days in zip(found.of, found.size_mm.tolist(), found.days.tolist(), strict=True):
+        if math.isinf(size_mm):
+            yield said("fleet.least.no_drift", instrument=name)
+        else:
+            um_per_m = drift_um_per_m(account.fleet, size_mm)
+            yield said("fleet.least.drift", instrument=name, um_per_m=um_per_m, days=days, size_mm=size_mm)
+
+
+def drift_um_per_m(fleet: Fleet, size_mm: float) -> float:
+    """Return by how much of all lengths an instrument drifts that moves what it measures by a size."""
+    return 1e6 * WIDTH * size_mm / math.sqrt(fleet.motion_mm2[-1, -1])

@@ -11,6 +11,7 @@ from truepose.fleet.answer.sentences import (
     cause_said,
     compared,
     headline,
+    least_said,
     next_said,
     scatter_said,
     told_of,
@@ -20,7 +21,7 @@ from truepose.fleet.changes import Account, Named
 from truepose.fleet.course import along
 from truepose.fleet.forecast import concerned, passing
 from truepose.reports.figures.curves.growth import Growth, growth_figure
-from truepose.reports.fleets.rows import change_rows, due_rows, shared_rows
+from truepose.reports.fleets.rows import change_rows, due_rows, least_rows, shared_rows
 from truepose.reports.pages import rendered, write_page
 from truepose.words.catalogue import IN_ENGLISH, Catalogue
 
@@ -54,6 +55,8 @@ def _context(given: FleetInput, words: Catalogue) -> dict[str, object]:
         "headline": words.spoken(headline(account)),
         "good": not account.named,
         "compared": [words.spoken(one) for one in (compared(account), *scatter_said(account))],
+        "least": [words.spoken(one) for one in least_said(account)],
+        "least_rows": tuple(least_rows(account, words)),
         "limit_mm": limit_mm,
         "rows": change_rows(account, limit_mm, words),
         "changes": [

@@ -1,5 +1,6 @@
 """What a fleet says as rows of tables, for a terminal and for pages alike."""
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Final
@@ -9,6 +10,7 @@ from truepose.fleet.answer.due import due
 from truepose.fleet.answer.sentences import cause_said, change_said, day_of, what, why_said
 from truepose.fleet.changes import Account, Named
 from truepose.fleet.forecast import passing
+from truepose.fleet.least import least_of_robots
 from truepose.fleet.trials import Kind
 from truepose.reports.wording.rounding import rounded, uncertainty, with_uncertainty
 from truepose.words.catalogue import Catalogue
@@ -18,6 +20,7 @@ _KINDS: Final[dict[Kind, str]] = {
     "step": "fleet.kind.step",
     "day": "fleet.kind.day",
 }
+_AT_NO_SIZE: Final = "-"
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,6 +47,15 @@ class DueRow:
 
 
 @dataclass(frozen=True, slots=True)
+class LeastRow:
+    """From which size on a cause would have been shown, as text."""
+
+    cause: str
+    size: str
+    best: str
+
+
+@dataclass(frozen=True, slots=True)
 class SharedRow:
     """A parameter as the type has it, as text."""
 
@@ -65,6 +77,18 @@ def due_rows(account: Account, limit_mm: float, words: Catalogue) -> tuple[DueRo
         DueRow(one.robot, day_of(one.last_day) or "", words.spoken(why_said(one, limit_mm)))
         for one in due(account, limit_mm)
     )
+
+
+def least_rows(account: Account, words: Catalogue) -> Iterator[LeastRow]:
+    """Yield a row per cause of robots, those first that show least."""
+    seen = (one for one in least_of_robots(account) if one.of)
+    for one in sorted(seen, key=lambda one: -float(one.size_mm.max())):
+        sizes = (_size(float(size)) for size in (one.size_mm.max(), one.size_mm.min()))
+        yield LeastRow(words.spoken(cause_said(one.cause)), *sizes)
+
+
+def _size(size_mm: float) -> str:
+    return f"{size_mm:.3f}" if math.isfinite(size_mm) else _AT_NO_SIZE
 
 
 def shared_rows(account: Account, words: Catalogue) -> Iterator[SharedRow]:

@@ -5,7 +5,14 @@ from rich.table import Table
 from rich.text import Text
 
 from truepose.fleet.answer.due import due
-from truepose.fleet.answer.sentences import compared, headline, next_said, rivals_said, scatter_said
+from truepose.fleet.answer.sentences import (
+    compared,
+    headline,
+    least_said,
+    next_said,
+    rivals_said,
+    scatter_said,
+)
 from truepose.fleet.changes import Account
 from truepose.reports.fleets.rows import change_rows, due_rows
 from truepose.words.catalogue import IN_ENGLISH, Catalogue
@@ -19,6 +26,7 @@ def fleet_summary(account: Account, limit_mm: float, words: Catalogue = IN_ENGLI
     if account.named:
         parts.append(_changes(account, limit_mm, words))
     parts += [Text(words.spoken(one)) for named in account.named for one in rivals_said(named)]
+    parts += [Text(words.spoken(one)) for one in least_said(account)]
     first = due(account, limit_mm)[0]
     parts.append(Text(words.spoken(next_said(first, limit_mm))))
     parts.append(_next(account, limit_mm, words))
