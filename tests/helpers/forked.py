@@ -1,0 +1,135 @@
+"""Interpreters that have everything loaded when they begin: forked from one that has.
+
+To load what a service needs takes a second and more. This is for tests of what a process does once it runs.
+What one loads by itself, and what it says of how it was started, is tested where users start it:
+`tests/system/simulators/test_process.py`, `tests/system/demo`, `tests/integration/test_serve.py`,
+`tests/integration/analysis/test_worker_process.py`.
+"""
+
+import asyncio
+import multiprocessing
+import os
+import runpy
+import signal
+import sys
+from multiprocessing.connection import Connection
+from subprocess import DEVNULL, PIPE
+
+_FORKS = multiprocessing.get_context("forkserver")
+_LOADED = [
+    "truepose.cli",
+    "truepose.app.cells",
+    "truepose.analysis.workers.worker",
+    "truepose_simulators.__main__",
+]
+_LINE_BYTES = 1 << 16  # of a stream, by default
+_exec = asyncio.create_subprocess_exec
+
+
+async def forked(
+    *command,
+    stdin=None,
+    stdout=None,
+    stderr=None,
+    start_new_session=False,
+    cwd=None,
+    env=None,
+    limit=_LINE_BYTES,
+):
+    """Start `sys.executable` with `-m MODULE` or `-c CODE` as `asyncio.create_subprocess_exec` does.
+
+    What the process starts in turn by that function begins likewise. Any other command is started as ever.
+    """
+    program, *arguments = map(str, command)
+    if program != sys.executable or arguments[0] not in {"-m", "-c"}:
+        given = {"stdin": stdin, "stdout": stdout, "stderr": stderr, "cwd": cwd, "env": env}
+        return await _exec(*command, **given, start_new_session=start_new_session, limit=limit)
+    ends = [_Ends(number, asked) for number, asked in enumerate((stdin, stdout, stderr))]
+    given = (arguments, dict(env or os.environ), cwd or os.getcwd(), start_new_session)
+    _FORKS.set_forkserver_preload(_LOADED)  # of the first that is started in this process
+    process = _FORKS.Process(target=_become, args=(*given, [end.of_process for end in ends]))
+    await asyncio.to_thread(process.start)
+    for end in ends:
+        end.of_process.close()
+    return Forked(process, *[await end.stream(limit) for end in ends])
+
+
+class Forked:
+    """A process that was forked, as `asyncio.subprocess.Process` shows one."""
+
+    def __init__(self, process, stdin, stdout, stderr):
+        self._process = process
+        self.stdin, self.stdout, self.stderr = (stream for stream, _ in (stdin, stdout, stderr))
+        self._pipes = [pipe for _, pipe in (stdin, stdout, stderr) if pipe is not None]
+
+    @property
+    def pid(self):
+        return self._process.pid
+
+    @property
+    def returncode(self):
+        return self._process.exitcode
+
+    def terminate(self):
+        os.kill(self.pid, signal.SIGTERM)
+
+    def kill(self):
+        os.kill(self.pid, signal.SIGKILL)
+
+    async def wait(self):
+        await asyncio.to_thread(self._process.join)
+        for pipe in self._pipes:
+            pipe.close()
+        return self.returncode
+
+
+class _Ends:
+    """Both ends of one of the three standard streams; the other one is there where a pipe was asked for."""
+
+    def __init__(self, number, asked):
+        self._number, self._other = number, None
+        if asked == PIPE:
+            read, write = os.pipe()
+            mine, self._other = (read, write) if number == 0 else (write, read)
+        elif asked == DEVNULL:
+            mine = os.open(os.devnull, os.O_RDWR)
+        else:
+            mine = os.dup(number if asked is None else asked if isinstance(asked, int) else asked.fileno())
+        self.of_process = Connection(mine)  # a descriptor that can be handed to another process
+
+    async def stream(self, limit):
+        """Return the stream at the other end, and what closes it."""
+        if self._other is None:
+            return None, None
+        loop = asyncio.get_running_loop()
+        if self._number == 0:
+            pipe, flow = await loop.connect_write_pipe(
+                asyncio.streams.FlowControlMixin, os.fdopen(self._other, "wb")
+            )
+            return asyncio.StreamWriter(pipe, flow, None, loop), pipe
+        lines = asyncio.StreamReader(limit)
+        pipe, _ = await loop.connect_read_pipe(
+            lambda: asyncio.StreamReaderProtocol(lines), os.fdopen(self._other, "rb")
+        )
+        return lines, pipe
+
+
+def _become(arguments, environment, folder, start_new_session, streams):
+    if start_new_session:
+        os.setsid()
+    os.environ.clear()
+    os.environ.update(environment)
+    os.chdir(folder)
+    for number, stream in enumerate(streams):
+        os.dup2(stream.fileno(), number)
+        stream.close()
+    sys.stdin = os.fdopen(0, closefd=False)  # multiprocessing has none
+    asyncio.create_subprocess_exec = forked
+    how, what, *sys.argv[1:] = arguments
+    if how == "-c":
+        sys.modules.pop("truepose_simulators.__main__", None)
+        exec(compile(what, "<string>", "exec"), {"__name__": "__main__"})
+    else:
+        for loaded in (what, f"{what}.__main__"):
+            sys.modules.pop(loaded, None)
+        runpy.run_module(what, run_name="__main__", alter_sys=True)
