@@ -1,7 +1,7 @@
 """The campaigns of robots of one type, as arrays over the same parameters in units of their stated widths."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Final
 
@@ -9,10 +9,12 @@ import numpy as np
 
 from truepose.domain.arrays import FloatArray, IntArray
 from truepose.domain.errors import ConfigurationError
+from truepose.effects.links.thermal_growth import NAME as GROWTH
 from truepose.effects.ports import ParameterSpec
 from truepose.fleet.information import Information
 
 _SCALE: Final = "scale"  # of a tracker's lengths: the one parameter that is the instrument's
+_SEASON_K: Final = 2.0  # between campaigns; a metre of aluminium grows by 0.05 mm in it
 _FEWEST_ROBOTS: Final = 2
 
 
@@ -72,6 +74,11 @@ class Fleet:
         each = zip(self.instrument.tolist(), self.day.tolist(), strict=True)
         return np.array([place[visit] for visit in each], dtype=np.int64)
 
+    def of_campaigns(self, kept: IntArray) -> "Fleet":
+        """Return the fleet as some of its campaigns show it."""
+        each = {name: getattr(self, name)[kept] for name in ("robot", "instrument", "day", "normal", "right")}
+        return replace(self, **each)
+
 
 def fleet_of(campaigns: Sequence[Measured]) -> Fleet:
     """Bring campaigns to the same parameters; one that lacks a parameter tells nothing of it.
@@ -89,6 +96,8 @@ def fleet_of(campaigns: Sequence[Measured]) -> Fleet:
         )
     instruments = tuple(sorted({one.instrument for one in campaigns}))
     specs = _all_specs(campaigns)
+    if not _tells_of_growth(campaigns):
+        specs = {name: (spec, owner) for name, (spec, owner) in specs.items() if owner != GROWTH}
     own = {name: spec for name, (spec, _) in specs.items() if name != _SCALE}
     each = {name: spec for name, (spec, _) in specs.items()}
     arrays = [_over(one.told, each, (*own, _SCALE)) for one in campaigns]
@@ -106,6 +115,12 @@ def fleet_of(campaigns: Sequence[Measured]) -> Fleet:
     )
 
 
+def _tells_of_growth(campaigns: Sequence[Measured]) -> bool:
+    """Return whether temperatures are known and differ; else all lengths are those of one temperature."""
+    known = [one.told.temperature_c for one in campaigns if one.told.temperature_c is not None]
+    return len(known) == len(campaigns) and max(known) - min(known) > _SEASON_K
+
+
 def _all_specs(campaigns: Sequence[Measured]) -> dict[str, tuple[ParameterSpec, str]]:
     found: dict[str, tuple[ParameterSpec, str]] = {}
     for one in campaigns:
@@ -119,15 +134,19 @@ def _over(
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return normal matrix, right side and motions over `names`, in the widths of `specs` from their means.
 
-    In those of the fleet: a campaign may have stated others, and what it tells does not depend on them.
+    In those of the fleet: a campaign may have stated others, and what it tells does not depend on them. A
+    parameter that is not among `names` is nothing.
     """
     place = {name: k for k, name in enumerate(names)}
-    to = np.array([place[name] for name in told.names], dtype=np.int64)
-    widths = np.array([specs[name].prior_width for name in told.names])
-    means = np.array([specs[name].prior_mean for name in told.names])
+    here = [k for k, name in enumerate(told.names) if name in place]
+    common = [told.names[k] for k in here]
+    to = np.array([place[name] for name in common], dtype=np.int64)
+    widths = np.array([specs[name].prior_width for name in common])
+    means = np.array([specs[name].prior_mean for name in common])
+    information, moved = (matrix[np.ix_(here, here)] for matrix in (told.normal, told.motion_mm2))
     normal, motion = np.zeros((2, len(names), len(names)))
     right = np.zeros(len(names))
-    normal[np.ix_(to, to)] = told.normal * np.outer(widths, widths)
-    motion[np.ix_(to, to)] = told.motion_mm2 * np.outer(widths, widths)
-    right[to] = widths * (told.right - told.normal @ means)
+    normal[np.ix_(to, to)] = information * np.outer(widths, widths)
+    motion[np.ix_(to, to)] = moved * np.outer(widths, widths)
+    right[to] = widths * (told.right[here] - information @ means)
     return normal, right, motion

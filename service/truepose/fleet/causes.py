@@ -48,7 +48,8 @@ def robot_causes(fleet: Fleet, robot: Robot | None = None) -> tuple[AgeingCause,
     """
     members: dict[tuple[str, str, float], list[int]] = {}
     for place, (name, owner) in enumerate(zip(fleet.names, fleet.owners, strict=True)):
-        members.setdefault(_kind(name, owner), []).append(place)
+        if owner != GROWTH:  # a material does not change; that all lengths grow is a cause of its own
+            members.setdefault(_kind(name, owner), []).append(place)
     found = [
         AgeingCause(effect, subject, _unit(fleet, places), order)
         for (effect, subject, order), places in members.items()

@@ -24,6 +24,7 @@ from truepose.domain.robot import Robot
 from truepose.effects.instruments.instrument_scale import NAME as SCALE
 from truepose.effects.joints.joint_harmonics import NAME as WAVES
 from truepose.effects.joints.joint_harmonics import wave_specs
+from truepose.effects.links.thermal_growth import NAME as GROWTH
 from truepose.effects.ports import ParameterSpec, Trait
 from truepose.effects.registry import effects_with
 from truepose.identification.fit.robust import RobustFit, robust_fit
@@ -44,6 +45,7 @@ class Information:
     right: FloatArray  # (P,) so that normal @ p = right where the campaign alone puts p
     motion_mm2: FloatArray  # (P, P) mean over the readings of products of motions per unit
     readings: int
+    temperature_c: float | None = None  # mean of its stops; None: not of all of them is it known
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -52,11 +54,22 @@ class Information:
 
 
 def fleet_effects(campaign: Campaign) -> tuple[str, ...]:
-    """Return what a campaign of a fleet is identified with: the usual effects, and those that age."""
+    """Return what a campaign of a fleet is identified with: the usual effects, and those that age.
+
+    Growth of the links with the temperature is among them where that is known, so that lengths are those of
+    20 degC in any season.
+    """
     usual = automatic_effects(campaign)
     told = campaign.readings is not None and campaign.readings.stops.direction is not None
     ageing = tuple(name for name in AGEING if told or name != "backlash")
-    return (*usual, *(name for name in ageing if name not in usual))
+    warm = () if _temperature_c(campaign) is None else (GROWTH,)
+    return (*usual, *(name for name in (*ageing, *warm) if name not in usual))
+
+
+def _temperature_c(campaign: Campaign) -> float | None:
+    readings = campaign.readings
+    known = None if readings is None else readings.stops.temperature_c
+    return None if known is None or not np.isfinite(known).all() else float(known.mean())
 
 
 def information_of(campaign: Campaign, effects: tuple[str, ...] | None = None) -> Information:
@@ -76,7 +89,8 @@ def information_of(campaign: Campaign, effects: tuple[str, ...] | None = None) -
     """
     problem = with_gear_waves(build(campaign, effects or fleet_effects(campaign)), campaign.robot)
     fitted = robust_fit(problem.structure, problem.blocks, problem.start)
-    return _without_the_set_up(_of_fit(fitted, problem.structure.specs), _of_the_set_up(fitted))
+    told = _without_the_set_up(_of_fit(fitted, problem.structure.specs), _of_the_set_up(fitted))
+    return replace(told, temperature_c=_temperature_c(campaign))
 
 
 def with_gear_waves(problem: Problem, robot: Robot) -> Problem:

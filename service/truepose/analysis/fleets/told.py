@@ -33,13 +33,22 @@ class Told:
     right: FloatArray  # (P,)
     motion_mm2: FloatArray  # (P, P)
     readings: int
+    temperature_c: float | None = None
 
     @property
     def information(self) -> Information:
         """As a fleet takes it."""
         stated = zip(self.names, self.units, self.means.tolist(), self.widths.tolist(), strict=True)
         specs = tuple(ParameterSpec(*one) for one in stated)
-        return Information(specs, self.owners, self.normal, self.right, self.motion_mm2, self.readings)
+        return Information(
+            specs,
+            self.owners,
+            self.normal,
+            self.right,
+            self.motion_mm2,
+            self.readings,
+            self.temperature_c,
+        )
 
     @property
     def stated(self) -> Stated:
@@ -65,6 +74,7 @@ def told_of(campaign: Campaign, told: Information) -> Told:
         right=told.right,
         motion_mm2=told.motion_mm2,
         readings=told.readings,
+        temperature_c=told.temperature_c,
     )
 
 
