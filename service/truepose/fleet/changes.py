@@ -1,12 +1,14 @@
 """Which robot, the type, or which instrument changes over months, since when, and what else it may be.
 
-Every cause of every robot, of the type as a whole and of every instrument is tried as a line over time and
-as a step at every campaign, an instrument's single days too. The level, 1 % of fleets in which nothing
-changes, is held over everything that is tried: a third each for robots, type and instruments, divided evenly
-(Bonferroni). How far the scores of a cause scatter beyond what readings state, all robots tell together. Of
-what is beyond chance the largest likelihood ratio is taken into the model, all variances are estimated anew,
-and all is tried again until nothing is beyond chance. Rivals of a change explain what it explains, without
-it, at odds of no worse than twenty to one.
+Every cause of every robot, of the type as a whole and of every instrument is tried as a line over time, since
+the first campaign or a later one, as a step at every campaign, and as a single day. No robot is otherwise on
+one day alone: such a campaign, and one that is unlike its robot in everything, is left out instead. The
+level, 1 % of fleets in which nothing changes, is held over everything that is tried: a quarter each for
+robots, type, instruments and campaigns, divided evenly (Bonferroni). How far the scores of a cause scatter
+beyond what readings state, all robots tell together. Of what is beyond chance the largest likelihood ratio is
+taken into the model, all variances are estimated anew, and all is tried again until nothing is beyond chance;
+what later changes explain is taken out again. Rivals of a change explain what it explains, without it, at
+odds of no worse than twenty to one.
 """
 
 from collections import Counter
@@ -16,19 +18,23 @@ from typing import Final
 
 import numpy as np
 
-from truepose.domain.arrays import BoolArray, FloatArray
+from truepose.domain.arrays import BoolArray, FloatArray, IntArray
 from truepose.domain.robot import Robot
-from truepose.fleet.birge import birge_ratio
 from truepose.fleet.campaigns import Fleet
 from truepose.fleet.causes import AgeingCause, instrument_cause, robot_causes
 from truepose.fleet.components import Estimated, estimate
+from truepose.fleet.misfit.birge import birge_ratio
+from truepose.fleet.misfit.unlike import Unlike, most_unlike, resembled, unlike
 from truepose.fleet.mixed_model import Equations, Posterior
 from truepose.fleet.trials import Change, InstrumentDays, Kind, Scope, Score, Trial, excess_of, shapes
+from truepose.identification.distributions import chi2_exceeded
 
 LEVEL: Final = 0.01
 _RIVAL: Final = 6.0  # twice the log of odds of twenty to one
-_SCOPES: Final = 3
+_SCOPES: Final = 4
+_FEWEST_OF_A_TYPE: Final = 2  # robots: what one does is its own
 _ENOUGH_ROBOTS: Final = 8  # of fewer, one that ages would be its own measure
+_SEEN: Final = 1e-6  # of the largest information of a change: along what has less it is not seen at all
 _MOST: Final = 40  # changes; a fleet with more has another trouble
 
 
@@ -72,6 +78,7 @@ class Account:
     birge_ratio: float  # of variances; 1: campaigns scatter as their readings say
     named: tuple[Named, ...]
     tries: Tries
+    unlike: tuple[Unlike, ...] = ()  # campaigns that were left out; places as they were given
 
     @property
     def tried(self) -> int:
@@ -100,20 +107,98 @@ def account_of(fleet: Fleet, robot: Robot | None = None, level: float = LEVEL) -
         fleet = replace(fleet, normal=fleet.normal / ratio, right=fleet.right / ratio)
         estimated = estimate(Equations(fleet), estimated.variances)
     causes = robot_causes(fleet, robot)
-    found: list[Trial] = []
-    trials = tuple(_trials(estimated.posterior, causes))
-    while len(found) < _MOST and (best := _beyond_chance(trials, level)) is not None:
-        found.append(best)
-        estimated = estimate(Equations(fleet, [one.change.named for one in found]), estimated.variances)
-        trials = tuple(_trials(estimated.posterior, causes))
+    sought = _Sought(estimated, causes, level)
+    while len(sought.found) < _MOST and sought.take_the_best():
+        pass
+    estimated, found = sought.estimated, sought.found
     named = tuple(_named(estimated, found, number, causes) for number in range(len(found)))
-    return Account(fleet, estimated, ratio, named, _tries(causes, trials, level))
+    others = resembled(fleet, sought.unlike, estimated.variances)
+    tries = _tries(causes, sought.trials, level)
+    return Account(sought.fleet, estimated, ratio, named, tries, others)
 
 
 def _tries(causes: tuple[AgeingCause, ...], trials: Sequence[Trial], level: float) -> Tries:
     number = Counter[Scope](one.change.scope for one in trials)
     excess = {one.change.cause.key: one.excess for one in trials}
     return Tries(causes, tuple(excess.get(cause.key, 1.0) for cause in causes), number, level)
+
+
+class _Sought:
+    """What was found so far, and all that may be found next."""
+
+    def __init__(self, estimated: Estimated, causes: Sequence[AgeingCause], level: float) -> None:
+        self.estimated, self._causes, self._level = estimated, causes, level
+        self.found: list[Trial] = []
+        self.unlike: list[Unlike] = []
+        self._dropped: set[tuple[str | float, ...]] = set()
+        self._kept = np.arange(len(self.fleet.day))
+        self.trials = tuple(_trials(estimated.posterior, causes))
+
+    @property
+    def fleet(self) -> Fleet:
+        """Campaigns that are compared."""
+        return self.estimated.posterior.equations.fleet
+
+    def take_the_best(self) -> bool:
+        """Take what explains most into the model: a change, or a campaign out of it; False: nothing does."""
+        posterior = self.estimated.posterior
+        best = _beyond_chance(self.trials, self._level)
+        other = most_unlike(posterior, self._level / _SCOPES)
+        if other is not None and (best is None or other.ratio > best.ratio):
+            self._leave_out((other,))
+        elif best is not None and best.change.scope == "robot" and best.change.kind == "day":
+            places = np.flatnonzero(best.change.shape).tolist()
+            self._leave_out(tuple(unlike(self.fleet, place, best.ratio, best.excess) for place in places))
+        elif best is not None:
+            self.found.append(best)
+            self._estimate(self.fleet)
+            self._drop_the_explained()
+        else:
+            return False
+        return True
+
+    def _drop_the_explained(self) -> None:
+        """Take changes that others explain out of the model again, the least certain first, for good."""
+        while (least := self._least_certain()) is not None:
+            self._dropped.add(self.found.pop(least).change.key)
+            self._estimate(self.fleet)
+
+    def _least_certain(self) -> int | None:
+        """Return which change of a robot or the type chance explains best beside the others, if it does."""
+        places = [k for k, one in enumerate(self.found) if one.change.scope != "instrument"]
+        chances = [_chance_beside(self.estimated.posterior, k, self.found[k].excess) for k in places]
+        least = max(zip(chances, places, strict=True), default=(0.0, 0))
+        tried = sum(one.change.scope == self.found[least[1]].change.scope for one in self.trials)
+        return least[1] if least[0] * tried * _SCOPES > self._level else None
+
+    def _leave_out(self, others: Sequence[Unlike]) -> None:
+        self.unlike += [replace(one, place=int(self._kept[one.place])) for one in others]
+        kept = np.delete(np.arange(len(self._kept)), [one.place for one in others])
+        self._kept = self._kept[kept]
+        self.found = [_of_campaigns(one, kept) for one in self.found]
+        self._estimate(self.fleet.of_campaigns(kept))
+
+    def _estimate(self, fleet: Fleet) -> None:
+        equations = Equations(fleet, [one.change.named for one in self.found])
+        self.estimated = estimate(equations, self.estimated.variances)
+        every = _trials(self.estimated.posterior, self._causes)
+        self.trials = tuple(one for one in every if one.change.key not in self._dropped)
+
+
+def _chance_beside(posterior: Posterior, number: int, excess: float) -> float:
+    """Return the chance of as much of a named change as is left beside the others."""
+    place = posterior.equations.of_change(number)
+    told = np.linalg.inv(posterior.covariance[place, place])
+    alone = told - np.eye(len(told))  # without what was believed beforehand, of variance 1
+    score = told @ posterior.shared[place]
+    values, vectors = np.linalg.eigh(alone)
+    seen = values > _SEEN * max(float(values[-1]), 0.0)
+    squares = (vectors[:, seen].T @ score) ** 2 / values[seen]
+    return chi2_exceeded(float(squares.sum()) / excess, float(len(squares))) if len(squares) else 1.0
+
+
+def _of_campaigns(trial: Trial, kept: IntArray) -> Trial:
+    return replace(trial, change=replace(trial.change, shape=trial.change.shape[kept]))
 
 
 def _trials(posterior: Posterior, causes: Sequence[AgeingCause]) -> Iterator[Trial]:
@@ -140,7 +225,10 @@ def _scores(
     posterior: Posterior, scope: Scope, of: str, among: BoolArray
 ) -> Iterator[tuple[tuple[Scope, str, Kind, float], FloatArray, Score]]:
     """Yield scope, whose, kind and first day, shape and score of the ways in which an arm may change."""
-    for kind, since, shape in shapes(posterior.equations.fleet.day, among):
+    fleet = posterior.equations.fleet
+    for kind, since, shape in shapes(fleet.day, among):
+        if scope == "type" and len(np.unique(fleet.robot[shape > 0.0])) < _FEWEST_OF_A_TYPE:
+            continue
         yield (scope, of, kind, since), shape, Score(posterior, shape)
 
 
@@ -149,7 +237,7 @@ def _instrument_trials(posterior: Posterior) -> Iterator[Trial]:
     days, cause = InstrumentDays(posterior), instrument_cause(fleet)
     instrument, day = (np.array(column) for column in zip(*fleet.visits, strict=True))
     for number, name in enumerate(fleet.instruments):
-        for kind, since, shape in shapes(day, instrument == number, days=True):
+        for kind, since, shape in shapes(day, instrument == number):
             change = Change("instrument", name, cause, kind, since, shape[fleet.visit])
             yield Trial(change, *days.of(shape))
 

@@ -1,7 +1,8 @@
 r"""On which day a change that goes on evenly passes a limit, with its probability.
 
-A line that has come to the size s, known to u, after the days from its first campaign to the last, comes to
-a limit l after l / s times as long. As s is normal about what was found, the day has passed with probability
+A line that has come to the size s, known to u, after the days from its beginning to the last campaign, comes
+to a limit l after l / s times as long. As s is normal about what was found, the day has passed with
+probability
 
     P(T <= t) = P(s (t - t_0) / (t_n - t_0) >= l) = Phi((s - l (t_n - t_0) / (t - t_0)) / u)
 
@@ -48,8 +49,7 @@ def passing(fleet: Fleet, named: Named, limit_mm: float) -> Passing | None:
     """
     if named.change.kind != "linear":
         return None
-    days = fleet.day[concerned(fleet, named)]
-    first, last = float(days.min()), float(days.max())
+    first, last = _span(fleet, named)
 
     def at(size_mm: float) -> float:
         return first + limit_mm * (last - first) / size_mm if size_mm > 0.0 else math.inf
@@ -60,12 +60,16 @@ def passing(fleet: Fleet, named: Named, limit_mm: float) -> Passing | None:
 
 def probability_passed(fleet: Fleet, named: Named, limit_mm: float, day: float) -> float:
     """Return the probability that a change that goes on evenly has passed a limit by a day."""
-    days = fleet.day[concerned(fleet, named)]
-    first, last = float(days.min()), float(days.max())
+    first, last = _span(fleet, named)
     if day <= first:
         return 0.0
     needed = limit_mm * (last - first) / (day - first)
     return 0.5 * math.erfc((needed - named.size_mm) / (named.size_u_mm * math.sqrt(2.0)))
+
+
+def _span(fleet: Fleet, named: Named) -> tuple[float, float]:
+    """Return the day since which a line goes on, and the last that saw it."""
+    return named.change.since, float(fleet.day[concerned(fleet, named)].max())
 
 
 def concerned(fleet: Fleet, named: Named) -> BoolArray:

@@ -35,8 +35,10 @@ from truepose.identification.distributions import chi2_exceeded, chi2_median, f_
 Scope = Literal["robot", "type", "instrument"]
 Kind = Literal["linear", "step", "day"]
 
+_MOST_BEGINNINGS: Final = 12  # of lines
 _SEEN: Final = 1e-6  # of the largest information of a cause: directions with less are not seen at all
 _SIZES: Final = np.logspace(-4.0, 8.0, 121)  # of 1 / information: where the largest ratio is looked for
+_RANK: Final = 1e-12  # of the largest variance of a day's scale: rounding leaves none below 0
 _DAYS: Final = np.append(0.0, np.logspace(-8.0, 0.0, 81))  # variances of days, in squared stated widths
 
 
@@ -48,7 +50,7 @@ class Change:
     of: str  # robot or instrument; empty for the type
     cause: AgeingCause
     kind: Kind
-    since: float  # day: of the first campaign, of a step the first with it
+    since: float  # day: of a line the last without it, of a step the first with it
     shape: FloatArray  # (C,) 0 before, 1 at the end
 
     @property
@@ -76,27 +78,31 @@ class Trial:
     excess: float = 1.0  # by which variances of this cause exceed what the readings state
 
 
-def shapes(
-    day: FloatArray, among: BoolArray, *, days: bool = False
-) -> Iterator[tuple[Kind, float, FloatArray]]:
+def shapes(day: FloatArray, among: BoolArray) -> Iterator[tuple[Kind, float, FloatArray]]:
     """Yield kind, first day and shape (C,) of the ways in which something may change over some campaigns.
+
+    Evenly since the first day or a later one, at once, or on a single day between others. Since the last day
+    but one evenly is at once on the last.
 
     Parameters
     ----------
     day : ndarray, shape (C,)
     among : ndarray, shape (C,)
         Campaigns that it concerns.
-    days : bool
-        Single days too, as of an instrument that was out of order.
     """
     known = np.unique(day[among])
-    if len(known) > 2:
-        yield "linear", float(known[0]), among * (day - known[0]) / (known[-1] - known[0])
+    for at in _spread(known[:-2]).tolist():
+        yield "linear", at, among * np.maximum(day - at, 0.0) / (known[-1] - at)
     for at in known[1:].tolist():
         yield "step", at, (among & (day >= at)).astype(float)
-    if days and len(known) > 2:
-        for at in known[1:-1].tolist():
-            yield "day", at, (among & (day == at)).astype(float)
+    for at in known[1:-1].tolist():
+        yield "day", at, (among & (day == at)).astype(float)
+
+
+def _spread(days: FloatArray) -> FloatArray:
+    """Return the first of days and so many others, evenly among them: of neighbours no two lines differ."""
+    at = np.linspace(0.0, len(days) - 1.0, min(len(days), _MOST_BEGINNINGS))
+    return days[np.round(at).astype(np.int64)]
 
 
 class Score:
@@ -196,6 +202,9 @@ class InstrumentDays:
         covariance = np.linalg.inv(known - np.linalg.inv(prior))
         self.covariance = 0.5 * (covariance + covariance.T)  # (D, D) of the readings alone
         self.scale = self.covariance @ (known @ posterior.shared[visits])  # (D,) in stated widths
+        values, self._turns = np.linalg.eigh(self.covariance)
+        self._variances = np.maximum(values, _RANK * values[-1])
+        self._turned = self._turns.T @ self.scale
         instrument = np.array([visit[0] for visit in posterior.equations.fleet.visits])
         self._levels = (instrument[:, None] == np.unique(instrument)).astype(float)
         self._without = self._best(self._levels).likelihood
@@ -217,23 +226,24 @@ class InstrumentDays:
         return (self._best(columns).u, left) if left >= 1 else (np.inf, 0)
 
     def _best(self, columns: FloatArray) -> "Line":
-        each = (self._fitted(columns, day) for day in _DAYS.tolist())
+        turned = self._turns.T @ columns
+        each = (self._fitted(turned, day) for day in _DAYS.tolist())
         return max(each, key=lambda one: one.likelihood)
 
-    def _fitted(self, columns: FloatArray, day: float) -> "Line":
+    def _fitted(self, turned: FloatArray, day: float) -> "Line":
         """Return what of the last column is found at a variance of days.
 
         The variance of days is that of the restricted likelihood's scale: of D values, as many are free as
         columns leave.
         """
-        root = np.linalg.cholesky(self.covariance + day * np.eye(len(self.scale)))
-        white, read = np.linalg.solve(root, columns), np.linalg.solve(root, self.scale)
+        weights = 1.0 / np.sqrt(self._variances + day)
+        white, read = weights[:, None] * turned, weights * self._turned
         inverse = np.linalg.inv(white.T @ white)
         found = inverse @ (white.T @ read)
         left = read - white @ found
         squared = float(left @ left)
         # What days scatter beyond this variance widens it, so that the largest likelihood is not taken at
         # its word by few days.
-        spread = max(squared / max(len(read) - columns.shape[1], 1), 1.0)
-        likelihood = -0.5 * (squared + 2.0 * float(np.log(np.diag(root)).sum()))
+        spread = max(squared / max(len(read) - turned.shape[1], 1), 1.0)
+        likelihood = -0.5 * squared + float(np.log(weights).sum())
         return Line(likelihood, float(found[-1]), float(np.sqrt(inverse[-1, -1] * spread)))

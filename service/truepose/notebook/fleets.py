@@ -17,6 +17,7 @@ from truepose.fleet.components import uncertainties
 from truepose.fleet.course import along
 from truepose.fleet.forecast import passing
 from truepose.fleet.information import information_of
+from truepose.fleet.misfit.unlike import Unlike
 from truepose.fleet.pooled import of_a_new_robot
 from truepose.fleet.trials import Change
 from truepose.identification.problem.belief import Belief
@@ -138,7 +139,8 @@ class Fleet:
             counted(len(fleet.day), "campaign"),
         )
         named = "; ".join(f"{_what(one.change)}: {_cause(one.change)}" for one in self.account.named)
-        return f"Fleet of {', '.join(sizes)}: {named or 'nothing changes beyond chance'}"
+        told = [named or "nothing changes beyond chance", *(_unlike(one) for one in self.account.unlike)]
+        return f"Fleet of {', '.join(sizes)}: {'; '.join(told)}"
 
     def _repr_html_(self) -> str:
         rows = [tuple(str(value) for value in _row(one).values()) for one in self.account.named]
@@ -222,6 +224,11 @@ def _row(named: Named) -> dict[str, object]:
             f"{_what(one.change)}: {_cause(one.change)}, {one.change.kind}" for one in named.rivals
         ),
     }
+
+
+def _unlike(one: Unlike) -> str:
+    fits = f"fits {one.resembles}" if one.resembles else "fits no robot of the fleet"
+    return f"the campaign of {one.robot} on day {one.day:g} is unlike its others, {fits}, and is left out"
 
 
 def _what(change: Change) -> str:

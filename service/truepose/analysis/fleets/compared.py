@@ -14,6 +14,7 @@ from truepose.analysis.archive.outcome import keep_whole
 from truepose.analysis.cluster.alike import program
 from truepose.analysis.cluster.cluster import Cluster
 from truepose.analysis.cluster.parts import Failed, Part
+from truepose.analysis.fleets.fit import Entry, said_unlike, unfit_of
 from truepose.analysis.fleets.told import Told, tell, told_from
 from truepose.domain.errors import ConfigurationError, TrueposeError
 from truepose.domain.robot import Robot
@@ -51,15 +52,6 @@ class FleetFound:
         return self.campaigns[int(own[np.argmax(fleet.day[own])])]
 
 
-@dataclass(frozen=True, slots=True)
-class Entry:
-    """A campaign as a fleet takes it."""
-
-    campaign: str
-    stated: Stated
-    told: Told
-
-
 def fleet_found(
     entries: Sequence[Entry], left_out: Sequence[LeftOut] = (), of_type: str | None = None
 ) -> FleetFound:
@@ -71,22 +63,25 @@ def fleet_found(
         Campaigns are of several types, of fewer than two robots, or no robot was measured twice.
     """
     wanted = _type_wanted(of_type, [one.told.robot.name for one in entries])
-    measured, without, names = [], list(left_out), []
     among = [one for one in entries if one.told.robot.name == wanted]
-    for one in among:
-        lacking, day = _lacking(one.stated), one.stated.day
-        if lacking or day is None:
-            without.append(LeftOut(one.campaign, lacking))
-            continue
-        measured.append(
-            Measured(one.stated.robot, one.stated.instrument, float(day.toordinal()), one.told.information)
-        )
-        names.append(one.campaign)
+    unfit = {one.campaign: why for one, why in unfit_of(among)}
+    fit = [one for one in among if one.campaign not in unfit]
+    without = [*left_out, *(LeftOut(name, why) for name, why in unfit.items())]
+    measured = [
+        Measured(one.stated.robot, one.stated.instrument, float(day.toordinal()), one.told.information)
+        for one in fit
+        if (day := one.stated.day) is not None
+    ]
     _check_enough(measured, without)
-    robot = among[0].told.robot
-    account = account_of(fleet_of(measured), robot)
-    simulated = any(one.told.simulated for one in among)
-    return FleetFound(robot, account, tuple(names), tuple(without), simulated)
+    account = account_of(fleet_of(measured), fit[0].told.robot)
+    unlike = {one.place: said_unlike(one) for one in account.unlike}
+    return FleetFound(
+        fit[0].told.robot,
+        account,
+        tuple(one.campaign for place, one in enumerate(fit) if place not in unlike),
+        (*without, *(LeftOut(fit[place].campaign, why) for place, why in unlike.items())),
+        any(one.told.simulated for one in among),
+    )
 
 
 class FleetArchive:
@@ -192,19 +187,6 @@ def _type_wanted(of_type: str | None, names: Sequence[str]) -> str:
     if of_type is None and len(counts) > 1:
         raise ConfigurationError(f"The campaigns are of several types, {listed}: say which with --type.")
     return of_type or next(iter(counts), "")
-
-
-def _lacking(stated: Stated) -> str:
-    """Return in a sentence what nobody says of a campaign; empty: all is said."""
-    known = {
-        "robot_serial_number": stated.robot,
-        "instrument_serial_number": stated.instrument,
-        "measured_on": stated.day,
-    }
-    lacking = [name for name, value in known.items() if not value]
-    if not lacking:
-        return ""
-    return f"Nobody says its {', '.join(lacking)}: write that into its campaign.json, or give a table."
 
 
 def _check_enough(measured: Sequence[Measured], left_out: Sequence[LeftOut]) -> None:

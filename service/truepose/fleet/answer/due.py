@@ -59,9 +59,14 @@ def _urgency(one: Due) -> tuple[int, float]:
 def _of(account: Account, robot: str, limit_mm: float) -> Due:
     fleet = account.fleet
     last = float(fleet.day[fleet.robot == fleet.robots.index(robot)].max())
-    own = [one for one in account.named if one.change.scope == "robot" and one.change.of == robot]
+    own = [one for one in account.named if one.change.of == robot and _stays(one)]
     each = (_of_change(fleet, one, last, limit_mm) for one in own)
     return min(each, key=_urgency, default=Due(robot, "longest_ago", last))
+
+
+def _stays(named: Named) -> bool:
+    """Return whether a robot has changed to this day: what was so on one day only is over."""
+    return named.change.scope == "robot" and named.change.kind != "day"
 
 
 def _of_change(fleet: Fleet, named: Named, last: float, limit_mm: float) -> Due:

@@ -24,7 +24,8 @@ def drawn_fleet(asked: FleetAsked) -> str:
     """Return the content; raises ConfigurationError where the robots cannot be compared."""
     from datetime import date
 
-    from truepose.analysis.fleets.compared import Entry, LeftOut, fleet_found
+    from truepose.analysis.fleets.compared import LeftOut, fleet_found
+    from truepose.analysis.fleets.fit import Entry
     from truepose.analysis.fleets.told import told_from
     from truepose.exchange.tables.visits import Stated
     from truepose.reports.fleets.report import FleetInput, fleet_content

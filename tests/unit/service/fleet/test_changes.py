@@ -45,6 +45,26 @@ def test_a_step_is_named_with_its_day():
     assert passing(account.fleet, account.named[0], 1.0) is None
 
 
+def test_a_change_that_began_later_is_named_with_its_beginning_and_its_forecast_counts_from_there():
+    account, named = _told(
+        drawn(26, readings=60, months=6, drift=lambda i, k, month: 0.8 * max(month - 2, 0) * (i == 3) * _GAP)
+    )
+
+    assert named == [("robot", "robot 3", "geometry", "linear")]
+    change = account.named[0]
+    assert change.change.since == 60.0
+    assert passing(account.fleet, change, 2.0 * change.size_mm).day == pytest.approx(240.0)
+
+
+def test_what_all_robots_show_on_one_day_only_is_the_types_and_of_that_day():
+    account, named = _told(
+        drawn(27, readings=40, months=5, drift=lambda i, k, month: 1.0 * (month == 2) * _GAP)
+    )
+
+    assert named == [("type", "", "geometry", "day")]
+    assert account.named[0].change.since == 60.0
+
+
 def test_a_tracker_that_drifts_is_no_ageing_of_the_robots_that_it_measured():
     _, named = _told(
         drawn(

@@ -81,6 +81,31 @@ def test_two_campaigns_tell_no_line_from_a_step():
     assert [(kind, since) for kind, since, _ in found] == [("step", 30.0)]
 
 
+def test_a_line_may_begin_on_any_day_but_the_last_two_and_a_day_stands_between_others():
+    day = np.array([0.0, 30.0, 60.0, 90.0])
+
+    found = {(kind, since): shape.tolist() for kind, since, shape in shapes(day, day >= 0.0)}
+
+    assert found == {
+        ("linear", 0.0): pytest.approx([0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0]),
+        ("linear", 30.0): [0.0, 0.0, 0.5, 1.0],
+        ("step", 30.0): [0.0, 1.0, 1.0, 1.0],
+        ("step", 60.0): [0.0, 0.0, 1.0, 1.0],
+        ("step", 90.0): [0.0, 0.0, 0.0, 1.0],
+        ("day", 30.0): [0.0, 1.0, 0.0, 0.0],
+        ("day", 60.0): [0.0, 0.0, 1.0, 0.0],
+    }
+
+
+def test_of_many_days_lines_begin_on_a_dozen():
+    day = np.arange(60.0)
+
+    since = [at for kind, at, _ in shapes(day, day >= 0.0) if kind == "linear"]
+
+    assert len(since) == 12
+    assert (since[0], since[-1]) == (0.0, 57.0)
+
+
 def test_a_tracker_that_drifts_is_beyond_chance_and_one_that_does_not_is_not():
     drifting = drawn(
         3, readings=40, day=0.02, drift=lambda i, k, month: np.array([0, 0, 0, 0.5 * month * (k == 1)])

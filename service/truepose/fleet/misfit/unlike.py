@@ -1,0 +1,123 @@
+r"""Campaigns that are unlike the others of their robot in everything: another robot, tool or set-up.
+
+A campaign c that differs by v from what the model of the fleet puts there, v ~ N(0, s diag(robot)) as robots
+of the type differ from one another, is judged like any change (`fleet.trials`), along all parameters at once.
+Whose else it may be: with x_j the parameters of robot j as the model has them at c, and V_j their covariance,
+
+    (b_c - A_c x_j)' (A_c + A_c V_j A_c)^+ (b_c - A_c x_j)
+
+is chi-square with as many degrees of freedom as A_c has rank, if it was robot j.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+
+from truepose.domain.arrays import FloatArray
+from truepose.fleet.campaigns import Fleet
+from truepose.fleet.mixed_model import Equations, Posterior, Variances
+from truepose.fleet.trials import Score, Seen, excess_of
+from truepose.identification.distributions import chi2_exceeded
+
+_RANK: Final = 1e-9  # of the largest eigenvalue
+_IS_IT: Final = 1e-3  # chance of so bad a fit of the right robot
+
+
+@dataclass(frozen=True, slots=True)
+class Unlike:
+    """A campaign that is none of its robot as the others saw it."""
+
+    place: int  # among the campaigns of the fleet
+    robot: str  # that it is said to be of
+    day: float
+    ratio: float  # twice the log likelihood ratio
+    excess: float  # by which variances exceed what readings state
+    resembles: str = ""  # another robot that it fits; empty: none
+
+
+def most_unlike(posterior: Posterior, level: float) -> Unlike | None:
+    """Return the campaign with the largest ratio where chance does not explain it; None: it explains all.
+
+    Parameters
+    ----------
+    posterior : Posterior
+        With the named changes in the model.
+    level : float
+        Chance that a campaign is found where all are of their robots.
+    """
+    fleet = posterior.equations.fleet
+    counts = np.bincount(fleet.robot, minlength=len(fleet.robots))
+    tried = np.flatnonzero(counts[fleet.robot] > 1)
+    if not len(tried):
+        return None
+    seen = [_seen(posterior, place) for place in tried.tolist()]
+    excess = excess_of(seen)
+    judged = [one.judged(excess) for one in seen]
+    best = int(np.argmax([ratio for ratio, _ in judged]))
+    ratio, chance = judged[best]
+    if chance * len(tried) > level or ratio <= 0.0:
+        return None
+    return unlike(fleet, int(tried[best]), ratio, excess)
+
+
+def unlike(fleet: Fleet, place: int, ratio: float, excess: float) -> Unlike:
+    """Return a campaign of a fleet as one that is none of its robot."""
+    return Unlike(place, fleet.robots[int(fleet.robot[place])], float(fleet.day[place]), ratio, excess)
+
+
+def _seen(posterior: Posterior, place: int) -> Seen:
+    size = np.sqrt(posterior.variances.robot)
+    alone = (np.arange(len(posterior.equations.fleet.day)) == place).astype(float)
+    return Score(posterior, alone).of(np.vstack([np.diag(size), np.zeros(len(size))]))
+
+
+def resembled(fleet: Fleet, others: Sequence[Unlike], variances: Variances) -> tuple[Unlike, ...]:
+    """Return campaigns that are none of their robots with the robot that each fits best, if it fits one.
+
+    Parameters
+    ----------
+    fleet : Fleet
+        With those campaigns.
+    others : sequence of Unlike
+    variances : Variances
+        Of the fleet without them.
+    """
+    if not others:
+        return ()
+    counts = np.ones(len(fleet.day))
+    counts[[one.place for one in others]] = 0.0
+    silent = replace(fleet, normal=fleet.normal * counts[:, None, None], right=fleet.right * counts[:, None])
+    posterior = Posterior(Equations(silent), variances)
+    return tuple(replace(one, resembles=_resembled(posterior, fleet, one)) for one in others)
+
+
+def _resembled(posterior: Posterior, fleet: Fleet, of: Unlike) -> str:
+    others = (number for number, name in enumerate(fleet.robots) if name != of.robot)
+    each = {number: _chance_of(posterior, fleet, of, number) for number in others}
+    best = max(each, key=lambda number: each[number])
+    return fleet.robots[best] if each[best] > _IS_IT else ""
+
+
+def _chance_of(posterior: Posterior, fleet: Fleet, of: Unlike, robot: int) -> float:
+    """Return the chance that a campaign of some robot fits no better than this."""
+    p, normal = posterior.equations.parameters, fleet.normal[of.place]
+    put = posterior.equations.acting[of.place] @ posterior.shared
+    put[:p] += posterior.deviation[robot]
+    values, vectors = np.linalg.eigh(normal)
+    seen = values > _RANK * values[-1]
+    root = vectors[:, seen] * np.sqrt(values[seen])
+    off = (vectors[:, seen].T @ (fleet.right[of.place] - normal @ put)) / np.sqrt(values[seen])
+    covariance = np.eye(len(off)) + root.T @ _spread(posterior, of.place, robot) @ root
+    return chi2_exceeded(float(off @ np.linalg.solve(covariance, off)) / of.excess, float(len(off)))
+
+
+def _spread(posterior: Posterior, place: int, robot: int) -> FloatArray:
+    """Return the covariance of what the model puts at a campaign if it was of some robot, (P + 1, P + 1)."""
+    p = posterior.equations.parameters
+    reach: FloatArray = posterior.equations.acting[place].copy()
+    reach[:p] -= posterior.gain[robot]
+    spread = reach @ posterior.covariance @ reach.T
+    spread[:p, :p] += posterior.own[robot]
+    return spread
