@@ -13,7 +13,7 @@ from truepose.app.joined import beside, copies_of, opened_database, people_of, p
 from truepose.app.server import Served, run
 from truepose.exchange.cells.of_plant import read_plant_file
 from truepose.plant.collector import Collector, Pace, collecting
-from truepose.plant.due import DueAfter, latest_day
+from truepose.plant.due import DueAfter
 from truepose.plant.visit import Shelves
 from truepose.settings import PlantSettings
 from truepose.storage.files.drawn import DrawnFolder
@@ -28,6 +28,7 @@ from truepose.storage.plant.looking_over import PlantOverview
 from truepose.storage.plant.newest import PlantTold
 from truepose.storage.plant.visits import VisitRepository
 from truepose.web.plant.application import create_plant_application
+from truepose.web.plant.changes import read_ahead
 from truepose.web.plant.context import Place, PlantContext
 
 
@@ -64,7 +65,7 @@ async def open_plant(settings: PlantSettings) -> AsyncIterator[PlantContext]:
         copies = copies_of(settings.service, stack)
         await stack.enter_async_context(collecting(collector))
         told = PlantTold(database)
-        await told.newest(latest_day(datetime.now(UTC).date()))  # of all robots: no page waits for it
+        await read_ahead(told, datetime.now(UTC).date())  # of all robots: no page waits for it
         drawing = DrawingDesk(perform_in_worker, KeptDrawings(DrawnFolder.beside(database.file)))
         stack.push_async_callback(drawing.kept.close)
         yield PlantContext(

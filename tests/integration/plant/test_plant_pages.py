@@ -64,6 +64,27 @@ def validation(serial, number, days_ago, verdict):
     return plant_told, {"branch_id": 1, "measured_on": day, **of, **told}
 
 
+def identification(serial, number, days_ago, figure_mm, known_days_ago=0):
+    """Return the row of what an identification tells, which the plant has known for some days."""
+    known_since = datetime.now(UTC) - timedelta(days=known_days_ago)
+    of = {"kind": "identification", "link": number, "record_id": number, "robot_serial_number": serial}
+    told = {"verdict": "converged", "figure_mm": figure_mm, "limit_mm": None, "document": {}}
+    when = {"recorded_at": known_since.isoformat(), "measured_on": str(TODAY - timedelta(days=days_ago))}
+    return plant_told, {"branch_id": 1, **of, **told, **when}
+
+
+def changed(page):
+    """Return serial number, what changed, and where each sentence leads, of the robots that changed."""
+    part = page.partition("<h2>What changed since ")[2].partition("<h2>")[0]
+    rows = re.findall(
+        r'<th><a href="/robots/[^"]+">([^<]+)</a></th>.*?data-label="What changed">(.*?)</td>', part, re.S
+    )
+    return [
+        (serial, re.sub("<[^>]+>", "", told).strip(), re.findall('href="([^"]+)"', told))
+        for serial, told in rows
+    ]
+
+
 def due(page):
     """Return serial number and reason of each robot that is to be measured next."""
     part = page.partition("<h2>To be measured next</h2>")[2].partition("<h2>")[0]
@@ -83,7 +104,8 @@ async def test_a_plant_without_robots_says_so(service):
     shown = await page(service, "/")
 
     assert "No cell has measured a robot yet." in shown
-    assert "Nothing came in from any cell in the last seven days." in shown
+    assert "No error, no named cause and no model of a robot changed" in shown
+    assert "Nothing came in from any cell since then." in shown
     assert "left arm" in shown
     assert due(shown) == []
 
@@ -166,6 +188,49 @@ async def test_what_came_in_leads_to_the_page_of_its_cell(service):
     assert all('<a href="http://localhost/campaigns/7">Campaign 7: May</a>' in text for text in shown)
 
 
+async def test_what_changed_is_said_by_robot_the_largest_worsening_first(service):
+    serials = ("known", "collected today", "quiet", "late", "never")
+    await lay(service, *(row for serial in serials for row in robot(serial)))
+    await lay(
+        service,
+        identification("known", 1, 40, 0.05, known_days_ago=39),
+        identification("quiet", 2, 40, 0.05, known_days_ago=39),
+        identification("late", 3, 20, 0.05, known_days_ago=19),
+        identification("known", 4, 3, 0.06),
+        identification("collected today", 5, 40, 0.05),
+        identification("collected today", 6, 3, 0.08),
+        identification("late", 7, 30, 0.09),
+    )
+
+    shown, told = await page(service, "/"), (await service.get("/api/v1/plant/changes")).json()
+
+    before, now = TODAY - timedelta(days=40), TODAY - timedelta(days=3)
+    rose = "Mean error of the identified model rose from 0.050 mm on {} to {} mm on {} (identification {})."
+    expected = [
+        ("collected today", rose.format(before, "0.080", now, 6), "http://localhost/identifications/6"),
+        ("known", rose.format(before, "0.060", now, 4), "http://localhost/identifications/4"),
+    ]
+    assert changed(shown) == [(serial, sentence, [href]) for serial, sentence, href in expected]
+    assert [(one["robot_serial_number"], one["sentence"], one["page"]) for one in told] == expected
+    assert [(one["what"], one["before_mm"], one["after_mm"]) for one in told] == [
+        ("error", 0.05, 0.08),
+        ("error", 0.05, 0.06),
+    ]
+
+
+async def test_what_comes_in_between_two_looks_changes_what_is_said(service):
+    await lay(service, *robot("120-1"), identification("120-1", 1, 40, 0.05, known_days_ago=39))
+    quiet = await page(service, "/")
+    await lay(service, identification("120-1", 2, 0, 0.04))
+
+    fell = await page(service, "/")
+
+    assert changed(quiet) == []
+    ((serial, sentence, _),) = changed(fell)
+    assert serial == "120-1"
+    assert " fell from 0.050 mm on " in sentence
+
+
 async def test_a_number_of_another_chain_leads_nowhere(service):
     await lay(service, *robot("120-1", 3, campaign=7))
     other = "INSERT INTO plant_branches (recorded_at, cell_id, parent_id, after_link, person, reason)"
@@ -191,7 +256,8 @@ async def test_lives_show_what_was_collected(service, cell):
 
 
 async def test_a_certificate_that_ended_is_said_at_a_glance_and_of_its_instrument(service, cell):
-    await cell.measure(certificate="report 1", expires=(TODAY - timedelta(days=1)).isoformat())
+    yesterday = (TODAY - timedelta(days=1)).isoformat()
+    await cell.measure(certificate="report 1", expires=yesterday)
     await cell.measure(name="second", instrument="T-8", certificate="report 2", expires="2099-01-01")
     await all_collected(service, cell)
 
@@ -201,6 +267,11 @@ async def test_a_certificate_that_ended_is_said_at_a_glance_and_of_its_instrumen
     ending = glance.partition("<h2>Certificates that ended or soon will</h2>")[2].partition("<h2>")[0]
     assert re.findall(r"<th>(report \d)</th>", ending) == ["report 1"]
     assert "report 1" in ended
+    changes = glance.partition("<h2>What changed since ")[2].partition("<h2>")[0]
+    said = (
+        f"Certificate report 1 of tracker T-7 ended on {yesterday}; robots that were last measured with it: "
+    )
+    assert re.findall(r'<a href="/instruments/T-7">(.*?)\d\.</a>', changes) == [said]
     assert [(one["certificate"], one["expires"], one["standing"]) for one in told] == [
         ("report 2", "2099-01-01", "holds")
     ]

@@ -3,6 +3,7 @@
 import dataclasses
 from datetime import date
 
+import pytest
 from alembic import command
 from sqlalchemy import create_engine, event, select
 
@@ -152,3 +153,56 @@ async def test_certificates_follow_the_serial_number(plant, cell):
     counting = [(one.paper.of, one.paper.expires, one.cell) for one in await certificates.that_count()]
     assert counting == [("ball plate", "2027-01-31", "left arm"), ("tracker", "2027-03-31", "left arm")]
     assert await certificates.of_instrument("T-8") == []
+
+
+def identification(number, serial, measured_on, known_since):
+    """Return the row of what an identification tells, and since when the plant has known it."""
+    of = {"branch_id": 1, "kind": "identification", "link": number, "record_id": number}
+    told = {"verdict": "converged", "figure_mm": 0.05, "limit_mm": None, "document": {}}
+    when = {"measured_on": measured_on, "recorded_at": f"{known_since}T12:00:00.000+00:00"}
+    return {**of, **told, **when, "robot_serial_number": serial}
+
+
+@pytest.mark.parametrize("looked_before", [False, True], ids=["read at once", "read as it came"])
+async def test_what_was_known_before_a_day_is_told_from_what_is_known_now(open_plant, looked_before):
+    since = date(2026, 5, 4)
+    known = [
+        identification(1, "old", "2026-03-01", "2026-03-01"),
+        identification(2, "delivered late", "2026-03-01", "2026-03-01"),
+    ]
+    came = [
+        identification(3, "delivered late", "2026-04-01", "2026-05-06"),
+        identification(4, "collected anew", "2026-03-01", "2026-05-06"),
+        identification(5, "collected anew", "2026-04-01", "2026-05-06"),
+        identification(6, "collected anew", "2026-05-06", "2026-05-06"),
+        identification(7, "measured first", "2026-05-05", "2026-05-06"),
+    ]
+    with open_plant() as plant:
+        await plant.journal.enter("left arm")
+        told = PlantTold(plant.database)
+
+        async def lay(*rows):
+            for row in rows:
+                await plant.database.write(lambda c, row=row: add_row(c, plant_told, **row))
+
+        for serial in ("old", "delivered late", "collected anew", "measured first"):
+            named = {"serial_number": serial, "robot": "IRB 120"}
+            await plant.database.write(lambda c, named=named: add_row(c, plant_robots, **named))
+        await lay(*known)
+        if looked_before:
+            await told.before(since)
+        await lay(*came)
+
+        before, now = await told.before(since), await told.newest(since)
+
+    assert {serial: found["identification"].record_id for serial, found in before.items()} == {
+        "old": 1,
+        "delivered late": 2,
+        "collected anew": 5,
+    }
+    assert {serial: found["identification"].record_id for serial, found in now.items()} == {
+        "old": 1,
+        "delivered late": 3,
+        "collected anew": 5,
+        "measured first": 7,
+    }

@@ -27,7 +27,7 @@ ResultKind: TypeAlias = Literal[
 ]
 
 _MOST_DAYS: Final = 1000  # rows, newest first
-_MADE_LATER: Final = ("report", "closing")  # their day is none of measuring
+_MADE_LATER: Final = ("report", "closing", "model")  # their day need be none of measuring
 _BETWEEN: Final = "\x1f"  # unit separator: in no day and no serial number
 
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from datetime import date, datetime
+from datetime import date
 
 from sqlalchemy import Connection, func, select
 
@@ -38,7 +38,7 @@ class RobotMeasured:
 
 @dataclass(frozen=True, slots=True)
 class Lately:
-    """What came in since a moment, by the plant's clock."""
+    """What came in since a day began, by the plant's clock."""
 
     robots: int  # seen for the first time
     results: dict[str, int]  # how many of each kind
@@ -58,11 +58,9 @@ class PlantOverview:
         """
         return await self._database.read(lambda connection: _robots(connection, upto.isoformat()))
 
-    async def lately(self, since: datetime, limit: int) -> Lately:
-        """Return what came in since a moment."""
-        return await self._database.read(
-            lambda c: _lately(c, since.isoformat(timespec="milliseconds"), limit)
-        )
+    async def lately(self, since: date, limit: int) -> Lately:
+        """Return what came in since a day began."""
+        return await self._database.read(lambda connection: _lately(connection, since.isoformat(), limit))
 
     async def newest_branches(self) -> dict[str, int]:
         """Return the branch of each cell that its own numbers are those of."""

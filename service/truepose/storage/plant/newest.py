@@ -1,20 +1,22 @@
-"""The newest that each robot's results tell, by kind: what speaks for measuring it next, or against."""
+"""The newest that each robot's results tell, by kind: as it is now, and as it was known before a day."""
 
 from collections import defaultdict
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
 from datetime import date
 from functools import partial
-from typing import Any, Final
+from typing import Any, Final, TypeAlias
 
-from sqlalchemy import Connection, Row, func, select
+from sqlalchemy import ColumnElement, Connection, Row, ScalarSelect, func, select
 
 from truepose.storage.database import Database
-from truepose.storage.plant.looking import with_cells
+from truepose.storage.plant.looking import last_before, with_cells
 from truepose.storage.plant.telling import Document, ToldKind
 from truepose.storage.tables.of_plants import plant_cells, plant_robots, plant_told
 
-_KINDS: Final[tuple[ToldKind, ...]] = ("campaign", "model", "validation", "diagnosis")
+_KINDS: Final[tuple[ToldKind, ...]] = ("campaign", "model", "validation", "diagnosis", "identification")
+_EVERY: Final = plant_told.alias("every")
+_STATES: Final[tuple[ToldKind, ...]] = ("model", "validation", "diagnosis", "identification")
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,6 +40,28 @@ class ToldSeen:
         return (self.measured_on, self.id) > (other.measured_on, other.id)
 
 
+NewestTold: TypeAlias = Mapping[str, Mapping[ToldKind, ToldSeen]]  # by robot
+
+
+@dataclass
+class _Before:
+    """What was known when a day began; of whom nothing was, what had been measured by then."""
+
+    day: str = ""
+    known_up_to: int = 0  # number of a row
+    read_up_to: int = 0
+    found: dict[str, dict[ToldKind, ToldSeen]] = field(default_factory=lambda: defaultdict(dict))
+
+    def add(self, came: Iterable[ToldSeen]) -> None:
+        """Add what came in later and had been measured by then, where nothing was known."""
+        for told in came:
+            self.read_up_to = max(self.read_up_to, told.id)
+            known = self.found.get(told.robot_serial_number, {}).get(told.kind)
+            is_newer = known is None or (known.id > self.known_up_to and told.is_later_than(known))
+            if told.measured_on < self.day and is_newer:
+                self.found[told.robot_serial_number][told.kind] = told
+
+
 class PlantTold:
     """All queries about what results tell.
 
@@ -46,11 +70,25 @@ class PlantTold:
 
     def __init__(self, database: Database) -> None:
         self._database = database
+        self._before = _Before()
         self._day = ""  # up to which what follows counts
         self._newest: defaultdict[str, dict[ToldKind, ToldSeen]] = defaultdict(dict)
         self._read_up_to = 0  # number of a row
 
-    async def newest(self, upto: date) -> Mapping[str, Mapping[ToldKind, ToldSeen]]:
+    async def before(self, since: date) -> NewestTold:
+        """Return the newest of each kind of every robot as it was known when a day began.
+
+        Of whom nothing was known then, what had been measured by then: a plant that is new has collected the
+        records of years in an hour.
+        """
+        day = since.isoformat()
+        if day != self._before.day:
+            self._before = await self._database.read(partial(_known_before, day=day))
+        else:
+            self._before.add(await self._database.read(partial(_all_above, number=self._before.read_up_to)))
+        return self._before.found
+
+    async def newest(self, upto: date) -> NewestTold:
         """Return the newest of each kind of every robot that has any, by serial number.
 
         It is one up to a day, and a later one where there is no other.
@@ -102,12 +140,34 @@ def _above(number: int) -> Any:
 
 
 def _newest_of(kind: ToldKind, upto: str) -> Any:
-    every = plant_told.alias("every")
-    of_robot = (every.c.robot_serial_number == plant_robots.c.serial_number) & (every.c.kind == kind)
-    last_first = (every.c.measured_on.desc(), every.c.id.desc())
-    every_one = select(every.c.id).where(of_robot).order_by(*last_first).limit(1)
-    counting = every_one.where(every.c.measured_on <= upto)
-    newest = func.coalesce(counting.scalar_subquery(), every_one.scalar_subquery())
+    return _chosen(_last_of(kind, _EVERY.c.measured_on <= upto), _last_of(kind))
+
+
+def _all_above(connection: Connection, number: int) -> list[ToldSeen]:
+    return [told_seen(row) for row in connection.execute(_above(number))]
+
+
+def _known_before(connection: Connection, day: str) -> _Before:
+    read = int(connection.scalar(select(func.max(plant_told.c.id))) or 0)
+    before = _Before(day, last_before(connection, plant_told, day), read)
+    for kind in _STATES:
+        known = _last_of(kind, _EVERY.c.id <= before.known_up_to, _EVERY.c.measured_on <= day)
+        query = _chosen(known, _last_of(kind, _EVERY.c.measured_on < day))
+        for row in connection.execute(query):
+            before.found[row.robot_serial_number][kind] = told_seen(row)
+    return before
+
+
+def _last_of(kind: ToldKind, *conditions: ColumnElement[bool]) -> ScalarSelect[int]:
+    """Return the number of the last that results of a kind tell of a robot."""
+    own = (_EVERY.c.robot_serial_number == plant_robots.c.serial_number, _EVERY.c.kind == kind)
+    query = select(_EVERY.c.id).where(*own, *conditions)
+    return query.order_by(_EVERY.c.measured_on.desc(), _EVERY.c.id.desc()).limit(1).scalar_subquery()
+
+
+def _chosen(*choices: Any) -> Any:
+    """Return the query for what is told of every robot: the first choice that there is."""
+    newest = func.coalesce(*choices)
     return select(plant_told, plant_cells.c.name.label("cell")).select_from(
         with_cells(plant_told).join(plant_robots, plant_told.c.id == newest)
     )

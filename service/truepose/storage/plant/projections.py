@@ -11,7 +11,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Final, TypeAlias
 
-from sqlalchemy import Connection, Table, select
+from sqlalchemy import ColumnElement, Connection, Table, select
 
 from truepose.storage.plant.chains import newest_row
 from truepose.storage.plant.records import Branch, ClockSeen, CollectedLink
@@ -112,6 +112,10 @@ class _Seen:
         self._result(link, "diagnosis", replace(known, robot_serial_number=serial, measured_on=day))
 
     def model(self, link: CollectedLink, row: Document) -> None:
+        if row.get("handed_down_id") is not None:
+            day = str(row["recorded_at"])[:_DAY]  # on which it was accepted for the robot of the cell
+            self._result(link, "model", replace(self._newest_of(str(row["robot"])), measured_on=day))
+            return
         of = ("diagnosis", row.get("diagnosis_id"))
         if row.get("identification_id") is not None:
             of = ("identification", row.get("identification_id"))
@@ -201,10 +205,17 @@ class _Seen:
         return _Known() if found is None else _Known(**{name: getattr(found, name) for name in names})
 
     def _known_session(self, session_id: Any) -> _Known:
-        here = plant_sessions.c.session_id == session_id
-        found = newest_row(self._connection, self._branch, plant_sessions, here, by_link=False)
+        return self._session_where(plant_sessions.c.session_id == session_id) or _Known()
+
+    def _newest_of(self, robot: str) -> _Known:
+        """Return of whom the newest session of a type of robot was: the robot that stands in the cell."""
+        found = self._session_where(plant_sessions.c.robot == robot) or _Known(robot=robot)
+        return replace(found, instrument_serial_number="")
+
+    def _session_where(self, condition: ColumnElement[bool]) -> _Known | None:
+        found = newest_row(self._connection, self._branch, plant_sessions, condition, by_link=False)
         if found is None:
-            return _Known()
+            return None
         return _Known("", found.robot, found.robot_serial_number, found.instrument_serial_number)
 
 

@@ -100,7 +100,8 @@ def _diagnosis(row: Document) -> Telling:
 def _cause(finding: Document) -> dict[str, Any]:
     known = ("effect", "subject", "unit", "amplitude", "amplitude_standard_uncertainty")
     figures = {name: _figure(finding[name]) for name in known if name.startswith("amplitude")}
-    return {name: finding[name] for name in known} | figures
+    worth = finding.get("worth")
+    return {name: finding[name] for name in known} | figures | {"worth_mm": _mean(worth)}
 
 
 def _validation(row: Document) -> Telling:
@@ -115,7 +116,9 @@ def _validation(row: Document) -> Telling:
 
 def _model(row: Document) -> Telling:
     diagnosed = row.get("diagnosis_id") is not None
-    return Telling("model", made_of=_of(row, "diagnosis" if diagnosed else "identification"))
+    accepted_by = row.get("accepted_by")  # of one that was handed down
+    told = {} if accepted_by is None else {"accepted_by": str(accepted_by)}
+    return Telling("model", document=told, made_of=_of(row, "diagnosis" if diagnosed else "identification"))
 
 
 def _of(row: Document, kind: ToldKind) -> tuple[ToldKind, int] | None:

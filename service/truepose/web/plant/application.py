@@ -10,7 +10,7 @@ from truepose.web.door.proxies import Proxies
 from truepose.web.people import acts, people, sign_ins
 from truepose.web.people.pages import router as pages_of_people
 from truepose.web.places import error_pages
-from truepose.web.plant import cells, fleets, hand_downs, health, seen
+from truepose.web.plant import cells, changes, fleets, hand_downs, health, seen
 from truepose.web.plant.context import PlantContext
 from truepose.web.plant.pages import glance, lives
 from truepose.web.served import Application, application_of
@@ -18,7 +18,7 @@ from truepose.web.visiting import everywhere
 from truepose.web.visiting.rendering import prepare
 
 _TEMPLATES = ("frame.html", "people/chip.html", "people/dialogue.html", "plant/")
-_RESOURCES = (cells, hand_downs, seen, sign_ins, people, acts)
+_RESOURCES = (cells, hand_downs, changes, seen, sign_ins, people, acts)
 
 
 def create_plant_application(

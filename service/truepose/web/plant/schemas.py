@@ -10,6 +10,7 @@ from truepose.storage.plant.certificates import StatedPaper
 from truepose.storage.plant.lines import JournalLine
 from truepose.storage.plant.looking import DayMeasured, ResultKind, ResultSeen, SeenInstrument, SeenRobot
 from truepose.storage.plant.records import HandDownRecord, VisitRecord
+from truepose.storage.plant.telling import ToldKind
 from truepose.web.schemas.base import VISIBLE, FreeDocument, PersonName, RecordedAt, RecordId, Reply, Request
 
 _DAY = "A day, by the cell's clock; empty: nobody said it."
@@ -147,6 +148,33 @@ class PlantResultReply(Reply):
     clock_offset_s: float | None = Field(
         description="The cell's clock less the plant's when it was collected.", examples=[-1.25]
     )
+
+
+class PlantChangeReply(Reply):
+    """What changed of a robot, or a certificate that ended."""
+
+    what: Literal["error", "cause_named", "cause_gone", "model", "certificate"]
+    sentence: str = Field(
+        description="With its figures, in English.",
+        examples=[
+            "Mean error of the identified model rose from 0.041 mm on 2026-04-02 to 0.055 mm on 2026-05-04 "
+            "(identification 12)."
+        ],
+    )
+    robot_serial_number: str = Field(description="Empty: it is of no robot.")
+    instrument_serial_number: str = Field(description="Of a certificate.", examples=[""])
+    cell: str = Field(examples=["left arm"])
+    kind: ToldKind | None = Field(description="Of the record that says so; null: of a certificate.")
+    record_id: int | None = Field(description="Its number in the cell.", examples=[12])
+    page: str = Field(
+        description="Where the cell shows it; empty: nowhere.",
+        examples=["https://cell-3.example:8443/identifications/12"],
+    )
+    before_mm: float | None = Field(
+        description="The error before; null: there is none to compare with, or it is of something else.",
+        examples=[0.041],
+    )
+    after_mm: float | None = Field(description="The error now.", examples=[0.055])
 
 
 class PlantRecordReply(Reply):

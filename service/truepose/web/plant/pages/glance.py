@@ -1,26 +1,27 @@
-"""The plant at a glance: who is to be measured next and why, what ends, what came in, and the cells."""
+"""The plant at a glance: who is to be measured next and why, what ends, what changed, and the cells."""
 
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from datetime import UTC, date, datetime, timedelta
+from datetime import UTC, date, datetime
 from typing import Final
 
 from fastapi import APIRouter
 from fastapi.responses import HTMLResponse
 
 from truepose.domain.cell.certificates import Standing
+from truepose.plant.changes import Changed, RobotChanged
 from truepose.plant.due import Evidence, Reason, StandingRobot, Why, latest_day, standing_robots
 from truepose.storage.plant.certificates import StatedPaper
 from truepose.storage.plant.looking_over import RobotMeasured
+from truepose.web.plant.changes import since_a_week
 from truepose.web.plant.context import PlantContext, PlantHere
 from truepose.web.plant.pages.shown import Places, places_of, shown_cells, shown_results
 from truepose.web.visiting.moments import moment
 from truepose.web.visiting.visits import Visited
 
 router = APIRouter(include_in_schema=False)
-_WEEK: Final = timedelta(days=7)
-_NEXT: Final = 20  # robots to be measured, and what came in: what is read at a glance
+_NEXT: Final = 20  # robots to be measured, and that changed, and what came in: what is read at a glance
 _CURRENT: Final = "current"
 _STATES: Final[Mapping[str, tuple[str, str]]] = {  # how a badge looks, and what it says
     _CURRENT: ("good", "plant.state.current"),
@@ -43,14 +44,24 @@ class DueRobot:
     reasons: Sequence[tuple[Reason, str]]
 
 
+@dataclass(frozen=True, slots=True)
+class ChangedRobot:
+    """A robot of which something changed, and each change with the page of the record that says so."""
+
+    of: RobotMeasured
+    changes: Sequence[tuple[Changed, str]]
+
+
 @router.get("/", response_class=HTMLResponse)
 async def plant_page(visit: Visited, here: PlantHere) -> HTMLResponse:
-    """Show who is to be measured next and why, how robots stand, what came in, and the cells."""
-    now = datetime.now(UTC)
+    """Show who is to be measured next and why, how robots stand, what changed, and the cells."""
+    today = datetime.now(UTC).date()
     papers, places = await here.certificates.that_count(), await places_of(here)
-    robots = await _standing(here, papers, now.date())
+    measured = await here.overview.robots(latest_day(today))
+    robots = await _standing(here, measured, papers, today)
     due = [robot for robot in robots if robot.reasons]
-    lately = await here.overview.lately(now - _WEEK, _NEXT)
+    changed = await since_a_week(here, papers, measured, today)
+    lately = await here.overview.lately(changed.since, _NEXT)
     return visit.page(
         "plant/plant.html",
         due=[_due(robot, places) for robot in due[:_NEXT]],
@@ -58,7 +69,11 @@ async def plant_page(visit: Visited, here: PlantHere) -> HTMLResponse:
         rule=here.due,
         states=_counted(robots),
         total=len(robots),
-        ending=_ending(papers, now.date()),
+        ending=_ending(papers, today),
+        since=changed.since.isoformat(),
+        changed=_changed(changed.robots[:_NEXT], measured, places),
+        changed_total=len(changed.robots),
+        ended=changed.ended,
         lately=lately,
         moment=moment,
         newest=shown_results(lately.newest, places),
@@ -66,11 +81,12 @@ async def plant_page(visit: Visited, here: PlantHere) -> HTMLResponse:
     )
 
 
-async def _standing(here: PlantContext, papers: Iterable[StatedPaper], today: date) -> list[StandingRobot]:
+async def _standing(
+    here: PlantContext, robots: Iterable[RobotMeasured], papers: Iterable[StatedPaper], today: date
+) -> list[StandingRobot]:
     expires = {stated.paper.serial_number: stated.paper.expires for stated in papers}
-    upto = latest_day(today)
-    evidence = Evidence(await here.told.newest(upto), expires)
-    return standing_robots(await here.overview.robots(upto), evidence, here.due, today)
+    evidence = Evidence(await here.told.newest(latest_day(today)), expires)
+    return standing_robots(robots, evidence, here.due, today)
 
 
 def _ending(papers: Iterable[StatedPaper], today: date) -> list[tuple[StatedPaper, Standing]]:
@@ -83,6 +99,19 @@ def _due(robot: StandingRobot, places: Places) -> DueRobot:
         (reason, "" if reason.record is None else places.of(reason.record)) for reason in robot.reasons
     ]
     return DueRobot(robot.measured, reasons)
+
+
+def _changed(
+    robots: Iterable[RobotChanged], measured: Iterable[RobotMeasured], places: Places
+) -> list[ChangedRobot]:
+    known = {robot.serial_number: robot for robot in measured}
+    return [
+        ChangedRobot(
+            known[robot.serial_number], [(change, places.of(change.record)) for change in robot.changes]
+        )
+        for robot in robots
+        if robot.serial_number in known  # not one that came in meanwhile
+    ]
 
 
 def _counted(robots: Iterable[StandingRobot]) -> list[tuple[str, str, int]]:

@@ -1,0 +1,98 @@
+"""What changed since a week ago: robot by robot, and certificates that ended."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from datetime import UTC, date, datetime, timedelta
+from typing import Final
+
+from truepose.plant.changes import (
+    CertificateEnded,
+    Changed,
+    RobotChanged,
+    certificates_ended,
+    robots_changed,
+)
+from truepose.plant.due import latest_day
+from truepose.storage.plant.certificates import StatedPaper
+from truepose.storage.plant.looking_over import RobotMeasured
+from truepose.storage.plant.newest import PlantTold
+from truepose.web.plant.context import PlantContext, PlantHere
+from truepose.web.plant.pages.shown import Places, places_of
+from truepose.web.plant.schemas import PlantChangeReply
+from truepose.web.requests.paging import Counted, listing
+from truepose.web.resources import resource
+from truepose.words.catalogue import english
+
+router = resource("/plant/changes", tags=["plant"])
+_WEEK: Final = timedelta(days=7)
+
+
+@dataclass(frozen=True, slots=True)
+class SinceThen:
+    """What changed since the beginning of a day."""
+
+    since: date
+    robots: list[RobotChanged]  # the one whose error grew most first
+    ended: list[CertificateEnded]
+
+
+async def read_ahead(told: PlantTold, today: date) -> None:
+    """Have what results tell read, as it is now and as it was known a week ago: once a day, and no more."""
+    await told.newest(latest_day(today))
+    await told.before(today - _WEEK)
+
+
+async def since_a_week(
+    here: PlantContext, papers: list[StatedPaper], robots: list[RobotMeasured], today: date
+) -> SinceThen:
+    """Return what is known against what was known when the day a week ago began, by the plant's clock."""
+    since, upto = today - _WEEK, latest_day(today)
+    changed = robots_changed(await here.told.before(since), await here.told.newest(upto), upto)
+    return SinceThen(since, changed, certificates_ended(papers, robots, since, today))
+
+
+@router.get("", responses=listing(422, 503))
+async def list_plant_changes(here: PlantHere, paging: Counted) -> list[PlantChangeReply]:
+    """List what changed since the day a week ago began (UTC): robots whose error grew most come first."""
+    today = datetime.now(UTC).date()
+    papers, robots = await here.certificates.that_count(), await here.overview.robots(latest_day(today))
+    found = await since_a_week(here, papers, robots, today)
+    return paging.of([*_replies(found, await places_of(here))], lambda reply: reply)
+
+
+def _replies(found: SinceThen, places: Places) -> Iterator[PlantChangeReply]:
+    for robot in found.robots:
+        for change in robot.changes:
+            yield _of_robot(robot, change, places)
+    for one in found.ended:
+        yield _of_certificate(one)
+
+
+def _of_robot(robot: RobotChanged, change: Changed, places: Places) -> PlantChangeReply:
+    return PlantChangeReply(
+        what=change.what.value,
+        sentence=english(change.sentence),
+        robot_serial_number=robot.serial_number,
+        instrument_serial_number="",
+        cell=change.record.cell,
+        kind=change.record.kind,
+        record_id=change.record.record_id,
+        page=places.of(change.record),
+        before_mm=change.before_mm,
+        after_mm=change.after_mm,
+    )
+
+
+def _of_certificate(ended: CertificateEnded) -> PlantChangeReply:
+    return PlantChangeReply(
+        what="certificate",
+        sentence=english(ended.sentence),
+        robot_serial_number="",
+        instrument_serial_number=ended.stated.paper.serial_number,
+        cell=ended.stated.cell,
+        kind=None,
+        record_id=None,
+        page="",
+        before_mm=None,
+        after_mm=None,
+    )
