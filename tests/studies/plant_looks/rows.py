@@ -5,6 +5,7 @@ answers rests on the newest of each stream alone, which a stand-in of the cell s
 """
 
 import hashlib
+import json
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from datetime import date, timedelta
@@ -33,6 +34,13 @@ _DAYS: Final = 30  # of a month
 _KINDS: Final = ("campaign", "identification", "model", "diagnosis", "report")
 _TOLD: Final = ("campaign", "identification", "model", "diagnosis")  # what they tell is beside them
 _READING: Final = '{"id":%d,"session_id":%d,"recorded_at":"%s","kind":"point","document":"' + "0" * 240 + '"}'
+_CAUSE: Final = {
+    "effect": "backlash",
+    "unit": "deg",
+    "amplitude": 0.02,
+    "amplitude_standard_uncertainty": 0.002,
+    "worth_mm": 0.03,
+}
 _OF_NONE: Final = 0  # stream of what belongs to no session
 
 
@@ -152,8 +160,18 @@ def _of_session(chain: CellChain, session: _Session) -> Iterator[tuple[Table, di
         }
         yield plant_results, {**stamp, **session.of, **told, "measured_on": session.on, "clock_offset_s": 0.5}
         if kind in _TOLD:
-            tells = {**told, "measured_on": session.on, "verdict": "", "document": "{}"}
+            tells = {**told, "measured_on": session.on, "verdict": "", **_figures(session, kind)}
             yield plant_told, {**stamp, **session.of, **tells}
+
+
+def _figures(session: _Session, kind: str) -> dict[str, Any]:
+    """Return the error and the causes that a result tells: both differ from month to month."""
+    if kind == "identification":
+        return {"figure_mm": 0.04 + 0.001 * (session.number % 17), "document": "{}"}
+    if kind != "diagnosis":
+        return {"document": "{}"}
+    causes = [{**_CAUSE, "subject": f"joint {1 + (session.number + n) % 6}"} for n in range(3)]
+    return {"document": json.dumps({"asks": 0, "causes": causes})}
 
 
 def _journal(

@@ -17,11 +17,16 @@ import httpx
 from tests.helpers.ports import free_port
 from tests.studies.plant_looks.rows import CELLS, name_of
 
-_FIRST: Final = {"first page": "/", "first of REST": "/api/v1/plant/robots"}
+_FIRST: Final = {
+    "first page": "/",
+    "first life of a robot": "/robots/R-{robot}",
+    "first of REST": "/api/v1/plant/robots",
+}
 _PAGES: Final = {
     "the plant": "/",
     "life of a robot": "/robots/R-{robot}",
     "life of an instrument": "/instruments/T-1",
+    "what changed, REST": "/api/v1/plant/changes",
     "100 robots, REST": "/api/v1/plant/robots",
     "life of a robot, REST": "/api/v1/plant/robots/R-{robot}",
     "life of an instrument, REST": "/api/v1/plant/instruments/T-1",
@@ -67,7 +72,9 @@ async def started(folder: Path, url: str, cells: Sequence[str], robots: int, ask
         at = json.loads(await process.stdout.readline())["url"]
         ready_s, cpu_s = time.perf_counter() - begun_s, _cpu_s(process.pid)
         async with httpx.AsyncClient(base_url=at, trust_env=False, timeout=120) as http:
-            first_ms = {name: await _ms(http, path) for name, path in _FIRST.items()}
+            first_ms = {
+                name: await _ms(http, path.format(robot=robots // 2)) for name, path in _FIRST.items()
+            }
             then_ms = await _asked(http, f"{robots // 2}", asks)
             visited, links = await _visits(http)
         memory_mb = _memory_mb(process.pid)
