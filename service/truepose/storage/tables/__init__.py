@@ -101,16 +101,16 @@ ballbar_answers = _records(
 
 series = _records(
     "series",
-    sa.Column("name", sa.Text, nullable=False),
-    sa.Column("columns", sa.JSON, nullable=False),  # as the header of a table has them
+    sa.Column("name", TEXT, nullable=False),
+    sa.Column("columns", DOCUMENT, nullable=False),  # as the header of a table has them
 )
 
 deliveries = _records(
     "deliveries",
     _reference("series_id", "series"),
-    sa.Column("first", sa.Integer, nullable=False),  # number of its first reading
-    sa.Column("count", sa.Integer, nullable=False),
-    sa.Column("document", sa.JSON, nullable=False),
+    sa.Column("first", WHOLE, nullable=False),  # number of its first reading
+    sa.Column("count", WHOLE, nullable=False),
+    sa.Column("document", DOCUMENT, nullable=False),
     sa.UniqueConstraint("series_id", "first"),  # a reading has one number
 )
 
