@@ -3,7 +3,6 @@
 import asyncio
 from typing import Any, Final, TypeVar, cast
 
-from truepose.domain.errors import RecordRefusedError
 from truepose.domain.measurement.ledger import Control
 from truepose.domain.measurement.session import SessionState
 from truepose.operation.session_kind import SessionKind
@@ -76,8 +75,8 @@ class AskedSessionKind(ServedKind[R]):
         while self.running(session_id) is runner and (
             runner.question is None or runner.state is SessionState.PLANNED
         ):
-            if runner.trouble is not None:
-                raise RecordRefusedError(f"Session {session_id} was not started. {runner.trouble}")
+            if runner.cause_of_trouble is not None:
+                raise type(runner.cause_of_trouble)(f"Session {session_id} was not started. {runner.trouble}")
             await asyncio.sleep(0.001)
 
     async def recover(self, record: SessionRecord) -> None:

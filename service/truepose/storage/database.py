@@ -16,38 +16,34 @@ from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from typing import Any, Final, TypeAlias, TypeVar
+from typing import Any, Final, TypeVar
 
 from sqlalchemy import Connection
+from sqlalchemy.engine import Transaction
 
 from truepose.storage.connection.commits import Commits
 from truepose.storage.connection.engines import holding
 from truepose.storage.connection.holding import READERS, InDoubtError
 from truepose.storage.connection.plain import plain
-from truepose.storage.errors import DamagedDatabaseError, StorageError, StorageUnavailableError, damaged
+from truepose.storage.errors import (
+    DamagedDatabaseError,
+    ServerAwayError,
+    StorageError,
+    StorageUnavailableError,
+    damaged,
+)
 from truepose.storage.integrity.condition import Condition
 from truepose.storage.integrity.head import Head, newest_head
 from truepose.storage.integrity.linking import linking
 from truepose.storage.integrity.seal import Left
 from truepose.storage.integrity.verification import stream_findings
+from truepose.storage.together import End, NotTogetherError, One, Together, Wanted, alone, run
 
 T = TypeVar("T")
-One = TypeVar("One")
-End: TypeAlias = tuple[Any, Exception | None]  # what a write gave, or why it was refused
-Together: TypeAlias = Callable[[Connection, Sequence[One]], Sequence[End]]  # keeps several, an end for each
 _LOG: Final = logging.getLogger(__name__)
 _MOST_TOGETHER: Final = 256  # writes that share a transaction
 _IN_DOUBT: Final = "The connection to {} ended during a commit; whether that was made shows once it is back."
 _TRIAL_S: Final = 0.25  # between two trials whether writing works again
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _Wanted:
-    """A write that waits for its turn."""
-
-    work: Together[Any]  # run once for all who want the same
-    one: Any
-    done: "asyncio.Future[Any]"  # of whoever waits
 
 
 class Database:
@@ -57,13 +53,13 @@ class Database:
         self.condition = Condition()
         self.commits = Commits()
         self._commit = asyncio.Event()
-        self._wanted: deque[_Wanted] = deque()
+        self._wanted: deque[Wanted] = deque()
         self._handed_over = False  # what waits: the writer is going to look
         self._doubtful: _Doubtful | None = None
         self._trial: asyncio.Task[None] | None = None
+        self._refused: type[StorageUnavailableError] = StorageUnavailableError  # while there is trouble
         self._reading = threading.BoundedSemaphore(READERS)  # all of them taken: nobody reads
         self.held = holding(url, self.condition, self._nobody_reads)
-        self.file = self.held.file  # what lies beside the database is named after it
         self._writer = ThreadPoolExecutor(1, thread_name_prefix="storage-writer")
         self._readers = ThreadPoolExecutor(READERS, thread_name_prefix="storage-reader")
         try:
@@ -71,6 +67,7 @@ class Database:
         except BaseException:
             self._shut()
             raise
+        self.file = self.held.file  # what lies beside the database is named after it
 
     async def write(self, work: Callable[[Connection], T]) -> T:
         """Run `work` in a transaction and return its result once that is committed.
@@ -78,7 +75,7 @@ class Database:
         It is run anew where another write that shares the transaction fails. Raises what `work` raises, and
         StorageUnavailableError; nothing of it was kept then.
         """
-        result: T = await self.write_together(_alone(work), None)
+        result: T = await self.write_together(alone(work), None)
         return result
 
     async def write_together(self, work: Together[One], one: One) -> Any:
@@ -88,7 +85,7 @@ class Database:
         there, and keeps nothing of. Raises StorageUnavailableError.
         """
         if self.condition.trouble is not None:
-            raise StorageUnavailableError(self.condition.trouble)
+            raise self._refused(self.condition.trouble)
         try:
             return await self._write_in_turn(work, one)
         except StorageUnavailableError as error:
@@ -165,13 +162,13 @@ class Database:
 
     def _write_in_turn(self, work: Together[One], one: One) -> "asyncio.Future[Any]":
         done = asyncio.get_running_loop().create_future()
-        self._wanted.append(_Wanted(work, one, done))
+        self._wanted.append(Wanted(work, one, done))
         if not self._handed_over:
             self._handed_over = True
             self._writer.submit(self._write_wanted)
         return done
 
-    def _announce(self, ended: Sequence[tuple[_Wanted, End]]) -> None:
+    def _announce(self, ended: Sequence[tuple[Wanted, End]]) -> None:
         """Tell each how its write ended, unless it waits no more, and everybody that there was a commit."""
         if any(failure is None for _, (_, failure) in ended):
             self.wake()
@@ -183,8 +180,11 @@ class Database:
             else:
                 wanted.done.set_exception(failure)
 
+    def _note_trouble(self, error: StorageUnavailableError) -> None:
+        self._refused, self.condition.trouble = type(error), str(error)
+
     def _try_again_after(self, error: StorageUnavailableError) -> None:
-        self.condition.trouble = str(error)
+        self._note_trouble(error)
         if self._trial is None:
             _LOG.warning("records are refused: %s", error)
             self._trial = asyncio.create_task(self._try_until_writable(), name="storage trial")
@@ -194,9 +194,9 @@ class Database:
             while self.condition.trouble is not None:
                 await asyncio.sleep(_TRIAL_S)
                 try:
-                    await self._write_in_turn(_alone(self.held.write_a_little), None)
+                    await self._write_in_turn(alone(self.held.write_a_little), None)
                 except StorageUnavailableError as error:
-                    self.condition.trouble = str(error)
+                    self._note_trouble(error)
                 else:
                     self.condition.trouble = None
                     _LOG.warning("records are taken again")
@@ -211,32 +211,32 @@ class Database:
         for _ in range(0, len(self._wanted), _MOST_TOGETHER):
             self._write_these([self._wanted.popleft() for _ in range(min(len(self._wanted), _MOST_TOGETHER))])
 
-    def _write_these(self, together: Sequence[_Wanted]) -> None:
+    def _write_these(self, together: Sequence[Wanted]) -> None:
         """Write together what does not fail, then what does, each alone: in a transaction of its own."""
-        alone: list[_Wanted] = []
+        failing: list[Wanted] = []
         while together:
             try:
                 self._write_all(together)
                 break
-            except _NotTogetherError as error:
-                alone += error.failed
+            except NotTogetherError as error:
+                failing += error.failed
                 together = [wanted for wanted in together if wanted not in error.failed]
-        for wanted in alone:
+        for wanted in failing:
             self._write_all([wanted])
 
-    def _write_all(self, together: Sequence[_Wanted]) -> None:
+    def _write_all(self, together: Sequence[Wanted]) -> None:
         try:
-            self._tell(together, self._write(lambda connection: _run(connection, together)))
-        except _NotTogetherError:
+            self._tell(together, self._write(lambda connection: run(connection, together)))
+        except NotTogetherError:
             raise
         except _DoubtError as doubt:
             self._wait_for_certainty(_Doubtful(together, doubt.result, doubt.newest))
         except Exception as error:
             self._tell(together, [(None, error)] * len(together))
 
-    def _tell(self, together: Sequence[_Wanted], ends: Sequence[End]) -> None:
+    def _tell(self, together: Sequence[Wanted], ends: Sequence[End]) -> None:
         """Tell whoever waits how it ended; each loop is woken once."""
-        of_loops: dict[asyncio.AbstractEventLoop, list[tuple[_Wanted, End]]] = {}
+        of_loops: dict[asyncio.AbstractEventLoop, list[tuple[Wanted, End]]] = {}
         for wanted, end in zip(together, ends, strict=True):
             of_loops.setdefault(wanted.done.get_loop(), []).append((wanted, end))
         for loop, ended in of_loops.items():
@@ -254,8 +254,9 @@ class Database:
     def _committed(self, work: Callable[[Connection], T]) -> T:
         self._make_ready()
         begun_s = time.perf_counter()
+        transaction = self._begun()
         connection = self.held.connection
-        transaction, links = connection.begin(), linking(connection)
+        links = linking(connection)
         try:
             result = work(connection)
             self.held.commit(transaction, links.write(plain(connection)))
@@ -268,6 +269,16 @@ class Database:
         self.commits.note(time.perf_counter() - begun_s)
         return result
 
+    def _begun(self) -> Transaction:
+        """Begin a transaction, over a new connection where the one before has ended while it lay idle."""
+        try:
+            return self.held.connection.begin()
+        except self.held.refused as error:
+            if not self.held.ended(error):
+                raise
+        self._make_ready()
+        return self.held.connection.begin()
+
     def _make_ready(self) -> None:
         self.held.make_ready()
         if self._doubtful is not None:
@@ -277,20 +288,20 @@ class Database:
     def _wait_for_certainty(self, doubtful: "_Doubtful") -> None:
         """Answer nobody of a commit that may have been made, and refuse others until that is known."""
         self._doubtful = doubtful
-        error = StorageUnavailableError(_IN_DOUBT.format(self.held.where))
-        self.condition.trouble = str(error)
+        error = ServerAwayError(_IN_DOUBT.format(self.held.where))
+        self._note_trouble(error)
         doubtful.together[0].done.get_loop().call_soon_threadsafe(self._try_again_after, error)
 
     def _tell_certainty(self, doubtful: "_Doubtful", made: bool) -> None:
         self._doubtful = None
-        refused = StorageUnavailableError(f"The connection to {self.held.where} ended; nothing was kept.")
+        refused = ServerAwayError(f"The connection to {self.held.where} ended; nothing was kept.")
         _LOG.warning("the commit during which the connection ended was %s", "made" if made else "not made")
         self._tell(doubtful.together, doubtful.ends if made else [(None, refused)] * len(doubtful.ends))
 
     def _leave(self) -> None:
         """Leave the database as it should be left; what is still in doubt stays so."""
         if self._doubtful is not None:
-            unknown = StorageUnavailableError(_IN_DOUBT.format(self.held.where))
+            unknown = ServerAwayError(_IN_DOUBT.format(self.held.where))
             self._tell(self._doubtful.together, [(None, unknown)] * len(self._doubtful.ends))
         self.held.close()
 
@@ -338,7 +349,7 @@ class Database:
 class _Doubtful:
     """Writes of a commit that may have been made."""
 
-    together: Sequence[_Wanted]
+    together: Sequence[Wanted]
     ends: Sequence[End]  # if it was
     newest: Left  # link that the database has if it was
 
@@ -349,32 +360,3 @@ class _DoubtError(Exception):
     def __init__(self, result: Any, newest: Left) -> None:
         super().__init__()
         self.result, self.newest = result, newest
-
-
-class _NotTogetherError(Exception):
-    """One of several writes has failed, and with it the transaction that they share."""
-
-    def __init__(self, failed: Sequence[_Wanted]) -> None:
-        super().__init__()
-        self.failed = failed
-
-
-def _alone(work: Callable[[Connection], Any]) -> Together[None]:
-    """Return a write of its own as one of which there is no other."""
-    return lambda connection, _: [(work(connection), None)]
-
-
-def _run(connection: Connection, together: Sequence[_Wanted]) -> list[End]:
-    """Return how each of these writes ends in one transaction; raises what a single one raises."""
-    of_works: dict[Together[Any], list[_Wanted]] = {}
-    for wanted in together:
-        of_works.setdefault(wanted.work, []).append(wanted)
-    ends: dict[_Wanted, End] = {}
-    for work, wanting in of_works.items():
-        try:
-            ends.update(zip(wanting, work(connection, [wanted.one for wanted in wanting]), strict=True))
-        except Exception as error:
-            if len(together) == 1:
-                raise
-            raise _NotTogetherError(wanting) from error
-    return [ends[wanted] for wanted in together]

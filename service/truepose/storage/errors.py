@@ -12,7 +12,9 @@ StorageError
 ├── BackupError              a copy cannot be written, or is not one
 │   └── DatabaseUsedError      a database with records lies where a copy is to be restored
 ├── StorageUnavailableError  the disk refused (full, locked, read-only, gone); also a RecordRefusedError
-│   └── DamagedDatabaseError   what is on disk is not what was written
+│   ├── DamagedDatabaseError   what is on disk is not what was written
+│   ├── ServerAwayError        the server of the database does not answer
+│   └── ServerRefusedError     it answers, and refuses
 ├── NotFoundError            no record of that number
 │   └── NotInPlantError        no cell of that name, or nothing of that serial number
 └── ConflictError            the record does not allow that now
@@ -74,6 +76,14 @@ class StorageUnavailableError(StorageError, RecordRefusedError):
 
 class DamagedDatabaseError(StorageUnavailableError):
     """What is on disk is not what was written; nothing of it is used."""
+
+
+class ServerAwayError(StorageUnavailableError):
+    """The server of the database does not answer; nothing of that request was kept."""
+
+
+class ServerRefusedError(StorageUnavailableError):
+    """The server of the database refused, for want of room, rights, connections; nothing was kept."""
 
 
 def damaged(where: str, said: str) -> DamagedDatabaseError:

@@ -112,6 +112,8 @@ _CODES: Final = {
     "ChainHeadError": "TP-6007",
     "BackupError": "TP-6008",
     "DatabaseUsedError": "TP-6009",
+    "ServerAwayError": "TP-6010",
+    "ServerRefusedError": "TP-6011",
     "SimulationFailedError": "TP-7001",
     "ScenarioRefusedError": "TP-7002",
     "PortInUseError": "TP-7003",

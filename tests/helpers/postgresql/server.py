@@ -17,6 +17,17 @@ from truepose.storage.database import Database
 
 TEMPLATE = "empty"
 UNSAFE = ("fsync=off", "full_page_writes=off", "max_connections=200")
+ODD = (  # what administrators set for others: no record may depend on it
+    "datestyle=SQL, DMY",
+    "timezone=Asia/Kathmandu",
+    "extra_float_digits=-15",
+    "bytea_output=escape",
+    "quote_all_identifiers=on",
+    "transform_null_equals=on",
+    "default_transaction_isolation=serializable",
+)
+# Numbers in texts by their value, upper case before lower: nothing is sorted by it where nobody says so.
+COLLATION = "LOCALE_PROVIDER icu ICU_LOCALE 'da-u-kn-true-kf-upper'"
 _PLACES = Path("/usr/lib/postgresql")
 _KEEPER = Path(__file__).with_name("keeper.py")
 _START_S = 120.0
@@ -79,7 +90,7 @@ def shared_server():
         fcntl.flock(lock, fcntl.LOCK_EX)
         first = not (folder / "ready").exists()
         if first:
-            _start(folder, UNSAFE)
+            _start(folder, (*UNSAFE, *ODD))
         using = os.open(folder / "users", os.O_WRONLY)
         server = Server(folder, "&fsync=off")
         if first:
@@ -117,7 +128,8 @@ def _start(folder, options):
 
 
 def _make_template(server):
-    server.make(TEMPLATE, "template1")
+    with server.connect() as connection:
+        connection.execute(f"CREATE DATABASE {TEMPLATE} TEMPLATE template0 ENCODING 'UTF8' {COLLATION}")
     before = os.environ.get("XDG_DATA_HOME")
     os.environ["XDG_DATA_HOME"] = str(server.folder / "beside")
     try:

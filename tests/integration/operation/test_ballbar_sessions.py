@@ -30,7 +30,7 @@ class FakeRunner:
 
     def __init__(self, plan, kit, cell, ledger, foresight, entries=(), judges=None):
         self.situation = situation(plan, kit, entries)
-        self.question, self.prompt_id, self.trouble = None, None, None
+        self.question = self.prompt_id = self.trouble = self.cause_of_trouble = None
         self.robot_moving, self.version = False, 0
         self.entries, self.judges = entries, judges
         self.acts = 0

@@ -13,6 +13,7 @@ from truepose.domain.measurement.session import PlannedStop, SessionPlan, Sessio
 from truepose.operation.sessions import SessionDesk
 from truepose.operation.tracker.sessions import TrackerSessions
 from truepose.sequencing.errors import NotNowError
+from truepose.storage.errors import ServerAwayError
 from truepose.storage.measurement.added_stops import AddedStopsRepository
 from truepose.storage.records import SessionSetup
 
@@ -20,10 +21,11 @@ _PLAN = SessionPlan("calibration", tuple(PlannedStop(k, (0.1 * k, *(0.2,) * 5), 
 
 
 class FakeRunner:
-    """Asks its question at once, or says that the disk refuses it, and runs until it is told how it ends."""
+    """Asks its question at once, or says why it is refused, and runs until it is told how it ends."""
 
     def __init__(self, trouble=None):
         self.trouble = trouble
+        self.cause_of_trouble = None if trouble is None else ServerAwayError(trouble)
         self.question = None if trouble else "Is the cell clear?"
         self.state = SessionState.PLANNED if trouble else SessionState.AWAITING_CONFIRMATION
         self._ended = asyncio.Event()
@@ -79,10 +81,10 @@ async def scene(database):
 
 
 async def test_a_session_whose_question_cannot_be_kept_is_not_started(scene):
-    session_id, scene.trouble = await scene.planned(), "The disk is full."
+    session_id, scene.trouble = await scene.planned(), "The server is away."
 
     with pytest.raises(
-        RecordRefusedError, match=rf"Session {session_id} was not started\. The disk is full\."
+        ServerAwayError, match=rf"Session {session_id} was not started\. The server is away\."
     ):
         await scene.tracker.start(session_id)
 

@@ -117,21 +117,23 @@ def restore_command(
     from truepose.storage.backup.addressed import restore_at
     from truepose.storage.backup.drafts import restore_drafts
     from truepose.storage.connection.address import database_file, is_server, parsed_url, shown_address
+    from truepose.storage.connection.reading import lies_beside
     from truepose.storage.errors import BackupError, DatabaseInUseError
 
     url = _url(database)
-    target, server = database_file(url), is_server(parsed_url(url))
+    server = is_server(parsed_url(url))
     if at_next_start:
         if server:
             raise BackupError("Nothing is laid ready for a server: restore into an empty database of it.")
-        return _lay_ready(file, target, replace=replace, json=json)
+        return _lay_ready(file, database_file(url), replace=replace, json=json)
     try:
         with shown_progress() as told:
             head, aside = restore_at(file, url, told, replace=replace)
     except DatabaseInUseError as error:
-        remark([f"{error} Or let it run: --at-next-start verifies the copy now and puts it in place then."])
+        let_it_run = "Or let it run: --at-next-start verifies the copy now and puts it in place then."
+        remark([str(error) if server else f"{error} {let_it_run}"])
         return _SERVICE_FAILED
-    drafts = restore_drafts(file, target)
+    drafts = restore_drafts(file, lies_beside(url))
     kept = None if aside is None else str(aside)
     if json:
         print_json({

@@ -68,7 +68,7 @@ def administration(url: str | None) -> Iterator[Administration]:
         The database cannot be used, or a service has it that does not say how it is reached.
     """
     from truepose.settings import default_database_url
-    from truepose.storage.connection.address import database_file
+    from truepose.storage.connection.reading import lies_beside
     from truepose.storage.database import Database
     from truepose.storage.errors import DatabaseInUseError
     from truepose.storage.people.machine import service_of
@@ -77,7 +77,7 @@ def administration(url: str | None) -> Iterator[Administration]:
     try:
         database = Database(address)
     except DatabaseInUseError:
-        service = service_of(database_file(address))
+        service = service_of(lies_beside(address))
         if service is None:
             raise
         with _asked(service) as http:

@@ -50,6 +50,7 @@ class Logbook(Generic[S]):
         self._changed = asyncio.Event()
         self.changing = asyncio.Lock()  # lines reach the ledger one at a time
         self.trouble: str | None = None  # what is said while lines are refused; nothing moves meanwhile
+        self.cause_of_trouble: RecordRefusedError | None = None  # while it lasts
         self.refused = asyncio.Event()  # set as long as that lasts
         self.interrupted: str | None = None  # why lines were refused since a person last had it go on
         self.version = 0
@@ -145,9 +146,10 @@ class Logbook(Generic[S]):
         try:
             number = await self._ledger.append(entry)
         except RecordRefusedError as error:
-            self.interrupted = str(error)
+            self.interrupted, self.cause_of_trouble = str(error), error
             self._take_note(_trouble_with(error))
             raise
+        self.cause_of_trouble = None
         self._take_note(None)
         return number
 

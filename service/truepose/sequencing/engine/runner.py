@@ -74,6 +74,11 @@ class SessionRunner(ABC, Generic[S]):
         return self._logbook.trouble
 
     @property
+    def cause_of_trouble(self) -> RecordRefusedError | None:
+        """Why lines are refused; None while they are taken."""
+        return self._logbook.cause_of_trouble
+
+    @property
     def version(self) -> int:
         """Number of changes so far."""
         return self._logbook.version

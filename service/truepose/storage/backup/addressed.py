@@ -8,6 +8,7 @@ from truepose.storage.backup.copying import Backup, Told, back_up, require_copy,
 from truepose.storage.backup.restoring import restore, whole_copy
 from truepose.storage.backup.transfer import fill, transfer
 from truepose.storage.connection.address import database_file, is_server, parsed_url
+from truepose.storage.connection.reading import lies_beside
 from truepose.storage.connection.sqlite.library import LIBRARY
 from truepose.storage.errors import BackupError
 from truepose.storage.integrity.head import Head
@@ -26,7 +27,7 @@ def back_up_at(
         require_copy(part, head)
         return head
 
-    return written_copy(database_file(url), target, write, told, replace=replace)
+    return written_copy(lies_beside(url), target, write, told, replace=replace)
 
 
 def restore_at(

@@ -17,7 +17,7 @@ from truepose.storage.connection.address import database_file, is_server, parsed
 from truepose.storage.connection.engines import holding
 from truepose.storage.connection.filling import fill_in, renumber
 from truepose.storage.connection.holding import Holding
-from truepose.storage.connection.reading import locked_for_reading, opened_at, refused_by
+from truepose.storage.connection.reading import lies_beside, locked_for_reading, opened_at, refused_by
 from truepose.storage.connection.schema import newest_revision
 from truepose.storage.connection.sqlite.connections import opened_file
 from truepose.storage.connection.sqlite.library import LIBRARY
@@ -49,7 +49,7 @@ def transfer(source: str, target: str, told: Told = lambda share, doing: None) -
     _require_two(source, target)
     with locked_for_reading(source), _newest(source) as read_from:
         head = fill(read_from, target, told)
-    return head, _bring_drafts(database_file(source), database_file(target))
+    return head, _bring_drafts(lies_beside(source), lies_beside(target))
 
 
 @contextlib.contextmanager
@@ -146,9 +146,9 @@ def _require_same(source: Any, target: Any, head: Head, told: Told) -> None:
 
 
 def _require_two(source: str, target: str) -> None:
-    if database_file(source) == database_file(target):
-        raise BackupError(f"{shown_address(source)} is both source and target; name another target.")
     _require_there(source)
+    if lies_beside(source) == lies_beside(target):
+        raise BackupError(f"{shown_address(source)} is both source and target; name another target.")
 
 
 def _require_there(url: str) -> None:

@@ -16,9 +16,10 @@ _ALSO: Final = {"postgres": "postgresql", "postgresql+psycopg": "postgresql"}  #
 
 
 def database_file(url: str) -> Path:
-    """Return the SQLite file that `url` names, or what is on this machine of a server's named after.
+    """Return the SQLite file that `url` names, or what the log of a server's database is named after.
 
-    No database in memory: what was acknowledged has to be on a disk. Raises DatabaseAddressError.
+    No database in memory: what was acknowledged has to be on a disk. `reading.lies_beside` says what else
+    belongs to a server's database. Raises DatabaseAddressError.
     """
     parsed = parsed_url(url)
     if is_server(parsed):
@@ -64,5 +65,6 @@ def _said(url: str) -> str:
 
 
 def _place(parsed: URL) -> str:
-    host, port = (parsed.query.get(name) for name in ("host", "port"))
-    return f"{parsed.host or host or 'local'}_{parsed.port or port or 5432}_{parsed.database}"
+    host, port, options = (parsed.query.get(name) for name in ("host", "port", "options"))
+    place = f"{parsed.host or host or 'local'}_{parsed.port or port or 5432}_{parsed.database}"
+    return f"{place}_{options}" if options else place  # a search_path leads to another database's records

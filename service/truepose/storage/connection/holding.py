@@ -49,7 +49,7 @@ class Holding(ABC):
 
     def __init__(self, url: str, file: Path, where: str, condition: Condition, alone: Alone) -> None:
         self.url = url
-        self.file = file  # the database; of a server's, what lies on this machine is named after it
+        self.file = file  # the database; of a server's, once open, what on this machine is named after it
         self.where = where  # the database, as people are told of it
         self.condition = condition
         self._alone = alone

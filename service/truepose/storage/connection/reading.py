@@ -3,9 +3,10 @@
 import importlib.util
 from collections.abc import Iterator
 from contextlib import closing, contextmanager
+from pathlib import Path
 from typing import Any
 
-from truepose.storage.connection.address import database_file, is_server, parsed_url, shown
+from truepose.storage.connection.address import database_file, is_server, parsed_url, shown, shown_address
 from truepose.storage.connection.sqlite.connections import opened_file
 from truepose.storage.connection.sqlite.library import LIBRARY
 from truepose.storage.connection.sqlite.lock import ServiceLock
@@ -24,6 +25,20 @@ def opened_at(url: str) -> Any:
         return opened(url)
     except REFUSED as error:
         raise translated(shown(parsed_url(url)), error) from error
+
+
+def lies_beside(url: str) -> Path:
+    """Return what everything on this machine that belongs to a database is named after.
+
+    That is the file itself, or what the server itself calls the database: whoever reaches it by another name
+    finds the same. Raises StorageError.
+    """
+    if not is_server(parsed_url(url)):
+        return database_file(url)
+    with closing(opened_at(url)) as connection:
+        from truepose.storage.connection.postgresql.identity import server_file
+
+        return server_file(connection, shown_address(url))
 
 
 @contextmanager

@@ -8,7 +8,7 @@ from typing import Any
 
 from truepose.storage.connection.address import database_file, is_server, parsed_url, shown_address
 from truepose.storage.connection.plain import protection_of
-from truepose.storage.connection.reading import opened_at, refused_by
+from truepose.storage.connection.reading import lies_beside, opened_at, refused_by
 from truepose.storage.errors import DatabaseAddressError
 from truepose.storage.integrity.condition import Condition
 from truepose.storage.integrity.head import Head
@@ -55,7 +55,7 @@ def verify_left_at(url: str, told: Told = lambda share: None, printed: Head | No
     file, server = database_file(url), is_server(parsed_url(url))
     if not server and not file.is_file():
         raise DatabaseAddressError(f"There is no database {file}.")
-    left = Seal(file).left()
+    left = Seal(lies_beside(url)).left()
     verdict = verify_at(url, told, printed)
     return verdict if left is None else replace(verdict, findings=(*verdict.findings, *_against(url, left)))
 
@@ -74,4 +74,4 @@ def _against(url: str, left: Left) -> Iterator[str]:
         yield f"The file {file} was changed while no service had it open."
     with contextlib.suppress(*refused_by(url)), contextlib.closing(opened_at(url)) as connection:
         if not has_link(connection, left):
-            yield newest_missing(shown_address(url), Seal(file).file)
+            yield newest_missing(shown_address(url), Seal(lies_beside(url)).file)

@@ -11,13 +11,14 @@ from typing import Any, Final
 from sqlalchemy import Column, Connection, Row, Select, bindparam, func, select
 
 from truepose.domain.measurement.series import Delivery, Series, Values
-from truepose.storage.database import Database, End
+from truepose.storage.database import Database
 from truepose.storage.dialects import length_at
 from truepose.storage.errors import ConflictError, NotFoundError, UnfitReadingError
 from truepose.storage.numbered import NumberedRecords
 from truepose.storage.records import Page
 from truepose.storage.rows import add_row, add_rows
 from truepose.storage.tables import deliveries, series
+from truepose.storage.together import End
 
 _END: Final = deliveries.c.first + deliveries.c.count
 _KIND: Final = "series"

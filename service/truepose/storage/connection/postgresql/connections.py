@@ -15,6 +15,7 @@ ACCEPTED: Final = "fsync"  # option of a URL: `fsync=off` accepts a server that 
 _CONNECT_S: Final = 5
 # A server or a network that is gone without a word is noticed within some ten seconds, by either side.
 _OURS: Final = {
+    "client_encoding": "utf8",
     "connect_timeout": _CONNECT_S,
     "keepalives_idle": 5,
     "keepalives_interval": 2,
@@ -22,13 +23,20 @@ _OURS: Final = {
     "tcp_user_timeout": 10_000,
     "application_name": "truepose",
 }
+# Whatever an administrator has set for others: a double comes with all its digits, a trigger is told as it
+# was made, and no time limit ends a migration, a verification or the connection that holds the lock.
 _THEIRS: Final = (
     "SET lock_timeout = '5s'",
     "SET tcp_keepalives_idle = 5",
     "SET tcp_keepalives_interval = 2",
     "SET tcp_keepalives_count = 3",
     "SET TIME ZONE 'UTC'",
+    "SET extra_float_digits = 1",
+    "SET quote_all_identifiers = off",
+    "SELECT set_config(name, '0', false) FROM pg_settings WHERE name IN ('statement_timeout', "
+    "'idle_in_transaction_session_timeout', 'idle_session_timeout', 'transaction_timeout')",
 )
+_WRITING: Final = "SET default_transaction_isolation = 'read committed'"  # nobody else writes
 _DURABLE: Final = """
     SELECT set_config('synchronous_commit', 'on', false)
     WHERE current_setting('synchronous_commit') IN ('off', 'local')
@@ -75,7 +83,7 @@ def _engine(url: URL, pool: Any, **options: Any) -> Engine:
 
 
 def _set_up_writer(connection: Any, _record: object) -> None:
-    _set(connection, *_THEIRS, _DURABLE)
+    _set(connection, *_THEIRS, _WRITING, _DURABLE)
 
 
 def _set_up_reader(connection: Any, _record: object) -> None:
@@ -84,8 +92,7 @@ def _set_up_reader(connection: Any, _record: object) -> None:
 
 def _set(connection: "psycopg.Connection[Any]", *statements: str) -> None:
     connection.autocommit = True  # the library must not begin transactions on its own
-    for statement in statements:
-        connection.execute(statement)
+    connection.execute("; ".join(statements).encode())
 
 
 def _begin(connection: Connection) -> None:

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import Any, Final
 
-from truepose.storage.errors import StorageUnavailableError
+from truepose.storage.errors import ServerRefusedError
 
 _ASKED: Final = (
     "SELECT name, setting FROM pg_settings WHERE name IN ('fsync', 'full_page_writes', 'data_checksums')"
@@ -19,9 +19,9 @@ def settings_of(connection: Any) -> dict[str, str]:
 
 
 def require_durable(where: str, settings: Mapping[str, str], *, accepted: bool) -> None:
-    """Raise StorageUnavailableError for a server that loses acknowledged records, unless that is accepted."""
+    """Raise ServerRefusedError for a server that loses acknowledged records, unless that is accepted."""
     if settings.get("fsync") == "off" and not accepted:
-        raise StorageUnavailableError(
+        raise ServerRefusedError(
             f"The server of {where} runs with fsync = off: a loss of power takes records that were "
             "acknowledged. Set fsync = on there; for trials alone, add ?fsync=off to the URL."
         )

@@ -16,12 +16,18 @@ from truepose.storage.connection.address import database_file, parsed_url, shown
 from truepose.storage.connection.holding import READERS, Alone, Holding, InDoubtError, Seen
 from truepose.storage.connection.postgresql.connections import ACCEPTED, reading_engine, writing_engine
 from truepose.storage.connection.postgresql.durability import doubts, require_durable, settings_of
+from truepose.storage.connection.postgresql.identity import (
+    require_fit,
+    require_writable,
+    server_file,
+    take_over_named,
+)
 from truepose.storage.connection.postgresql.lock import take_lock
 from truepose.storage.connection.postgresql.plain import PlainConnection
 from truepose.storage.connection.postgresql.protection import missing_protection
 from truepose.storage.connection.postgresql.refusals import REFUSED, has_ended, translated
 from truepose.storage.connection.schema import bring_up_to_date
-from truepose.storage.errors import DatabaseInUseError, StorageError, StorageUnavailableError
+from truepose.storage.errors import DatabaseInUseError, ServerRefusedError, StorageError
 from truepose.storage.integrity.arrival import newest_missing
 from truepose.storage.integrity.condition import Condition
 from truepose.storage.integrity.seal import Left, Seal, has_link, newest_link
@@ -39,7 +45,6 @@ class ServerDatabase(Holding):
     def __init__(self, url: str, condition: Condition, alone: Alone) -> None:
         self._url = parsed_url(url)
         super().__init__(url, database_file(url), shown(self._url), condition, alone)
-        self._seal = Seal(self.file)
         self._doubtful: Left | None = None  # newest link of a commit that may have been made
         self._lost: str | None = None  # why nothing is written any more
         self._was_away = False  # and nobody has looked yet what was written meanwhile
@@ -59,10 +64,9 @@ class ServerDatabase(Holding):
             raise
 
     def _open(self) -> str:
-        self.file.parent.mkdir(parents=True, exist_ok=True)
-        left = self._seal.left()
         self._connect(patient=True)
         try:
+            left = self._left()
             self.server_doubts = self._durability()
             with self.connection.begin():
                 schema = bring_up_to_date(self.connection, self.where)
@@ -76,6 +80,15 @@ class ServerDatabase(Holding):
             raise
         return schema
 
+    def _left(self) -> Left | None:
+        """Find what lies on this machine, and return how the database was left."""
+        named, self.file = self.file, server_file(self.plain, self.where)
+        self.file.parent.mkdir(parents=True, exist_ok=True)
+        take_over_named(named, self.file)
+        _LOG.info("%s: what lies on this machine begins with %s", self.where, self.file)
+        self._seal = Seal(self.file)
+        return self._seal.left()
+
     def _durability(self) -> tuple[str, ...]:
         settings = settings_of(self.plain)
         require_durable(self.where, settings, accepted=self._url.query.get(ACCEPTED) == "off")
@@ -86,7 +99,9 @@ class ServerDatabase(Holding):
     def _connect(self, *, patient: bool) -> None:
         self.connection = self._write_engine.connect()
         try:
+            require_fit(self.plain, self.where)
             take_lock(self.plain, self.where, *(() if patient else (0.0,)))
+            require_writable(self.plain, self.where)
         except BaseException:
             self.connection.close()
             raise
@@ -94,14 +109,14 @@ class ServerDatabase(Holding):
     def make_ready(self) -> None:
         """Connect anew where the connection has ended, if nobody else has the database."""
         if self._lost is not None:
-            raise StorageUnavailableError(self._lost)
+            raise ServerRefusedError(self._lost)
         if not (self.connection.closed or self.connection.invalidated or self.plain.server.closed):
             return
         self._let_go()
         try:
             self._connect(patient=False)
         except DatabaseInUseError as error:  # or the server has not yet noticed that ours has ended
-            raise StorageUnavailableError(str(error)) from error
+            raise ServerRefusedError(str(error)) from error
         self._was_away = True
         _LOG.warning("connected to %s anew", self.where)
 
@@ -112,7 +127,7 @@ class ServerDatabase(Holding):
             self.connection.close()
 
     def require_ours(self) -> None:
-        """Raise StorageUnavailableError where the newest link is not the last one that was written here."""
+        """Raise ServerRefusedError where the newest link is not the last one that was written here."""
         if not self._was_away:
             return
         newest = newest_link(self.plain)
@@ -122,7 +137,7 @@ class ServerDatabase(Holding):
                 "to an earlier moment; end this service and start it again."
             )
             self.connection.close()
-            raise StorageUnavailableError(self._lost)
+            raise ServerRefusedError(self._lost)
         self._was_away, self._doubtful = False, None
         self._seal.note(newest)
 
@@ -167,7 +182,8 @@ class ServerDatabase(Holding):
         return False
 
     def write_a_little(self, connection: Connection) -> None:
-        """Write to the server's log, for which a commit waits."""
+        """Write to the server's log, for which a commit waits; raises ServerRefusedError."""
+        require_writable(self.plain, self.where)
         connection.exec_driver_sql(_A_LITTLE)
 
     def look(self) -> Seen:
