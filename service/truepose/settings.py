@@ -60,6 +60,9 @@ class PlantSettings:
     every_s: float = 30.0  # between two visits to a cell
     name: str = "plant"
     due_after_days: float = 30.0  # since its last measurement, until a robot is due; a quick check each month
+    workers: str | None = (
+        None  # who has campaigns tell what they do, as `--workers` says; None: a process here
+    )
 
 
 def _is_loopback(host: str) -> bool:

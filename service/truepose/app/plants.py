@@ -68,6 +68,9 @@ async def open_plant(settings: PlantSettings) -> AsyncIterator[PlantContext]:
         await read_ahead(told, datetime.now(UTC).date())  # of all robots: no page waits for it
         drawing = DrawingDesk(perform_in_worker, KeptDrawings(DrawnFolder.beside(database.file)))
         stack.push_async_callback(drawing.kept.close)
+        # Who waits for workers elsewhere keeps no report from being drawn.
+        asking = drawing if settings.workers is None else DrawingDesk(perform_in_worker, drawing.kept)
+        telling = FleetDesk.folder(database.file), asking, settings.workers
         yield PlantContext(
             version=program_version(),
             cell=Place(settings.name),
@@ -81,7 +84,7 @@ async def open_plant(settings: PlantSettings) -> AsyncIterator[PlantContext]:
             overview=PlantOverview(database),
             told=told,
             certificates=PlantCertificates(database),
-            fleets=FleetDesk(CollectedCampaigns(database), FleetDesk.folder(database.file), drawing),
+            fleets=FleetDesk(CollectedCampaigns(database), *telling),
             drawing_desk=drawing,
             due=DueAfter(settings.due_after_days, plant.due_after_days),
             collector=collector,

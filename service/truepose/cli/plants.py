@@ -43,6 +43,13 @@ def plant_command(
     accounts: Annotated[
         bool, typer.Option("--accounts/--no-accounts", help="Ask who somebody is; without, on loopback only.")
     ] = True,
+    workers: Annotated[
+        str | None,
+        typer.Option(
+            metavar="NUMBER|dask|dask://HOST:PORT",
+            help="Who compares robots: so many processes, or workers of Dask; else one process.",
+        ),
+    ] = None,
     backup_to: BackupTo = None,
     backup_every: BackupEvery = A_DAY_S,
     backup_keep: BackupKeep = A_WEEK,
@@ -57,9 +64,12 @@ def plant_command(
 
     Example: truepose plant --cells cells.toml --database sqlite:///plant.db --port 8100
     """
+    from truepose.analysis.cluster.named import named
     from truepose.app.plants import serve_plant
     from truepose.settings import PlantSettings, Settings
 
+    if workers is not None:
+        named(workers)
     service = Settings(
         database_url=database,
         host=host,
@@ -73,4 +83,4 @@ def plant_command(
         tls_key=tls_key,
         accounts=accounts,
     )
-    return serve_plant(PlantSettings(service, cells, every, name, due_after / _DAY_S))
+    return serve_plant(PlantSettings(service, cells, every, name, due_after / _DAY_S, workers))

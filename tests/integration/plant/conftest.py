@@ -176,8 +176,9 @@ def served_plant(cells_file, cell, monkeypatch):
     monkeypatch.setattr(collector, "AskedCell", lambda of: AskedCell(of, transport=cell.transport))
 
     @contextlib.asynccontextmanager
-    async def served(url, every_s=3600.0, **differing):
-        settings = PlantSettings(Settings(database_url=url, **differing), cells_file, every_s=every_s)
+    async def served(url, every_s=3600.0, workers=None, **differing):
+        service = Settings(database_url=url, **differing)
+        settings = PlantSettings(service, cells_file, every_s=every_s, workers=workers)
         app = create_plant_application("test", lambda: opened_plant(settings))
         async with app.router.lifespan_context(app), client_of(app) as client:
             client.here = app.state.context

@@ -4,12 +4,14 @@ import asyncio
 import json
 from datetime import date
 
+import numpy as np
 import pytest
 
 from tests.integration.plant.test_plant_pages import lay, page, service
 from tests.studies.fleet.archive import FIRST
 from tests.studies.fleet.simulated import draw_fleet, record_robot
 from truepose.analysis.archive.campaigns import in_database
+from truepose.analysis.fleets.told import tell
 from truepose.analysis.workers.tasks import stored_campaign
 from truepose.exchange.tables.visits import Stated
 from truepose.storage.columns import pack
@@ -53,12 +55,21 @@ async def test_too_few_robots_are_told_what_is_missing(service):
     assert "which are not compared: 1." in shown
 
 
-async def test_robots_are_compared_from_what_was_collected(service, campaigns):
-    for number, (serial, day, recorded) in enumerate(campaigns, start=1):
+async def collect(service, campaigns, first=1):
+    for number, (serial, day, recorded) in enumerate(campaigns, start=first):
         content = json.dumps(typed({"campaign": pack(recorded.campaign)}))
         row = {"branch_id": 1, "link": number, "stream": 1, "record": "campaigns", "record_id": number}
         kept = {**row, "hash": b"-", "content": content, "verified": 1}
         await lay(service, (plant_journal, kept), result(number, serial, day.isoformat()))
+
+
+def told_here(recorded):
+    """Return the bits that a campaign tells in this process."""
+    return tell(pack(recorded.campaign), np.random.SeedSequence(0))
+
+
+async def test_robots_are_compared_from_what_was_collected(service, campaigns):
+    await collect(service, campaigns)
 
     shown = await page(service, WHOLE)
 
@@ -76,6 +87,32 @@ def _archived(file):
     with in_database(f"sqlite:///{file}") as campaigns:
         assert all(stored_campaign(one.load()).calibration is not None for one in campaigns)
         return [(one.name, one.stated) for one in campaigns]
+
+
+async def test_workers_that_are_away_keep_nobody_waiting_and_health_says_so(
+    tmp_path, empty_database, served_plant, campaigns, unused_tcp_port
+):
+    database = tmp_path / "plant.sqlite3"
+    database.write_bytes(empty_database.read_bytes())
+    url, away = f"sqlite:///{database}", f"dask://127.0.0.1:{unused_tcp_port}"
+    async with served_plant(url, workers="1") as plant:
+        await collect(plant, campaigns[:3])
+        by_process = [one.told for one in await plant.here.fleets.told(await plant.here.fleets.campaigns())]
+        healthy = (await plant.get("/health")).json()
+
+    async with served_plant(url, workers=away) as plant:
+        await collect(plant, campaigns[3:], first=4)
+        shown = await page(plant, "/fleet")
+        known = await plant.here.fleets.known(await plant.here.fleets.campaigns())
+        health = (await plant.get("/health")).json()
+
+    assert by_process == [told_here(recorded) for _, _, recorded in campaigns[:3]]
+    assert [one.told for one in known] == by_process
+    assert "data-drawing" in shown  # by those that are known
+    assert "campaigns are missing which nobody has read yet: 1." in shown
+    assert f"No Dask scheduler answers at 127.0.0.1:{unused_tcp_port}." in shown
+    assert (healthy["status"], health["status"]) == ("ok", "degraded")
+    assert health["fault"].startswith("The workers of this plant cannot be used")
 
 
 async def test_a_robots_error_and_causes_are_drawn_over_the_days(service):

@@ -3,15 +3,13 @@
 import contextlib
 import os
 from collections.abc import Iterator
-from importlib.util import find_spec
 from typing import Final
 
 from truepose.analysis.cluster.cluster import Cluster
+from truepose.analysis.cluster.named import Named, has_dask, named
 from truepose.analysis.cluster.processes import Processes
-from truepose.domain.errors import ConfigurationError
 
 MANY: Final = 64  # parts from which on starting Dask is nothing beside them
-_SCHEME: Final = "dask://"
 
 
 @contextlib.contextmanager
@@ -34,56 +32,22 @@ def workers(where: str | None, parts: int) -> Iterator[Cluster]:
         The workers cannot be reached or would not compute the same bits.
     """
     count = max(1, min(_cores(), parts))
+    asked = _usual(count, parts) if where is None else named(where)
     with contextlib.ExitStack() as held:
-        if where is not None and where.startswith(_SCHEME):
-            _require_dask()
+        if asked.scheduler:
             from truepose.analysis.cluster.dask_clusters import of_scheduler
 
-            yield Cluster(held.enter_context(of_scheduler(_address(where))))
-        elif where == "dask" or (where is None and _is_worth_dask(parts, count)):
-            _require_dask()
+            yield Cluster(held.enter_context(of_scheduler(asked.scheduler)))
+        elif not asked.processes:
             from truepose.analysis.cluster.dask_clusters import of_this_computer
 
             yield Cluster(held.enter_context(of_this_computer(count)))
         else:
-            yield Cluster(held.enter_context(Processes(count if where is None else _number(where))))
+            yield Cluster(held.enter_context(Processes(asked.processes)))
 
 
-def _is_worth_dask(parts: int, count: int) -> bool:
-    return count > 1 and parts >= MANY and _has_dask()
-
-
-def _has_dask() -> bool:
-    return find_spec("distributed") is not None
-
-
-def _require_dask() -> None:
-    if not _has_dask():
-        raise ConfigurationError(
-            "Workers on Dask need its package, which is not installed: pip install 'truepose[dask]', or "
-            "leave --workers out."
-        )
-
-
-def _address(where: str) -> str:
-    address = where.removeprefix(_SCHEME).rstrip("/")
-    host, _, port = address.rpartition(":")
-    if not host or not port.isdecimal():
-        raise _misunderstood(where)
-    return address
-
-
-def _number(where: str) -> int:
-    if not where.isdecimal() or not 1 <= int(where) <= 1024:
-        raise _misunderstood(where)
-    return int(where)
-
-
-def _misunderstood(where: str) -> ConfigurationError:
-    return ConfigurationError(
-        f"--workers {where}: give a number of processes, `dask` for Dask on this computer, or "
-        "dask://host:port of its scheduler."
-    )
+def _usual(count: int, parts: int) -> Named:
+    return Named() if count > 1 and parts >= MANY and has_dask() else Named(count)
 
 
 def _cores() -> int:

@@ -4,19 +4,34 @@ import asyncio
 import struct
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from enum import IntEnum
 from pathlib import Path
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
+from truepose.analysis.cluster.reach import Reach
 from truepose.analysis.drawing import DrawingDesk
-from truepose.domain.errors import TrueposeError
+from truepose.analysis.errors import ClusterError
+from truepose.domain.errors import ConfigurationError, TrueposeError
 from truepose.storage.files.drawn import DrawnFolder, drawn_of
 from truepose.storage.plant.campaigns import CollectedCampaigns
 from truepose.storage.plant.looking import ResultSeen
 from truepose.version import program_sha256
 
+if TYPE_CHECKING:
+    from truepose.analysis.cluster.parts import Outcome
+
 _MOST_BYTES: Final = 1024 * 2**20  # some eight thousand campaigns
 _TOGETHER: Final = 20  # campaigns that a worker process is asked for
-_FRAME: Final = struct.Struct("<?Q")  # whether it failed, and the length of what follows
+_BY_MANY: Final = 200  # campaigns that many workers are asked for
+_FRAME: Final = struct.Struct("<BQ")  # what follows, and its length
+
+
+class _Answer(IntEnum):
+    """What came of a campaign."""
+
+    TOLD = 0
+    FAILED = 1
+    NOT_ASKED = 2  # the workers could not be used
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,13 +43,40 @@ class Collected:
     why: str = ""
 
 
-class FleetDesk:
-    """Has campaigns tell what they do, each once for this version of the program."""
+@dataclass(frozen=True, slots=True)
+class Asked:
+    """Campaigns as they travel to a worker process."""
 
-    def __init__(self, campaigns: CollectedCampaigns, kept: DrawnFolder, drawing: DrawingDesk) -> None:
+    contents: tuple[bytes, ...]
+    where: str | None  # workers that compute in its place
+
+
+class FleetDesk:
+    """Has campaigns tell what they do, each once for this version of the program.
+
+    Parameters
+    ----------
+    campaigns : CollectedCampaigns
+    kept : DrawnFolder
+        Of the answers.
+    drawing : DrawingDesk
+        Has the worker process in which campaigns tell, or which asks other workers.
+    where : str, optional
+        As of `workers`; raises ConfigurationError where it names none.
+    """
+
+    def __init__(
+        self,
+        campaigns: CollectedCampaigns,
+        kept: DrawnFolder,
+        drawing: DrawingDesk,
+        where: str | None = None,
+    ) -> None:
         self._campaigns = campaigns
         self._kept = kept
         self._drawing = drawing
+        self._where = where
+        self._reach = None if where is None else Reach(where)
 
     @staticmethod
     def folder(database: Path) -> DrawnFolder:
@@ -45,57 +87,107 @@ class FleetDesk:
         """Return all campaigns that were collected, in their order."""
         return await self._campaigns.all()
 
-    async def told(self, campaigns: Sequence[ResultSeen]) -> tuple[Collected, ...]:
-        """Return what campaigns tell; who was not asked before is asked in a worker process."""
+    async def away(self) -> str:
+        """Return in a sentence why the workers of this plant cannot be asked, empty where they can."""
+        return "" if self._reach is None else await self._reach.fault()
+
+    async def known(self, campaigns: Sequence[ResultSeen]) -> tuple[Collected, ...]:
+        """Return what is kept of campaigns, without those that told nothing yet."""
         program = await asyncio.to_thread(program_sha256)
-        known = {}
+        found = []
         for one in campaigns:
             kept = await asyncio.to_thread(self._kept.get, _of(program, one))
             if kept is not None:
-                known[one.id] = Collected(one, kept.body)
+                found.append(Collected(one, kept.body))
+        return tuple(found)
+
+    async def told(self, campaigns: Sequence[ResultSeen]) -> tuple[Collected, ...]:
+        """Return what campaigns tell; who was not asked before is asked now, by workers or in a process.
+
+        Raises ClusterError where the workers cannot be used; what was told until then is kept.
+        """
+        known = {one.seen.id: one for one in await self.known(campaigns)}
         missing = [one for one in campaigns if one.id not in known]
-        for first in range(0, len(missing), _TOGETHER):
-            for found in await self._asked(missing[first : first + _TOGETHER]):
+        together = _TOGETHER if self._where is None else _BY_MANY
+        for first in range(0, len(missing), together):
+            for found in await self._asked(missing[first : first + together]):
                 known[found.seen.id] = found
-                if found.told:
-                    await asyncio.to_thread(self._kept.keep, _of(program, found.seen), drawn_of(found.told))
         return tuple(known[one.id] for one in campaigns)
 
     async def _asked(self, campaigns: Sequence[ResultSeen]) -> list[Collected]:
         contents = tuple([await self._campaigns.content(one) for one in campaigns])
-        answers = _unframed(await self._drawing.draw(told_of_all, contents))
-        return [
-            Collected(one, b"", text.decode()) if failed else Collected(one, text)
-            for one, (failed, text) in zip(campaigns, answers, strict=True)
-        ]
+        answers = _unframed(await self._drawing.draw(told_of_all, Asked(contents, self._where)))
+        found, fault = [], ""
+        for one, (answer, text) in zip(campaigns, answers, strict=True):
+            if answer is _Answer.NOT_ASKED:
+                fault = text.decode()
+            elif answer is _Answer.FAILED:
+                found.append(Collected(one, b"", text.decode()))
+            else:
+                found.append(Collected(one, text))
+                await self._keep(found[-1])
+        if self._reach is not None:
+            self._reach.seen(fault)
+        if fault:
+            raise ClusterError(fault)
+        return found
+
+    async def _keep(self, found: Collected) -> None:
+        program = await asyncio.to_thread(program_sha256)
+        await asyncio.to_thread(self._kept.keep, _of(program, found.seen), drawn_of(found.told))
 
 
 def _of(program: str, campaign: ResultSeen) -> str:
     return f"{program}\n{campaign.branch_id} {campaign.record_id}"
 
 
-def told_of_all(contents: Sequence[bytes]) -> bytes:
+def told_of_all(asked: Asked) -> bytes:
     """Return what stored campaigns tell, or why one does not, one frame each.
 
     In a worker process, where the numerics are imported, which takes longer than a campaign.
     """
+    frames = _here(asked.contents) if asked.where is None else _by_workers(asked.contents, asked.where)
+    return b"".join(_FRAME.pack(answer, len(text)) + text for answer, text in frames)
+
+
+def _here(contents: Sequence[bytes]) -> Iterator[tuple[_Answer, bytes]]:
     import numpy as np
 
     from truepose.analysis.fleets.told import tell
 
-    frames = []
     for content in contents:
         try:
-            failed, text = False, tell(content, np.random.SeedSequence(0))
+            yield _Answer.TOLD, tell(content, np.random.SeedSequence(0))
         except TrueposeError as error:
-            failed, text = True, str(error).encode()
-        frames.append(_FRAME.pack(failed, len(text)) + text)
-    return b"".join(frames)
+            yield _Answer.FAILED, str(error).encode()
 
 
-def _unframed(data: bytes) -> Iterator[tuple[bool, bytes]]:
+def _by_workers(contents: Sequence[bytes], where: str) -> list[tuple[_Answer, bytes]]:
+    """Return what came until the workers were lost, if they were, and why the others were not asked."""
+    from truepose.analysis.cluster.chosen import workers
+    from truepose.analysis.cluster.parts import Part
+    from truepose.analysis.fleets.told import tell
+
+    parts = [Part(f"campaign {number}", content) for number, content in enumerate(contents, start=1)]
+    came, fault = {}, b""
+    try:
+        with workers(where, len(parts)) as cluster:
+            for one in cluster.outcomes(tell, parts):
+                came[one.number] = _answer_of(one)
+    except (ClusterError, ConfigurationError) as error:
+        fault = str(error).encode()
+    return [came.get(number, (_Answer.NOT_ASKED, fault)) for number in range(len(parts))]
+
+
+def _answer_of(one: "Outcome[bytes]") -> tuple[_Answer, bytes]:
+    from truepose.analysis.cluster.parts import Failed
+
+    return (_Answer.FAILED, one.why.encode()) if isinstance(one, Failed) else (_Answer.TOLD, one.answer)
+
+
+def _unframed(data: bytes) -> Iterator[tuple[_Answer, bytes]]:
     at = 0
     while at < len(data):
-        failed, size = _FRAME.unpack_from(data, at)
+        answer, size = _FRAME.unpack_from(data, at)
         at += _FRAME.size + size
-        yield failed, data[at - size : at]
+        yield _Answer(answer), data[at - size : at]

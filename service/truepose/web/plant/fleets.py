@@ -1,14 +1,17 @@
 """The page of a plant that compares the robots of a type: robot, type or instrument, and since when."""
 
+import hashlib
 from collections import Counter, defaultdict
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from typing import Annotated, Final
 
 from fastapi import APIRouter, Query
 from fastapi.responses import HTMLResponse
+from markupsafe import Markup
 
+from truepose.analysis.errors import ClusterError
 from truepose.domain.errors import TrueposeError
 from truepose.storage.plant.looking import ResultSeen
 from truepose.web.plant.context import PlantContext, PlantHere
@@ -40,6 +43,32 @@ class Standing:
         return self.robots >= _FEWEST_ROBOTS and self.repeated > 0
 
 
+@dataclass(frozen=True, slots=True)
+class FleetWanted:
+    """What is compared."""
+
+    robot: str  # the type
+    campaigns: tuple[ResultSeen, ...]
+    limit_mm: float
+
+    @property
+    def named(self) -> str:
+        """All that the comparison follows from."""
+        numbers = " ".join(str(one.id) for one in self.campaigns)
+        return f"fleet {self.robot} {hashlib.sha256(numbers.encode()).hexdigest()} {self.limit_mm}"
+
+
+@dataclass(frozen=True, slots=True)
+class Shown:
+    """A comparison, or why there is none."""
+
+    content: Markup | None = None
+    why: str = ""
+    away: str = ""  # why workers were not asked
+    missing: int = 0  # campaigns that wait for them
+    is_drawn: bool = True  # nothing more comes
+
+
 @router.get("/fleet", response_class=HTMLResponse)
 async def fleet_page(
     visit: Visited, here: PlantHere, of_type: OfType = None, limit: LimitMm = _LIMIT_MM, whole: Whole = False
@@ -47,16 +76,40 @@ async def fleet_page(
     """Compare the robots of a type from all that was collected, or say what is missing."""
     types = _types(await here.fleets.campaigns())
     chosen = next((one for one in types if one.name == of_type), types[0] if types else None)
-    content, why = None, ""
+    shown = Shown()
     if chosen is not None and chosen.is_enough:
-        of = f"fleet {chosen.name} {len(chosen.usable)} {max(one.id for one in chosen.usable)} {limit}"
+        shown = await _shown(visit, here, FleetWanted(chosen.name, chosen.usable, limit), whole=whole)
+    return visit.page("plant/fleet.html", types=types, chosen=chosen, shown=shown, limit=limit, most=_MOST)
+
+
+async def _shown(visit: Visit, here: PlantContext, wanted: FleetWanted, *, whole: bool) -> Shown:
+    """Return the comparison; where workers are away that of the campaigns that were read before."""
+    away = await here.fleets.away()
+    if not away:
         try:
-            content = await drawn_part(visit, of, lambda: _drawn(visit, here, chosen, limit), whole=whole)
-        except TrueposeError as error:
-            why = str(error)
-    return visit.page(
-        "plant/fleet.html", types=types, chosen=chosen, content=content, why=why, limit=limit, most=_MOST
-    )
+            return await _compared(visit, here, wanted, Shown(), whole=whole)
+        except ClusterError as error:
+            away = str(error)
+    known = await here.fleets.known(wanted.campaigns)
+    missing = len(wanted.campaigns) - len(known)
+    shown = Shown(away=away, missing=missing) if missing else Shown()
+    if not known:
+        return shown
+    fewer = replace(wanted, campaigns=tuple(one.seen for one in known))
+    return await _compared(visit, here, fewer, shown, whole=whole)
+
+
+async def _compared(
+    visit: Visit, here: PlantContext, wanted: FleetWanted, shown: Shown, *, whole: bool
+) -> Shown:
+    """Return what is shown with the comparison, or why there is none; raises ClusterError."""
+    try:
+        part = await drawn_part(visit, wanted.named, lambda: _drawn(visit, here, wanted), whole=whole)
+    except ClusterError:
+        raise
+    except TrueposeError as error:
+        return replace(shown, why=str(error))
+    return replace(shown, content=part, is_drawn=part is not None)
 
 
 def _types(campaigns: Sequence[ResultSeen]) -> list[Standing]:
@@ -79,8 +132,8 @@ def _standing(name: str, campaigns: Sequence[ResultSeen]) -> Standing:
     return Standing(name, latest, len(campaigns) - len(known), len(days), repeated)
 
 
-async def _drawn(visit: Visit, here: PlantContext, of: Standing, limit_mm: float) -> str:
-    told = await here.fleets.told(of.usable)
+async def _drawn(visit: Visit, here: PlantContext, wanted: FleetWanted) -> str:
+    told = await here.fleets.told(wanted.campaigns)
     computed_at = f"{datetime.now(UTC):%Y-%m-%d %H:%M} UTC"
-    asked = FleetAsked(of.name, told, limit_mm, visit.words.tag, computed_at)
+    asked = FleetAsked(wanted.robot, told, wanted.limit_mm, visit.words.tag, computed_at)
     return await here.drawing_desk.draw(drawn_fleet, asked)

@@ -21,7 +21,8 @@ async def get_health(visit: Visited, here: PlantHere, response: Response) -> Pla
     """
     if here.database.condition.damaged:
         response.status_code = HTTPStatus.SERVICE_UNAVAILABLE
-    fault = _fault(here, known=visit.may("plant_page"))
+    known = visit.may("plant_page")
+    fault = _fault(here, known=known) or await _away(here, known=known)
     return PlantHealth(
         status="ok" if fault is None else "degraded",
         fault=fault,
@@ -42,3 +43,14 @@ def _fault(here: PlantContext, *, known: bool) -> str | None:
     if here.copies is not None and here.copies.fault is not None:
         return "No copy of the database could be made; the log says why."
     return None
+
+
+async def _away(here: PlantContext, *, known: bool) -> str | None:
+    """Return that robots cannot be compared anew; where the workers are is told to those who are known."""
+    why = await here.fleets.away()
+    if not why:
+        return None
+    said = (
+        "The workers of this plant cannot be used: robots are compared as far as campaigns were read before."
+    )
+    return f"{said} {why}" if known else said
