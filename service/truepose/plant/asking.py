@@ -2,7 +2,9 @@
 
 import asyncio
 import json
+import os
 import re
+import socket
 import ssl
 import time
 from collections.abc import Callable
@@ -167,7 +169,7 @@ class AskedCell:
         """Return the connection; made when it is needed, so that a token that was renewed counts."""
         if self._client is None:
             token = self._token()
-            trusted = await asyncio.to_thread(_trusted, self._cell)
+            trusted = await asyncio.to_thread(self._trusted)
             self._client = httpx.AsyncClient(
                 base_url=self._cell.url,
                 headers={"Authorization": f"Bearer {token}"} if token else {},
@@ -190,6 +192,15 @@ class AskedCell:
             raise self._no_token(file, "holds no token")
         return token
 
+    def _trusted(self) -> ssl.SSLContext:
+        try:
+            return _trusted(self._cell)
+        except OSError as error:
+            raise CellAnswerError(
+                f"{self._cell.name} is not asked: its certificate file {self._cell.certificate} cannot be "
+                f"used ({error.strerror or error}); it is the PEM file that it shows, or of who signed it."
+            ) from error
+
     def _no_token(self, file: Path, said: str) -> CellAnswerError:
         return CellAnswerError(
             f"{self._cell.name} is not asked: its token file {file} {said}; write into it the secret that "
@@ -211,7 +222,23 @@ def _wall_time() -> datetime:
 def _of_silence(error: Exception) -> str:
     if isinstance(error, TimeoutError):
         return _SLOW
-    return _LATE if isinstance(error, httpx.TimeoutException) else str(error) or type(error).__name__
+    if isinstance(error, httpx.TimeoutException):
+        return _LATE
+    return _of_system(error) or str(error) or type(error).__name__
+
+
+def _of_system(error: BaseException | None) -> str:
+    """Return why the system made no connection: nobody listens, or no way leads there; empty: it did."""
+    while error is not None:
+        found = error.exceptions[0] if isinstance(error, BaseExceptionGroup) else error
+        if (
+            isinstance(found, OSError)
+            and found.errno
+            and not isinstance(found, ssl.SSLError | socket.gaierror)
+        ):
+            return os.strerror(found.errno)
+        error = found.__cause__ or found.__context__
+    return ""
 
 
 def _number(told: Any) -> int:

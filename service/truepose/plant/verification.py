@@ -61,12 +61,12 @@ def _link(line: Any) -> CollectedLink:
         return CollectedLink(
             link=_whole(line, "link"),
             stream=_whole(line, "stream"),
-            record=str(line["record"]),
+            record=_table(line),
             record_id=_whole(line, "record_id"),
             hash=_hash(line),
-            content=None if content is None else json.dumps(content, ensure_ascii=False),
+            content=None if content is None else _text(content),
             row=None if content is None else untyped(content),
-            verified="row" in line,
+            verified=line.get("row") is not None,
         )
     except (KeyError, TypeError, ValueError) as error:
         raise UnreadableRowError(f"The cell sent {line!r:.120}, which is no link ({error}).") from error
@@ -76,6 +76,19 @@ def _whole(line: Mapping[str, Any], name: str) -> int:
     found = line[name]
     if type(found) is not int or found not in WHOLE_NUMBERS:
         raise TypeError(f"{name} is no whole number of 64 bits")
+    return found
+
+
+def _text(content: Any) -> str:
+    text = json.dumps(content, ensure_ascii=False)
+    text.encode()  # half a character (as \\ud800) no database keeps
+    return text
+
+
+def _table(line: Mapping[str, Any]) -> str:
+    found = line["record"]
+    if not isinstance(found, str) or not found.isidentifier():
+        raise TypeError("record is no name of a table")
     return found
 
 

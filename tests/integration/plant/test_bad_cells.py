@@ -2,6 +2,7 @@
 
 import asyncio
 import json
+import socket
 from datetime import UTC, datetime
 
 import httpx
@@ -104,6 +105,22 @@ async def test_a_visit_that_fails_is_told_and_every_other_cell_is_visited(plant,
 async def test_a_head_that_cannot_be_read_is_said(wrong):
     with pytest.raises(CellAnswerError, match="left arm does not answer as a cell does: its head"):
         await asked(body=wrong).head()
+
+
+async def test_why_nobody_answers_is_said_as_the_system_says_it():
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))  # and listens to nobody
+        cell = AskedCell(PlantCell("left arm", f"http://127.0.0.1:{taken.getsockname()[1]}"))
+
+        with pytest.raises(CellSilentError, match=r"\(Connection refused\)"):
+            await cell.head()
+
+
+async def test_a_certificate_that_cannot_be_read_is_said_with_its_file(tmp_path):
+    cell = AskedCell(PlantCell("left arm", "https://localhost", certificate=tmp_path / "left.pem"))
+
+    with pytest.raises(CellAnswerError, match=r"certificate file .*left\.pem cannot be used \(No such file"):
+        await cell.head()
 
 
 async def byte_by_byte():
@@ -215,8 +232,8 @@ def campaigns(number):
     return "\n".join([*lines, json.dumps({"end": number, "newest": number})])
 
 
-def cell_with(links, hand_downs=lambda request: None):
-    """Return a cell with so many links, and what it answers to a hand-down."""
+def cell_with(links, hand_downs=lambda request: None, page=None):
+    """Return a cell with so many links, what it answers to a hand-down, and what it sends of its links."""
 
     def answer(request):
         if request.method == "POST":
@@ -224,7 +241,7 @@ def cell_with(links, hand_downs=lambda request: None):
         if request.url.path.endswith("/head"):
             asked_for = int(request.url.params.get("links", links))
             return httpx.Response(200, json=GOOD | {"newest": links, "head": head_of(asked_for, {}).text})
-        return httpx.Response(200, text=campaigns(links))
+        return httpx.Response(200, text=page or campaigns(links))
 
     return httpx.MockTransport(answer)
 
@@ -237,6 +254,17 @@ async def test_records_that_cannot_be_kept_are_refused_with_a_visit_and_a_line_i
     assert (await plant.visits.newest())["left arm"].visit.sentence == found.sentence
     assert await plant.kept() == []
     assert "a page of left arm was refused" in caplog.text
+
+
+@pytest.mark.parametrize("wrong", [{"record": "campaigns\0"}, {"told": {"id": 1, "name": "\ud800"}}])
+async def test_text_that_no_database_keeps_is_refused_by_the_link(plant, wrong):
+    line = {"link": 1, "stream": 0, "record": "campaigns", "record_id": 1, "hash": "00" * 32, **wrong}
+    page = f'{json.dumps(line)}\n{{"end": 1, "newest": 1}}'
+
+    found = await plant.visit(None, transport=cell_with(1, page=page))
+
+    assert (found.outcome, found.collected) == (Outcome.REFUSED, 0)
+    assert found.sentence.startswith("The cell sent {'link': 1,")
 
 
 async def test_how_far_a_cell_was_collected_that_nobody_entered_is_not_known(plant):
