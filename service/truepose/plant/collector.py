@@ -99,12 +99,12 @@ class Collector:
         failures = 0
         while True:
             self._wanted[name].clear()
-            failures = 0 if await self._went_well(name) else failures + 1
+            failures = 0 if await self._went_well(name, failures) else failures + 1
             with contextlib.suppress(TimeoutError):
                 async with asyncio.timeout(self._pace.pause_s(failures)):
                     await self._wanted[name].wait()
 
-    async def _went_well(self, name: str) -> bool:
+    async def _went_well(self, name: str, failures: int) -> bool:
         try:
             found = await self.visit(name)
         except (StorageUnavailableError, CollectedMeanwhileError) as error:  # the plant's own disk
@@ -115,7 +115,9 @@ class Collector:
             await self._note_failed(name, error)
             return False
         if found.sentence:
-            _LOG.warning("%s", found.sentence)
+            _LOG.warning("visit to %s: %s", name, found.sentence)
+        elif failures:
+            _LOG.info("visit to %s: all is collected again, %d links came", name, found.collected)
         return found.outcome is Outcome.WHOLE
 
     async def _note_failed(self, name: str, error: Exception) -> None:
