@@ -18,7 +18,10 @@ from truepose.version import __version__
 from truepose.words.error_codes import code_of
 
 UNUSABLE_INPUT = 2
+SERVICE_FAILED = 3
 INTERRUPTED = 130
+# A database that a service has or whose server is away, workers that cannot be used: no input can mend it.
+_OF_SERVICES = frozenset({"TP-5008", "TP-5009", "TP-6004", "TP-6010", "TP-6011"})
 
 _COMMANDS = {
     "demo": "cells",
@@ -127,8 +130,9 @@ def _exiting(command: Callable[..., int]) -> Callable[..., None]:
         try:
             status = command(*arguments, **options)
         except (TrueposeError, OSError) as error:
-            sys.stderr.write(f"{_sentence(error)} [{code_of(error)}]\n")
-            status = UNUSABLE_INPUT
+            code = code_of(error)
+            sys.stderr.write(f"{_sentence(error)} [{code}]\n")
+            status = SERVICE_FAILED if code in _OF_SERVICES else UNUSABLE_INPUT
         except KeyboardInterrupt:
             sys.stderr.write("Interrupted.\n")
             status = INTERRUPTED

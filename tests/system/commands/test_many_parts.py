@@ -68,3 +68,12 @@ def test_what_cannot_be_asked_is_a_sentence(truepose, arguments, sentence):
 
     assert status == 2
     assert sentence in said
+
+
+def test_a_server_that_is_away_is_no_unusable_input(truepose):
+    status, _, said = truepose("verify", "postgres://ada:secret@127.0.0.1:1/shop")
+
+    assert status == 3
+    assert said.startswith("The server of postgresql://ada@127.0.0.1:1/shop does not answer")
+    assert said.endswith("[TP-6010]\n")
+    assert "secret" not in said

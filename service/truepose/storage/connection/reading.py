@@ -67,6 +67,15 @@ def refused_by(url: str) -> tuple[type[Exception], ...]:
     return REFUSED
 
 
+def require_answering(url: str, error: Exception) -> None:
+    """Raise ServerAwayError where what a library raised says that there is no connection any more."""
+    if is_server(parsed_url(url)):
+        from truepose.storage.connection.postgresql.refusals import has_ended, translated
+
+        if has_ended(error):
+            raise translated(shown(parsed_url(url)), error) from error
+
+
 def require_library() -> None:
     """Raise DatabaseAddressError where what speaks to a server is not installed."""
     if importlib.util.find_spec("psycopg") is None:

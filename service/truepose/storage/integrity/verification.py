@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from truepose.storage.connection.plain import protection_of
-from truepose.storage.connection.reading import opened_at, refused_by
+from truepose.storage.connection.reading import opened_at, refused_by, require_answering
 from truepose.storage.integrity.chain import (
     GENESIS,
     OF_NO_SESSION,
@@ -65,7 +65,8 @@ def verify_at(url: str, told: Told = lambda share: None, printed: Head | None = 
             findings = (*chain.findings[:_MOST_FINDINGS], *further)
             return Verdict(chain.records, findings, chain.newest, newest_head(connection))
     except refused_by(url) as error:
-        return Verdict(0, (f"The database cannot be read ({error}).",))
+        require_answering(url, error)
+        return Verdict(0, (f"The database cannot be read ({' '.join(str(error).split())}).",))
 
 
 def findings_within(connection: Any, told: Told) -> list[str]:
