@@ -17,8 +17,8 @@ def archive(tmp_path_factory):
 
 
 def test_where_nothing_changes_the_command_names_nothing_and_keeps_what_was_told(truepose, archive, tmp_path):
-    files = {name: tmp_path / name for name in ("check.csv", "pooled.json", "fleet.html")}
-    options = [f"--{name.partition('.')[0]}" for name in ("check.csv", "pooled.json")] + ["--report"]
+    files = {name: tmp_path / name for name in ("check.csv", "pooled.json", "new.csv", "fleet.html")}
+    options = [f"--{name.partition('.')[0]}" for name in list(files)[:3]] + ["--report"]
     asked = [part for pair in zip(options, files.values(), strict=True) for part in pair]
 
     out = archive.parent / "out"
@@ -29,7 +29,9 @@ def test_where_nothing_changes_the_command_names_nothing_and_keeps_what_was_told
     assert (status, again) == (0, 0)
     assert "Nothing changes beyond chance" in " ".join(said.split())
     assert "Measure robot 00 next. Nothing calls for it" in " ".join(said.split())
-    assert "configurations" in remarks
+    assert "configurations tell of robot 00" in remarks
+    assert "A further robot of the type comes to a mean error of" in remarks
+    assert len(files["new.csv"].read_text().splitlines()) == 16
     assert files["check.csv"].read_text().startswith("config,q1_deg,")
     assert "Nothing changes beyond chance" in files["fleet.html"].read_text()
     found = json.loads(document)

@@ -1,13 +1,29 @@
-"""The quick check of a robot of a fleet, from its last campaign."""
+"""What is planned from a campaign of a fleet: the quick check of its robot, and what a new one needs."""
 
 from truepose.domain.errors import ConfigurationError
 from truepose.domain.measurement.campaign import Campaign
 from truepose.fleet.answer.check import check_of
 from truepose.fleet.changes import Account
+from truepose.fleet.pooled import of_a_new_robot
+from truepose.fleet.promise import Promise, promise
 from truepose.fleet.quick_check import QuickCheck
 from truepose.identification import identify
-from truepose.planning.promise.subjects import of_campaign
+from truepose.planning.promise.subjects import Subject, of_campaign
 from truepose.words.catalogue import english
+
+
+def promise_from(account: Account, robot: str, campaign: Campaign) -> Promise:
+    """Say what few readings of a new robot promise with what its type says, where another was measured.
+
+    Raises
+    ------
+    ConfigurationError
+        Nothing can be identified from the campaign, or it has no positions.
+    WorkSpaceError, TooFewCandidatesError
+        Hardly any configuration can be measured there.
+    """
+    subject = _subject(robot, campaign)
+    return promise(subject.space, of_a_new_robot(account), campaign, knowns=subject.knowns)
 
 
 def check_from(account: Account, robot: str, campaign: Campaign, grown_mm: float) -> QuickCheck:
@@ -18,9 +34,15 @@ def check_from(account: Account, robot: str, campaign: Campaign, grown_mm: float
     ConfigurationError
         Nothing can be identified from the campaign, or it has no positions.
     """
+    subject = _subject(robot, campaign)
+    return check_of(account, robot, subject.space, subject.knowns, grown_mm)
+
+
+def _subject(robot: str, campaign: Campaign) -> Subject:
     answer = identify(campaign)
     if answer.model is None:
-        raise ConfigurationError(f"No check can be planned for {robot}: {english(answer.message)}")
+        raise ConfigurationError(
+            f"Nothing can be planned from the last campaign of {robot}: {english(answer.message)}"
+        )
     # What the usual effects lack, the fleet has as parameters of its own: waves and gaps.
-    subject = of_campaign(campaign, answer.model).lacking(0.0)
-    return check_of(account, robot, subject.space, subject.knowns, grown_mm)
+    return of_campaign(campaign, answer.model).lacking(0.0)

@@ -15,6 +15,8 @@ from truepose.words.catalogue import ENGLISH, Catalogue, catalogue
 if TYPE_CHECKING:
     from truepose.analysis.archive.campaigns import Archived
     from truepose.analysis.fleets.compared import FleetFound
+    from truepose.domain.measurement.campaign import Campaign
+    from truepose.fleet.promise import Promise
 
 
 def fleet_command(
@@ -45,6 +47,10 @@ def fleet_command(
         Path | None,
         typer.Option(help="Write what is believed of a further robot here, for `identify --fleet`."),
     ] = None,
+    new: Annotated[
+        Path | None,
+        typer.Option(help="Write the configurations of a further robot here, to be identified so (CSV)."),
+    ] = None,
     report: ReportFile = None,
     workers: Workers = None,
     language: Language = ENGLISH,
@@ -56,7 +62,7 @@ def fleet_command(
 
     Example: truepose fleet campaigns --out told --report fleet.html
     """
-    require_folders(check, pooled, report)
+    require_folders(check, pooled, new, report)
     _require_above_zero("--limit", limit)
     _require_above_zero("--growth", growth)
     words = catalogue(language)
@@ -64,11 +70,15 @@ def fleet_command(
         found = _compared(campaigns, table, out, of_type, workers)
         if check is not None:
             remark(_write_check(check, found, campaigns, (limit, growth), words))
+        promised = None if pooled is None and new is None else _promised(found, campaigns, limit)
     if pooled is not None:
         _write_pooled(pooled, found)
+    if promised is not None:
+        remark([_promise_said(promised, words)])
+        _write_new(new, promised)
     if report is not None:
         _write_report(report, found, limit, words)
-    _print(found, limit, words, as_json=json)
+    _print(found, limit, promised, words, as_json=json)
     return 1 if found.left_out else 0
 
 
@@ -102,16 +112,13 @@ def _write_check(
     words: Catalogue,
 ) -> list[str]:
     from truepose.analysis.fleets.checks import check_from
-    from truepose.analysis.workers.tasks import stored_campaign
     from truepose.exchange.tables.plans import write_configurations
     from truepose.fleet.answer.check import GAP, asked_of
     from truepose.fleet.answer.due import due
 
     limit_mm, grown_mm = limit_and_growth_mm
     robot = due(found.account, limit_mm)[0].robot
-    name = found.last_campaign_of(robot)
-    content = next(one for one in campaigns if one.name == name).load()
-    chosen = check_from(found.account, robot, stored_campaign(content), grown_mm)
+    chosen = check_from(found.account, robot, _last_of(robot, found, campaigns), grown_mm)
     with writing(file):
         write_configurations(file, chosen.joints_rad, chosen.nest)
     counts = {"number": len(chosen.nest), "causes": len(asked_of(found.account))}
@@ -119,6 +126,36 @@ def _write_check(
     told = [words.say(key, robot=robot, grown_mm=grown_mm, **counts)]
     gaps = any(one.change.cause.effect == GAP for one in found.account.named)
     return [*told, *([words.say("fleet.check.gaps")] if gaps else [])]
+
+
+def _last_of(robot: str, found: "FleetFound", campaigns: "Sequence[Archived]") -> "Campaign":
+    from truepose.analysis.workers.tasks import stored_campaign
+
+    name = found.last_campaign_of(robot)
+    return stored_campaign(next(one for one in campaigns if one.name == name).load())
+
+
+def _promised(found: "FleetFound", campaigns: "Sequence[Archived]", limit_mm: float) -> "Promise":
+    """Say what a further robot needs, measured as the one is that was least called for."""
+    from truepose.analysis.fleets.checks import promise_from
+    from truepose.fleet.answer.due import due
+
+    robot = due(found.account, limit_mm)[-1].robot
+    return promise_from(found.account, robot, _last_of(robot, found, campaigns))
+
+
+def _promise_said(promised: "Promise", words: Catalogue) -> str:
+    from truepose.fleet.answer.sentences import new_robot_said
+
+    return words.spoken(new_robot_said(promised))
+
+
+def _write_new(file: Path | None, promised: "Promise") -> None:
+    from truepose.exchange.tables.plans import write_configurations
+
+    if file is not None:
+        with writing(file):
+            write_configurations(file, promised.pooled.joints_rad, promised.pooled.nest)
 
 
 def _write_pooled(file: Path, found: "FleetFound") -> None:
@@ -137,12 +174,19 @@ def _write_report(file: Path, found: "FleetFound", limit_mm: float, words: Catal
     write_fleet_report(file, given, words)
 
 
-def _print(found: "FleetFound", limit_mm: float, words: Catalogue, *, as_json: bool) -> None:
+def _print(
+    found: "FleetFound", limit_mm: float, promised: "Promise | None", words: Catalogue, *, as_json: bool
+) -> None:
     if as_json:
         from truepose.exchange.results.fleet import fleet_document
 
         document = fleet_document(
-            found.account, found.robot, limit_mm, found.left_out, simulated=found.simulated
+            found.account,
+            found.robot,
+            limit_mm,
+            found.left_out,
+            simulated=found.simulated,
+            new_robot=promised,
         )
         print_json(document.printed())
         return

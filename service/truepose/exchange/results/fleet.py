@@ -21,6 +21,7 @@ from truepose.fleet.answer.sentences import (
     drift_um_per_m,
     headline,
     least_said,
+    new_robot_said,
     next_said,
     passing_said,
     scatter_said,
@@ -33,6 +34,7 @@ from truepose.fleet.components import uncertainties
 from truepose.fleet.course import along
 from truepose.fleet.forecast import Passing, concerned, passing
 from truepose.fleet.least import Least, least_of_instruments, least_of_robots
+from truepose.fleet.promise import Promise
 from truepose.fleet.trials import Kind, Scope, Trial
 from truepose.words.catalogue import english
 
@@ -171,6 +173,34 @@ class LeastDriftDocument(Document):
     um_per_m: Quantity | None = Field(description="Of all lengths.")
 
 
+class NewRobotDocument(Document):
+    """What a further robot of the type needs, before it is measured: mean errors over the work volume."""
+
+    configurations: int
+    mean_mm: Quantity = Field(description="Promised with what the type says.")
+    interval_90_mm: list[Quantity] = Field(description="Nine of ten robots have their mean within.")
+    without_type_mm: Quantity = Field(description="As many of the same parameters, without the type.")
+    needed_without_type: int | None = Field(description="For the same mean; null: more than 100.")
+    usual_configurations: int
+    usual_mm: Quantity = Field(description="Promised by the usual effects of a robot of no known type.")
+    sentence: Spoken
+
+    @classmethod
+    def of_promise(cls, found: Promise) -> Self:
+        """Return what is promised."""
+        return cls.of(
+            found,
+            configurations=found.pooled.n,
+            mean_mm=found.pooled.mean_mm,
+            interval_90_mm=list(found.pooled.interval_90_mm),
+            without_type_mm=found.same_mm,
+            needed_without_type=found.needed,
+            usual_configurations=found.alone.n,
+            usual_mm=found.alone.mean_mm,
+            sentence=new_robot_said(found),
+        )
+
+
 class LeftOutDocument(Document):
     """A campaign that is not compared."""
 
@@ -195,6 +225,7 @@ class FleetDocument(Document):
     would_show: list[LeastDocument] = Field(description="A change smaller than that may be there unseen.")
     drifts_would_show: list[LeastDriftDocument]
     next: list[DueDocument] = Field(description="Every robot, the one to be measured next first.")
+    new_robot: NewRobotDocument | None = Field(None, description="Asked by --new or --pooled.")
     type: list[SharedDocument] = Field(description="What robots of the type have in common.")
     left_out: list[LeftOutDocument]
     sentences: list[Spoken]
@@ -207,6 +238,7 @@ def fleet_document(
     left_out: Sequence[object] = (),
     *,
     simulated: bool = False,
+    new_robot: Promise | None = None,
 ) -> FleetDocument:
     """Return the document of a fleet whose days are those of the calendar (`date.toordinal`)."""
     fleet = account.fleet
@@ -224,6 +256,7 @@ def fleet_document(
         would_show=[_least(one) for one in least_of_robots(account) if one.of],
         drifts_would_show=list(_least_drifts(account)),
         next=[DueDocument.of_due(one, limit_mm) for one in due(account, limit_mm)],
+        new_robot=None if new_robot is None else NewRobotDocument.of_promise(new_robot),
         type=list(shared(account)),
         left_out=list(left_out),
         sentences=[

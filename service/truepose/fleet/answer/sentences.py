@@ -15,6 +15,7 @@ from truepose.fleet.causes import AgeingCause
 from truepose.fleet.changes import Account, Named
 from truepose.fleet.forecast import Passing, concerned
 from truepose.fleet.least import least_of_instruments, least_of_robots
+from truepose.fleet.promise import MOST, Promise
 from truepose.fleet.trials import Change, Kind
 
 _KINDS: Final[dict[Kind, str]] = {
@@ -177,3 +178,16 @@ def _least_drifts(account: Account) -> Iterator[Sentence]:
 def drift_um_per_m(fleet: Fleet, size_mm: float) -> float:
     """Return by how much of all lengths an instrument drifts that moves what it measures by a size."""
     return 1e6 * WIDTH * size_mm / math.sqrt(fleet.motion_mm2[-1, -1])
+
+
+def new_robot_said(found: Promise) -> Sentence:
+    """Return what a further robot of the type needs with what its type says, and without it."""
+    low_mm, high_mm = found.pooled.interval_90_mm
+    figures = {"readings": found.pooled.n, "mean_mm": found.pooled.mean_mm, "same_mm": found.same_mm}
+    if not found.is_worth:
+        return said("fleet.new.nothing", **figures)
+    usual = {"without": found.alone.n, "alone_mm": found.alone.mean_mm}
+    figures |= {"low_mm": low_mm, "high_mm": high_mm, **usual}
+    if found.needed is None:
+        return said("fleet.new.more", most=MOST, **figures)
+    return said("fleet.new", needed=found.needed, **figures)

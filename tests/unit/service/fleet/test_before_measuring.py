@@ -8,6 +8,7 @@ import pytest
 from tests.studies.fleet.simulated import campaign_of, draw_fleet
 from truepose.domain.errors import ConfigurationError
 from truepose.exchange.cells.file import simulated_cell
+from truepose.fleet.answer.sentences import new_robot_said
 from truepose.fleet.causes import AgeingCause
 from truepose.fleet.information import fleet_effects, information_of
 from truepose.fleet.promise import lacking_mm, promise
@@ -16,6 +17,7 @@ from truepose.identification.problem.belief import Belief
 from truepose.planning.promise.knowledge import ArmKnowledge, Knowns
 from truepose.planning.work_volume.candidates import draw_candidates
 from truepose.planning.work_volume.cell_space import space_to_measure
+from truepose.words.catalogue import english
 from truepose_simulators.cell.clock import CellClock
 from truepose_simulators.cell.true_cell import Cell
 from truepose_simulators.recording import Wishes
@@ -68,6 +70,24 @@ def test_few_readings_with_the_type_promise_more_than_many_without(space, belief
     assert (found.pooled.n, found.alone.n) == (15, 50)
     assert found.pooled.mean_mm < found.alone.mean_mm
     assert found.lacking_mm > 0.02  # the wave alone is 0.5 mrad on a lever of some 100 mm
+    assert found.is_worth
+    assert found.needed > 20  # a robot's 90 parameters from what is stated of any robot
+    assert found.same_mm > 2.0 * found.pooled.mean_mm
+    sentence = english(new_robot_said(found))
+    assert f"{found.pooled.mean_mm:.3f} mm with 15 configurations and what its type says" in sentence
+    assert f"the same parameters need {found.needed} configurations" in sentence
+
+
+def test_a_type_whose_robots_have_nothing_in_common_saves_no_reading(space, belief, campaign, knowns):
+    widths = np.array([spec.prior_width for spec in belief.specs])
+    means = np.array([spec.prior_mean for spec in belief.specs])
+    wild = replace(belief, mean=means, covariance=np.diag((1.01 * widths) ** 2))
+
+    found = promise(space, wild, campaign, readings=8, without=12, knowns=knowns)
+
+    assert not found.is_worth
+    assert found.same_mm == pytest.approx(found.pooled.mean_mm, rel=1e-6)
+    assert "saves a further one no reading: 8 configurations promise" in english(new_robot_said(found))
 
 
 def test_a_type_of_which_nothing_is_believed_beyond_the_usual_lacks_nothing(belief, campaign):

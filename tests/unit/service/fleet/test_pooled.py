@@ -12,6 +12,7 @@ from truepose.fleet.changes import account_of
 from truepose.fleet.information import fleet_effects, information_of
 from truepose.fleet.pooled import of_a_new_robot, of_robot_now
 from truepose.identification import identify
+from truepose.identification.distributions import WITHIN_95
 from truepose.identification.problem.belief import Belief
 from truepose.words.catalogue import english
 from truepose_simulators.cell.clock import CellClock
@@ -102,6 +103,21 @@ def test_a_new_robot_is_believed_to_be_as_robots_of_its_type_are():
     # Drawn with these; 60 robots tell a spread to a tenth, and its uncertainty is added.
     assert spread == pytest.approx([0.5, 0.2, 0.3], rel=0.4)
     assert np.all(spread**2 > account.estimated.variances.robot)
+
+
+def test_what_a_few_robots_show_of_their_differences_is_not_taken_at_its_word():
+    beyond, drawn_of = [], np.array([0.5, 0.2, 0.3])
+    for seed in range(40, 55):
+        belief = of_a_new_robot(account_of(drawn(seed, robots=2, months=2, readings=30, day=0.0).fleet()))
+        common = np.random.default_rng(seed).standard_normal(3)  # as the type was drawn
+        widths = np.array([spec.prior_width for spec in belief.specs])
+        means = np.array([spec.prior_mean for spec in belief.specs])
+        # A further robot lies about the type by what robots were drawn with.
+        off = (belief.mean - means) / widths - common
+        spread = np.sqrt(np.diag(belief.covariance)) / widths
+        beyond.append(np.sqrt(off**2 + drawn_of**2) > WITHIN_95 * spread)
+
+    assert np.mean(beyond) < 0.1
 
 
 def test_a_measured_robot_is_known_better_than_a_new_one():
