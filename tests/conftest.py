@@ -106,6 +106,15 @@ def empty_database(tmp_path_factory) -> Path:
     return file
 
 
+@pytest.fixture(scope="module")
+def forked_processes():
+    """What is started in a file of tests is forked from a process that has everything loaded."""
+    from tests.helpers.forked import everything_forked  # most files start nothing
+
+    with everything_forked():
+        yield
+
+
 @pytest.fixture
 def empty_pictures(monkeypatch):
     """Pictures are put together but not painted, which takes most of the time; for who reads the text."""

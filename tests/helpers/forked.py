@@ -7,6 +7,7 @@ What one loads by itself, and what it says of how it was started, is tested wher
 """
 
 import asyncio
+import contextlib
 import multiprocessing
 import os
 import runpy
@@ -54,6 +55,16 @@ async def forked(
     return Forked(process, *[await end.stream(limit) for end in ends])
 
 
+@contextlib.contextmanager
+def everything_forked():
+    """Within it, whatever is started by `asyncio.create_subprocess_exec` begins so."""
+    asyncio.create_subprocess_exec = forked
+    try:
+        yield
+    finally:
+        asyncio.create_subprocess_exec = _exec
+
+
 class Forked:
     """A process that was forked, as `asyncio.subprocess.Process` shows one."""
 
@@ -70,11 +81,20 @@ class Forked:
     def returncode(self):
         return self._process.exitcode
 
+    def send_signal(self, number):
+        os.kill(self.pid, number)
+
     def terminate(self):
-        os.kill(self.pid, signal.SIGTERM)
+        self.send_signal(signal.SIGTERM)
 
     def kill(self):
-        os.kill(self.pid, signal.SIGKILL)
+        self.send_signal(signal.SIGKILL)
+
+    async def communicate(self):
+        """Return what the process says until it ends; for one that is told nothing."""
+        said = await self.stdout.read()
+        await self.wait()
+        return said, None
 
     async def wait(self):
         await asyncio.to_thread(self._process.join)

@@ -22,6 +22,8 @@ from truepose.demo.night.nightly import run_nightly
 from truepose.demo.night.request import NightRequest
 from truepose_simulators.scenarios.file import load_scenario, shipped_scenarios
 
+pytestmark = pytest.mark.usefixtures("forked_processes")
+
 REPOSITORY = Path(__file__).parents[3]
 
 

@@ -10,6 +10,8 @@ import pytest
 from truepose_drivers.errors import ConnectFailedError, DeviceRefusedError, LinkError
 from truepose_drivers.registry import load_registry
 
+pytestmark = pytest.mark.usefixtures("forked_processes")
+
 # 5 sigma of the bar's noise (0.51 um), twice since two instruments are compared, and a step of 0.1 um
 SAME_MM = 5.0 * math.sqrt(2.0) * 0.00051 + 0.0001
 PROTOCOLS = {"nd28x": "heidenhain_nd", "hid": "ballbar_hid", "usb_itn": "mitutoyo_usb_itn"}

@@ -8,6 +8,7 @@ import sys
 import numpy as np
 import pytest
 
+from tests.helpers.commands import typed
 from truepose.exchange.campaigns.folder import read_campaign
 from truepose_simulators.recording import Wishes, record, write_campaign
 from truepose_simulators.recording.__main__ import main
@@ -20,9 +21,7 @@ def rows(path):
 
 
 def identified(folder):
-    command = [sys.executable, "-m", "truepose", "identify", str(folder), "--json"]
-    done = subprocess.run(command, capture_output=True, text=True, check=True)
-    return json.loads(done.stdout)
+    return json.loads(typed("identify", folder, "--json").stdout)
 
 
 def test_a_tilted_robot_is_identified_down_to_the_noise_of_the_readings(tmp_path):

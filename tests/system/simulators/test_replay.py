@@ -10,6 +10,7 @@ import sys
 import numpy as np
 import pytest
 
+from tests.helpers.commands import installed, typed
 from tests.system.session_bench import bench
 from tests.unit.service.sequencing.tracker.operators import PatientOperator
 from truepose.domain.measurement.campaign import Stops
@@ -41,12 +42,6 @@ rotation_rad_per_h = 3e-4
 EFFECTS = "base,geometry,compliance,joint_gain,joint_harmonics"
 
 
-def truepose(*arguments):
-    return subprocess.run(
-        [sys.executable, "-m", "truepose", *map(str, arguments)], capture_output=True, text=True, check=False
-    )
-
-
 def column_block(path, *names):
     with path.open(encoding="utf-8") as file:
         return np.array([[float(row[name]) for name in names] for row in csv.DictReader(file)])
@@ -63,7 +58,7 @@ def geared(tmp_path_factory):
     (folder / "geared.toml").write_text(GEARED)
     arguments = [str(folder / "geared.toml"), "--seed", "6", "--validation", "100"]
     assert main([*arguments, "--out", str(folder / "measured")]) == 0
-    done = truepose(
+    done = typed(
         "identify", folder / "measured", "--effects", EFFECTS, "--model-out", folder / "model.json", "--json"
     )
     assert done.returncode == 0, done.stderr
@@ -84,7 +79,7 @@ def test_a_replayed_campaign_reads_as_the_measured_one_within_the_noise_of_both(
     # What the p parameters took up of the measured noise is in both; four standard deviations of the mean.
     assert squares.mean() == pytest.approx(1.0 - p / (2.0 * n), abs=4.0 * np.sqrt(2.0 / n))
     # Without the model's own effects the two would be this far apart; so much is there to be shown.
-    plain = truepose("identify", geared / "measured", "--json")
+    plain = typed("identify", geared / "measured", "--json")
     assert json.loads(plain.stdout)["chi2_per_dof"] > 4.0
 
 
@@ -94,8 +89,8 @@ def test_a_replayed_campaign_is_a_campaign_like_the_measured_one(geared):
         *("--out", str(geared / "again")),
     ])
 
-    first = json.loads(truepose("identify", geared / "measured", "--effects", EFFECTS, "--json").stdout)
-    again = json.loads(truepose("identify", geared / "again", "--effects", EFFECTS, "--json").stdout)
+    first = json.loads(typed("identify", geared / "measured", "--effects", EFFECTS, "--json").stdout)
+    again = json.loads(typed("identify", geared / "again", "--effects", EFFECTS, "--json").stdout)
 
     assert again["counts"] == {**first["counts"], "outliers": again["counts"]["outliers"]}
     # Both leave their own noise of 300 coordinates: a standard deviation of 9 % each, four of both together.
@@ -112,7 +107,7 @@ def test_fixed_nests_are_replayed_as_they_were_read_through_a_drifting_tracker(t
     main([str(tmp_path / "drifting.toml"), "--out", str(tmp_path / "measured"), "--validation", "0"])
     model = tmp_path / "model.json"
     effects = "base,geometry,compliance,instrument_drift"
-    done = truepose("identify", tmp_path / "measured", "--effects", effects, "--model-out", model)
+    done = typed("identify", tmp_path / "measured", "--effects", effects, "--model-out", model)
     assert done.returncode == 0, done.stderr
 
     asked = ["--replay", str(tmp_path / "measured"), "--out", str(tmp_path / "replayed"), "--seed", "2"]
@@ -131,7 +126,7 @@ def test_fixed_nests_are_replayed_as_they_were_read_through_a_drifting_tracker(t
 @pytest.mark.parametrize("campaign", ["fanuc-r2000", "iiwa7-1p25kg", "motoman-right"])
 def test_real_robots_replay_as_their_models_predict(measured_data, tmp_path, campaign):
     folder, model = measured_data / "campaigns" / campaign, tmp_path / "model.json"
-    assert truepose("identify", folder, "--model-out", model).returncode == 0
+    assert typed("identify", folder, "--model-out", model).returncode == 0
     (tmp_path / "quiet.toml").write_text('extends = "irb120-tilted"\nnoise = false\n')
     arguments = [str(tmp_path / "quiet.toml"), "--model", str(model)]
 
@@ -190,7 +185,7 @@ def test_the_command_announces_the_models_cell_and_it_stands_where_predicted(gea
 
 
 def test_the_command_refuses_a_file_that_is_no_model(geared):
-    done = truepose("simulate", "--model", geared / "measured" / "campaign.json")
+    done = installed("simulate", "--model", geared / "measured" / "campaign.json")
 
     assert (done.returncode, done.stdout) == (2, "")
     assert done.stderr == 'campaign.json is no model file: one begins with "format": "truepose-model"\n'

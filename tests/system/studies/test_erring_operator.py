@@ -2,8 +2,12 @@
 
 import json
 
+import pytest
+
 from tests.integration.web.ballbar_bench import PLACE
 from tests.studies.hardening.erring_operator.__main__ import main
+
+pytestmark = pytest.mark.usefixtures("forked_processes")
 
 ROBOT = ("lrmate-tilted", 3, {"poses": 6, "placements": [PLACE]})
 

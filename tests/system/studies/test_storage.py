@@ -16,6 +16,8 @@ from tests.studies.single_changes import KINDS as SINGLE_CHANGES
 from tests.studies.single_changes import single_changes
 from tests.studies.taken_up.begun import begin
 
+pytestmark = pytest.mark.usefixtures("forked_processes")
+
 _LOCK_S = 1.0
 
 

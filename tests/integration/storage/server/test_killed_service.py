@@ -9,7 +9,7 @@ from tests.integration.web.ballbar_bench import PLACE
 from tests.studies.interruptions.__main__ import Tally, interrupt, report
 from truepose.storage.integrity.arrival import verify_left_at
 
-pytestmark = pytest.mark.engine("postgresql")
+pytestmark = [pytest.mark.engine("postgresql"), pytest.mark.usefixtures("forked_processes")]
 
 
 async def test_a_killed_service_loses_and_doubles_nothing_and_moves_nothing(database_url, tmp_path):

@@ -36,7 +36,10 @@ class Wanted:
 
 
 def study(wanted: Wanted, robots: Sequence[Robot], folder: Path) -> Tally:
-    """Walk the robots' sessions rightly, then run the random ones."""
+    """Walk the robots' sessions rightly, then run the random ones; here where one process is wanted."""
+    if wanted.processes == 1:
+        begun = [_begin(number, robots[number], folder) for number in range(wanted.robots)]
+        return joined([_run(wanted, 0, begun, folder)])
     # Not forked: an event loop and its threads do not survive that.
     with ProcessPoolExecutor(wanted.processes, mp_context=get_context("spawn")) as pool:
         begun = list(pool.map(_begin, range(wanted.robots), robots, [folder] * wanted.robots))

@@ -15,6 +15,8 @@ import pytest
 from tests.helpers.instruments.one_motion import FAR_DEG
 from truepose.demo.cell.truth import cell_endpoint
 
+pytestmark = pytest.mark.usefixtures("forked_processes")
+
 WITHIN_S = 1.0
 ATTEMPTS = 3  # a machine that is too busy to run the simulator for a second is no fault of the heartbeat
 OURS = 'extends = "{}"\n[arm]\nserver = "truepose"\nprotocol = "{}"\n'
