@@ -17,6 +17,7 @@ from truepose.plant.due import DueAfter
 from truepose.plant.visit import Shelves
 from truepose.settings import PlantSettings
 from truepose.storage.files.drawn import DrawnFolder
+from truepose.storage.files.foreseen import Comparisons
 from truepose.storage.integrity.guard import Guard
 from truepose.storage.plant.campaigns import CollectedCampaigns
 from truepose.storage.plant.certificates import PlantCertificates
@@ -85,6 +86,7 @@ async def open_plant(settings: PlantSettings) -> AsyncIterator[PlantContext]:
             told=told,
             certificates=PlantCertificates(database),
             fleets=FleetDesk(CollectedCampaigns(database), *telling),
+            comparisons=Comparisons(database.file),
             drawing_desk=drawing,
             due=DueAfter(settings.due_after_days, plant.due_after_days),
             collector=collector,

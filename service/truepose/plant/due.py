@@ -1,18 +1,20 @@
 """Which robots are to be measured next, and why: every reason with its figures, the most urgent first.
 
 First those of which nobody knows how they stand; then those of which a measurement says that their model no
-longer holds; then those whose last measurement proves nothing; then age; and last what is merely asked for.
-The clock of a cell may be wrong: a robot whose last day has not come yet would otherwise never be due.
+longer holds; then those whose last measurement proves nothing; then what months foretell of a robot before
+its next day; then age; and last what is merely asked for. The clock of a cell may be wrong: a robot whose
+last day has not come yet would otherwise never be due.
 """
 
 import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from datetime import date, timedelta
 from enum import StrEnum
 from typing import Final
 
 from truepose.domain.sentences import Sentence, Value, said
+from truepose.storage.files.foreseen import Compared, Foreseen
 from truepose.storage.plant.looking_over import RobotMeasured
 from truepose.storage.plant.newest import ToldSeen
 from truepose.storage.plant.telling import FAILED, ToldKind
@@ -31,6 +33,7 @@ class Why(StrEnum):
     UNCERTIFIED = "uncertified"  # what measured it last had no valid certificate
     CHANGED = "changed"  # tool or place since its model was made
     UNEXPLAINED = "unexplained"  # by its last diagnosis
+    WORSENING = "worsening"  # a change passes a limit before the robot is due
     OVERDUE = "overdue"
     ASKED = "asked"  # for more, by its last diagnosis
 
@@ -53,6 +56,7 @@ class Evidence:
 
     told: Mapping[str, Mapping[ToldKind, ToldSeen]] = field(default_factory=dict)  # by robot
     expires: Mapping[str, str] = field(default_factory=dict)  # last day of an instrument's certificate
+    compared: Sequence[Compared] = ()  # the newest comparison of each type
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,6 +67,7 @@ class Reason:
     sentence: Sentence
     weight: float = 0.0  # among reasons of the same kind, the greatest first
     record: ToldSeen | None = None  # that says so
+    compared: Compared | None = None  # that says so
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,10 +87,26 @@ def standing_robots(
     robots: Iterable[RobotMeasured], evidence: Evidence, due: DueAfter, today: date
 ) -> list[StandingRobot]:
     """Return how robots stand on a day, those first that are to be measured first."""
-    return sorted((_standing(robot, evidence, due, today) for robot in robots), key=_urgency)
+    foreseen = {
+        one.robot: _Foretold(compared, one) for compared in evidence.compared for one in compared.foreseen
+    }
+    return sorted(
+        (_standing(robot, evidence, due, today, foreseen.get(robot.serial_number)) for robot in robots),
+        key=_urgency,
+    )
 
 
-def _standing(robot: RobotMeasured, evidence: Evidence, due: DueAfter, today: date) -> StandingRobot:
+@dataclass(frozen=True, slots=True)
+class _Foretold:
+    """What a comparison foretells of one robot."""
+
+    by: Compared
+    of: Foreseen
+
+
+def _standing(
+    robot: RobotMeasured, evidence: Evidence, due: DueAfter, today: date, foretold: _Foretold | None
+) -> StandingRobot:
     told = evidence.told.get(robot.serial_number, {})
     found = (
         *_of_days(robot, due.of(robot.robot), today),
@@ -93,6 +114,7 @@ def _standing(robot: RobotMeasured, evidence: Evidence, due: DueAfter, today: da
         *_of_validation(told),
         *_of_change(told),
         *_of_diagnosis(told, robot.last_measured_on),
+        *([] if foretold is None else _of_forecast(robot, foretold, due.of(robot.robot), today)),
     )
     return StandingRobot(robot, tuple(sorted(found, key=lambda reason: [*Why].index(reason.why))))
 
@@ -109,19 +131,13 @@ def _of_days(robot: RobotMeasured, due_days: float, today: date) -> Iterator[Rea
     if not last:
         yield Reason(Why.UNMEASURED, said("plant.why.unmeasured"))
         return
-    days = _days_between(last, today)
+    day = _day(last)
+    days = None if day is None else (today - day).days
     if days is None or days < -_AHEAD.days:
         yield Reason(Why.DOUBTFUL, said("plant.why.doubtful", day=last, cell=robot.cell))
     elif days > due_days:
         sentence = said("plant.why.overdue", day=last, days=days, due=due_days)
         yield Reason(Why.OVERDUE, sentence, days / due_days)
-
-
-def _days_between(day: str, today: date) -> int | None:
-    try:
-        return (today - date.fromisoformat(day)).days
-    except ValueError:
-        return None
 
 
 def _of_certificate(robot: RobotMeasured, expires: str) -> Iterator[Reason]:
@@ -186,3 +202,48 @@ def _of_diagnosis(told: Mapping[ToldKind, ToldSeen], last_measured_on: str) -> I
     asks = int(found.document.get("asks", 0))
     if asks:
         yield Reason(Why.ASKED, said("plant.why.asked", **values, count=asks), float(asks), found)
+
+
+def _of_forecast(robot: RobotMeasured, foretold: _Foretold, due_days: float, today: date) -> Iterator[Reason]:
+    """Yield that a change passes a limit before the robot is due; a later measurement answers it."""
+    found, last = foretold.of, _day(robot.last_measured_on)
+    if last is None or robot.last_measured_on > found.last_measured_on:
+        return
+    if found.rate_mm is None and found.earliest is None:
+        yield Reason(Why.WORSENING, _beyond(foretold), math.inf, compared=foretold.by)
+        return
+    earliest, next_due = _day(found.earliest or ""), max(last + timedelta(days=due_days), today)
+    if earliest is not None and earliest <= next_due:
+        weight = float((today - earliest).days)
+        yield Reason(Why.WORSENING, _passes(foretold, next_due, today), weight, compared=foretold.by)
+
+
+def _beyond(foretold: _Foretold) -> Sentence:
+    found, limit_mm = foretold.of, foretold.by.limit_mm
+    of: dict[str, Value] = {"cause": _cause_of(found), "since": found.since}
+    return said("plant.why.beyond", **of, size_mm=found.size_mm, limit_mm=limit_mm)
+
+
+def _passes(foretold: _Foretold, next_due: date, today: date) -> Sentence:
+    """Return when a limit is passed, or since when it is."""
+    found = foretold.of
+    of: dict[str, Value] = {"cause": _cause_of(found), "since": found.since, "rate_mm": found.rate_mm or 0.0}
+    of["limit_mm"] = foretold.by.limit_mm
+    if found.day is not None and found.day <= today.isoformat():
+        return said("plant.why.passed", **of, day=found.day)
+    of |= {"earliest": found.earliest or "", "due": next_due.isoformat()}
+    if found.day is None:
+        return said("plant.why.may_pass", **of)
+    return said("plant.why.passes", **of, day=found.day)
+
+
+def _cause_of(found: Foreseen) -> Sentence:
+    of = {"effect": found.effect, "subject": found.subject}
+    return said("fleet.wave", **of, order=found.order) if found.order else said("fleet.cause", **of)
+
+
+def _day(day: str) -> date | None:
+    try:
+        return date.fromisoformat(day)
+    except ValueError:
+        return None

@@ -2,6 +2,7 @@
 
 import asyncio
 import json
+import re
 from datetime import date
 
 import numpy as np
@@ -70,8 +71,11 @@ def told_here(recorded):
 
 async def test_robots_are_compared_from_what_was_collected(service, campaigns):
     await collect(service, campaigns)
+    await lay(service, (plant_robots, {"serial_number": "A-0", "robot": "ABB IRB 120"}))
 
+    glances = [await page(service, "/")]
     shown = await page(service, WHOLE)
+    glances.append(await page(service, "/"))
 
     assert "2 robots, 1 instruments and 4 campaigns from 2026-03-02 to 2026-04-02 were compared." in shown
     assert "Nothing changes beyond chance" in shown
@@ -80,6 +84,11 @@ async def test_robots_are_compared_from_what_was_collected(service, campaigns):
     found = await asyncio.to_thread(_archived, service.here.database.file)
     assert [one for one, _ in found] == [f"left arm {number} campaign {number}" for number in range(1, 5)]
     assert found[0][1] == Stated("A-0", "T-9", date(2026, 3, 2))
+
+    await lay(service, result(5, "A-1", "2026-05-02"))
+    glances.append(await page(service, "/"))
+    compared = re.compile(r'<a href="/fleet\?type=ABB%20IRB%20120">ABB IRB 120: compared on .*: (\d+)\.</a>')
+    assert [compared.findall(glance) for glance in glances] == [[], ["0"], ["1"]]
 
 
 def _archived(file):

@@ -7,6 +7,7 @@ from datetime import UTC, datetime, timedelta
 import pytest
 
 from tests.integration.plant.conftest import all_collected
+from truepose.storage.files.foreseen import Compared, Foreseen, to_bytes
 from truepose.storage.plant.records import ClockSeen, Outcome, Visit
 from truepose.storage.rows import add_row
 from truepose.storage.tables.of_plants import (
@@ -157,6 +158,22 @@ async def test_a_serial_number_may_have_slashes(service):
 
     assert "120/5 01/7?a</h1>" in await page(service, link)
     assert (await service.get(f"/api/v1/plant{link}")).json()["robot"]["serial_number"] == "120/5 01/7?a"
+
+
+async def test_a_robot_that_gets_worse_leads_to_the_comparison_that_says_so(service):
+    days = [str(TODAY + timedelta(days=ahead)) for ahead in (-90, -3, 20, 5)]
+    grows = Foreseen("120-1", "backlash", "joint 5", 0.0, days[0], 0.06, 0.012, *days[1:])
+    await lay(service, *robot("120-1", 3), *robot("120-2", 3))
+    compared = Compared("IRB 120", f"{days[1]} 08:00 UTC", 0, 0.1, (grows,))
+    await service.here.comparisons.keep(to_bytes(compared))
+
+    shown = await page(service, "/")
+
+    ((serial, reason),) = due(shown)
+    assert serial == "120-1"
+    assert reason.startswith(f"Backlash, joint 5: grows by 0.012 mm a month since {days[0]}, passes 0.1 mm")
+    assert '<a href="/fleet?type=IRB%20120">Backlash, joint 5' in shown
+    assert "gets worse: a limit is passed before it is due" in shown
 
 
 async def test_a_robot_that_was_never_measured_stands_in_the_cell_that_planned_for_it(service, cell):

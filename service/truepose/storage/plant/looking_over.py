@@ -62,6 +62,12 @@ class PlantOverview:
         """Return what came in since a day began."""
         return await self._database.read(lambda connection: _lately(connection, since.isoformat(), limit))
 
+    async def campaigns_above(self, robot: str, number: int) -> int:
+        """Return how many campaigns of a type of robot were collected after one."""
+        here = (plant_results.c.kind == "campaign") & (plant_results.c.id > number)
+        query = select(func.count()).select_from(plant_results).where(here, plant_results.c.robot == robot)
+        return await self._database.read(lambda connection: connection.scalar(query) or 0)
+
     async def newest_branches(self) -> dict[str, int]:
         """Return the branch of each cell that its own numbers are those of."""
         query = (

@@ -13,6 +13,7 @@ from truepose.plant.collector import Collector
 from truepose.plant.due import DueAfter
 from truepose.storage.backup.schedule import BackupSchedule
 from truepose.storage.database import Database
+from truepose.storage.files.foreseen import Comparisons
 from truepose.storage.plant.certificates import PlantCertificates
 from truepose.storage.plant.hand_downs import HandDownRepository
 from truepose.storage.plant.journal import JournalRepository
@@ -48,6 +49,7 @@ class PlantContext:
     certificates: PlantCertificates
     due: DueAfter
     fleets: FleetDesk
+    comparisons: Comparisons
     drawing_desk: DrawingDesk
     collector: Collector
     copies: BackupSchedule | None  # None: none are wanted

@@ -1,12 +1,15 @@
 """The content of a fleet's page, drawn in a worker process: the imports inside the function are the point."""
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 from truepose.analysis.fleets.desk import Collected
+from truepose.storage.files.foreseen import to_bytes
 
 if TYPE_CHECKING:
     from truepose.words.catalogue import Catalogue
+
+LIMIT_MM: Final = 0.1  # of a change, where nobody asks for another
 
 
 @dataclass(frozen=True, slots=True)
@@ -20,12 +23,16 @@ class FleetAsked:
     computed_at: str
 
 
-def drawn_fleet(asked: FleetAsked) -> str:
-    """Return the content; raises ConfigurationError where the robots cannot be compared."""
+def drawn_fleet(asked: FleetAsked) -> bytes:
+    """Return what the comparison foretells at the plant's limit, a line, and behind it the content.
+
+    Raises ConfigurationError where the robots cannot be compared.
+    """
     from datetime import date
 
     from truepose.analysis.fleets.compared import LeftOut, fleet_found
     from truepose.analysis.fleets.fit import Entry
+    from truepose.analysis.fleets.foretold import foretold
     from truepose.analysis.fleets.told import told_from
     from truepose.exchange.tables.visits import Stated
     from truepose.reports.fleets.report import FleetInput, fleet_content
@@ -47,7 +54,9 @@ def drawn_fleet(asked: FleetAsked) -> str:
     words = catalogue(asked.tag)
     computed = words.say("fleet.computed", moment=asked.computed_at)
     parts = (_simulated(words) if found.simulated else "", fleet_content(given, words), _muted(computed))
-    return "".join(parts)
+    newest = max(one.seen.id for one in asked.campaigns)
+    told = foretold(found.account, asked.robot, newest, LIMIT_MM, asked.computed_at)
+    return b"\n".join((to_bytes(told), "".join(parts).encode()))
 
 
 def _simulated(words: "Catalogue") -> str:

@@ -15,13 +15,12 @@ from truepose.analysis.errors import ClusterError
 from truepose.domain.errors import TrueposeError
 from truepose.storage.plant.looking import ResultSeen
 from truepose.web.plant.context import PlantContext, PlantHere
-from truepose.web.plant.fleet_drawn import FleetAsked, drawn_fleet
+from truepose.web.plant.fleet_drawn import LIMIT_MM, FleetAsked, drawn_fleet
 from truepose.web.visiting.drawn import Whole, drawn_part
 from truepose.web.visiting.visits import Visit, Visited
 
 router = APIRouter(include_in_schema=False)
 _MOST: Final = 400  # campaigns of a type that are compared, the latest
-_LIMIT_MM: Final = 0.1
 _FEWEST_ROBOTS: Final = 2
 OfType = Annotated[str | None, Query(alias="type", max_length=200)]
 LimitMm = Annotated[float, Query(gt=0.0, le=100.0, allow_inf_nan=False)]
@@ -71,7 +70,7 @@ class Shown:
 
 @router.get("/fleet", response_class=HTMLResponse)
 async def fleet_page(
-    visit: Visited, here: PlantHere, of_type: OfType = None, limit: LimitMm = _LIMIT_MM, whole: Whole = False
+    visit: Visited, here: PlantHere, of_type: OfType = None, limit: LimitMm = LIMIT_MM, whole: Whole = False
 ) -> HTMLResponse:
     """Compare the robots of a type from all that was collected, or say what is missing."""
     types = _types(await here.fleets.campaigns())
@@ -132,8 +131,10 @@ def _standing(name: str, campaigns: Sequence[ResultSeen]) -> Standing:
     return Standing(name, latest, len(campaigns) - len(known), len(days), repeated)
 
 
-async def _drawn(visit: Visit, here: PlantContext, wanted: FleetWanted) -> str:
+async def _drawn(visit: Visit, here: PlantContext, wanted: FleetWanted) -> bytes:
     told = await here.fleets.told(wanted.campaigns)
     computed_at = f"{datetime.now(UTC):%Y-%m-%d %H:%M} UTC"
     asked = FleetAsked(wanted.robot, told, wanted.limit_mm, visit.words.tag, computed_at)
-    return await here.drawing_desk.draw(drawn_fleet, asked)
+    foretold, _, content = (await here.drawing_desk.draw(drawn_fleet, asked)).partition(b"\n")
+    await here.comparisons.keep(foretold)
+    return content

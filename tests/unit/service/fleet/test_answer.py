@@ -7,12 +7,14 @@ import numpy as np
 import pytest
 
 from tests.helpers.fleet.linear import drawn
+from truepose.analysis.fleets.foretold import foretold
 from truepose.domain.sentences import leading_key
 from truepose.fleet.answer.due import due
 from truepose.fleet.answer.sentences import compared, headline, next_said, told_of
 from truepose.fleet.changes import account_of
 from truepose.fleet.course import along
 from truepose.fleet.forecast import passing
+from truepose.storage.files.foreseen import from_bytes, to_bytes
 from truepose.words.catalogue import LANGUAGES, catalogue, english
 
 FIRST = date(2026, 3, 2).toordinal()
@@ -63,6 +65,22 @@ def test_the_robot_that_ages_is_due_first_and_the_day_of_the_limit_says_why(agei
     passed = english(next_said(due(ageing, 0.5 * size)[0], 0.5 * size))
     assert "passed" in passed
     assert passed.endswith("before it was last measured.")
+
+
+def test_what_an_account_foretells_is_kept_as_it_was_found(ageing, steady):
+    size = ageing.named[0].size_mm
+    passes = due(ageing, 2.0 * size)[0].passing
+
+    found = foretold(ageing, "ABB IRB 120", 240, 2.0 * size, "2026-06-01 08:00 UTC")
+
+    assert from_bytes(to_bytes(found)) == found
+    (robot,) = found.foreseen
+    assert (robot.robot, robot.size_mm, robot.last_measured_on) == ("robot 4", size, "2026-05-31")
+    assert robot.day == date.fromordinal(int(passes.day)).isoformat()
+    assert robot.earliest == date.fromordinal(int(passes.earliest)).isoformat()
+    months = (passes.day - date.fromisoformat(robot.since).toordinal()) / 30.4375
+    assert robot.rate_mm * months == pytest.approx(2.0 * size)
+    assert foretold(steady, "ABB IRB 120", 240, 0.1, "").foreseen == ()
 
 
 def test_a_change_at_once_has_no_forecast_and_is_due_by_its_size():

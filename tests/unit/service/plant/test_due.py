@@ -5,6 +5,7 @@ from datetime import date, timedelta
 import pytest
 
 from truepose.plant.due import DueAfter, Evidence, Why, standing_robots
+from truepose.storage.files.foreseen import Compared, Foreseen
 from truepose.storage.plant.looking_over import RobotMeasured
 from truepose.storage.plant.newest import ToldSeen
 from truepose.words.catalogue import english
@@ -151,3 +152,72 @@ def test_the_first_is_the_most_urgent():
     order = ["never", "tomorrows", "worst", "worse", "bad", "unproved", "later", "late", "asked", "fresh"]
     assert [one.measured.serial_number for one in found] == order
     assert found[-1].reasons == ()
+
+
+def compared(*foreseen):
+    return Compared("IRB 120", "2026-11-21 08:00 UTC", 7, 0.1, foreseen)
+
+
+def growing(passes=60, earliest=20, since=150, last=3, serial="120-1"):
+    """Return that a gap grows, and in how many days it passes the limit."""
+    days = day(-passes), day(-earliest)
+    return Foreseen(serial, "backlash", "joint 5", 0.0, day(since), 0.06, 0.012, day(last), *days)
+
+
+def foretold(*foreseen, of=None, due=None):
+    """Return what a comparison gives as reasons."""
+    robots = [of or robot()]
+    (found,) = standing_robots(robots, Evidence(compared=[compared(*foreseen)]), due or DueAfter(), TODAY)
+    return [(reason.why, english(reason.sentence)) for reason in found.reasons]
+
+
+def test_a_robot_that_passes_a_limit_before_it_is_due_is_measured_before():
+    assert foretold(growing()) == [
+        (
+            Why.WORSENING,
+            "Backlash, joint 5: grows by 0.012 mm a month since 2026-06-26, passes 0.1 mm about 2027-01-22, "
+            "with 5 % before 2026-12-13; measure before that, not only when it is due on 2026-12-20.",
+        )
+    ]
+
+
+def test_a_comparison_that_finds_nothing_and_one_of_others_give_no_reason():
+    assert foretold() == []
+    assert foretold(growing(serial="120-2")) == []
+
+
+def test_a_robot_that_is_due_before_it_passes_the_limit_is_measured_in_its_time():
+    assert foretold(growing(earliest=28)) == []
+    assert foretold(growing(), due=DueAfter(10.0)) == []
+
+
+def test_a_measurement_after_the_comparison_answers_it():
+    assert foretold(growing(last=3), of=robot(ago=2)) == []
+
+
+def test_a_limit_that_was_passed_says_since_when():
+    ((why, sentence),) = foretold(growing(passes=-20, earliest=-40))
+
+    assert why == Why.WORSENING
+    assert "passed 0.1 mm about 2026-11-03; nobody has measured it since" in sentence
+
+
+def test_a_change_at_once_beyond_the_limit_is_a_reason():
+    step = Foreseen("120-1", "joint_harmonics", "joint 2", 60.0, day(40), 0.21, None, day(3))
+
+    ((why, sentence),) = foretold(step)
+
+    assert why == Why.WORSENING
+    assert sentence.startswith("Joint")
+    assert "60 per turn: changed at once by 0.210 mm, first seen on 2026-10-14: more than 0.1 mm" in sentence
+
+
+def test_what_is_foreseen_comes_after_what_was_measured_and_before_age_the_soonest_first():
+    robots = [robot(serial, 3) for serial in ("soon", "sooner", "open")] + [robot("late", 45)]
+    told_open = {"open": dict([told("diagnosis", 3, "unexplained", 0.21)])}
+    both = compared(growing(serial="soon"), growing(serial="sooner", earliest=5))
+
+    found = standing_robots(robots, Evidence(told_open, compared=[both]), DueAfter(), TODAY)
+
+    assert [one.measured.serial_number for one in found] == ["open", "sooner", "soon", "late"]
+    assert found[1].reasons[0].compared == both

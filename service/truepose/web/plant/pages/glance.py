@@ -5,6 +5,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import UTC, date, datetime
 from typing import Final
+from urllib.parse import quote
 
 from fastapi import APIRouter
 from fastapi.responses import HTMLResponse
@@ -12,6 +13,7 @@ from fastapi.responses import HTMLResponse
 from truepose.domain.cell.certificates import Standing
 from truepose.plant.changes import Changed, RobotChanged
 from truepose.plant.due import Evidence, Reason, StandingRobot, Why, latest_day, standing_robots
+from truepose.storage.files.foreseen import Compared
 from truepose.storage.plant.certificates import StatedPaper
 from truepose.storage.plant.looking_over import RobotMeasured
 from truepose.web.plant.changes import since_a_week
@@ -31,6 +33,7 @@ _STATES: Final[Mapping[str, tuple[str, str]]] = {  # how a badge looks, and what
     Why.UNCERTIFIED: ("bad", "plant.state.uncertified"),
     Why.CHANGED: ("warn", "plant.state.changed"),
     Why.UNEXPLAINED: ("warn", "plant.state.unexplained"),
+    Why.WORSENING: ("warn", "plant.state.worsening"),
     Why.OVERDUE: ("warn", "plant.state.overdue"),
     Why.ASKED: ("warn", "plant.state.asked"),
 }
@@ -58,7 +61,8 @@ async def plant_page(visit: Visited, here: PlantHere) -> HTMLResponse:
     today = datetime.now(UTC).date()
     papers, places = await here.certificates.that_count(), await places_of(here)
     measured = await here.overview.robots(latest_day(today))
-    robots = await _standing(here, measured, papers, today)
+    compared = await here.comparisons.of(robot.robot for robot in measured)
+    robots = await _standing(here, measured, papers, compared, today)
     due = [robot for robot in robots if robot.reasons]
     changed = await since_a_week(here, papers, measured, today)
     lately = await here.overview.lately(changed.since, _NEXT)
@@ -69,6 +73,7 @@ async def plant_page(visit: Visited, here: PlantHere) -> HTMLResponse:
         rule=here.due,
         states=_counted(robots),
         total=len(robots),
+        compared=[(one, await here.overview.campaigns_above(one.robot, one.newest)) for one in compared],
         ending=_ending(papers, today),
         since=changed.since.isoformat(),
         changed=_changed(changed.robots[:_NEXT], measured, places),
@@ -82,10 +87,14 @@ async def plant_page(visit: Visited, here: PlantHere) -> HTMLResponse:
 
 
 async def _standing(
-    here: PlantContext, robots: Iterable[RobotMeasured], papers: Iterable[StatedPaper], today: date
+    here: PlantContext,
+    robots: Iterable[RobotMeasured],
+    papers: Iterable[StatedPaper],
+    compared: Sequence[Compared],
+    today: date,
 ) -> list[StandingRobot]:
     expires = {stated.paper.serial_number: stated.paper.expires for stated in papers}
-    evidence = Evidence(await here.told.newest(latest_day(today)), expires)
+    evidence = Evidence(await here.told.newest(latest_day(today)), expires, compared)
     return standing_robots(robots, evidence, here.due, today)
 
 
@@ -95,10 +104,14 @@ def _ending(papers: Iterable[StatedPaper], today: date) -> list[tuple[StatedPape
 
 
 def _due(robot: StandingRobot, places: Places) -> DueRobot:
-    reasons = [
-        (reason, "" if reason.record is None else places.of(reason.record)) for reason in robot.reasons
-    ]
-    return DueRobot(robot.measured, reasons)
+    return DueRobot(robot.measured, [(reason, _leads_to(reason, places)) for reason in robot.reasons])
+
+
+def _leads_to(reason: Reason, places: Places) -> str:
+    """Return the page of what gives a reason; empty: there is none."""
+    if reason.compared is not None:
+        return f"/fleet?type={quote(reason.compared.robot)}"
+    return "" if reason.record is None else places.of(reason.record)
 
 
 def _changed(
