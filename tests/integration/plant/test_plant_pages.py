@@ -1,12 +1,15 @@
 """Pages of a plant's service: the plant at a glance, a robot's life, an instrument's life."""
 
 import asyncio
+import html
+import json
 import re
 from datetime import UTC, datetime, timedelta
 
 import pytest
 
 from tests.integration.plant.conftest import all_collected
+from truepose.domain.people.accounts import MACHINE, Role
 from truepose.storage.files.foreseen import Compared, Foreseen, to_bytes
 from truepose.storage.plant.records import ClockSeen, Outcome, Visit
 from truepose.storage.rows import add_row
@@ -31,11 +34,16 @@ async def service(tmp_path, empty_database, served_plant):
         yield client
 
 
-async def found(service, visit):
-    """Keep a visit after the one that the plant begins with."""
+async def first_visited(service):
+    """Wait for the visit that the plant begins with; the next one comes when it is told to."""
     async with asyncio.timeout(20):
         while (await service.here.visits.newest())["left arm"] is None:
             await asyncio.sleep(0.02)
+
+
+async def found(service, visit):
+    """Keep a visit after the one that the plant begins with."""
+    await first_visited(service)
     await service.here.visits.keep("left arm", visit)
 
 
@@ -307,7 +315,7 @@ async def test_every_language_shows_every_page(service, language):
     await lay(service, *robot("120-1", 45, campaign=7), *robot("never"))
     await lay(service, *robot("far", -400))
 
-    for path in ("/", "/robots/120-1", "/robots/never"):
+    for path in ("/", "/robots/120-1", "/robots/never", "/cells/left arm"):
         assert f'<html lang="{language}"' in await page(service, path, language)
 
 
@@ -329,3 +337,69 @@ async def test_a_clock_and_another_chain_are_stated(service):
 
     assert "-86400.50 s (± 0.250 s)" in shown
     assert "Nothing is collected before a metrologist accepts it." in shown
+
+
+async def shown_another_chain(service, cell):
+    """Have the newest visit say that the cell shows another chain since its last two links."""
+    await first_visited(service)
+    await cell.measure()
+    await service.here.collector.visit("left arm")
+    known = await service.here.journal.collected(await service.here.journal.reached("left arm"))
+    there, fork = known.position + 3, known.position - 2
+    sentence = "left arm shows another chain than the one collected from it."
+    parted = Visit(Outcome.ANOTHER_CHAIN, sentence, newest=there, head=known.head.text, fork=fork)
+    await service.here.visits.keep("left arm", parted)
+    return fork
+
+
+async def as_(service, name, role):
+    """Enter somebody and return the headers by which they are known."""
+    accounts = service.here.people.accounts
+    number, _ = await accounts.enter_by_machine(name, role)
+    _, secret = await accounts.make_token(number, "desk", role, 1, MACHINE)
+    return {"Authorization": f"Bearer {secret}"}
+
+
+async def test_a_metrologist_accepts_another_chain_after_a_look_at_what_that_does(service, cell):
+    fork = await shown_another_chain(service, cell)
+    await as_(service, "Ada Byron", Role.ADMINISTRATOR)  # the first that is entered
+    viewer = await as_(service, "Mary Ward", Role.VIEWER)
+    metrologist = await as_(service, "Grace Hopper", Role.METROLOGIST)
+
+    at_a_glance = (await service.get("/", headers=metrologist)).text
+    to_look, to_act = [
+        (await service.get("/cells/left arm", headers=who)).text for who in (viewer, metrologist)
+    ]
+    assert '<a href="/cells/left%20arm">Look and accept</a>' in at_a_glance
+    assert f"The first {fork} links, which both chains have, stay as they are." in to_look
+    assert "Links that only the plant has now: 2." in to_look
+    assert f"of {fork + 5} in all, are collected as a branch of its own: 5." in to_look
+    assert "Accept this chain" not in to_look
+    assert "Accepted by: Grace Hopper" in to_act
+    (asked,) = json.loads(html.unescape(re.search(r'data-asks="([^"]*)"', to_act)[1]))
+    said = {"reason": "The backup of Monday was restored."}
+    refused = await service.post(asked["path"], json=asked["body"] | said, headers=viewer)
+    accepted = await service.post(asked["path"], json=asked["body"] | said, headers=metrologist)
+    afterwards = (await service.get("/cells/left arm", headers=metrologist)).text
+
+    assert (refused.status_code, accepted.status_code) == (403, 201)
+    assert "Accept this chain" not in afterwards
+    row = re.search(r"<h2>Chains that were accepted</h2>.*?</tbody>", afterwards, re.S)[0]
+    assert re.findall(r'<td data-label="(?:From link|Who|Reason)">([^<]*)</td>', row) == [
+        str(fork + 1),
+        "Grace Hopper",
+        said["reason"],
+    ]
+
+
+async def test_a_cell_without_another_chain_offers_none_and_one_that_is_unknown_is_said(service, cell):
+    await cell.measure()
+    await all_collected(service, cell)
+
+    shown, missing = await page(service, "/cells/left arm"), await service.get("/cells/right arm")
+
+    assert "all collected" in shown
+    assert "Accept this chain" not in shown
+    assert "Chains that were accepted" not in shown
+    assert missing.status_code == 404
+    assert "There is no cell right arm in this plant." in missing.text

@@ -9,7 +9,7 @@ from typing import Any
 from sqlalchemy import CTE, ColumnElement, Connection, Row, Table, func, select
 
 from truepose.storage.errors import NotInPlantError
-from truepose.storage.plant.records import Branch
+from truepose.storage.plant.records import AcceptedBranch, Branch
 from truepose.storage.rows import add_row
 from truepose.storage.tables.of_plants import plant_branches, plant_cells, plant_journal
 
@@ -70,6 +70,14 @@ def add_branch(connection: Connection, branch: Branch, after_link: int, person: 
         person=person,
         reason=reason,
     )
+
+
+def accepted_branches(connection: Connection, name: str) -> list[AcceptedBranch]:
+    """Return the chains of a cell that somebody accepted, the newest first."""
+    branch = plant_branches.c
+    query = select(branch.recorded_at, branch.after_link, branch.person, branch.reason)
+    accepted = query.where(branch.cell_id == cell_number(connection, name), branch.parent_id.is_not(None))
+    return [AcceptedBranch(*row) for row in connection.execute(accepted.order_by(branch.id.desc()))]
 
 
 def position(connection: Connection, branch: Branch) -> int:

@@ -17,6 +17,7 @@ from truepose.storage.database import Database
 from truepose.storage.errors import CollectedMeanwhileError, ConflictError
 from truepose.storage.integrity.head import Head, head_of
 from truepose.storage.plant.chains import (
+    accepted_branches,
     add_branch,
     all_branches,
     cell_number,
@@ -26,7 +27,7 @@ from truepose.storage.plant.chains import (
     position,
 )
 from truepose.storage.plant.projections import project
-from truepose.storage.plant.records import Branch, ClockSeen, CollectedLink, Outcome
+from truepose.storage.plant.records import AcceptedBranch, Branch, ClockSeen, CollectedLink, Outcome
 from truepose.storage.plant.told import tell_again, untold_links
 from truepose.storage.plant.visits import newest_visit
 from truepose.storage.rows import add_rows
@@ -121,6 +122,10 @@ class JournalRepository:
         """Collect the other chain that a cell shows into a branch of its own, once; raises ConflictError."""
         known = await self.collected(await self.reached(cell))
         await self._database.write(lambda connection: _accept(connection, cell, known, person, reason))
+
+    async def accepted_branches(self, cell: str) -> list[AcceptedBranch]:
+        """Return the chains of a cell that somebody accepted, the newest first; raises NotInPlantError."""
+        return await self._database.read(lambda connection: accepted_branches(connection, cell))
 
     async def content(self, branch_id: int, record: str, record_id: int) -> str | None:
         """Return a record as it came, as JSON with typed values; None: it was not collected."""

@@ -37,6 +37,16 @@ class Branch:
     segments: tuple[tuple[int, int | None], ...]  # branch and its last link that counts; oldest first
 
 
+@dataclass(frozen=True, slots=True)
+class AcceptedBranch:
+    """Another chain of a cell, and who accepted it."""
+
+    recorded_at: str
+    after_link: int  # the last that it shares with the chain before it
+    person: str
+    reason: str
+
+
 class Outcome(StrEnum):
     """What came of a visit."""
 

@@ -18,7 +18,7 @@ Headers: TypeAlias = Sequence[tuple[bytes, bytes]]
 # Where a link on somebody else's page may lead; whatever is not here can only be asked by our own pages.
 PAGES: Final = re.compile(
     r"/|/docs|/work|/hand-downs|/operator(/[^/]+)?|/diagnoses(/[^/]+)?|/corrections(/[^/]+)?|/plan(/checklist)?|/faults|/errors(/[^/]+)?"
-    r"|/(?:jobs|campaigns|identifications|validations|models)/[^/]+|/(?:robots|instruments)/.+"
+    r"|/(?:jobs|campaigns|identifications|validations|models)/[^/]+|/(?:robots|instruments|cells)/.+"
     r"|/sessions(/[^/]+(/result|/closing|/checklist|/again)?)?|/reports(/[^/]+/[^/.]+)?"
     r"|/fleet|/bring(/[^/]+)?|/sign-in|/first-person/[^/]+|/welcome/[^/]+|/account|/not-yours|/people|/audit|/watch/[^/]+"
 )

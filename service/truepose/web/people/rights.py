@@ -51,7 +51,7 @@ _BY_LEAST: Final[Mapping[Role | Anybody, str]] = {
         list_plant_cells get_plant_cell list_plant_hand_downs get_plant_hand_down
         list_seen_robots get_robot_life list_seen_instruments get_instrument_life
         list_plant_results get_plant_record
-        plant_page fleet_page robot_life_page instrument_life_page
+        plant_page plant_cell_page fleet_page robot_life_page instrument_life_page
         list_plant_records list_plant_changes
         sign_out show_again switch_person choose_secrets account_page not_yours_page get_authority
     """,

@@ -12,7 +12,7 @@ from truepose.web.people.pages import router as pages_of_people
 from truepose.web.places import error_pages
 from truepose.web.plant import cells, changes, fleets, hand_downs, health, seen
 from truepose.web.plant.context import PlantContext
-from truepose.web.plant.pages import glance, lives
+from truepose.web.plant.pages import cell, glance, lives
 from truepose.web.served import Application, application_of
 from truepose.web.visiting import everywhere
 from truepose.web.visiting.rendering import prepare
@@ -39,6 +39,7 @@ def _routes() -> list[BaseRoute]:
         glance.router,
         fleets.router,
         lives.router,
+        cell.router,
         pages_of_people,
         everywhere.router,
         error_pages.router,  # to which problem documents lead

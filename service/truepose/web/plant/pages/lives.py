@@ -94,7 +94,7 @@ async def instrument_life_page(visit: Visited, here: PlantHere, serial: Serial) 
 
 
 def _missing(visit: Visit, serial: str) -> HTMLResponse:
-    return visit.page("plant/missing.html", HTTPStatus.NOT_FOUND, serial=serial)
+    return visit.page("plant/missing.html", HTTPStatus.NOT_FOUND, sentence="plant.missing", of=serial)
 
 
 def _shares(days: Iterable[DayMeasured]) -> list[Share]:
