@@ -69,59 +69,45 @@ def told_here(recorded):
     return tell(pack(recorded.campaign), np.random.SeedSequence(0))
 
 
-async def test_robots_are_compared_from_what_was_collected(service, campaigns):
-    await collect(service, campaigns)
-    await lay(service, (plant_robots, {"serial_number": "A-0", "robot": "ABB IRB 120"}))
+@pytest.fixture(params=["sqlite", "postgresql"])
+def address(request, tmp_path, empty_database):
+    """The database of a plant, in a file and on a server."""
+    if request.param == "postgresql":
+        return request.getfixturevalue("on_server")()
+    file = tmp_path / "plant.sqlite3"
+    file.write_bytes(empty_database.read_bytes())
+    return f"sqlite:///{file}"
 
-    glances = [await page(service, "/")]
-    shown = await page(service, WHOLE)
-    glances.append(await page(service, "/"))
+
+async def test_robots_are_compared_from_what_was_collected(address, served_plant, campaigns):
+    async with served_plant(address) as service:
+        await collect(service, campaigns)
+        await lay(service, (plant_robots, {"serial_number": "A-0", "robot": "ABB IRB 120"}))
+
+        glances = [await page(service, "/")]
+        shown = await page(service, WHOLE)
+        glances.append(await page(service, "/"))
+        found = await asyncio.to_thread(_archived, address)
+        await lay(service, result(5, "A-1", "2026-05-02"))
+        glances.append(await page(service, "/"))
 
     assert "2 robots, 1 instruments and 4 campaigns from 2026-03-02 to 2026-04-02 were compared." in shown
     assert "Nothing changes beyond chance" in shown
+    assert "would have shown with 95 % from these sizes on" in shown
     assert "Computed on " in shown
     assert "every reading comes from a simulated cell" in shown
-    found = await asyncio.to_thread(_archived, service.here.database.file)
     assert [one for one, _ in found] == [f"left arm {number} campaign {number}" for number in range(1, 5)]
     assert found[0][1] == Stated("A-0", "T-9", date(2026, 3, 2))
 
-    await lay(service, result(5, "A-1", "2026-05-02"))
-    glances.append(await page(service, "/"))
     compared = re.compile(r'<a href="/fleet\?type=ABB%20IRB%20120">ABB IRB 120: compared on .*: (\d+)\.</a>')
     assert [compared.findall(glance) for glance in glances] == [[], ["0"], ["1"]]
 
 
-def _archived(file):
+def _archived(url):
     """Return names and what is stated of the campaigns in a plant's database; each can be read."""
-    with in_database(f"sqlite:///{file}") as campaigns:
+    with in_database(url) as campaigns:
         assert all(stored_campaign(one.load()).calibration is not None for one in campaigns)
         return [(one.name, one.stated) for one in campaigns]
-
-
-async def test_workers_that_are_away_keep_nobody_waiting_and_health_says_so(
-    tmp_path, empty_database, served_plant, campaigns, unused_tcp_port
-):
-    database = tmp_path / "plant.sqlite3"
-    database.write_bytes(empty_database.read_bytes())
-    url, away = f"sqlite:///{database}", f"dask://127.0.0.1:{unused_tcp_port}"
-    async with served_plant(url, workers="1") as plant:
-        await collect(plant, campaigns[:3])
-        by_process = [one.told for one in await plant.here.fleets.told(await plant.here.fleets.campaigns())]
-        healthy = (await plant.get("/health")).json()
-
-    async with served_plant(url, workers=away) as plant:
-        await collect(plant, campaigns[3:], first=4)
-        shown = await page(plant, "/fleet")
-        known = await plant.here.fleets.known(await plant.here.fleets.campaigns())
-        health = (await plant.get("/health")).json()
-
-    assert by_process == [told_here(recorded) for _, _, recorded in campaigns[:3]]
-    assert [one.told for one in known] == by_process
-    assert "data-drawing" in shown  # by those that are known
-    assert "campaigns are missing which nobody has read yet: 1." in shown
-    assert f"No Dask scheduler answers at 127.0.0.1:{unused_tcp_port}." in shown
-    assert (healthy["status"], health["status"]) == ("ok", "degraded")
-    assert health["fault"].startswith("The workers of this plant cannot be used")
 
 
 async def test_a_robots_error_and_causes_are_drawn_over_the_days(service):
