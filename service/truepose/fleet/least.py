@@ -112,9 +112,9 @@ def _least_mm(fleet: Fleet, cause: AgeingCause, score: Score, excess: float, cha
     least = np.linalg.eigvalsh(unit.T @ seen @ unit)
     if not len(least) or least[0] <= _UNSEEN * least[-1]:
         return np.inf
-    return float(np.sqrt(_noncentrality(chance, len(least)) / least[0]))
+    return float(np.sqrt(noncentrality(chance, len(least)) / least[0]))
 
 
-def _noncentrality(chance: float, degrees: int) -> float:
-    """Return that of chi-square which exceeds what chance alone does, with 95 %."""
+def noncentrality(chance: float, degrees: int) -> float:
+    """Return the noncentrality with which a chi-square is beyond what chance gives with 95 %."""
     return float(chndtrinc(chdtri(degrees, chance), degrees, 1.0 - SHOWN))

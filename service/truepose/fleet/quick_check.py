@@ -7,11 +7,13 @@ and E the directions of the causes,
     C = [ M + sum J'J    sum J'J E       ]^-1
         [ E' sum J'J     E' sum J'J E + g^-2 ]
 
-is the covariance of parameters and changes. Configurations are taken one after another, each the one that
-lowers most the sum over the causes of their variance over what is asked (a cause that is known well enough
-counts 1); it is enough where a growth of the asked size would be told with 95 % at a level of 5 %. That is
-asked of the readings alone: the precision of d, less that of its prior, which is a part of each diagonal
-element of the inverse by itself.
+is the covariance of parameters and changes. Each cause is taken in units of what moves the tool by 1 mm (root
+mean square over the candidates), whichever way it goes: a wave in any phase. Configurations are taken one
+after another, each the one that lowers most the sum over the causes of their variance over what is asked
+(what is known well enough counts little); it is enough where a growth of the asked size would be told with
+95 %, at a level of 5 % over all causes together. That is asked of the readings alone: the precision of d,
+less that of its prior, times the squared growth is the noncentrality of a chi-square with as many degrees of
+freedom as the cause has directions.
 
 References
 ----------
@@ -27,13 +29,17 @@ import numpy as np
 from truepose.domain.arrays import FloatArray, IntArray
 from truepose.domain.errors import ConfigurationError
 from truepose.fleet.causes import AgeingCause
+from truepose.fleet.least import noncentrality
 from truepose.identification.problem.belief import Belief
 from truepose.planning.promise.knowledge import ArmKnowledge, Knowns
 from truepose.planning.work_volume.candidates import Candidates
 from truepose.planning.work_volume.work_space import WorkSpace
 
-TOLD: Final = 3.2897  # standard uncertainties: 5 % on either side
+LEVEL: Final = 0.05  # of checks of robots in which nothing has grown: those that tell anything
 _MOST: Final = 60
+_WELL: Final = 0.7  # of its goal: a way of a cause that is known so well need not be known better
+_SMALL: Final = 1e-9  # of the largest: a cause that moves next to nothing one way is not asked that way
+_STILL_MM2: Final = 1e-300  # of a cause that moves nothing
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,54 +98,71 @@ def quick_check(
     place = [knowledge.structure.index_of(name) for name in belief.names]
     widths = knowledge.structure.prior_widths
     stated = np.array([spec.prior_width for spec in belief.specs])
-    columns, owner = [], []
-    for number, cause in enumerate(causes):
+    each = []
+    for cause in causes:
         across = np.zeros((len(widths), cause.directions.shape[1]))
         across[place] = cause.directions[:-1] * (stated / widths[place])[:, None]
-        columns.append(across)
-        owner += [number] * across.shape[1]
-    directions = np.concatenate(columns, axis=1)  # (P, q)
-    size = ((motion @ directions) ** 2).sum(axis=1).mean(axis=0)  # mm2 per squared unit of each
-    prior = grown_mm**2 / np.maximum(size, 1e-300)
-    goal = prior / (TOLD**2 + 1.0)  # with the prior; of the readings alone that is prior / TOLD**2
+        each.append(_of_one_mm(across, motion))
+    directions = np.concatenate(each, axis=1)  # (P, q), each moves 1 mm
+    parts = _parts([one.shape[1] for one in each])
+    needed = np.array([noncentrality(LEVEL / len(causes), part.stop - part.start) for part in parts])
     rows = np.concatenate([told, told @ directions], axis=2)
     p, q = directions.shape
     known = np.zeros((p + q, p + q))
     known[:p, :p] = knowledge.prior()
-    known[p:, p:] = np.diag(1.0 / prior)
-    order, reached = _chosen(rows, np.linalg.inv(known), p, goal, most)
-    of = np.array(owner)
-    told_mm = grown_mm * np.array([
-        [_told(float(one[of == k].max())) for k in range(len(causes))] for one in reached
-    ])
+    known[p:, p:] = np.eye(q) / grown_mm**2
+    # With the prior; of the readings alone that is the squared growth over what is needed.
+    goal = np.repeat(grown_mm**2 / (needed + 1.0), [one.shape[1] for one in each])
+    order, reached = _chosen(rows, np.linalg.inv(known), parts, goal, most)
+    told_mm = grown_mm * np.array([_told(one, needed) for one in reached])
     chosen = candidates.subset(order)
     return QuickCheck(chosen.joints_rad, chosen.nest, told_mm, bool(reached and reached[-1].max() <= 1.0))
 
 
-def _told(ratio: float) -> float:
-    """Return which growth the readings alone tell, over the asked one; `ratio` of a variance to its goal."""
-    precision = (TOLD**2 + 1.0) / ratio - 1.0  # of the readings alone, in those of the prior
-    return TOLD / np.sqrt(precision) if precision > 0.0 else np.inf
+def _of_one_mm(across: FloatArray, motion: FloatArray) -> FloatArray:
+    """Return directions (P, q) of a cause as such that are at right angles and move the tool by 1 mm each."""
+    moved = motion @ across  # (N, 3, q)
+    values, turns = np.linalg.eigh(np.einsum("ndq,ndr->qr", moved, moved) / len(moved))
+    moving = values >= _SMALL * values[-1]
+    values = np.maximum(values, _STILL_MM2)
+    return np.asarray(across @ (turns[:, moving] / np.sqrt(values[moving])))
+
+
+def _parts(sizes: Sequence[int]) -> tuple[slice, ...]:
+    ends = np.cumsum(sizes).tolist()
+    return tuple(slice(end - size, end) for end, size in zip(ends, sizes, strict=True))
+
+
+def _told(ratio: FloatArray, needed: FloatArray) -> FloatArray:
+    """Return which growths (K,) readings alone tell, over the asked one; `ratio` of variances to goals."""
+    precision = np.maximum((needed + 1.0) / ratio - 1.0, 0.0)  # of readings alone, in those of the prior
+    with np.errstate(divide="ignore"):
+        return np.asarray(np.sqrt(needed / precision))
 
 
 def _chosen(
-    rows: FloatArray, covariance: FloatArray, p: int, goal: FloatArray, most: int
+    rows: FloatArray, covariance: FloatArray, parts: Sequence[slice], goal: FloatArray, most: int
 ) -> tuple[IntArray, list[FloatArray]]:
-    """Return candidates in the order of choice, and the variances over their goals after each."""
+    """Return candidates in the order of choice, and each cause's variance over its goal after each, (K,)."""
+    q = len(goal)
     free = np.ones(len(rows), dtype=bool)
     order: list[int] = []
     reached: list[FloatArray] = []
-    ratio = np.diag(covariance)[p:] / goal
-    while ratio.max() > 1.0 and len(order) < min(most, len(rows)):
+    while (not reached or reached[-1].max() > 1.0) and len(order) < min(most, len(rows)):
         seen = rows @ covariance  # (N, d, P + q)
         own = np.eye(rows.shape[1]) + seen @ np.swapaxes(rows, 1, 2)
-        part = seen[:, :, p:]
+        part = seen[:, :, -q:]
         lowered = (part * np.linalg.solve(own, part)).sum(axis=1)  # (N, q)
-        after = np.maximum((np.diag(covariance)[p:] - lowered) / goal, 1.0).sum(axis=1)
+        after = np.maximum((np.diag(covariance)[-q:] - lowered) / goal, _WELL).sum(axis=1)
         best = int(np.argmin(np.where(free, after, np.inf)))
         free[best] = False
         order.append(best)
         covariance = covariance - seen[best].T @ np.linalg.solve(own[best], seen[best])
-        ratio = np.diag(covariance)[p:] / goal
-        reached.append(ratio)
+        reached.append(_worst(covariance[-q:, -q:], parts, goal))
     return np.array(order, dtype=np.int64), reached
+
+
+def _worst(covariance: FloatArray, parts: Sequence[slice], goal: FloatArray) -> FloatArray:
+    """Return the variance of each cause over its goal where it is largest: whichever way it goes."""
+    largest = [float(np.linalg.eigvalsh(covariance[part, part])[-1]) / goal[part.start] for part in parts]
+    return np.array(largest)

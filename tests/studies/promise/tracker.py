@@ -74,14 +74,19 @@ def _nests(plan: PromisedPlan) -> IntArray:
 
 def recorded(cell: Cell, plan: PromisedPlan) -> Campaign:
     """Return the campaign of a cell at the configurations of a plan, read back from its files."""
-    n = len(plan.joints_rad)
-    joints = np.round(np.degrees(plan.joints_rad), 5)
+    return recorded_stops(cell, plan.joints_rad, _nests(plan))
+
+
+def recorded_stops(cell: Cell, joints_rad: FloatArray, nest: IntArray) -> Campaign:
+    """Return the campaign of a cell at configurations (n, J), each approached from below."""
+    n = len(joints_rad)
+    joints = np.round(np.degrees(joints_rad), 5)
     stops = RecordedStops(
         joints_deg=joints,
         direction=np.ones_like(joints),
         time_s=_STOP_S * np.arange(1.0, n + 1.0),
         attachment=np.ones(n),
-        nest=_nests(plan),
+        nest=nest,
         repeat_of=np.zeros(n, dtype=int),
     )
     recording, _ = record_at(cell, stops, Wishes(configurations=n, validation=0, attachments=1))

@@ -4,6 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.linalg import eigvalsh
+from scipy.stats import ncx2
 
 from tests.studies.fleet.simulated import campaign_of, draw_fleet
 from truepose.domain.errors import ConfigurationError
@@ -12,7 +14,7 @@ from truepose.fleet.answer.sentences import new_robot_said
 from truepose.fleet.causes import AgeingCause
 from truepose.fleet.information import fleet_effects, information_of
 from truepose.fleet.promise import lacking_mm, promise
-from truepose.fleet.quick_check import TOLD, quick_check
+from truepose.fleet.quick_check import LEVEL, quick_check
 from truepose.identification.problem.belief import Belief
 from truepose.planning.promise.knowledge import ArmKnowledge, Knowns
 from truepose.planning.work_volume.candidates import draw_candidates
@@ -125,12 +127,14 @@ def test_what_a_quick_check_states_is_what_its_information_says(space, belief, k
     prior = np.zeros((both.shape[1],) * 2)
     prior[: rows.shape[1], : rows.shape[1]] = knowledge.prior()
     motion = knowledge.places(candidates.joints_rad, candidates.nest).motion[:, :, place]
-    size = np.sqrt((motion**2).sum(axis=1).mean(axis=0))
-    prior[rows.shape[1] :, rows.shape[1] :] = np.diag(size / _LIMIT_MM) ** 2
-    precision = 1.0 / np.diag(np.linalg.inv(both.T @ both + prior))[-2:]
-    spread = 1.0 / np.sqrt(precision - (size / _LIMIT_MM) ** 2)  # what readings alone say of a growth
+    moved = np.einsum("ndq,ndr->qr", motion, motion) / len(motion)  # mm2 that a wave of any phase moves
+    prior[rows.shape[1] :, rows.shape[1] :] = moved / _LIMIT_MM**2
+    both_known = np.linalg.inv(np.linalg.inv(both.T @ both + prior)[-2:, -2:])
+    alone = both_known - moved / _LIMIT_MM**2  # what readings say of a growth
+    least = eigvalsh(alone, moved)[0]  # of 1 mm, in the phase in which it shows least
+    beyond = ncx2.isf(LEVEL, 2, 0.0)
 
-    assert found.told_mm[-1, 0] == pytest.approx(TOLD * (spread * size).max(), rel=1e-6)
+    assert ncx2.sf(beyond, 2, found.told_mm[-1, 0] ** 2 * least) == pytest.approx(0.95, abs=1e-6)
 
 
 def test_a_larger_growth_needs_fewer_configurations(space, belief, knowns):

@@ -1,0 +1,199 @@
+"""Quick checks held against what they promise: growths that they tell, and those that they tell of nothing.
+
+`python -m tests.studies.fleet.checked --fleets 5 --out out/checked`: of each fleet the check of one robot is
+planned for every spring and gear line, and measured in the simulated cell of that robot: with each of the
+causes grown by what was asked, in turn and in a phase drawn by chance, and with nothing grown. It is judged
+by what the robot is known to be after its last campaign, every other cause being free to have grown as well.
+"""
+
+import argparse
+import json
+import sys
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+
+from tests.studies.fleet.simulated import FleetTruth, RobotTruth, draw_fleet, recorded_fleet
+from tests.studies.promise.tracker import recorded_stops
+from truepose.domain.arrays import FloatArray
+from truepose.exchange.cells.file import simulated_cell
+from truepose.fleet.answer.check import asked_of
+from truepose.fleet.campaigns import Measured, fleet_of
+from truepose.fleet.causes import AgeingCause
+from truepose.fleet.changes import account_of
+from truepose.fleet.information import fleet_effects, information_of
+from truepose.fleet.pooled import of_robot_now
+from truepose.fleet.quick_check import QuickCheck, quick_check
+from truepose.identification.distributions import chi2_exceeded
+from truepose.identification.problem.belief import Belief
+from truepose.planning.promise.knowledge import ArmKnowledge, Knowns
+from truepose.planning.work_volume.candidates import draw_candidates
+from truepose.planning.work_volume.cell_space import space_to_measure
+from truepose_simulators.cell.clock import CellClock
+from truepose_simulators.cell.true_cell import Cell
+from truepose_simulators.physics.effects import PlantedChange
+
+_APPROACH_RAD: Final = -0.0872664626  # 5 deg below on all joints
+_CANDIDATES: Final = 300
+LEVEL: Final = 0.05
+
+
+@dataclass(frozen=True, slots=True)
+class Checked:
+    """One check, measured once."""
+
+    fleet: int
+    configurations: int
+    grown: str  # cause; empty: nothing
+    chance: dict[str, float]  # of each cause: of so much where it has not grown
+
+
+@dataclass(frozen=True)
+class Planned:
+    """The check of one robot."""
+
+    fleet: FleetTruth
+    robot: RobotTruth
+    belief: Belief
+    causes: tuple[AgeingCause, ...]
+    check: QuickCheck
+    size_mm: tuple[FloatArray, ...]  # of each cause (q,): what a stated width of each direction moves
+
+    def grown(self, cause: AgeingCause, size_mm: FloatArray, by_mm: float, phase: float) -> PlantedChange:
+        """Return a cause that has grown."""
+        place = [int(np.argmax(column)) for column in cause.directions.T]
+        amount = by_mm / size_mm * np.array([self.belief.specs[k].prior_width for k in place])
+        if not cause.order:
+            return PlantedChange(cause.effect, cause.subject, float(amount[0]))
+        parts = np.degrees(amount) * np.array([np.cos(phase), np.sin(phase)])
+        details = {"order": cause.order, "phase_deg": float(np.degrees(np.arctan2(parts[1], parts[0])))}
+        return PlantedChange(cause.effect, cause.subject, float(np.hypot(*parts)), details=details)
+
+
+def main() -> int:
+    """Measure, print and write."""
+    options = _options()
+    options.out.mkdir(parents=True, exist_ok=True)
+    found: list[Checked] = []
+    for seed in range(options.first, options.first + options.fleets):
+        plan = _planned(seed, options.robots, options.growth)
+        rng = np.random.default_rng([seed, 19])
+        found += _measured(plan, rng, options.growth, options.each)
+        sys.stderr.write(f"fleet {seed}: {len(plan.check.nest)} configurations, {len(found)} checks\n")
+        (options.out / "checked.json").write_text(json.dumps([asdict(one) for one in found]))
+    sys.stdout.write(_told(found))
+    return 0
+
+
+def _planned(seed: int, robots: int, grown_mm: float) -> Planned:
+    truth = draw_fleet(seed, robots, ageing=0, drifting=False)
+    measured = [
+        Measured(one.robot, one.instrument, one.day, information_of(one.campaign))
+        for one in recorded_fleet(truth, 40)
+    ]
+    account = account_of(fleet_of(measured))
+    described = simulated_cell("irb120-clean", seed)
+    space, knowns = space_to_measure(described, _APPROACH_RAD), Knowns(fixed_nests=described.fixed_nests)
+    candidates = draw_candidates(space, _CANDIDATES, np.random.default_rng([seed, 3]))
+    belief, causes = of_robot_now(account, account.fleet.robots[0]), asked_of(account)
+    check = quick_check(space, candidates, belief, causes, grown_mm, knowns)
+    knowledge = ArmKnowledge(space, candidates, knowns.believing(belief))
+    moved = knowledge.places(candidates.joints_rad, candidates.nest).motion
+    each = np.sqrt((moved**2).sum(axis=1).mean(axis=0))
+    place = np.array([knowledge.structure.index_of(name) for name in belief.names])
+    sizes = tuple(each[place[np.argmax(cause.directions, axis=0)]] for cause in causes)
+    return Planned(truth, truth.robots[0], belief, causes, check, sizes)
+
+
+def _measured(plan: Planned, rng: np.random.Generator, by_mm: float, each: int) -> Iterator[Checked]:
+    for number in range(each):
+        for cause, size_mm in zip(plan.causes, plan.size_mm, strict=True):
+            change = plan.grown(cause, size_mm, by_mm, float(rng.uniform(-np.pi, np.pi)))
+            yield _judged(plan, by_mm, rng, (change,), _name(cause))
+        for _ in range(3):
+            yield _judged(plan, by_mm, rng, (), "")
+        sys.stderr.write(f"  round {number + 1}\n")
+
+
+def _judged(
+    plan: Planned, by_mm: float, rng: np.random.Generator, changes: tuple[PlantedChange, ...], grown: str
+) -> Checked:
+    scenario = plan.robot.scenario(1.0, 0.0)
+    cell = Cell(
+        replace(scenario, effects=(*scenario.effects, *changes)), int(rng.integers(2**31)), CellClock(0)
+    )
+    campaign = recorded_stops(cell, plan.check.joints_rad, plan.check.nest)
+    effects = tuple(name for name in fleet_effects(campaign) if name != "instrument_scale")
+    told = information_of(campaign, effects)
+    place = np.array([told.names.index(name) for name in plan.belief.names])
+    widths = np.array([spec.prior_width for spec in plan.belief.specs])
+    normal = told.normal[np.ix_(place, place)] * np.outer(widths, widths)
+    left = widths * (told.right[place] - told.normal[np.ix_(place, place)] @ plan.belief.mean)
+    known = plan.belief.covariance / np.outer(widths, widths)
+    return Checked(
+        plan.fleet.seed,
+        len(plan.check.nest),
+        grown,
+        dict(_chances(plan, by_mm, normal, left, known)),
+    )
+
+
+def _chances(
+    plan: Planned, by_mm: float, normal: FloatArray, left: FloatArray, known: FloatArray
+) -> Iterator[tuple[str, float]]:
+    free = [
+        by_mm / size * cause.directions[:-1] for cause, size in zip(plan.causes, plan.size_mm, strict=True)
+    ]
+    for number, (cause, own) in enumerate(zip(plan.causes, free, strict=True)):
+        others = np.concatenate([one for k, one in enumerate(free) if k != number], axis=1)
+        held = np.linalg.inv(np.eye(len(left)) + normal @ (known + others @ others.T))
+        score, information = own.T @ held @ left, own.T @ held @ normal @ own
+        squared = float(score @ np.linalg.solve(information, score))
+        yield _name(cause), chi2_exceeded(squared, float(len(score)))
+
+
+def _name(cause: AgeingCause) -> str:
+    return f"{cause.effect} {cause.subject} {cause.order:g}".removesuffix(" 0")
+
+
+def _told(found: list[Checked]) -> str:
+    causes = list(found[0].chance)
+    lines = [f"configurations: {np.mean([one.configurations for one in found]):.1f}"]
+    for what, level in (("each cause", LEVEL), ("all together", LEVEL / len(causes))):
+        lines += _told_at(found, causes, what, level)
+    return "\n".join(lines) + "\n"
+
+
+def _told_at(found: list[Checked], causes: list[str], what: str, level: float) -> Iterator[str]:
+    grown, nothing = ([one for one in found if bool(one.grown) is way] for way in (True, False))
+    told = [one.chance[one.grown] <= level for one in grown]
+    false = np.array([[one.chance[cause] <= level for cause in causes] for one in nothing])
+    yield f"level {LEVEL:g} of {what}: {sum(told)} of {len(told)} growths told"
+    least = min(causes, key=lambda cause: _share(grown, cause, level))
+    yield f"  least well {least}: {_share(grown, least, level):.2f}"
+    some = int(false.any(axis=1).sum())
+    yield f"  nothing grown: {false.mean():.4f} of causes told, in {some} of {len(nothing)} checks"
+
+
+def _share(grown: list[Checked], cause: str, level: float) -> float:
+    return float(np.mean([one.chance[cause] <= level for one in grown if one.grown == cause]))
+
+
+def _options() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--out", type=Path, required=True)
+    parser.add_argument("--fleets", type=int, default=5)
+    parser.add_argument("--first", type=int, default=1)
+    parser.add_argument("--robots", type=int, default=12)
+    parser.add_argument("--growth", type=float, default=0.05, help="mm")
+    parser.add_argument("--each", type=int, default=4, help="times that each cause grows")
+    return parser.parse_args()
+
+
+if __name__ == "__main__":
+    sys.exit(main())
