@@ -200,3 +200,12 @@ async def test_the_first_person_of_a_plant_enters_by_the_link_that_it_prints(tmp
         cells = await client.get("/api/v1/plant/cells")
 
     assert (page.status_code, entered.status_code, cells.status_code) == (200, 201, 200)
+
+
+async def test_a_name_of_a_cell_may_have_slashes(service):
+    await service.here.journal.enter("hall 2/left arm")
+    place = "/api/v1/plant/cells/hall%202%2Fleft%20arm"
+
+    assert (await service.get(place)).json()["cell"]["name"] == "hall 2/left arm"
+    assert (await service.get(f"{place}/records")).json() == []
+    assert (await service.get(f"{place}/visits")).headers["allow"] == "POST"

@@ -3,6 +3,7 @@
 from typing import Annotated
 
 from fastapi import Query, status
+from starlette.convertors import StringConvertor, register_url_convertor
 
 from truepose.storage.errors import NotInPlantError
 from truepose.storage.plant.records import VisitRecord
@@ -23,6 +24,14 @@ from truepose.web.requests.parameters import Name
 from truepose.web.resources import resource
 from truepose.web.schemas.base import VISIBLE
 
+
+class _NameConvertor(StringConvertor):
+    """A name with slashes in it, as `hall 2/left arm`, and nothing that is asked of a cell."""
+
+    regex = r"(?!.*/(?:records|branches|visits)$).+"
+
+
+register_url_convertor("cell_name", _NameConvertor())
 router = resource("/plant/cells", tags=["plant"])
 _VISITS = 200
 KindOfRecord = Annotated[
@@ -54,7 +63,7 @@ async def list_plant_records(
     return paging.shown(await here.lines.of(name, paging.page, kind), record_reply)
 
 
-@router.get("/{name:path}", responses=problems(404, 422, 503))
+@router.get("/{name:cell_name}", responses=problems(404, 422, 503))
 async def get_plant_cell(here: PlantHere, name: Name) -> VisitsReply:
     """Show a cell, and the latest visits to it, newest first."""
     newest = await here.visits.newest()
