@@ -74,6 +74,11 @@ class Fleet:
         each = zip(self.instrument.tolist(), self.day.tolist(), strict=True)
         return np.array([place[visit] for visit in each], dtype=np.int64)
 
+    def divided(self, ratios: FloatArray) -> "Fleet":
+        """Return the fleet with the information of each robot over a ratio of its own, (R,)."""
+        own = ratios[self.robot]
+        return replace(self, normal=self.normal / own[:, None, None], right=self.right / own[:, None])
+
     def of_campaigns(self, kept: IntArray) -> "Fleet":
         """Return the fleet as some of its campaigns show it."""
         each = {name: getattr(self, name)[kept] for name in ("robot", "instrument", "day", "normal", "right")}

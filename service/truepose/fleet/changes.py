@@ -12,7 +12,7 @@ odds of no worse than twenty to one.
 """
 
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -23,7 +23,7 @@ from truepose.domain.robot import Robot
 from truepose.fleet.campaigns import Fleet
 from truepose.fleet.causes import AgeingCause, instrument_cause, robot_causes
 from truepose.fleet.components import Estimated, estimate
-from truepose.fleet.misfit.birge import birge_ratio
+from truepose.fleet.misfit.birge import birge_ratios
 from truepose.fleet.misfit.unlike import Unlike, most_unlike, resembled, unlike
 from truepose.fleet.mixed_model import Equations, Posterior
 from truepose.fleet.trials import Change, InstrumentDays, Kind, Scope, Score, Trial, excess_of, shapes
@@ -75,7 +75,7 @@ class Account:
 
     fleet: Fleet  # with its information as it counts
     estimated: Estimated  # with the named changes in the model
-    birge_ratio: float  # of variances; 1: campaigns scatter as their readings say
+    birge_ratio: float  # of variances, of the middle robot; 1: campaigns scatter as their readings say
     named: tuple[Named, ...]
     tries: Tries
     unlike: tuple[Unlike, ...] = ()  # campaigns that were left out; places as they were given
@@ -102,9 +102,9 @@ def account_of(fleet: Fleet, robot: Robot | None = None, level: float = LEVEL) -
     Account
     """
     estimated = estimate(Equations(fleet))
-    ratio = birge_ratio(estimated.posterior)
-    if ratio > 1.0:
-        fleet = replace(fleet, normal=fleet.normal / ratio, right=fleet.right / ratio)
+    ratios = birge_ratios(estimated.posterior)
+    if ratios.max() > 1.0:
+        fleet = fleet.divided(ratios)
         estimated = estimate(Equations(fleet), estimated.variances)
     causes = robot_causes(fleet, robot)
     sought = _Sought(estimated, causes, level)
@@ -114,7 +114,7 @@ def account_of(fleet: Fleet, robot: Robot | None = None, level: float = LEVEL) -
     named = tuple(_named(estimated, found, number, causes) for number in range(len(found)))
     others = resembled(fleet, sought.unlike, estimated.variances)
     tries = _tries(causes, sought.trials, level)
-    return Account(sought.fleet, estimated, ratio, named, tries, others)
+    return Account(sought.fleet, estimated, float(ratios.min()), named, tries, others)
 
 
 def _tries(causes: tuple[AgeingCause, ...], trials: Sequence[Trial], level: float) -> Tries:
@@ -141,35 +141,70 @@ class _Sought:
 
     def take_the_best(self) -> bool:
         """Take what explains most into the model: a change, or a campaign out of it; False: nothing does."""
-        posterior = self.estimated.posterior
         best = _beyond_chance(self.trials, self._level)
-        other = most_unlike(posterior, self._level / _SCOPES)
+        other = most_unlike(self.estimated.posterior, self._level / _SCOPES, self._changing)
         if other is not None and (best is None or other.ratio > best.ratio):
             self._leave_out((other,))
         elif best is not None and best.change.scope == "robot" and best.change.kind == "day":
-            places = np.flatnonzero(best.change.shape).tolist()
-            self._leave_out(tuple(unlike(self.fleet, place, best.ratio, best.excess) for place in places))
+            self._take_out(best)
         elif best is not None:
-            self.found.append(best)
-            self._estimate(self.fleet)
-            self._drop_the_explained()
+            self._take_in(best)
         else:
             return False
         return True
 
+    def _take_in(self, best: Trial) -> None:
+        """Take a change into the model, if it stands out from what other causes still show there."""
+        self.found.append(best)
+        self._estimate(self.fleet)
+        if best.change.scope != "instrument" and not self._stands_out(best):
+            self._drop(len(self.found) - 1)
+        self._drop_the_explained()
+
+    def _take_out(self, best: Trial) -> None:
+        """Leave out what a robot showed on one day only, if it stands out from what other causes show there.
+
+        A cause that is named already does not go evenly; that is no fault of a campaign.
+        """
+        change = best.change
+        if self._changing(change.of)[change.cause.directions.any(axis=1)].any() or not self._stands_out(best):
+            self._dropped.add(change.key)
+            self.trials = self._without_dropped(self.trials)
+        else:
+            places = np.flatnonzero(change.shape).tolist()
+            self._leave_out([unlike(self.fleet, place, best.ratio, best.excess) for place in places])
+
+    def _stands_out(self, trial: Trial) -> bool:
+        change = trial.change
+        beside = (one for one in self.trials if one.change.beside(change))
+        others = [one for one in beside if one.change.cause.key != change.cause.key]
+        return trial.chance_beside(others) * self._tried(change.scope) * _SCOPES <= self._level
+
+    def _changing(self, robot: str) -> BoolArray:
+        """Return which parameters named changes of a robot or the type concern, the scale last, (P + 1,)."""
+        own = [one.change.cause.directions.any(axis=1) for one in self.found if one.change.of in {robot, ""}]
+        return np.asarray(np.any([np.zeros(len(self.fleet.specs) + 1, dtype=bool), *own], axis=0))
+
+    def _drop(self, number: int) -> None:
+        self._dropped.add(self.found.pop(number).change.key)
+        self._estimate(self.fleet)
+
     def _drop_the_explained(self) -> None:
         """Take changes that others explain out of the model again, the least certain first, for good."""
         while (least := self._least_certain()) is not None:
-            self._dropped.add(self.found.pop(least).change.key)
-            self._estimate(self.fleet)
+            self._drop(least)
 
     def _least_certain(self) -> int | None:
         """Return which change of a robot or the type chance explains best beside the others, if it does."""
         places = [k for k, one in enumerate(self.found) if one.change.scope != "instrument"]
         chances = [_chance_beside(self.estimated.posterior, k, self.found[k].excess) for k in places]
-        least = max(zip(chances, places, strict=True), default=(0.0, 0))
-        tried = sum(one.change.scope == self.found[least[1]].change.scope for one in self.trials)
-        return least[1] if least[0] * tried * _SCOPES > self._level else None
+        if not places:
+            return None
+        chance, least = max(zip(chances, places, strict=True))
+        return least if chance * self._tried(self.found[least].change.scope) * _SCOPES > self._level else None
+
+    def _tried(self, scope: Scope) -> int:
+        return sum(one.change.scope == scope for one in self.trials)
 
     def _leave_out(self, others: Sequence[Unlike]) -> None:
         self.unlike += [replace(one, place=int(self._kept[one.place])) for one in others]
@@ -181,8 +216,10 @@ class _Sought:
     def _estimate(self, fleet: Fleet) -> None:
         equations = Equations(fleet, [one.change.named for one in self.found])
         self.estimated = estimate(equations, self.estimated.variances)
-        every = _trials(self.estimated.posterior, self._causes)
-        self.trials = tuple(one for one in every if one.change.key not in self._dropped)
+        self.trials = self._without_dropped(_trials(self.estimated.posterior, self._causes))
+
+    def _without_dropped(self, trials: Iterable[Trial]) -> tuple[Trial, ...]:
+        return tuple(one for one in trials if one.change.key not in self._dropped)
 
 
 def _chance_beside(posterior: Posterior, number: int, excess: float) -> float:
@@ -214,10 +251,10 @@ def _trials(posterior: Posterior, causes: Sequence[AgeingCause]) -> Iterator[Tri
         seen = [score.of(cause.directions) for *_, score in robots]
         excess = excess_of(seen) if len(fleet.robots) >= _ENOUGH_ROBOTS else 1.0
         for (change, shape, _), one in zip(robots, seen, strict=True):
-            yield Trial(Change(*change[:2], cause, *change[2:], shape), *one.judged(excess), excess)
+            yield one.trial(Change(*change[:2], cause, *change[2:], shape), excess)
         for change, shape, score in of_type:
             one = score.of(cause.directions)
-            yield Trial(Change(*change[:2], cause, *change[2:], shape), *one.judged(excess), excess)
+            yield one.trial(Change(*change[:2], cause, *change[2:], shape), excess)
     yield from _instrument_trials(posterior)
 
 

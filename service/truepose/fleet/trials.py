@@ -58,6 +58,11 @@ class Change:
         """As a part of the model."""
         return NamedChange(self.cause.directions, self.shape)
 
+    def beside(self, other: "Change") -> bool:
+        """Return whether both are of the same robot, or the type, over the same campaigns."""
+        mine, its = ((one.scope, one.of, one.kind, one.since) for one in (self, other))
+        return mine == its
+
     def same_as(self, other: "Change") -> bool:
         """Return whether both are the same change."""
         return self.key == other.key
@@ -76,6 +81,18 @@ class Trial:
     ratio: float  # twice the log likelihood ratio
     chance: float  # of so much where nothing changed
     excess: float = 1.0  # by which variances of this cause exceed what the readings state
+    squares: float = 0.0  # chi-square where nothing changed
+    degrees: int = 0  # its degrees of freedom
+
+    def chance_beside(self, others: Sequence["Trial"]) -> float:
+        """Return the chance of so much where other causes scatter over the same campaigns as they do.
+
+        A campaign whose fit took its readings for better than they were scatters in everything; the median of
+        what other causes show tells by how much.
+        """
+        seen = [one.squares / chi2_median(float(one.degrees)) for one in others if one.degrees]
+        scatter = max(1.0, float(np.median(seen))) if seen else 1.0
+        return chi2_exceeded(self.squares / scatter, float(self.degrees)) if self.degrees else 1.0
 
 
 def shapes(day: FloatArray, among: BoolArray) -> Iterator[tuple[Kind, float, FloatArray]]:
@@ -151,6 +168,16 @@ class Seen(NamedTuple):
         squares = self.squares / excess
         return largest_ratio(squares, self.information / excess), chi2_exceeded(
             float(squares.sum()), float(len(squares))
+        )
+
+    def trial(self, change: Change, excess: float) -> Trial:
+        """Return what speaks for a change that is seen so; `excess` as of `judged`."""
+        return Trial(
+            change,
+            *self.judged(excess),
+            excess,
+            float(self.squares.sum()) / excess,
+            len(self.squares),
         )
 
 

@@ -5,9 +5,10 @@ says otherwise is b_c - A_c m_c, of covariance A_c - A_c V_c A_c; so
 
     sum_c (b_c - A_c m_c)' A_c^+ (b_c - A_c m_c)    is expected to be    sum_c rank A_c - tr(A_c V_c)
 
-over the campaigns of a robot. The ratio of the two is about 1; where it is larger, robots come back from one
-campaign to the next less equal than their readings are precise (mountings, temperature), and all information
-is divided by it. The median over the robots is taken: a few that age do not move it.
+over the campaigns of a robot. The ratio of the two is about 1; where it is larger, the robot comes back from
+one campaign to the next less equal than its readings are precise (mountings, temperature, what no parameter
+says), and its information is divided by it: by that of its middle campaign, which one campaign that is out of
+order does not move, and by no less than that of the middle robot, which a few that age do not move.
 
 References
 ----------
@@ -22,20 +23,29 @@ from truepose.domain.arrays import FloatArray
 from truepose.fleet.mixed_model import Posterior
 
 _RANK: Final = 1e-9  # of the largest eigenvalue
+_FEWEST: Final = 10.0  # degrees of freedom: in fewer, a robot that ages would be its own measure
 
 
-def birge_ratio(posterior: Posterior) -> float:
-    """Return the ratio of variances, 1 where campaigns scatter no more than their readings say."""
+def birge_ratios(posterior: Posterior) -> FloatArray:
+    """Return the ratio of variances of each robot, (R,); 1: none scatters more than its readings say."""
     fleet, p = posterior.equations.fleet, posterior.equations.parameters
     left = fleet.right - np.einsum("cpq,cq->cp", fleet.normal, posterior.fitted)
-    squares, expected = (np.zeros(len(fleet.robots)) for _ in range(2))
+    squares, expected = (np.zeros(len(fleet.day)) for _ in range(2))
     for c, robot in enumerate(fleet.robot.tolist()):
         values, vectors = np.linalg.eigh(fleet.normal[c])
         seen = values > _RANK * values[-1]
-        squares[robot] += float(((vectors[:, seen].T @ left[c]) ** 2 / values[seen]).sum())
+        squares[c] = float(((vectors[:, seen].T @ left[c]) ** 2 / values[seen]).sum())
         spread = _spread(posterior, c, robot, p)
-        expected[robot] += float(seen.sum()) - float(np.einsum("pq,pq->", fleet.normal[c], spread))
-    return max(1.0, float(np.median(squares / np.maximum(expected, 1.0))))
+        expected[c] = float(seen.sum()) - float(np.einsum("pq,pq->", fleet.normal[c], spread))
+    own = [fleet.robot == number for number in range(len(fleet.robots))]
+    whole = [squares[mine].sum() / max(expected[mine].sum(), 1.0) for mine in own]
+    middle = [_of_the_middle_campaign(squares[mine], expected[mine]) for mine in own]
+    return np.maximum(np.minimum(whole, middle), max(1.0, float(np.median(whole))))
+
+
+def _of_the_middle_campaign(squares: FloatArray, expected: FloatArray) -> float:
+    telling = expected >= _FEWEST
+    return float(np.median(squares[telling] / expected[telling])) if telling.any() else 1.0
 
 
 def _spread(posterior: Posterior, c: int, robot: int, p: int) -> FloatArray:

@@ -9,17 +9,19 @@ Whose else it may be: with x_j the parameters of robot j as the model has them a
 is chi-square with as many degrees of freedom as A_c has rank, if it was robot j.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Final
+from typing import Final, TypeAlias
 
 import numpy as np
 
-from truepose.domain.arrays import FloatArray
+from truepose.domain.arrays import BoolArray, FloatArray
 from truepose.fleet.campaigns import Fleet
 from truepose.fleet.mixed_model import Equations, Posterior, Variances
 from truepose.fleet.trials import Score, Seen, excess_of
 from truepose.identification.distributions import chi2_exceeded
+
+Changing: TypeAlias = Callable[[str], BoolArray]
 
 _RANK: Final = 1e-9  # of the largest eigenvalue
 _IS_IT: Final = 1e-3  # chance of so bad a fit of the right robot
@@ -37,7 +39,7 @@ class Unlike:
     resembles: str = ""  # another robot that it fits; empty: none
 
 
-def most_unlike(posterior: Posterior, level: float) -> Unlike | None:
+def most_unlike(posterior: Posterior, level: float, changing: Changing) -> Unlike | None:
     """Return the campaign with the largest ratio where chance does not explain it; None: it explains all.
 
     Parameters
@@ -46,13 +48,16 @@ def most_unlike(posterior: Posterior, level: float) -> Unlike | None:
         With the named changes in the model.
     level : float
         Chance that a campaign is found where all are of their robots.
+    changing : callable
+        Which parameters of a robot change, the scale last, (P + 1,): those do not make it another.
     """
     fleet = posterior.equations.fleet
     counts = np.bincount(fleet.robot, minlength=len(fleet.robots))
     tried = np.flatnonzero(counts[fleet.robot] > 1)
     if not len(tried):
         return None
-    seen = [_seen(posterior, place) for place in tried.tolist()]
+    still = {robot: ~changing(robot)[:-1] for robot in fleet.robots}
+    seen = [_seen(posterior, place, still[fleet.robots[fleet.robot[place]]]) for place in tried.tolist()]
     excess = excess_of(seen)
     judged = [one.judged(excess) for one in seen]
     best = int(np.argmax([ratio for ratio, _ in judged]))
@@ -67,8 +72,8 @@ def unlike(fleet: Fleet, place: int, ratio: float, excess: float) -> Unlike:
     return Unlike(place, fleet.robots[int(fleet.robot[place])], float(fleet.day[place]), ratio, excess)
 
 
-def _seen(posterior: Posterior, place: int) -> Seen:
-    size = np.sqrt(posterior.variances.robot)
+def _seen(posterior: Posterior, place: int, still: BoolArray) -> Seen:
+    size = np.sqrt(posterior.variances.robot) * still
     alone = (np.arange(len(posterior.equations.fleet.day)) == place).astype(float)
     return Score(posterior, alone).of(np.vstack([np.diag(size), np.zeros(len(size))]))
 

@@ -76,7 +76,7 @@ def _is_right(planted: Planted, named: Named) -> bool:
         and (change.cause.effect in planted.effects or "any" in planted.effects)
         and planted.subject in {"", change.cause.subject}
         and change.kind in planted.kinds
-        and change.since == planted.month * DAYS_A_MONTH
+        and change.since == planted.month * DAYS_A_MONTH + planted.days
     )
 
 

@@ -26,6 +26,7 @@ class Planted:
     subject: str = ""  # empty: any
     kinds: frozenset[str] = frozenset({"linear"})
     month: int = 0
+    days: float = 0.0  # after the first of that month
 
 
 @dataclass(frozen=True)
@@ -271,6 +272,7 @@ def three_trackers(seed: int) -> Case:
         _monthly(twist),
         Planted("tracker B", scale, "", frozenset({"step"}), 3),
         Planted("tracker C", scale),
+        everyday=False,
     )
 
 
@@ -284,7 +286,7 @@ def own_tracker(seed: int) -> Case:
         return {"tracker": "tracker B", "changes": (_scale(share),) if share else ()}
 
     either = frozenset({"instrument_scale", "thermal_growth"})
-    return _fleet(seed, _monthly(twist), Planted("tracker B|robot 05", either))
+    return _fleet(seed, _monthly(twist), Planted("tracker B|robot 05", either), everyday=False)
 
 
 def nests_of_a_day(seed: int) -> Case:
@@ -362,6 +364,34 @@ def twice_a_day(seed: int) -> Case:
     return _fleet(seed, [*morning, *(replace(visit, tracker=other[visit.tracker]) for visit in morning)])
 
 
+def own_days(seed: int) -> Case:
+    """Each robot has days of its own before one tracker; one ages, and the tracker drifts by 30e-6."""
+
+    def twist(robot: int, month: int) -> dict[str, object]:
+        come = month / (MONTHS - 1)
+        day = month * DAYS_A_MONTH + 2.0 * robot
+        grown = (_growing("compliance", 5, 0.4e-6 * come),) if robot == 4 else ()
+        changes = (*grown, _scale(30e-6 * day / (5 * DAYS_A_MONTH))) if day else ()
+        return {"tracker": "tracker A", "day": day, "changes": changes}
+
+    return _fleet(
+        seed,
+        _monthly(twist),
+        Planted("robot 04", frozenset({"compliance"}), "joint 5", days=2.0 * 4),
+        Planted("tracker A|", frozenset({"instrument_scale", "thermal_growth"})),
+        everyday=False,
+    )
+
+
+def few(seed: int) -> Case:
+    """Six everyday robots, four campaigns of 25 readings each: of fewer than eight none tells the excess."""
+
+    def twist(robot: int, month: int) -> dict[str, object]:
+        return {"configurations": 25}
+
+    return _fleet(seed, _monthly(twist, robots=6, months=4))
+
+
 CASES: Final[dict[str, Callable[[int], Case]]] = {
     one.__name__: one
     for one in (
@@ -386,5 +416,7 @@ CASES: Final[dict[str, Callable[[int], Case]]] = {
         gross,
         days_exchanged,
         twice_a_day,
+        own_days,
+        few,
     )
 }

@@ -4,8 +4,11 @@ import numpy as np
 import pytest
 
 from tests.helpers.fleet.linear import drawn
+from truepose.fleet.causes import AgeingCause
 from truepose.fleet.changes import account_of
+from truepose.fleet.trials import Change, Trial
 
+CHANGE = Change("robot", "robot 1", AgeingCause("backlash", "joint 4", np.eye(4)), "step", 30.0, np.ones(2))
 _GAP = np.array([0.0, 0.0, 1.0, 0.0])
 _BETWEEN = (0.5, 0.4, 0.3)
 
@@ -56,3 +59,14 @@ def test_a_robot_that_changed_in_one_cause_is_no_other_robot():
     assert [(one.change.of, one.change.kind, one.change.since) for one in account.named] == [
         ("robot 2", "step", 120.0)
     ]
+
+
+def test_what_other_causes_show_over_the_same_campaigns_makes_a_change_less_certain():
+    def trial(squares):
+        return Trial(CHANGE, 1.0, 1.0, 1.0, squares, 2)
+
+    calm, wild = [trial(1.4)] * 9, [trial(4.2)] * 9  # the median of chi-square of 2 degrees is 1.39
+
+    assert trial(30.0).chance_beside(calm) == pytest.approx(np.exp(-15.0), rel=0.2)
+    assert trial(30.0).chance_beside(wild) == pytest.approx(np.exp(-5.0), rel=0.2)
+    assert trial(30.0).chance_beside([]) == pytest.approx(np.exp(-15.0))

@@ -78,8 +78,8 @@ def _end(growth: Growth) -> float:
 def _named(axes: Axes, growth: Growth, name: str) -> None:
     end = _end(growth) if growth.kind == "linear" else float(growth.day[-1])
     if growth.kind == "linear":
-        day = np.array([growth.first, end])
-        share = (day - growth.first) / (float(growth.day[-1]) - growth.first)
+        day = np.array([growth.since, end])
+        share = (day - growth.since) / (float(growth.day[-1]) - growth.since)
     else:
         day = np.array([growth.first, growth.since, growth.since, end])
         share = np.array([0.0, 0.0, 1.0, 1.0])
