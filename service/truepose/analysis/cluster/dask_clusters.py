@@ -35,13 +35,14 @@ def of_scheduler(address: str) -> Iterator[DaskPlaces]:
         A worker would not compute the same bits.
     """
     _say_in_sentences("distributed.client")  # that it is gone, and cannot be reached again
-    encrypted = dask.config.get("distributed.comm.require-encryption")
+    encrypted = bool(dask.config.get("distributed.comm.require-encryption"))
     url = f"{'tls' if encrypted else 'tcp'}://{address}"
     try:
-        client = Client(url, timeout=_PATIENCE_S, set_as_default=False, security=Security())
+        client = Client(url, timeout=_PATIENCE_S, set_as_default=False, security=_security(encrypted))
     except (OSError, ValueError) as error:
+        how = "and do both trust the other's certificate" if encrypted else "and does it do without TLS"
         raise ClusterError(
-            f"No Dask scheduler answers at {url} ({error}); is it running, and reachable from here?"
+            f"No Dask scheduler answers at {url} ({error}); is it running, reachable from here, {how}?"
         ) from error
     with client:
         try:
@@ -51,6 +52,17 @@ def of_scheduler(address: str) -> Iterator[DaskPlaces]:
                 f"The scheduler at {url} has no worker; start one: dask worker {url}"
             ) from error
         yield DaskPlaces(client, f"start one (dask worker {url})")
+
+
+def _security(encrypted: bool) -> Security:
+    """Return what Dask's configuration says; raises ClusterError where TLS lacks the certificate for it."""
+    security = Security()
+    if encrypted and security.get_connection_args("client")["ssl_context"] is None:
+        raise ClusterError(
+            "Dask's configuration asks for TLS and names no certificate of this command: enter ca-file, and "
+            "cert and key of the client, under distributed.comm.tls (docs/computing.md)."
+        )
+    return security
 
 
 @contextlib.contextmanager

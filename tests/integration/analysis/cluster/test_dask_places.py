@@ -3,6 +3,7 @@
 import dataclasses
 import sys
 
+import dask
 import pytest
 
 from tests.helpers.parts import odd_is_refused, sums_of_noise, waited_for
@@ -121,6 +122,17 @@ def test_where_no_scheduler_answers_it_says_so(monkeypatch, unused_tcp_port):
     with (
         pytest.raises(ClusterError, match=f"No Dask scheduler answers at tcp://127.0.0.1:{unused_tcp_port}"),
         of_scheduler(f"127.0.0.1:{unused_tcp_port}"),
+    ):
+        pass
+
+
+def test_tls_without_a_certificate_of_ones_own_is_a_sentence():
+    asked = {"distributed.comm.require-encryption": True}
+
+    with (
+        dask.config.set(asked),
+        pytest.raises(ClusterError, match="names no certificate of this command"),
+        of_scheduler("127.0.0.1:1"),
     ):
         pass
 
