@@ -43,15 +43,15 @@ def _drawn(
     before_mm: FloatArray, after_mm: FloatArray, noise_mm: float, words: Catalogue, colours: Colours
 ) -> Drawing:
     end = _end(np.concatenate([before_mm, after_mm]))
-    edges = np.linspace(0.0, end, _BINS + 1).tolist()
+    edges = np.linspace(0.0, end, _BINS + 1)
     figure = new_figure(8.0, 2.9)
     axes = figure.add_subplot()
     before, after = words.say("before"), words.say("after")
     for norms, colour, name in ((before_mm, colours.before, before), (after_mm, colours.after, after)):
         label = words.say("comparison.mean", name=name, mean=millimetres(float(norms.mean())))
-        inside = np.minimum(norms, end)
-        axes.hist(inside, edges, color=colour, alpha=0.5, label=label)
-        axes.hist(inside, edges, color=colour, histtype="step", linewidth=1.4)
+        counts, _ = np.histogram(np.minimum(norms, end), edges)
+        axes.stairs(counts, edges, fill=True, color=colour, alpha=0.5, label=label)
+        axes.stairs(counts, edges, color=colour, linewidth=1.4)
     if 0.0 < noise_mm < end:
         noise_line(axes, noise_mm, colours, words)
     axes.set_xlim(0.0, end)

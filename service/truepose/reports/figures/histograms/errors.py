@@ -57,7 +57,8 @@ def _drawn(
     nominal, identified = words.say("model.nominal"), words.say("model.identified")
     for norms, colour, name in ((before, colours.before, nominal), (after, colours.after, identified)):
         label = words.say("comparison.mean", name=name, mean=millimetres(float(norms.mean())))
-        axes.hist(np.maximum(norms, edges[0]), edges.tolist(), color=colour, alpha=0.75, label=label)
+        counts, _ = np.histogram(np.maximum(norms, edges[0]), edges)
+        axes.stairs(counts, edges, fill=True, color=colour, alpha=0.75, label=label)
     if noise_mm > edges[0]:
         noise_line(axes, noise_mm, colours, words)
     axes.set_xscale("log")

@@ -143,9 +143,9 @@ def test_it_shows_what_the_page_shows():
 
     axes = plain_comparison(_BEFORE, _AFTER, 0.02).axes[0]
 
-    counted = sum(patch.get_height() for patch in axes.containers[0].patches)
-    assert (counted, beyond) == (len(_BEFORE), 0)
-    assert to_hex(axes.containers[0].patches[0].get_facecolor()) == PLAIN.before
+    bars = axes.patches[0]
+    assert (sum(bars.get_data().values), beyond) == (len(_BEFORE), 0)
+    assert to_hex(bars.get_facecolor()) == PLAIN.before
 
 
 def test_a_curve_without_a_finite_reading_is_not_drawn():
