@@ -89,6 +89,14 @@ class Chain:
         placed += self.end_origin
         return placed
 
+    def places(self, in_last_frame_mm: FloatArray) -> FloatArray:
+        """Return m points (m, 3) of the last frame in the world [mm], shape (m, n, 3)."""
+        x, y, z = self.end_rotation.T
+        along = in_last_frame_mm.T[:, :, None, None]
+        placed = x * along[0] + y * along[1] + z * along[2]
+        placed += self.end_origin.T
+        return np.asarray(np.swapaxes(placed, 1, 2))
+
     def body(self, number: int) -> tuple[FloatArray, FloatArray]:
         """Return rotation (n, 3, 3) of body 0..J before its motion, and the point (n, 3) it turns about."""
         rotation = self.base_rotation if number == 0 else self.rotation[number - 1]

@@ -7,7 +7,8 @@ and tool are clear, and each leg alone finds room between its two balls.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Final
+from functools import lru_cache
+from typing import Final, TypeAlias
 
 import numpy as np
 
@@ -39,9 +40,20 @@ def device(cell: BallbarCell, fixture: BaseFixture) -> tuple[Assembly, ...]:
 
     They are the same wherever the fixture stands.
     """
-    cups = fixture.own_cups_mm
-    made = assemblies(cups, cell.nests_mm, leg_mm=cell.leg_mm)
-    return measurable(made, cups, cell.nests_mm)
+    return _assembled(_rows(fixture.own_cups_mm), _rows(cell.nests_mm), cell.leg_mm)
+
+
+_Rows: TypeAlias = tuple[tuple[float, ...], ...]
+
+
+def _rows(points_mm: FloatArray) -> _Rows:
+    return tuple(map(tuple, points_mm.tolist()))
+
+
+@lru_cache(maxsize=8)  # fixtures of three and four cups with the tools of a few cells
+def _assembled(cups_mm: _Rows, nests_mm: _Rows, leg_mm: float) -> tuple[Assembly, ...]:
+    cups, nests = np.array(cups_mm), np.array(nests_mm)
+    return measurable(assemblies(cups, nests, leg_mm=leg_mm), cups, nests)
 
 
 def reach(cell: BallbarCell, fixture: BaseFixture, made: Sequence[Assembly] | None = None) -> Reached:

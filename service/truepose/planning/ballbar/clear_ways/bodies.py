@@ -6,6 +6,7 @@ three spokes 30 mm behind its nests, on a stem from the flange.
 """
 
 from dataclasses import dataclass, field
+from functools import lru_cache
 from typing import Final
 
 import numpy as np
@@ -16,7 +17,7 @@ from truepose.domain.errors import ConfigurationError
 from truepose.domain.robot import FramePlacement, JointRange, Robot
 from truepose.kinematics.chain import Chain, forward, nominal_values
 from truepose.kinematics.frames import placement_rotation, placement_translation
-from truepose.planning.ballbar.clear_ways.capsules import Capsules, joined
+from truepose.planning.ballbar.clear_ways.capsules import Capsules, joined, still
 from truepose.planning.ballbar.fixture import BALL_MM, CUP_RADIUS_MM
 
 PLATE_DEPTH_MM: Final = 30.0
@@ -82,7 +83,7 @@ def pose_in_base(cell: BallbarCell, poses: FloatArray) -> FloatArray:
 
 def nest_places(cell: BallbarCell, chain: Chain) -> FloatArray:
     """Return the tool nests in the world [mm], shape (3, n, 3)."""
-    return np.stack([chain.points(nest) for nest in cell.nests_mm])
+    return chain.places(cell.nests_mm)
 
 
 def arm_body(cell: BallbarCell, chain: Chain) -> Capsules:
@@ -126,22 +127,26 @@ def tool_normal(nests_mm: FloatArray) -> FloatArray:
 
 def tool_body(cell: BallbarCell, chain: Chain) -> Capsules:
     """Return the tool fixture: cups (first, in order), plate, stem."""
-    normal = tool_normal(cell.nests_mm)
-    corners = cell.nests_mm - PLATE_DEPTH_MM * normal
+    tool = _tool_on_flange(tuple(map(tuple, cell.nests_mm.tolist())))
+    placed = chain.places(np.concatenate([tool.start_mm[:, 0], tool.end_mm[:, 0]]))
+    return Capsules(placed[: len(tool)], placed[len(tool) :], tool.radius_mm)
+
+
+@lru_cache(maxsize=8)  # of a cell: every step of a search for a way asks for it
+def _tool_on_flange(nests_mm: tuple[tuple[float, ...], ...]) -> Capsules:
+    """Return the tool fixture in the last frame, at the one configuration that it always has there."""
+    nests = np.array(nests_mm)
+    normal = tool_normal(nests)
+    corners = nests - PLATE_DEPTH_MM * normal
     centre = corners.mean(axis=0)
-    cups = _fixed_to_flange(chain, cell.nests_mm - BALL_MM * normal, corners, CUP_RADIUS_MM)
-    edges = _fixed_to_flange(chain, corners, np.roll(corners, 1, axis=0), PLATE_RADIUS_MM)
-    spokes = _fixed_to_flange(chain, corners, np.tile(centre, (3, 1)), PLATE_RADIUS_MM)
-    stem = _fixed_to_flange(chain, np.zeros((1, 3)), centre[None], STEM_RADIUS_MM)
-    return joined([cups, edges, spokes, stem])
-
-
-def _fixed_to_flange(chain: Chain, start: FloatArray, end: FloatArray, radius_mm: float) -> Capsules:
-    return Capsules(
-        np.stack([chain.points(point) for point in start]),
-        np.stack([chain.points(point) for point in end]),
-        np.full(len(start), radius_mm),
-    )
+    cups = zip(nests - BALL_MM * normal, corners, strict=True)
+    edges = zip(corners, np.roll(corners, 1, axis=0), strict=True)
+    spokes = ((corner, centre) for corner in corners)
+    return joined([
+        still(list(cups), CUP_RADIUS_MM),
+        still([*edges, *spokes], PLATE_RADIUS_MM),
+        still([(np.zeros(3), centre)], STEM_RADIUS_MM),
+    ])
 
 
 def bars(cups_mm: FloatArray, nests_mm: FloatArray) -> Capsules:

@@ -72,6 +72,12 @@ def smallest_gap(first: Capsules, second: Capsules) -> FloatArray:
     return np.asarray(gaps(first, second).min(axis=(0, 1)))
 
 
+def smallest_gap_of_pairs(first: Capsules, second: Capsules) -> FloatArray:
+    """Return the smallest free space between each capsule and its partner [mm], shape (n,)."""
+    distance = segment_distances(first.start_mm, first.end_mm, second.start_mm, second.end_mm)
+    return np.asarray((distance - first.radius_mm[:, None] - second.radius_mm[:, None]).min(axis=0))
+
+
 def lowest_mm(capsules: Capsules) -> FloatArray:
     """Return the height of the lowest point of the set [mm], shape (n,)."""
     ends = np.minimum(capsules.start_mm[..., 2], capsules.end_mm[..., 2])

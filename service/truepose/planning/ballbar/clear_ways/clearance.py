@@ -1,7 +1,8 @@
 """What keeps clear of what: arm and tool of table, base fixture and each other; every bar of everything."""
 
 from dataclasses import dataclass, replace
-from itertools import combinations
+from functools import cache
+from itertools import combinations, product
 from typing import Final
 
 import numpy as np
@@ -25,6 +26,7 @@ from truepose.planning.ballbar.clear_ways.capsules import (
     joined,
     lowest_mm,
     smallest_gap,
+    smallest_gap_of_pairs,
     still,
 )
 from truepose.planning.ballbar.fixture import BaseFixture, fixture_body
@@ -82,14 +84,18 @@ def arm_room_mm(bodies: Bodies) -> FloatArray:
 
     To table, base fixture, keep-out volumes and to themselves.
     """
-    links = len(bodies.cell.link_radii_mm)
-    off_table = joined([_of_links(bodies, range(_COLUMN_LINKS, links)), bodies.tool])
-    beside_table = lowest_mm(off_table) - bodies.cell.table_z_mm
-    beside_fixture = smallest_gap(joined([bodies.arm, bodies.tool]), bodies.fixture)
-    outside = _outside_keep_outs(
-        bodies.cell, joined([bodies.arm.some(moved_pieces(bodies.cell)), bodies.tool])
-    )
-    return np.asarray(np.min([beside_table, beside_fixture, *outside, *_self_gaps(bodies)], axis=0))
+    off_table = _of_links(bodies, range(_COLUMN_LINKS, len(bodies.cell.link_radii_mm)))
+    beside_table = np.minimum(lowest_mm(off_table), lowest_mm(bodies.tool)) - bodies.cell.table_z_mm
+    whole = joined([bodies.arm, bodies.tool])
+    beside_fixture = smallest_gap(whole, bodies.fixture)
+    outside = _outside_keep_outs(bodies.cell, whole.some(_moved(bodies)))
+    return np.asarray(np.min([beside_table, beside_fixture, *outside, _self_gap(bodies, whole)], axis=0))
+
+
+def _moved(bodies: Bodies) -> list[int]:
+    """Return the pieces of arm and tool that some joint moves."""
+    arm = len(bodies.arm)
+    return [*moved_pieces(bodies.cell), *range(arm, arm + len(bodies.tool))]
 
 
 def _outside_keep_outs(cell: BallbarCell, moving: Capsules) -> list[FloatArray]:
@@ -108,20 +114,32 @@ def _of_links(bodies: Bodies, links: range) -> Capsules:
     return bodies.arm.some([k for k, link in enumerate(bodies.links) if link in links])
 
 
-def _self_gaps(bodies: Bodies) -> list[FloatArray]:
-    """Gaps between the tool and the links before the wrist, and between links that do not meet.
+def _self_gap(bodies: Bodies, whole: Capsules) -> FloatArray:
+    """Return the smallest gap between pieces of arm and tool that are not next to each other, shape (n,)."""
+    first, second = _apart(bodies.links, len(bodies.tool), bodies.cell.robot.n_joints)
+    return smallest_gap_of_pairs(whole.some(first), whole.some(second))
 
-    The stem leaves the flange, which is next to the forearm's end in every position: it is left out there.
+
+@cache
+def _apart(links: tuple[int, ...], tool: int, last: int) -> tuple[tuple[int, ...], tuple[int, ...]]:
+    """Return which two pieces of arm and tool, counted in this order, could meet: indices, one by one.
+
+    The tool's and those of the links before the wrist, and those of links that do not meet in a joint. The
+    stem leaves the flange, which is next to the forearm's end in every position: it is left out there.
     """
-    last = bodies.cell.robot.n_joints
-    forearm = _of_links(bodies, range(last - _NEIGHBOURS, last - _NEIGHBOURS + 1))
-    before = _of_links(bodies, range(last - _NEIGHBOURS))
-    plate = bodies.tool.some(range(len(bodies.tool) - 1))
-    free = [smallest_gap(bodies.tool, before), smallest_gap(plate, forearm)]
-    for link in range(_NEIGHBOURS + 2, last + 1):
-        lower = _of_links(bodies, range(link - _NEIGHBOURS - 1))
-        free.append(smallest_gap(_of_links(bodies, range(link, link + 1)), lower))
-    return free
+    forearm = last - _NEIGHBOURS
+    of_tool = [
+        (len(links) + piece, k)
+        for piece, (k, link) in product(range(tool), enumerate(links))
+        if link < forearm or (link == forearm and piece < tool - 1)
+    ]
+    of_arm = [
+        (upper, lower)
+        for (upper, link), (lower, below) in product(enumerate(links), repeat=2)
+        if below < link - _NEIGHBOURS - 1
+    ]
+    first, second = zip(*of_tool, *of_arm, strict=True)
+    return first, second
 
 
 def bar_room_mm(bodies: Bodies, places: Bars) -> FloatArray:
