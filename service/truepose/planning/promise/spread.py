@@ -11,6 +11,7 @@ which never rises where S falls. Its quantiles, and the largest error to be foun
 """
 
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Final
 
 import numpy as np
@@ -86,15 +87,34 @@ def spread(errors: FloatArray, own: Discrepancy, draws: int = DRAWS) -> Spread:
 
 def drawn_norms(errors: FloatArray, own: Discrepancy, draws: int) -> FloatArray:
     """Return the norms of the errors of drawn calibrations, shape (draws, m)."""
-    rng = np.random.default_rng(_SEED)
     places, axes, causes = errors.shape
-    common = rng.standard_normal((draws, causes)) @ errors.reshape(places * axes, causes).T
+    drawn = _drawn(draws, causes, places * axes if own.per_axis_mm > 0.0 else 0)
+    common = drawn.of_causes @ errors.reshape(places * axes, causes).T
     if own.per_axis_mm > 0.0:
-        common += _sizes_mm(own, draws, rng)[:, None] * rng.standard_normal(common.shape)
-    return np.asarray(np.linalg.norm(common.reshape(draws, places, axes), axis=2))
+        common += _sizes_mm(own, drawn.of_sizes)[:, None] * drawn.of_places
+    x, y, z = np.moveaxis(np.square(common, out=common).reshape(draws, places, axes), 2, 0)
+    return np.asarray(np.sqrt(x + y + z))
 
 
-def _sizes_mm(own: Discrepancy, draws: int, rng: np.random.Generator) -> FloatArray:
+@dataclass(frozen=True, slots=True)
+class _Drawn:
+    """Standard normal numbers; nobody changes them."""
+
+    of_causes: FloatArray  # (draws, S)
+    of_sizes: FloatArray  # (draws,)
+    of_places: FloatArray  # (draws, 3 m)
+
+
+@lru_cache(maxsize=1)  # some megabytes; a curve asks for the same at each of its points
+def _drawn(draws: int, causes: int, at_places: int) -> _Drawn:
+    rng = np.random.default_rng(_SEED)
+    return _Drawn(
+        rng.standard_normal((draws, causes)),
+        rng.standard_normal(draws),
+        rng.standard_normal((draws, at_places)),
+    )
+
+
+def _sizes_mm(own: Discrepancy, drawn: FloatArray) -> FloatArray:
     """Return a discrepancy for each calibration, lognormal about its mean, shape (draws,)."""
-    drawn = own.known_to * rng.standard_normal(draws)
-    return own.per_axis_mm * np.exp(drawn - own.known_to**2 / 2.0)
+    return own.per_axis_mm * np.exp(own.known_to * drawn - own.known_to**2 / 2.0)
