@@ -15,6 +15,7 @@ from truepose.domain.arrays import FloatArray
 from truepose.domain.errors import ConfigurationError
 from truepose.judgement.iso9283.plan import Cube, Plane, PosePlan, possible_plans
 from truepose.kinematics.frames import rotation_x, rotation_y, rotation_z
+from truepose.kinematics.inverse import has_closed_form
 from truepose.planning.work_volume.work_space import (
     WorkSpace,
     cosines_to_tracker,
@@ -45,11 +46,11 @@ def usual_poses(space: WorkSpace, wish: Wish) -> tuple[PosePlan, int]:
 
     Raises ConfigurationError where no such cube was found.
     """
-    for edge, rotation, nest, centre in _candidates(space, wish):
+    for cubes, rotation, nest in _candidates(space, wish):
         nest_mm = space.nests[nest - 1].centre_mm
         if nest_mm is None:
             continue
-        for plan in possible_plans(space.robot, Cube(centre, edge, wish.plane), rotation, nest_mm):
+        for plan in possible_plans(space.robot, cubes, rotation, nest_mm):
             if _is_measurable(space, plan, nest):
                 return plan, nest
     raise ConfigurationError(
@@ -57,16 +58,17 @@ def usual_poses(space: WorkSpace, wish: Wish) -> tuple[PosePlan, int]:
     )
 
 
-def _candidates(
-    space: WorkSpace, wish: Wish
-) -> Iterator[tuple[float, FloatArray, int, tuple[float, float, float]]]:
-    """Yield edge, orientation, nest and centre, the most wanted first."""
+def _candidates(space: WorkSpace, wish: Wish) -> Iterator[tuple[Sequence[Cube], FloatArray, int]]:
+    """Yield cubes of one edge, orientation and nest, the most wanted first."""
     arm = sum(abs(row.a_mm) + abs(row.d_mm) for row in space.robot.joints)
     edges = [edge for edge in _EDGES_MM if edge <= _LARGEST * arm]
     rotations = _rotations() if wish.rotation is None else [wish.rotation]
     nests = range(1, len(space.nests) + 1) if wish.nest is None else [wish.nest]
     centres = [(arm * out, arm * aside, arm * up) for aside, up, out in product(_ASIDE, _UP, _OUT)]
-    yield from product(edges, rotations, nests, centres)
+    for edge in edges:
+        cubes = [Cube(centre, edge, wish.plane) for centre in centres]
+        together = [cubes] if has_closed_form(space.robot) else [[cube] for cube in cubes]  # each is searched
+        yield from ((some, rotation, nest) for rotation, nest, some in product(rotations, nests, together))
 
 
 def _rotations() -> Sequence[FloatArray]:

@@ -4,7 +4,7 @@ The edges of the cube are parallel to the axes of the base. The poses lie in a d
 middle, P2 to P5, in order around it, a tenth of its diagonal away from its corners. A cycle: P5 P4 P3 P2 P1.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Final, Literal
 
@@ -108,30 +108,35 @@ def plan_poses(
     ConfigurationError
         There is none; the sentence names the poses that it reaches in no branch.
     """
-    joints, reached = _branches(robot, cube, rotation, nest_mm)
-    whole = next(_whole(cube, joints, reached), None)
+    joints, reached = _branches(robot, [cube], rotation, nest_mm)
+    whole = next(_whole([cube], joints, reached), None)
     if whole is None:
-        raise ConfigurationError(_unreached(cube.poses, reached))
+        raise ConfigurationError(_unreached(cube.poses, reached[0]))
     return whole
 
 
 def possible_plans(
-    robot: Robot, cube: Cube, rotation: FloatArray, nest_mm: tuple[float, float, float]
+    robot: Robot, cubes: Sequence[Cube], rotation: FloatArray, nest_mm: tuple[float, float, float]
 ) -> Iterator[PosePlan]:
-    """Yield how the robot takes the five poses in each branch that reaches them all; see `plan_poses`."""
-    return _whole(cube, *_branches(robot, cube, rotation, nest_mm))
+    """Yield how the robot takes the five poses of each cube, in each branch that reaches them all.
+
+    Otherwise as `plan_poses`; many cubes together take hardly longer than one.
+    """
+    return _whole(cubes, *_branches(robot, cubes, rotation, nest_mm))
 
 
 def _branches(
-    robot: Robot, cube: Cube, rotation: FloatArray, nest_mm: tuple[float, float, float]
+    robot: Robot, cubes: Sequence[Cube], rotation: FloatArray, nest_mm: tuple[float, float, float]
 ) -> tuple[FloatArray, BoolArray]:
-    """Return the joints of each branch, shape (5, 8, J), and whether it reaches, shape (5, 8)."""
-    return joints_in_branches(robot, [pose.position_mm for pose in cube.poses], rotation, nest_mm)
+    """Return the joints of each branch, shape (c, 5, 8, J), and whether it reaches, shape (c, 5, 8)."""
+    places = [pose.position_mm for cube in cubes for pose in cube.poses]
+    joints, reached = joints_in_branches(robot, places, rotation, nest_mm)
+    return joints.reshape(len(cubes), POSES, *joints.shape[1:]), reached.reshape(len(cubes), POSES, -1)
 
 
-def _whole(cube: Cube, joints: FloatArray, reached: BoolArray) -> Iterator[PosePlan]:
-    for branch in np.flatnonzero(reached.all(axis=0)):
-        yield PosePlan(cube.poses, joints[:, branch], int(branch))
+def _whole(cubes: Sequence[Cube], joints: FloatArray, reached: BoolArray) -> Iterator[PosePlan]:
+    for place, branch in np.argwhere(reached.all(axis=1)):
+        yield PosePlan(cubes[place].poses, joints[place, :, branch], int(branch))
 
 
 def joints_in_branches(

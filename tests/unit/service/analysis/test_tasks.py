@@ -68,13 +68,16 @@ def test_the_poses_of_iso_9283_become_cycles_of_the_session():
 UNSAID = {"centre_mm": None, "edge_mm": None, "quaternion": None, "nest": None, "plane": "y+", "cycles": 1}
 
 
-def test_a_cube_that_nobody_states_has_room_and_sight():
-    cell = simulated_cell("irb120-tilted", 0)
-    task = PosePlanTask(
-        SessionSetup(cell), dataclasses.replace(make_plan(role="validation"), stops=()), **UNSAID
-    )
+@pytest.fixture(scope="module")
+def of_no_stated_cube():
+    """The plan of a cube that is looked for, which takes half a second."""
+    setup = SessionSetup(simulated_cell("irb120-tilted", 0))
+    wanted = dataclasses.replace(make_plan(role="validation"), stops=(), settle_s=7.0)
+    return PosePlanTask(setup, wanted, **UNSAID).perform(quiet)
 
-    plan = task.perform(quiet)
+
+def test_a_cube_that_nobody_states_has_room_and_sight(of_no_stated_cube):
+    cell, plan = simulated_cell("irb120-tilted", 0), of_no_stated_cube
 
     space = space_of_cell(cell, (), None)
     chain = nominal_chain(space, np.array([stop.joints_rad for stop in plan.stops]))
@@ -129,13 +132,13 @@ def test_poses_that_cannot_be_had_are_refused(wrong, sentence):
     ("test", "stops", "ends_when_settled"),
     [({"test": "directions", "approach_mm": 30.0}, 9, False), ({"test": "drift", "hours": 0.5}, 40, True)],
 )
-def test_the_other_tests_of_iso_9283_take_the_same_poses(test, stops, ends_when_settled):
+def test_the_other_tests_of_iso_9283_take_the_same_poses(of_no_stated_cube, test, stops, ends_when_settled):
     cell = simulated_cell("irb120-tilted", 0)
     wanted = dataclasses.replace(make_plan(role="validation"), stops=(), settle_s=7.0)
 
     plan = PosePlanTask(SessionSetup(cell), wanted, **UNSAID | test).perform(quiet)
 
-    five = PosePlanTask(SessionSetup(cell), wanted, **UNSAID).perform(quiet).stops
+    five = of_no_stated_cube.stops
     assert {stop.joints_rad for stop in plan.stops} <= {stop.joints_rad for stop in five}
     assert {stop.nest for stop in plan.stops} == {stop.nest for stop in five}
     assert (len(plan.stops), plan.settle_s, plan.approach_offset_rad) == (stops, 7.0, None)
