@@ -27,7 +27,9 @@ _LOWEST = 24  # starts from which a descent is worth its time
 _DESCENT_STEPS = 30
 _LONGEST_RAD = 0.7  # of a step
 _ARRIVED_RAD = 1e-9  # a step this short: at ten metres, a hundredth of a micrometre
-_NEAR_RAD = 1e-5  # enough to compare: a hypothesis that fits is then far nearer, as its steps shrink by squares
+_NEAR_RAD = (
+    1e-5  # enough to compare: a hypothesis that fits is then far nearer, as its steps shrink by squares
+)
 _ROBUST_ROUNDS = 25
 _SETTLED = 1e-3  # change of a weight that no longer moves anything
 _DEPENDENT = 1e-12  # of the largest eigenvalue: a sum of squares below it is rounding

@@ -45,12 +45,14 @@ class Visits(Table):
         return int(self.pose.size)
 
     def __post_init__(self) -> None:
-        pairs = np.column_stack([self.pose, self.cycle])[self.measured]
-        found, count = np.unique(pairs, axis=0, return_counts=True)
-        if np.any(count > 1):
-            pose, cycle = found[np.argmax(count > 1)]
+        pose, cycle = self.pose[self.measured], self.cycle[self.measured]
+        order = np.lexsort((cycle, pose))
+        pose, cycle = pose[order], cycle[order]
+        twice = np.flatnonzero((pose[1:] == pose[:-1]) & (cycle[1:] == cycle[:-1]))
+        if len(twice):
+            first = twice[0]
             raise ConfigurationError(
-                f"P{pose} is there twice in cycle {cycle}: a pose is visited once a cycle."
+                f"P{pose[first]} is there twice in cycle {cycle[first]}: a pose is visited once a cycle."
             )
 
     @property
