@@ -159,7 +159,8 @@ def _look(
     chain = nominal_chain(space, joints)
     away = nest_places(space, chain) - chain.origin[axis]
     radius = np.linalg.norm(np.cross(away, chain.z[axis]), axis=2)
-    seen = has_room(space, joints, chain) & is_seen(space, cosines_in_sight(space, chain))
+    room = has_room(space, joints, chain)
+    seen = room & is_seen(space, cosines_in_sight(space, chain, room))
     shown, shape = seen & (radius >= _BESIDE_AXIS_MM), (len(space.nests), p, m)
     return joints.reshape(p, m, -1), shown.reshape(shape), radius.reshape(shape)
 
