@@ -6,6 +6,7 @@ x, y, z; then it turns about <axis>, given in the joint's own frame, which is th
 
 import math
 import xml.etree.ElementTree as ElementTree
+from functools import cache
 
 import numpy as np
 
@@ -32,19 +33,36 @@ def _origin(joint):
 
 def frames(text, joints):
     """Where every link is in the root link [m], moving joints at these angles in the file's order."""
-    root = ElementTree.fromstring(text)
+    links, placed = _read(text)
     angles = iter(joints)
     motions = {}
-    for joint in root.findall("joint"):
-        motion = _origin(joint)
-        if joint.get("type") != "fixed":
+    for parent, child, origin, axis in placed:
+        motion = origin
+        if axis is not None:
             turn = np.eye(4)
-            axis = joint.find("axis")
-            direction = np.array([1.0, 0, 0]) if axis is None else _numbers(axis, "xyz", "1 0 0")
-            turn[:3, :3] = _about(direction / np.linalg.norm(direction), next(angles))
-            motion = motion @ turn
-        motions[joint.find("child").get("link")] = (joint.find("parent").get("link"), motion)
-    return {link.get("name"): _placed(link.get("name"), motions) for link in root.findall("link")}
+            turn[:3, :3] = _about(axis, next(angles))
+            motion = origin @ turn
+        motions[child] = (parent, motion)
+    return {link: _placed(link, motions) for link in links}
+
+
+@cache
+def _read(text):
+    """Names of links; of each joint parent, child, origin and, where it moves, the direction of its axis."""
+    root = ElementTree.fromstring(text)
+    joints = [
+        (joint.find("parent").get("link"), joint.find("child").get("link"), _origin(joint), _axis(joint))
+        for joint in root.findall("joint")
+    ]
+    return [link.get("name") for link in root.findall("link")], joints
+
+
+def _axis(joint):
+    if joint.get("type") == "fixed":
+        return None
+    axis = joint.find("axis")
+    direction = np.array([1.0, 0, 0]) if axis is None else _numbers(axis, "xyz", "1 0 0")
+    return direction / np.linalg.norm(direction)
 
 
 def _placed(link, motions):

@@ -30,6 +30,7 @@ from truepose.reports.headline import judged_on
 from truepose.reports.terminal.identification import identification_summary, truth_table
 from truepose.words.catalogue import catalogue
 
+PAINTED_ELSEWHERE = pytest.mark.usefixtures("empty_pictures")
 FRENCH = catalogue("fr")
 FAR = Outlier(3, 4, 1, 5.2, said("gross.turned", turn_deg=5.0))
 
@@ -90,6 +91,7 @@ def test_a_report_of_lengths_is_french_throughout(tmp_path, of_lengths, lengths)
     assert english_in(text) == []
 
 
+@PAINTED_ELSEWHERE
 def test_what_is_beside_the_readings_is_told_in_french_too(tmp_path, of_lengths, lengths):
     truth = Truth(
         (TrueParameter("a_3", 0.2, 0.1, 0.01, "mm"),), ((said("truth.aligned"), make_pair().nominal),)
@@ -123,6 +125,7 @@ def test_what_was_not_fitted_is_told_in_french(tmp_path, points):
     assert english_in(text) == []
 
 
+@PAINTED_ELSEWHERE
 def test_a_report_in_english_is_seen(tmp_path, of_lengths, lengths):
     text = Page(page_of(tmp_path / "report.html", of_lengths, lengths, language="en")).text
 

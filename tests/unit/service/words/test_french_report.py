@@ -24,6 +24,7 @@ from truepose.reports import DiagnosisInput, diagnosis_content
 from truepose.words.catalogue import catalogue
 
 FRENCH = catalogue("fr")
+PAINTED_ELSEWHERE = pytest.mark.usefixtures("empty_pictures")
 FOLDER = Path(truepose.__file__).parent / "words" / "fr"
 
 
@@ -90,10 +91,12 @@ def test_a_terminal_speaks_french_too(diagnosed):
     assert english_in(text) == []
 
 
+@PAINTED_ELSEWHERE
 def test_what_is_said_in_english_is_seen(diagnosed):
     assert {"the", "of", "with"} <= set(english_in(Page(diagnosis_content(DiagnosisInput(diagnosed))).text))
 
 
+@PAINTED_ELSEWHERE
 def test_a_cause_of_a_package_keeps_its_own_words(diagnosed):
     told = "The gear of joint 2 rubs under load."
     first, *others = diagnosed.findings

@@ -73,6 +73,7 @@ def test_a_report_with_a_test_of_iso_9283_is_french_throughout(tmp_path, points)
     assert english_in(text) == []
 
 
+@pytest.mark.usefixtures("empty_pictures")
 def test_the_same_report_in_english_is_seen(tmp_path, points):
     text = text_of(tmp_path / "report.html", points, "en", limit_mm=0.2, test=pose_test(MODEL, points))
 

@@ -69,11 +69,13 @@ def test_a_calibrated_arm_moves_as_its_description_does():
     )
 
     home = nominal_chain(robot, np.zeros((1, 6)))
+    urdf = as_urdf(origins)
+    start = frames(urdf, np.zeros(6))["wrist_3"]
     for joints in rng.uniform(-3.0, 3.0, (100, 6)):
         chain = nominal_chain(robot, joints[None])
         # The table's base and last frame lie elsewhere on their axes: compare what the motion did.
         moved = chain.end_rotation[0] @ home.end_rotation[0].T
-        there, start = (frames(as_urdf(origins), q)["wrist_3"] for q in (joints, np.zeros(6)))
+        there = frames(urdf, joints)["wrist_3"]
         turn = np.trace(there[:3, :3] @ start[:3, :3].T)
         assert np.trace(moved) == pytest.approx(turn, abs=1e-9)
         far = np.linalg.norm(there[:3, 3] - start[:3, 3])
@@ -91,8 +93,9 @@ def test_an_identified_arm_is_written_as_its_description_takes_it():
     text, arm = exported.text, exported.subject.arm
     joints = np.random.default_rng(3).uniform(-3.0, 3.0, (1000, 6))
     chain = nominal_chain(arm.robot, joints)
+    urdf = as_urdf(origins_of(text))
     for row, configuration in enumerate(joints):
-        there = frames(as_urdf(origins_of(text)), configuration)["wrist_3"]
+        there = frames(urdf, configuration)["wrist_3"]
         np.testing.assert_allclose(there[:3, 3], chain.end_origin[row] / 1000.0, atol=1e-9)
         np.testing.assert_allclose(there[:3, :3], chain.end_rotation[row], atol=1e-12)
 

@@ -38,6 +38,11 @@ def plan():
     return planned()
 
 
+@pytest.fixture(scope="module")
+def forty():
+    return planned(40)
+
+
 def test_the_promise_falls_with_every_ten_more(plan):
     means = [point.mean_mm for point in plan.curve]
 
@@ -83,12 +88,12 @@ def test_a_parameter_that_nobody_can_see_is_named():
     assert any("joint 4 never moved" in english(group.reason) for group in found.left_open)
 
 
-def test_three_configurations_leave_almost_everything_open():
+def test_three_configurations_leave_almost_everything_open(forty):
     found = planned(3)
 
     assert found.left_open
     assert found.observability == dict.fromkeys(("O1", "O2", "O3", "O4", "O5"), 0.0)
-    assert found.promised.mean_mm > 10.0 * planned(40).promised.mean_mm
+    assert found.promised.mean_mm > 10.0 * forty.promised.mean_mm
 
 
 @pytest.mark.parametrize("n", [0, -3])
@@ -117,7 +122,7 @@ def test_what_was_measured_by_chance_makes_fewer_further_ones_worth_while():
     assert found.curve[0].n == 20
 
 
-def test_the_curve_holds_for_the_sessions_of_the_service_too():
+def test_the_curve_holds_for_the_sessions_of_the_service_too(forty):
     stops = plan_calibration(SPACE, 40, seed=2, n_candidates=FEW).stops
     first = [stop for stop in stops if stop.repeat_of is None]
     chosen = Measured(np.array([s.joints_rad for s in first]), np.array([s.nest for s in first]), len(first))
@@ -126,7 +131,7 @@ def test_the_curve_holds_for_the_sessions_of_the_service_too():
 
     assert as_planned.n == 40
     # An exchange finds sets that are some 1 % better; the volume is sampled to another 1 %.
-    assert as_planned.mean_mm == pytest.approx(planned(40).promised.mean_mm, rel=0.05)
+    assert as_planned.mean_mm == pytest.approx(forty.promised.mean_mm, rel=0.05)
 
 
 def test_a_discrepancy_stays_however_much_is_measured():
@@ -136,16 +141,16 @@ def test_a_discrepancy_stays_however_much_is_measured():
     assert found.assumptions.discrepancy.per_axis_mm == 0.09
 
 
-def test_certified_nests_of_the_table_add_what_the_world_is_uncertain_by():
-    inside, outside = planned(40), planned(40, knowns=Knowns(fixed_nests=TABLE))
+def test_certified_nests_of_the_table_add_what_the_world_is_uncertain_by(forty):
+    outside = planned(40, knowns=Knowns(fixed_nests=TABLE))
 
-    assert outside.promised.mean_mm > inside.promised.mean_mm
+    assert outside.promised.mean_mm > forty.promised.mean_mm
 
 
-def test_accuracy_in_a_corner_differs_from_that_over_all():
+def test_accuracy_in_a_corner_differs_from_that_over_all(forty):
     box = WorkVolume(box_mm=((350.0, 500.0), (-100.0, 100.0), (300.0, 450.0)))
 
-    assert planned(40, volume=box).promised.mean_mm < planned(40).promised.mean_mm
+    assert planned(40, volume=box).promised.mean_mm < forty.promised.mean_mm
 
 
 def test_a_tracker_reads_worse_across_the_beam_and_far_away():
