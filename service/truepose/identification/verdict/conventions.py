@@ -47,7 +47,8 @@ def change_that_fits(
     meant = Meant(robot, thinned(evidence))
     best, best_mm = None, min(_CLEARLY_BETTER * typical_mm(meant, free), plausible_mm(robot))
     for change in changes(meant, known):
-        typical = typical_mm(change.applied(meant), free)
+        changed = change.applied(meant)
+        typical = typical_mm(changed, free) if may_leave(changed, free, best_mm) else np.inf
         if typical < best_mm:
             best, best_mm = change, typical
     if best or not search_zeros:
@@ -73,6 +74,27 @@ def typical_mm(meant: Meant, known: Known) -> float:
     evidence = meant.evidence
     chain = nominal_chain(meant.robot, evidence.joints_rad)
     return quick_typical_mm(chain, evidence.nest, evidence.position_mm, known)
+
+
+def may_leave(meant: Meant, known: Known, limit_mm: float) -> bool:
+    """Whether the typical residual may be below a limit, wherever the robot is placed; no search is needed.
+
+    Then half of the readings are nearer to where they are predicted than the limit, and every two of these
+    are as far apart as predicted to twice the limit. Unknown nests may be anywhere: of them nothing is told.
+    """
+    if known.nest_unknown.any():
+        return True
+    evidence = meant.evidence
+    half = (len(evidence.nest) + 1) // 2
+    predicted = nominal_chain(meant.robot, evidence.joints_rad).points(known.nests_mm[evidence.nest - 1])
+    off_mm = np.abs(_distances(predicted) - _distances(evidence.position_mm))
+    return int((off_mm < 2.0 * limit_mm).sum()) >= half**2  # each pair from both ends, each point with itself
+
+
+def _distances(points_mm: FloatArray) -> FloatArray:
+    """Return the distances between every two points (n, 3), shape (n, n)."""
+    x, y, z = points_mm.T[:, :, None] - points_mm.T[:, None, :]
+    return np.asarray(np.sqrt(x * x + y * y + z * z))
 
 
 def changes(meant: Meant, known: Known) -> Iterator[Change]:

@@ -9,7 +9,7 @@ from tests.helpers.domain.robots import IRB_120, SEVEN_AXES
 from tests.helpers.identification.synthetic import NESTS, configurations
 from truepose.identification.problem.placement import Known
 from truepose.identification.verdict.changes import Evidence, Meant, with_zero
-from truepose.identification.verdict.conventions import change_that_fits, changes, typical_mm
+from truepose.identification.verdict.conventions import change_that_fits, changes, may_leave, typical_mm
 from truepose.kinematics.chain import nominal_chain
 from truepose.words.catalogue import english
 
@@ -97,3 +97,24 @@ def test_a_change_that_is_applied_is_told_by_the_readings(change):
     # with a free base, joint 1 the other way and a left-handed frame are the same to this robot
     assert typical_mm(applied, KNOWN) > 1.0 or (change.kind, change.first) == ("other_way", 0)
     assert english(change.sentence) != change.sentence.key
+
+
+@pytest.mark.parametrize("change", [None, *changes(Meant(IRB_120, SEEN), KNOWN)], ids=str)
+@pytest.mark.parametrize("rows", [39, 40])
+def test_nothing_is_ruled_out_that_a_search_would_find(change, rows):
+    noisy = SEEN.position_mm + np.random.default_rng(1).normal(scale=0.3, size=(40, 3))
+    right = Meant(IRB_120, Evidence(SEEN.joints_rad[:rows], SEEN.nest[:rows], noisy[:rows]))
+    meant = right if change is None else change.applied(right)
+
+    assert may_leave(meant, KNOWN, 1.0001 * typical_mm(meant, KNOWN))
+    # what does not fit by far is ruled out; a mirror image has the distances of what it mirrors
+    mirrored = change is not None and change.kind == "left_handed"
+    assert may_leave(meant, KNOWN, 1.0) == (mirrored or typical_mm(meant, KNOWN) < 1.0)
+
+
+def test_of_nests_that_nobody_knows_nothing_is_ruled_out():
+    turned = replace(SEEN, joints_rad=-SEEN.joints_rad)
+    unknown = replace(KNOWN, nest_unknown=np.ones(3, dtype=bool))
+
+    assert not may_leave(Meant(IRB_120, turned), KNOWN, 0.1)
+    assert may_leave(Meant(IRB_120, turned), unknown, 0.1)
