@@ -9,6 +9,7 @@ from truepose.identification.verdict.changes import Change, Evidence, Meant
 from truepose.identification.verdict.conventions import (
     change_that_fits,
     changes,
+    may_leave,
     plausible_mm,
     thinned,
     typical_mm,
@@ -56,7 +57,8 @@ def match(robot: Robot, evidence: Evidence, known: Known, *, search_zeros: bool 
     if as_it_is.fits:
         return as_it_is
     singles = sorted((_with(meant, free, (one,)) for one in changes(meant, known)), key=_typical)
-    for found in (singles[0], min(_pairs(meant, free, singles[:_SHORT_LIST]), key=_typical)):
+    pairs = _pairs(meant, free, singles[:_SHORT_LIST])
+    for found in (singles[0], min(pairs, key=_typical, default=as_it_is)):
         if found.fits:
             return found
     zero = change_that_fits(robot, evidence, known) if search_zeros else None
@@ -78,19 +80,23 @@ def _typical(one: Match) -> float:
 
 
 def _with(meant: Meant, known: Known, these: Sequence[Change]) -> Match:
-    changed = meant
+    return Match(meant.robot, tuple(these), typical_mm(_changed(meant, these), known))
+
+
+def _changed(meant: Meant, these: Sequence[Change]) -> Meant:
     for change in these:
-        changed = change.applied(changed)
-    return Match(meant.robot, tuple(these), typical_mm(changed, known))
+        meant = change.applied(meant)
+    return meant
 
 
 def _pairs(meant: Meant, known: Known, singles: Sequence[Match]) -> Iterator[Match]:
-    """Yield what a second change adds to the most promising first ones."""
+    """Yield what a second change adds to the most promising first ones, where the robot may fit then."""
     for single in singles:
         (first,) = single.changes
         for second in changes(meant, known):
-            if second != first:
-                yield _with(meant, known, (first, second))
+            both = (first, second)
+            if second != first and may_leave(_changed(meant, both), known, plausible_mm(meant.robot)):
+                yield _with(meant, known, both)
 
 
 def matches(robots: Sequence[Robot], evidence: Evidence, known: Known) -> tuple[Match, ...]:
