@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.stats import kstest
 
 from tests.helpers.diagnosis.selections import make_selected, make_start, proposed
 from truepose.diagnosis.screening.candidates import pooled
@@ -119,6 +118,8 @@ def noise_on(pool, rng):
 
 @pytest.mark.parametrize("name", [GAINS[1], WAVE])
 def test_noise_makes_every_p_value_equally_often(start, name):
+    from scipy.stats import kstest  # takes each process that collects this a quarter of a second
+
     rng = np.random.default_rng(4)
     pool = pooled(start.fit, [candidate(start, *name, width=WIDE)])
 

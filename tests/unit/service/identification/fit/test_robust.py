@@ -6,7 +6,7 @@ from functools import cache
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
-from scipy.stats import chi2
+from scipy.special import gammaincinv
 
 from tests.helpers.domain.robots import IRB_120
 from tests.helpers.identification.closed_loops import contact_campaign
@@ -83,7 +83,7 @@ def test_noise_beyond_what_is_stated_comes_back_as_discrepancy(times):
     fit, _ = fitted(campaign_of(noise_mm=times * 0.015))
 
     degrees = 3 * N - 26
-    low, high = np.sqrt(chi2.ppf([1e-4, 1.0 - 1e-4], degrees) / degrees)
+    low, high = np.sqrt(gammaincinv(degrees / 2.0, [1e-4, 1.0 - 1e-4]) / (degrees / 2.0))
     found = np.hypot(fit.blocks[0].discrepancy, 0.015)
     assert times * 0.015 * low < found < times * 0.015 * high
     assert not fit.gross[0].any()

@@ -4,7 +4,6 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from scipy.stats import kstest
 
 from truepose.identification.observations.believed import belief_block
 
@@ -36,6 +35,8 @@ def measured(rng, mean, believed, robot, read):
 
 @pytest.mark.parametrize("read", [1, 2, 8])
 def test_robots_of_the_type_are_as_far_off_as_chance_has_it(read):
+    from scipy.stats import kstest  # takes each process that collects this a quarter of a second
+
     rng = np.random.default_rng(read)
     mean, believed = rng.standard_normal(3), drawn_covariance(rng, 2.0)
     robots = rng.multivariate_normal(mean, believed, ROBOTS)

@@ -1,12 +1,9 @@
 import numpy as np
 import pytest
 
-from tests.helpers.ballbar.pose_device import CUPS, FOUR_CUPS, NESTS, lengths
+from tests.helpers.ballbar.pose_device import ALL, CUPS, FOUR_CUPS, MEASURABLE, NESTS, lengths
 from truepose.domain.errors import ConfigurationError
 from truepose.kinematics.pose_device import assemblies, distinct, measurable, turn_between
-
-ALL = assemblies(CUPS, NESTS)
-MEASURABLE = measurable(ALL, CUPS, NESTS)
 
 
 def test_of_144_assemblies_72_are_measurable_and_54_distinct():

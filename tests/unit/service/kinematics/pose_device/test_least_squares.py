@@ -5,7 +5,15 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tests.helpers.ballbar.pose_device import ALL_LEGS, CUPS, FOUR_CUPS, NESTS, SIGMA_MM, lengths
+from tests.helpers.ballbar.pose_device import (
+    ALL_LEGS,
+    CUPS,
+    FOUR_CUPS,
+    MEASURABLE,
+    NESTS,
+    SIGMA_MM,
+    lengths,
+)
 from truepose.domain.errors import ConfigurationError, UnderdeterminedError
 from truepose.kinematics.frames import rotation_from_vector, vector_from_rotation
 from truepose.kinematics.pose_device import (
@@ -18,7 +26,6 @@ from truepose.kinematics.pose_device import (
 )
 
 FIXTURES = Fixtures(CUPS, NESTS)
-MEASURABLE = measurable(assemblies(CUPS, NESTS), CUPS, NESTS)
 OCTAHEDRON = ((1, 1), (1, 2), (2, 2), (2, 3), (3, 3), (3, 1))
 TWELVE_LEGS = tuple((cup, nest) for cup in (1, 2, 3, 4) for nest in (1, 2, 3))
 

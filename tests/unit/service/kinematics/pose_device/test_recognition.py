@@ -1,12 +1,11 @@
 import numpy as np
 import pytest
 
-from tests.helpers.ballbar.pose_device import CUPS, NESTS, lengths
+from tests.helpers.ballbar.pose_device import ALL, CUPS, NESTS, lengths
 from truepose.kinematics.frames import rotation_from_vector
-from truepose.kinematics.pose_device import Pose, assemblies, pose_of, recognise_assembly, solve
+from truepose.kinematics.pose_device import Pose, pose_of, recognise_assembly, solve
 from truepose.kinematics.pose_device.cascade import sides
 
-ALL = assemblies(CUPS, NESTS)
 NOWHERE = Pose(np.full((3, 3), np.nan), np.full(3, np.nan))
 
 
