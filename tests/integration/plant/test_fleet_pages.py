@@ -110,6 +110,32 @@ def _archived(url):
         return [(one.name, one.stated) for one in campaigns]
 
 
+async def test_workers_that_are_away_keep_nobody_waiting_and_health_says_so(
+    tmp_path, empty_database, served_plant, campaigns, unused_tcp_port
+):
+    database = tmp_path / "plant.sqlite3"
+    database.write_bytes(empty_database.read_bytes())
+    url, away = f"sqlite:///{database}", f"dask://127.0.0.1:{unused_tcp_port}"
+    async with served_plant(url, workers="1") as plant:
+        await collect(plant, campaigns[:3])
+        by_process = [one.told for one in await plant.here.fleets.told(await plant.here.fleets.campaigns())]
+        healthy = (await plant.get("/health")).json()
+
+    async with served_plant(url, workers=away) as plant:
+        await collect(plant, campaigns[3:], first=4)
+        shown = await page(plant, "/fleet")
+        known = await plant.here.fleets.known(await plant.here.fleets.campaigns())
+        health = (await plant.get("/health")).json()
+
+    assert by_process == [told_here(recorded) for _, _, recorded in campaigns[:3]]
+    assert [one.told for one in known] == by_process
+    assert "data-drawing" in shown  # by those that are known
+    assert "campaigns are missing which nobody has read yet: 1." in shown
+    assert f"No Dask scheduler answers at 127.0.0.1:{unused_tcp_port}." in shown
+    assert (healthy["status"], health["status"]) == ("ok", "degraded")
+    assert health["fault"].startswith("The workers of this plant cannot be used")
+
+
 async def test_a_robots_error_and_causes_are_drawn_over_the_days(service):
     cause = {"effect": "backlash", "subject": "joint 4", "unit": "deg", "amplitude": 0.02}
     found = {"causes": [{**cause, "amplitude_standard_uncertainty": 0.002}]}

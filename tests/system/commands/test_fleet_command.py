@@ -29,7 +29,7 @@ def test_where_nothing_changes_the_command_names_nothing_and_keeps_what_was_told
     assert (status, again) == (0, 0)
     assert "Nothing changes beyond chance" in " ".join(said.split())
     assert "Measure robot 00 next. Nothing calls for it" in " ".join(said.split())
-    assert "configurations tell of robot 00" in remarks
+    assert "of robot 00 whether" in remarks
     assert "A further robot of the type comes to a mean error of" in remarks
     assert len(files["new.csv"].read_text().splitlines()) == 16
     assert files["check.csv"].read_text().startswith("config,q1_deg,")
@@ -64,8 +64,9 @@ def test_a_table_says_what_campaigns_do_not_and_one_without_either_is_left_out(t
     rows = [f"robot-0{i}-month-{m},arm {i},tracker,2026-0{m + 1}-05" for i in (0, 1) for m in (0, 1)]
     table.write_text("\n".join(["campaign,robot,instrument,day", *rows[:3]]))
 
-    status, said, _ = truepose("fleet", mine, "--table", table, "--workers", 1, "--json")
-    without, _, sentence = truepose("fleet", mine, "--workers", 1)
+    kept = ("--out", tmp_path / "out", "--workers", 1)
+    status, said, _ = truepose("fleet", mine, "--table", table, *kept, "--json")
+    without, _, sentence = truepose("fleet", mine, *kept)
 
     assert status == 1
     found = json.loads(said)
@@ -118,7 +119,7 @@ def test_robots_that_were_measured_once_each_do_not_show_what_changes(truepose, 
     for folder in archive.glob("*-month-0"):
         shutil.copytree(folder, tmp_path / "once" / folder.name)
 
-    status, _, said = truepose("fleet", tmp_path / "once", "--workers", 1)
+    status, _, said = truepose("fleet", tmp_path / "once", "--out", archive.parent / "out", "--workers", 1)
 
     assert status == 2
     assert said.startswith("2 robots were measured on one day each")
