@@ -191,7 +191,7 @@ def _options() -> argparse.Namespace:
     parser.add_argument("--first", type=int, default=1)
     parser.add_argument("--robots", type=int, default=12)
     parser.add_argument("--growth", type=float, default=0.05, help="mm")
-    parser.add_argument("--each", type=int, default=4, help="times that each cause grows")
+    parser.add_argument("--each", type=int, default=6, help="times that each cause grows")
     return parser.parse_args()
 
 
