@@ -10,6 +10,7 @@ from truepose.app.plants import open_plant
 from truepose.domain.people.accounts import MACHINE, Role
 from truepose.settings import PlantSettings, Settings
 from truepose.storage.errors import StorageUnavailableError
+from truepose.storage.plant.journal import CatchingUp
 from truepose.storage.plant.looking_over import PlantOverview
 from truepose.storage.plant.records import HandDownState
 from truepose.web.people.operations import operations_of
@@ -173,11 +174,14 @@ async def test_a_hand_down_that_no_cell_could_take_is_refused_at_the_door(servic
 
 async def test_a_plant_that_visits_nobody_any_more_says_so(service, monkeypatch):
     before = (await service.get("/health")).json()
+    monkeypatch.setattr(service.here.journal, "catching_up", CatchingUp(7200, 120))
+    meanwhile = (await service.get("/health")).json()
     monkeypatch.setattr(service.here.collector, "has_ended", True)
 
     after = (await service.get("/health")).json()
 
-    assert (before["status"], before["fault"]) == ("ok", None)
+    assert (before["status"], before["fault"], before["doing"]) == ("ok", None, None)
+    assert (meanwhile["status"], "read again, 120 of 7200" in meanwhile["doing"]) == ("ok", True)
     assert (after["status"], after["fault"][:30]) == ("degraded", "No cell is visited any more; t")
 
 

@@ -1,5 +1,6 @@
 """What results tell is kept beside them, also of what a plant of an earlier version collected."""
 
+import asyncio
 import dataclasses
 from datetime import date
 
@@ -19,6 +20,7 @@ from truepose.storage.calibration.jobs import JobRepository
 from truepose.storage.connection.migrating import migration_config
 from truepose.storage.integrity.verification import verify
 from truepose.storage.measurement.sessions import SessionRepository
+from truepose.storage.plant import journal
 from truepose.storage.plant.certificates import PlantCertificates
 from truepose.storage.plant.newest import PlantTold
 from truepose.storage.records import CampaignSummary, JobKind
@@ -44,7 +46,8 @@ async def told(plant):
     return await plant.database.read(lambda c: [tuple(row) for row in c.execute(query)])
 
 
-async def test_what_an_earlier_version_collected_tells_the_same(open_cell, open_plant, tmp_path):
+async def test_what_an_earlier_version_collected_tells_the_same(open_cell, open_plant, tmp_path, monkeypatch):
+    monkeypatch.setattr(journal, "_RECORDS_AT_ONCE", 2)
     (tmp_path / "cell").mkdir()
     (tmp_path / "cell" / "cell.toml").write_text(CELL)
     write_earlier("0013", tmp_path / "cell" / "truepose.sqlite3")
@@ -55,6 +58,12 @@ async def test_what_an_earlier_version_collected_tells_the_same(open_cell, open_
         one_version_back(tmp_path / "plant.sqlite3")
         with open_plant() as plant:
             before = await told(plant)
+            ended = asyncio.create_task(plant.journal.catch_up())
+            while plant.journal.catching_up is None or not plant.journal.catching_up.done:
+                await asyncio.sleep(0)
+            ended.cancel()
+        with open_plant() as plant:
+            begun = await told(plant)
             for _ in range(2):
                 await plant.journal.catch_up()
             later = await told(plant)
@@ -64,7 +73,8 @@ async def test_what_an_earlier_version_collected_tells_the_same(open_cell, open_
 
     kinds = ["session", "session", "campaign", "identification", "model", "validation", "diagnosis", "model"]
     assert sorted(row[1] for row in at_once) == sorted(kinds)
-    assert (before, later) == ([], at_once)
+    assert (before, begun, later) == ([], at_once[: len(begun)], at_once)
+    assert 0 < len(begun) < len(at_once)
     assert [row[1] for row in further[len(later) :]] == ["session"]
     assert verify(tmp_path / "plant.sqlite3").findings == ()
 

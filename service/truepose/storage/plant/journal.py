@@ -60,6 +60,20 @@ class Collected:
         return head_of(self.position, self.heads)
 
 
+@dataclass(slots=True)
+class CatchingUp:
+    """How far records that were collected before are read again."""
+
+    of: int
+    done: int = 0
+
+    def __str__(self) -> str:
+        return (
+            f"Records that an earlier version collected are read again, {self.done} of {self.of} so far; "
+            "cells are visited afterwards."
+        )
+
+
 class JournalRepository:
     """All queries about journals.
 
@@ -70,6 +84,7 @@ class JournalRepository:
         self._database = database
         self._known: dict[int, Collected] = {}  # by branch
         self._reading = asyncio.Semaphore(_CHAINS_AT_ONCE)
+        self.catching_up: CatchingUp | None = None  # while that lasts
 
     async def enter(self, *cells: str) -> None:
         """Enter cells where they are new."""
@@ -111,12 +126,24 @@ class JournalRepository:
     async def catch_up(self) -> None:
         """Read again what an earlier version of this program collected and did not look into.
 
-        To be done before the next page is kept.
+        To be done before the next page is kept. Where the process is killed the next one goes on behind the
+        last records that it kept.
         """
-        for branch in await self._database.read(all_branches):
-            untold = await self._database.read(partial(untold_links, branch_id=branch.id))
-            for first in range(0, len(untold), _RECORDS_AT_ONCE):
-                await self._tell_again(branch, untold[first : first + _RECORDS_AT_ONCE])
+        untold = {
+            branch: await self._database.read(partial(untold_links, branch_id=branch.id))
+            for branch in await self._database.read(all_branches)
+        }
+        doing = self.catching_up = CatchingUp(sum(map(len, untold.values())))
+        if doing.of:
+            _LOG.info("%s", doing)
+        try:
+            for branch, links in untold.items():
+                for first in range(0, len(links), _RECORDS_AT_ONCE):
+                    some = links[first : first + _RECORDS_AT_ONCE]
+                    await self._tell_again(branch, some)
+                    doing.done += len(some)
+        finally:
+            self.catching_up = None
 
     async def accept_other_chain(self, cell: str, person: str, reason: str) -> None:
         """Collect the other chain that a cell shows into a branch of its own, once; raises ConflictError."""

@@ -26,11 +26,17 @@ async def get_health(visit: Visited, here: PlantHere, response: Response) -> Pla
     return PlantHealth(
         status="ok" if fault is None else "degraded",
         fault=fault,
+        doing=_doing(here),
         version=here.version,
         schema=here.database.schema,
         cells=len(here.collector.cells),
         newest_copy_age_s=None if here.copies is None else here.copies.age_s,
     )
+
+
+def _doing(here: PlantContext) -> str | None:
+    catching_up = here.journal.catching_up
+    return None if catching_up is None or not catching_up.of else str(catching_up)
 
 
 def _fault(here: PlantContext, *, known: bool) -> str | None:

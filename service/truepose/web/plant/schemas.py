@@ -21,6 +21,10 @@ class PlantHealth(Reply):
 
     status: Literal["ok", "degraded"]
     fault: str | None
+    doing: str | None = Field(
+        description="What is done before cells are visited; null: they are.",
+        examples=["Records that an earlier version collected are read again, 120 of 7200 so far."],
+    )
     version: str = Field(examples=["0.1.0"])
     schema_revision: str = Field(alias="schema", examples=["0014"])
     cells: int = Field(description="How many stand in the cells file.", examples=[2])
