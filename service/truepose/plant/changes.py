@@ -187,6 +187,7 @@ def certificates_ended(
 
 
 def _ended(paper: Paper, robots: int) -> Sentence:
-    of = " ".join(filter(None, (paper.of, paper.serial_number)))
-    values: dict[str, Value] = {"certificate": paper.certificate, "of": of, "expires": paper.expires}
-    return said("plant.changed.certificate", **values, robots=robots if paper.serial_number else 0)
+    of: dict[str, Value] = {"certificate": paper.certificate, "of": paper.of, "expires": paper.expires}
+    if not paper.serial_number:
+        return said("plant.changed.certificate.unnumbered", **of)
+    return said("plant.changed.certificate", **of, serial=paper.serial_number, robots=robots)

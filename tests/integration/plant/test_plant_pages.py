@@ -157,6 +157,13 @@ async def test_programs_hear_of_no_day_that_is_yet_to_come_where_there_is_anothe
     assert await last("instruments") == [("T-9", honest)]
     life = (await service.get("/api/v1/plant/robots/late")).json()["robot"]
     assert (life["last_measured_on"], life["cell"], life["results"]) == (honest, "left arm", 2)
+    shown = await page(service, "/robots/late")
+    assert f"Last measured on {honest}, in left arm." in shown
+    days = re.findall(r"<tr><th>(\d{4}-\d\d-\d\d)( <span class=\"badge warn)?", shown)
+    assert [(day, bool(doubted)) for day, doubted in days] == [
+        (honest, False),
+        (str(TODAY + timedelta(days=400)), True),
+    ]
 
 
 async def test_a_serial_number_may_have_slashes(service):
@@ -180,7 +187,10 @@ async def test_a_robot_that_gets_worse_leads_to_the_comparison_that_says_so(serv
     ((serial, reason),) = due(shown)
     assert serial == "120-1"
     assert reason.startswith(f"Backlash, joint 5: grows by 0.012 mm a month since {days[0]}, passes 0.1 mm")
-    assert '<a href="/fleet?type=IRB%20120">Backlash, joint 5' in shown
+    lives = [await page(service, f"/robots/{of}") for of in ("120-1", "120-2")]
+    leads = '<a href="/fleet?type=IRB%20120">Backlash, joint 5'
+    assert [leads in text for text in (shown, *lives)] == [True, True, False]
+    assert "not due" in lives[1]
     assert "gets worse: a limit is passed before it is due" in shown
 
 
@@ -393,8 +403,9 @@ async def test_a_metrologist_accepts_another_chain_after_a_look_at_what_that_doe
 
 
 async def test_a_cell_without_another_chain_offers_none_and_one_that_is_unknown_is_said(service, cell):
+    await first_visited(service)
     await cell.measure()
-    await all_collected(service, cell)
+    await service.here.collector.visit("left arm")
 
     shown, missing = await page(service, "/cells/left arm"), await service.get("/cells/right arm")
 

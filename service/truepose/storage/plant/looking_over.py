@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from datetime import date
 
-from sqlalchemy import Connection, func, select
+from sqlalchemy import ColumnElement, Connection, func, select
 
 from truepose.storage.database import Database
 from truepose.storage.plant.looking import (
@@ -58,6 +58,11 @@ class PlantOverview:
         """
         return await self._database.read(lambda connection: _robots(connection, upto.isoformat()))
 
+    async def robot(self, serial_number: str, upto: date) -> list[RobotMeasured]:
+        """Return one robot, as it stands among them all; none where nobody has heard of it."""
+        one = plant_robots.c.serial_number == serial_number
+        return await self._database.read(lambda connection: _robots(connection, upto.isoformat(), one))
+
     async def lately(self, since: date, limit: int) -> Lately:
         """Return what came in since a day began."""
         return await self._database.read(lambda connection: _lately(connection, since.isoformat(), limit))
@@ -79,11 +84,11 @@ class PlantOverview:
         return dict(tuple(row) for row in rows)
 
 
-def _robots(connection: Connection, upto: str) -> list[RobotMeasured]:
+def _robots(connection: Connection, upto: str, *conditions: ColumnElement[bool]) -> list[RobotMeasured]:
     cells = cells_of_branches(connection)
     query = select(plant_robots.c.serial_number, plant_robots.c.robot, *last_days(plant_robots, upto))
     robots = []
-    for serial, robot, *told in connection.execute(query):
+    for serial, robot, *told in connection.execute(query.where(*conditions)):
         last = last_day(upto, *told)
         at = ("", "", "")
         if last is not None:

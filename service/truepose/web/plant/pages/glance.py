@@ -5,20 +5,19 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import UTC, date, datetime
 from typing import Final
-from urllib.parse import quote
 
 from fastapi import APIRouter
 from fastapi.responses import HTMLResponse
 
 from truepose.domain.cell.certificates import Standing
 from truepose.plant.changes import Changed, RobotChanged
-from truepose.plant.due import Evidence, Reason, StandingRobot, Why, latest_day, standing_robots
-from truepose.storage.files.foreseen import Compared
+from truepose.plant.due import StandingRobot, Why, latest_day
 from truepose.storage.plant.certificates import StatedPaper
 from truepose.storage.plant.looking_over import RobotMeasured
 from truepose.web.plant.changes import since_a_week
-from truepose.web.plant.context import PlantContext, PlantHere
+from truepose.web.plant.context import PlantHere
 from truepose.web.plant.pages.shown import Places, places_of, shown_cells, shown_results
+from truepose.web.plant.pages.standing import due_robot, standing
 from truepose.web.visiting.moments import moment
 from truepose.web.visiting.visits import Visited
 
@@ -40,14 +39,6 @@ _STATES: Final[Mapping[str, tuple[str, str]]] = {  # how a badge looks, and what
 
 
 @dataclass(frozen=True, slots=True)
-class DueRobot:
-    """A robot that is to be measured, and each reason with the page of the record that gives it."""
-
-    of: RobotMeasured
-    reasons: Sequence[tuple[Reason, str]]
-
-
-@dataclass(frozen=True, slots=True)
 class ChangedRobot:
     """A robot of which something changed, and each change with the page of the record that says so."""
 
@@ -62,13 +53,13 @@ async def plant_page(visit: Visited, here: PlantHere) -> HTMLResponse:
     papers, places = await here.certificates.that_count(), await places_of(here)
     measured = await here.overview.robots(latest_day(today))
     compared = await here.comparisons.of(robot.robot for robot in measured)
-    robots = await _standing(here, measured, papers, compared, today)
+    robots = await standing(here, measured, papers, compared, today)
     due = [robot for robot in robots if robot.reasons]
     changed = await since_a_week(here, papers, measured, today)
     lately = await here.overview.lately(changed.since, _NEXT)
     return visit.page(
         "plant/plant.html",
-        due=[_due(robot, places) for robot in due[:_NEXT]],
+        due=[due_robot(robot, places) for robot in due[:_NEXT]],
         due_total=len(due),
         rule=here.due,
         states=_counted(robots),
@@ -86,32 +77,9 @@ async def plant_page(visit: Visited, here: PlantHere) -> HTMLResponse:
     )
 
 
-async def _standing(
-    here: PlantContext,
-    robots: Iterable[RobotMeasured],
-    papers: Iterable[StatedPaper],
-    compared: Sequence[Compared],
-    today: date,
-) -> list[StandingRobot]:
-    expires = {stated.paper.serial_number: stated.paper.expires for stated in papers}
-    evidence = Evidence(await here.told.newest(latest_day(today)), expires, compared)
-    return standing_robots(robots, evidence, here.due, today)
-
-
 def _ending(papers: Iterable[StatedPaper], today: date) -> list[tuple[StatedPaper, Standing]]:
-    standing = [(stated, stated.standing(today)) for stated in papers]
-    return [one for one in standing if one[1] in {"expired", "ends soon"}]
-
-
-def _due(robot: StandingRobot, places: Places) -> DueRobot:
-    return DueRobot(robot.measured, [(reason, _leads_to(reason, places)) for reason in robot.reasons])
-
-
-def _leads_to(reason: Reason, places: Places) -> str:
-    """Return the page of what gives a reason; empty: there is none."""
-    if reason.compared is not None:
-        return f"/fleet?type={quote(reason.compared.robot)}"
-    return "" if reason.record is None else places.of(reason.record)
+    each = [(stated, stated.standing(today)) for stated in papers]
+    return [one for one in each if one[1] in {"expired", "ends soon"}]
 
 
 def _changed(

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from datetime import UTC, datetime
 from http import HTTPStatus
 from itertools import groupby
-from typing import Final
+from typing import Final, TypeVar
 
 from fastapi import APIRouter
 from fastapi.responses import HTMLResponse
@@ -13,10 +13,11 @@ from markupsafe import Markup
 
 from truepose.plant.due import latest_day
 from truepose.storage.errors import NotInPlantError
-from truepose.storage.plant.looking import DayMeasured
+from truepose.storage.plant.looking import DayMeasured, ResultSeen
 from truepose.web.plant.context import PlantHere
 from truepose.web.plant.pages.life_drawn import CoursesAsked, drawn_courses
 from truepose.web.plant.pages.shown import places_of, shown_results
+from truepose.web.plant.pages.standing import due_robot, standing
 from truepose.web.plant.seen import Serial
 from truepose.web.visiting.drawn import Whole, drawn_part
 from truepose.web.visiting.visits import Visit, Visited
@@ -25,6 +26,7 @@ _OVER_DAYS: Final = ("identification", "diagnosis")
 _AT_ONCE_S: Final = 0.03  # that pictures may hold up a life: those that are kept are there by then
 
 router = APIRouter(include_in_schema=False)
+Dated = TypeVar("Dated", DayMeasured, ResultSeen)
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,19 +53,32 @@ async def robot_life_page(
     visit: Visited, here: PlantHere, serial: Serial, whole: Whole = False
 ) -> HTMLResponse:
     """Show what was measured and made of a robot, newest day first, and how its error and its causes went."""
-    try:
-        robot = await here.looks.robot(serial, latest_day(datetime.now(UTC).date()))
-    except NotInPlantError:
+    today = datetime.now(UTC).date()
+    upto = latest_day(today).isoformat()
+    found = await here.overview.robot(serial, latest_day(today))
+    if not found:
         return _missing(visit, serial)
-    results = shown_results(await here.looks.life_of_robot(serial), await places_of(here))
-    days = await here.looks.days_of_robot(serial)
-    courses = await _courses(visit, here, serial, whole=whole)
-    return visit.page("plant/robot.html", robot=robot, results=results, days=days[::-1], courses=courses)
+    compared, places = await here.comparisons.of([found[0].robot]), await places_of(here)
+    (robot,) = await standing(here, found, await here.certificates.that_count(), compared, today)
+    results = await here.looks.life_of_robot(serial)
+    return visit.page(
+        "plant/robot.html",
+        robot=found[0],
+        due=due_robot(robot, places),
+        results=shown_results(_to_come_last(results, upto), places),
+        days=_to_come_last((await here.looks.days_of_robot(serial))[::-1], upto),
+        upto=upto,
+        courses=await _courses(visit, here, serial, upto, whole=whole),
+    )
 
 
-async def _courses(visit: Visit, here: PlantHere, serial: str, *, whole: bool) -> Courses:
-    """Return the courses of a robot's error and causes, drawn as soon as there is something over days."""
-    told = tuple(one for one in await here.told.of_robot(serial) if one.kind in _OVER_DAYS)
+async def _courses(visit: Visit, here: PlantHere, serial: str, upto: str, *, whole: bool) -> Courses:
+    """Return the courses of a robot's error and causes, drawn as soon as there is something over days.
+
+    A day that is yet to come would make one line of all others.
+    """
+    every = await here.told.of_robot(serial)
+    told = tuple(one for one in every if one.kind in _OVER_DAYS and one.measured_on <= upto)
     if not told:
         return Courses(None, is_there=False)
     asked = CoursesAsked(told, visit.words.tag)
@@ -82,14 +97,16 @@ async def instrument_life_page(visit: Visited, here: PlantHere, serial: Serial) 
         instrument = await here.looks.instrument(serial, latest_day(today))
     except NotInPlantError:
         return _missing(visit, serial)
+    upto = latest_day(today).isoformat()
     days = await here.looks.days_of_instrument(serial)
     stated = await here.certificates.of_instrument(serial)
     return visit.page(
         "plant/instrument.html",
         instrument=instrument,
-        shares=_shares(days),
+        shares=_shares(days, upto),
         certificates=[(one, one.standing(today)) for one in stated],
-        days=days[::-1],
+        days=_to_come_last(days[::-1], upto),
+        upto=upto,
     )
 
 
@@ -97,9 +114,15 @@ def _missing(visit: Visit, serial: str) -> HTMLResponse:
     return visit.page("plant/missing.html", HTTPStatus.NOT_FOUND, sentence="plant.missing", of=serial)
 
 
-def _shares(days: Iterable[DayMeasured]) -> list[Share]:
-    """Return the robots of some days, the one that was measured last first."""
-    by_robot = sorted(days, key=lambda day: (day.robot_serial_number, day.measured_on))
+def _to_come_last(measured: Iterable[Dated], upto: str) -> list[Dated]:
+    """Return results or days in their order, behind them those that are dated later than can be."""
+    return sorted(measured, key=lambda one: one.measured_on > upto)
+
+
+def _shares(days: Iterable[DayMeasured], upto: str) -> list[Share]:
+    """Return the robots of some days, the one that was measured last first; of days to come, none."""
+    past = (day for day in days if day.measured_on <= upto)
+    by_robot = sorted(past, key=lambda day: (day.robot_serial_number, day.measured_on))
     shares = [
         _share(serial, [*of_robot])
         for serial, of_robot in groupby(by_robot, lambda day: day.robot_serial_number)
