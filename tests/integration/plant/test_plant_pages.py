@@ -394,6 +394,7 @@ async def test_a_metrologist_accepts_another_chain_after_a_look_at_what_that_doe
 
     assert (refused.status_code, accepted.status_code) == (403, 201)
     assert "Accept this chain" not in afterwards
+    assert "Nothing is collected before" not in afterwards
     row = re.search(r"<h2>Chains that were accepted</h2>.*?</tbody>", afterwards, re.S)[0]
     assert re.findall(r'<td data-label="(?:From link|Who|Reason)">([^<]*)</td>', row) == [
         str(fork + 1),
