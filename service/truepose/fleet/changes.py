@@ -33,6 +33,9 @@ LEVEL: Final = 0.01
 _RIVAL: Final = 6.0  # twice the log of odds of twenty to one
 _SCOPES: Final = 4
 _FEWEST_OF_A_TYPE: Final = 2  # robots: what one does is its own
+_SAME_RATIO: Final = 0.05  # of variances
+_PAIR: Final = 2
+_TOGETHER: Final = 2  # changes of instruments are tried alone and in pairs, at half the level each
 _ENOUGH_ROBOTS: Final = 8  # of fewer, one that ages would be its own measure
 _SEEN: Final = 1e-6  # of the largest information of a change: along what has less it is not seen at all
 _MOST: Final = 40  # changes; a fleet with more has another trouble
@@ -66,7 +69,8 @@ class Tries:
 
     def chance(self, scope: Scope) -> float:
         """Return the chance up to which one try is beyond what chance gives over all."""
-        return self.level / (_SCOPES * max(self.number.get(scope, 0), 1))
+        together = _TOGETHER if scope == "instrument" else 1
+        return self.level / (together * _SCOPES * max(self.number.get(scope, 0), 1))
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,19 +106,20 @@ def account_of(fleet: Fleet, robot: Robot | None = None, level: float = LEVEL) -
     Account
     """
     estimated = estimate(Equations(fleet))
-    ratios = birge_ratios(estimated.posterior)
+    plain, ratios = fleet, birge_ratios(estimated.posterior)
     if ratios.max() > 1.0:
-        fleet = fleet.divided(ratios)
+        fleet = plain.divided(ratios)
         estimated = estimate(Equations(fleet), estimated.variances)
     causes = robot_causes(fleet, robot)
-    sought = _Sought(estimated, causes, level)
+    sought = _Sought(plain, ratios, estimated, causes, level)
     while len(sought.found) < _MOST and sought.take_the_best():
         pass
+    sought.drop_instruments_by_chance()
     estimated, found = sought.estimated, sought.found
     named = tuple(_named(estimated, found, number, causes) for number in range(len(found)))
     others = resembled(fleet, sought.unlike, estimated.variances)
     tries = _tries(causes, sought.trials, level)
-    return Account(sought.fleet, estimated, float(ratios.min()), named, tries, others)
+    return Account(sought.fleet, estimated, float(sought.ratios.min()), named, tries, others)
 
 
 def _tries(causes: tuple[AgeingCause, ...], trials: Sequence[Trial], level: float) -> Tries:
@@ -126,7 +131,15 @@ def _tries(causes: tuple[AgeingCause, ...], trials: Sequence[Trial], level: floa
 class _Sought:
     """What was found so far, and all that may be found next."""
 
-    def __init__(self, estimated: Estimated, causes: Sequence[AgeingCause], level: float) -> None:
+    def __init__(
+        self,
+        plain: Fleet,
+        ratios: FloatArray,
+        estimated: Estimated,
+        causes: Sequence[AgeingCause],
+        level: float,
+    ) -> None:
+        self._plain, self.ratios = plain, ratios  # with information as readings say, and over what it counts
         self.estimated, self._causes, self._level = estimated, causes, level
         self.found: list[Trial] = []
         self.unlike: list[Unlike] = []
@@ -156,7 +169,7 @@ class _Sought:
     def _take_in(self, best: Trial) -> None:
         """Take a change into the model, if it stands out from what other causes still show there."""
         self.found.append(best)
-        self._estimate(self.fleet)
+        self._estimate()
         if best.change.scope != "instrument" and not self._stands_out(best):
             self._drop(len(self.found) - 1)
         self._drop_the_explained()
@@ -174,6 +187,20 @@ class _Sought:
             places = np.flatnonzero(change.shape).tolist()
             self._leave_out([unlike(self.fleet, place, best.ratio, best.excess) for place in places])
 
+    def drop_instruments_by_chance(self) -> None:
+        """Take changes of instruments out of the model again that are none beside the others, for good."""
+        for number in reversed(range(len(self.found))):
+            if self.found[number].change.scope == "instrument" and not self._is_beside(number):
+                self._drop(number)
+
+    def _is_beside(self, number: int) -> bool:
+        others = [one.change.named for k, one in enumerate(self.found) if k != number]
+        days = InstrumentDays(estimate(Equations(self.fleet, others), self.estimated.variances).posterior)
+        shape = np.zeros(len(self.fleet.visits))
+        shape[self.fleet.visit] = self.found[number].change.shape
+        chance = _TOGETHER * days.of(shape)[1]
+        return chance * self._tried("instrument") * _SCOPES <= self._level
+
     def _stands_out(self, trial: Trial) -> bool:
         change = trial.change
         beside = (one for one in self.trials if one.change.beside(change))
@@ -187,7 +214,7 @@ class _Sought:
 
     def _drop(self, number: int) -> None:
         self._dropped.add(self.found.pop(number).change.key)
-        self._estimate(self.fleet)
+        self._estimate()
 
     def _drop_the_explained(self) -> None:
         """Take changes that others explain out of the model again, the least certain first, for good."""
@@ -211,12 +238,21 @@ class _Sought:
         kept = np.delete(np.arange(len(self._kept)), [one.place for one in others])
         self._kept = self._kept[kept]
         self.found = [_of_campaigns(one, kept) for one in self.found]
-        self._estimate(self.fleet.of_campaigns(kept))
+        self._plain = self._plain.of_campaigns(kept)
+        self._estimate()
 
-    def _estimate(self, fleet: Fleet) -> None:
-        equations = Equations(fleet, [one.change.named for one in self.found])
-        self.estimated = estimate(equations, self.estimated.variances)
+    def _estimate(self) -> None:
+        """Estimate anew, by how much each robot scatters as well: what is named is no scatter."""
+        self._estimate_at(self.ratios)
+        ratios = birge_ratios(self.estimated.posterior, self.ratios)
+        if np.any(np.abs(ratios / self.ratios - 1.0) > _SAME_RATIO):
+            self._estimate_at(ratios)
         self.trials = self._without_dropped(_trials(self.estimated.posterior, self._causes))
+
+    def _estimate_at(self, ratios: FloatArray) -> None:
+        self.ratios = ratios
+        equations = Equations(self._plain.divided(ratios), [one.change.named for one in self.found])
+        self.estimated = estimate(equations, self.estimated.variances)
 
     def _without_dropped(self, trials: Iterable[Trial]) -> tuple[Trial, ...]:
         return tuple(one for one in trials if one.change.key not in self._dropped)
@@ -273,10 +309,25 @@ def _instrument_trials(posterior: Posterior) -> Iterator[Trial]:
     fleet = posterior.equations.fleet
     days, cause = InstrumentDays(posterior), instrument_cause(fleet)
     instrument, day = (np.array(column) for column in zip(*fleet.visits, strict=True))
-    for number, name in enumerate(fleet.instruments):
-        for kind, since, shape in shapes(day, instrument == number):
-            change = Change("instrument", name, cause, kind, since, shape[fleet.visit])
-            yield Trial(change, *days.of(shape))
+    ways = [
+        (shape, Change("instrument", name, cause, kind, since, shape[fleet.visit]))
+        for number, name in enumerate(fleet.instruments)
+        for kind, since, shape in shapes(day, instrument == number)
+    ]
+    each = [days.of(shape) for shape, _ in ways]
+    hidden = _hidden(days, [shape for shape, _ in ways], [ratio for ratio, _ in each])
+    for number, ((_, change), (ratio, chance)) in enumerate(zip(ways, each, strict=True)):
+        yield Trial(change, ratio, _TOGETHER * min(chance, hidden.get(number, 1.0)))
+
+
+def _hidden(days: InstrumentDays, ways: Sequence[FloatArray], ratios: Sequence[float]) -> dict[int, float]:
+    """Return of the clearest change of an instrument the chance of it and another, over all pairs."""
+    if len(ways) < _PAIR:
+        return {}
+    first = int(np.argmax(ratios))
+    pairs = [days.of(ways[first], other) for k, other in enumerate(ways) if k != first]
+    _, chance = max(pairs)
+    return {first: chance * (len(ways) - 1) / _PAIR}
 
 
 def _beyond_chance(trials: Sequence[Trial], level: float) -> Trial | None:

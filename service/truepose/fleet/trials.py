@@ -13,7 +13,8 @@ log likelihood ratio, largest over s >= 0 and 0 where nothing speaks for it (the
 
 An instrument's scale is free on every day that it measured, with a variance that the same days have to tell:
 there the line or step is fitted to the scales of D days with that variance estimated anew, and judged by
-Student's t with D - J - 1 degrees of freedom (J instruments).
+Student's t with D - J - 1 degrees of freedom (J instruments). Two that change hide each other, as each is
+scatter of days to the other; so two are tried together as well, by Fisher's F.
 
 References
 ----------
@@ -170,6 +171,14 @@ class Seen(NamedTuple):
             float(squares.sum()), float(len(squares))
         )
 
+    def scattered(self, excess: float) -> float:
+        """Return twice the log likelihood ratio of readings that are alike worse than they were taken for.
+
+        Of q squares with mean m the largest over the ratio of variances, q (m - 1 - ln m), is at m.
+        """
+        mean = float(self.squares.mean()) / excess if len(self.squares) else 0.0
+        return len(self.squares) * (mean - 1.0 - float(np.log(mean))) if mean > 1.0 else 0.0
+
     def trial(self, change: Change, excess: float) -> Trial:
         """Return what speaks for a change that is seen so; `excess` as of `judged`."""
         return Trial(
@@ -217,6 +226,7 @@ class Line(NamedTuple):
     likelihood: float  # its logarithm
     amount: float  # in stated widths
     u: float  # standard uncertainty
+    squared: float  # of all columns beyond the instruments' levels: F where nothing changed
 
 
 class InstrumentDays:
@@ -236,14 +246,14 @@ class InstrumentDays:
         self._levels = (instrument[:, None] == np.unique(instrument)).astype(float)
         self._without = self._best(self._levels).likelihood
 
-    def of(self, shape: FloatArray) -> tuple[float, float]:
-        """Return twice the log likelihood ratio of a change (D,) over the visits, and its chance."""
-        columns = np.column_stack([self._levels, shape])
-        left = len(shape) - columns.shape[1]
+    def of(self, *changes: FloatArray) -> tuple[float, float]:
+        """Return twice the log likelihood ratio of changes (D,) over the visits together, and its chance."""
+        columns = np.column_stack([self._levels, *changes])
+        left = len(self.scale) - columns.shape[1]
         if left < 1:
             return 0.0, 1.0
         best = self._best(columns)
-        chance = f_exceeded((best.amount / best.u) ** 2, 1.0, float(left))
+        chance = f_exceeded(best.squared, float(len(changes)), float(left))
         return max(2.0 * (best.likelihood - self._without), 0.0), chance
 
     def judging(self, shape: FloatArray) -> tuple[float, int]:
@@ -273,4 +283,7 @@ class InstrumentDays:
         # its word by few days.
         spread = max(squared / max(len(read) - turned.shape[1], 1), 1.0)
         likelihood = -0.5 * squared + float(np.log(weights).sum())
-        return Line(likelihood, float(found[-1]), float(np.sqrt(inverse[-1, -1] * spread)))
+        beyond = slice(self._levels.shape[1], None)
+        told = found[beyond] @ np.linalg.inv(inverse[beyond, beyond]) @ found[beyond]
+        squared = float(told) / (max(turned.shape[1] - self._levels.shape[1], 1) * spread)
+        return Line(likelihood, float(found[-1]), float(np.sqrt(inverse[-1, -1] * spread)), squared)

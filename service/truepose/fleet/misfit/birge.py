@@ -26,8 +26,15 @@ _RANK: Final = 1e-9  # of the largest eigenvalue
 _FEWEST: Final = 10.0  # degrees of freedom: in fewer, a robot that ages would be its own measure
 
 
-def birge_ratios(posterior: Posterior) -> FloatArray:
-    """Return the ratio of variances of each robot, (R,); 1: none scatters more than its readings say."""
+def birge_ratios(posterior: Posterior, given: FloatArray | None = None) -> FloatArray:
+    """Return the ratio of variances of each robot, (R,); 1: none scatters more than its readings say.
+
+    Parameters
+    ----------
+    posterior : Posterior
+    given : ndarray, shape (R,), optional
+        By which the information of each robot is divided already.
+    """
     fleet, p = posterior.equations.fleet, posterior.equations.parameters
     left = fleet.right - np.einsum("cpq,cq->cp", fleet.normal, posterior.fitted)
     squares, expected = (np.zeros(len(fleet.day)) for _ in range(2))
@@ -38,6 +45,7 @@ def birge_ratios(posterior: Posterior) -> FloatArray:
         spread = _spread(posterior, c, robot, p)
         expected[c] = float(seen.sum()) - float(np.einsum("pq,pq->", fleet.normal[c], spread))
     own = [fleet.robot == number for number in range(len(fleet.robots))]
+    squares *= 1.0 if given is None else given[fleet.robot]
     whole = [squares[mine].sum() / max(expected[mine].sum(), 1.0) for mine in own]
     middle = [_of_the_middle_campaign(squares[mine], expected[mine]) for mine in own]
     return np.maximum(np.minimum(whole, middle), max(1.0, float(np.median(whole))))

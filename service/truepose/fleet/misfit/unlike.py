@@ -24,6 +24,7 @@ from truepose.identification.distributions import chi2_exceeded
 Changing: TypeAlias = Callable[[str], BoolArray]
 
 _RANK: Final = 1e-9  # of the largest eigenvalue
+_FEWEST: Final = 10  # directions; in fewer the two look alike
 _IS_IT: Final = 1e-3  # chance of so bad a fit of the right robot
 
 
@@ -59,7 +60,7 @@ def most_unlike(posterior: Posterior, level: float, changing: Changing) -> Unlik
     still = {robot: ~changing(robot)[:-1] for robot in fleet.robots}
     seen = [_seen(posterior, place, still[fleet.robots[fleet.robot[place]]]) for place in tried.tolist()]
     excess = excess_of(seen)
-    judged = [one.judged(excess) for one in seen]
+    judged = [one.judged(excess) if _is_another(one, excess) else (0.0, 1.0) for one in seen]
     best = int(np.argmax([ratio for ratio, _ in judged]))
     ratio, chance = judged[best]
     if chance * len(tried) > level or ratio <= 0.0:
@@ -76,6 +77,12 @@ def _seen(posterior: Posterior, place: int, still: BoolArray) -> Seen:
     size = np.sqrt(posterior.variances.robot) * still
     alone = (np.arange(len(posterior.equations.fleet.day)) == place).astype(float)
     return Score(posterior, alone).of(np.vstack([np.diag(size), np.zeros(len(size))]))
+
+
+def _is_another(seen: Seen, excess: float) -> bool:
+    """Return whether it differs as robots do, rather than in all directions as worse readings do."""
+    few = len(seen.squares) < _FEWEST
+    return few or seen.judged(excess)[0] > seen.scattered(excess)
 
 
 def resembled(fleet: Fleet, others: Sequence[Unlike], variances: Variances) -> tuple[Unlike, ...]:

@@ -118,3 +118,33 @@ def test_a_tracker_that_drifts_is_beyond_chance_and_one_that_does_not_is_not():
 
     assert days.of(ways[1])[1] < 1e-4
     assert days.of(ways[0])[1] > 0.01
+
+
+def test_two_trackers_that_change_at_once_are_told_by_both_together():
+    moved = {0: lambda month: 0.25 * (month >= 4), 1: lambda month: 0.06 * month}
+    steps = drawn(
+        5,
+        robots=8,
+        months=8,
+        readings=40,
+        day=0.0,
+        drift=lambda i, k, month: np.array([0, 0, 0, moved[k](month)]),
+    )
+    fleet = steps.fleet()
+    days = InstrumentDays(Posterior(Equations(fleet), Variances(np.array([0.25, 0.04, 0.09]), 0.1)))
+    instrument, day = (np.array(column) for column in zip(*fleet.visits, strict=True))
+    step = next(one for kind, at, one in shapes(day, instrument == 0) if (kind, at) == ("step", 120.0))
+    line = next(iter(shapes(day, instrument == 1)))[2]
+
+    alone, together = min(days.of(step)[1], days.of(line)[1]), days.of(step, line)[1]
+
+    assert together < 0.01 * alone
+
+
+def test_readings_that_are_all_worse_than_stated_are_told_from_a_change():
+    worse, changed = Seen(np.full(30, 3.0), np.ones(30)), Seen(np.append(90.0, np.zeros(29)), np.ones(30))
+
+    assert worse.scattered(1.0) == pytest.approx(30 * (2.0 - np.log(3.0)))
+    assert worse.scattered(3.0) == 0.0
+    assert worse.judged()[0] < worse.scattered(1.0) + 1e-9
+    assert changed.scattered(1.0) == worse.scattered(1.0)
