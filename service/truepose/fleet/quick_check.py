@@ -98,11 +98,12 @@ def quick_check(
     place = [knowledge.structure.index_of(name) for name in belief.names]
     widths = knowledge.structure.prior_widths
     stated = np.array([spec.prior_width for spec in belief.specs])
+    moved = np.einsum("ndp,ndr->pr", motion, motion, optimize=True) / len(motion)
     each = []
     for cause in causes:
         across = np.zeros((len(widths), cause.directions.shape[1]))
         across[place] = cause.directions[:-1] * (stated / widths[place])[:, None]
-        each.append(_of_one_mm(across, motion))
+        each.append(of_one_mm(across, moved))
     directions = np.concatenate(each, axis=1)  # (P, q), each moves 1 mm
     parts = _parts([one.shape[1] for one in each])
     needed = np.array([noncentrality(LEVEL / len(causes), part.stop - part.start) for part in parts])
@@ -119,10 +120,16 @@ def quick_check(
     return QuickCheck(chosen.joints_rad, chosen.nest, told_mm, bool(reached and reached[-1].max() <= 1.0))
 
 
-def _of_one_mm(across: FloatArray, motion: FloatArray) -> FloatArray:
-    """Return directions (P, q) of a cause as such that are at right angles and move the tool by 1 mm each."""
-    moved = motion @ across  # (N, 3, q)
-    values, turns = np.linalg.eigh(np.einsum("ndq,ndr->qr", moved, moved) / len(moved))
+def of_one_mm(across: FloatArray, motion_mm2: FloatArray) -> FloatArray:
+    """Return directions (P, q) of a cause as such that are at right angles and move the tool by 1 mm each.
+
+    Parameters
+    ----------
+    across : ndarray, shape (P, q)
+    motion_mm2 : ndarray, shape (P, P)
+        Mean over configurations of products of motions per unit of each parameter.
+    """
+    values, turns = np.linalg.eigh(across.T @ motion_mm2 @ across)
     moving = values >= _SMALL * values[-1]
     values = np.maximum(values, _STILL_MM2)
     return np.asarray(across @ (turns[:, moving] / np.sqrt(values[moving])))

@@ -21,13 +21,13 @@ from tests.studies.promise.tracker import recorded_stops
 from truepose.domain.arrays import FloatArray
 from truepose.exchange.cells.file import simulated_cell
 from truepose.fleet.answer.check import asked_of
+from truepose.fleet.answer.grown import grown
 from truepose.fleet.campaigns import Measured, fleet_of
 from truepose.fleet.causes import AgeingCause
-from truepose.fleet.changes import account_of
+from truepose.fleet.changes import Account, account_of
 from truepose.fleet.information import fleet_effects, information_of
 from truepose.fleet.pooled import of_robot_now
 from truepose.fleet.quick_check import QuickCheck, quick_check
-from truepose.identification.distributions import chi2_exceeded
 from truepose.identification.problem.belief import Belief
 from truepose.planning.promise.knowledge import ArmKnowledge, Knowns
 from truepose.planning.work_volume.candidates import draw_candidates
@@ -57,12 +57,13 @@ class Planned:
 
     fleet: FleetTruth
     robot: RobotTruth
+    account: Account
     belief: Belief
     causes: tuple[AgeingCause, ...]
     check: QuickCheck
     size_mm: tuple[FloatArray, ...]  # of each cause (q,): what a stated width of each direction moves
 
-    def grown(self, cause: AgeingCause, size_mm: FloatArray, by_mm: float, phase: float) -> PlantedChange:
+    def planted(self, cause: AgeingCause, size_mm: FloatArray, by_mm: float, phase: float) -> PlantedChange:
         """Return a cause that has grown."""
         place = [int(np.argmax(column)) for column in cause.directions.T]
         amount = by_mm / size_mm * np.array([self.belief.specs[k].prior_width for k in place])
@@ -105,13 +106,13 @@ def _planned(seed: int, robots: int, grown_mm: float) -> Planned:
     each = np.sqrt((moved**2).sum(axis=1).mean(axis=0))
     place = np.array([knowledge.structure.index_of(name) for name in belief.names])
     sizes = tuple(each[place[np.argmax(cause.directions, axis=0)]] for cause in causes)
-    return Planned(truth, truth.robots[0], belief, causes, check, sizes)
+    return Planned(truth, truth.robots[0], account, belief, causes, check, sizes)
 
 
 def _measured(plan: Planned, rng: np.random.Generator, by_mm: float, each: int) -> Iterator[Checked]:
     for number in range(each):
         for cause, size_mm in zip(plan.causes, plan.size_mm, strict=True):
-            change = plan.grown(cause, size_mm, by_mm, float(rng.uniform(-np.pi, np.pi)))
+            change = plan.planted(cause, size_mm, by_mm, float(rng.uniform(-np.pi, np.pi)))
             yield _judged(plan, by_mm, rng, (change,), _name(cause))
         for _ in range(3):
             yield _judged(plan, by_mm, rng, (), "")
@@ -119,7 +120,7 @@ def _measured(plan: Planned, rng: np.random.Generator, by_mm: float, each: int) 
 
 
 def _judged(
-    plan: Planned, by_mm: float, rng: np.random.Generator, changes: tuple[PlantedChange, ...], grown: str
+    plan: Planned, by_mm: float, rng: np.random.Generator, changes: tuple[PlantedChange, ...], of: str
 ) -> Checked:
     scenario = plan.robot.scenario(1.0, 0.0)
     cell = Cell(
@@ -128,31 +129,9 @@ def _judged(
     campaign = recorded_stops(cell, plan.check.joints_rad, plan.check.nest)
     effects = tuple(name for name in fleet_effects(campaign) if name != "instrument_scale")
     told = information_of(campaign, effects)
-    place = np.array([told.names.index(name) for name in plan.belief.names])
-    widths = np.array([spec.prior_width for spec in plan.belief.specs])
-    normal = told.normal[np.ix_(place, place)] * np.outer(widths, widths)
-    left = widths * (told.right[place] - told.normal[np.ix_(place, place)] @ plan.belief.mean)
-    known = plan.belief.covariance / np.outer(widths, widths)
-    return Checked(
-        plan.fleet.seed,
-        len(plan.check.nest),
-        grown,
-        dict(_chances(plan, by_mm, normal, left, known)),
-    )
-
-
-def _chances(
-    plan: Planned, by_mm: float, normal: FloatArray, left: FloatArray, known: FloatArray
-) -> Iterator[tuple[str, float]]:
-    free = [
-        by_mm / size * cause.directions[:-1] for cause, size in zip(plan.causes, plan.size_mm, strict=True)
-    ]
-    for number, (cause, own) in enumerate(zip(plan.causes, free, strict=True)):
-        others = np.concatenate([one for k, one in enumerate(free) if k != number], axis=1)
-        held = np.linalg.inv(np.eye(len(left)) + normal @ (known + others @ others.T))
-        score, information = own.T @ held @ left, own.T @ held @ normal @ own
-        squared = float(score @ np.linalg.solve(information, score))
-        yield _name(cause), chi2_exceeded(squared, float(len(score)))
+    found = grown(plan.account, plan.account.fleet.robots[0], told, by_mm)
+    chances = {_name(one.cause): one.chance for one in found}
+    return Checked(plan.fleet.seed, len(plan.check.nest), of, chances)
 
 
 def _name(cause: AgeingCause) -> str:

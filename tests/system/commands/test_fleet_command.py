@@ -24,7 +24,9 @@ def test_where_nothing_changes_the_command_names_nothing_and_keeps_what_was_told
     out = archive.parent / "out"
     status, said, remarks = truepose("fleet", archive, "--out", out, "--workers", 1, *asked)
     kept = {file.name: file.stat().st_mtime_ns for file in out.rglob("*.told")}
-    again, document, _ = truepose("fleet", archive, "--out", out, "--workers", 1, "--json")
+    written_fleet(tmp_path / "later", 1, robots=1, configurations=15, ageing=0, months=(2,))
+    later = ("--checked", tmp_path / "later" / "robot-00-month-2")
+    again, document, _ = truepose("fleet", archive, "--out", out, "--workers", 1, "--json", *later)
 
     assert (status, again) == (0, 0)
     assert "Nothing changes beyond chance" in " ".join(said.split())
@@ -40,6 +42,8 @@ def test_where_nothing_changes_the_command_names_nothing_and_keeps_what_was_told
     assert all(one["size_mm"] >= one["best_mm"] > 0.0 for one in found["would_show"])
     assert [one["size_mm"] for one in found["drifts_would_show"]] == [None, None]  # of two days each
     assert "would have shown with 95 % from these sizes on" in " ".join(said.split())
+    assert (found["checked"]["robot"], found["checked"]["causes"][0]["told"]) == ("robot 00", False)
+    assert found["checked"]["sentences"][0].startswith("Nothing that was asked of robot 00 has grown")
     assert len(kept) == 4
     assert {file.name: file.stat().st_mtime_ns for file in out.rglob("*.told")} == kept
 

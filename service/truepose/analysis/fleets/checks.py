@@ -1,15 +1,20 @@
-"""What is planned from a campaign of a fleet: the quick check of its robot, and what a new one needs."""
+"""Quick checks of robots of a fleet, planned and judged, and what a new robot needs."""
 
 from truepose.domain.errors import ConfigurationError
 from truepose.domain.measurement.campaign import Campaign
+from truepose.effects.instruments.instrument_scale import NAME as INSTRUMENT_SCALE
 from truepose.fleet.answer.check import check_of
+from truepose.fleet.answer.grown import Grown, grown
 from truepose.fleet.changes import Account
+from truepose.fleet.information import fleet_effects, information_of
 from truepose.fleet.pooled import of_a_new_robot
 from truepose.fleet.promise import Promise, promise
 from truepose.fleet.quick_check import QuickCheck
 from truepose.identification import identify
 from truepose.planning.promise.subjects import Subject, of_campaign
 from truepose.words.catalogue import english
+
+_NAMED = 3  # robots in a sentence
 
 
 def promise_from(account: Account, robot: str, campaign: Campaign) -> Promise:
@@ -36,6 +41,31 @@ def check_from(account: Account, robot: str, campaign: Campaign, grown_mm: float
     """
     subject = _subject(robot, campaign)
     return check_of(account, robot, subject.space, subject.knowns, grown_mm)
+
+
+def grown_in(account: Account, campaign: Campaign, asked_mm: float) -> tuple[str, tuple[Grown, ...]]:
+    """Judge a check that was measured: of which robot, and what of it has grown since its last campaign.
+
+    Raises
+    ------
+    ConfigurationError
+        Its robot is none of the fleet, or it is a campaign that the fleet has.
+    """
+    robot, day = campaign.robot_serial_number, campaign.measured_on
+    if robot not in account.fleet.robots:
+        known = ", ".join(account.fleet.robots[:_NAMED])
+        raise ConfigurationError(
+            f"The check is of the robot {robot or 'that nobody names'!r}, which is none of these ({known}): "
+            "write its robot_serial_number into its campaign.json."
+        )
+    own = account.fleet.day[account.fleet.robot == account.fleet.robots.index(robot)]
+    if day is None or day.toordinal() <= own.max():
+        raise ConfigurationError(
+            f"A check is measured after the last campaign of {robot}, and this one says that it was measured "
+            f"on {day or 'no day'}: give its measured_on, and leave it out of the archive."
+        )
+    effects = tuple(name for name in fleet_effects(campaign) if name != INSTRUMENT_SCALE)
+    return robot, grown(account, robot, information_of(campaign, effects), asked_mm)
 
 
 def _subject(robot: str, campaign: Campaign) -> Subject:

@@ -7,7 +7,15 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from truepose.cli.calibration.archives import campaigns_of
-from truepose.cli.exchange.files import Json, Language, ReportFile, Workers, require_folders, writing
+from truepose.cli.exchange.files import (
+    Json,
+    Language,
+    ReportFile,
+    Workers,
+    read_measured,
+    require_folders,
+    writing,
+)
 from truepose.cli.output import print_json, print_lines, print_tables, remark, shown_progress
 from truepose.domain.errors import ConfigurationError
 from truepose.words.catalogue import ENGLISH, Catalogue, catalogue
@@ -16,7 +24,10 @@ if TYPE_CHECKING:
     from truepose.analysis.archive.campaigns import Archived
     from truepose.analysis.fleets.compared import FleetFound
     from truepose.domain.measurement.campaign import Campaign
+    from truepose.fleet.answer.grown import Grown
     from truepose.fleet.promise import Promise
+
+    OfCheck = tuple[str, tuple[Grown, ...]]
 
 
 def fleet_command(
@@ -41,6 +52,10 @@ def fleet_command(
     ] = None,
     check: Annotated[
         Path | None, typer.Option(help="Write the quick check of the robot that is next here (CSV).")
+    ] = None,
+    checked: Annotated[
+        Path | None,
+        typer.Option(help="Campaign of a quick check, which is not in the archive: what has grown since?"),
     ] = None,
     growth: Annotated[float, typer.Option(help="Growth [mm] that the quick check is to tell.")] = 0.05,
     pooled: Annotated[
@@ -78,7 +93,11 @@ def fleet_command(
         _write_new(new, promised)
     if report is not None:
         _write_report(report, found, limit, words)
-    _print(found, limit, promised, words, as_json=json)
+    of_check = None if checked is None else _judged(checked, found, growth)
+    if json:
+        _print_document(found, limit, promised, of_check)
+    else:
+        _print(found, limit, of_check, words)
     return 1 if found.left_out else 0
 
 
@@ -174,23 +193,39 @@ def _write_report(file: Path, found: "FleetFound", limit_mm: float, words: Catal
     write_fleet_report(file, given, words)
 
 
-def _print(
-    found: "FleetFound", limit_mm: float, promised: "Promise | None", words: Catalogue, *, as_json: bool
-) -> None:
-    if as_json:
-        from truepose.exchange.results.fleet import fleet_document
+def _judged(campaign: Path, found: "FleetFound", growth_mm: float) -> "OfCheck":
+    from truepose.analysis.fleets.checks import grown_in
 
-        document = fleet_document(
-            found.account,
-            found.robot,
-            limit_mm,
-            found.left_out,
-            simulated=found.simulated,
-            new_robot=promised,
+    measured = read_measured(campaign)
+    if measured.robot.name != found.robot.name:
+        raise ConfigurationError(
+            f"{campaign.name} is of a {measured.robot.name}, and the fleet is of {found.robot.name}."
         )
-        print_json(document.printed())
-        return
+    return grown_in(found.account, measured, growth_mm)
+
+
+def _print_document(
+    found: "FleetFound", limit_mm: float, promised: "Promise | None", of_check: "OfCheck | None"
+) -> None:
+    from truepose.exchange.results.fleet import CheckedDocument, fleet_document
+
+    document = fleet_document(
+        found.account,
+        found.robot,
+        limit_mm,
+        found.left_out,
+        simulated=found.simulated,
+        new_robot=promised,
+        checked=None if of_check is None else CheckedDocument.of_robot(*of_check),
+    )
+    print_json(document.printed())
+
+
+def _print(found: "FleetFound", limit_mm: float, of_check: "OfCheck | None", words: Catalogue) -> None:
+    from truepose.fleet.answer.sentences import grown_said
     from truepose.reports.terminal.fleet import fleet_summary
 
     print_tables(fleet_summary(found.account, limit_mm, words))
     print_lines(words.say("fleet.left_out", campaign=one.campaign, why=one.why) for one in found.left_out)
+    if of_check is not None:
+        print_lines(map(words.spoken, grown_said(*of_check)))

@@ -14,11 +14,13 @@ from truepose.exchange.models.document import file_factor, file_unit
 from truepose.exchange.outgoing import Quantity
 from truepose.exchange.results.document_base import Document, Spoken
 from truepose.fleet.answer.due import Due, Why, due
+from truepose.fleet.answer.grown import Grown
 from truepose.fleet.answer.sentences import (
     change_said,
     compared,
     day_of,
     drift_um_per_m,
+    grown_said,
     headline,
     least_said,
     new_robot_said,
@@ -201,6 +203,41 @@ class NewRobotDocument(Document):
         )
 
 
+class GrownDocument(Document):
+    """What a check says of one cause."""
+
+    cause: CauseDocument
+    size_mm: Quantity
+    standard_uncertainty_mm: Quantity | None = Field(description="Null: the check does not see it.")
+    chance: Quantity = Field(description="Of so much where it has not grown, of this one cause.")
+    told: bool = Field(description="Beyond chance, at a level of 5 % over all causes together.")
+    would_show_mm: Quantity | None = Field(description="From which size on, with 95 %; null: at none.")
+
+
+class CheckedDocument(Document):
+    """What a check of one robot says."""
+
+    robot: str
+    causes: list[GrownDocument] = Field(description="The least likely to be chance first.")
+    sentences: list[Spoken]
+
+    @classmethod
+    def of_robot(cls, robot: str, found: Sequence[Grown]) -> Self:
+        """Return what was found."""
+        causes = [
+            GrownDocument(
+                cause=CauseDocument.of_cause(one.cause),
+                size_mm=one.size_mm,
+                standard_uncertainty_mm=_finite(one.u_mm),
+                chance=one.chance,
+                told=one.is_told,
+                would_show_mm=_finite(one.least_mm),
+            )
+            for one in found
+        ]
+        return cls(robot=robot, causes=causes, sentences=list(map(english, grown_said(robot, found))))
+
+
 class LeftOutDocument(Document):
     """A campaign that is not compared."""
 
@@ -226,6 +263,7 @@ class FleetDocument(Document):
     drifts_would_show: list[LeastDriftDocument]
     next: list[DueDocument] = Field(description="Every robot, the one to be measured next first.")
     new_robot: NewRobotDocument | None = Field(None, description="Asked by --new or --pooled.")
+    checked: CheckedDocument | None = Field(None, description="Asked by --checked.")
     type: list[SharedDocument] = Field(description="What robots of the type have in common.")
     left_out: list[LeftOutDocument]
     sentences: list[Spoken]
@@ -239,6 +277,7 @@ def fleet_document(
     *,
     simulated: bool = False,
     new_robot: Promise | None = None,
+    checked: CheckedDocument | None = None,
 ) -> FleetDocument:
     """Return the document of a fleet whose days are those of the calendar (`date.toordinal`)."""
     fleet = account.fleet
@@ -257,6 +296,7 @@ def fleet_document(
         drifts_would_show=list(_least_drifts(account)),
         next=[DueDocument.of_due(one, limit_mm) for one in due(account, limit_mm)],
         new_robot=None if new_robot is None else NewRobotDocument.of_promise(new_robot),
+        checked=checked,
         type=list(shared(account)),
         left_out=list(left_out),
         sentences=[

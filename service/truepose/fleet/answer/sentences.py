@@ -1,7 +1,7 @@
 """What is said of a fleet whose days are those of the calendar (`date.toordinal`)."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from datetime import date
 from typing import Final
 
@@ -10,6 +10,7 @@ import numpy as np
 from truepose.domain.sentences import Sentence, Text, said, together
 from truepose.effects.instruments.instrument_scale import WIDTH
 from truepose.fleet.answer.due import Due
+from truepose.fleet.answer.grown import Grown
 from truepose.fleet.campaigns import Fleet
 from truepose.fleet.causes import AgeingCause
 from truepose.fleet.changes import Account, Named
@@ -191,3 +192,18 @@ def new_robot_said(found: Promise) -> Sentence:
     if found.needed is None:
         return said("fleet.new.more", most=MOST, **figures)
     return said("fleet.new", needed=found.needed, **figures)
+
+
+def grown_said(robot: str, found: Sequence[Grown]) -> Iterator[Sentence]:
+    """Yield what a check of a robot says: what has grown, and what it would have told."""
+    told = [one for one in found if one.is_told]
+    for one in told:
+        cause = cause_said(one.cause)
+        yield said("fleet.checked.grown", robot=robot, cause=cause, size_mm=one.size_mm, u_mm=one.u_mm)
+    if not told:
+        yield said("fleet.checked.nothing", robot=robot)
+    least_mm = max(one.least_mm for one in found)
+    if math.isinf(least_mm):
+        yield said("fleet.checked.blind", causes=len(found))
+    else:
+        yield said("fleet.checked.least", causes=len(found), least_mm=least_mm)
