@@ -86,7 +86,9 @@ def changed(page):
     """Return serial number, what changed, and where each sentence leads, of the robots that changed."""
     part = page.partition("<h2>What changed since ")[2].partition("<h2>")[0]
     rows = re.findall(
-        r'<th><a href="/robots/[^"]+">([^<]+)</a></th>.*?data-label="What changed">(.*?)</td>', part, re.S
+        r'<th><a class="serial" href="/robots/[^"]+">([^<]+)</a></th>.*?data-label="What changed">(.*?)</td>',
+        part,
+        re.S,
     )
     return [
         (serial, re.sub("<[^>]+>", "", told).strip(), re.findall('href="([^"]+)"', told))
@@ -98,7 +100,9 @@ def due(page):
     """Return serial number and reason of each robot that is to be measured next."""
     part = page.partition("<h2>To be measured next</h2>")[2].partition("<h2>")[0]
     rows = re.findall(
-        r'<th><a href="/robots/[^"]+">([^<]+)</a></th>.*?data-label="Why">(.*?)</td>', part, re.S
+        r'<th><a class="serial" href="/robots/[^"]+">([^<]+)</a></th>.*?data-label="Why">(.*?)</td>',
+        part,
+        re.S,
     )
     return [(serial, re.sub("<[^>]+>", "", reasons).strip()) for serial, reasons in rows]
 
