@@ -1,6 +1,7 @@
 """Robots of a type compared on a plant's page, and the courses of a robot's life."""
 
 import asyncio
+import contextlib
 import json
 import re
 from datetime import date
@@ -8,15 +9,21 @@ from datetime import date
 import numpy as np
 import pytest
 
+from tests.helpers.archive import ThisProcess
 from tests.integration.plant.test_plant_pages import lay, page, service
 from tests.studies.fleet.archive import FIRST
 from tests.studies.fleet.simulated import draw_fleet, record_robot
 from truepose.analysis.archive.campaigns import in_database
+from truepose.analysis.cluster import chosen
+from truepose.analysis.cluster.cluster import Cluster
+from truepose.analysis.errors import ClusterError
+from truepose.analysis.fleets.desk import FleetDesk
 from truepose.analysis.fleets.told import tell
 from truepose.analysis.workers.tasks import stored_campaign
 from truepose.exchange.tables.visits import Stated
 from truepose.storage.columns import pack
 from truepose.storage.leaving.typed_rows import typed
+from truepose.storage.plant.campaigns import CollectedCampaigns
 from truepose.storage.tables.of_plants import plant_journal, plant_results, plant_robots, plant_told
 
 __all__ = ["service"]  # a fixture
@@ -134,6 +141,36 @@ async def test_workers_that_are_away_keep_nobody_waiting_and_health_says_so(
     assert f"No Dask scheduler answers at 127.0.0.1:{unused_tcp_port}." in shown
     assert (healthy["status"], health["status"]) == ("ok", "degraded")
     assert health["fault"].startswith("The workers of this plant cannot be used")
+
+
+class LostAfterOne(ThisProcess):
+    """Workers that are lost for good once they have answered."""
+
+    def ended(self):
+        if self.performed:
+            raise ClusterError("The workers are gone.")
+        return super().ended()
+
+
+class Here:
+    """Draws in this process."""
+
+    async def draw(self, function, of):
+        return function(of)
+
+
+async def test_what_came_before_workers_were_lost_is_kept(service, campaigns, monkeypatch):
+    monkeypatch.setattr(chosen, "workers", lambda *_: contextlib.nullcontext(Cluster(LostAfterOne())))
+    await collect(service, campaigns)
+    database = service.here.database
+    desk = FleetDesk(CollectedCampaigns(database), FleetDesk.folder(database.file), Here(), "dask://away:1")
+
+    with pytest.raises(ClusterError, match="The workers are gone"):
+        await desk.told(await desk.campaigns())
+
+    known = await desk.known(await desk.campaigns())
+    assert [one.told for one in known] == [told_here(campaigns[0][2])]
+    assert await desk.away() == "The workers are gone."
 
 
 async def test_a_robots_error_and_causes_are_drawn_over_the_days(service):

@@ -77,6 +77,7 @@ class FleetDesk:
         self._drawing = drawing
         self._where = where
         self._reach = None if where is None else Reach(where)
+        self._asking = asyncio.Lock()
 
     @staticmethod
     def folder(database: Path) -> DrawnFolder:
@@ -106,12 +107,13 @@ class FleetDesk:
 
         Raises ClusterError where the workers cannot be used; what was told until then is kept.
         """
-        known = {one.seen.id: one for one in await self.known(campaigns)}
-        missing = [one for one in campaigns if one.id not in known]
-        together = _TOGETHER if self._where is None else _BY_MANY
-        for first in range(0, len(missing), together):
-            for found in await self._asked(missing[first : first + together]):
-                known[found.seen.id] = found
+        async with self._asking:  # who comes meanwhile finds what was told, and asks nobody twice
+            known = {one.seen.id: one for one in await self.known(campaigns)}
+            missing = [one for one in campaigns if one.id not in known]
+            together = _TOGETHER if self._where is None else _BY_MANY
+            for first in range(0, len(missing), together):
+                for found in await self._asked(missing[first : first + together]):
+                    known[found.seen.id] = found
         return tuple(known[one.id] for one in campaigns)
 
     async def _asked(self, campaigns: Sequence[ResultSeen]) -> list[Collected]:
