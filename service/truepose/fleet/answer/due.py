@@ -1,7 +1,8 @@
 """Which robot is to be measured next, and why.
 
 First those whose change has passed the limit or will, by the day on which that has happened with 5 %; then
-those that changed at once by less, the largest first; then the others, the one measured longest ago first.
+those that changed at once by less, the largest first; then those whose newest campaign is none of theirs;
+then the others, the one measured longest ago first.
 """
 
 import math
@@ -12,8 +13,8 @@ from truepose.fleet.campaigns import Fleet
 from truepose.fleet.changes import Account, Named
 from truepose.fleet.forecast import Passing, passing
 
-Why = Literal["passes", "changed", "longest_ago"]
-_ORDER: Final[dict[Why, int]] = {"passes": 0, "changed": 1, "longest_ago": 2}
+Why = Literal["passes", "changed", "unlike", "longest_ago"]
+_ORDER: Final[dict[Why, int]] = {"passes": 0, "changed": 1, "unlike": 2, "longest_ago": 3}
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,7 +62,9 @@ def _of(account: Account, robot: str, limit_mm: float) -> Due:
     last = float(fleet.day[fleet.robot == fleet.robots.index(robot)].max())
     own = [one for one in account.named if one.change.of == robot and _stays(one)]
     each = (_of_change(fleet, one, last, limit_mm) for one in own)
-    return min(each, key=_urgency, default=Due(robot, "longest_ago", last))
+    left_out = max((one.day for one in account.unlike if one.robot == robot), default=last)
+    without = Due(robot, "unlike", left_out) if left_out > last else Due(robot, "longest_ago", last)
+    return min(each, key=_urgency, default=without)
 
 
 def _stays(named: Named) -> bool:

@@ -84,7 +84,9 @@ def told_of(account: Account, named: Named, passes: Passing | None) -> Iterator[
     yield from rivals_said(named)
     if not named.rivals:
         yield said("fleet.no_rival")
-    if named.change.kind == "step":
+    if named.change.scope == "type" and named.change.kind == "day":
+        yield said("fleet.on_one_day")
+    elif named.change.kind == "step":
         yield said("fleet.no_forecast")
     elif passes is not None:
         yield passing_said(passes, float(days.max()))
@@ -123,7 +125,8 @@ def why_said(one: Due, limit_mm: float) -> Text:
 
 def _why(one: Due, limit_mm: float) -> Sentence:
     if one.named is None:
-        return said("fleet.next.longest", last=day_of(one.last_day) or "")
+        key = "fleet.next.unlike" if one.why == "unlike" else "fleet.next.longest"
+        return said(key, last=day_of(one.last_day) or "")
     cause = cause_said(one.named.change.cause)
     if one.passing is not None:
         return _passing_of(one, cause, one.passing)

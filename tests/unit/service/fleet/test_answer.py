@@ -14,6 +14,7 @@ from truepose.fleet.answer.sentences import compared, headline, next_said, told_
 from truepose.fleet.changes import account_of
 from truepose.fleet.course import along
 from truepose.fleet.forecast import passing
+from truepose.fleet.misfit.unlike import Unlike
 from truepose.storage.files.foreseen import from_bytes, to_bytes
 from truepose.words.catalogue import LANGUAGES, catalogue, english
 
@@ -105,6 +106,27 @@ def test_a_robot_whose_instrument_may_be_it_as_well_is_measured_with_another(age
 
     assert first.instrument == "tracker 1"
     assert "Measure it with tracker 1" in english(next_said(first, 1.0))
+
+
+def test_a_robot_whose_newest_campaign_was_left_out_is_measured_again(steady):
+    other = Unlike(9, "robot 3", FIRST + 120.0, ratio=300.0, excess=1.0)
+
+    first = due(replace(steady, unlike=(other,)), 0.1)[0]
+
+    assert (first.robot, first.why) == ("robot 3", "unlike")
+    assert english(next_said(first, 0.1)) == (
+        "Measure robot 3 next. "
+        "Its campaign of 2026-06-30 is unlike its others and was left out: measure it again."
+    )
+
+
+def test_what_all_robots_show_on_one_day_sends_to_what_they_had_in_common():
+    found = account(27, lambda i, k, month: 1.0 * (month == 2) * _GAP, months=5)
+
+    told = [english(one) for one in told_of(found, found.named[0], None)]
+
+    assert any("look what all campaigns of that day had in common" in one for one in told)
+    assert {one.why for one in due(found, 1e-9)} == {"longest_ago"}
 
 
 def test_a_tracker_that_drifts_sends_nobody_to_a_robot(drifting):
