@@ -19,6 +19,7 @@ from truepose.storage.errors import ConflictError, NotInPlantError
 from truepose.storage.integrity.chain import GENESIS, linked_hash
 from truepose.storage.integrity.head import head_of
 from truepose.storage.plant import journal
+from truepose.storage.plant.newest import PlantTold
 from truepose.storage.plant.records import (
     CollectedLink,
     HandDown,
@@ -319,6 +320,19 @@ async def test_what_a_cell_itself_cannot_take_is_refused_with_its_sentence(plant
     refused = await plant.hand_downs.get(number)
     assert (refused.state, refused.sentence) == (HandDownState.REFUSED, "No")
     assert (found.outcome, found.sentence) == (Outcome.WHOLE, "")
+
+
+async def test_a_day_that_is_none_is_a_day_that_nobody_said(plant):
+    said = {"measured_on": "<soon>", "robot_serial_number": "120-1", "instrument_serial_number": "T-7"}
+    row = {"id": 1, "recorded_at": "yesterday", "name": "May", "robot": "IRB 120", "session_ids": "[]"}
+    link = CollectedLink(1, 0, "campaigns", 1, bytes(32), "{}", {**row, "summary": json.dumps(said)})
+    await plant.journal.enter("left arm")
+    await plant.journal.keep((await plant.journal.reached("left arm")).branch, [link], None)
+
+    (shown,) = await plant.looks.life_of_robot("120-1")
+
+    assert (shown.name, shown.measured_on) == ("May", "")
+    assert await PlantTold(plant.database).of_robot("120-1") == []
 
 
 async def test_a_cell_that_falls_silent_is_not_asked_for_each_hand_down_that_waits(plant):

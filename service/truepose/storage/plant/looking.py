@@ -12,6 +12,7 @@ from truepose.storage.column_types import TEXT
 from truepose.storage.database import Database
 from truepose.storage.errors import NotFoundError, NotInPlantError
 from truepose.storage.parts import Part
+from truepose.storage.plant.records import day_said
 from truepose.storage.records import Page
 from truepose.storage.tables.of_plants import (
     plant_branches,
@@ -295,7 +296,8 @@ def _instrument(row: Row[Any], last: tuple[str, str]) -> SeenInstrument:
 
 def result_seen(row: Row[Any]) -> ResultSeen:
     """Return a result as it was read."""
-    return ResultSeen(**{name: getattr(row, name) for name in ResultSeen.__dataclass_fields__})
+    seen = {name: getattr(row, name) for name in ResultSeen.__dataclass_fields__}
+    return ResultSeen(**{**seen, "measured_on": day_said(row.measured_on)})
 
 
 def last_before(connection: Connection, table: Table, since: str) -> int:

@@ -11,6 +11,7 @@ from sqlalchemy import ColumnElement, Connection, Row, ScalarSelect, func, selec
 
 from truepose.storage.database import Database
 from truepose.storage.plant.looking import last_before, with_cells
+from truepose.storage.plant.records import day_said
 from truepose.storage.plant.telling import Document, ToldKind
 from truepose.storage.tables.of_plants import plant_cells, plant_robots, plant_told
 
@@ -116,7 +117,7 @@ def _of_robot(connection: Connection, serial_number: str, limit: int) -> list[To
     query = select(plant_told, plant_cells.c.name.label("cell")).select_from(with_cells(plant_told))
     last_first = (plant_told.c.measured_on.desc(), plant_told.c.id.desc())
     rows = connection.execute(query.where(own).order_by(*last_first).limit(limit))
-    return [told_seen(row) for row in rows][::-1]
+    return [one for one in map(told_seen, rows) if one.measured_on][::-1]
 
 
 def _counts_before(told: ToldSeen, other: ToldSeen, upto: str) -> bool:
@@ -175,4 +176,5 @@ def _chosen(*choices: Any) -> Any:
 
 def told_seen(row: Row[Any]) -> ToldSeen:
     """Return what a result tells as it was read."""
-    return ToldSeen(**{name: getattr(row, name) for name in ToldSeen.__dataclass_fields__})
+    seen = {name: getattr(row, name) for name in ToldSeen.__dataclass_fields__}
+    return ToldSeen(**{**seen, "measured_on": day_said(row.measured_on)})

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from datetime import date
 from enum import StrEnum
 from typing import Any
 
@@ -118,3 +119,11 @@ class HandDownRecord:
     sentence: str
     number_in_cell: int | None
     state_since: str
+
+
+def day_said(text: str) -> str:
+    """Return a day as a cell said it; empty: it said none, or something that is none."""
+    try:
+        return text if date.fromisoformat(text) else ""
+    except ValueError:
+        return ""
