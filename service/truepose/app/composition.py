@@ -57,6 +57,7 @@ from truepose.storage.events import EventRepository
 from truepose.storage.files.drafts import DraftFolder
 from truepose.storage.files.drawn import DrawnFolder
 from truepose.storage.integrity.guard import Guard
+from truepose.storage.leaving.whose import require_of_cell
 from truepose.storage.measurement.added_stops import AddedStopsRepository
 from truepose.storage.measurement.closings import ClosingRepository
 from truepose.storage.measurement.ledger import LedgerRepository
@@ -132,6 +133,7 @@ async def open_context(
         present = _present(cell, settings)
         database = await asyncio.to_thread(opened_database, settings.database_url)
         stack.callback(database.close)
+        await require_of_cell(database)
         state = database.file.with_name(f"{database.file.name}.cell.json")
         simulation = await _simulation(cell, settings, state, stack)
         cell = _with_simulated_devices(cell, simulation, drivers)

@@ -19,6 +19,7 @@ from truepose.settings import PlantSettings
 from truepose.storage.files.drawn import DrawnFolder
 from truepose.storage.files.foreseen import Comparisons
 from truepose.storage.integrity.guard import Guard
+from truepose.storage.leaving.whose import require_of_plant
 from truepose.storage.plant.campaigns import CollectedCampaigns
 from truepose.storage.plant.certificates import PlantCertificates
 from truepose.storage.plant.hand_downs import HandDownRepository
@@ -57,6 +58,7 @@ async def open_plant(settings: PlantSettings) -> AsyncIterator[PlantContext]:
     async with contextlib.AsyncExitStack() as stack:
         database = await asyncio.to_thread(opened_database, settings.service.database_url)
         stack.callback(database.close)
+        await require_of_plant(database)
         people = await stack.enter_async_context(people_of(database, settings.service))
         journal, visits = JournalRepository(database), VisitRepository(database)
         hand_downs = HandDownRepository(database)

@@ -9,7 +9,7 @@ from tests.helpers.web.clients import client_of
 from truepose.app.plants import open_plant
 from truepose.domain.people.accounts import MACHINE, Role
 from truepose.settings import PlantSettings, Settings
-from truepose.storage.errors import StorageUnavailableError
+from truepose.storage.errors import ForeignDatabaseError, StorageUnavailableError
 from truepose.storage.plant.journal import CatchingUp
 from truepose.storage.plant.looking_over import PlantOverview
 from truepose.storage.plant.records import HandDownState
@@ -213,3 +213,22 @@ async def test_a_name_of_a_cell_may_have_slashes(service):
     assert (await service.get(place)).json()["cell"]["name"] == "hall 2/left arm"
     assert (await service.get(f"{place}/records")).json() == []
     assert (await service.get(f"{place}/visits")).headers["allow"] == "POST"
+
+
+async def test_a_plant_and_a_cell_do_not_share_a_database(open_cell, open_plant, tmp_path, served_plant):
+    async with open_cell("other") as other:
+        await other.measure()
+        url = str(other.database.held.url)
+    with open_plant("cell") as plant:
+        await plant.journal.enter("left arm")
+
+    with pytest.raises(
+        ForeignDatabaseError, match="is the database of a cell, and a plant has one of its own"
+    ):
+        async with served_plant(url):
+            pass
+    with pytest.raises(
+        ForeignDatabaseError, match="is the database of a plant; start it with 'truepose plant'"
+    ):
+        async with open_cell("both", f"sqlite:///{tmp_path / 'cell.sqlite3'}"):
+            pass
