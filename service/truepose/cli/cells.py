@@ -79,7 +79,8 @@ def serve_command(
         Path | None, typer.Option(help="Cell file (TOML); without it: the simulated cell.")
     ] = None,
     database: Annotated[
-        str | None, typer.Option(help="URL of its records: sqlite:///cell.db, or postgresql://user@host/name.")
+        str | None,
+        typer.Option(help="URL of its records: sqlite:///cell.db, or postgresql://user@host/name."),
     ] = None,
     host: Annotated[str, typer.Option(help="Address to listen on.")] = "127.0.0.1",
     port: Annotated[int, typer.Option(min=0, max=65535, help="0 picks a free one.")] = 8000,

@@ -14,7 +14,9 @@ _DAY_S = 86400.0
 
 def plant_command(
     cells: Annotated[Path, typer.Option(help="Cells file (TOML): name, address, token and certificate.")],
-    database: Annotated[str, typer.Option(help="URL of its own records: sqlite:///plant.db, or postgresql://user@host/name.")],
+    database: Annotated[
+        str, typer.Option(help="URL of its own records: sqlite:///plant.db, or postgresql://user@host/name.")
+    ],
     host: Annotated[str, typer.Option(help="Address to listen on.")] = "127.0.0.1",
     port: Annotated[int, typer.Option(min=0, max=65535, help="0 picks a free one.")] = 8100,
     every: Annotated[

@@ -172,6 +172,12 @@ def test_a_server_is_the_same_by_each_name_of_its_kind(scheme):
     assert shown_address(f"{scheme}://ada:secret@host/db") == "postgresql://ada@host/db"
 
 
+def test_a_socket_may_stand_in_the_place_of_the_host():
+    shown = shown_address("postgresql://ada:secret@%2Frun%2Fpg:5433/db")
+
+    assert shown == shown_address("postgresql://ada:secret@:5433/db?host=/run/pg")
+
+
 def test_a_folder_that_cannot_be_made_is_named(tmp_path):
     (tmp_path / "file").write_text("")
 

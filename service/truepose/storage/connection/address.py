@@ -3,6 +3,7 @@
 import re
 from pathlib import Path
 from typing import Final
+from urllib.parse import unquote
 
 from sqlalchemy import URL, make_url
 from sqlalchemy.exc import ArgumentError
@@ -37,7 +38,16 @@ def parsed_url(url: str) -> URL:
     known = parsed.get_backend_name() in {"sqlite", "postgresql"} and "+" not in parsed.drivername
     if not known or parsed.database in _IN_MEMORY:
         raise DatabaseAddressError(f"'{shown(parsed)}' is no database that holds records; {_WRITE}")
-    return parsed
+    return _by_socket(parsed)
+
+
+def _by_socket(parsed: URL) -> URL:
+    """Return a URL whose host is the folder of a socket (`%2Frun%2Fpostgresql`) as one that says so."""
+    folder = unquote(parsed.host or "")
+    if not folder.startswith("/"):
+        return parsed
+    by_whom = (parsed.drivername, parsed.username, parsed.password)
+    return URL.create(*by_whom, None, parsed.port, parsed.database, {**parsed.query, "host": folder})
 
 
 def is_server(parsed: URL) -> bool:
