@@ -8,6 +8,7 @@ from truepose.domain.errors import ConfigurationError
 
 _SCHEME: Final = "dask://"
 _MOST: Final = 1024  # processes
+_LAST_PORT: Final = 65535
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,7 +30,7 @@ def named(where: str) -> Named:
     if where.startswith(_SCHEME):
         address = where.removeprefix(_SCHEME).rstrip("/")
         host, _, port = address.rpartition(":")
-        if not host or not port.isdecimal():
+        if not host or not port.isdecimal() or not 0 < int(port) <= _LAST_PORT:
             raise _misunderstood(where)
         _require_dask()
         return Named(scheduler=address)
