@@ -25,6 +25,11 @@ def hardly_drawn(empty_pictures):
     """What pictures show is tested in `tests/unit/service/reports` and `tests/browser`."""
 
 
+@pytest.fixture(autouse=True, scope="module")
+def in_forked_processes(forked_processes):
+    """That workers load by themselves what they need is tested in `tests/integration/analysis`."""
+
+
 @pytest.fixture
 def bench():
     return Bench()
