@@ -140,7 +140,10 @@ class FleetDesk:
 
 
 def _of(program: str, campaign: ResultSeen) -> str:
-    return f"{program}\n{campaign.branch_id} {campaign.record_id}"
+    """Name a campaign by all that is known of it: a plant that is begun anew gives the same numbers again."""
+    numbers = (campaign.branch_id, campaign.record_id)
+    robot = (campaign.robot, campaign.robot_serial_number, campaign.instrument_serial_number)
+    return f"{program}\n{(campaign.cell, *numbers, campaign.name, *robot, campaign.measured_on)}"
 
 
 def told_of_all(asked: Asked) -> bytes:
