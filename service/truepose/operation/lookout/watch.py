@@ -14,7 +14,7 @@ from truepose.operation.lookout.state import Clock, Copies, DeviceLink, Records,
 from truepose.storage.backup.schedule import BackupSchedule
 from truepose.storage.counts import Counts, counted
 from truepose.storage.database import Database
-from truepose.storage.errors import StorageError
+from truepose.storage.errors import ServerAwayError, ServerRefusedError, StorageError
 
 _KEPT_S: Final = 2.0
 _PATIENCE_S: Final = 1.0  # with the database; health is asked for when something is wrong
@@ -43,6 +43,7 @@ class Lookout:
         self._offset_s = _offset_s()  # of the clock, when the service started
         self._counts = Counts({}, {}, {}, 0, 0, None)
         self._unanswered_since_s: float | None = None
+        self._away = ""  # why the server of the database answers no query
 
     async def state(self) -> State:
         """Return the state of the service, two seconds old at most."""
@@ -71,15 +72,29 @@ class Lookout:
         )
 
     async def _count(self) -> bool:
-        """Count the records; returns whether the database can be read."""
+        """Count the records; returns whether the database can be read, now or once its server is back."""
         try:
             async with asyncio.timeout(_PATIENCE_S):
                 self._counts = await counted(self._database)
+        except (ServerAwayError, ServerRefusedError) as error:
+            self._away = str(error)
+            return True
         except StorageError:
             return False
         except TimeoutError:
-            return self._still_awaited()
-        self._unanswered_since_s = None
+            return self._still_awaited() or self._is_silent_server()
+        self._unanswered_since_s, self._away = None, ""
+        return True
+
+    def _is_silent_server(self) -> bool:
+        """Return whether it is a server that does not answer, which is none of this service's faults."""
+        held = self._database.held
+        if held.server_doubts is None:
+            return False
+        self._away = (
+            f"The server of {held.where} has not answered for {_SILENT_S:.0f} s; see that it runs, and that "
+            "the network leads to it."
+        )
         return True
 
     def _still_awaited(self) -> bool:
@@ -95,7 +110,7 @@ class Lookout:
         return Records(
             readable=readable,
             late=self._unanswered_since_s is not None,
-            refused=condition.trouble or "",
+            refused=condition.trouble or self._away,
             reserve_used=database.held.reserve_used,
             commit_s=await self._commit_s(),
             free_bytes=await asyncio.to_thread(free_bytes, file.parent),

@@ -62,6 +62,8 @@ def _database(records: Records) -> Check:
         return Check("database", "bad", said("health.database.unreadable"))
     if records.refused:
         return Check("database", "bad", said("health.database.refused", why=records.refused))
+    if records.server_doubts is not None and (records.late or records.commit_s is None):
+        return Check("database", "warn", said("health.server.silent"))
     if records.late:
         return Check("database", "warn", said("health.database.late"))
     if records.commit_s is None:

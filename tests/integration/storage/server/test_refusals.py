@@ -9,6 +9,8 @@ import pytest
 from tests.helpers.domain.tracker_sessions import make_plan, make_point, make_setup, point_taken
 from tests.helpers.postgresql.line import Line
 from tests.helpers.postgresql.server import own_server
+from truepose.operation.lookout import watch
+from truepose.operation.lookout.watch import Lookout
 from truepose.storage.connection.reading import require_library
 from truepose.storage.database import Database
 from truepose.storage.errors import (
@@ -97,6 +99,40 @@ async def test_while_the_server_is_away_records_are_refused_and_said_to_be(datab
     await asyncio.wait_for(database.writable(), PATIENCE_S)
     await add(database, "second")
     assert await names(database) == ["first", "second"]
+
+
+class NoDevices:
+    """A rack without devices."""
+
+    def statuses(self):
+        return []
+
+
+async def test_a_server_that_is_away_does_not_have_the_service_ended(database_over_line, line, monkeypatch):
+    monkeypatch.setattr("truepose.operation.lookout.watch._KEPT_S", 0.0)
+    lookout = Lookout(database_over_line, NoDevices(), make_setup().cell, None, lambda: 0)
+    before = await lookout.state()
+    line.cut()
+    away = await lookout.state()
+    line.mend()
+    await asyncio.wait_for(database_over_line.writable(), PATIENCE_S)
+    after = await lookout.state()
+
+    assert [state.records.readable for state in (before, away, after)] == [True] * 3
+    assert "does not answer" in away.records.refused
+    assert (before.records.refused, after.records.refused) == ("", "")
+
+
+async def test_a_server_that_is_silent_for_long_does_not_have_the_service_ended_either(database, monkeypatch):
+    for name, seconds in {"_KEPT_S": 0.0, "_PATIENCE_S": 0.01, "_SILENT_S": 0.0}.items():
+        monkeypatch.setattr(watch, name, seconds)
+    monkeypatch.setattr(watch, "counted", lambda _database: asyncio.sleep(60))
+    lookout = Lookout(database, NoDevices(), make_setup().cell, None, lambda: 0)
+
+    first, later = [(await lookout.state()).records for _ in range(2)]
+
+    assert (first.readable, first.late, first.refused) == (True, True, "")
+    assert (later.readable, "has not answered for" in later.refused) == (True, True)
 
 
 async def test_who_has_lost_the_database_to_another_service_writes_nothing_any_more(

@@ -32,6 +32,7 @@ def test_nothing_is_said_of_a_service_that_is_well():
 AMISS = {
     "unreadable": (records(readable=False), {"database": "bad"}, "cannot be read"),
     "late": (records(late=True), {"database": "warn"}, "did not answer within a second"),
+    "a late server": (records(late=True, server_doubts=()), {"database": "warn"}, "server did not answer"),
     "refused": (records(refused="The disk is full."), {"database": "bad"}, "The disk is full. What was"),
     "silent": (records(commit_s=None), {"database": "warn"}, "within a second"),
     "a network's disk": (records(commit_s=0.17), {"database": "warn"}, "take 170 ms"),
