@@ -57,15 +57,19 @@ async def list_plant_changes(here: PlantHere, paging: Counted) -> list[PlantChan
     today = datetime.now(UTC).date()
     papers, robots = await here.certificates.that_count(), await here.overview.robots(latest_day(today))
     found = await since_a_week(here, papers, robots, today)
-    return paging.of([*_replies(found, await places_of(here))], lambda reply: reply)
+    places, every = await places_of(here), [*_each(found)]
+    return paging.of(every, lambda one: _reply(one, places))
 
 
-def _replies(found: SinceThen, places: Places) -> Iterator[PlantChangeReply]:
+def _each(found: SinceThen) -> Iterator[tuple[RobotChanged, Changed] | CertificateEnded]:
     for robot in found.robots:
         for change in robot.changes:
-            yield _of_robot(robot, change, places)
-    for one in found.ended:
-        yield _of_certificate(one)
+            yield robot, change
+    yield from found.ended
+
+
+def _reply(one: tuple[RobotChanged, Changed] | CertificateEnded, places: Places) -> PlantChangeReply:
+    return _of_certificate(one) if isinstance(one, CertificateEnded) else _of_robot(*one, places)
 
 
 def _of_robot(robot: RobotChanged, change: Changed, places: Places) -> PlantChangeReply:
