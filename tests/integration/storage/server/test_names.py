@@ -84,6 +84,8 @@ def test_a_name_of_a_schema_may_hold_anything_and_is_not_mistaken(server, databa
 def test_a_schema_that_is_not_there_is_said(database_url):
     with pytest.raises(ServerRefusedError, match="none of the schemas in its search_path; create one"):
         Database(f"{database_url}&options=-csearch_path%3Dnowhere")
+    with pytest.raises(ServerRefusedError, match="none of the schemas in its search_path"):
+        verify_left_at(f"{database_url}&options=-csearch_path%3Dnowhere")
 
 
 def test_what_an_earlier_version_named_after_the_address_is_taken_over(database_url):

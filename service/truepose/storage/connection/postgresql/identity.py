@@ -38,10 +38,7 @@ def require_fit(connection: Any, where: str) -> None:
             f"The database {where} has the encoding {encoding}, which does not keep every text; make one "
             "with ENCODING 'UTF8' TEMPLATE template0. 'truepose copy' brings records there."
         )
-    if schema is None:
-        raise ServerRefusedError(
-            f"The database {where} has none of the schemas in its search_path; create one, or name another."
-        )
+    _require_schema(schema, where)
 
 
 def require_writable(connection: Any, where: str) -> None:
@@ -68,9 +65,17 @@ def server_file(connection: Any, where: str) -> Path:
             "FUNCTION pg_control_system() to the database's user."
         ) from error
     database, schema = connection.execute(_OF_DATABASE).fetchone()
+    _require_schema(schema, where)
     readable = re.sub(r"[^\w.-]+", "_", f"{database}_{schema}", flags=re.ASCII)
     unmistakable = hashlib.sha256("\0".join((str(server), database, schema)).encode()).hexdigest()
     return data_folder() / "postgresql" / f"{readable[:60]}_{unmistakable[:12]}"
+
+
+def _require_schema(schema: str | None, where: str) -> None:
+    if schema is None:
+        raise ServerRefusedError(
+            f"The database {where} has none of the schemas in its search_path; create one, or name another."
+        )
 
 
 def take_over_named(named: Path, file: Path) -> None:
