@@ -3,6 +3,7 @@
 import queue
 import time
 from collections.abc import Callable
+from concurrent.futures import CancelledError
 from typing import Any, Final
 
 import dask
@@ -14,6 +15,7 @@ from truepose.analysis.cluster.parts import Reply, Task
 from truepose.analysis.errors import ClusterError, WorkersUnlikeError
 
 LOOKED_S: Final = 1.0  # between two looks at who is there
+_FETCHED_S: Final = 10.0  # in which an answer has come, unless it was lost with its worker
 _AHEAD: Final = 3  # tasks per thread of a worker: what travels does not keep one waiting
 _WITHOUT_S: Final = 120.0  # that work waits for a worker where the last one has left
 
@@ -60,14 +62,29 @@ class DaskPlaces:
             except queue.Empty:
                 continue
             if future.key in self._futures:  # otherwise it was given up
-                number, _ = self._futures.pop(future.key)
-                return number, _reply(future)
+                reply = self._reply(future)
+                return self._futures.pop(future.key)[0], reply
 
     def give_up(self) -> None:
         """Forget the tasks that have not ended; what a worker has begun it ends, for nobody."""
         left = [future for _, future in self._futures.values()]
         self._futures.clear()
         self.client.cancel(left, force=True)
+
+    def _reply(self, future: Future[Any]) -> Reply:
+        """Fetch an answer; one that was lost with its worker is computed again by another."""
+        while future.status not in {"error", "cancelled"}:
+            try:
+                reply: Reply = future.result(timeout=_FETCHED_S)
+            except TimeoutError:
+                self._look()
+            except (KilledWorker, WorkersUnlikeError, CancelledError):
+                continue  # its status says so now
+            else:
+                return reply
+        if future.status == "cancelled":
+            raise _gone()
+        return _of_error(future.exception())
 
     def _look(self) -> None:
         """See who is there, once a second; raises ClusterError where nobody has been for long."""
@@ -99,13 +116,7 @@ def _perform(task: Task, expected: Arithmetic) -> Reply:
     return task.perform()
 
 
-def _reply(future: Future[Any]) -> Reply:
-    if future.status == "finished":
-        reply: Reply = future.result()
-        return reply
-    if future.status == "cancelled":
-        raise _gone()
-    found = future.exception()
+def _of_error(found: BaseException | None) -> Reply:
     if isinstance(found, KilledWorker):
         return lost_reply(int(dask.config.get("distributed.scheduler.allowed-failures")) + 1)
     if isinstance(found, WorkersUnlikeError):

@@ -1,15 +1,17 @@
 """Workers of Dask that end before they are of any use, or come back late, and nobody who is left."""
 
+import contextlib
+import os
 import threading
 
 import dask
 import pytest
 from distributed import LocalCluster
 
-from tests.helpers.parts import killed_at_first
+from tests.helpers.parts import killed_at_first, waited_for
 from truepose.analysis.cluster.cluster import Cluster
 from truepose.analysis.cluster.dask_clusters import of_scheduler, of_this_computer
-from truepose.analysis.cluster.parts import Part
+from truepose.analysis.cluster.parts import Part, Task
 from truepose.analysis.errors import ClusterError
 
 ENDS_AT_FIRST = """
@@ -34,7 +36,10 @@ def folder(tmp_path):
     return made
 
 
-def test_a_worker_that_ends_while_it_starts_and_one_that_is_given_up_are_started_again(folder, tmp_path):
+def test_a_worker_that_ends_while_it_starts_and_one_that_is_given_up_are_started_again(
+    folder, tmp_path, monkeypatch
+):
+    monkeypatch.setattr("truepose.analysis.cluster.dask_places._FETCHED_S", 0.5)
     preload = tmp_path / "ends_at_first.py"
     preload.write_text(ENDS_AT_FIRST.format(marks=folder("starts", 1)))
     given_up_at_once = {"distributed.deploy.lost-worker-timeout": "0 s"}
@@ -42,8 +47,18 @@ def test_a_worker_that_ends_while_it_starts_and_one_that_is_given_up_are_started
     settings = {"distributed.worker.preload": [str(preload)], **given_up_at_once}
     with dask.config.set(settings), of_this_computer(1) as places:
         answers = Cluster(places).answers(killed_at_first, [Part("unlucky", folder("parts", 1))])
+        places.begin(Task(waited_for, 0, 7, 0.0))
+        done = threading.Event()
+        [(_, future)] = places._futures.values()
+        future.add_done_callback(lambda _: done.set())
+        assert done.wait(60.0)
+        with contextlib.suppress(OSError):
+            places.client.run(os._exit, 1)  # with an answer that nobody has fetched
+        lost = places.ended()
 
     assert answers == ["at last"]
+    assert lost[0] == 7
+    assert lost[1].answer == 0.0
 
 
 def test_where_no_worker_is_left_what_came_stands_and_a_sentence_says_what_to_do(monkeypatch):
