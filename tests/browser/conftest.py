@@ -1,13 +1,15 @@
 """A service on fake devices behind a real socket, and a Chromium of the system that looks at it."""
 
 import contextlib
+import functools
 import shutil
 import time
 
 import httpx
 import pytest
-from playwright.sync_api import expect, sync_playwright
+from playwright.sync_api import expect
 
+from tests.browser.shared_playwright import SharedPlaywright
 from tests.browser.windows import Windows, without_complaint
 from tests.helpers.machine import CHROMIUM
 from tests.integration.web.bench import CELL, Bench, session_request
@@ -102,17 +104,28 @@ def service(tmp_path, empty_database):
         yield Service(client, worker)
 
 
-@pytest.fixture(scope="module")
-def chromium():
+@pytest.fixture(scope="session")
+def shared_chromium():
+    """One browser for all files of a process: to start one takes longer than most files look at it."""
     path = next(filter(None, map(shutil.which, _NAMES)), None)
     if path is None:
         pytest.skip(CHROMIUM.reason)
-    with sync_playwright() as playwright:
+    with SharedPlaywright() as shared:
         # The sandbox needs rights that a container's root user does not have; the pages are our own.
         arguments = ["--no-sandbox", "--host-resolver-rules=MAP evil.test 127.0.0.1"]
-        browser = playwright.chromium.launch(executable_path=path, args=arguments)
-        yield Windows(browser)
-        browser.close()
+        with shared.in_use() as playwright:
+            start = functools.partial(playwright.chromium.launch, executable_path=path, args=arguments)
+            windows = Windows(start)
+        yield shared, windows
+        with shared.in_use():
+            windows.close()
+
+
+@pytest.fixture(scope="module")
+def chromium(shared_chromium):
+    shared, windows = shared_chromium
+    with shared.in_use():
+        yield windows
 
 
 @contextlib.contextmanager

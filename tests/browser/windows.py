@@ -7,17 +7,23 @@ LANDSCAPE = {"width": 1280, "height": 800}
 
 
 class Windows:
-    """The windows of a browser; each is as new whenever it is handed out."""
+    """The windows of a browser, which `launch` starts; each is as new whenever it is handed out."""
 
-    def __init__(self, browser):
-        self.browser = browser
+    def __init__(self, launch):
+        self._launch = launch
+        self._open_anew()
+
+    def _open_anew(self):
+        self._browser = self._launch()
         self._free = {True: [], False: []}  # with and without touch
 
     @contextlib.contextmanager
     def one(self, origin, size=PORTRAIT, *, touch=False, scripts=()):
         """Yield a page that has stored nothing for `origin` and runs the scripts before its own."""
+        if not self._browser.is_connected():  # it crashed in an earlier test, which has failed
+            self._open_anew()
         free = self._free[touch]
-        window = free.pop() if free else _Window(self.browser, touch)
+        window = free.pop() if free else _Window(self._browser, touch)
         try:
             window.prepared(size, scripts)
             yield window.page
@@ -26,6 +32,9 @@ class Windows:
             window.close()  # nobody knows what a failed test leaves behind
             raise
         free.append(window)
+
+    def close(self):
+        self._browser.close()
 
 
 class _Window:
