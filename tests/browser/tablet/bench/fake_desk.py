@@ -18,6 +18,7 @@ from truepose.web.tablet import routes
 from truepose.web.visiting.everywhere import colours, static_file
 from truepose_drivers.api import MotionGuard
 
+_SAMPLED_S = 0.15  # from one sample to the next where nothing new is seen: each is painted
 ALL_ACTS = ["store", "retry", "skip", "back", "pause", "stop", "abort", "confirm", "answer", "resume"]
 CUPS = {"B1": (380.0, -150.0, 60.0), "B2": (640.0, 0.0, 60.0), "B3": (380.0, 150.0, 60.0)}
 NESTS = {"T1": (470.0, 5.0, 305.0), "T2": (545.0, 95.0, 372.0), "T3": (590.0, -55.0, 330.0)}
@@ -218,13 +219,15 @@ class FakeDesk:
         return StreamingResponse(self._told(), media_type="text/event-stream")
 
     async def _told(self):
-        said, heard_s = None, -math.inf
+        said, sampled, sampled_s, heard_s = None, None, -math.inf, -math.inf
         while True:
             if said != self.session["ledger_number"]:
                 said = self.session["ledger_number"]
                 yield _event("situation", self.session)
-            if self.sample is not None:
-                yield _event("sample", {**self.sample, "sampled_at_ms": time.time() * 1000})
+            due = self.sample is not sampled or time.monotonic() - sampled_s > _SAMPLED_S
+            if self.sample is not None and due:
+                sampled, sampled_s = self.sample, time.monotonic()
+                yield _event("sample", {**sampled, "sampled_at_ms": time.time() * 1000})
             if time.monotonic() - heard_s > 1:
                 heard_s = time.monotonic()
                 yield ": still here\n\n"
