@@ -1,5 +1,7 @@
 """Where the robot holds the setting ball while a base cup is clamped on it: tool nest 1 at the cup."""
 
+from collections.abc import Iterator
+from itertools import islice
 from typing import Final
 
 import numpy as np
@@ -27,6 +29,7 @@ _TILTS_DEG: Final = (
     30.0,
     45.0,
 )  # of the tool against the cup; beyond, both cups grasp past the ball
+_AT_ONCE: Final = 100  # configurations that are looked at together
 _MOST_LIFTS: Final = 40  # configurations of which it is tried whether the tool can leave the cup
 _TILT_COST: Final = 0.2  # share of a joint's range that a tilt of one radian is worth
 
@@ -62,12 +65,21 @@ def setup_joints(cell: BallbarCell, fixture: BaseFixture, point: int) -> FloatAr
     if not len(turned):
         return None
     worth = inside(cell.ranges, turned) - _TILT_COST * tilts
-    clear = np.flatnonzero(_room(cell, fixture, turned, point) >= cell.arm_room_mm)
+    best_first = turned[np.argsort(-worth, kind="stable")]
     around = Surroundings(cell, fixture)
-    for row in clear[np.argsort(-worth[clear])][:_MOST_LIFTS]:
-        if can_lift(around, Stop(turned[row], point)):
-            return np.asarray(turned[row])
+    for one in islice(_clear(cell, fixture, best_first, point), _MOST_LIFTS):
+        if can_lift(around, Stop(one, point)):
+            return one
     return None
+
+
+def _clear(
+    cell: BallbarCell, fixture: BaseFixture, joints_rad: FloatArray, point: int
+) -> Iterator[FloatArray]:
+    """Yield those of (n, J) configurations that are clear; the first ones will mostly do."""
+    for start in range(0, len(joints_rad), _AT_ONCE):
+        some = joints_rad[start : start + _AT_ONCE]
+        yield from some[_room(cell, fixture, some, point) >= cell.arm_room_mm]
 
 
 def orientations_facing(cell: BallbarCell, axis: FloatArray) -> tuple[FloatArray, FloatArray]:
