@@ -11,6 +11,7 @@ from hypothesis import HealthCheck, settings
 
 from tests.helpers.machine import MEASURED_DATA, folder_in_memory, what_was_untested
 from tests.helpers.order import spread, turned
+from tests.helpers.web.pages import leave_pictures_empty
 from truepose_drivers.contract.simulated_time import SimulatedTimeLoop
 
 _TESTS = Path(__file__).parent
@@ -117,6 +118,5 @@ def forked_processes():
 
 @pytest.fixture
 def empty_pictures(monkeypatch):
-    """Pictures are put together but not painted, which takes most of the time; for who reads the text."""
-    empty = '<svg height="1pt" width="1pt" viewBox="0 0 1 1"></svg>'
-    monkeypatch.setattr("truepose.reports.figures.canvas._write_svg", lambda _, file: file.write(empty))
+    """Pictures are put together but not painted; for who reads the text."""
+    leave_pictures_empty(monkeypatch)

@@ -16,7 +16,7 @@ from tests.helpers.diagnosis.diagnosed_cells import (
     two_findings,
 )
 from tests.helpers.domain.builders import make_model
-from tests.helpers.web.pages import Page
+from tests.helpers.web.pages import Page, leave_pictures_empty
 from truepose.domain.results.causes import Cause, Detail
 from truepose.domain.results.diagnosis import NextMeasurement, RuledOut, Verdict
 from truepose.reports import DiagnosisInput, ReportConditions, diagnosis_content, write_diagnosis_report
@@ -29,10 +29,20 @@ def page_of(diagnosis, **parts):
     return Page(diagnosis_content(DiagnosisInput(diagnosis, **parts)))
 
 
+# Each kind of picture is in one of these; painting those of a page takes half a second.
+PAINTED = ("two findings", "several waves", "described", "partly explained", "lengths")
+
+
 @pytest.fixture(scope="module")
 def pages():
-    """The report of each ending as a file; drawing them takes a few tenths of a second each."""
-    return {name: str(diagnosis_content(DiagnosisInput(ending()))) for name, ending in ENDINGS.items()}
+    """The report of each ending as a file, pictures put together and those of some painted."""
+    made = {}
+    for name, ending in ENDINGS.items():
+        with pytest.MonkeyPatch.context() as patch:
+            if name not in PAINTED:
+                leave_pictures_empty(patch)
+            made[name] = str(diagnosis_content(DiagnosisInput(ending())))
+    return made
 
 
 def plain(**changes):

@@ -20,6 +20,7 @@ from truepose.planning.ballbar.plan import ballbar_plan, plan_at
 from truepose.planning.errors import NoWayError, TooFewCandidatesError, WorkSpaceError
 
 CELL = ballbar_cell()
+AFTER = base_fixture(2, frame(300, 150, 120, 0, 0, 30))
 
 
 @pytest.fixture(scope="module")
@@ -80,21 +81,23 @@ def test_the_first_poses_are_those_that_the_pre_calibration_needs(at_hand):
     assert worth(range(12)) > np.quantile(by_chance, 0.95)
 
 
-def test_configurations_are_numbered_through_all_placements():
-    plan = plan_at(CELL, [fixture_before_the_arm(), base_fixture(2, frame(300, 150, 120, 0, 0, 30))], 20)
+@pytest.fixture(scope="module")
+def at_two_places():
+    return plan_at(CELL, [fixture_before_the_arm(), AFTER], 20)
 
-    first, second = plan.placements
-    assert [placement.number for placement in plan.placements] == [1, 2]
+
+def test_configurations_are_numbered_through_all_placements(at_two_places):
+    first, second = at_two_places.placements
+
+    assert [placement.number for placement in at_two_places.placements] == [1, 2]
     assert [p.config for p in (*first.poses, *second.poses)] == list(range(1, 21))
     assert {p.placement for p in second.poses} == {2}
 
 
-def test_while_the_fixture_is_put_to_its_next_place_the_arm_is_out_of_the_way():
-    after = base_fixture(2, frame(300, 150, 120, 0, 0, 30))
+def test_while_the_fixture_is_put_to_its_next_place_the_arm_is_out_of_the_way(at_two_places):
+    last = at_two_places.placements[0].poses[-1]
 
-    plan = plan_at(CELL, [fixture_before_the_arm(), after], 20)
-
-    assert is_clear(CELL, after, np.array([plan.placements[0].poses[-1].joints_rad])).all()
+    assert is_clear(CELL, AFTER, np.array([last.joints_rad])).all()
 
 
 def test_the_template_gives_times_and_speeds():
