@@ -3,6 +3,7 @@
 import asyncio
 import math
 from collections.abc import Awaitable, Callable
+from functools import lru_cache
 
 import numpy as np
 
@@ -101,6 +102,11 @@ class FakeRobot(Controller):
         return JointReading(shown, math.radians(0.01), self._clock.time_s - self.reading_age_s)
 
 
+@lru_cache(maxsize=8)  # a tracker that searches looks many times at an arm that stands still
+def _nests_at(joints_rad: tuple[float, ...]) -> FloatArray:
+    return np.array([nest_in_world(IRB120, FramePlacement(), NESTS, joints_rad, nest) for nest in (1, 2, 3)])
+
+
 class FakeTracker:
     """Sees the fixed nests and the reflectors on the arm, from a frame of its own."""
 
@@ -146,9 +152,7 @@ class FakeTracker:
         return (world - self.at) @ self._rotation
 
     def _reflectors(self) -> FloatArray:
-        base, arm = FramePlacement(), self._robot.joints
-        on_arm = [nest_in_world(IRB120, base, NESTS, arm, nest) + self.arm_error_mm for nest in (1, 2, 3)]
-        return np.vstack([self.fixed_nests, on_arm])
+        return np.vstack([self.fixed_nests, _nests_at(tuple(self._robot.joints)) + self.arm_error_mm])
 
     async def find_reflector(self, near_mm: Vector, *, search_radius_mm: float) -> None:
         number, self.finds = self.finds, self.finds + 1
