@@ -25,15 +25,10 @@ _STARTS = 200
 _FEW_STARTS = 24
 _LOWEST = 24  # starts from which a descent is worth its time
 _DESCENT_STEPS = 30
-_LONGEST_RAD = 0.7  # of a step
 _ARRIVED_RAD = 1e-9  # a step this short: at ten metres, a hundredth of a micrometre
-_NEAR_RAD = (
-    1e-5  # enough to compare: a hypothesis that fits is then far nearer, as its steps shrink by squares
-)
 _ROBUST_ROUNDS = 25
 _SETTLED = 1e-3  # change of a weight that no longer moves anything
 _DEPENDENT = 1e-12  # of the largest eigenvalue: a sum of squares below it is rounding
-_IDENTITY, _TINY = np.eye(3), float(np.finfo(float).tiny)
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,7 +103,7 @@ def quick_typical_mm(chain: Chain, nest: IntArray, measured_mm: FloatArray, know
     """Median residual of the least-squares placement, without robust weights: to compare hypotheses [mm]."""
     form = _Form(chain.rotation[-1], chain.origin[-1], nest, measured_mm, known)
     reduced = form.reduced(np.ones(len(nest)))
-    rotation = known.base[0] if known.base is not None else _best_rotation(reduced, _FEW_STARTS, _NEAR_RAD)
+    rotation = known.base[0] if known.base is not None else _best_rotation(reduced, _FEW_STARTS)
     return _typical_mm(form, rotation, reduced)
 
 
@@ -116,12 +111,10 @@ def _typical_mm(form: "_Form", rotation: FloatArray, reduced: "_Reduced") -> flo
     return float(np.median(np.linalg.norm(form.residual(rotation, reduced), axis=0)))
 
 
-def _best_rotation(
-    reduced: "_Reduced", starts: int = _STARTS, arrived_rad: float = _ARRIVED_RAD
-) -> FloatArray:
+def _best_rotation(reduced: "_Reduced", starts: int = _STARTS) -> FloatArray:
     spread = _rotation_starts(starts)
     lowest = np.argsort(reduced.cost(spread), kind="stable")[:_LOWEST]
-    ends = _descended(spread[lowest], reduced, arrived_rad=arrived_rad)
+    ends = _descended(spread[lowest], reduced)
     return np.asarray(ends[int(np.argmin(reduced.cost(ends)))])
 
 
@@ -144,6 +137,17 @@ def _rotation_starts(count: int) -> FloatArray:
     return rotation_from_vector(axis * angle)
 
 
+def _generators() -> FloatArray:
+    generators = np.zeros((3, 3, 3))
+    for axis in range(3):
+        first, second = (axis + 1) % 3, (axis + 2) % 3
+        generators[axis, second, first], generators[axis, first, second] = 1.0, -1.0
+    return generators
+
+
+_GENERATORS = _generators()
+
+
 @dataclass(frozen=True, slots=True)
 class _Reduced:
     """The weighted sum of squares once nests and base shift are eliminated: q.N q - 2 q.b and a constant."""
@@ -163,53 +167,30 @@ class _Reduced:
         return np.asarray(self.per_q @ rotation.T.reshape(9) - self.at_zero)
 
 
-def _descended(
-    rotations: FloatArray, reduced: _Reduced, steps: int = _DESCENT_STEPS, arrived_rad: float = _ARRIVED_RAD
-) -> FloatArray:
+def _descended(rotations: FloatArray, reduced: _Reduced, steps: int = _DESCENT_STEPS) -> FloatArray:
     """Gauss-Newton on SO(3) from many base rotations (S, 3, 3) at once."""
     q = np.swapaxes(rotations, 1, 2).copy()
     under_way = np.arange(len(q))
     for _ in range(steps):
-        tangent = _tangent(q[under_way])
-        step, length = _step(q[under_way], tangent, reduced)
-        q[under_way] = _turned(q[under_way], tangent, step, length)
-        under_way = under_way[length > arrived_rad]
+        step = _step(q[under_way], reduced)
+        q[under_way] = rotation_from_vector(step) @ q[under_way]
+        under_way = under_way[np.abs(step).max(axis=1) > _ARRIVED_RAD]
         if not len(under_way):
             break
     return np.swapaxes(q, 1, 2)
 
 
-def _tangent(q: FloatArray) -> FloatArray:
-    """Return how Q changes per turn about each axis, row-major, shape (S, 3, 9): the axis x its columns."""
-    tangent = np.zeros((len(q), 3, 3, 3))
-    for axis in range(3):
-        first, second = (axis + 1) % 3, (axis + 2) % 3
-        tangent[:, axis, second] = q[:, first]
-        np.negative(q[:, second], out=tangent[:, axis, first])
-    return tangent.reshape(-1, 3, 9)
-
-
-def _step(q: FloatArray, tangent: FloatArray, reduced: _Reduced) -> tuple[FloatArray, FloatArray]:
-    """Rotation vectors that lead down from Q, shape (S, 3), and their lengths; none is over 0.7 rad."""
-    slope = q.reshape(-1, 9) @ reduced.normal - reduced.right
-    gradient = np.einsum("sak,sk->sa", tangent, slope)
-    bent = (tangent.reshape(-1, 9) @ reduced.normal).reshape(tangent.shape)
-    hessian = np.einsum("sak,sbk->sab", bent, tangent)
-    size = np.einsum("saa->s", hessian)[:, None, None]
-    hessian += (1e-9 * size + _TINY) * _IDENTITY  # also where no rotation matters
-    step = -np.linalg.solve(hessian, gradient[:, :, None])[:, :, 0]
-    length = np.sqrt(np.einsum("sa,sa->s", step, step))
-    shorter = np.minimum(1.0, _LONGEST_RAD / np.maximum(length, 1e-12))
-    return step * shorter[:, None], length * shorter
-
-
-def _turned(q: FloatArray, tangent: FloatArray, step: FloatArray, length: FloatArray) -> FloatArray:
-    """Return Q turned by rotation vectors v (Rodrigues): v x (v x q) is v (v.q) - q v.v."""
-    angle = np.maximum(length, _TINY)[:, None, None]
-    once = np.einsum("sa,sak->sk", step, tangent).reshape(q.shape)
-    twice = step[:, :, None] * np.einsum("sa,sak->sk", step, q)[:, None, :] - angle**2 * q
-    half = np.sin(0.5 * angle) / angle
-    return np.asarray(q + np.sin(angle) / angle * once + 2.0 * half**2 * twice)
+def _step(q: FloatArray, reduced: _Reduced) -> FloatArray:
+    """Rotation vectors that lead down from Q, shape (S, 3); none is longer than 0.7 rad."""
+    flat = q.reshape(-1, 9)
+    tangent = (_GENERATORS @ q[:, None]).reshape(len(q), 3, 9)
+    gradient = tangent @ (flat @ reduced.normal - reduced.right)[:, :, None]
+    hessian = tangent @ reduced.normal @ np.swapaxes(tangent, 1, 2)
+    slope = np.trace(hessian, axis1=1, axis2=2)[:, None, None]
+    hessian += (1e-9 * slope + np.finfo(float).tiny) * np.eye(3)  # also where no rotation matters
+    step = -np.linalg.solve(hessian, gradient)[:, :, 0]
+    length = np.sqrt((step**2).sum(axis=1, keepdims=True))
+    return np.asarray(step * np.minimum(1.0, 0.7 / np.maximum(length, 1e-12)))
 
 
 class _Form:
