@@ -12,6 +12,7 @@ from truepose.analysis.workers.process import perform_in_worker
 from truepose.app.joined import beside, copies_of, opened_database, people_of, program_version
 from truepose.app.server import Served, run
 from truepose.exchange.cells.of_plant import read_plant_file
+from truepose.plant.changes import RobotsChanged
 from truepose.plant.collector import Collector, Pace, collecting
 from truepose.plant.due import DueAfter
 from truepose.plant.visit import Shelves
@@ -86,6 +87,7 @@ async def open_plant(settings: PlantSettings) -> AsyncIterator[PlantContext]:
             looks=PlantLooks(database),
             overview=PlantOverview(database),
             told=told,
+            changed=RobotsChanged(),
             certificates=PlantCertificates(database),
             fleets=FleetDesk(CollectedCampaigns(database), *telling),
             comparisons=Comparisons(database.file),

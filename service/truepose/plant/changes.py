@@ -76,6 +76,20 @@ def robots_changed(before: NewestTold, now: NewestTold, upto: date) -> list[Robo
     return sorted(changed, key=lambda robot: (-robot.worsening_mm, robot.serial_number))
 
 
+class RobotsChanged:
+    """The robots that changed, found anew on another day and where something came in."""
+
+    def __init__(self) -> None:
+        self._of: tuple[date, int] | None = None
+        self._found: list[RobotChanged] = []
+
+    def found(self, before: NewestTold, now: NewestTold, upto: date, read_up_to: int) -> list[RobotChanged]:
+        """Return what `robots_changed` does, of what was read up to a row."""
+        if self._of != (upto, read_up_to):
+            self._of, self._found = (upto, read_up_to), robots_changed(before, now, upto)
+        return self._found
+
+
 def _changes(before: _Results, now: _Results, upto: str) -> Iterator[Changed]:
     new = {
         kind: found

@@ -76,6 +76,11 @@ class PlantTold:
         self._newest: defaultdict[str, dict[ToldKind, ToldSeen]] = defaultdict(dict)
         self._read_up_to = 0  # number of a row
 
+    @property
+    def read_up_to(self) -> int:
+        """The last row that `newest` has read, of all that were told."""
+        return self._read_up_to
+
     async def before(self, since: date) -> NewestTold:
         """Return the newest of each kind of every robot as it was known when a day began.
 

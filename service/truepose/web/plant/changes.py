@@ -10,7 +10,6 @@ from truepose.plant.changes import (
     Changed,
     RobotChanged,
     certificates_ended,
-    robots_changed,
 )
 from truepose.plant.due import latest_day
 from truepose.storage.plant.certificates import StatedPaper
@@ -47,7 +46,9 @@ async def since_a_week(
 ) -> SinceThen:
     """Return what is known against what was known when the day a week ago began, by the plant's clock."""
     since, upto = today - _WEEK, latest_day(today)
-    changed = robots_changed(await here.told.before(since), await here.told.newest(upto), upto)
+    now = await here.told.newest(upto)
+    read_up_to = here.told.read_up_to
+    changed = here.changed.found(await here.told.before(since), now, upto, read_up_to)
     return SinceThen(since, changed, certificates_ended(papers, robots, since, today))
 
 

@@ -9,6 +9,7 @@ from fastapi import Depends, Request
 from truepose.analysis.drawing import DrawingDesk
 from truepose.analysis.fleets.desk import FleetDesk
 from truepose.operation.people.desk import PeopleDesk
+from truepose.plant.changes import RobotsChanged
 from truepose.plant.collector import Collector
 from truepose.plant.due import DueAfter
 from truepose.storage.backup.schedule import BackupSchedule
@@ -46,6 +47,7 @@ class PlantContext:
     looks: PlantLooks
     overview: PlantOverview
     told: PlantTold
+    changed: RobotsChanged
     certificates: PlantCertificates
     due: DueAfter
     fleets: FleetDesk
