@@ -42,7 +42,7 @@ def downgrade() -> None:
 
     The chain then begins anew; where there is none of them it stays as it is.
     """
-    were_there = op.get_bind().scalar(sa.text(f"SELECT count(*) FROM ({_JOBS})"))
+    were_there = op.get_bind().scalar(sa.text(f"SELECT count(*) FROM ({_JOBS}) AS found"))
     tables = chained_tables() - {"corrections"}
     drop_protected("corrections")
     delete_protected("request_keys", "resource = 'correction job'")

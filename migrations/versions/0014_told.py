@@ -37,7 +37,7 @@ def upgrade() -> None:
 
 def downgrade() -> None:
     """Drop the tables and every accepted model with what was made of it; the chain then begins anew."""
-    were_there = op.get_bind().scalar(sa.text(f"SELECT count(*) FROM ({_HANDED_DOWN})"))
+    were_there = op.get_bind().scalar(sa.text(f"SELECT count(*) FROM ({_HANDED_DOWN}) AS found"))
     there = chained_tables()
     for table in ("validations", "corrections"):
         delete_protected(table, f"model_id IN ({_HANDED_DOWN})")

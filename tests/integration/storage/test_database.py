@@ -8,7 +8,7 @@ from contextlib import closing
 import pytest
 from alembic import command
 from alembic.script import ScriptDirectory
-from sqlalchemy import create_engine, inspect, text
+from sqlalchemy import create_engine, inspect, make_url, text
 
 from truepose.storage.connection.address import shown_address
 from truepose.storage.connection.migrating import migration_config
@@ -185,8 +185,9 @@ def test_a_folder_that_cannot_be_made_is_named(tmp_path):
         Database(f"sqlite:///{tmp_path}/file/truepose.sqlite3")
 
 
-def test_every_migration_goes_up_and_down_again(tmp_path):
-    engine = create_engine(f"sqlite:///{tmp_path}/steps.sqlite3")
+def test_every_migration_goes_up_and_down_again(database_url):
+    url = make_url(database_url.replace("postgresql:", "postgresql+psycopg:"))
+    engine = create_engine(url.difference_update_query(["fsync"]))
     config = migration_config()
     with engine.begin() as connection:
         config.attributes["connection"] = connection
