@@ -8,7 +8,8 @@ robots, type, instruments and campaigns, divided evenly (Bonferroni). How far th
 beyond what readings state, all robots tell together. Of what is beyond chance the largest likelihood ratio is
 taken into the model, all variances are estimated anew, and all is tried again until nothing is beyond chance;
 what later changes explain is taken out again. Rivals of a change explain what it explains, without it, at
-odds of no worse than twenty to one.
+odds of no worse than twenty to one. What grows began before anybody measured, unless such odds speak for a
+later month: a beginning is one thing more to choose.
 """
 
 from collections import Counter
@@ -154,7 +155,7 @@ class _Sought:
 
     def take_the_best(self) -> bool:
         """Take what explains most into the model: a change, or a campaign out of it; False: nothing does."""
-        best = _beyond_chance(self.trials, self._level)
+        best = self._since_the_first(_beyond_chance(self.trials, self._level))
         other = most_unlike(self.estimated.posterior, self._level / _SCOPES, self._changing)
         if other is not None and (best is None or other.ratio > best.ratio):
             self._leave_out((other,))
@@ -165,6 +166,14 @@ class _Sought:
         else:
             return False
         return True
+
+    def _since_the_first(self, best: Trial | None) -> Trial | None:
+        """Return the same growth since the first campaign where nothing much speaks for a later beginning."""
+        if best is None or best.change.kind != "linear":
+            return best
+        alike = (one for one in self.trials if one.change.grows_as(best.change))
+        first = min(alike, key=lambda one: one.change.since)
+        return first if first.ratio >= best.ratio - _RIVAL else best
 
     def _take_in(self, best: Trial) -> None:
         """Take a change into the model, if it stands out from what other causes still show there."""

@@ -64,6 +64,10 @@ class Change:
         mine, its = ((one.scope, one.of, one.kind, one.since) for one in (self, other))
         return mine == its
 
+    def grows_as(self, other: "Change") -> bool:
+        """Return whether both are even growth of the same cause, whenever it began."""
+        return self.key[:-1] == other.key[:-1] and self.kind == "linear"
+
     def same_as(self, other: "Change") -> bool:
         """Return whether both are the same change."""
         return self.key == other.key

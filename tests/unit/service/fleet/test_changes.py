@@ -56,6 +56,18 @@ def test_a_change_that_began_later_is_named_with_its_beginning_and_its_forecast_
     assert passing(account.fleet, change, 2.0 * change.size_mm).day == pytest.approx(240.0)
 
 
+def test_growth_that_may_have_begun_a_month_later_is_named_as_there_from_the_first():
+    account, named = _told(
+        drawn(66, readings=40, months=6, drift=lambda i, k, month: 0.09 * month * (i == 3) * _GAP)
+    )
+
+    assert named == [("robot", "robot 3", "geometry", "linear")]
+    change = account.named[0]
+    later = next(one for one in change.rivals if one.change.grows_as(change.change))
+    assert change.change.since == 0.0
+    assert later.ratio > change.trial.ratio
+
+
 def test_what_all_robots_show_on_one_day_only_is_the_types_and_of_that_day():
     account, named = _told(
         drawn(27, readings=40, months=5, drift=lambda i, k, month: 1.0 * (month == 2) * _GAP)
