@@ -9,7 +9,7 @@ _OBJECTS_BETWEEN_SEARCHES: Final = 500_000
 
 # A library of linear algebra adds in an order that depends on the number of its threads, so that the last
 # bits of a result would follow from the computer and the shell. Of matrices as small as ours several threads
-# make nothing quicker (decision 0068).
+# make nothing quicker (decision 0070).
 ONE_THREAD: Final = dict.fromkeys(
     ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "BLIS_NUM_THREADS"), "1"
 )

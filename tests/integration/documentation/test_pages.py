@@ -59,6 +59,7 @@ def test_every_decision_is_listed_and_has_its_three_parts():
 
     texts = {path.name: path.read_text(encoding="utf-8") for path in records}
 
+    assert len({name[:4] for name in texts}) == len(texts)
     assert [name for name in texts if f"]({name})" not in listed] == []
     parts = ("## Context", "## Decision", "## Consequences", "## Rejected")
     assert [name for name, text in texts.items() if any(part not in text for part in parts)] == []
