@@ -26,7 +26,7 @@ PARTS = {
     "/errors/{code}": ["TP-1001"],
     "/operator/{id}": ["3", "4", "5"],  # by ballbar, by gauge, by tracker
     "/reports/{kind}/{id}": ["identification/1", "validation/1", "diagnosis/1"],
-    "/robots/{name}": [quote(ROBOT)],
+    "/robots/{name:path}": [quote(ROBOT)],
     "/sessions/{id}/result": ["2"],
 }
 # Pages of people and of links that are given once are in `house`: this shop knows nobody.

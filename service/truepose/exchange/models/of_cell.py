@@ -10,6 +10,7 @@ from truepose.domain.cell.description import Cell
 from truepose.domain.errors import UnsuitableModelError
 from truepose.domain.results.identification import Model
 from truepose.domain.robot import JointRow, Robot
+from truepose.exchange.errors import InputFileError
 from truepose.exchange.models.file import model_from_text
 
 _ROUNDING: Final = 1e-6  # of a file, in mm and rad
@@ -22,12 +23,10 @@ def fitting_model(document: Mapping[str, Any], cell: Cell) -> Model:
 
     Raises
     ------
-    InputFileError
-        It is no model.
     UnsuitableModelError
-        It is of another robot, or of another tool, than this cell has.
+        It is no model, or of another robot, or of another tool, than this cell has.
     """
-    model = model_from_text(json.dumps(document).encode(), "handed-down model")
+    model = _read(document)
     if model.robot.name != cell.robot.name or not _same_table(model.robot, cell.robot):
         raise UnsuitableModelError(
             f"The model is of {model.robot.name}; this cell has {cell.robot.name} "
@@ -41,6 +40,15 @@ def fitting_model(document: Mapping[str, Any], cell: Cell) -> Model:
             f"{_THEN}"
         )
     return model
+
+
+def _read(document: Mapping[str, Any]) -> Model:
+    try:
+        return model_from_text(json.dumps(document).encode(), "handed-down model")
+    except InputFileError as error:
+        raise UnsuitableModelError(
+            f"What was handed down cannot be read as a model: {error} Hand down a model as it is downloaded."
+        ) from error
 
 
 def _same_table(one: Robot, other: Robot) -> bool:

@@ -55,24 +55,26 @@ async def test_limits_on_time_that_are_set_for_others_end_nothing_here(database_
     assert verify_left_at(database_url).findings == ()
 
 
-async def test_a_server_that_takes_no_writes_is_said_to_and_waited_for(database, administrator):
+async def test_a_server_that_takes_no_writes_is_said_to_and_waited_for(database, administrator, name):
+    def fail_over(change):
+        administrator(f'ALTER DATABASE "{name}" {change}')
+        administrator(
+            "SELECT pg_terminate_backend(pid) FROM pg_stat_activity "
+            "WHERE datname = current_database() AND pid <> pg_backend_pid()"
+        )
+
     await add(database)
-    administrator("ALTER SYSTEM SET default_transaction_read_only = on")
-    administrator("SELECT pg_reload_conf()")
-    try:
-        async with asyncio.timeout(PATIENCE_S):
-            with pytest.raises(ServerRefusedError, match=r"takes no writes .*; it is a standby"):
-                while True:
-                    await add(database, "meanwhile")
-        kept = await names(database)
-        await asyncio.sleep(0.6)  # two trials, which write nothing that such a server refuses
-        assert "takes no writes" in database.condition.trouble
-        with pytest.raises(ServerRefusedError, match="takes no writes"):
-            await add(database, "refused")
-    finally:
-        administrator("SET default_transaction_read_only = off")
-        administrator("ALTER SYSTEM RESET default_transaction_read_only")
-        administrator("SELECT pg_reload_conf()")
+    fail_over("SET default_transaction_read_only = on")
+    async with asyncio.timeout(PATIENCE_S):
+        with pytest.raises(ServerRefusedError, match=r"takes no writes .*; it is a standby"):
+            while True:
+                await add(database, "meanwhile")
+    kept = await names(database)
+    await asyncio.sleep(0.6)  # two trials, which write nothing that such a server refuses
+    assert "takes no writes" in database.condition.trouble
+    with pytest.raises(ServerRefusedError, match="takes no writes"):
+        await add(database, "refused")
+    fail_over("RESET default_transaction_read_only")
     await asyncio.wait_for(database.writable(), PATIENCE_S)
     await add(database, "last")
 
