@@ -12,6 +12,7 @@ from truepose.storage.connection.sqlite.library import LIBRARY
 from truepose.storage.database import Database
 from truepose.storage.errors import DamagedDatabaseError, DatabaseAddressError
 from truepose.storage.integrity.arrival import verify_left
+from truepose.storage.integrity.condition import Condition
 from truepose.storage.integrity.guard import Guard
 from truepose.storage.measurement.ledger import LedgerRepository
 from truepose.storage.measurement.sessions import SessionRepository
@@ -145,21 +146,33 @@ async def whole(database):
             await asyncio.sleep(0.05)
 
 
-async def test_what_others_write_without_changing_a_record_is_found_to_be_harmless(database):
+async def test_what_others_write_without_changing_a_record_is_found_to_be_harmless(database, monkeypatch):
+    said = noted(monkeypatch)
     await fill(database)
     guarding = asyncio.create_task(Guard(database, 0.0).follow())
     await whole(database)
 
     tamper(database.file, "CREATE TABLE other (id INTEGER); DROP TABLE other;")
     async with asyncio.timeout(60):
-        while database.condition.fault is None:
+        while not said or database.condition.fault is not None:
             await asyncio.sleep(0.05)
-        assert "Another program has written" in database.condition.fault
-        await whole(database)
 
     guarding.cancel()
     await asyncio.gather(guarding, return_exceptions=True)
-    assert database.condition.fault is None
+    assert all("Another program has written" in one for one in said)
+    assert database.condition.integrity == "whole"
+
+
+def noted(monkeypatch):
+    """Return what is said of damage from now on, also where it is taken back at once."""
+    said, note = [], Condition.note_damage
+
+    def note_and_tell(condition, key, sentence):
+        said.append(sentence)
+        note(condition, key, sentence)
+
+    monkeypatch.setattr(Condition, "note_damage", note_and_tell)
+    return said
 
 
 async def test_one_changed_bit_anywhere_shows_by_the_seal(left, database_url):
