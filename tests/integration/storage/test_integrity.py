@@ -18,10 +18,7 @@ from truepose.storage.measurement.ledger import LedgerRepository
 from truepose.storage.measurement.sessions import SessionRepository
 from truepose.storage.measurement.tracker_readings import ReadingRepository
 
-pytestmark = [
-    pytest.mark.engine("sqlite"),  # a server's: server/test_tampering.py
-    pytest.mark.usefixtures("forked_processes"),
-]
+pytestmark = pytest.mark.engine("sqlite")  # a server's: server/test_tampering.py
 UNPROTECTED = "DROP TRIGGER readings_no_update; DROP TRIGGER readings_no_delete;"
 PROTECTED = """
     CREATE TRIGGER readings_no_update BEFORE UPDATE ON readings
