@@ -55,9 +55,12 @@ def verify_left_at(url: str, told: Told = lambda share: None, printed: Head | No
     file, server = database_file(url), is_server(parsed_url(url))
     if not server and not file.is_file():
         raise DatabaseAddressError(f"There is no database {file}.")
-    left = Seal(lies_beside(url)).left()
+    seal = Seal(lies_beside(url))
+    left = seal.left()
     verdict = verify_at(url, told, printed)
-    return verdict if left is None else replace(verdict, findings=(*verdict.findings, *_against(url, left)))
+    if left is None:
+        return verdict
+    return replace(verdict, findings=(*verdict.findings, *_against(url, left, seal.file)))
 
 
 def newest_missing(where: str, seal: Path) -> str:
@@ -68,10 +71,10 @@ def newest_missing(where: str, seal: Path) -> str:
     )
 
 
-def _against(url: str, left: Left) -> Iterator[str]:
+def _against(url: str, left: Left, seal: Path) -> Iterator[str]:
     file = database_file(url)
     if left.sha256 is not None and digest(file) != left.sha256:
         yield f"The file {file} was changed while no service had it open."
     with contextlib.suppress(*refused_by(url)), contextlib.closing(opened_at(url)) as connection:
         if not has_link(connection, left):
-            yield newest_missing(shown_address(url), Seal(lies_beside(url)).file)
+            yield newest_missing(shown_address(url), seal)
