@@ -46,10 +46,10 @@ def transfer(source: str, target: str, told: Told = lambda share, doing: None) -
     StorageError
         One of the two is no database of ours, or cannot be reached.
     """
-    _require_two(source, target)
+    beside = _two(source, target)
     with locked_for_reading(source), _newest(source) as read_from:
         head = fill(read_from, target, told)
-    return head, _bring_drafts(lies_beside(source), lies_beside(target))
+    return head, _bring_drafts(*beside)
 
 
 @contextlib.contextmanager
@@ -145,10 +145,13 @@ def _require_same(source: Any, target: Any, head: Head, told: Told) -> None:
         raise BackupError(f"What was copied is not whole: {said} Nothing was kept.")
 
 
-def _require_two(source: str, target: str) -> None:
+def _two(source: str, target: str) -> tuple[Path, Path]:
+    """Return what lies beside each is named after; raises BackupError where they are one database."""
     _require_there(source)
-    if lies_beside(source) == lies_beside(target):
+    beside = lies_beside(source), lies_beside(target)
+    if beside[0] == beside[1]:
         raise BackupError(f"{shown_address(source)} is both source and target; name another target.")
+    return beside
 
 
 def _require_there(url: str) -> None:
