@@ -139,6 +139,15 @@ class Posterior:
         found[:, : self.equations.parameters] += self.deviation[self.equations.fleet.robot]
         return np.asarray(found)
 
+    def put_at(self, place: int, robot: int) -> FloatArray:
+        """Return the covariance of what is put at a campaign if it is of some robot, (P + 1, P + 1)."""
+        p = self.equations.parameters
+        acting: FloatArray = self.equations.acting[place].copy()
+        acting[:p] -= self.gain[robot]
+        spread: FloatArray = acting @ self.covariance @ acting.T
+        spread[:p, :p] += self.own[robot]
+        return spread
+
     def robot_now(self, robot: int) -> tuple[FloatArray, FloatArray]:
         """Return mean (P + G,) and covariance of a robot's deviation and of g together."""
         gain = self.gain[robot]

@@ -35,15 +35,15 @@ def birge_ratios(posterior: Posterior, given: FloatArray | None = None) -> Float
     given : ndarray, shape (R,), optional
         By which the information of each robot is divided already.
     """
-    fleet, p = posterior.equations.fleet, posterior.equations.parameters
+    fleet = posterior.equations.fleet
     left = fleet.right - np.einsum("cpq,cq->cp", fleet.normal, posterior.fitted)
     squares, expected = (np.zeros(len(fleet.day)) for _ in range(2))
     for c, robot in enumerate(fleet.robot.tolist()):
         values, vectors = np.linalg.eigh(fleet.normal[c])
         seen = values > _RANK * values[-1]
         squares[c] = float(((vectors[:, seen].T @ left[c]) ** 2 / values[seen]).sum())
-        spread = _spread(posterior, c, robot, p)
-        expected[c] = float(seen.sum()) - float(np.einsum("pq,pq->", fleet.normal[c], spread))
+        put = posterior.put_at(c, robot)
+        expected[c] = float(seen.sum()) - float(np.einsum("pq,pq->", fleet.normal[c], put))
     own = [fleet.robot == number for number in range(len(fleet.robots))]
     squares *= 1.0 if given is None else given[fleet.robot]
     whole = [squares[mine].sum() / max(expected[mine].sum(), 1.0) for mine in own]
@@ -54,12 +54,3 @@ def birge_ratios(posterior: Posterior, given: FloatArray | None = None) -> Float
 def _of_the_middle_campaign(squares: FloatArray, expected: FloatArray) -> float:
     telling = expected >= _FEWEST
     return float(np.median(squares[telling] / expected[telling])) if telling.any() else 1.0
-
-
-def _spread(posterior: Posterior, c: int, robot: int, p: int) -> FloatArray:
-    """Return the covariance of what the model puts at a campaign, shape (P + 1, P + 1)."""
-    acting = posterior.equations.acting[c].copy()
-    acting[:p] -= posterior.gain[robot]
-    spread = acting @ posterior.covariance @ acting.T
-    spread[:p, :p] += posterior.own[robot]
-    return np.asarray(spread)

@@ -15,7 +15,7 @@ from typing import Final, TypeAlias
 
 import numpy as np
 
-from truepose.domain.arrays import BoolArray, FloatArray
+from truepose.domain.arrays import BoolArray
 from truepose.fleet.campaigns import Fleet
 from truepose.fleet.mixed_model import Equations, Posterior, Variances
 from truepose.fleet.trials import Score, Seen, excess_of
@@ -121,15 +121,5 @@ def _chance_of(posterior: Posterior, fleet: Fleet, of: Unlike, robot: int) -> fl
     seen = values > _RANK * values[-1]
     root = vectors[:, seen] * np.sqrt(values[seen])
     off = (vectors[:, seen].T @ (fleet.right[of.place] - normal @ put)) / np.sqrt(values[seen])
-    covariance = np.eye(len(off)) + root.T @ _spread(posterior, of.place, robot) @ root
+    covariance = np.eye(len(off)) + root.T @ posterior.put_at(of.place, robot) @ root
     return chi2_exceeded(float(off @ np.linalg.solve(covariance, off)) / of.excess, float(len(off)))
-
-
-def _spread(posterior: Posterior, place: int, robot: int) -> FloatArray:
-    """Return the covariance of what the model puts at a campaign if it was of some robot, (P + 1, P + 1)."""
-    p = posterior.equations.parameters
-    reach: FloatArray = posterior.equations.acting[place].copy()
-    reach[:p] -= posterior.gain[robot]
-    spread = reach @ posterior.covariance @ reach.T
-    spread[:p, :p] += posterior.own[robot]
-    return spread
