@@ -27,7 +27,17 @@ from truepose.fleet.components import Estimated, estimate
 from truepose.fleet.misfit.birge import birge_ratios
 from truepose.fleet.misfit.unlike import Unlike, most_unlike, resembled, unlike
 from truepose.fleet.mixed_model import Equations, Posterior
-from truepose.fleet.trials import Change, InstrumentDays, Kind, Scope, Score, Trial, excess_of, shapes
+from truepose.fleet.trials import (
+    Change,
+    InstrumentDays,
+    Kind,
+    Scope,
+    Score,
+    Trial,
+    excess_of,
+    seen_of,
+    shapes,
+)
 from truepose.identification.distributions import chi2_exceeded
 
 LEVEL: Final = 0.01
@@ -38,7 +48,6 @@ _SAME_RATIO: Final = 0.05  # of variances
 _PAIR: Final = 2
 _TOGETHER: Final = 2  # changes of instruments are tried alone and in pairs, at half the level each
 _ENOUGH_ROBOTS: Final = 8  # of fewer, one that ages would be its own measure
-_SEEN: Final = 1e-6  # of the largest information of a change: along what has less it is not seen at all
 _MOST: Final = 40  # changes; a fleet with more has another trouble
 
 
@@ -272,10 +281,7 @@ def _chance_beside(posterior: Posterior, number: int, excess: float) -> float:
     place = posterior.equations.of_change(number)
     told = np.linalg.inv(posterior.covariance[place, place])
     alone = told - np.eye(len(told))  # without what was believed beforehand, of variance 1
-    score = told @ posterior.shared[place]
-    values, vectors = np.linalg.eigh(alone)
-    seen = values > _SEEN * max(float(values[-1]), 0.0)
-    squares = (vectors[:, seen].T @ score) ** 2 / values[seen]
+    squares = seen_of(told @ posterior.shared[place], alone).squares
     return chi2_exceeded(float(squares.sum()) / excess, float(len(squares))) if len(squares) else 1.0
 
 

@@ -148,10 +148,7 @@ class Score:
 
     def of(self, directions: FloatArray) -> "Seen":
         """Return what is seen of a change along directions (P + 1, q)."""
-        values, vectors = np.linalg.eigh(directions.T @ self.information @ directions)
-        seen = values > max(_SEEN * float(values[-1]), 1e-300)
-        squares = (vectors[:, seen].T @ (directions.T @ self.score)) ** 2 / values[seen]
-        return Seen(squares, values[seen])
+        return seen_of(directions.T @ self.score, directions.T @ self.information @ directions)
 
 
 class Seen(NamedTuple):
@@ -192,6 +189,13 @@ class Seen(NamedTuple):
             float(self.squares.sum()) / excess,
             len(self.squares),
         )
+
+
+def seen_of(score: FloatArray, information: FloatArray) -> Seen:
+    """Return what a score (q,) and its information (q, q) say along the directions that are seen."""
+    values, vectors = np.linalg.eigh(information)
+    seen = values > max(_SEEN * float(values[-1]), 1e-300)
+    return Seen((vectors[:, seen].T @ score) ** 2 / values[seen], values[seen])
 
 
 def excess_of(seen: Sequence[Seen]) -> float:
