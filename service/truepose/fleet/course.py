@@ -10,7 +10,7 @@ from truepose.fleet.causes import AgeingCause
 from truepose.fleet.changes import Account, Named
 from truepose.fleet.components import estimate
 from truepose.fleet.mixed_model import Equations, NamedChange, Posterior
-from truepose.fleet.trials import Change, InstrumentDays
+from truepose.fleet.trials import InstrumentDays
 
 _SPANS: Final = 12  # of time, into which the days of a whole type are gathered where there are more
 
@@ -102,7 +102,7 @@ def _course(
     account: Account, of: str, cause: AgeingCause, days: FloatArray, shapes: FloatArray, excess: float
 ) -> Course:
     """Return what is seen where each of n shapes over the campaigns, (n, C), is free to within a width."""
-    others = [one.change.named for one in account.named if not _is_of(one.change, of, cause)]
+    others = [one.change.named for one in account.named if not one.change.is_of(of, cause)]
     free = [NamedChange(cause.directions, shape) for shape in shapes]
     equations = Equations(account.fleet, [*others, *free])
     posterior = Posterior(equations, account.estimated.variances)
@@ -112,7 +112,3 @@ def _course(
         np.array([posterior.shared[place] for place in places]),
         excess * np.array([posterior.covariance[place, place] for place in places]),
     )
-
-
-def _is_of(change: Change, robot: str, cause: AgeingCause) -> bool:
-    return (change.of, change.cause.key) == (robot, cause.key)

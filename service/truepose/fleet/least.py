@@ -82,7 +82,7 @@ def least_of_instruments(account: Account) -> Least:
 
 
 def _is_named(account: Account, of: str, cause: AgeingCause) -> bool:
-    return any((one.change.of, one.change.cause.key) == (of, cause.key) for one in account.named)
+    return any(one.change.is_of(of, cause) for one in account.named)
 
 
 def _growing(day: FloatArray, among: BoolArray) -> FloatArray | None:

@@ -68,6 +68,10 @@ class Change:
         """Return whether both are even growth of the same cause, whenever it began."""
         return self.key[:-1] == other.key[:-1] and self.kind == "linear"
 
+    def is_of(self, whose: str, cause: AgeingCause) -> bool:
+        """Return whether it is a change of a robot, instrument or, empty, the type by some cause."""
+        return (self.of, self.cause.key) == (whose, cause.key)
+
     def same_as(self, other: "Change") -> bool:
         """Return whether both are the same change."""
         return self.key == other.key
