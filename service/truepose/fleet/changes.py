@@ -216,14 +216,13 @@ class _Sought:
         days = InstrumentDays(estimate(Equations(self.fleet, others), self.estimated.variances).posterior)
         shape = np.zeros(len(self.fleet.visits))
         shape[self.fleet.visit] = self.found[number].change.shape
-        chance = _TOGETHER * days.of(shape)[1]
-        return chance * self._tried("instrument") * _SCOPES <= self._level
+        return self._is_beyond(_TOGETHER * days.of(shape)[1], "instrument")
 
     def _stands_out(self, trial: Trial) -> bool:
         change = trial.change
         beside = (one for one in self.trials if one.change.beside(change))
         others = [one for one in beside if one.change.cause.key != change.cause.key]
-        return trial.chance_beside(others) * self._tried(change.scope) * _SCOPES <= self._level
+        return self._is_beyond(trial.chance_beside(others), change.scope)
 
     def _changing(self, robot: str) -> BoolArray:
         """Return which parameters named changes of a robot or the type concern, the scale last, (P + 1,)."""
@@ -246,10 +245,12 @@ class _Sought:
         if not places:
             return None
         chance, least = max(zip(chances, places, strict=True))
-        return least if chance * self._tried(self.found[least].change.scope) * _SCOPES > self._level else None
+        return None if self._is_beyond(chance, self.found[least].change.scope) else least
 
-    def _tried(self, scope: Scope) -> int:
-        return sum(one.change.scope == scope for one in self.trials)
+    def _is_beyond(self, chance: float, scope: Scope) -> bool:
+        """Return whether a try has too small a chance to be one over all that is tried."""
+        tried = sum(one.change.scope == scope for one in self.trials)
+        return chance * tried * _SCOPES <= self._level
 
     def _leave_out(self, others: Sequence[Unlike]) -> None:
         self.unlike += [replace(one, place=int(self._kept[one.place])) for one in others]
