@@ -56,13 +56,13 @@ def match(robot: Robot, evidence: Evidence, known: Known, *, search_zeros: bool 
     as_it_is = _unchanged(meant, free)
     if as_it_is.fits:
         return as_it_is
-    singles = sorted((_with(meant, free, (one,)) for one in changes(meant, known)), key=_typical)
+    singles = sorted((_with(meant, free, one) for one in changes(meant, known)), key=_typical)
     pairs = _pairs(meant, free, singles[:_SHORT_LIST])
     for found in (singles[0], min(pairs, key=_typical, default=as_it_is)):
         if found.fits:
             return found
     zero = change_that_fits(robot, evidence, known) if search_zeros else None
-    return as_it_is if zero is None else _with(meant, free, (zero,))
+    return as_it_is if zero is None else _with(meant, free, zero)
 
 
 def _unchanged(meant: Meant, known: Known) -> Match:
@@ -79,24 +79,21 @@ def _typical(one: Match) -> float:
     return one.typical_mm
 
 
-def _with(meant: Meant, known: Known, these: Sequence[Change]) -> Match:
-    return Match(meant.robot, tuple(these), typical_mm(_changed(meant, these), known))
-
-
-def _changed(meant: Meant, these: Sequence[Change]) -> Meant:
-    for change in these:
-        meant = change.applied(meant)
-    return meant
+def _with(meant: Meant, known: Known, change: Change) -> Match:
+    return Match(meant.robot, (change,), typical_mm(change.applied(meant), known))
 
 
 def _pairs(meant: Meant, known: Known, singles: Sequence[Match]) -> Iterator[Match]:
     """Yield what a second change adds to the most promising first ones, where the robot may fit then."""
     for single in singles:
         (first,) = single.changes
+        once = first.applied(meant)
         for second in changes(meant, known):
-            both = (first, second)
-            if second != first and may_leave(_changed(meant, both), known, plausible_mm(meant.robot)):
-                yield _with(meant, known, both)
+            if second == first:
+                continue
+            twice = second.applied(once)
+            if may_leave(twice, known, plausible_mm(meant.robot)):
+                yield Match(meant.robot, (first, second), typical_mm(twice, known))
 
 
 def matches(robots: Sequence[Robot], evidence: Evidence, known: Known) -> tuple[Match, ...]:
