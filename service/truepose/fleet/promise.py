@@ -87,7 +87,7 @@ def promise(
     lacking = lacking_mm(belief, typical)
     more = replace(known, discrepancy=Discrepancy(lacking, _KNOWN_TO), believed=None)
     pooled = _Measuring(space, known.believing(belief), readings, seed).promised(readings)
-    same = _Measuring(space, known.believing(_as_stated(belief)), MOST, seed)
+    same = _Measuring(space, known.believing(as_stated(belief)), MOST, seed)
     return Promise(
         pooled,
         _Measuring(space, more, without, seed).promised(without),
@@ -97,7 +97,7 @@ def promise(
     )
 
 
-def _as_stated(belief: Belief) -> Belief:
+def as_stated(belief: Belief) -> Belief:
     """Return the same parameters as they are stated of any robot."""
     means = np.array([spec.prior_mean for spec in belief.specs])
     widths = np.array([spec.prior_width for spec in belief.specs])

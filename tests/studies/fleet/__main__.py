@@ -15,10 +15,9 @@ import numpy as np
 
 from tests.studies.fleet.held import Held, held
 from tests.studies.fleet.newcomers import NewRobot, Promises, newcomers, promised
-from tests.studies.fleet.simulated import FleetTruth, draw_fleet, recorded_fleet
+from tests.studies.fleet.simulated import FleetTruth, draw_fleet, identified_fleet
 from truepose.fleet.campaigns import Measured, fleet_of
 from truepose.fleet.changes import account_of
-from truepose.fleet.information import information_of
 
 _WITHOUT_FROM = 100  # seeds of fleets in which nothing ages
 
@@ -76,10 +75,7 @@ def _identified(options: argparse.Namespace, seed: int, ageing: int) -> tuple[Fl
     if kept.is_file():
         return pickle.loads(kept.read_bytes())
     truth = draw_fleet(seed, options.robots, ageing=ageing, drifting=ageing > 0)
-    measured = [
-        Measured(one.robot, one.instrument, one.day, information_of(one.campaign))
-        for one in recorded_fleet(truth, options.configurations)
-    ]
+    measured = identified_fleet(truth, options.configurations)
     kept.write_bytes(pickle.dumps((truth, measured)))
     return truth, measured
 

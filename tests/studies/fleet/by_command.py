@@ -18,10 +18,9 @@ import numpy as np
 
 from tests.helpers.commands import typed
 from tests.studies.fleet.archive import written_fleet
-from tests.studies.fleet.simulated import RobotTruth, draw_new
+from tests.studies.fleet.simulated import RobotTruth, draw_new, new_cell
 from tests.studies.promise.tracker import recorded_stops
 from truepose.exchange.campaigns.folder import write_campaign
-from truepose_simulators.cell.clock import CellClock
 from truepose_simulators.cell.true_cell import Cell
 from truepose_simulators.recording import Wishes
 from truepose_simulators.recording.campaign import record_at
@@ -81,8 +80,7 @@ def main() -> int:
 
 
 def _new_robot(folder: Path, seed: int, robot: RobotTruth) -> NewRobot:
-    own = int(np.random.SeedSequence([seed, robot.number]).generate_state(1)[0])
-    cell = Cell(robot.scenario(0.0, 0.0), own, CellClock(0))
+    cell = new_cell(robot, seed)
     here = folder / f"new-{robot.number}"
     few, many = here / "few", here / "many"
     write_campaign(recorded_stops(cell, *_planned(folder / "new.csv")), few)

@@ -16,29 +16,28 @@ from typing import Final
 
 import numpy as np
 
-from tests.studies.fleet.simulated import FleetTruth, RobotTruth, draw_fleet, recorded_fleet
+from tests.studies.fleet.simulated import FleetTruth, RobotTruth, draw_fleet, identified_fleet
 from tests.studies.promise.tracker import recorded_stops
 from truepose.domain.arrays import FloatArray
 from truepose.exchange.cells.file import simulated_cell
 from truepose.fleet.answer.check import asked_of
 from truepose.fleet.answer.grown import grown
-from truepose.fleet.campaigns import Measured, fleet_of
+from truepose.fleet.campaigns import fleet_of
 from truepose.fleet.causes import AgeingCause
 from truepose.fleet.changes import Account, account_of
 from truepose.fleet.information import fleet_effects, information_of
 from truepose.fleet.pooled import of_robot_now
-from truepose.fleet.quick_check import QuickCheck, quick_check
+from truepose.fleet.quick_check import LEVEL, QuickCheck, quick_check
 from truepose.identification.problem.belief import Belief
 from truepose.planning.promise.knowledge import ArmKnowledge, Knowns
+from truepose.planning.promise.subjects import APPROACH_RAD
 from truepose.planning.work_volume.candidates import draw_candidates
 from truepose.planning.work_volume.cell_space import space_to_measure
 from truepose_simulators.cell.clock import CellClock
 from truepose_simulators.cell.true_cell import Cell
 from truepose_simulators.physics.effects import PlantedChange
 
-_APPROACH_RAD: Final = -0.0872664626  # 5 deg below on all joints
 _CANDIDATES: Final = 300
-LEVEL: Final = 0.05
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,13 +90,9 @@ def main() -> int:
 
 def _planned(seed: int, robots: int, grown_mm: float) -> Planned:
     truth = draw_fleet(seed, robots, ageing=0, drifting=False)
-    measured = [
-        Measured(one.robot, one.instrument, one.day, information_of(one.campaign))
-        for one in recorded_fleet(truth, 40)
-    ]
-    account = account_of(fleet_of(measured))
+    account = account_of(fleet_of(identified_fleet(truth, 40)))
     described = simulated_cell("irb120-clean", seed)
-    space, knowns = space_to_measure(described, _APPROACH_RAD), Knowns(fixed_nests=described.fixed_nests)
+    space, knowns = space_to_measure(described, APPROACH_RAD), Knowns(fixed_nests=described.fixed_nests)
     candidates = draw_candidates(space, _CANDIDATES, np.random.default_rng([seed, 3]))
     belief, causes = of_robot_now(account, account.fleet.robots[0]), asked_of(account)
     check = quick_check(space, candidates, belief, causes, grown_mm, knowns)

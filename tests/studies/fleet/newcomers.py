@@ -5,25 +5,23 @@ from typing import Final
 
 import numpy as np
 
-from tests.studies.fleet.simulated import FleetTruth, RobotTruth, draw_new, record_robot
+from tests.studies.fleet.simulated import FleetTruth, RobotTruth, draw_new, new_cell, record_robot
 from tests.studies.promise.tracker import predicted_mm, recorded, true_mm
 from truepose.domain.measurement.campaign import Campaign
 from truepose.exchange.cells.file import simulated_cell
 from truepose.fleet.causes import robot_causes
 from truepose.fleet.changes import Account
 from truepose.fleet.pooled import of_a_new_robot, of_robot_now
-from truepose.fleet.promise import Promise, promise
+from truepose.fleet.promise import Promise, as_stated, promise
 from truepose.fleet.quick_check import quick_check
 from truepose.identification import identify
 from truepose.identification.problem.belief import Belief
 from truepose.planning.promise.knowledge import Knowns
+from truepose.planning.promise.subjects import APPROACH_RAD
 from truepose.planning.promise.volume import VolumeSample, WorkVolume, sample
 from truepose.planning.work_volume.candidates import draw_candidates
 from truepose.planning.work_volume.cell_space import space_to_measure
-from truepose_simulators.cell.clock import CellClock
-from truepose_simulators.cell.true_cell import Cell
 
-_APPROACH_RAD: Final = -0.0872664626  # 5 deg below on all joints
 _PLACES: Final = 300
 _GROWN_MM: Final = 0.05
 _GEAR_LINES: Final = 10.0  # periods per turn from which a wave is a gear's
@@ -63,7 +61,7 @@ class NewRobot:
 def promised(account: Account, truth: FleetTruth) -> Beforehand:
     """Say what a new robot will come to."""
     described = simulated_cell("irb120-clean", truth.seed)
-    space, knowns = space_to_measure(described, _APPROACH_RAD), Knowns(fixed_nests=described.fixed_nests)
+    space, knowns = space_to_measure(described, APPROACH_RAD), Knowns(fixed_nests=described.fixed_nests)
     belief = of_a_new_robot(account)
     steady = next(one for one in truth.robots if one.ageing is None)
     typical = record_robot(steady, 0, "tracker A", truth, 60).campaign
@@ -85,8 +83,7 @@ def newcomers(account: Account, truth: FleetTruth, said: Beforehand, count: int)
 
 
 def _newcomer(robot: RobotTruth, seed: int, said: Beforehand) -> NewRobot:
-    own = int(np.random.SeedSequence([seed, robot.number]).generate_state(1)[0])
-    cell = Cell(robot.scenario(0.0, 0.0), own, CellClock(0))
+    cell = new_cell(robot, seed)
     few, many = (recorded(cell, plan) for plan in (said.promise.pooled, said.promise.alone))
     true = true_mm(cell, said.places)
 
@@ -100,12 +97,5 @@ def _newcomer(robot: RobotTruth, seed: int, said: Beforehand) -> NewRobot:
         robot.number,
         mean_error(few, said.belief),
         mean_error(many, None),
-        mean_error(many, _stated(said.belief)),
+        mean_error(many, as_stated(said.belief)),
     )
-
-
-def _stated(belief: Belief) -> Belief:
-    """Return the same parameters as they are stated: nothing is known of the type."""
-    widths = np.array([spec.prior_width for spec in belief.specs])
-    means = np.array([spec.prior_mean for spec in belief.specs])
-    return Belief(belief.specs, belief.owners, means, np.diag(widths**2))

@@ -16,6 +16,8 @@ import numpy as np
 
 from truepose.domain.measurement.campaign import Campaign, Stops
 from truepose.exchange.campaigns.folder import read_campaign
+from truepose.fleet.campaigns import Measured
+from truepose.fleet.information import information_of
 from truepose_simulators.cell.clock import CellClock
 from truepose_simulators.cell.true_cell import Cell
 from truepose_simulators.physics.effects import PlantedChange
@@ -179,13 +181,14 @@ def draw_new(seed: int, count: int) -> tuple[RobotTruth, ...]:
     return tuple(draw_robot(of, 100 + k, rng) for k in range(count))
 
 
-def recorded_fleet(fleet: FleetTruth, configurations: int) -> list[Recorded]:
-    """Record a campaign of every robot in every month; each robot meets both trackers in turn."""
-    return [
+def identified_fleet(fleet: FleetTruth, configurations: int) -> list[Measured]:
+    """Return what a campaign of every robot in every month tells; each meets both trackers in turn."""
+    each = (
         record_robot(robot, month, TRACKERS[(robot.number + month) % 2], fleet, configurations)
         for robot in fleet.robots
         for month in range(MONTHS + 1)
-    ]
+    )
+    return [Measured(one.robot, one.instrument, one.day, information_of(one.campaign)) for one in each]
 
 
 def record_robot(
@@ -198,6 +201,12 @@ def record_robot(
     cell = Cell(robot.scenario(share, scale), seed, CellClock(0))
     wishes = Wishes(configurations=configurations, validation=0, attachments=1)
     return Recorded(name(robot.number), tracker, DAYS_A_MONTH * month, campaign_of(cell, wishes))
+
+
+def new_cell(robot: RobotTruth, seed: int) -> Cell:
+    """Return the cell of a further robot of a fleet, in which nothing has aged."""
+    own = int(np.random.SeedSequence([seed, robot.number]).generate_state(1)[0])
+    return Cell(robot.scenario(0.0, 0.0), own, CellClock(0))
 
 
 def campaign_of(cell: Cell, wishes: Wishes) -> Campaign:
