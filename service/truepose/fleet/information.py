@@ -66,6 +66,11 @@ def fleet_effects(campaign: Campaign) -> tuple[str, ...]:
     return (*usual, *(name for name in (*ageing, *warm) if name not in usual))
 
 
+def effects_of_robot(campaign: Campaign) -> tuple[str, ...]:
+    """Return those of `fleet_effects` that are the robot's: all but the instrument's scale."""
+    return tuple(name for name in fleet_effects(campaign) if name != SCALE)
+
+
 def _temperature_c(campaign: Campaign) -> float | None:
     readings = campaign.readings
     known = None if readings is None else readings.stops.temperature_c

@@ -25,7 +25,7 @@ from truepose.fleet.answer.grown import grown
 from truepose.fleet.campaigns import fleet_of
 from truepose.fleet.causes import AgeingCause
 from truepose.fleet.changes import Account, account_of
-from truepose.fleet.information import fleet_effects, information_of
+from truepose.fleet.information import effects_of_robot, information_of
 from truepose.fleet.pooled import of_robot_now
 from truepose.fleet.quick_check import LEVEL, QuickCheck, quick_check
 from truepose.identification.problem.belief import Belief
@@ -122,8 +122,7 @@ def _judged(
         replace(scenario, effects=(*scenario.effects, *changes)), int(rng.integers(2**31)), CellClock(0)
     )
     campaign = recorded_stops(cell, plan.check.joints_rad, plan.check.nest)
-    effects = tuple(name for name in fleet_effects(campaign) if name != "instrument_scale")
-    told = information_of(campaign, effects)
+    told = information_of(campaign, effects_of_robot(campaign))
     found = grown(plan.account, plan.account.fleet.robots[0], told, by_mm)
     chances = {_name(one.cause): one.chance for one in found}
     return Checked(plan.fleet.seed, len(plan.check.nest), of, chances)

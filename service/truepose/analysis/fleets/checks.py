@@ -2,11 +2,10 @@
 
 from truepose.domain.errors import ConfigurationError
 from truepose.domain.measurement.campaign import Campaign
-from truepose.effects.instruments.instrument_scale import NAME as INSTRUMENT_SCALE
 from truepose.fleet.answer.check import check_of
 from truepose.fleet.answer.grown import Grown, grown
 from truepose.fleet.changes import Account
-from truepose.fleet.information import fleet_effects, information_of
+from truepose.fleet.information import effects_of_robot, information_of
 from truepose.fleet.pooled import of_a_new_robot
 from truepose.fleet.promise import Promise, promise
 from truepose.fleet.quick_check import QuickCheck
@@ -64,8 +63,8 @@ def grown_in(account: Account, campaign: Campaign, asked_mm: float) -> tuple[str
             f"A check is measured after the last campaign of {robot}, and this one says that it was measured "
             f"on {day or 'no day'}: give its measured_on, and leave it out of the archive."
         )
-    effects = tuple(name for name in fleet_effects(campaign) if name != INSTRUMENT_SCALE)
-    return robot, grown(account, robot, information_of(campaign, effects), asked_mm)
+    told = information_of(campaign, effects_of_robot(campaign))
+    return robot, grown(account, robot, told, asked_mm)
 
 
 def _subject(robot: str, campaign: Campaign) -> Subject:

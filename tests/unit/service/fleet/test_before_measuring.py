@@ -12,7 +12,7 @@ from truepose.domain.errors import ConfigurationError
 from truepose.exchange.cells.file import simulated_cell
 from truepose.fleet.answer.sentences import new_robot_said
 from truepose.fleet.causes import AgeingCause
-from truepose.fleet.information import fleet_effects, information_of
+from truepose.fleet.information import effects_of_robot, information_of
 from truepose.fleet.promise import lacking_mm, promise
 from truepose.fleet.quick_check import LEVEL, quick_check
 from truepose.identification.problem.belief import Belief
@@ -52,9 +52,7 @@ def campaign():
 @pytest.fixture(scope="module")
 def belief(campaign):
     """Robots of the type differ by a fiftieth of what is stated, and have one wave."""
-    told = information_of(
-        campaign, tuple(name for name in fleet_effects(campaign) if name != "instrument_scale")
-    )
+    told = information_of(campaign, effects_of_robot(campaign))
     widths = np.array([spec.prior_width for spec in told.specs])
     mean = np.array([spec.prior_mean for spec in told.specs])
     mean = np.where(np.array(told.names) == "wave_6_100_sin", 5e-4, mean)

@@ -9,7 +9,7 @@ from tests.helpers.fleet.linear import drawn
 from tests.studies.fleet.simulated import campaign_of, draw_fleet
 from truepose.domain.errors import ConfigurationError
 from truepose.fleet.changes import account_of
-from truepose.fleet.information import fleet_effects, information_of
+from truepose.fleet.information import effects_of_robot, information_of
 from truepose.fleet.pooled import of_a_new_robot, of_robot_now
 from truepose.identification import identify
 from truepose.identification.distributions import WITHIN_95
@@ -29,9 +29,7 @@ def campaign():
 
 @pytest.fixture(scope="module")
 def told(campaign):
-    return information_of(
-        campaign, tuple(name for name in fleet_effects(campaign) if name != "instrument_scale")
-    )
+    return information_of(campaign, effects_of_robot(campaign))
 
 
 def _belief(told, seed=0, size=0.02):
