@@ -1,7 +1,7 @@
 """What pages and programs ask a plant for: robots, instruments, results, each by an index."""
 
 from collections import Counter
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import date
 from typing import Any, Final, Literal, TypeAlias, TypeVar
@@ -56,11 +56,11 @@ class SeenInstrument:
 
 @dataclass(frozen=True, slots=True)
 class LastDay:
-    """When something was measured last, or measured itself, and where."""
+    """When something was measured last, or measured itself, and where; empty: never, or nobody said it."""
 
-    branch_id: int
-    measured_on: str
-    instrument_serial_number: str  # empty: nobody said it
+    cell: str = ""
+    measured_on: str = ""
+    instrument_serial_number: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,7 +92,7 @@ class ResultSeen:
 
 
 Seen = TypeVar("Seen", SeenRobot, SeenInstrument)
-_Told: TypeAlias = Callable[[Row[Any], tuple[str, str]], Seen]
+_Told: TypeAlias = Callable[[Row[Any], LastDay], Seen]
 _WHOSE: Final = {plant_robots: "robot_serial_number", plant_instruments: "instrument_serial_number"}
 
 
@@ -107,19 +107,19 @@ class PlantLooks:
 
         A later one is told where there is no other: the clock of a cell may have been wrong once.
         """
-        return await self._database.read(lambda c: _seen_part(c, plant_robots, page, upto, _robot))
+        return await self._part(plant_robots, page, upto.isoformat(), _robot)
 
     async def robot(self, serial_number: str, upto: date) -> SeenRobot:
         """Return one robot; raises NotInPlantError."""
-        return await self._one(plant_robots, serial_number, upto, _robot)
+        return await self._one(plant_robots, serial_number, upto.isoformat(), _robot)
 
     async def instruments(self, page: Page, upto: date) -> Part[SeenInstrument]:
         """Return instruments in the order in which they were first seen."""
-        return await self._database.read(lambda c: _seen_part(c, plant_instruments, page, upto, _instrument))
+        return await self._part(plant_instruments, page, upto.isoformat(), _instrument)
 
     async def instrument(self, serial_number: str, upto: date) -> SeenInstrument:
         """Return one instrument; raises NotInPlantError."""
-        return await self._one(plant_instruments, serial_number, upto, _instrument)
+        return await self._one(plant_instruments, serial_number, upto.isoformat(), _instrument)
 
     async def results(self, kind: ResultKind, page: Page) -> Part[ResultSeen]:
         """Return results of a kind in the order in which they were collected."""
@@ -150,9 +150,12 @@ class PlantLooks:
         """Return how much was measured with an instrument on which of its latest days, oldest first."""
         return await self._days(plant_days.c.instrument_serial_number == serial_number)
 
-    async def _one(self, table: Table, serial_number: str, upto: date, seen: _Told[Seen]) -> Seen:
-        query = _seen(table, upto.isoformat()).where(table.c.serial_number == serial_number)
-        found = await self._database.read(lambda c: _with_last_days(c, c.execute(query).all(), upto))
+    async def _part(self, table: Table, page: Page, upto: str, seen: _Told[Seen]) -> Part[Seen]:
+        return await self._database.read(lambda c: _seen_part(c, table, page, upto, seen))
+
+    async def _one(self, table: Table, serial_number: str, upto: str, seen: _Told[Seen]) -> Seen:
+        query = _seen(table, upto).where(table.c.serial_number == serial_number)
+        found = await self._database.read(lambda c: with_last_days(c, query, upto))
         if not found:
             what = _WHOSE[table].partition("_")[0]
             raise NotInPlantError(f"No {what} {serial_number} was measured in any cell of this plant.")
@@ -194,25 +197,22 @@ def _summed(rows: Iterable[Any]) -> list[DayMeasured]:
     ]
 
 
-def _seen_part(connection: Connection, table: Table, page: Page, upto: date, seen: _Told[Seen]) -> Part[Seen]:
-    query = _seen(table, upto.isoformat()).where(table.c.id > page.after).order_by(table.c.id)
-    rows = connection.execute(query.limit(page.limit + 1)).all()
-    told = {row.id: last for row, last in _with_last_days(connection, rows, upto)}
-    count = select(func.count()).select_from(table)
-    return _cut(connection, rows, count, page, lambda row: seen(row, told[row.id]))
-
-
-def _cut(connection: Connection, rows: Any, count: Any, page: Page, read: Any) -> Part[Any]:
-    some = rows[: page.limit]
-    following = some[-1].id if len(rows) > len(some) else None
-    return Part(tuple(read(row) for row in some), connection.scalar(count) or 0, following)
+def _seen_part(connection: Connection, table: Table, page: Page, upto: str, seen: _Told[Seen]) -> Part[Seen]:
+    query = _seen(table, upto).where(table.c.id > page.after).order_by(table.c.id).limit(page.limit + 1)
+    found = [seen(row, last) for row, last in with_last_days(connection, query, upto)]
+    return _cut(connection, found, select(func.count()).select_from(table), page)
 
 
 def _results_part(connection: Connection, condition: ColumnElement[bool], page: Page) -> Part[ResultSeen]:
     query = results_seen().where(condition, plant_results.c.id > page.after).order_by(plant_results.c.id)
-    rows = connection.execute(query.limit(page.limit + 1)).all()
-    count = select(func.count()).select_from(plant_results).where(condition)
-    return _cut(connection, rows, count, page, result_seen)
+    found = [result_seen(row) for row in connection.execute(query.limit(page.limit + 1))]
+    return _cut(connection, found, select(func.count()).select_from(plant_results).where(condition), page)
+
+
+def _cut(connection: Connection, found: Sequence[Any], count: Any, page: Page) -> Part[Any]:
+    some = found[: page.limit]
+    following = some[-1].id if len(found) > len(some) else None
+    return Part(tuple(some), connection.scalar(count) or 0, following)
 
 
 def _seen(table: Table, upto: str) -> Any:
@@ -225,7 +225,7 @@ def _seen(table: Table, upto: str) -> Any:
 def last_days(table: Table, upto: str) -> tuple[ColumnElement[str], ColumnElement[str]]:
     """Return what is on record of the last day of robots or instruments up to a day, else of any.
 
-    Of readings, and of what was made of them: what `last_day` reads.
+    Of readings, and of what was made of them: what `with_last_days` reads.
     """
     measured = plant_results.c.kind.not_in(_MADE_LATER)
     return _last(table, plant_days, upto), _last(table, plant_results, upto, measured)
@@ -244,34 +244,28 @@ def _newest(table: Table, *conditions: ColumnElement[bool]) -> ScalarSelect[str]
     return query.order_by(table.c.measured_on.desc(), table.c.id.desc()).limit(1).scalar_subquery()
 
 
-def last_day(upto: str, *told: str | None) -> LastDay | None:
-    """Return the later of some last days, one up to a day before others; None: there is none."""
-    each = [LastDay(*_read(one)) for one in told if one is not None]
-    return max(each, key=lambda one: ("" < one.measured_on <= upto, one.measured_on), default=None)
+def with_last_days(connection: Connection, query: Any, upto: str) -> list[tuple[Row[Any], LastDay]]:
+    """Return rows that end with `last_days`, each with the later of them: one up to a day before others."""
+    rows = connection.execute(query).all()
+    cells = cells_of_branches(connection)
+    return [(row, _later(row[-2:], cells, upto)) for row in rows]
 
 
-def _read(told: str) -> tuple[int, str, str]:
+def _later(told: Iterable[str | None], cells: Mapping[int, str], upto: str) -> LastDay:
+    each = (_read(one, cells) for one in told if one is not None)
+    return max(each, key=lambda one: ("" < one.measured_on <= upto, one.measured_on), default=LastDay())
+
+
+def _read(told: str, cells: Mapping[int, str]) -> LastDay:
     branch, day, instrument = told.split(_BETWEEN, 2)
-    return int(branch), day, instrument
+    return LastDay(cells[int(branch)], day, instrument)
 
 
-def cells_of_branches(connection: Connection, branches: Iterable[int] | None = None) -> dict[int, str]:
-    """Return the cell of each branch, or of some."""
+def cells_of_branches(connection: Connection) -> dict[int, str]:
+    """Return the cell of each branch."""
     of_cell = plant_branches.c.cell_id == plant_cells.c.id
     query = select(plant_branches.c.id, plant_cells.c.name).join(plant_cells, of_cell)
-    if branches is not None:
-        query = query.where(plant_branches.c.id.in_(sorted(set(branches))))
     return dict(tuple(row) for row in connection.execute(query))
-
-
-def _with_last_days(
-    connection: Connection, rows: Sequence[Row[Any]], upto: date
-) -> list[tuple[Row[Any], tuple[str, str]]]:
-    """Return rows of robots or instruments, each with cell and day of its last measurement."""
-    last = [last_day(upto.isoformat(), *row[-2:]) for row in rows]
-    cells = cells_of_branches(connection, (one.branch_id for one in last if one is not None))
-    told = [("", "") if one is None else (cells[one.branch_id], one.measured_on) for one in last]
-    return [*zip(rows, told, strict=True)]
 
 
 def with_cells(table: Table) -> Any:
@@ -286,12 +280,12 @@ def results_seen() -> Any:
     return select(plant_results, cell).select_from(with_cells(plant_results))
 
 
-def _robot(row: Row[Any], last: tuple[str, str]) -> SeenRobot:
-    return SeenRobot(row.id, row.serial_number, row.robot, last[0], row.results, last[1])
+def _robot(row: Row[Any], last: LastDay) -> SeenRobot:
+    return SeenRobot(row.id, row.serial_number, row.robot, last.cell, row.results, last.measured_on)
 
 
-def _instrument(row: Row[Any], last: tuple[str, str]) -> SeenInstrument:
-    return SeenInstrument(row.id, row.serial_number, row.results, last[1])
+def _instrument(row: Row[Any], last: LastDay) -> SeenInstrument:
+    return SeenInstrument(row.id, row.serial_number, row.results, last.measured_on)
 
 
 def result_seen(row: Row[Any]) -> ResultSeen:

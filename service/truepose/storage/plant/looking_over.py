@@ -1,6 +1,5 @@
 """What the first page of a plant asks for: all robots with their last day, and what came in lately."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from datetime import date
 
@@ -11,10 +10,10 @@ from truepose.storage.plant.looking import (
     ResultSeen,
     cells_of_branches,
     last_before,
-    last_day,
     last_days,
     result_seen,
     results_seen,
+    with_last_days,
 )
 from truepose.storage.tables.of_plants import (
     plant_branches,
@@ -85,25 +84,22 @@ class PlantOverview:
 
 
 def _robots(connection: Connection, upto: str, *conditions: ColumnElement[bool]) -> list[RobotMeasured]:
-    cells = cells_of_branches(connection)
     query = select(plant_robots.c.serial_number, plant_robots.c.robot, *last_days(plant_robots, upto))
-    robots = []
-    for serial, robot, *told in connection.execute(query.where(*conditions)):
-        last = last_day(upto, *told)
-        at = ("", "", "")
-        if last is not None:
-            at = (last.measured_on, cells[last.branch_id], last.instrument_serial_number)
-        robots.append(RobotMeasured(serial, robot, *at))
-    return _where_planned(connection, cells, robots)
+    robots = [
+        RobotMeasured(
+            row.serial_number, row.robot, last.measured_on, last.cell, last.instrument_serial_number
+        )
+        for row, last in with_last_days(connection, query.where(*conditions), upto)
+    ]
+    return _where_planned(connection, robots)
 
 
-def _where_planned(
-    connection: Connection, cells: Mapping[int, str], robots: list[RobotMeasured]
-) -> list[RobotMeasured]:
+def _where_planned(connection: Connection, robots: list[RobotMeasured]) -> list[RobotMeasured]:
     """Return robots with the cell that planned for them, where none has measured them."""
     unmeasured = {robot.serial_number for robot in robots if not robot.cell}
     if not unmeasured:
         return robots
+    cells = cells_of_branches(connection)
     planned = select(plant_sessions.c.robot_serial_number, plant_sessions.c.branch_id)
     rows = connection.execute(planned.order_by(plant_sessions.c.id))
     places = {serial: cells[branch] for serial, branch in rows if serial in unmeasured}
