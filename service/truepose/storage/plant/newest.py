@@ -53,10 +53,10 @@ class _Before:
     read_up_to: int = 0
     found: dict[str, dict[ToldKind, ToldSeen]] = field(default_factory=lambda: defaultdict(dict))
 
-    def add(self, came: Iterable[ToldSeen]) -> None:
+    def add(self, last: int, came: Iterable[ToldSeen]) -> None:
         """Add what came in later and had been measured by then, where nothing was known."""
+        self.read_up_to = max(self.read_up_to, last)
         for told in came:
-            self.read_up_to = max(self.read_up_to, told.id)
             known = self.found.get(told.robot_serial_number, {}).get(told.kind)
             is_newer = known is None or (known.id > self.known_up_to and told.is_later_than(known))
             if told.measured_on < self.day and is_newer:
@@ -87,11 +87,13 @@ class PlantTold:
         Of whom nothing was known then, what had been measured by then: a plant that is new has collected the
         records of years in an hour.
         """
-        day = since.isoformat()
-        if day != self._before.day:
+        day, before = since.isoformat(), self._before
+        if day != before.day:
             self._before = await self._database.read(partial(_known_before, day=day))
         else:
-            self._before.add(await self._database.read(partial(_all_above, number=self._before.read_up_to)))
+            number = before.read_up_to
+            queries = [_above(number)]
+            before.add(*await self._database.read(partial(_came_after, number=number, queries=queries)))
         return self._before.found
 
     async def newest(self, upto: date) -> NewestTold:
@@ -101,7 +103,8 @@ class PlantTold:
         """
         day = upto.isoformat()
         after = self._read_up_to if day == self._day else 0
-        last, came = await self._database.read(partial(_came_after, number=after, upto=day))
+        queries = [_above(after)] if after else [_newest_of(kind, day) for kind in _KINDS]
+        last, came = await self._database.read(partial(_came_after, number=after, queries=queries))
         if after == 0:
             self._newest, self._day, self._read_up_to = defaultdict(dict), day, 0
         for told in came:
@@ -131,10 +134,9 @@ def _counts_before(told: ToldSeen, other: ToldSeen, upto: str) -> bool:
     return told.is_later_than(other) if due == other_due else due
 
 
-def _came_after(connection: Connection, number: int, upto: str) -> tuple[int, list[ToldSeen]]:
-    """Return the number of the last row, and what may be newest among those above a number."""
-    last = int(connection.scalar(select(func.max(plant_told.c.id))) or 0)
-    queries = [_above(number)] if number else [_newest_of(kind, upto) for kind in _KINDS]
+def _came_after(connection: Connection, number: int, queries: Iterable[Any]) -> tuple[int, list[ToldSeen]]:
+    """Return the number of the last row, and what queries find; nothing where none is above a number."""
+    last = _last_row(connection)
     rows = (row for query in queries if last > number for row in connection.execute(query))
     return last, [told_seen(row) for row in rows]
 
@@ -149,13 +151,12 @@ def _newest_of(kind: ToldKind, upto: str) -> Any:
     return _chosen(_last_of(kind, _EVERY.c.measured_on <= upto), _last_of(kind))
 
 
-def _all_above(connection: Connection, number: int) -> list[ToldSeen]:
-    return [told_seen(row) for row in connection.execute(_above(number))]
+def _last_row(connection: Connection) -> int:
+    return int(connection.scalar(select(func.max(plant_told.c.id))) or 0)
 
 
 def _known_before(connection: Connection, day: str) -> _Before:
-    read = int(connection.scalar(select(func.max(plant_told.c.id))) or 0)
-    before = _Before(day, last_before(connection, plant_told, day), read)
+    before = _Before(day, last_before(connection, plant_told, day), _last_row(connection))
     for kind in _STATES:
         known = _last_of(kind, _EVERY.c.id <= before.known_up_to, _EVERY.c.measured_on <= day)
         query = _chosen(known, _last_of(kind, _EVERY.c.measured_on < day))
