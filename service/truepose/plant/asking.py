@@ -23,9 +23,7 @@ from truepose.storage.plant.records import HandDownRecord
 
 _PATIENCE: Final = httpx.Timeout(30.0, connect=10.0)
 _LATE: Final = "no answer for half a minute, or no connection in ten seconds"
-_ANSWER_S: Final = (
-    60.0  # for an answer that says next to nothing, and a second more for each of so many bytes
-)
+_ANSWER_S: Final = 60.0  # for an answer of next to nothing; and a second more for each of so many bytes
 _SLOWEST: Final = 1000.0
 _SLOW: Final = "its answer comes with less than a thousand bytes a second"
 _MOST_BYTES: Final = 256 * 2**20  # of a page: one record of the largest kind, and no more than memory holds
