@@ -48,7 +48,5 @@ def _make_one_file(part: Path) -> None:
     """Leave a database that was just written as one file, which is on the disk."""
     with closing(LIBRARY.connect(part)) as copy:
         copy.execute("PRAGMA journal_mode=DELETE")
-    for ending in (".lock", ".seal"):
-        part.with_name(f"{part.name}{ending}").unlink(missing_ok=True)
     with part.open("rb+") as written:
         os.fsync(written.fileno())

@@ -23,6 +23,7 @@ from truepose.storage.integrity.head import Head, newest_head
 
 Told = Callable[[float, str], None]  # which share is done, and of what
 _PAGES: Final = 4096  # at a time, 16 MB: between two of them is told how far it is
+_BESIDE: Final = ("", "-wal", "-shm", ".lock", ".seal")  # what whoever writes a database leaves
 _COPYING: Final = 0.6  # of the time that everything takes
 
 
@@ -123,4 +124,5 @@ def _removed_at_the_end(part: Path) -> Iterator[None]:
     try:
         yield
     finally:
-        part.unlink(missing_ok=True)
+        for ending in _BESIDE:
+            part.with_name(f"{part.name}{ending}").unlink(missing_ok=True)

@@ -2,7 +2,8 @@
 
 What is read is one moment of the source. All of it goes in one transaction, within which the chain is
 followed once more on what was written: whatever ends the copying before that leaves the target as empty as it
-was, and it can be begun anew.
+was, and it can be begun anew. What reads the source holds the lock on it, as what writes the target holds the
+one on that: neither lock is lost while the copying goes on.
 """
 
 import contextlib
@@ -47,9 +48,8 @@ def transfer(source: str, target: str, told: Told = lambda share, doing: None) -
         One of the two is no database of ours, or cannot be reached.
     """
     beside = _two(source, target)
-    with locked_for_reading(source), _newest(source) as read_from:
-        head = fill(read_from, target, told)
-    return head, _bring_drafts(*beside)
+    with locked_for_reading(source) as locked, _newest(source, locked) as connection:
+        return _fill(source, connection, target, told), _bring_drafts(*beside)
 
 
 @contextlib.contextmanager
@@ -72,16 +72,20 @@ def snapshot(url: str) -> Iterator[str]:
 
 def fill(source: str, target: str, told: Told = lambda share, doing: None) -> Head:
     """Copy what a database holds at this moment, also while a service writes to it; raises as `transfer`."""
+    with closing(opened_at(source)) as connection:
+        return _fill(source, connection, target, told)
+
+
+def _fill(source: str, connection: Any, target: str, told: Told) -> Head:
     refused: tuple[type[Exception], ...] = (*refused_by(source), *refused_by(target), ValueError)
     held = holding(target, Condition(), contextlib.nullcontext)
     held.open()
     try:
         _require_empty(held)
-        with closing(opened_at(source)) as from_there:
-            return _filled(from_there, held, told)
+        return _filled(connection, held, told)
     except refused as error:
-        where = f"{shown_address(source)} cannot be copied to {shown_address(target)}"
-        raise BackupError(f"{where} ({error}); nothing was kept.") from error
+        where, said = f"{shown_address(source)} cannot be copied to {shown_address(target)}", str(error)
+        raise BackupError(f"{where} ({' '.join(said.split())}); nothing was kept.") from error
     finally:
         held.close()
 
@@ -95,12 +99,27 @@ def _filled(source: Any, held: Holding, told: Told) -> Head:
         head = newest_head(source)
         _copy_tables(source, target, max(head.links, 1), told)
         _require_same(source, target, head, told)
+        for each in (source, target):  # a connection that has ended does not answer, and its lock is gone
+            each.execute("SELECT 1")
     except BaseException:
         target.execute("ROLLBACK")
         raise
-    target.execute("COMMIT")
+    _commit(held)
     told(1.0, "verified")
     return head
+
+
+def _commit(held: Holding) -> None:
+    """Commit; raises BackupError where nobody knows whether that was done, and what the library raises."""
+    try:
+        held.plain.execute("COMMIT")
+    except held.refused as error:
+        if not held.ended(error):
+            raise
+        raise BackupError(
+            f"The connection to {held.where} ended during the commit: it holds every record now, or none; "
+            "look with 'truepose verify'."
+        ) from error
 
 
 def _copy_tables(source: Any, target: Any, links: int, told: Told) -> None:
@@ -167,18 +186,18 @@ def _require_empty(held: Holding) -> None:
 
 
 @contextlib.contextmanager
-def _newest(url: str) -> Iterator[str]:
-    """Yield the address of a database of the newest schema: of a copy, where the file has an older one."""
-    with closing(opened_at(url)) as connection:
-        schema = _schema(url, connection)
+def _newest(url: str, connection: Any) -> Iterator[Any]:
+    """Yield what reads a database of the newest schema: of a copy, where the file has an older one."""
+    schema = _schema(url, connection)
     if schema == newest_revision():
-        yield url
+        yield connection
         return
     _require_readable(url, schema)
     with tempfile.TemporaryDirectory(prefix="truepose-") as folder:
         copy = Path(folder) / "copy.sqlite3"
         _copy_file(database_file(url), copy)
-        yield f"sqlite:///{copy}"
+        with closing(opened_file(copy)) as newest:
+            yield newest
 
 
 def _require_readable(url: str, schema: str) -> None:

@@ -42,12 +42,16 @@ def lies_beside(url: str) -> Path:
 
 
 @contextmanager
-def locked_for_reading(url: str) -> Iterator[None]:
-    """Keep every service off a database, which stays as it is; raises StorageError."""
+def locked_for_reading(url: str) -> Iterator[Any]:
+    """Keep every service off a database, and yield what reads it; raises StorageError.
+
+    Of a server's database the connection that reads holds the lock: as long as it answers nobody else has it.
+    """
     if not is_server(parsed_url(url)):
         lock = ServiceLock(database_file(url))
         try:
-            yield
+            with closing(opened_at(url)) as connection:
+                yield connection
         finally:
             lock.release()
         return
@@ -55,7 +59,7 @@ def locked_for_reading(url: str) -> Iterator[None]:
         from truepose.storage.connection.postgresql.lock import take_lock
 
         take_lock(connection, shown(parsed_url(url)))
-        yield
+        yield connection
 
 
 def refused_by(url: str) -> tuple[type[Exception], ...]:

@@ -11,13 +11,14 @@ from contextlib import closing
 import pytest
 
 from tests.helpers.domain.tracker_sessions import make_plan, make_point, make_setup, point_taken
+from tests.helpers.postgresql.line import Line
 from truepose.demo.night.earlier import earlier_schemas, write_earlier
 from truepose.storage.backup import transfer as transferring
 from truepose.storage.backup.addressed import back_up_at, restore_at
 from truepose.storage.backup.transfer import transfer
 from truepose.storage.connection.reading import opened_at
 from truepose.storage.database import Database
-from truepose.storage.errors import BackupError, DatabaseInUseError, DatabaseUsedError
+from truepose.storage.errors import BackupError, DatabaseInUseError, DatabaseUsedError, ServerAwayError
 from truepose.storage.files.drafts import DraftFolder
 from truepose.storage.integrity.arrival import verify_left, verify_left_at
 from truepose.storage.measurement.ledger import LedgerRepository
@@ -180,6 +181,119 @@ async def test_while_it_is_copied_no_service_gets_the_source(file, database_url,
 
 
 @pytest.mark.parametrize("where", ["_copy_tables", "_require_same"])
+async def test_a_copy_ends_with_the_lock_that_kept_services_off_its_source(
+    file, database_url, server, tmp_path, monkeypatch, where
+):
+    transfer(file, database_url)
+    real, target = getattr(transferring, where), f"sqlite:///{tmp_path}/back.sqlite3"
+
+    def lost(*arguments):
+        real(*arguments)
+        assert end_whoever_has_the_lock(server, database_url) == 1
+        Database(database_url).close()  # a service gets it now
+
+    with (
+        monkeypatch.context() as patched,
+        pytest.raises(BackupError, match=r"cannot be copied to .*nothing was kept\.") as refused,
+    ):
+        patched.setattr(transferring, where, lost)
+        transfer(database_url, target)
+
+    assert "\n" not in str(refused.value)
+    assert not any(everything(target).values())
+    transfer(database_url, target)
+    assert everything(target) == everything(database_url)
+
+
+@pytest.mark.parametrize("where", ["_copy_tables", "_require_same"])
+async def test_a_copy_ends_with_the_lock_that_kept_services_off_its_target(
+    file, database_url, server, monkeypatch, where
+):
+    real = getattr(transferring, where)
+
+    def lost(*arguments):
+        real(*arguments)
+        assert end_whoever_has_the_lock(server, database_url) == 1
+
+    monkeypatch.setattr(transferring, where, lost)
+    with pytest.raises(BackupError, match=r"cannot be copied to .*nothing was kept\.") as refused:
+        transfer(file, database_url)
+
+    assert "\n" not in str(refused.value)
+    assert not any(everything(database_url).values())
+
+
+@pytest.mark.parametrize("when", ["before", "after"])
+async def test_a_commit_whose_answer_is_lost_is_not_said_to_have_kept_nothing(
+    file, database_url, server, tmp_path_factory, monkeypatch, when
+):
+    line = Line(server, tmp_path_factory.mktemp("line"))
+    real = transferring._require_same
+
+    def lost(*arguments):
+        real(*arguments)
+        line.cut_next_commit(when)
+
+    monkeypatch.setattr(transferring, "_require_same", lost)
+    with pytest.raises(BackupError, match=r"it holds every record now, or none; look with 'truepose verify'"):
+        transfer(file, database_url.replace(str(server.folder), str(line.folder)))
+    line.close()
+
+    assert (everything(file) == everything(database_url)) is (when == "after")
+    assert any(everything(database_url).values()) is (when == "after")
+
+
+@pytest.mark.parametrize("where", ["_copy_tables", "_require_same"])
+async def test_a_backup_whose_connection_ends_leaves_no_file(
+    file, database_url, server, tmp_path, monkeypatch, where
+):
+    transfer(file, database_url)
+    real, copy = getattr(transferring, where), tmp_path / "copies" / "copy.sqlite3"
+
+    def lost(*arguments):
+        real(*arguments)
+        end_all(server, database_url)
+
+    monkeypatch.setattr(transferring, where, lost)
+    with pytest.raises(BackupError, match=r"nothing was kept\."):
+        back_up_at(database_url, copy)
+
+    assert [*copy.parent.iterdir()] == []
+
+
+async def test_a_verification_whose_connection_ends_says_so_and_finds_nothing(
+    file, database_url, server, monkeypatch
+):
+    transfer(file, database_url)
+    asked = []
+
+    def told(share):
+        if not asked:
+            asked.append(end_all(server, database_url))
+
+    with pytest.raises(ServerAwayError, match="does not answer"):
+        verify_left_at(database_url, told)
+    assert asked == [1]
+
+
+def end_whoever_has_the_lock(server, url):
+    return _end(server, url, "pid IN (SELECT pid FROM pg_locks WHERE locktype = 'advisory')")
+
+
+def end_all(server, url):
+    return _end(server, url, "application_name = 'truepose'")
+
+
+def _end(server, url, which):
+    name = url.split("/")[3].split("?")[0]
+    with server.connect() as administrator:
+        return administrator.execute(
+            f"SELECT pg_terminate_backend(pid, 5000) FROM pg_stat_activity WHERE datname = %s AND {which}",
+            (name,),
+        ).rowcount
+
+
+@pytest.mark.parametrize("where", ["_copy_tables", "_require_same"])
 async def test_what_is_cut_short_leaves_nothing_and_can_be_begun_anew(file, database_url, monkeypatch, where):
     real = getattr(transferring, where)
 
@@ -187,12 +301,11 @@ async def test_what_is_cut_short_leaves_nothing_and_can_be_begun_anew(file, data
         real(*arguments)
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(transferring, where, cut)
-    with pytest.raises(KeyboardInterrupt):
+    with monkeypatch.context() as patched, pytest.raises(KeyboardInterrupt):
+        patched.setattr(transferring, where, cut)
         transfer(file, database_url)
     assert not any(everything(database_url).values())
 
-    monkeypatch.undo()
     transfer(file, database_url)
     assert everything(file) == everything(database_url)
 

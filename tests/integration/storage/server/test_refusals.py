@@ -186,11 +186,12 @@ async def test_a_commit_in_doubt_is_answered_also_where_another_service_came_bet
         await add(database, "third")
 
 
-async def test_a_connection_that_the_server_ends_is_begun_anew(database, server):
+async def test_a_connection_that_the_server_ends_is_begun_anew(database, server, database_url):
     await add(database)
     with server.connect() as other:
         other.execute(
-            "SELECT pg_terminate_backend(pid) FROM pg_stat_activity WHERE application_name = 'truepose'"
+            "SELECT pg_terminate_backend(pid) FROM pg_stat_activity WHERE datname = %s",
+            (database_url.split("/")[3].split("?")[0],),
         )
 
     assert await names(database) == ["first"]  # a query is asked again
