@@ -1,5 +1,6 @@
 """Jobs: what may be asked of a worker process, refused at once where it cannot be answered."""
 
+import logging
 from collections.abc import Awaitable, Callable
 from datetime import date
 from typing import Any, Final
@@ -18,6 +19,7 @@ from truepose.analysis.workers.tasks import (
     Task,
     ValidateTask,
 )
+from truepose.domain.errors import RecordRefusedError
 from truepose.domain.measurement.ballbar import BallbarPlan
 from truepose.domain.measurement.contacts import ContactPlan
 from truepose.domain.measurement.session import SessionPlan
@@ -32,6 +34,7 @@ from truepose.storage.calibration.results import ResultRepository
 from truepose.storage.records import CampaignRecord, JobKind, JobState, RequestKey
 
 CheckPlan = Callable[[Any], Awaitable[str]]  # of the plan that its task makes
+_LOG: Final = logging.getLogger(__name__)
 _MOST_FILES: Final = 4  # of 16 MB at most each
 _PLANNED_BY: Final = {
     SessionPlan: JobKind.PLAN,
@@ -243,10 +246,14 @@ class JobDesk:
             raise BusyError("Too many files wait to be corrected; nothing was stored, ask again later.")
 
     async def cancel(self, job_id: int) -> None:
-        """End a job and its worker; raises NotFoundError, or ConflictError where it has ended already."""
+        """End a job and its worker.
+
+        Raises NotFoundError, ConflictError where it has ended already, and RecordRefusedError where its end
+        cannot be put on record; then it goes on.
+        """
         await self._jobs.get(job_id)
-        await self._queue.stop(job_id)
         await self._jobs.change_state(job_id, JobState.CANCELLED, "Cancelled on request; nothing was stored.")
+        await self._queue.stop(job_id)
 
     def foreseen(self, job_id: int) -> Foreseen | None:
         """Return what is known of a job that has not ended; None of others."""
@@ -255,7 +262,10 @@ class JobDesk:
     async def close(self) -> None:
         """End all workers and say so in the records of their jobs."""
         await self._queue.close()
-        await self.mark_interrupted("The service was stopped before the job ended; start it again.")
+        try:
+            await self.mark_interrupted("The service was stopped before the job ended; start it again.")
+        except RecordRefusedError as error:  # the next service finds them and says so itself
+            _LOG.warning("jobs under way could not be put on record as interrupted: %s", error)
 
 
 async def _chosen_clear(plan: SessionPlan) -> str:

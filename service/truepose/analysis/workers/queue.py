@@ -1,7 +1,12 @@
-"""Jobs under way: given a place, told how far they are, ended on request, their end always on record."""
+"""Jobs under way: given a place, told how far they are, ended on request, their end always on record.
+
+What a worker has found waits in memory where storage refuses it, and so does any end of a job: it is written
+once records are taken again. A result that alone is refused, while others are taken, has its job fail.
+"""
 
 import asyncio
 import contextlib
+import itertools
 import logging
 import time
 from collections.abc import Awaitable, Callable
@@ -13,12 +18,15 @@ from truepose.analysis.workers.durations import REMEMBERED, Outlook, expected_s,
 from truepose.analysis.workers.places import Places
 from truepose.analysis.workers.process import Perform, Told
 from truepose.analysis.workers.tasks import Task
-from truepose.domain.errors import TrueposeError
+from truepose.domain.errors import RecordRefusedError, TrueposeError
 from truepose.storage.calibration.jobs import JobRepository
+from truepose.storage.errors import ConflictError
 from truepose.storage.records import JobKind, JobState, RequestKey
 from truepose.words.error_codes import code_of
 
 _MOST_WAITING: Final = 200  # each a few kilobytes; more are a script that has run away
+_TRIES: Final = 240  # to keep a result while other records are taken: a minute at least
+_AGAIN_S: Final = 0.25
 _LOG: Final = logging.getLogger(__name__)
 
 
@@ -39,6 +47,7 @@ class Foreseen:
 
     ahead_count: int  # jobs that are given a place before it
     outlook: Outlook | None  # None: it waits
+    refused: str | None = None  # why its next state, or its result, waits in memory
 
 
 @dataclass(slots=True)
@@ -48,6 +57,7 @@ class _Job:
     told: float = 0.0
     told_at_s: float = 0.0
     fraction: float = 0.0  # that was shown; less is never shown again
+    refused: str | None = None  # by storage; None: what it wrote is on record
 
 
 class JobQueue:
@@ -72,7 +82,7 @@ class JobQueue:
         job = self._known.get(job_id)
         if job is None:
             return None
-        return Foreseen(self._places.ahead(job_id), self._outlook(job))
+        return Foreseen(self._places.ahead(job_id), self._outlook(job), job.refused)
 
     async def add(self, work: Work, key: RequestKey | None, sender: str = "") -> int:
         """Queue a job and return its number; that of a request that was sent twice is the first one's.
@@ -85,10 +95,10 @@ class JobQueue:
         if len(self._running) >= _MOST_WAITING:
             raise BusyError(f"{_MOST_WAITING} jobs wait already; nothing was stored, ask again later.")
         request = {**work.request, "work_count": work.work_count}
+        earlier = await self._jobs.taken(work.kind, REMEMBERED)
         job_id = await self._jobs.add(work.kind, request, key)
-        ended = (await self._jobs.get(job_id)).state.final
+        ended = key is not None and (await self._jobs.get(job_id)).state.final
         if not ended and job_id not in self._running:
-            earlier = await self._jobs.taken(work.kind, REMEMBERED)
             self._begin(job_id, work, expected_s(work.kind, work.work_count, earlier), sender)
         return job_id
 
@@ -118,23 +128,46 @@ class JobQueue:
         job = self._known[job_id]
         async with self._places.place(job_id, job.expected_s, sender):
             job.began_s = self._now_s()  # known to whoever reads that it runs
-            await self._jobs.change_state(job_id, JobState.RUNNING, "A worker process is starting.")
             try:
-                answer = await self._perform(await work.load(), self._told(job_id, job, job.began_s))
-                await work.store(job_id, answer)
-            except TrueposeError as error:
-                await self._jobs.change_state(job_id, JobState.FAILED, str(error), code_of(error))
-            except Exception as error:
-                # Whatever it is, the job must not look as if somebody still worked on it.
-                _LOG.exception("job %d failed", job_id)
-                sentence = f"The program failed ({type(error).__name__}: {error}); its log has the details."
-                await self._jobs.change_state(job_id, JobState.FAILED, sentence, code_of(error))
+                await self._end_of(job_id, job, work, job.began_s)
+            except ConflictError as error:
+                _LOG.info("job %d has an end on record already: %s", job_id, error)
+
+    async def _end_of(self, job_id: int, job: _Job, work: Work, began_s: float) -> None:
+        """See a job to its end; raises ConflictError where somebody else has put one on record."""
+        try:
+            starting = (job_id, JobState.RUNNING, "A worker process is starting.")
+            await self._kept(job_id, job, lambda: self._jobs.change_state(*starting))
+            answer = await self._perform(await work.load(), self._told(job_id, job, began_s))
+            await self._kept(job_id, job, lambda: work.store(job_id, answer), _TRIES)
+        except Exception as error:  # whatever it is, nobody works on the job any more
+            failed = (job_id, JobState.FAILED, _said(job_id, error), code_of(error))
+            await self._kept(job_id, job, lambda: self._jobs.change_state(*failed))
+
+    async def _kept(
+        self, job_id: int, job: _Job, write: Callable[[], Awaitable[object]], tries: int | None = None
+    ) -> None:
+        """Write, again where storage refuses; raises the refusal after some `tries`, if only so many count."""
+        for count in itertools.count(1):
+            try:
+                await write()
+                break
+            except RecordRefusedError as error:
+                if count == tries:
+                    raise
+                if job.refused is None:
+                    _LOG.warning("what is to be kept of job %d waits in memory: %s", job_id, error)
+                job.refused = str(error)
+            await self._jobs.writable()
+            await asyncio.sleep(_AGAIN_S)
+        job.refused = None
 
     def _told(self, job_id: int, job: _Job, began_s: float) -> Told:
         async def told(fraction: float, doing: str) -> None:
             job.told = min(max(fraction, 0.0), 1.0)
             job.told_at_s = self._now_s() - began_s
-            await self._jobs.tell_progress(job_id, job.told, doing)
+            with contextlib.suppress(RecordRefusedError):  # the next one says more
+                await self._jobs.tell_progress(job_id, job.told, doing)
 
         return told
 
@@ -144,3 +177,10 @@ class JobQueue:
         now = outlook(job.expected_s, self._now_s() - job.began_s, job.told, job.told_at_s)
         job.fraction = max(job.fraction, now.fraction)
         return Outlook(job.fraction, now.remaining_s)
+
+
+def _said(job_id: int, error: Exception) -> str:
+    if isinstance(error, TrueposeError):
+        return str(error)
+    _LOG.error("job %d failed", job_id, exc_info=error)
+    return f"The program failed ({type(error).__name__}: {error}); its log has the details."

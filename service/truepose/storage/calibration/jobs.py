@@ -99,6 +99,10 @@ class JobRepository(NumberedRecords[JobRecord]):
         """Append a state, with the code of an error; raises ConflictError where the job has ended already."""
         await self._database.write(lambda c: add_job_state(c, job_id, state, message, code=code))
 
+    async def writable(self) -> None:
+        """Return once records are taken again; at once where none was refused."""
+        await self._database.writable()
+
     async def tell_progress(self, job_id: int, fraction: float, doing: str) -> None:
         """Keep how far the job is: `fraction` from 0 to 1."""
         document = {"fraction": fraction, "doing": doing}

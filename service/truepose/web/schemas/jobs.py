@@ -108,6 +108,8 @@ def job_reply(record: JobRecord, foreseen: Foreseen | None = None) -> JobReply:
     if foreseen is None or record.state.final:
         return reply
     reply.ahead_count = foreseen.ahead_count
+    if foreseen.refused is not None:
+        reply.message = f"What is to be kept of it waits in memory until records are taken again. {foreseen.refused}"
     if foreseen.outlook is not None:
         reply.fraction, reply.remaining_s = foreseen.outlook.fraction, foreseen.outlook.remaining_s
     return reply

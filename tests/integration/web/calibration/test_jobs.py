@@ -33,6 +33,7 @@ from truepose.domain.results.identification import (
 from truepose.domain.results.validation import Validation
 from truepose.domain.robot import FramePlacement
 from truepose.exchange.campaigns.zip_file import write_campaign_zip
+from truepose.storage.errors import StorageUnavailableError
 from truepose.storage.records import JobKind
 
 STATISTICS = Statistics(50, 0.02, 0.023, 0.009, 0.047, 0.019)
@@ -277,6 +278,33 @@ async def test_a_fault_of_the_program_does_not_leave_a_job_running(client, until
 
     assert job["message"].startswith("The program failed (ZeroDivisionError: division by zero)")
     assert job["code"] == "TP-9001"
+
+
+async def test_a_result_waits_for_a_disk_that_refuses_and_is_kept_when_it_takes_records_again(
+    client, until, app, worker, campaign_id, monkeypatch
+):
+    held = app.state.context.database.held
+    worker.gate.clear()
+    path = await identification_job(client, campaign_id)
+    await until(path, "message", "reading the campaign")
+
+    def refuse():
+        raise StorageUnavailableError("The disk is full.")
+
+    with monkeypatch.context() as full:
+        full.setattr(held, "make_ready", refuse)
+        worker.gate.set()
+        waiting = await until(
+            path,
+            "message",
+            "What is to be kept of it waits in memory until records are taken again. The disk is full.",
+        )
+        refused = await client.post(f"{path}/cancel")
+    ended = await until(path, "state", "succeeded", "failed", "cancelled")
+
+    assert (waiting["state"], refused.status_code) == ("running", 503)
+    assert ended["state"] == "succeeded", ended["message"]
+    assert (await client.get(ended["result_url"])).json()["document"]["status"] == "converged"
 
 
 async def test_a_job_asked_twice_with_one_key_runs_once(client, until, campaign_id):
