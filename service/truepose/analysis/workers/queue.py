@@ -147,7 +147,7 @@ class JobQueue:
     async def _kept(
         self, job_id: int, job: _Job, write: Callable[[], Awaitable[object]], tries: int | None = None
     ) -> None:
-        """Write, again where storage refuses; raises the refusal after some `tries`, if only so many count."""
+        """Write, again where storage refuses; raises the refusal after some `tries`, where they count."""
         for count in itertools.count(1):
             try:
                 await write()

@@ -35,7 +35,8 @@ class Gauges:
                     f"Another {box.name} answers: serial number {serial} instead of {box.serial}. Connect "
                     f"{box.serial} again; or put {serial} into the cell file and plan a session with it."
                 )
-            found.append(f"The {box.name} is {identity.manufacturer} {identity.model}, {identity.serial}.")
+            model = f"{identity.manufacturer} {identity.model}"
+            found.append(f"The {box.name} is {model}, serial {identity.serial}.")
         await self._require_channels()
         return tuple(found)
 

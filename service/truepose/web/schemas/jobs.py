@@ -16,6 +16,8 @@ _RESULTS = {
     JobKind.CORRECTION: "corrections",
 }
 
+_WAITS = "What is to be kept of it waits in memory until records are taken again."
+
 
 class JobRequestReply(Reply):
     """What the job was asked; each kind has its own part of these."""
@@ -109,7 +111,7 @@ def job_reply(record: JobRecord, foreseen: Foreseen | None = None) -> JobReply:
         return reply
     reply.ahead_count = foreseen.ahead_count
     if foreseen.refused is not None:
-        reply.message = f"What is to be kept of it waits in memory until records are taken again. {foreseen.refused}"
+        reply.message = f"{_WAITS} {foreseen.refused}"
     if foreseen.outlook is not None:
         reply.fraction, reply.remaining_s = foreseen.outlook.fraction, foreseen.outlook.remaining_s
     return reply

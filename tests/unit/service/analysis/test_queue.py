@@ -105,7 +105,9 @@ async def test_progress_that_is_refused_ends_nothing():
     assert (storage.progress, storage.results, worker.performed) == ([], ["answer"], 1)
 
 
-@pytest.mark.parametrize("error", [StorageUnavailableError("The worker ended."), ZeroDivisionError("by zero")])
+@pytest.mark.parametrize(
+    "error", [StorageUnavailableError("The worker ended."), ZeroDivisionError("by zero")]
+)
 @pytest.mark.parametrize("times", [1, 3, 300])
 async def test_that_a_job_failed_is_said_once_storage_takes_it(error, times):
     storage = Storage(None, None, *[AWAY] * times)
