@@ -72,14 +72,6 @@ class RobotFrame:
         return _is_later(self.sequence, before.sequence) and _is_later(self.time_ms, before.time_ms)
 
 
-@dataclass(frozen=True, slots=True)
-class SensorFrame:
-    """What a computer tells a robot."""
-
-    sequence: int
-    planned_deg: tuple[float, ...]
-
-
 def decode_robot(data: bytes) -> RobotFrame:
     """Read an EgmRobot; raises EgmProtocolError."""
     message = _message(data)
@@ -94,12 +86,6 @@ def decode_robot(data: bytes) -> RobotFrame:
         motors=_one_of(Motors, _part(message, 4)),
         rapid=_one_of(Rapid, _part(message, 8)),
     )
-
-
-def decode_sensor(data: bytes) -> SensorFrame:
-    """Read an EgmSensor; raises EgmProtocolError."""
-    message = _message(data)
-    return SensorFrame(_number(_message(_part(message, 1)), 1), _joints(_part(message, 2)))
 
 
 def encode_robot(frame: RobotFrame) -> bytes:

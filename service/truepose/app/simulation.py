@@ -129,7 +129,7 @@ async def _end(process: asyncio.subprocess.Process) -> None:
             await asyncio.wait_for(process.wait(), _END_S)
     if process.returncode is None:
         process.kill()
-        await process.wait()
+    await process.wait()  # also one that has ended by itself: its pipes are closed then
 
 
 def _with_effects(simulated: SimulatedCell, folder: Path) -> str:

@@ -16,8 +16,15 @@ class Outgoing(BaseModel):
 
     @classmethod
     def of(cls, *values: object, **more: object) -> Self:
-        """Return what `more` says, and else the first of `values` that has the name."""
+        """Return what `more` says, and else the one of `values` that has the name.
+
+        Raises AmbiguousNameError where several of them have it: which is meant, `more` must say.
+        """
         return cls.model_validate(values[0] if len(values) == 1 and not more else _Joined(values, more))
+
+
+class AmbiguousNameError(Exception):
+    """Several values have a name, and nobody said which of them is meant."""
 
 
 class _Joined:
@@ -30,10 +37,12 @@ class _Joined:
     def __getattr__(self, name: str) -> object:
         if name in self._more:
             return self._more[name]
-        for value in self._values:
-            if hasattr(value, name):
-                return getattr(value, name)
-        raise AttributeError(name)
+        having = [value for value in self._values if hasattr(value, name)]
+        if not having:
+            raise AttributeError(name)
+        if len(having) > 1:
+            raise AmbiguousNameError(f"{' and '.join(type(value).__name__ for value in having)} have {name}")
+        return getattr(having[0], name)
 
 
 def _null_where_unknown(number: Any) -> Any:

@@ -50,3 +50,12 @@ async def test_a_detail_that_the_effect_does_not_know_ends_the_cell():
     with pytest.raises(ScenarioRefusedError):
         async with running_simulation(SimulatedCell("irb120-clean", 3, (wrong,)), pace=0):
             pass
+
+
+async def test_of_a_cell_that_ended_by_itself_no_pipe_stays_open(forked_processes):
+    async with running_simulation(SimulatedCell("irb120-clean", 3), pace=0) as simulation:
+        process = simulation._process
+        process.kill()
+        process._process.join()  # and the loop has not heard of it
+
+    assert process.stdin.is_closing()

@@ -53,7 +53,7 @@ async def perform_in_worker(
     """Perform `task` in a process of its own and return its answer.
 
     Cancelling the coroutine kills the process and its children. `told` receives the progress. The process
-    may take `memory_bytes`, by default half of what the computer has: the service lives in the other half.
+    may take `memory_bytes`, by default a third of what the computer has.
 
     Raises
     ------

@@ -119,7 +119,7 @@ class Guard:
         finally:
             if process.returncode is None:
                 process.kill()
-                await process.wait()
+            await process.wait()
 
     async def _heard(self, process: asyncio.subprocess.Process) -> list[str]:
         findings: list[str] = []

@@ -48,12 +48,19 @@ def test_fields_are_found_by_name_also_inside_of_fields():
     }
 
 
-def test_what_is_said_beside_counts_first_and_then_the_first_value():
+def test_what_is_said_beside_counts_before_every_value():
     record, nest = Record("left", ()), Nest(4)
 
-    assert RecordReply.of(record, nest).name == "left"
-    assert RecordReply.of(nest, record).name == "T1"
     assert RecordReply.of(record, nest, name="right").name == "right"
+    assert RecordReply.of(nest, record, name="right").number == 4
+
+
+def test_a_name_that_two_values_have_is_taken_from_neither_of_them():
+    record, nest = Record("left", ()), Nest(4)
+
+    for values in ((record, nest), (nest, record)):
+        with pytest.raises(ValidationError, match="AmbiguousNameError: .* and .* have name"):
+            RecordReply.of(*values)
 
 
 def test_a_name_that_nobody_has_is_an_error():

@@ -72,4 +72,4 @@ class CampaignReply(Reply):
 def campaign_reply(record: CampaignRecord) -> CampaignReply:
     """Return a campaign as it travels."""
     archive_url = f"/api/v1/campaigns/{record.id}/archive"
-    return CampaignReply.of(record, record.summary, archive_url=archive_url)
+    return CampaignReply.of(record, record.summary, archive_url=archive_url, simulated=record.simulated)

@@ -17,9 +17,7 @@ from truepose_drivers.abb_egm.protocol import (
     Motors,
     Rapid,
     RobotFrame,
-    SensorFrame,
     decode_robot,
-    decode_sensor,
     encode_robot,
 )
 
@@ -45,10 +43,6 @@ def test_a_frame_with_the_least_in_it_is_read():
     frame = decode_robot(bytes.fromhex(VECTORS["least"]))
 
     assert frame == RobotFrame(0, 0, (1.0, 2.0, 3.0, 4.0, 5.0, 6.0), (), Motors.OFF, Rapid.STOPPED)
-
-
-def test_what_a_computer_tells_a_robot_is_read():
-    assert decode_sensor(bytes.fromhex(VECTORS["sensor"])) == SensorFrame(1, (1.0, 2.0, 3.0, 4.0, 5.0, 6.0))
 
 
 def test_a_frame_survives_its_bytes():
