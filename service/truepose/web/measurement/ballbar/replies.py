@@ -7,6 +7,7 @@ from truepose.domain.measurement.ballbar import (
     StepKind,
     Suspicion,
 )
+from truepose.domain.sentences import said
 from truepose.operation.ballbar.view import BallbarView
 from truepose.sequencing.ballbar.plan import step_ids
 from truepose.sequencing.ballbar.situation import Situation
@@ -25,6 +26,7 @@ from truepose.web.schemas.measurement.ballbar_sessions import (
     SuspicionReply,
 )
 from truepose.web.schemas.measurement.identities import identity_reply
+from truepose.words.catalogue import english
 
 
 def ballbar_session_reply(view: BallbarView) -> BallbarSessionReply:
@@ -70,11 +72,8 @@ def _leg(leg: Leg) -> list[str]:
 def _unseen_swaps(poses: tuple[int, ...]) -> str:
     if not poses:
         return ""
-    where = f"pose {poses[0]}" if len(poses) == 1 else f"poses {', '.join(str(pose) for pose in poses)}"
-    return (
-        f"In {where} two legs that change places can hardly be seen when they are read: read both names. The "
-        "pre-calibration tests these poses, and those it finds exchanged are measured again."
-    )
+    key = "session.unseen_swaps.one" if len(poses) == 1 else "session.unseen_swaps.several"
+    return english(said(key, poses=tuple(map(str, poses))))
 
 
 def steps_reply(view: BallbarView) -> StepsReply:
