@@ -59,7 +59,7 @@ def test_a_name_that_two_values_have_is_taken_from_neither_of_them():
     record, nest = Record("left", ()), Nest(4)
 
     for values in ((record, nest), (nest, record)):
-        with pytest.raises(ValidationError, match="AmbiguousNameError: .* and .* have name"):
+        with pytest.raises(ValidationError, match=r"AmbiguousNameError: .* and .* have name"):
             RecordReply.of(*values)
 
 

@@ -105,4 +105,5 @@ def validation_reply(record: ValidationRecord) -> ValidationReply:
 
 def model_reply(record: ModelRecord) -> ModelReply:
     """Return a model as it travels."""
-    return ModelReply.of(record, record.model, file_url=f"/api/v1/models/{record.id}/file")
+    file_url = f"/api/v1/models/{record.id}/file"
+    return ModelReply.of(record, record.model, robot=record.robot, file_url=file_url)
