@@ -2,7 +2,14 @@
 
 from truepose.correction.corrections import ANY_BRANCH, Corrections, Status, joined
 from truepose.correction.goals import FLANGE, Goals, of_poses
-from truepose.correction.joint_targets import correct, in_world, meant_by_joints, shifted_by, tool_nests_mm
+from truepose.correction.joint_targets import (
+    correct,
+    flange_in_base,
+    in_world,
+    meant_by_joints,
+    shifted_by,
+    tool_nests_mm,
+)
 from truepose.correction.mistakes import likely_mistake
 from truepose.correction.summary import Summary
 
@@ -14,6 +21,7 @@ __all__ = [
     "Status",
     "Summary",
     "correct",
+    "flange_in_base",
     "in_world",
     "joined",
     "likely_mistake",

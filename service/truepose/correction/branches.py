@@ -7,7 +7,7 @@ import numpy as np
 from truepose.correction.goals import Goals
 from truepose.correction.inverse import Attained, replaced
 from truepose.correction.limits import beyond, turned_within
-from truepose.correction.starts import NominalArm, attain_branch
+from truepose.correction.starts import NominalArm, attain_from_branch
 from truepose.domain.arrays import BoolArray, FloatArray
 from truepose.domain.robot import JointRange
 from truepose.identification.model.estimates import Estimate
@@ -24,12 +24,12 @@ def attain_any_branch(estimate: Estimate, goals: Goals, measured: Ranges) -> Att
     cost = _costs(estimate, goals, measured)
     order = np.argsort(cost, axis=1)
     exists = np.isfinite(np.take_along_axis(cost, order, axis=1))
-    found = attain_branch(estimate, goals, order[:, 0])
+    found = attain_from_branch(estimate, goals, order[:, 0])
     for place in range(1, BRANCHES):
         left = np.flatnonzero(exists[:, place] & ~_usable(estimate, found))
         if not len(left):
             break  # what exists comes first: behind this place there is nothing to try either
-        again = attain_branch(estimate, goals.taken(left), order[left, place])
+        again = attain_from_branch(estimate, goals.taken(left), order[left, place])
         better = np.flatnonzero(_usable(estimate, again))
         found = replaced(found, left[better], again.taken(better))
     return found

@@ -15,7 +15,7 @@ References
 A. Nubiola, thesis, ETS Montreal, 2014, section 1.5 (fake targets, pose shift).
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -45,11 +45,19 @@ class Attained(Table):
     joints_rad: FloatArray  # (n, J)
     error_mm: FloatArray  # (n,) distance from the wanted position
     error_rad: FloatArray  # (n,) turn from the wanted orientation
+    astray: (
+        BoolArray  # (n,) whether joints are of no use, however near the arm is: another branch, far turned
+    )
 
     @property
     def distance(self) -> FloatArray:
-        """Of both errors the one that is more of its limit, in limits, shape (n,)."""
-        return np.maximum(self.error_mm / ARRIVED_MM, self.error_rad / ARRIVED_RAD)
+        """Of both errors the one that is more of its limit, in limits, shape (n,); infinite astray."""
+        away = np.maximum(self.error_mm / ARRIVED_MM, self.error_rad / ARRIVED_RAD)
+        return np.where(self.astray, np.inf, away)
+
+    def without(self, useless: BoolArray) -> "Attained":
+        """Return the same with some rows, shape (n,), gone astray."""
+        return replace(self, astray=self.astray | useless)
 
     @property
     def arrived(self) -> BoolArray:
@@ -59,10 +67,10 @@ class Attained(Table):
 
 def replaced(found: Attained, rows: IntArray, others: Attained) -> Attained:
     """Return what was found with other answers in some rows, shape (m,)."""
-    columns = [found.joints_rad.copy(), found.error_mm.copy(), found.error_rad.copy()]
-    for column, new in zip(columns, (others.joints_rad, others.error_mm, others.error_rad), strict=True):
-        column[rows] = new
-    return Attained(*columns)
+    columns = {field.name: getattr(found, field.name).copy() for field in fields(Attained)}
+    for name, column in columns.items():
+        column[rows] = getattr(others, name)
+    return Attained(**columns)
 
 
 def merged(found: Attained, rows: IntArray, again: Attained) -> Attained:
@@ -89,7 +97,8 @@ def attain(estimate: Estimate, goals: Goals, start_rad: FloatArray) -> Attained:
         The nearest that each row came to its goal, whether it arrived or not; NaN and infinity where there
         was no start. Joint limits are not looked at.
     """
-    ended = Attained(start_rad.copy(), np.full(len(goals), np.inf), np.full(len(goals), np.inf))
+    n = len(goals)
+    ended = Attained(start_rad.copy(), np.full(n, np.inf), np.full(n, np.inf), np.zeros(n, dtype=bool))
     left = np.flatnonzero(np.isfinite(start_rad).all(axis=1))
     search = _Search(estimate, goals.taken(left), start_rad[left])
     for _ in range(_PASSES):

@@ -13,6 +13,7 @@ from truepose.correction.branches import Ranges, attain_any_branch
 from truepose.correction.corrections import ANY_BRANCH, Corrections, joined, judged
 from truepose.correction.goals import FLANGE, Goals
 from truepose.correction.inverse import Attained, attain, merged, replaced
+from truepose.correction.limits import FAR_RAD
 from truepose.correction.starts import NominalArm, attain_branch
 from truepose.domain.arrays import BoolArray, FloatArray, IntArray
 from truepose.domain.measurement.campaign import Stops
@@ -21,7 +22,7 @@ from truepose.domain.results.identification import Model
 from truepose.identification.model.estimates import Estimate, check_targets, identified_estimate
 from truepose.identification.model.evaluation import Targets
 from truepose.kinematics.chain import nominal_chain
-from truepose.kinematics.inverse import branch_of, has_closed_form
+from truepose.kinematics.inverse import branch_of
 
 _AT_ONCE: Final = 10_000  # goals; their derivatives take some tens of megabytes
 
@@ -66,6 +67,12 @@ def in_world(model: Model, goals: Goals) -> Goals:
     return NominalArm(identified_estimate(model)).in_world(goals)
 
 
+def flange_in_base(model: Model, goals: Goals) -> FloatArray:
+    """Return where goals in the world have the last frame, in the robot's base, shape (n, 4, 4)."""
+    arm = NominalArm(with_flange(identified_estimate(model)))
+    return arm.flange(replace(goals, nest=numbered_nests(model, goals.nest)))
+
+
 def meant_by_joints(model: Model, stops: Stops) -> Goals:
     """Return goals, in the world, where the controller itself has the last frame at these stops."""
     chain = nominal_chain(model.robot, stops.joints_rad)
@@ -96,9 +103,7 @@ def shifted_by(model: Model, goals: Goals, joints_rad: FloatArray) -> tuple[Floa
     shift_mm : ndarray, shape (n, 3)
         From there to where the controller believes that origin to be with these joints; NaN as these.
     """
-    arm = NominalArm(with_flange(identified_estimate(model)))
-    numbered = replace(goals, nest=numbered_nests(model, goals.nest))
-    place = arm.flange(numbered)[:, :3, 3]
+    place = flange_in_base(model, goals)[:, :3, 3]
     return place, nominal_chain(model.robot, joints_rad).end_origin - place
 
 
@@ -130,15 +135,24 @@ def _measured(model: Model) -> Ranges:
 
 
 def _from_told(estimate: Estimate, goals: Goals, told: BoolArray) -> Attained:
-    """Search from the joints that are told, and where that fails from the nominal answer in their branch."""
-    found = attain(estimate, goals, goals.stops.joints_rad)
-    left = np.flatnonzero(told & ~found.arrived)
-    robot = estimate.structure.robot
-    if not len(left) or not has_closed_form(robot):
+    """Search from the joints that are told, in their branch, near them or near the nominal answer there."""
+    found, arm = attain(estimate, goals, goals.stops.joints_rad), NominalArm(estimate)
+    rows = np.flatnonzero(told)
+    if not len(rows) or not arm.has_branches:
         return found
-    start = goals.stops.joints_rad[left]
-    again = attain_branch(estimate, goals.taken(left), branch_of(robot, start))
-    return merged(found, left, replace(again, joints_rad=_turned_to(again.joints_rad, start)))
+    goals, start = goals.taken(rows), goals.stops.joints_rad[rows]
+    branch = branch_of(estimate.structure.robot, start)
+    own = _turned_to(arm.one_branch(arm.flange(goals), branch), start)
+
+    def near(ended: Attained) -> Attained:
+        away = [np.abs(ended.joints_rad - joints).max(axis=1) for joints in (start, own)]
+        return ended.without(~(np.minimum(*away) <= FAR_RAD))
+
+    first = near(arm.kept_to(branch, found.taken(rows)))
+    left = np.flatnonzero(~first.arrived)
+    again = attain_branch(estimate, goals.taken(left), branch[left])
+    turned = replaced(first, left, replace(again, joints_rad=_turned_to(again.joints_rad, start[left])))
+    return replaced(found, rows, merged(first, left, near(turned).taken(left)))
 
 
 def _turned_to(joints_rad: FloatArray, near_rad: FloatArray) -> FloatArray:

@@ -1,10 +1,15 @@
 """Joint limits of the controller, as far as they are known."""
 
+from typing import Final
+
 import numpy as np
 
 from truepose.domain.arrays import BoolArray, FloatArray
 from truepose.domain.robot import JointRange
 from truepose.kinematics.inverse import brought_within
+
+# Corrections turn joints by tenths of a degree; near a singularity they would turn one by any angle.
+FAR_RAD: Final = float(np.deg2rad(5.0))
 
 
 def turned_within(

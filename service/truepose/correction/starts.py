@@ -1,12 +1,14 @@
 """Where a search for joint angles begins: the closed-form answer of the nominal arm, on the identified base.
 
-Where the search from there fails, the pose is shifted by what was left of the error, and the arm asked again:
-unlike a step of Newton's, that turns joint 4 by whatever a singular wrist takes (thesis of A. Nubiola, 2014,
-section 1.5, pose shift). At a singularity the branch beside the one that was asked for may be the answer.
+Where the search from there fails, the pose is shifted by what was left of the error, and the arm asked
+again: unlike a step of Newton's, that turns joint 4 by whatever a singular wrist takes (thesis of A.
+Nubiola, 2014, section 1.5, pose shift). Newton's method may end beyond a singularity, in another branch than
+the one asked for: the arm is then asked for its twin there. What stays in another branch is no answer.
 """
 
+from collections.abc import Callable
 from dataclasses import replace
-from typing import Final
+from typing import Final, TypeAlias
 
 import numpy as np
 
@@ -18,12 +20,13 @@ from truepose.identification.model.estimates import Estimate
 from truepose.identification.model.evaluation import Targets, evaluate, nest_centres
 from truepose.kinematics.chain import nominal_chain
 from truepose.kinematics.frames import poses_of
-from truepose.kinematics.inverse import all_branches, has_closed_form, one_branch
+from truepose.kinematics.inverse import all_branches, branch_of, has_closed_form, one_branch
 
 _HOPELESS_MM: Final = 50.0  # several times what any arm is off: the goal is out of reach
 _SHIFTS: Final = 2  # each leaves a few per cent of the error
 _OWN: Final = (0,)  # exclusive or with the branch
 _BESIDE: Final = (0, 1, 2, 3, 4)  # itself, other wrist, other elbow, both, other side
+_Kept: TypeAlias = Callable[[IntArray, Attained], Attained]  # what of an answer to some rows counts
 
 
 class NominalArm:
@@ -66,6 +69,13 @@ class NominalArm:
         """Return the joint angles of every branch, shape (n, 8, J)."""
         return all_branches(self.estimate.structure.robot, flange, reach_out=reach_out)
 
+    def kept_to(self, branch: IntArray, found: Attained) -> Attained:
+        """Return what was found, in another branch than these, shape (n,), as gone astray."""
+        if not self.has_branches:
+            return found
+        robot = self.estimate.structure.robot
+        return found.without(branch_of(robot, np.nan_to_num(found.joints_rad)) != branch)
+
     def commanded(self, joints_rad: FloatArray) -> FloatArray:
         """Return where the controller believes its last frame to be, in the robot's base, shape (n, 4, 4)."""
         chain = nominal_chain(self.estimate.structure.robot, joints_rad)
@@ -83,16 +93,28 @@ class NominalArm:
 def attain_branch(estimate: Estimate, goals: Goals, branch: IntArray) -> Attained:
     """Search goals in one branch each of the nominal arm, shape (n,), numbered as in `kinematics.inverse`."""
     arm = NominalArm(estimate)
+    return _attain_from(arm, goals, branch, _OWN, lambda rows, found: arm.kept_to(branch[rows], found))
+
+
+def attain_from_branch(estimate: Estimate, goals: Goals, branch: IntArray) -> Attained:
+    """Search goals from one branch each, shape (n,), and from those that meet it, wherever that ends."""
+    arm = NominalArm(estimate)
+    return _attain_from(arm, goals, branch, _BESIDE if arm.has_branches else _OWN, lambda _, found: found)
+
+
+def _attain_from(
+    arm: NominalArm, goals: Goals, branch: IntArray, besides: tuple[int, ...], kept: _Kept
+) -> Attained:
     wanted = arm.flange(goals)
-    found = attain(estimate, goals, arm.one_branch(wanted, branch))
-    besides = np.array(_BESIDE if arm.has_branches else _OWN)
+    found = kept(np.arange(len(goals)), attain(arm.estimate, goals, arm.one_branch(wanted, branch)))
     for _ in range(_SHIFTS):
         left = np.flatnonzero(~found.arrived & (found.error_mm < _HOPELESS_MM))
         if not len(left):
             break
         rows = goals.taken(left)
         again = _shifted(arm, rows, wanted[left], found.joints_rad[left])
-        found = merged(found, left, _attain_one_of(arm, rows, again, branch[left] ^ besides[:, None]))
+        tried = _attain_one_of(arm, rows, again, branch[left] ^ np.array(besides)[:, None])
+        found = merged(found, left, kept(left, tried))
     return found
 
 

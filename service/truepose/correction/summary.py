@@ -7,13 +7,11 @@ from typing import Final
 import numpy as np
 
 from truepose.correction.corrections import Corrections
+from truepose.correction.limits import FAR_RAD
 from truepose.domain.arrays import FloatArray
 from truepose.domain.results.corrections import CorrectionTotals
 
 MOST_NAMED: Final = 100
-FAR_RAD: Final = float(
-    np.deg2rad(5.0)
-)  # corrections turn joints by tenths of a degree, except near a singularity
 
 
 class Summary:

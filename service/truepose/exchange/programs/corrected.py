@@ -8,20 +8,31 @@ the pose at which the *nominal* model has the corrected joint angles: the contro
 The flange of the controller must be the last frame of the nominal table: so it is in the tables that ship.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
 
-from truepose.correction import ANY_BRANCH, FLANGE, Corrections, Goals, correct, in_world, tool_nests_mm
+from truepose.correction import (
+    ANY_BRANCH,
+    FLANGE,
+    Corrections,
+    Goals,
+    correct,
+    flange_in_base,
+    in_world,
+    tool_nests_mm,
+)
 from truepose.domain.arrays import FloatArray, IntArray
 from truepose.domain.measurement.campaign import Stops
 from truepose.domain.results.corrections import LeftAlone
 from truepose.domain.results.identification import Model
 from truepose.domain.sentences import Sentence, said
 from truepose.exchange.programs.branches import branch_of_words
+from truepose.exchange.programs.controllers.reading_back import Controller
 from truepose.exchange.programs.coupled_joints import can_be_coupled, from_horizontal, uncoupled
+from truepose.exchange.programs.formats import format_of
 from truepose.exchange.programs.lists.target_rows import nest_frame
 from truepose.exchange.programs.program import (
     AT_THE_ORIGIN,
@@ -88,30 +99,39 @@ def corrected_program(model: Model, program: Program, understood: Understood = _
     ConfigurationError
         The program is of an arm with another number of joints, or the model needs measured torques.
     """
-    program = _with_frames(program, _nests(model) | dict(understood.defined))
     counted = program.format == _COUNTS_FROM_THE_HORIZONTAL
     coupled = counted and understood.coupled and can_be_coupled(model.robot)
-    written = program
-    if coupled:
-        program = uncoupled(model.robot, program)
+
+    def known(read: Program) -> Program:
+        """Return a program as it is read, with frames that it only names, and joints as the model counts."""
+        framed = _with_frames(read, _nests(model) | dict(understood.defined))
+        return uncoupled(model.robot, framed) if coupled else framed
+
+    written, program = program, known(program)
+    run = _Run(model, program, understood)
     reasons = {
         index: _COUPLED
         if counted and not coupled and isinstance(target.value, Configuration)
-        else _reason_against(target, understood)
+        else run.reason_against(target)
         for index, target in enumerate(program.targets)
     }
+    reasons |= run.started([index for index, reason in reasons.items() if reason is None])
     rows = tuple(index for index, reason in reasons.items() if reason is None)
-    goals, found = _found(model, program, rows, understood)
+    goals, found = run.found(rows)
+    values = _values(model, program, rows, found, coupled=coupled)
+    data, missed = run.read_back(written, known, rows, found, values)
+    reasons |= dict.fromkeys(missed, said("left.not_arriving"))
+    kept = np.array([place for place, index in enumerate(rows) if index not in missed], dtype=np.int64)
     left = tuple(
         LeftAlone(program.targets[index].line, program.targets[index].name, reason)
         for index, reason in reasons.items()
         if reason is not None
     )
-    values = _values(model, program, rows, found, coupled=coupled)
     everything = sorted((*program.left_alone, *left), key=lambda one: one.line)
-    cautions = tuple(prediction_cautions(model, goals.at(found.joints_rad))) if rows else ()
-    data = rewritten(written, values)
-    return CorrectedProgram(written, rows, goals, found, tuple(everything), cautions, data)
+    goals, found = goals.taken(kept), found.taken(kept)
+    cautions = tuple(prediction_cautions(model, goals.at(found.joints_rad))) if len(kept) else ()
+    corrected = tuple(index for index in rows if index not in missed)
+    return CorrectedProgram(written, corrected, goals, found, tuple(everything), cautions, data)
 
 
 def _nests(model: Model) -> dict[str, Pose]:
@@ -137,47 +157,159 @@ def _with_frames(program: Program, defined: Mapping[str, Pose]) -> Program:
     )
 
 
-def _reason_against(target: ProgramTarget, understood: Understood) -> Sentence | None:
-    """Say why a target cannot be corrected; None where it can."""
-    if isinstance(target.value, Configuration):
+class _Run:
+    """A program, and the controller that runs it."""
+
+    def __init__(self, model: Model, program: Program, understood: Understood) -> None:
+        self._model, self._program, self._understood = model, program, understood
+        self._rule = format_of(program.name).rule
+        self._controller = Controller(model.robot, self._rule)
+        self._branch = [_branch(target, understood) for target in program.targets]
+        self._many = self._says_many_branches()
+        self._befores = _befores(program)
+        self._own: dict[int, FloatArray] = {}  # joints that the controller takes to the file as it is
+
+    def reason_against(self, target: ProgramTarget) -> Sentence | None:
+        """Say why a target cannot be corrected, by what the file says of it; None where it can."""
+        if self._rule.moves_external(target.external):
+            return said("left.external")
+        if isinstance(target.value, Configuration):
+            return None
+        reason = _reason_against_frames(target)
+        if reason is not None:
+            return reason
+        branch = _branch(target, self._understood)
+        if not self._controller.can_tell(target, branch):
+            return said("left.branch_unknown")
+        if self._many and target.near_rad is None and branch_of_words(target.branch) is None:
+            return said("left.many_branches", words=self._many)
         return None
+
+    def started(self, rows: Sequence[int]) -> dict[int, Sentence | None]:
+        """Find the joints that the controller takes as the file is; return what contradicts itself."""
+        targets = [self._program.targets[index] for index in rows]
+        flange = _own_flanges(self._model, targets, self._understood.meant)
+        branch = [self._branch[index] for index in rows]
+        taken = self._controller.taken(targets, flange, branch)
+        reached = {}
+        for place, (index, target) in enumerate(zip(rows, targets, strict=True)):
+            joints = target.known_rad(self._model.robot.n_joints)
+            own = np.array(joints) if isinstance(target.value, Configuration) else taken[place]
+            if own is not None:
+                self._own[index] = own
+            if own is not None and np.isfinite(own).all():
+                reached[index] = place
+        places = list(reached.values())
+        arrives = self._arriving(list(reached), [targets[p] for p in places], flange[places], self._own)
+        contradicted = [index for index, there in zip(reached, arrives, strict=True) if not there]
+        return {
+            index: said("left.contradicts")
+            for index in (*contradicted, *(index for index in rows if index not in self._own))
+        }
+
+    def found(self, rows: Sequence[int]) -> tuple[Goals, Corrections]:
+        """Correct targets, once more where the model asks from which side their joints come."""
+        targets = [self._program.targets[index] for index in rows]
+        near = np.array([self._own[index] for index in rows]).reshape(len(rows), self._model.robot.n_joints)
+        goals = _goals(self._model, targets, near, self._understood.meant)
+        branch = np.array([self._branch[index] for index in rows], dtype=np.int64)
+        found = correct(self._model, goals, branch)
+        directions = _directions(self._program, rows, found.joints_rad)
+        if not directions.any():
+            return goals, found
+        goals = replace(goals, stops=replace(goals.stops, direction=directions))
+        return goals, correct(self._model, goals, branch)
+
+    def read_back(
+        self,
+        written: Program,
+        known: Callable[[Program], Program],
+        rows: Sequence[int],
+        found: Corrections,
+        values: dict[int, Value],
+    ) -> tuple[bytes, set[int]]:
+        """Return the file with the values at which the controller arrives at what was found, and the others.
+
+        A target that is left alone changes from where the next one is reached: until nothing is left alone.
+        """
+        sent = {index: found.joints_rad[row] for row, index in enumerate(rows) if index in values}
+        missed: set[int] = set()
+        while True:
+            data = rewritten(written, values, {index: self._turned(index, sent[index]) for index in values})
+            again = known(written.again(data)) if written.again and values else None
+            now = self._missing(again, sent) if again else []
+            if not now:
+                return data, missed
+            missed |= set(now)
+            for index in now:
+                del sent[index], values[index]
+
+    def _missing(self, again: Program, sent: Mapping[int, FloatArray]) -> list[int]:
+        targets = [again.targets[index] for index in sent]
+        arrives = self._arriving(list(sent), targets, _flanges(self._model, targets), {**self._own, **sent})
+        return [index for index, there in zip(sent, arrives, strict=True) if not there]
+
+    def _arriving(
+        self,
+        rows: Sequence[int],
+        targets: Sequence[ProgramTarget],
+        flange: FloatArray,
+        joints: Mapping[int, FloatArray],
+    ) -> list[bool]:
+        befores = [
+            [joints[before] for before in self._befores.get(index, ()) if before in joints] for index in rows
+        ]
+        wanted = np.array([joints[index] for index in rows])
+        return self._controller.arriving(targets, flange, [self._branch[i] for i in rows], wanted, befores)
+
+    def _turned(self, index: int, sent_rad: FloatArray) -> tuple[int, ...]:
+        target = self._program.targets[index]
+        return self._controller.turned(target, self._branch[index], self._own[index], sent_rad)
+
+    def _says_many_branches(self) -> str:
+        """Return the words by which a file names several branches, though one was stated for all."""
+        asked = [
+            target
+            for target in self._program.targets
+            if isinstance(target.value, Pose) and branch_of_words(target.branch) is None and target.branch
+        ]
+        postures = dict.fromkeys(self._rule.posture(target.branch) for target in asked)
+        return "; ".join(postures) if len(postures) > 1 else ""
+
+
+def _befores(program: Program) -> dict[int, set[int]]:
+    """Return the targets from which each one is reached joint by joint: a line keeps its branch."""
+    found: dict[int, set[int]] = {}
+    for motion in program.motions:
+        if motion.before is not None and motion.path == "joints":
+            found.setdefault(motion.target, set()).add(motion.before)
+    return found
+
+
+def _reason_against_frames(target: ProgramTarget) -> Sentence | None:
     if target.tool is None or target.work_object is None:
         return said("left.tool_unsaid") if target.tool is None else said("left.object_unsaid")
     if target.tool.pose is None:
         return said("left.tool_undeclared", frame=target.tool.shown)
     if target.work_object.pose is None:
         return said("left.object_undeclared", frame=target.work_object.shown)
-    if target.near_rad is None and _branch(target, understood) == ANY_BRANCH:
-        return said("left.branch_unknown")
     return None
 
 
-def _found(
-    model: Model, program: Program, rows: Sequence[int], understood: Understood
-) -> tuple[Goals, Corrections]:
-    """Correct targets, once more where the model asks from which side their joints come."""
-    targets = [program.targets[index] for index in rows]
-    goals = _goals(model, targets, understood.meant)
-    branch = np.array([_branch(target, understood) for target in targets], dtype=np.int64)
-    found = correct(model, goals, branch)
-    directions = _directions(program, rows, found.joints_rad)
-    if not directions.any():
-        return goals, found
-    goals = replace(goals, stops=replace(goals.stops, direction=directions))
-    return goals, correct(model, goals, branch)
-
-
-def _goals(model: Model, targets: Sequence[ProgramTarget], meant: Meant) -> Goals:
-    n, joints = len(targets), model.robot.n_joints
-    near = np.array([_near(target, joints) for target in targets]).reshape(n, joints)
+def _goals(model: Model, targets: Sequence[ProgramTarget], near_rad: FloatArray, meant: Meant) -> Goals:
     flange = _flanges(model, targets)
-    goals = Goals(Stops(np.arange(n), near), np.full(n, FLANGE), flange[:, :3, 3], flange[:, :3, :3])
+    stops = Stops(np.arange(len(targets)), near_rad)
+    goals = Goals(stops, np.full(len(targets), FLANGE), flange[:, :3, 3], flange[:, :3, :3])
     return goals if meant is Meant.WORLD else in_world(model, goals)
 
 
-def _near(target: ProgramTarget, joints: int) -> FloatArray:
-    known = target.known_rad(joints)
-    return np.full(joints, np.nan) if known is None else np.array(known)
+def _own_flanges(model: Model, targets: Sequence[ProgramTarget], meant: Meant) -> FloatArray:
+    """Return where targets have the controller's flange, in the robot's base, shape (n, 4, 4)."""
+    flange = _flanges(model, targets)
+    if meant is Meant.BASE or not targets:
+        return flange
+    near = np.full((len(targets), model.robot.n_joints), np.nan)
+    return flange_in_base(model, _goals(model, targets, near, meant))
 
 
 def _branch(target: ProgramTarget, understood: Understood) -> int:

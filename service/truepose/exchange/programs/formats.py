@@ -1,11 +1,17 @@
 """The formats of robot programs and position lists that are read and written, each one line."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import PurePath
 from typing import Final
 
 from truepose.exchange.errors import UnreadableFileError
+from truepose.exchange.programs.controllers.confdata import Confdata
+from truepose.exchange.programs.controllers.nearest import Nearest
+from truepose.exchange.programs.controllers.rule import Rule
+from truepose.exchange.programs.controllers.stated_branch import StatedBranch
+from truepose.exchange.programs.controllers.status_and_turn import StatusAndTurn
 from truepose.exchange.programs.draft import Draft
 from truepose.exchange.programs.languages import fanuc_ls, inform, ur_script, val3
 from truepose.exchange.programs.languages.krl import motions as krl
@@ -28,14 +34,17 @@ class Format:
     rounding: str
     maker: str = ""  # of the controllers that read it, as names of robots have it
     has_files_beside: bool = False  # whether a program may be several files
+    rule: Rule = field(default_factory=StatedBranch)  # by which the controller chooses joints
 
 
 FORMATS: Final = (
-    Format("ABB RAPID", (".mod", ".sys", ".prg"), rapid.read, _SINGLE, "ABB", True),
-    Format("KUKA KRL", (".src", ".dat"), krl.read, _SINGLE, "KUKA", True),
+    Format("ABB RAPID", (".mod", ".sys", ".prg"), rapid.read, _SINGLE, "ABB", True, Confdata()),
+    Format("KUKA KRL", (".src", ".dat"), krl.read, _SINGLE, "KUKA", True, StatusAndTurn()),
     Format("FANUC LS", (".ls",), fanuc_ls.read, "0.0005 mm, 0.0005 deg", "FANUC"),
-    Format("URScript", (".script",), ur_script.read, "5e-7 mm, 5e-12 rad", "Universal Robots"),
-    Format("targets in JSON", (".json",), json_list.read, _FULL),
+    Format(
+        "URScript", (".script",), ur_script.read, "5e-7 mm, 5e-12 rad", "Universal Robots", rule=Nearest()
+    ),
+    Format("targets in JSON", (".json",), json_list.read, _FULL, rule=Nearest()),
     Format("G-code", (".nc", ".gcode", ".cnc", ".tap"), gcode.read, _FULL),
     Format("Yaskawa INFORM", (".jbi",), inform.read, "0.0005 mm, 0.005 deg, or as the job has it", "Yaskawa"),
     Format("Staubli VAL3", (".dtx",), val3.read, _FULL, "Staubli"),
@@ -70,7 +79,8 @@ def read_program(
     found = format_of(name)
     draft = Draft(Source(data, name, beside if found.has_files_beside else None), angles)
     found.read(draft)
-    return draft.program(found.name)
+    again = partial(read_program, name=name, beside=beside, angles=angles)
+    return replace(draft.program(found.name), again=again)
 
 
 def format_of(name: str) -> Format:

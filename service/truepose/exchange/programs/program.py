@@ -65,6 +65,7 @@ class Number:
     end: int  # behind the last byte
     value: float
     decimals: int  # places behind the decimal point
+    base: Literal[2, 10, 16] = 10  # KRL also writes 'B010011' and 'H13'
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,7 +108,9 @@ class ProgramTarget:
         A pose is that of `tool` in `work_object`.
     branch : str
         What the file says of the branch, in its own words: the four numbers of ABB's confdata, KUKA's
-        ``S 2, T 35``, FANUC's ``N U T, 0, 0, 0``. It never changes.
+        ``S 2, T 35``, FANUC's ``N U T, 0, 0, 0``.
+    turns : tuple of Number
+        What of it counts turns or quadrants and can follow joints: cf1, cf4 and cf6, or T.
     near_rad : tuple of float, optional
         The configuration that the file names beside a pose.
     external : tuple of float
@@ -123,6 +126,7 @@ class ProgramTarget:
     value: Value
     written: tuple[Written, ...] = field(repr=False)
     branch: str = ""
+    turns: tuple[Number, ...] = field(default=(), repr=False)
     near_rad: tuple[float, ...] | None = None
     external: tuple[float, ...] = ()
     tool: Frame | None = None
@@ -156,7 +160,7 @@ class Motion:
 
 @dataclass(frozen=True, slots=True)
 class Program:
-    """A robot program as it was read; `data` is the file."""
+    """A robot program as it was read; `data` is the file, `again` reads the same file with other numbers."""
 
     name: str
     format: str
@@ -164,3 +168,4 @@ class Program:
     targets: tuple[ProgramTarget, ...]
     motions: tuple[Motion, ...]
     left_alone: tuple[LeftAlone, ...]
+    again: Callable[[bytes], "Program"] | None = field(default=None, repr=False, compare=False)

@@ -22,7 +22,12 @@ _MOST_DECIMALS: Final = 15
 _Replacement: TypeAlias = tuple[Number, bytes]
 
 
-def rewritten(program: Program, values: Mapping[int, Value]) -> bytes:
+_SAME_TURNS: Final[Mapping[int, Sequence[int]]] = {}
+
+
+def rewritten(
+    program: Program, values: Mapping[int, Value], turns: Mapping[int, Sequence[int]] = _SAME_TURNS
+) -> bytes:
     """Return the file with new numbers of some targets.
 
     A number is written with the decimals that it had, or with more where the format takes them; one that
@@ -34,6 +39,8 @@ def rewritten(program: Program, values: Mapping[int, Value]) -> bytes:
         As it was read.
     values : mapping of int to Configuration or Pose
         New values by the index of the target; of the same kind, and a configuration of as many joints.
+    turns : mapping of int to sequence of int
+        New numbers that count turns, as many as `ProgramTarget.turns`, by the index of the target.
 
     Raises
     ------
@@ -45,6 +52,8 @@ def rewritten(program: Program, values: Mapping[int, Value]) -> bytes:
         for index, value in values.items()
         for replacement in _replacements(program.targets[index], value)
     ]
+    for index, numbers in turns.items():
+        replaced += _counted(program.targets[index].turns, numbers)
     return b"".join(_pieces(program.data, sorted(replaced, key=lambda entry: entry[0].start)))
 
 
@@ -97,6 +106,20 @@ def _changed_numbers(written: Written, group: tuple[float, ...]) -> Iterator[_Re
         decimals = min(max(number.decimals, written.form.decimals), _MOST_DECIMALS)
         if abs(value - number.value) > 0.5 * 10.0**-decimals:
             yield number, _text(value, decimals, number.decimals).encode("ascii")
+
+
+def _counted(stood: Sequence[Number], numbers: Sequence[int]) -> Iterator[_Replacement]:
+    for place, number in zip(stood, numbers, strict=True):
+        if number != place.value:
+            yield place, _in_base(number, place).encode("ascii")
+
+
+def _in_base(number: int, place: Number) -> str:
+    """Return a whole number as it is written in its base, with as many digits as stood there at least."""
+    if place.base == 10:
+        return str(number)
+    letter, form = ("B", "b") if place.base == 2 else ("H", "X")
+    return f"'{letter}{number:0{place.end - place.start - 3}{form}}'"
 
 
 def _text(value: float, decimals: int, least: int) -> str:

@@ -5,9 +5,10 @@ the structures E6AXIS, E6POS, FRAME; A, B and C turn about Z, the new Y and the 
 """
 
 from collections.abc import Mapping
-from typing import Final
+from typing import Final, Literal
 
 from truepose.domain.sentences import Sentence, said
+from truepose.exchange.programs.controllers.status_and_turn import whole_number
 from truepose.exchange.programs.forms import JOINT_DEGREES, MILLIMETRES, ZYX_DEGREES
 from truepose.exchange.programs.program import Configuration, Number, Pose, ProgramTarget, Written
 from truepose.exchange.programs.source import Source
@@ -66,5 +67,17 @@ def _target(
         return ProgramTarget(name, line, Configuration(joints.read()), (joints,), external=external)
     position, rotation = Written(numbers[:3], MILLIMETRES), Written(numbers[3:], ZYX_DEGREES)
     branch = ", ".join(f"{key} {shown(source, held[key])}" for key in _BRANCH if key in held)
-    value = Pose.written(position, rotation)
-    return ProgramTarget(name, line, value, (position, rotation), branch=branch, external=external)
+    value, turn = Pose.written(position, rotation), _bits(source, held.get("T", ()))
+    turns = () if turn is None else (turn,)
+    return ProgramTarget(
+        name, line, value, (position, rotation), branch=branch, turns=turns, external=external
+    )
+
+
+def _bits(source: Source, words: Tokens) -> Number | None:
+    """Return a whole number that may be written as 'B010011' or 'H13'."""
+    if len(words) == 1 and words[0].kind == "string":
+        value = whole_number(words[0].text)
+        base: Literal[2, 16] = 2 if words[0].upper[1:2] == "B" else 16
+        return None if value is None else Number(words[0].start, words[0].end, float(value), 0, base)
+    return number(source, words)

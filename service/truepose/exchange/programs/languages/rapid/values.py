@@ -54,7 +54,9 @@ def target(source: Source, kind: str, name: str, words: Tokens) -> ProgramTarget
     if pose is None:
         return said("left.no_orientation")
     branch = ", ".join(f"{number.value:g}" for number in groups[2])
-    return ProgramTarget(name, line, pose, (position, rotation), branch=branch, external=external)
+    return ProgramTarget(
+        name, line, pose, (position, rotation), branch=branch, turns=groups[2][:3], external=external
+    )
 
 
 def tool(source: Source, name: str, words: Tokens) -> Frame | Sentence:

@@ -1,0 +1,1 @@
+"""What controllers do with a target: by their makers' rules, which joints they take to it."""
