@@ -69,10 +69,8 @@ def _functions(path):
 
 
 def _lines_of_code(function):
-    """Lines of a function's body without its docstring; a table that it returns is data, not code."""
+    """Lines of a function's body without its docstring."""
     body = function.body[1:] if ast.get_docstring(function) else function.body
-    if body and isinstance(body[-1], ast.Return) and isinstance(body[-1].value, ast.Dict):
-        return body[-1].lineno - body[0].lineno + 1
     return body[-1].end_lineno - body[0].lineno + 1 if body else 0
 
 
