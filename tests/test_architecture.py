@@ -186,4 +186,6 @@ def test_every_driver_has_a_readme_that_says_what_was_not_tried():
 
 
 def test_every_operation_has_a_least_role():
-    create_application("test", contextlib.nullcontext)  # it would not start: web/people/rights.py
+    started = create_application("test", contextlib.nullcontext)  # it would not: web/people/rights.py
+
+    assert started.routes

@@ -5,7 +5,8 @@ from collections.abc import Callable
 import pytest
 
 from truepose_drivers.contract import codec_fuzz, hostile
-from truepose_drivers.contract.case import Case, NewBench, reason_absent, run, unknown_absences
+from truepose_drivers.contract.case import Case, NewBench, reason_absent, unknown_absences
+from truepose_drivers.contract.case import run as require_kept
 from truepose_drivers.contract.cases import CASES
 from truepose_drivers.contract.link_faults import require_found
 
@@ -27,7 +28,7 @@ def test_the_driver_keeps(case: Case, driver: str, new_bench: NewBench, record_p
     record_property("case", case.name)
     if reason := reason_absent(case, bench):
         pytest.skip(reason)
-    run(case, new_bench)
+    require_kept(case, new_bench)
 
 
 def test_hostile_bytes_do_no_harm(

@@ -45,7 +45,7 @@ def opened(chromium, url, address, cookies=(), allowed=()):
         traffic.close()
 
 
-def held(page, traffic):
+def assert_held(page, traffic):
     """Hold a page against everything that is promised of all."""
     weight, small = traffic.weight, too_small(page)
     page.set_viewport_size(PHONE)
@@ -61,26 +61,26 @@ def held(page, traffic):
 @pytest.mark.parametrize("address", pages())
 def test_a_page_can_be_read_pressed_and_loaded_by_everybody(chromium, shop, address):
     with opened(chromium, shop, shop + address) as (page, traffic):
-        held(page, traffic)
+        assert_held(page, traffic)
 
 
 @pytest.mark.parametrize("place", SIGNED_IN)
 def test_so_can_a_page_of_somebody_who_has_signed_in(chromium, house, place):
     with opened(chromium, house.url, house.address(place), house.cookies, REFUSED.get(place, ())) as shown:
-        held(*shown)
+        assert_held(*shown)
 
 
 @pytest.mark.parametrize("place", OF_LINKS)
 def test_so_can_a_page_of_whoever_has_a_link(chromium, house, place):
     with opened(chromium, house.url, house.address(place)) as shown:
-        held(*shown)
+        assert_held(*shown)
 
 
 def test_so_can_the_page_on_which_the_first_person_is_entered(chromium, shop):
     (way,) = set(re.findall(r"/first-person/[\w-]+", httpx.get(shop, trust_env=False).text))
 
     with opened(chromium, shop, shop + way) as shown:
-        held(*shown)
+        assert_held(*shown)
 
 
 def test_units_are_chosen_once_for_the_pages_and_the_tablets(chromium, shop):

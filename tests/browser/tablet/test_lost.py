@@ -234,6 +234,7 @@ def test_what_could_not_be_read_is_read_again(desk, chromium, url):
         page.goto(f"{url}/operator/3")
 
         page.locator("[data-hand=asked]").wait_for(timeout=PATIENCE_MS)
+        assert page.locator("[data-hand=asked]").count() == 1
         page.locator("#picture .point.asked").first.wait_for(timeout=PATIENCE_MS)
         for _ in range(200):
             if not missing:
@@ -249,6 +250,7 @@ def test_an_answer_that_was_cut_off_is_none(desk, chromium, url):
         page.goto(f"{url}/operator/3")
 
         page.locator("[data-hand=asked]").wait_for(timeout=PATIENCE_MS)
+        assert page.locator("[data-hand=asked]").count() == 1
 
 
 def test_no_is_an_answer(desk, chromium, url):

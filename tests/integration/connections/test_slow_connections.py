@@ -61,6 +61,7 @@ async def test_who_does_not_read_the_answer_is_closed():
                 for expected in (1, 0):
                     while len(census) != expected:
                         await asyncio.sleep(0.01)
+            assert not census
 
 
 async def test_a_stream_stays_open_and_is_not_closed_to_make_room():

@@ -60,6 +60,8 @@ def test_where_there_is_none_nobody_is_told(monkeypatch, tmp_path):
     monkeypatch.setenv("NOTIFY_SOCKET", str(tmp_path / "gone"))
     service_manager.tell("READY=1")
 
+    assert [*tmp_path.iterdir()] == []
+
 
 async def test_a_watchdog_hears_that_the_loop_turns(manager, monkeypatch):
     monkeypatch.setenv("WATCHDOG_USEC", "30000")
@@ -74,4 +76,7 @@ async def test_a_watchdog_hears_that_the_loop_turns(manager, monkeypatch):
 async def test_without_a_watchdog_there_is_nothing_to_tell(monkeypatch):
     monkeypatch.delenv("WATCHDOG_USEC", raising=False)
 
-    await asyncio.wait_for(service_manager.keep_telling(), 5)
+    telling = asyncio.create_task(service_manager.keep_telling())
+    await asyncio.wait({telling}, timeout=5)
+
+    assert telling.done() and telling.exception() is None

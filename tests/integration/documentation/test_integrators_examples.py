@@ -23,7 +23,7 @@ from truepose.identification.model.evaluation import Targets, evaluate
 from truepose.identification.problem.build import build
 from truepose.kinematics.chain import nominal_chain
 from truepose_drivers.api import Environment
-from truepose_drivers.contract.case import run
+from truepose_drivers.contract.case import run as require_kept
 from truepose_drivers.contract.cases import CASES
 from truepose_drivers.contract.hostile import require_unharmed
 from truepose_drivers.contract.link_faults import require_found
@@ -149,7 +149,7 @@ async def test_the_example_driver_reads_the_air(acme):
 def test_the_example_driver_keeps_the_contract(acme, case):
     from acme_tracker.bench import AcmeTrackerBench
 
-    run(case, AcmeTrackerBench)
+    require_kept(case, AcmeTrackerBench)
 
 
 def test_the_example_driver_withstands_hostile_answers_and_faults_of_its_link(acme):

@@ -106,8 +106,15 @@ def test_a_second_service_in_another_process_is_refused(database, database_url):
 
 
 def test_a_database_let_go_can_be_opened_again(database_url):
-    for _ in range(2):
-        Database(database_url).close()
+    first, second = (_opened_and_closed(database_url) for _ in range(2))
+
+    assert first == second == newest_revision()
+
+
+def _opened_and_closed(url):
+    database = Database(url)
+    database.close()
+    return database.schema
 
 
 def test_a_newer_schema_is_refused_with_a_sentence(database_url):

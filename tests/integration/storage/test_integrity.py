@@ -265,6 +265,7 @@ async def test_a_removed_database_comes_back_without_anybody_writing(database):
         while not database.file.exists():
             await asyncio.sleep(0.05)
 
+    assert verify_left(database.file).head == await database.head()
     guarding.cancel()
     await asyncio.gather(guarding, return_exceptions=True)
 

@@ -79,7 +79,7 @@ def test_every_shipped_driver_opens_with_its_own_options():
         options = {
             option: value for option, value in OF_A_NETWORK.items() if option in registry.plugin(name).options
         }
-        registry.open(name, options)
+        assert registry.open(name, options) is not None, name
 
 
 def test_an_unknown_name_lists_the_known_ones():

@@ -203,6 +203,8 @@ async def test_a_peer_that_hung_up_is_noticed_without_asking():
             while link.is_open:
                 await asyncio.sleep(0.001)
 
+        assert not link.is_open
+
 
 async def test_a_refused_connection_names_address_and_remedy():
     with socket.socket() as reserved:

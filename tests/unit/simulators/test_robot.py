@@ -88,7 +88,9 @@ def test_a_target_outside_the_range_is_refused_with_joint_and_range(target):
 
 
 def test_the_end_of_the_range_is_within_it():
-    check_range(ARM, degrees(165, -110, 70, -160, 120, 400))
+    at_its_end = degrees(165, -110, 70, -160, 120, 400)
+
+    assert check_range(ARM, at_its_end) is None
 
 
 def test_equal_pieces_of_a_motion_end_in_one_stop():

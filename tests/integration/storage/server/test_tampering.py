@@ -92,6 +92,7 @@ async def test_a_trigger_that_is_put_out_of_force_while_the_service_runs_is_foun
         while database.condition.fault is None:
             await asyncio.sleep(0.05)
 
+    assert "trigger" in database.condition.fault
     guarding.cancel()
     await asyncio.gather(guarding, return_exceptions=True)
 
@@ -109,6 +110,7 @@ async def test_records_that_another_program_writes_bring_a_verification(database
         while database.condition.integrity != "damaged":
             await asyncio.sleep(0.05)
 
+    assert verify_left_at(database_url).findings
     guarding.cancel()
     await asyncio.gather(guarding, return_exceptions=True)
 

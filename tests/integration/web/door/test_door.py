@@ -92,7 +92,7 @@ ALWAYS = {
 }
 
 
-async def refused(method, headers, *statuses, paths=ADDRESSES, body=b""):
+async def assert_refused(method, headers, *statuses, paths=ADDRESSES, body=b""):
     for path in paths:
         answer = await asked(APP, method, path, headers, body)
         assert answer.status in statuses, (method, path, headers, answer)
@@ -103,30 +103,30 @@ async def refused(method, headers, *statuses, paths=ADDRESSES, body=b""):
 @pytest.mark.parametrize("method", METHODS)
 async def test_another_host_is_refused_everywhere(method):
     for host in HOSTS:
-        await refused(method, [("host", host)], 400, 421)
+        await assert_refused(method, [("host", host)], 400, 421)
     for headers in ([], [HERE, HERE], [HERE, ("host", "evil.example")]):
-        await refused(method, headers, 400)
+        await assert_refused(method, headers, 400)
 
 
 @pytest.mark.parametrize("method", METHODS)
 async def test_what_a_proxy_says_of_the_host_counts_for_nothing(method):
     said = [("x-forwarded-host", "localhost:8000"), ("forwarded", "host=localhost"), ("x-host", "localhost")]
 
-    await refused(method, [("host", "evil.example"), *said], 421)
+    await assert_refused(method, [("host", "evil.example"), *said], 421)
 
 
 @pytest.mark.parametrize("method", METHODS)
 async def test_another_origin_is_refused_everywhere(method):
     for origin in FOREIGN_ORIGINS:
-        await refused(method, [HERE, ("origin", origin)], 403)
-        await refused(method, [HERE, ("origin", origin), ("sec-fetch-site", "same-origin")], 403)
-    await refused(method, [HERE, ("origin", "http://localhost:8000"), ("origin", "null")], 403)
+        await assert_refused(method, [HERE, ("origin", origin)], 403)
+        await assert_refused(method, [HERE, ("origin", origin), ("sec-fetch-site", "same-origin")], 403)
+    await assert_refused(method, [HERE, ("origin", "http://localhost:8000"), ("origin", "null")], 403)
 
 
 @pytest.mark.parametrize("method", METHODS)
 async def test_what_another_page_fetches_or_frames_is_refused_everywhere(method):
     for headers in FOREIGN_FETCHES:
-        await refused(method, [HERE, *headers], 403)
+        await assert_refused(method, [HERE, *headers], 403)
 
 
 @pytest.mark.parametrize("method", METHODS)
@@ -138,7 +138,7 @@ async def test_a_link_on_another_page_leads_to_pages_only(method):
     ]
     elsewhere = ADDRESSES if method != "GET" else [path for path in ADDRESSES if not PAGES.fullmatch(path)]
 
-    await refused(method, [HERE, *link], 403, paths=elsewhere)
+    await assert_refused(method, [HERE, *link], 403, paths=elsewhere)
 
 
 async def test_the_pages_that_a_link_may_lead_to_are_those_with_html():
@@ -151,7 +151,7 @@ async def test_the_pages_that_a_link_may_lead_to_are_those_with_html():
 @pytest.mark.parametrize("method", CHANGING)
 async def test_a_change_that_a_browser_does_not_prove_to_be_ours_is_refused_everywhere(method):
     for headers in UNPROVEN:
-        await refused(method, [HERE, *headers], 403)
+        await assert_refused(method, [HERE, *headers], 403)
 
 
 @pytest.mark.parametrize("method", CHANGING)
@@ -162,12 +162,12 @@ async def test_a_form_changes_nothing_with_a_body_or_without(method, form):
 
     for length in ("0", "3"):
         headers = [HERE, ("content-type", form), ("content-length", length)]
-        await refused(method, headers, 415, paths=others, body=b"a=b"[: int(length)])
+        await assert_refused(method, headers, 415, paths=others, body=b"a=b"[: int(length)])
 
 
 @pytest.mark.parametrize("target", ["http://localhost:8000/health", "*", "", "health", "localhost:8000"])
 async def test_a_target_that_is_no_path_is_refused(target):
-    await refused("GET", [HERE], 400, paths=[target])
+    await assert_refused("GET", [HERE], 400, paths=[target])
 
 
 @pytest.mark.parametrize("method", METHODS)
@@ -199,7 +199,7 @@ async def test_websockets_are_refused():
     await APP({"type": "websocket", "path": "/", "headers": [(b"host", b"localhost")]}, None, send)
 
     assert [message["type"] for message in sent] == ["websocket.close"]
-    await refused("GET", [HERE, ("connection", "upgrade"), ("upgrade", "websocket")], 400)
+    await assert_refused("GET", [HERE, ("connection", "upgrade"), ("upgrade", "websocket")], 400)
 
 
 @pytest.mark.parametrize(

@@ -62,7 +62,7 @@ def connection():
         yield session
 
 
-def answers_as_documented(operation, mode, connection):
+def assert_answered_as_documented(operation, mode, connection):
     # That bytes are a campaign or a program is more than a schema can say.
     upload = (operation.method, operation.path) in UPLOADS
 
@@ -77,13 +77,13 @@ def answers_as_documented(operation, mode, connection):
 
 @pytest.mark.parametrize(("method", "path"), OPERATIONS)
 def test_what_fits_the_schema_is_answered_as_documented(api, connection, method, path):
-    answers_as_documented(api[path][method], GenerationMode.POSITIVE, connection)
+    assert_answered_as_documented(api[path][method], GenerationMode.POSITIVE, connection)
 
 
 @pytest.mark.parametrize(("method", "path"), OPERATIONS)
 def test_what_does_not_fit_the_schema_is_refused_as_documented(api, connection, method, path):
     with contextlib.suppress(Unsatisfiable):  # nothing can be wrong about a request without parameters
-        answers_as_documented(api[path][method], GenerationMode.NEGATIVE, connection)
+        assert_answered_as_documented(api[path][method], GenerationMode.NEGATIVE, connection)
 
 
 def fields(schema, found):

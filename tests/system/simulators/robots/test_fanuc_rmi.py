@@ -217,6 +217,8 @@ async def test_a_session_that_says_goodbye_leaves_nothing_behind():
 
     again = await bench.connected()
     await again.move_joints(AWAY)
+
+    assert bench.cell.robot.target_rad == pytest.approx(AWAY, abs=1e-7)
     await again.close()
 
 

@@ -11,7 +11,7 @@ TARGETS = [(0.0,) * 5, (0.0,) * 7, (), (math.nan,) * 6, (math.inf, 0, 0, 0, 0, 0
 SPEEDS = [0.0, -1.0, math.nan, math.inf]
 
 
-async def refuses_speed(robot, speed):
+async def require_speed_refused(robot, speed):
     """Hold that neither the tool nor its orientation may be that fast."""
     with pytest.raises(ConfigurationError, match="speed"):
         await robot.set_limits(MotionLimits(tool_speed_mm_s=speed))

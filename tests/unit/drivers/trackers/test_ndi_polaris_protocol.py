@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from tests.helpers.refusals import assert_refused_at_worst
 from truepose_drivers.errors import RemoteProtocolError
 from truepose_drivers.ndi_polaris.protocol import (
     Binary,
@@ -146,16 +147,10 @@ def test_replies_of_both_kinds_survive_any_split(chunk):
     chunk=st.integers(1, 64),
 )
 def test_hostile_bytes_are_a_reply_or_a_protocol_error(data, begin, chunk):
-    try:
-        found = messages(ReplyReader(), begin + data, chunk)
-    except NdiProtocolError:
-        return
-    for reply in found:
+    found = assert_refused_at_worst(NdiProtocolError, messages, ReplyReader(), begin + data, chunk)
+    for reply in found or ():
         decode = decode_binary if isinstance(reply, Binary) else decode_text
-        try:
-            decode(reply)
-        except NdiProtocolError:
-            continue
+        assert_refused_at_worst(NdiProtocolError, decode, reply)
 
 
 @given(st.binary(max_size=120))

@@ -125,7 +125,8 @@ async def test_the_stream_goes_on_while_the_ballbar_of_an_ended_session_is_being
         return states(found)[-1:] == ["aborted"] and kinds(found)[-2:] == ["", ""]
 
     await follow(client, tablet.path, outlived)
-    await ending[0]
+
+    assert (await ending[0]).status_code == 200
 
 
 async def test_tablets_that_follow_are_counted(client, tablet):

@@ -216,7 +216,7 @@ async def test_an_absurd_speed_never_reaches_the_robot(speed):
     fake = FakeController()
     robot = await connected_robot(fake)
 
-    await absurd.refuses_speed(robot, speed)
+    await absurd.require_speed_refused(robot, speed)
 
     assert fake.requests == []
 

@@ -1,6 +1,5 @@
 """EGM messages against those of the maker's descriptor, and whatever else may arrive."""
 
-import contextlib
 import importlib
 import json
 import struct
@@ -12,6 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.helpers.machine import ABB_ROBOT_CLIENT
+from tests.helpers.refusals import assert_refused_at_worst
 from truepose_drivers.abb_egm.protocol import (
     EgmProtocolError,
     Motors,
@@ -98,8 +98,7 @@ def test_what_is_no_frame_is_refused(data):
 @given(st.binary(max_size=120), st.integers(0, 40))
 def test_any_bytes_are_a_frame_or_refused(data, kept):
     for attempt in (data, bytes.fromhex(VECTORS["full"])[:kept] + data):
-        with contextlib.suppress(EgmProtocolError):
-            decode_robot(attempt)
+        assert_refused_at_worst(EgmProtocolError, decode_robot, attempt)
 
 
 @pytest.mark.parametrize(

@@ -169,6 +169,8 @@ async def test_a_reply_without_its_trailing_space_is_taken():
 
     await robot.move_joints(TARGET)
 
+    assert robot.connected
+
 
 @pytest.mark.parametrize("chunk_bytes", [1, 7, 16, 4096])
 async def test_an_identity_is_read_to_its_end_whatever_the_line_does_to_it(chunk_bytes):

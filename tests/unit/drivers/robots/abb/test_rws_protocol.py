@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from tests.helpers.refusals import assert_refused_at_worst
 from truepose_drivers.abb_rws.protocol import panel, resources
 from truepose_drivers.abb_rws.protocol.digest import (
     Challenge,
@@ -151,12 +152,9 @@ def test_what_is_no_http_or_has_no_end_is_refused(data):
 
 @given(st.binary(max_size=200), st.sampled_from([b"", b"HTTP/1.1 200 OK\r\n", b"HTTP/1.1 200 OK\r\n\r\n"]))
 def test_any_bytes_are_an_answer_or_refused(data, before):
-    try:
-        response = one(ResponseReader(), before + data)
-        if response is not None:
-            resources.joint_angles_deg(response)
-    except RwsProtocolError:
-        pass
+    response = assert_refused_at_worst(RwsProtocolError, one, ResponseReader(), before + data)
+    if response is not None:
+        assert_refused_at_worst(RwsProtocolError, resources.joint_angles_deg, response)
 
 
 @pytest.mark.parametrize(

@@ -316,7 +316,7 @@ async def test_an_absurd_target_never_reaches_the_robot(target):
 async def test_an_absurd_speed_is_refused(speed):
     robot = robot_of(FakeController())
 
-    await absurd.refuses_speed(robot, speed)
+    await absurd.require_speed_refused(robot, speed)
 
 
 @pytest.mark.parametrize(

@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from tests.helpers.refusals import assert_refused_at_worst
 from truepose_drivers.errors import RemoteProtocolError
 from truepose_drivers.fanuc_rmi.protocol import refusals
 from truepose_drivers.fanuc_rmi.protocol.messages import (
@@ -188,15 +189,10 @@ def test_what_is_no_packet_is_refused(line):
 def test_any_bytes_are_packets_or_refused(data):
     reader = PacketReader()
     reader.receive_data(data)
-    try:
-        while (packet := reader.next_message()) is not None:
-            for read in (error_of, handed_over, decode_status, decode_axes, error_texts):
-                try:
-                    read(packet)
-                except RemoteProtocolError:
-                    continue
-    except RemoteProtocolError:
-        return
+
+    while (packet := assert_refused_at_worst(RemoteProtocolError, reader.next_message)) is not None:
+        for read in (error_of, handed_over, decode_status, decode_axes, error_texts):
+            assert_refused_at_worst(RemoteProtocolError, read, packet)
 
 
 def test_a_line_without_end_is_refused():

@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from tests.helpers.refusals import assert_refused_at_worst
 from truepose_drivers.universal_robots.protocol.dashboard import (
     GREETING,
     LineReader,
@@ -129,15 +130,9 @@ def test_no_bytes_do_worse_than_to_be_no_packet(data):
     reader.receive_data(data)
     recipe = Recipe(1, OUTPUTS)
 
-    try:
-        while (packet := reader.next_message()) is not None:
-            for read in (recipe.unpack, said, is_accepted, recipe_stated, stated_version, requested_outputs):
-                try:
-                    read(packet.payload)
-                except UrProtocolError:
-                    continue
-    except UrProtocolError:
-        return
+    while (packet := assert_refused_at_worst(UrProtocolError, reader.next_message)) is not None:
+        for read in (recipe.unpack, said, is_accepted, recipe_stated, stated_version, requested_outputs):
+            assert_refused_at_worst(UrProtocolError, read, packet.payload)
 
 
 @pytest.mark.parametrize("data", [b"HTTP/1.1 400", b"\x00\x02V", b"\x00\x05X\x00\x02"])

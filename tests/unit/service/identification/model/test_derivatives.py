@@ -29,7 +29,7 @@ def held_torques(problem, values):
     return replace(problem, structure=replace(problem.structure, torques_measured=True), blocks=(held,))
 
 
-def compare(problem, values, rel):
+def require_alike(problem, values, rel):
     analytic = linearise_blocks(problem.structure, problem.blocks, values, None)
     for k, spec in enumerate(problem.structure.specs):
         step = np.zeros(len(values))
@@ -66,7 +66,7 @@ def test_positions_of_the_irb_120(effects):
     values = displaced(problem)
     held = held_torques(problem, values) if "compliance" in effects else problem
 
-    compare(held, values, rel=1e-6)  # central differences of smooth functions at steps of 1e-4 widths
+    require_alike(held, values, rel=1e-6)  # central differences of smooth functions at steps of 1e-4 widths
 
 
 def test_positions_with_unknown_base_and_nests_of_a_robot_with_signs():
@@ -76,7 +76,7 @@ def test_positions_with_unknown_base_and_nests_of_a_robot_with_signs():
     campaign = replace(campaign, nests=(Nest(None), Nest(None)))
     problem = build(campaign, automatic_effects(campaign))
 
-    compare(problem, displaced(problem), rel=1e-6)
+    require_alike(problem, displaced(problem), rel=1e-6)
 
 
 def test_a_joint_with_a_gain_turns_further_the_way_it_turns_whatever_its_sign():
@@ -98,14 +98,14 @@ def test_products_of_compliance_and_unknown_moments():
 
     # The regressors are those of the chain one pass before: their change with the chain is left out,
     # and amounts to the deflection (5 mrad) itself.
-    compare(problem, 0.1 * displaced(problem), rel=5e-3)
+    require_alike(problem, 0.1 * displaced(problem), rel=5e-3)
 
 
 def test_that_a_torque_follows_the_deflection_is_left_out_and_is_small():
     problem = build(nominal_campaign(12), ("base", "geometry", "compliance"))
 
     # a_4: 7.7 kg * 9.81 m/s2 * 6e-7 rad/(N mm) * 300 mm is 0.014 of what the length itself moves
-    compare(problem, displaced(problem), rel=0.02)
+    require_alike(problem, displaced(problem), rel=0.02)
 
 
 @pytest.mark.parametrize("soft", [1.0, 10.0])  # ten times what is usual still converges
@@ -152,13 +152,13 @@ def test_orientations():
         targets=problem.blocks[0].targets, measured=turned, uncertainty=np.full(12, 1e-3), weights=np.ones(12)
     )
 
-    compare(replace(problem, blocks=(block,)), displaced(problem), rel=1e-6)
+    require_alike(replace(problem, blocks=(block,)), displaced(problem), rel=1e-6)
 
 
 def test_legs_with_anchor_attachment_and_offset():
     problem = build(leg_campaign(30), ("tool", "geometry"))
 
-    compare(problem, displaced(problem), rel=1e-6)
+    require_alike(problem, displaced(problem), rel=1e-6)
 
 
 def test_legs_that_share_a_stop_are_whitened_together():

@@ -76,7 +76,7 @@ def differences(structure, targets, values, k):
     )
 
 
-def compare(structure, targets, values, owner, rel):
+def require_alike(structure, targets, values, owner, rel):
     state = evaluate(structure, values, targets)
     positions, rotations = position_jacobian(state), rotation_jacobian(state)
     own = [k for k, name in enumerate(structure.owners) if name == owner]
@@ -101,7 +101,7 @@ def test_every_candidate_moves_positions_and_orientations_as_its_derivatives_say
     values = displaced(problem)
     structure, targets = held(problem, values)
 
-    compared = compare(structure, targets, values, cause, EXACT)
+    compared = require_alike(structure, targets, values, cause, EXACT)
 
     assert len(compared) > 0
 
@@ -113,7 +113,7 @@ def test_every_effect_that_is_no_cause_moves_positions_and_orientations_as_its_d
     values = displaced(problem)
     structure, targets = held(problem, values)
 
-    compare(structure, targets, values, effect, EXACT)
+    require_alike(structure, targets, values, effect, EXACT)
 
 
 @pytest.mark.parametrize(
@@ -128,7 +128,7 @@ def test_joints_with_signs_and_links_of_any_kind_are_differentiated_alike(cause)
     values = displaced(problem)
     structure, targets = held(problem, values)
 
-    assert compare(structure, targets, values, cause, EXACT)
+    assert require_alike(structure, targets, values, cause, EXACT)
 
 
 @pytest.mark.parametrize("cause", ["payload", "link_mass"])
@@ -139,7 +139,7 @@ def test_a_wrong_mass_is_differentiated_through_the_slope_of_a_gear_that_is_soft
     values = displaced(problem)
     structure, targets = held(problem, values)
 
-    assert compare(structure, targets, values, cause, EXACT)
+    assert require_alike(structure, targets, values, cause, EXACT)
 
 
 def test_products_of_springs_and_unknown_moments_are_differentiated_too():
@@ -149,7 +149,7 @@ def test_products_of_springs_and_unknown_moments_are_differentiated_too():
     values = problem.start + 0.1 * (displaced(problem) - problem.start)
     structure, targets = held(problem, values)
 
-    assert compare(structure, targets, values, "compliance", EXACT)
+    assert require_alike(structure, targets, values, "compliance", EXACT)
 
 
 @pytest.mark.parametrize(
@@ -162,7 +162,7 @@ def test_that_loads_follow_the_deflection_is_left_out_and_is_small(cause):
 
     # A deflection changes the torque of its own joint by weight x lever x compliance: 7.7 kg * 9.81 m/s2 *
     # 6e-7 rad/(N mm) * 300 mm is 0.014 of it, and that of the next joints by as much again.
-    assert compare(problem.structure, problem.blocks[0].targets, values, cause, rel=0.05)
+    assert require_alike(problem.structure, problem.blocks[0].targets, values, cause, rel=0.05)
 
 
 def test_the_scene_of_these_tests_shows_every_cause_that_acts_on_positions():

@@ -23,12 +23,12 @@ from truepose.sequencing.tracker.runner import TrackerRunner
 WIDE = tuple(JointRange(-math.pi, math.pi) for _ in range(6))
 
 
-def check(plan, nests=NESTS, fixed_nests=FIXED_NESTS, limits=WIDE):
+def require_fit(plan, nests=NESTS, fixed_nests=FIXED_NESTS, limits=WIDE):
     check_plan(plan, IRB120, nests, fixed_nests, limits)
 
 
 def test_a_plan_that_fits_passes():
-    check(make_plan(20))
+    require_fit(make_plan(20))
 
 
 @pytest.mark.parametrize(
@@ -50,26 +50,26 @@ def test_a_plan_that_fits_passes():
 )
 def test_a_plan_that_makes_no_sense_is_refused_with_its_fault(changes, sentence):
     with pytest.raises(PlanRefusedError, match=sentence):
-        check(make_plan(**changes))
+        require_fit(make_plan(**changes))
 
 
 def test_a_stop_outside_the_limits_is_named_with_its_joint():
     stop = PlannedStop(7, (0.0, 0.0, 3.2, 0.0, 0.0, 0.0), 1)
 
     with pytest.raises(PlanRefusedError, match=r"The stop at configuration 7 .* joint 3 at 183\.35 deg"):
-        check(make_plan(stops=(stop,)))
+        require_fit(make_plan(stops=(stop,)))
 
 
 def test_an_approach_that_begins_outside_the_limits_is_refused_too():
     stop = PlannedStop(7, (0.0, -math.pi, 0.0, 0.0, 0.0, 0.0), 1)
 
     with pytest.raises(PlanRefusedError, match=r"The approach to configuration 7 .* joint 2"):
-        check(make_plan(stops=(stop,)))
+        require_fit(make_plan(stops=(stop,)))
 
 
 def test_an_unknown_tool_nest_cannot_be_looked_for():
     with pytest.raises(PlanRefusedError, match="Tool nest 1 has no centre"):
-        check(make_plan(), nests=(Nest(None), *NESTS[1:]))
+        require_fit(make_plan(), nests=(Nest(None), *NESTS[1:]))
 
 
 @pytest.mark.parametrize(
@@ -81,7 +81,7 @@ def test_an_unknown_tool_nest_cannot_be_looked_for():
 )
 def test_fixed_nests_that_cannot_place_a_tracker_are_refused(fixed_nests, sentence):
     with pytest.raises(PlanRefusedError, match=sentence):
-        check(make_plan(), fixed_nests=fixed_nests)
+        require_fit(make_plan(), fixed_nests=fixed_nests)
 
 
 def test_without_limits_of_cell_and_controller_the_approach_widens_the_calibration_ranges():
