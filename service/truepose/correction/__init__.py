@@ -10,12 +10,13 @@ from truepose.correction.joint_targets import (
     shifted_by,
     tool_nests_mm,
 )
-from truepose.correction.mistakes import likely_mistake
+from truepose.correction.mistakes import OTHER_READINGS, likely_mistake
 from truepose.correction.summary import Summary
 
 __all__ = [
     "ANY_BRANCH",
     "FLANGE",
+    "OTHER_READINGS",
     "Corrections",
     "Goals",
     "Status",

@@ -47,7 +47,9 @@ def _costs(estimate: Estimate, goals: Goals, measured: Ranges) -> FloatArray:
     exists = np.asarray(np.isfinite(arm.branches(flange, reach_out=False)[..., 0]))
     turned, within = turned_within(robot.joint_limits, arm.branches(flange).reshape(-1, robot.n_joints))
     away = np.linalg.norm(turned - _middle(measured, robot.n_joints), axis=1)
-    away += _OUTSIDE * beyond(measured, turned).sum(axis=1) + np.where(within, 0.0, _BEYOND_LIMIT)
+    away += _OUTSIDE * np.nan_to_num(beyond(measured, turned)).sum(axis=1) + np.where(
+        within, 0.0, _BEYOND_LIMIT
+    )
     cost = np.nan_to_num(away, nan=np.inf).reshape(-1, BRANCHES) + np.where(exists, 0.0, _MISSED)
     reached = np.asarray(exists.any(axis=1))
     return np.where(reached[:, None], cost, np.inf)

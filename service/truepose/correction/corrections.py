@@ -11,6 +11,7 @@ from truepose.correction.inverse import Attained
 from truepose.correction.limits import beyond, turned_within
 from truepose.correction.starts import NominalArm
 from truepose.domain.arrays import BoolArray, FloatArray, IntArray, Table
+from truepose.domain.results.corrections import CORRECTED
 from truepose.domain.results.identification import Model
 from truepose.domain.robot import Robot
 from truepose.identification.model.estimates import Estimate
@@ -20,7 +21,7 @@ from truepose.identification.model.validity.zone import outside
 from truepose.kinematics.inverse import branch_of, has_closed_form
 
 ANY_BRANCH: Final = -1
-Status: TypeAlias = Literal["ok", "joint_limit", "out_of_reach", "singular"]
+Status: TypeAlias = Literal["ok", "limits_unknown", "joint_limit", "out_of_reach", "singular"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,7 +37,9 @@ class Corrections(Table):
     outside_mm: FloatArray  # (n,) how far the last frame is outside the measured zone; NaN: nobody said
     outside_rad: FloatArray  # (n, J) how far each joint is outside its measured range
     moved_rad: FloatArray  # (n,) largest change of a joint from the controller's own answer; NaN: it has none
-    beyond_limit_rad: FloatArray  # (n, J) how far a joint would have to pass its limit; 0 within
+    beyond_limit_rad: (
+        FloatArray  # (n, J) how far a joint would have to pass its limit; 0 within; NaN: unknown
+    )
     status: npt.NDArray[np.str_]  # (n,) of Status
 
     def __len__(self) -> int:
@@ -44,8 +47,8 @@ class Corrections(Table):
 
     @property
     def solved(self) -> BoolArray:
-        """Which goals were reached, shape (n,)."""
-        return np.asarray(self.status == "ok")
+        """Which goals were reached, shape (n,), within limits as far as these are known."""
+        return np.isin(self.status, CORRECTED)
 
 
 def joined(parts: list[Corrections]) -> Corrections:
@@ -114,5 +117,6 @@ def _nearest(own_rad: FloatArray, joints_rad: FloatArray) -> FloatArray:
 def _statuses(found: Attained, passed: FloatArray, own: FloatArray) -> npt.NDArray[np.str_]:
     """Return a Status for each row; out of reach is what the controller has no answer to either."""
     missed = np.where(np.isnan(own[..., 0]).all(axis=1), "out_of_reach", "singular")
-    arrived = np.where(passed.any(axis=1), "joint_limit", "ok")
+    known = np.where((passed > 0.0).any(axis=1), "joint_limit", "ok")
+    arrived = np.where(np.isnan(passed).any(axis=1), "limits_unknown", known)
     return np.where(found.arrived, arrived, missed)

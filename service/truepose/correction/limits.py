@@ -22,8 +22,8 @@ def turned_within(
 
 
 def beyond(limits: tuple[JointRange, ...] | None, joints_rad: FloatArray) -> FloatArray:
-    """Return by how much each joint is beyond its limits, shape (n, J) [rad]."""
+    """Return by how much each joint is beyond its limits, shape (n, J) [rad]; NaN where they are unknown."""
     if limits is None:
-        return np.zeros_like(joints_rad)
+        return np.full_like(joints_rad, np.nan)
     low, high = (np.array(ends) for ends in zip(*((r.lower_rad, r.upper_rad) for r in limits), strict=True))
     return np.asarray(np.maximum(np.maximum(low - joints_rad, joints_rad - high), 0.0))

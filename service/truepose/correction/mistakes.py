@@ -40,6 +40,7 @@ _MEANT: Final = {
     "inverse": "corrections.mistake.inverse",
     "mirrored": "corrections.mistake.mirrored",
 }
+OTHER_READINGS: Final = frozenset(_MEANT.values())  # keys of sentences that name one
 _MIRROR: Final = np.diag([1.0, -1.0, 1.0])
 
 

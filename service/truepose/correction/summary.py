@@ -9,7 +9,7 @@ import numpy as np
 from truepose.correction.corrections import Corrections
 from truepose.correction.limits import FAR_RAD
 from truepose.domain.arrays import FloatArray
-from truepose.domain.results.corrections import CorrectionTotals
+from truepose.domain.results.corrections import CORRECTED, CorrectionTotals
 
 MOST_NAMED: Final = 100
 
@@ -52,11 +52,12 @@ class Summary:
     @property
     def totals(self) -> CorrectionTotals:
         """What was counted so far; the mean uncertainty is 0 where nothing was corrected."""
+        solved = sum(self._statuses[status] for status in CORRECTED)
         return CorrectionTotals(
             statuses=dict(self._statuses),
             failed=tuple(self._failed),
             largest_error_mm=self._largest_error_mm,
-            mean_uncertainty_mm=self._uncertainty_mm / max(self._statuses["ok"], 1),
+            mean_uncertainty_mm=self._uncertainty_mm / max(solved, 1),
             largest_uncertainty_mm=self._largest_uncertainty_mm,
             far_moved=self._far_moved,
             largest_move_rad=self._largest_move_rad,

@@ -59,7 +59,7 @@ class Corrections:
 
     @property
     def status(self) -> list[str]:
-        """Of each target `ok`, else why not: `joint_limit`, `out_of_reach` or `singular`."""
+        """Of each target `ok`, `limits_unknown`, or why not: `joint_limit`, `out_of_reach`, `singular`."""
         return [str(status) for status in self.found.status]
 
     @property

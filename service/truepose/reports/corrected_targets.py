@@ -21,6 +21,7 @@ _HEADS: Final = (
 )
 _STATUSES: Final = {
     "ok": "corrected.status.ok",
+    "limits_unknown": "corrected.status.limits_unknown",
     "joint_limit": "corrected.status.joint_limit",
     "out_of_reach": "corrected.status.out_of_reach",
     "singular": "corrected.status.singular",

@@ -21,6 +21,9 @@ def correction_sentences(totals: CorrectionTotals) -> Iterator[Sentence]:
     if totals.solved:
         mean, largest = totals.mean_uncertainty_mm, totals.largest_uncertainty_mm
         yield said("corrections.how_well", mean_mm=mean, largest_mm=largest)
+    unknown = totals.statuses.get("limits_unknown", 0)
+    if unknown:
+        yield said("corrections.limits_unknown", count=unknown)
     if totals.far_moved:
         largest = math.degrees(totals.largest_move_rad)
         yield said("corrections.far_moved", count=totals.far_moved, largest_deg=largest)

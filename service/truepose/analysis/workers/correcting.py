@@ -9,6 +9,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final, TypeAlias
 
+from truepose.domain.errors import ConfigurationError
 from truepose.domain.results.corrections import CorrectedTargets, FileCorrection
 from truepose.domain.results.identification import Model
 from truepose.exchange.corrections.asked import Asked
@@ -73,6 +74,7 @@ class CorrectFileTask:
     def perform(self, report: Report) -> FileCorrected:
         """Return the file with other numbers, and what became of its targets; raises TrueposeError."""
         from truepose.exchange.corrections.files import correct_file
+        from truepose.words.catalogue import english
 
         report(0.0, f"reading {self.file.name}")
         file, out, rows = self.file, io.BytesIO(), []
@@ -82,6 +84,8 @@ class CorrectFileTask:
             report(some.share, f"{sum(len(part.names) for part in rows):,} targets")
 
         answer = correct_file(file.model, file.name, file.data, file.asked, out, seen)
+        if answer.withheld:
+            raise ConfigurationError(" ".join(map(english, (*answer.cautions[:1], answer.withheld))))
         targets = _joined(rows)
         correction = FileCorrection(
             answer.summary.totals,

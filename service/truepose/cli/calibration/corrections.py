@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, BinaryIO
@@ -60,6 +60,10 @@ def correct_command(
     angles: Annotated[
         str | None, typer.Option(help="Of G-code: axes of A, B, C: xyz, zyx or fixed xyz.")
     ] = None,
+    as_written: Annotated[
+        bool,
+        typer.Option(help="Correct targets also where another unit or frame fits them better."),
+    ] = False,
     language: Language = ENGLISH,
     json: Json = False,
 ) -> int:
@@ -76,9 +80,12 @@ def correct_command(
     require_folders(out)
     _require_another_file(targets, out)
     words, identified = catalogue(language), read_model(model)
-    asked = replace(_asked(frame, define or [], branch, angles, beside or []), coupled=coupled)
+    asked = replace(
+        _asked(frame, define or [], branch, angles, beside or []), coupled=coupled, as_written=as_written
+    )
     answer = _corrected(identified, targets, out, asked)
-    remark(map(words.spoken, answer.cautions))
+    withheld = () if answer.withheld is None else (answer.withheld,)
+    remark(map(words.spoken, (*answer.cautions, *withheld)))
     totals, left = answer.summary.totals, answer.left_alone
     if json:
         from truepose.exchange.results.corrections import correction_document
@@ -88,7 +95,7 @@ def correct_command(
         from truepose.reports.corrections import correction_sentences, left_alone_sentences
 
         print_lines(map(words.spoken, (*correction_sentences(totals), *left_alone_sentences(left))))
-    return 0 if totals.solved == totals.targets and not left else 1
+    return 0 if totals.solved == totals.targets and not left and not withheld else 1
 
 
 def _asked(
@@ -122,17 +129,29 @@ def _corrected(model: "Model", targets: Path, out: Path, asked: "Asked") -> "Ans
         def seen(rows: Rows) -> None:
             progress(rows.share, f"{rows.lines[-1]:,} lines" if len(rows.lines) else "")
 
-        return correct_file(model, targets.name, read_bytes(targets), asked, stream, seen)
+        answer = correct_file(model, targets.name, read_bytes(targets), asked, stream.file, seen)
+        stream.kept = answer.withheld is None
+        return answer
+
+
+@dataclass(slots=True)
+class _Written:
+    """A file that is written beside another one; `kept` if it takes its place."""
+
+    file: BinaryIO
+    kept: bool = True
 
 
 @contextmanager
-def _replacing(file: Path) -> Iterator[BinaryIO]:
+def _replacing(file: Path) -> Iterator[_Written]:
     """Write beside a file and put it in its place at the end: half of one is never left there."""
     beside = file.with_name(f"{file.name}.part")
     try:
         with writing(file):
             with beside.open("wb") as stream:
-                yield stream
-            beside.replace(file)
+                written = _Written(stream)
+                yield written
+            if written.kept:
+                beside.replace(file)
     finally:
         beside.unlink(missing_ok=True)

@@ -2,9 +2,12 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Final
 
 from truepose.domain.arrays import FloatArray, IntArray
 from truepose.domain.sentences import Sentence, said
+
+CORRECTED: Final = ("ok", "limits_unknown")  # statuses of targets that have joints to be sent
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,7 +59,7 @@ class CorrectionTotals:
     @property
     def solved(self) -> int:
         """How many were corrected."""
-        return self.statuses.get("ok", 0)
+        return sum(self.statuses.get(status, 0) for status in CORRECTED)
 
 
 @dataclass(frozen=True, slots=True)

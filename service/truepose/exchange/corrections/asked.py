@@ -23,6 +23,7 @@ class Asked:
     branch: int | None = None
     angles: str | None = None
     beside: Mapping[str, bytes] = field(default_factory=dict)
+    as_written: bool = False  # also where another unit or frame fits better, or nearly all is out of reach
     most_targets: int | None = None  # more are refused; None: as many as are read
 
     @property

@@ -7,6 +7,7 @@ from pathlib import PurePath
 from typing import BinaryIO, Final, TypeAlias
 
 from truepose.correction import (
+    OTHER_READINGS,
     Corrections,
     Goals,
     Summary,
@@ -17,20 +18,23 @@ from truepose.correction import (
 )
 from truepose.domain.arrays import IntArray
 from truepose.domain.errors import ConfigurationError
-from truepose.domain.results.corrections import LeftAlone
+from truepose.domain.results.corrections import CorrectionTotals, LeftAlone
 from truepose.domain.results.identification import Model
-from truepose.domain.sentences import Sentence
+from truepose.domain.sentences import Sentence, said
 from truepose.exchange.corrections.asked import Asked
 from truepose.exchange.errors import UnreadableFileError
 from truepose.exchange.programs.corrected import corrected_program
 from truepose.exchange.programs.formats import FORMATS, format_of, read_program
 from truepose.exchange.programs.program import Program
 from truepose.exchange.programs.understood import Meant
+from truepose.exchange.robots.known_limits import with_known_limits
 from truepose.exchange.tables.table import TableData
 from truepose.exchange.tables.targets import CorrectionWriter, Targets, targets_of
 from truepose.judgement.cautions import prediction_cautions
 
 TABLE: Final = ".csv"
+_FEWEST: Final = 3  # targets out of reach: fewer are told one by one
+_NEARLY_ALL: Final = 0.95
 _AS_IT_IS: Final = Asked()
 
 
@@ -55,6 +59,7 @@ class Answer:
     summary: Summary = field(default_factory=Summary)
     left_alone: tuple[LeftAlone, ...] = ()
     cautions: tuple[Sentence, ...] = ()  # what the predictions do not contain, and what was not understood
+    withheld: Sentence | None = None  # why the corrected text must not be used
 
 
 def is_table(name: str) -> bool:
@@ -85,9 +90,20 @@ def correct_file(model: Model, name: str, data: bytes, asked: Asked, out: Binary
     ConfigurationError
         It is of another robot, or the model needs measured torques.
     """
-    if is_table(name):
-        return _correct_table(model, name, data, asked, out, seen)
-    return _correct_program(model, name, data, asked, out, seen)
+    model = with_known_limits(model)
+    correct_one = _correct_table if is_table(name) else _correct_program
+    answer = correct_one(model, name, data, asked, out, seen)
+    if not answer.withheld and not asked.as_written:
+        answer.withheld = _out_of_reach(answer.summary.totals)
+    return answer
+
+
+def _out_of_reach(totals: CorrectionTotals) -> Sentence | None:
+    """Return why nothing is written where nearly all targets are out of reach."""
+    missed = totals.statuses.get("out_of_reach", 0)
+    if missed < _FEWEST or missed < _NEARLY_ALL * totals.targets:
+        return None
+    return said("corrections.withheld.out_of_reach", missed=missed, targets=totals.targets)
 
 
 def check_file(model: Model, name: str, data: bytes, asked: Asked) -> int:
@@ -104,6 +120,7 @@ def corrected_rows(
     model: Model, name: str, data: TableData, asked: Asked = _AS_IT_IS
 ) -> Iterator[tuple[Targets, Rows]]:
     """Correct a table, some thousand rows at a time; raises as `correct_file`."""
+    model = with_known_limits(model)
     for part in _parts(model, name, data, asked):
         goals = _goals(model, part, asked.meant)
         found = correct(model, goals, part.branch)
@@ -118,11 +135,18 @@ def _correct_table(model: Model, name: str, data: bytes, asked: Asked, out: Bina
     for part, rows in corrected_rows(model, name, data, asked):
         if not begun:
             answer.cautions, begun = table_cautions(model, part, rows, asked.meant), True
+            if not asked.as_written and _meant_otherwise(answer.cautions):
+                answer.withheld = said("corrections.withheld.meant_otherwise")
         writer.write(rows.names, rows.found, part.own)
         answer.summary.add(rows.names, rows.found)
         seen(rows)
     text.detach()  # flushed; whoever opened the stream closes it
     return answer
+
+
+def _meant_otherwise(cautions: tuple[Sentence, ...]) -> bool:
+    """Whether cautions say that targets would lie where the robot works if they were read in another way."""
+    return any(caution.key in OTHER_READINGS for caution in cautions)
 
 
 def table_cautions(model: Model, part: Targets, rows: Rows, meant: Meant | None) -> tuple[Sentence, ...]:

@@ -3,6 +3,7 @@
 import csv
 import json
 import sys
+from dataclasses import replace
 
 import pytest
 
@@ -141,3 +142,45 @@ def test_a_program_is_never_replaced_by_its_correction(model, tmp_path, monkeypa
     assert main() == 2
     assert "is the file of the targets: give another name" in capsys.readouterr().err
     assert program.read_text() == "MODULE A\nENDMODULE\n"
+
+
+def test_limits_that_nobody_knows_are_empty_and_said(run, tmp_path):
+    unknown = replace(IRB_120, name="shop robot 7")
+    write_model(
+        model_of(unknown, *plain_parameters(unknown), base=model_of().nominal_base), tmp_path / "robot.json"
+    )
+
+    _, rows, said = run(HEADER + NEAR)
+
+    assert [(row["status"], row["beyond_limit_deg"]) for row in rows] == [("limits_unknown", "")]
+    assert "The joint limits of this robot are not known" in said.out
+
+
+def test_a_target_beyond_the_limits_of_a_known_robot_is_not_corrected(run):
+    status, rows, _ = run("target,q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg\na,10,122,10,20,30,40\n")
+
+    assert status == 1
+    assert rows[0]["status"] == "joint_limit"
+    assert float(rows[0]["beyond_limit_deg"]) == pytest.approx(12.0, abs=0.5)
+
+
+INCHES = HEADER + "".join(f"t{k},{x / 25.4},{y / 25.4},{z / 25.4},0,0,1,0\n" for k, (x, y, z) in enumerate([
+    (350, 100, 400), (330, 150, 420), (300, -200, 450), (380, 50, 350), (360, -120, 380),
+]))  # fmt: skip
+
+
+def test_numbers_that_would_fit_in_inches_are_not_corrected_unless_they_are_meant_so(run):
+    status, rows, said = run(INCHES)
+    stated, written, _ = run(INCHES, "--as-written")
+
+    assert (status, rows) == (1, None)
+    assert "inches" in said.err
+    assert "Nothing was written" in said.err
+    assert (stated, len(written)) == (1 if any(row["status"] != "ok" for row in written) else 0, 5)
+
+
+def test_nothing_is_written_where_nearly_all_is_out_of_reach(run):
+    status, rows, said = run(HEADER + FAR * 20 + NEAR)
+
+    assert (status, rows) == (1, None)
+    assert "20 of 21 targets are out of reach: nothing was written." in said.err
