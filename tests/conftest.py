@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from hypothesis import HealthCheck, settings
 
-from tests.helpers.machine import MEASURED_DATA, folder_in_memory, what_was_untested
+from tests.helpers.machine import MEASURED_DATA, PANGO, folder_in_memory, what_was_untested
 from tests.helpers.order import spread, turned
 from tests.helpers.web.pages import leave_pictures_empty
 from truepose_drivers.contract.simulated_time import SimulatedTimeLoop
@@ -92,6 +92,18 @@ def measured_data() -> Path:
     if not (folder / "campaigns").is_dir():
         pytest.skip(MEASURED_DATA.reason)
     return folder
+
+
+@pytest.fixture(scope="session")
+def text_library():
+    """What a PDF is set with, which the system brings or does not."""
+    from truepose.reports.errors import NoPdfError  # most files print nothing
+    from truepose.reports.paper import require_pdf
+
+    try:
+        require_pdf()
+    except NoPdfError:
+        pytest.skip(PANGO.reason)
 
 
 @pytest.fixture(scope="session")

@@ -32,9 +32,10 @@ OWN_NETWORK = Lack(
     "no process gets a network of its own here (unshare, ip)", "connections whose line goes dead"
 )
 POSTGRESQL = Lack("no PostgreSQL server is installed (Debian: postgresql)", "records on a PostgreSQL server")
+PANGO = Lack("Pango is not installed (Debian: libpango-1.0-0, libpangoft2-1.0-0)", "reports as PDF")
 _MEMORY: Final = Path("/dev/shm")
 _ROOM_BYTES: Final = 3 * 2**30  # a whole run leaves less than one, were every folder kept
-_ALL = (MEASURED_DATA, UMOCKDEV, CHROMIUM, CESAPI, NDICAPI, ABB_ROBOT_CLIENT, OWN_NETWORK, POSTGRESQL)
+_ALL = (MEASURED_DATA, UMOCKDEV, CHROMIUM, CESAPI, NDICAPI, ABB_ROBOT_CLIENT, OWN_NETWORK, POSTGRESQL, PANGO)
 
 
 def what_was_untested(reasons: Iterable[str]) -> str:

@@ -1,6 +1,10 @@
 """A page of a report as a PDF: in the colours of paper, tagged, and with nothing fetched from anywhere."""
 
+import contextlib
+import io
 import re
+import warnings
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Final
 
@@ -40,24 +44,38 @@ def pdf_of(html: str) -> bytes:
         The machine lacks the library that sets text.
     """
     require_pdf()
-    from weasyprint import HTML
-    from weasyprint.urls import URLFetcher
+    with _without_remarks():
+        from weasyprint import HTML
+        from weasyprint.urls import URLFetcher
 
-    # Figures are attributes, to which the printer's style sheets do not reach.
-    coloured = _VARIABLE.sub(lambda variable: f'="{PAPER[variable[1]]}"', html)
-    page = HTML(string=coloured, url_fetcher=URLFetcher(allowed_protocols=["data"]))
-    return bytes(page.write_pdf(pdf_tags=True))
+        # Figures are attributes, to which the printer's style sheets do not reach.
+        coloured = _VARIABLE.sub(lambda variable: f'="{PAPER[variable[1]]}"', html)
+        page = HTML(string=coloured, url_fetcher=URLFetcher(allowed_protocols=["data"]))
+        return bytes(page.write_pdf(pdf_tags=True))
 
 
 def require_pdf() -> None:
     """Refuse before a report is made what could not be printed after it; raises NoPdfError."""
     try:
-        import weasyprint  # noqa: F401  # it looks for the libraries of the system when it is imported
+        with _without_remarks():
+            import weasyprint  # noqa: F401  # it looks for the libraries of the system when it is imported
     except OSError as error:
         raise NoPdfError(
-            "A PDF needs the text library Pango, which is not on this machine: install libpango-1.0-0, "
-            "libpangoft2-1.0-0 and libharfbuzz-subset0 (names of Debian), or write the report as .html."
+            "A PDF needs the text library Pango, which is not on this machine: install it (Debian and "
+            "Ubuntu: apt-get install libpango-1.0-0 libpangoft2-1.0-0 libharfbuzz-subset0; macOS: "
+            "brew install pango; Windows: mingw-w64-ucrt-x86_64-pango of MSYS2), or take the .html."
         ) from error
+
+
+@contextlib.contextmanager
+def _without_remarks() -> Iterator[None]:
+    """Silence what the printer says of libraries and fonts; it prints a block of text beside its error.
+
+    That an older library will not do for a later version of it concerns nobody who reads a report.
+    """
+    with warnings.catch_warnings(), contextlib.redirect_stdout(io.StringIO()):
+        warnings.simplefilter("ignore")
+        yield
 
 
 def write_report_text(path: Path, html: str) -> None:

@@ -7,6 +7,7 @@ the stand-ins are replaced by the page's variables in the finished SVG. Plain fi
 import io
 import re
 import threading
+import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -175,7 +176,10 @@ def _write_svg(figure: Figure, buffer: io.StringIO) -> None:
     in_space = any(axes.name == "3d" for axes in figure.axes)
     canvas: Any = FigureCanvasSVG(figure)  # its stub has no types
     write = partial(canvas.print_figure, format="svg") if in_space else canvas.print_svg
-    write(buffer, metadata={"Date": None, "Creator": None})
+    with warnings.catch_warnings():
+        # The text is drawn with the reader's fonts; the one here is for measuring it, and knows no Chinese.
+        warnings.filterwarnings("ignore", message="Glyph .* missing from font", category=UserWarning)
+        write(buffer, metadata={"Date": None, "Creator": None})
 
 
 def _as_attributes(style: re.Match[str]) -> str:

@@ -94,6 +94,7 @@ async def test_the_start_page_leads_there(client):
     assert 'href="/plan"' in (await client.get("/")).text
 
 
+@pytest.mark.usefixtures("text_library")
 async def test_what_a_plan_promises_has_a_checklist_before_there_is_a_session(client):
     shown, printed = await client.get("/plan/checklist?n=20"), await client.get("/plan/checklist.pdf?n=20")
 

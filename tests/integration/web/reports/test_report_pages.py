@@ -94,6 +94,7 @@ async def test_another_language_is_the_same_revision(client, diagnosed):
     assert "Diagnostic 1, révision 1" in french.text
 
 
+@pytest.mark.usefixtures("text_library")
 async def test_the_file_and_the_pdf_are_of_the_page(client, diagnosed):
     number = await diagnosed()
 
@@ -107,6 +108,7 @@ async def test_the_file_and_the_pdf_are_of_the_page(client, diagnosed):
     assert "<link" not in file.text
 
 
+@pytest.mark.usefixtures("text_library")
 async def test_a_pdf_is_printed_once_and_sent_once(client, diagnosed, worker):
     address = f"/reports/diagnosis/{await diagnosed()}.pdf"
 
@@ -190,6 +192,7 @@ async def test_the_page_that_closes_a_session_shows_which_certificates_did_not_h
     assert "Checked." in after
 
 
+@pytest.mark.usefixtures("text_library")
 async def test_a_planned_session_has_a_checklist_to_print(client):
     answer = await client.post("/api/v1/sessions", json=session_request(n=3))
     page = f"/sessions/{answer.headers['Location'].rsplit('/', 1)[1]}/checklist"

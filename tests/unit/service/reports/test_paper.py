@@ -33,7 +33,7 @@ def shown(page):
 
 
 @pytest.fixture(scope="module")
-def made(tmp_path_factory, identification, campaign):
+def made(text_library, tmp_path_factory, identification, campaign):
     """The page of an identification, and the PDF of it; setting one takes a second or two."""
     path = tmp_path_factory.mktemp("paper") / "report.html"
     write_identification_report(path, ReportInput(identification, campaign, CONDITIONS))
@@ -88,7 +88,7 @@ def test_no_heading_ends_a_page(made, printed):
         assert text.strip().splitlines()[-1] not in headings
 
 
-def test_nothing_is_fetched_for_a_page(tmp_path):
+def test_nothing_is_fetched_for_a_page(text_library, tmp_path):
     secret = tmp_path / "secret.png"
     secret.write_bytes(b"not for print")
 
@@ -104,15 +104,32 @@ def test_text_of_others_stays_within_its_string(text):
     assert not set('"<>;{}\n') & set(inside)
 
 
-def test_without_the_text_library_it_says_what_to_install(monkeypatch, tmp_path):
-    (tmp_path / "weasyprint.py").write_text("raise OSError('cannot load library libpango')")
-    monkeypatch.syspath_prepend(tmp_path)
-    monkeypatch.delitem(sys.modules, "weasyprint", raising=False)
+@pytest.fixture
+def printer_that(monkeypatch, tmp_path):
+    """Have another program in the place of the one that prints."""
 
-    with pytest.raises(NoPdfError, match="install libpango"):
+    def does(text):
+        (tmp_path / "weasyprint.py").write_text(text)
+        monkeypatch.syspath_prepend(tmp_path)
+        monkeypatch.delitem(sys.modules, "weasyprint", raising=False)
+
+    return does
+
+
+def test_without_the_text_library_one_sentence_says_what_to_install(printer_that, tmp_path, capsys):
+    printer_that("print('-----\\nfollow the steps\\n-----')\nraise OSError('cannot load library libpango')")
+
+    with pytest.raises(NoPdfError, match=r"install libpango-1\.0-0.*brew install pango"):
         require_pdf()
     write_report_text(tmp_path / "report.html", "<p>still written</p>")
     assert (tmp_path / "report.html").read_text() == "<p>still written</p>"
+    assert capsys.readouterr().out == ""  # which may be read by a program
+
+
+def test_what_a_later_printer_will_need_stops_none_today(printer_that):
+    printer_that("import warnings\nwarnings.warn('HarfBuzz-Subset will be required', DeprecationWarning)")
+
+    require_pdf()
 
 
 def test_a_folder_that_takes_no_file_is_said(tmp_path):

@@ -7,6 +7,7 @@ import pytest
 
 from tests.helpers.domain.builders import make_model
 from truepose.identification import predict
+from truepose.reports.figures.canvas import new_figure, on_page
 from truepose.reports.figures.curves.joint_residuals import eye_guide, joint_residuals, residuals_by_joint
 from truepose.reports.figures.histograms.errors import histogram
 from truepose.reports.figures.maps.correlation import correlation_map, correlation_matrix, strongest_pairs
@@ -149,3 +150,12 @@ def test_a_parameter_of_no_variance_correlates_with_nothing():
     model = make_model(covariance=np.diag([0.0, 1e-4]))
 
     assert correlation_matrix(model) == pytest.approx(np.eye(2))
+
+
+def test_words_that_this_machine_has_no_font_for_are_left_to_the_reader_s():
+    def draw(colours):
+        figure = new_figure(2.0, 2.0)
+        figure.subplots().set_xlabel("誤差 [mm]", color=colours.ink)
+        return figure
+
+    assert "誤差 [mm]" in on_page(draw, "a", "")  # and warns of nothing
