@@ -1,20 +1,27 @@
 # Everything sets itself up: `make demo` and `make test` work on a bare machine with Python 3.11 or newer.
 # Modules are compiled when they are first imported: most of what is installed never is.
 PYTHON ?= python3
-VENV := .venv
+# Each Python has an environment of its own: `make demo PYTHON=python3.13 VENV=.venv-3.13`.
+VENV ?= .venv
 BIN := $(VENV)/bin
-# What is installed beside the service: `dev` to work on it; `dev,docs` also what the site of its guide is built with.
+PIP := -m pip --quiet --disable-pip-version-check
+# What is installed beside the service: `dev` to work on it, `smoke` for `make smoke` alone; `dev,docs` also what the
+# site of its guide is built with.
 EXTRAS ?= dev
 TRUEPOSE_DATA ?=
 export TRUEPOSE_DATA
 
-.PHONY: setup demo test unit check docs bench accuracy diagnosis-report ballbar-report hardening-report pages-report interruptions interface-report interface-accepted live-latency nightly clean
+.PHONY: setup demo test unit smoke installed check docs bench accuracy diagnosis-report ballbar-report hardening-report pages-report interruptions interface-report interface-accepted live-latency nightly clean
 
 setup: $(VENV)/.installed
 
 $(VENV)/.installed: pyproject.toml $(wildcard service/packages/*)
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null || \
+	  { echo "truepose needs Python 3.11 or newer, and $(PYTHON) is not: name one, as in make demo PYTHON=python3.13." >&2; exit 2; }
+	@$(PYTHON) -c 'import ensurepip, venv' 2>/dev/null || \
+	  { echo "$(PYTHON) makes no environments: install python3-venv (Debian, Ubuntu: apt-get install python3-venv)." >&2; exit 2; }
 	$(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-compile --editable '.[$(EXTRAS)]'
+	$(BIN)/python $(PIP) install --no-compile --editable '.[$(EXTRAS)]'
 	touch $@ $(if $(findstring docs,$(EXTRAS)),$(VENV)/.docs)
 
 demo: setup
@@ -35,6 +42,23 @@ test: setup
 unit: setup
 	$(PYTEST) --numprocesses 2 tests/unit
 
+# What every Python from 3.11 on is tried with beside the demo, also with the oldest versions of what is depended on
+# (`tests/oldest.txt`): what meets the world, and a session of each kind.
+SESSIONS := $(addprefix tests/, \
+  system/sequencing/test_session_on_simulated_cell.py system/sequencing/test_ballbar_session.py \
+  integration/web/measurement/test_camera_sessions.py integration/web/measurement/test_contact_sessions.py)
+
+smoke: setup
+	$(PYTEST) --numprocesses 4 -q tests/unit/drivers tests/unit/service/sequencing tests/unit/service/exchange $(SESSIONS)
+
+# As somebody has it who never saw the checkout: the wheel in an environment of its own, the demo in an empty folder.
+installed: setup
+	rm -rf out/installed && mkdir -p out/installed/empty
+	$(BIN)/python $(PIP) wheel --no-deps --wheel-dir out/installed .
+	$(PYTHON) -m venv out/installed/venv
+	out/installed/venv/bin/python $(PIP) install --no-compile out/installed/truepose-*.whl
+	cd out/installed/empty && env -u PYTHONPATH ../venv/bin/truepose demo
+
 check: setup
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
@@ -45,7 +69,7 @@ docs: $(VENV)/.docs
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --quiet --config-file docs/site/mkdocs.yml
 
 $(VENV)/.docs: $(VENV)/.installed
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-compile --editable '.[docs]'
+	$(BIN)/python $(PIP) install --no-compile --editable '.[docs]'
 	touch $@
 
 # Speed, peers beside it in environments of their own; on one core, like the figures of docs/speed.md.
@@ -98,4 +122,4 @@ nightly: setup
 	PYTHONPATH=. $(BIN)/truepose nightly --out out/nightly --bench tests.contract.devices.every:BENCHES --label "$$(git rev-parse --short HEAD 2>/dev/null)"
 
 clean:
-	rm -rf $(VENV) out build dist
+	rm -rf $(VENV) .venv-* out build dist
