@@ -20,7 +20,7 @@ from truepose.settings import Settings
 
 # The bare shell of the browser paints the same pages for a third of the work.
 _NAMES = ("chromium-headless-shell", "chromium", "chromium-browser", "google-chrome")
-_PATIENCE_S = 20.0
+_PATIENCE_S = 60.0  # on a busy machine
 expect.set_options(timeout=1000.0 * _PATIENCE_S)  # of 5 s by itself, which a page on a busy machine may take
 
 

@@ -23,7 +23,7 @@ TICKS_OF_SILENCE = """() => {
     const told = () => lost.hidden || (window.told ??= ticks);
     new MutationObserver(told).observe(lost, { attributes: true });
 }"""
-PATIENCE_MS = 20_000
+PATIENCE_MS = 60_000
 
 
 def lost(page, wire):

@@ -149,7 +149,7 @@ async def test_an_act_of_a_session_that_runs_does_not_wait_for_what_others_prepa
     session_id = await scene.planned()
     await scene.act(session_id, key="k1")
 
-    async with scene.desk.turn, asyncio.timeout(5):
+    async with scene.desk.turn, asyncio.timeout(60):
         stopped = await scene.act(session_id, ActName.STOP, key="k2")
 
     assert stopped.sentence == "Done 2 times."

@@ -64,7 +64,7 @@ class Scene(Surroundings):
         return await self.sessions.add("left arm", SessionSetup(domain_cell()), _PLAN)
 
     async def idle(self):
-        async with asyncio.timeout(5):
+        async with asyncio.timeout(60):
             while self.desk.now is not None:
                 await asyncio.sleep(0.001)
 

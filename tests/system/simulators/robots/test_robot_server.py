@@ -15,7 +15,7 @@ from truepose_simulators.instruments.robot.open_abb_server import logger_endpoin
 from truepose_simulators.scenarios.file import load_scenario
 from truepose_simulators.scenarios.scenario import ArmSetup
 
-PATIENCE_S = 5.0
+PATIENCE_S = 60.0  # with an answer, on a busy machine
 # Replies cross the loopback in well under a millisecond: what has not come by then does not come.
 SILENCE_S = 0.1
 

@@ -53,7 +53,7 @@ class Halted:
         return self.runner.question
 
     async def to_the_end(self):
-        return await asyncio.wait_for(self.running, 5)
+        return await asyncio.wait_for(self.running, 60)
 
 
 def measured(cell):

@@ -56,7 +56,7 @@ async def seen_at(cell, where):
     watching = asyncio.create_task(watch())
     await asking.confirm(runner, "Eva")
     assert await running is SessionState.FINISHED
-    await asyncio.wait_for(watching, 5)  # it ends with the session
+    await asyncio.wait_for(watching, 60)  # it ends with the session
     return shown[0] if where is not None else None
 
 
