@@ -1,14 +1,15 @@
 """Array types used across the numerics, and tables of them."""
 
 from dataclasses import dataclass, fields, replace
-from typing import Self, TypeAlias, TypeVar
+from typing import Any, Self, TypeAlias, TypeVar
 
 import numpy as np
 import numpy.typing as npt
 
-FloatArray: TypeAlias = npt.NDArray[np.float64]
-IntArray: TypeAlias = npt.NDArray[np.int64]
-BoolArray: TypeAlias = npt.NDArray[np.bool_]
+# Written out: `npt.NDArray` is an opaque alias since numpy 2.5, and type hints are read at run time.
+FloatArray: TypeAlias = np.ndarray[tuple[Any, ...], np.dtype[np.float64]]
+IntArray: TypeAlias = np.ndarray[tuple[Any, ...], np.dtype[np.int64]]
+BoolArray: TypeAlias = np.ndarray[tuple[Any, ...], np.dtype[np.bool_]]
 Scalar = TypeVar("Scalar", bound=np.generic)
 
 

@@ -12,7 +12,7 @@ import types
 from collections.abc import Callable, Mapping
 from datetime import date
 from enum import Enum
-from typing import Any, Literal, TypeAlias, TypeVar, Union, cast, get_args, get_origin, get_type_hints
+from typing import Any, Final, Literal, TypeAlias, TypeVar, Union, cast, get_args, get_origin, get_type_hints
 
 import numpy as np
 
@@ -21,6 +21,7 @@ from truepose.storage.errors import DamagedDatabaseError
 
 T = TypeVar("T")
 Array: TypeAlias = "np.ndarray[Any, Any]"
+_AS_IN_JSON: Final = frozenset({str, int, bool, object})
 
 
 def listed(values: Array) -> Any:
@@ -111,7 +112,10 @@ def _decode_plain(kind: Any, document: Any) -> Any:
         return math.nan if document is None else float(document)
     if kind is date:
         return date.fromisoformat(document)
-    return document
+    if kind in _AS_IN_JSON:
+        return document
+    # Handed on as it is, an unknown form would fail later, and elsewhere.
+    raise TypeError(f"nothing says how {kind} is read")
 
 
 def _decode_union(hints: tuple[Any, ...], document: Any) -> Any:

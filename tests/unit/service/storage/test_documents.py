@@ -24,6 +24,7 @@ from truepose.domain.results.identification import Parameter
 from truepose.domain.robot import FramePlacement, JointRow, Robot
 from truepose.domain.sentences import said, together
 from truepose.storage.documents import from_document, to_document
+from truepose.storage.errors import DamagedDatabaseError
 
 
 def through_json(value):
@@ -70,6 +71,16 @@ def test_arrays_keep_their_shape_and_every_digit():
     np.testing.assert_array_equal(back.rotation, place.rotation)
     np.testing.assert_array_equal(back.covariance, place.covariance)
     assert back.two_face_mm is None
+
+
+@dataclass(frozen=True)
+class _Spread:
+    values: set[float]
+
+
+def test_a_form_that_nothing_reads_is_refused_rather_than_handed_on_as_it_is():
+    with pytest.raises(DamagedDatabaseError, match="nothing says how"):
+        from_document(_Spread, {"values": [1.0]})
 
 
 def test_a_number_that_is_not_known_is_null_in_json_and_nan_again_after():
