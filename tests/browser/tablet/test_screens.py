@@ -271,8 +271,8 @@ def test_a_tool_whose_arm_is_unknown_is_seen_from_near(desk, tablet):
         ("Stop was pressed.", "On a appuyé sur ARRÊT.", "fr"),
         ("The service was started anew.", "Le service a été redémarré.", "fr"),
         (
-            "Axis 3 is not where it was left. Put it right.",
-            "Axis 3 is not where it was left. Put it right.",
+            "Axis 3 is not where it was left. Ask the supplier of its brake.",
+            "Axis 3 is not where it was left. Ask the supplier of its brake.",
             "en",
         ),
     ],
