@@ -2,6 +2,7 @@
 
 import csv
 import io
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -9,11 +10,14 @@ import pytest
 from tests.helpers.domain.robots import IRB_120
 from tests.helpers.identification.models import model_of
 from truepose.correction import ANY_BRANCH, FLANGE, correct
+from truepose.domain.robot import JointRange
 from truepose.exchange.errors import BadValueError, MissingEntryError, UnreadableFileError
 from truepose.exchange.tables.targets import CorrectionWriter, targets_of
 
 POSE = "300,0,500,1,0,0,0"
 HEADER = "target,x_mm,y_mm,z_mm,qw,qx,qy,qz"
+ROOMY = replace(IRB_120, joint_limits=(JointRange(-3.2, 3.2),) * 6)
+MODEL = model_of(ROOMY, base=model_of().nominal_base)
 
 
 def read(text):
@@ -115,7 +119,7 @@ def test_a_table_of_more_targets_than_are_wanted_is_refused():
 
 def test_columns_of_the_file_that_the_answer_does_not_have_stand_behind_it():
     part = one(f'{HEADER},note,status\na,{POSE},"fast, then ""slow""",old\n')
-    found = correct(model_of(IRB_120, base=model_of().nominal_base), part.poses, part.branch)
+    found = correct(MODEL, part.poses, part.branch)
     stream = io.StringIO()
 
     CorrectionWriter(stream).write(part.names, found, part.own)
@@ -128,7 +132,7 @@ def test_columns_of_the_file_that_the_answer_does_not_have_stand_behind_it():
 
 def test_what_is_written_keeps_the_order_and_leaves_out_joints_that_do_not_lead_there():
     part = one(f'{HEADER}\n"a, b",{POSE}\nfar,9000,0,500,1,0,0,0\n')
-    found = correct(model_of(IRB_120, base=model_of().nominal_base), part.poses, part.branch)
+    found = correct(MODEL, part.poses, part.branch)
     stream = io.StringIO()
     writer = CorrectionWriter(stream)
 
