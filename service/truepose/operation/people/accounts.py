@@ -11,8 +11,8 @@ from dataclasses import dataclass
 from typing import Final
 
 from truepose.domain.people.accounts import MACHINE, OF_PROGRAMS, Person, Role, lesser, reaches
+from truepose.operation.people.attempts import Attempts
 from truepose.operation.people.errors import AccountRefusedError, SignInRefusedError
-from truepose.operation.people.guesses import Guesses
 from truepose.operation.people.hashes import badge_hash, chosen_hash, fingerprint, new_secret
 from truepose.operation.people.register import EVERYBODY, NOBODY, OF_MACHINE, Caller, Register
 from truepose.operation.people.sign_ins import SignedIn, SignIns
@@ -48,10 +48,9 @@ class Accounts:
         alone : bool
             Whether only this computer reaches the service.
         """
-        elapsed_s = register.time.elapsed_s
         self.register = register
-        self.guesses = Guesses(elapsed_s)
-        self.sign_ins = SignIns(register, self.guesses, elapsed_s)
+        self.attempts = Attempts(register)
+        self.sign_ins = SignIns(register, self.attempts, register.time.elapsed_s)
         self._asked_for = asked_for
         self._alone = alone
         self._first = asyncio.Lock()
@@ -96,17 +95,19 @@ class Accounts:
 
     async def enter_first(self, secret: str, name: str, chosen: Chosen, address: str) -> SignedIn:
         """Enter the first person, as administrator; raises SignInRefusedError, AccountRefusedError."""
-        self.guesses.take(f"address {address}")
+        with self.attempts.by_link(address):
+            person = await self._first_person(secret, name, chosen)
+            await self.choose(person, chosen)
+        return await self.sign_ins.opened(person, "", address)
+
+    async def _first_person(self, secret: str, name: str, chosen: Chosen) -> Person:
         async with self._first:
             if not self.opens_first(secret):
                 raise SignInRefusedError(_LINK_IS_OVER)
             if chosen.password is None:
                 raise AccountRefusedError("The first person needs a password.")
             _require_usable(chosen)
-            person = await self.register.enter(name, Role.ADMINISTRATOR, name)
-        await self.choose(person, chosen)
-        self.guesses.give_back(f"address {address}")
-        return await self.sign_ins.opened(person, "")
+            return await self.register.enter(name, Role.ADMINISTRATOR, name)
 
     async def enter(self, name: str, role: Role, by: str) -> tuple[Person, str]:
         """Enter somebody; return them and the secret of the link with which they choose a password."""
@@ -141,18 +142,17 @@ class Accounts:
 
     async def accept(self, secret: str, chosen: Chosen, address: str) -> SignedIn:
         """Let somebody choose a password by their link; raises SignInRefusedError, AccountRefusedError."""
-        self.guesses.take(f"address {address}")
-        _require_usable(chosen)
-        record = self.register.opened_by(CredentialKind.LINK, fingerprint(secret))
-        person = None if record is None else self.register.person(record.person_id)
-        if record is None or person is None:
-            raise SignInRefusedError(_LINK_IS_OVER)
-        if chosen.password is None:
-            raise AccountRefusedError("Choose a password.")
-        await self.register.revoke(record.id, by=person.name)
-        await self.choose(person, chosen)
-        self.guesses.give_back(f"address {address}")
-        return await self.sign_ins.opened(person, "")
+        with self.attempts.by_link(address):
+            _require_usable(chosen)
+            record = self.register.opened_by(CredentialKind.LINK, fingerprint(secret))
+            person = None if record is None else self.register.person(record.person_id)
+            if record is None or person is None:
+                raise SignInRefusedError(_LINK_IS_OVER)
+            if chosen.password is None:
+                raise AccountRefusedError("Choose a password.")
+            await self.register.revoke(record.id, by=person.name)
+            await self.choose(person, chosen)
+        return await self.sign_ins.opened(person, "", address)
 
     async def choose(self, person: Person, chosen: Chosen) -> None:
         """Keep what somebody chose; a new password closes every tablet they had opened."""

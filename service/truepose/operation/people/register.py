@@ -15,6 +15,7 @@ from truepose.storage.people.credentials import (
     CredentialRecord,
     CredentialRepository,
     NewCredential,
+    ShownAt,
 )
 
 
@@ -46,6 +47,7 @@ class Register:
         self._people: dict[int, Person] = {}
         self._credentials: dict[int, CredentialRecord] = {}
         self._by_hash: dict[tuple[CredentialKind, str], int] = {}
+        self.places: tuple[ShownAt, ...] = ()  # as the database had them at the start
         self._turn = asyncio.Lock()  # two of one name must not be entered at once
         self.time = SteadyTime()
 
@@ -55,6 +57,7 @@ class Register:
         self._people = {person.id: person for person in entered.people}
         for record in entered.credentials:
             self._take(record)
+        self.places = entered.places
         self.time = SteadyTime(entered.newest)
 
     @property

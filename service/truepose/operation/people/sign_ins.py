@@ -11,8 +11,8 @@ from dataclasses import dataclass
 from typing import Final
 
 from truepose.domain.people.accounts import Person
+from truepose.operation.people.attempts import Attempts
 from truepose.operation.people.errors import SignInRefusedError
-from truepose.operation.people.guesses import Guesses
 from truepose.operation.people.hashes import NOBODYS, badge_hash, fingerprint, matches, new_secret
 from truepose.operation.people.register import NOBODY, Caller, Register
 from truepose.storage.people.credentials import CredentialKind, CredentialRecord, NewCredential
@@ -20,7 +20,6 @@ from truepose.storage.people.credentials import CredentialKind, CredentialRecord
 FRESH_S: Final = 5 * 60.0
 IDLE_S: Final = 12 * 3600.0
 LONGEST_DAYS: Final = 7
-_WRONG_PINS: Final = 10  # in a row; after them only the password proves who it is
 _AT_ONCE: Final = 2  # each takes 19 MiB and a processor
 _REFUSED: Final = "Name and password do not go together, or the account is no longer open."
 _PIN_REFUSED: Final = "Name and PIN do not go together; after too many wrong ones the password is asked for."
@@ -45,12 +44,11 @@ class SignedIn:
 class SignIns:
     """Browsers that somebody signed in, and who stands before them."""
 
-    def __init__(self, register: Register, guesses: Guesses, elapsed_s: Callable[[], float]) -> None:
+    def __init__(self, register: Register, attempts: Attempts, elapsed_s: Callable[[], float]) -> None:
         self._register = register
-        self._guesses = guesses
+        self._attempts = attempts
         self._elapsed_s = elapsed_s
         self._used: dict[int, _Used] = {}
-        self._wrong_pins: dict[int, int] = {}
         self._places = asyncio.Semaphore(_AT_ONCE)
 
     def caller_of(self, secret: str) -> Caller:
@@ -77,36 +75,45 @@ class SignIns:
     async def sign_in(self, name: str, password: str, tablet: str, address: str) -> SignedIn:
         """Open a tablet by a password; raises SignInRefusedError, TooManyGuessesError."""
         person = self._register.named(name)
-        await self._prove(person, name, CredentialKind.PASSWORD, password, address)
+        with self._attempts.at_door(person, name, address):
+            await self._require_password(person, password)
         if person is None:
             raise SignInRefusedError(_REFUSED)
-        return await self.opened(person, tablet)
+        return await self.opened(person, tablet, address)
 
-    async def opened(self, person: Person, tablet: str) -> SignedIn:
+    async def opened(self, person: Person, tablet: str, address: str = "") -> SignedIn:
         """Open a tablet for somebody who has shown who they are."""
-        self._wrong_pins.pop(person.id, None)
+        self._attempts.places.note(person.id, address)
+        self._attempts.pins.forgive(person.id)
         until = self._register.time.in_future(LONGEST_DAYS)
-        return await self._begun(person, until, {"tablet_name": tablet, "opened_by": person.id})
+        document = {"tablet_name": tablet, "opened_by": person.id, "address": address}
+        return await self._begun(person, until, document)
 
-    async def switch(self, here: Caller, who: Person | None, name: str, pin: str, address: str) -> SignedIn:
+    async def switch(self, here: Caller, who: Person | None, pin: str) -> SignedIn:
         """Have somebody else stand before a tablet; raises SignInRefusedError, TooManyGuessesError."""
         record = None if here.sign_in is None else self._register.credential(here.sign_in)
         if record is None or self._register.person(record.document["opened_by"]) is None:
             raise SignInRefusedError(_NO_TABLET)
-        await self._prove(who, name, CredentialKind.PIN, pin, address)
+        with self._attempts.at_tablet(here.tablet):
+            await self._require_pin(who, pin, record)
         if who is None:
             raise SignInRefusedError(_PIN_REFUSED)
-        tablet = {"tablet": here.tablet, **record.document}
-        begun = await self._begun(who, record.expires_at, tablet)
+        begun = await self._begun(who, record.expires_at, {"tablet": here.tablet, **record.document})
         await self._register.revoke(record.id, by=who.name)
         return begun
 
-    async def show(self, here: Caller, kind: CredentialKind, secret: str, address: str) -> None:
+    async def show(self, here: Caller, kind: CredentialKind, secret: str) -> None:
         """Have somebody show once more who they are; raises SignInRefusedError, TooManyGuessesError."""
-        if here.sign_in is None or here.person is None or kind not in _PROVING:
+        record = None if here.sign_in is None else self._register.credential(here.sign_in)
+        if record is None or here.person is None or kind not in _PROVING:
             raise SignInRefusedError(_NO_TABLET)
-        await self._prove(here.person, here.name, kind, secret, address)
-        self._use_of(here.sign_in).shown_s = self._elapsed_s()
+        with self._attempts.at_tablet(here.tablet):
+            if kind is CredentialKind.PIN:
+                await self._require_pin(here.person, secret, record)
+            else:
+                await self._require_password(here.person, secret)
+                self._attempts.pins.forgive(here.person.id)
+        self._use_of(record.id).shown_s = self._elapsed_s()
 
     async def sign_out(self, here: Caller) -> None:
         """Close a tablet."""
@@ -124,31 +131,29 @@ class SignIns:
         record = self._register.opened_by(CredentialKind.BADGE, found)
         return None if record is None else self._register.person(record.person_id)
 
-    async def _prove(
-        self, person: Person | None, name: str, kind: CredentialKind, secret: str, address: str
-    ) -> None:
-        """Raise where a secret is not the person's; whoever is unknown takes as long as everybody else."""
-        account = f"account {name.casefold()}" if person is None else f"account {person.id}"
-        buckets = (account, f"address {address}")
-        self._guesses.take(*buckets)
+    async def _require_password(self, person: Person | None, password: str) -> None:
+        if not await self._is_right(person, CredentialKind.PASSWORD, password):
+            raise SignInRefusedError(_REFUSED)
+
+    async def _require_pin(self, person: Person | None, pin: str, tablet: CredentialRecord) -> None:
+        """Raise where a PIN is wrong, or was guessed at there too often."""
+        right = await self._is_right(person, CredentialKind.PIN, pin)
+        if person is None:
+            raise SignInRefusedError(_PIN_REFUSED)
+        pins, number = self._attempts.pins, tablet.document.get("tablet", tablet.id)
+        if person.id in {tablet.person_id, tablet.document["opened_by"]}:
+            pins.note_stood(person.id, number)
+        if not right or pins.too_many(person.id, number):
+            pins.note_wrong(person.id, number)
+            raise SignInRefusedError(_PIN_REFUSED)
+        pins.note_right(person.id, number)
+
+    async def _is_right(self, person: Person | None, kind: CredentialKind, secret: str) -> bool:
+        """Whether a secret is the person's; for whoever is unknown it takes as long as for everybody else."""
         kept = () if person is None else self._register.of(person.id, kind)
         async with self._places:
             right = await asyncio.to_thread(matches, kept[-1].hash if kept else NOBODYS, secret)
-        if not right or not kept or not self._counts(person, kind):
-            self._note_wrong(person, kind)
-            raise SignInRefusedError(_PIN_REFUSED if kind is CredentialKind.PIN else _REFUSED)
-        self._guesses.give_back(*buckets)
-        if person is not None:
-            self._wrong_pins.pop(person.id, None)
-
-    def _counts(self, person: Person | None, kind: CredentialKind) -> bool:
-        """Whether a secret counts that is right: not a PIN that was guessed at too often."""
-        wrong = 0 if person is None else self._wrong_pins.get(person.id, 0)
-        return kind is not CredentialKind.PIN or wrong < _WRONG_PINS
-
-    def _note_wrong(self, person: Person | None, kind: CredentialKind) -> None:
-        if person is not None and kind is CredentialKind.PIN:
-            self._wrong_pins[person.id] = self._wrong_pins.get(person.id, 0) + 1
+        return right and bool(kept)
 
     async def _begun(self, person: Person, until: str | None, document: dict[str, object]) -> SignedIn:
         secret = new_secret()

@@ -39,9 +39,10 @@ class SteadyTime:
         """Return the time of day."""
         return self._began + timedelta(seconds=self.elapsed_s() - self._began_s)
 
-    def in_future(self, days: float) -> str:
-        """Return the time so many days ahead, as records have it."""
-        return (self.now() + timedelta(days=days)).isoformat(timespec="milliseconds")
+    def in_future(self, days: float, since: str | None = None) -> str:
+        """Return the time so many days ahead of now, or of a time, as records have it."""
+        begin = self.now() if since is None else datetime.fromisoformat(since)
+        return (begin + timedelta(days=days)).isoformat(timespec="milliseconds")
 
     def is_over(self, until: str | None) -> bool:
         """Whether a time is reached; none never is."""

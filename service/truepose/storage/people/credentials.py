@@ -1,5 +1,6 @@
 """People and what opens the service to them. Only hashes are kept; what ends is revoked, never deleted."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import Any
@@ -49,12 +50,22 @@ class NewCredential:
 
 
 @dataclass(frozen=True, slots=True)
+class ShownAt:
+    """From where somebody signed in, who may have signed out since."""
+
+    person_id: int
+    address: str
+    since: str  # UTC, ISO 8601
+
+
+@dataclass(frozen=True, slots=True)
 class Entered:
     """Everybody who was ever entered, and what opens the service now."""
 
     people: tuple[Person, ...]
     credentials: tuple[CredentialRecord, ...]
     newest: str | None  # when the last of these records was written
+    places: tuple[ShownAt, ...]  # oldest first
 
 
 class CredentialRepository:
@@ -126,11 +137,15 @@ def _entered(connection: Connection) -> Entered:
         ),
         tuple(_credential(row) for row in connection.execute(valid)),
         connection.scalar(select(func.max(credentials.c.recorded_at))),
+        tuple(_places(connection)),
     )
 
 
-def _person(row: Row[Any]) -> Person:
-    return Person(row.id, row.name, Role(row.role), bool(row.active))
+def _places(connection: Connection) -> Iterator[ShownAt]:
+    of_sign_ins = select(credentials).where(credentials.c.kind == CredentialKind.SIGN_IN.value)
+    for row in connection.execute(of_sign_ins.order_by(credentials.c.id)):
+        if row.document.get("address"):
+            yield ShownAt(row.person_id, row.document["address"], row.recorded_at)
 
 
 def _credential(row: Row[Any]) -> CredentialRecord:

@@ -59,7 +59,7 @@ async def show_again(here: Here, asked: Asked, wanted: ProofRequest) -> CallerRe
     """Show once more, by PIN or password, who it is; for five minutes an arm may be let move."""
     kind = CredentialKind.PASSWORD if wanted.pin is None else CredentialKind.PIN
     secret = wanted.password if wanted.pin is None else wanted.pin
-    await here.people.accounts.sign_ins.show(asked.caller, kind, secret or "", asked.address)
+    await here.people.accounts.sign_ins.show(asked.caller, kind, secret or "")
     return caller_reply(here, asked.caller)
 
 
@@ -69,9 +69,7 @@ async def switch_person(
 ) -> CallerReply:
     """Have somebody else stand before this browser: by name or badge, and a PIN."""
     who = await _meant(here, wanted)
-    switched = await here.people.accounts.sign_ins.switch(
-        asked.caller, who, wanted.name or "", wanted.pin, asked.address
-    )
+    switched = await here.people.accounts.sign_ins.switch(asked.caller, who, wanted.pin)
     return _signed_in(here, request, response, switched)
 
 
@@ -84,11 +82,12 @@ async def choose_secrets(
     if person is None or asked.caller.sign_in is None:
         raise SignInRefusedError("Sign in first, with your password.")
     sign_ins = here.people.accounts.sign_ins
-    await sign_ins.show(asked.caller, CredentialKind.PASSWORD, wanted.present_password, asked.address)
+    await sign_ins.show(asked.caller, CredentialKind.PASSWORD, wanted.present_password)
     await here.people.accounts.choose(person, chosen_of(wanted))
     if sign_ins.lasts(asked.caller):
         return caller_reply(here, asked.caller)
-    return _signed_in(here, request, response, await sign_ins.opened(person, asked.caller.tablet_name))
+    opened = await sign_ins.opened(person, asked.caller.tablet_name, asked.address)
+    return _signed_in(here, request, response, opened)
 
 
 @router.post("/first-person", status_code=status.HTTP_201_CREATED, responses=_SECRETS)

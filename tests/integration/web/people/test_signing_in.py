@@ -50,7 +50,7 @@ def later(accounts, monkeypatch):
     passed = [0.0]
     began = accounts.register.time.elapsed_s
     monkeypatch.setattr(accounts.register.time, "elapsed_s", lambda: began() + passed[0])
-    for keeper in (accounts.sign_ins, accounts.guesses):
+    for keeper in (accounts.sign_ins, accounts.attempts.guesses, accounts.attempts.of_strangers):
         monkeypatch.setattr(keeper, "_elapsed_s", lambda: began() + passed[0])
 
     def go_by(seconds):
