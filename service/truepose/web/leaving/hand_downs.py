@@ -15,7 +15,7 @@ from truepose.web.leaving.schemas import (
     UseRequest,
     handed_down_reply,
 )
-from truepose.web.people.asking import Asker
+from truepose.web.people.asking import Asker, asking
 from truepose.web.problems import problems
 from truepose.web.requests.paging import Paged, listing
 from truepose.web.requests.parameters import Id, RequiredKey
@@ -31,6 +31,7 @@ async def accept_hand_down(
 ) -> HandedDownReply:
     """Keep a plan or a model that the plant hands down. Nothing is planned and nothing moves by it."""
     plant = asker.tablet_name or asker.name
+    asking().reason = f"handed down by {wanted.person}, as the plant says" if plant else None
     new = NewHandedDown(plant, wanted.kind, wanted.name, wanted.person, wanted.document)
     kept = HandedDownRepository(here.database)
     number = await kept.add(new, key)

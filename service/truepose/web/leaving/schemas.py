@@ -80,6 +80,10 @@ class HandedDownReply(Reply):
     kind: Literal["plan", "model"]
     name: str = Field(examples=["monthly check"])
     person: str = Field(description="Who handed it down, at the plant.")
+    said_by: str = Field(
+        description="The plant that says so; the cell need not know them. Empty: nobody is asked.",
+        examples=["plant"],
+    )
     document: dict[str, Any] = Field(examples=[{"name": "monthly check"}])
     uses: list[UseReply]
     model_id: RecordId | None = Field(
@@ -97,6 +101,7 @@ def handed_down_reply(record: HandedDownRecord) -> HandedDownReply:
         "kind": told.kind,
         "name": told.name,
         "person": told.person,
+        "said_by": told.plant,
         "document": told.document,
         "model_id": record.model_id,
         "uses": [

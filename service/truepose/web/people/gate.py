@@ -22,7 +22,7 @@ from truepose.operation.people.register import NOBODY, Caller
 from truepose.storage.people.acts import PersonsAct
 from truepose.web.people.asking import Asking, begin
 from truepose.web.people.operations import Operation, asked_operation
-from truepose.web.people.rights import FRESH, LEAST, OF_MACHINE, Anybody, may
+from truepose.web.people.rights import FRESH, LEAST, OF_MACHINE, Anybody, may, may_ask
 from truepose.web.problems import FRESH_SIGN_IN, SIGN_IN, problem_response
 from truepose.web.requests.by_path import ByPath
 
@@ -134,7 +134,7 @@ def _refusal(
             return RedirectResponse(_sign_in_address(request), HTTPStatus.SEE_OTHER)
         headers = {"WWW-Authenticate": "Bearer"}
         return problem_response(request, HTTPStatus.UNAUTHORIZED, _SIGN_IN_FIRST, headers, kind=SIGN_IN)
-    if not may(caller.role, name) or (caller.machine and name not in OF_MACHINE):
+    if not may_ask(caller, name) or (caller.machine and name not in OF_MACHINE):
         if _shows_page(scope, operation):
             return RedirectResponse(f"/not-yours?page={quote(scope['path'])}", HTTPStatus.SEE_OTHER)
         return problem_response(request, HTTPStatus.FORBIDDEN, _not_for(caller, name))
@@ -155,7 +155,11 @@ def _sign_in_address(request: Request) -> str:
 
 def _not_for(caller: Caller, operation: str | None) -> str:
     least = None if operation is None else LEAST[operation]
-    return f"{caller.name} has the role {caller.role}; this is for the role {least} and those above it."
+    of_owner = caller.role is not None and may(caller.role, operation)
+    who = f"{caller.name} has the role {caller.role}"
+    if of_owner and caller.person is not None:
+        who = f"{caller.name} may do what {caller.person.name} may, whose role is {caller.person.role} now"
+    return f"{who}; this is for the role {least} and those above it."
 
 
 def _record(scope: Scope, operation: Operation | None, asked: Asking, status: int, here: Any) -> None:

@@ -9,6 +9,7 @@ from typing import Final
 
 from truepose.domain.errors import TrueposeError
 from truepose.domain.people.accounts import Role, reaches
+from truepose.operation.people.register import Caller
 
 
 class Anybody(StrEnum):
@@ -116,6 +117,14 @@ def require_complete(operations: Iterable[str]) -> None:
             f"Nobody has said who may ask for {', '.join(missing)}: give each its least role in "
             "truepose/web/people/rights.py."
         )
+
+
+def may_ask(caller: Caller, operation: str | None) -> bool:
+    """Whether somebody may ask for an operation: a program never for more than its owner may now."""
+    if caller.role is None:
+        return False
+    owner = caller.person if caller.token is not None else None
+    return may(caller.role, operation) and (owner is None or may(owner.role, operation))
 
 
 def may(role: Role, operation: str | None) -> bool:

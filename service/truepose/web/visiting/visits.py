@@ -13,7 +13,7 @@ from fastapi.responses import HTMLResponse
 from truepose.operation.people.register import Caller
 from truepose.web.context import Context, Here
 from truepose.web.people.asking import asking
-from truepose.web.people.rights import may
+from truepose.web.people.rights import may_ask
 from truepose.web.visiting.languages import wanted_words
 from truepose.web.visiting.rendering import rendered
 from truepose.words.catalogue import LANGUAGES, Catalogue, catalogue
@@ -47,7 +47,7 @@ class Visit:
 
     def may(self, operation: str) -> bool:
         """Whether they may ask for an operation."""
-        return self.caller.everybody or (self.caller.role is not None and may(self.caller.role, operation))
+        return self.caller.everybody or may_ask(self.caller, operation)
 
     def page(self, template: str, status: HTTPStatus = HTTPStatus.OK, **context: object) -> HTMLResponse:
         """Return a page, filled in; `say` gives its words, `visit` is this visit."""

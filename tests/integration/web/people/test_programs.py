@@ -1,0 +1,81 @@
+"""Tokens of programs: never more than their owner may at this moment, and what a plant says is marked."""
+
+import pytest
+
+from truepose.domain.people.accounts import Role
+from truepose.operation.people.errors import AccountRefusedError
+from truepose.web.people.rights import may
+
+pytestmark = pytest.mark.asyncio(loop_scope="module")
+PLAN = {"kind": "plan", "name": "monthly", "person": "Ada Byron", "document": {"name": "monthly"}}
+PLANS = ("/api/v1/sessions", "/api/v1/ballbar-sessions", "/api/v1/contact-sessions")
+
+
+async def of_new(house, name, owner_role, role):
+    """Return somebody new and the client of a program of theirs."""
+    accounts = house.here.accounts
+    owner = await accounts.register.enter(name, owner_role, "a test")
+    _, secret = await accounts.make_token(owner, f"program of {name}", role, 1, "a test")
+    return owner, house.client(secret)
+
+
+async def codes(client, paths=PLANS):
+    return [(await client.post(path, json={})).status_code for path in paths]
+
+
+async def test_a_device_of_somebody_who_only_looks_now_plans_no_more(house):
+    register = house.here.accounts.register
+    owner, line = await of_new(house, "Mary Somerville", Role.OPERATOR, Role.DEVICE)
+    async with line:
+        before = await codes(line)
+        await register.change_role(owner, Role.VIEWER, "a test")
+        after = await line.post(PLANS[0], json={})
+        looking = (await line.get("/api/v1/sessions")).status_code
+        others = await codes(line)
+        await register.change_role(owner, Role.OPERATOR, "a test")
+        again = await codes(line)
+        await register.remove(owner, "a test")
+        gone = (await line.get("/api/v1/sessions")).status_code
+
+    assert (before, others, again) == ([422] * 3, [403] * 3, [422] * 3)
+    assert (after.status_code, looking, gone) == (403, 200, 401)
+    assert after.json()["detail"] == (
+        "program of Mary Somerville may do what Mary Somerville may, whose role is viewer now; this is for "
+        "the role operator and those above it."
+    )
+
+
+@pytest.mark.parametrize("owner_role", [Role.VIEWER, Role.OPERATOR, Role.METROLOGIST, Role.ADMINISTRATOR])
+async def test_no_device_does_what_its_owner_may_not(house, owner_role):
+    _, line = await of_new(house, f"owner as {owner_role}", owner_role, Role.DEVICE)
+    async with line:
+        corrected = (await line.post("/api/v1/models/1/corrections")).status_code
+        accounts = (await line.post("/api/v1/people", json={})).status_code
+
+    assert (corrected == 403) == (not may(owner_role, "correct_file"))
+    assert accounts == 403
+
+
+async def test_a_plant_s_token_is_an_administrator_s_and_ends_with_that_role(house):
+    accounts = house.here.accounts
+    with pytest.raises(AccountRefusedError, match="a token cannot be more"):
+        await of_new(house, "Sophie Germain", Role.METROLOGIST, Role.PLANT)
+    owner, plant = await of_new(house, "Maria Agnesi", Role.ADMINISTRATOR, Role.PLANT)
+    async with plant:
+        before = (await plant.get("/api/v1/chain/links")).status_code
+        await accounts.register.change_role(owner, Role.METROLOGIST, "a test")
+        after = (await plant.get("/api/v1/chain/links")).status_code
+
+    assert (before, after) == (200, 403)
+
+
+async def test_whom_a_plant_names_is_marked_as_said_by_it(house):
+    async with house.of(Role.PLANT) as plant, house.of(Role.ADMINISTRATOR) as ada:
+        handed = await plant.post("/api/v1/hand-downs", json=PLAN, headers={"Idempotency-Key": "said-1"})
+        page = (await ada.get("/hand-downs")).text
+        await house.here.log.written()
+        (act,) = (await ada.get("/api/v1/audit", params={"search": "as the plant says"})).json()["acts"]
+
+    assert (handed.json()["person"], handed.json()["said_by"]) == ("Ada Byron", "plant")
+    assert "Sent by Ada Byron, says the plant plant," in page
+    assert (act["person"], act["reason"]) == ("plant", "handed down by Ada Byron, as the plant says")
