@@ -13,6 +13,7 @@ from starlette.requests import Request
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from truepose.web.problems import problem_response
+from truepose.web.requests.half_characters import has_half_character
 
 UPLOAD_LIMIT_BYTES: Final = 16 * 2**20
 DRAFT_LIMIT_BYTES: Final = 64 * 2**20  # goes to the disk as it comes
@@ -24,6 +25,7 @@ _READING: Final = frozenset({"GET", "HEAD", "OPTIONS"})
 _FORMS: Final = frozenset({"application/x-www-form-urlencoded", "multipart/form-data", "text/plain"})
 _FORM: Final = "multipart/form-data"
 _JSON: Final = "application/json"
+_HALF: Final = r"The body holds half a character (as \ud83d alone), which is no text; send whole ones."
 _BYTES: Final = "application/octet-stream"
 _UPLOADS: Final = {
     _CAMPAIGNS: ("application/zip", _FORM, _JSON),  # JSON names sessions
@@ -32,12 +34,12 @@ _UPLOADS: Final = {
 }
 
 
-class _TooLargeError(Exception):
-    """The body grew beyond its limit while it was read."""
+class _RefusedError(Exception):
+    """The body is refused while it is read."""
 
 
 class RequestLimits:
-    """ASGI middleware: 413 for a body that is too large, 415 for one of a type not understood there."""
+    """ASGI middleware: 413 for a body that is too large, 415 for a type not understood, 422 for no text."""
 
     def __init__(self, app: ASGIApp) -> None:
         self._app = app
@@ -55,29 +57,48 @@ class RequestLimits:
         elif _declared_length(request) > limit:
             await problem_response(request, 413, _too_large(limit))(scope, receive, send)
         else:
-            await self._counted(request, receive, send, limit)
+            await self._watched(request, receive, send, _Body(limit, _sent_type(request) == _JSON))
 
-    async def _counted(self, request: Request, receive: Receive, send: Send, limit: int) -> None:
-        """Pass the request on and stop it where it is longer than it said."""
-        seen_bytes = 0
+    async def _watched(self, request: Request, receive: Receive, send: Send, body: "_Body") -> None:
+        """Pass the request on and stop it where its body shows that it is refused."""
 
-        async def count() -> Message:
-            nonlocal seen_bytes
+        async def look() -> Message:
             message = await receive()
-            seen_bytes += len(message.get("body", b""))
-            if seen_bytes > limit:
-                raise _TooLargeError
+            body.look_at(message)
             return message
 
-        async def send_unless_too_large(message: Message) -> None:
+        async def send_unless_refused(message: Message) -> None:
             # Whatever reads the body may have turned our error into an answer of its own.
-            if seen_bytes <= limit:
+            if body.refused is None:
                 await send(message)
 
-        with contextlib.suppress(_TooLargeError):
-            await self._app(request.scope, count, send_unless_too_large)
-        if seen_bytes > limit:
-            await problem_response(request, 413, _too_large(limit))(request.scope, receive, send)
+        with contextlib.suppress(_RefusedError):
+            await self._app(request.scope, look, send_unless_refused)
+        if body.refused is not None:
+            await problem_response(request, *body.refused)(request.scope, receive, send)
+
+
+class _Body:
+    """A body as it comes in."""
+
+    def __init__(self, limit: int, is_json: bool) -> None:
+        self.refused: tuple[int, str] | None = None  # status and sentence
+        self._limit = limit
+        self._seen_bytes = 0
+        self._json = bytearray() if is_json else None
+
+    def look_at(self, message: Message) -> None:
+        """Look at a part of it; raises _RefusedError."""
+        part = message.get("body", b"")
+        self._seen_bytes += len(part)
+        if self._seen_bytes > self._limit:
+            self.refused = 413, _too_large(self._limit)
+        elif self._json is not None and message["type"] == "http.request":
+            self._json += part
+            if not message.get("more_body") and has_half_character(bytes(self._json)):
+                self.refused = 422, _HALF
+        if self.refused is not None:
+            raise _RefusedError
 
 
 def _limit_bytes(request: Request) -> int:
