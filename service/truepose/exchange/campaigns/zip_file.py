@@ -5,12 +5,15 @@ file and 256 MB for all are generous, and an archive that expands beyond them wa
 the archive says of itself is judged before anything is inflated, and what it inflates to once more.
 """
 
+import contextlib
 import io
+import lzma
+import struct
 import zipfile
 import zlib
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import PurePosixPath
-from typing import TypeVar
+from typing import Any, Final, TypeVar
 
 from truepose.domain.measurement.campaign import Campaign
 from truepose.exchange.campaigns.folder import (
@@ -30,6 +33,17 @@ _GREATEST_RATIO = 200  # text of readings shrinks to a fifth, the same row over 
 _SMALL_BYTES = 2**20  # whatever the ratio
 _EPOCH = (1980, 1, 1, 0, 0, 0)  # the same campaign gives the same bytes
 _READ_WITH_RIGHTS = 0o644 << 16
+_ZSTD: Any = getattr(zipfile, "zstd", None)  # since Python 3.14
+_DAMAGED: Final[tuple[type[Exception], ...]] = (
+    zipfile.BadZipFile,
+    zlib.error,
+    lzma.LZMAError,
+    struct.error,
+    EOFError,
+    IndexError,
+    OSError,
+    *((_ZSTD.ZstdError,) if _ZSTD else ()),
+)
 
 
 def read_campaign_zip(archive: bytes, name: str = "campaign.zip") -> Campaign:
@@ -60,12 +74,24 @@ def _opened(archive: bytes, name: str, read: Callable[[zipfile.ZipFile, str], T]
     """Return what `read` makes of an archive, its faults in sentences."""
     if archive.count(_ENTRY) > 2 * _MEMBER_LIMIT:  # each takes a thousand bytes once the directory is read
         raise UnsafeArchiveError(f"it has more than the {_MEMBER_LIMIT} members allowed", file=name)
+    with contextlib.ExitStack() as closing:
+        with _faults_told(name):
+            opened = closing.enter_context(zipfile.ZipFile(io.BytesIO(archive)))
+        return read(opened, name)
+
+
+@contextlib.contextmanager
+def _faults_told(name: str) -> Iterator[None]:
+    """Turn whatever a zip raises that is damaged, or made by nobody honest, into a sentence."""
     try:
-        with zipfile.ZipFile(io.BytesIO(archive)) as opened:
-            return read(opened, name)
-    except (zipfile.BadZipFile, zlib.error, EOFError, OSError) as error:
+        yield
+    except _DAMAGED as error:
         raise UnreadableFileError(f"this is not a whole zip file ({error})", file=name) from error
-    except (NotImplementedError, RuntimeError) as error:
+    except UnicodeDecodeError as error:
+        raise UnreadableFileError(
+            "the zip file names a member by bytes that are no text", file=name
+        ) from error
+    except (NotImplementedError, RuntimeError, ValueError) as error:
         raise UnreadableFileError(
             f"the zip file uses what this program cannot open ({error})", file=name
         ) from error
@@ -165,7 +191,7 @@ def _top_folder(members: Mapping[str, zipfile.ZipInfo], name: str) -> PurePosixP
 def _content(archive: zipfile.ZipFile, member: zipfile.ZipInfo, name: str) -> bytes:
     """Return the content of a member, whatever size its header claims."""
     limit = GREATEST_DESCRIPTION_BYTES if member.filename.endswith(DESCRIPTION) else GREATEST_BYTES
-    with archive.open(member) as stream:
+    with _faults_told(name), archive.open(member) as stream:
         content = stream.read(limit + 1)
     if len(content) > limit:
         raise UnsafeArchiveError(f"member {member.filename!r} exceeds {limit // 2**20} MB", file=name)

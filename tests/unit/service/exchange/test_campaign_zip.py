@@ -1,6 +1,7 @@
 """A campaign travels as a zip of its folder, and no archive harms the program."""
 
 import io
+import random
 import zipfile
 
 import pytest
@@ -8,7 +9,7 @@ import pytest
 from tests.helpers.domain.builders import make_ballbar_campaign, make_campaign
 from truepose.exchange.campaigns.folder import campaign_files
 from truepose.exchange.campaigns.zip_file import read_campaign_zip, write_campaign_zip
-from truepose.exchange.errors import MissingFileError, UnreadableFileError, UnsafeArchiveError
+from truepose.exchange.errors import InputFileError, MissingFileError, UnreadableFileError, UnsafeArchiveError
 
 
 def archive(members, method=zipfile.ZIP_DEFLATED):
@@ -147,3 +148,40 @@ def test_a_file_named_and_not_there_is_missing():
         MissingFileError, match=r"campaign.json, line \d+, key files.calibration: file calibration.csv"
     ):
         read_campaign_zip(archive(members()[:1]))
+
+
+METHODS = [zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED, zipfile.ZIP_BZIP2, zipfile.ZIP_LZMA]
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_damaged_content_of_every_packing_is_one_sentence(method):
+    data = bytearray(archive([("campaign.json", "{}" * 500)], method))
+    begin = data.index(b"campaign.json") + len("campaign.json")
+    data[begin + 4 : begin + 16] = b"\xff" * 12
+
+    with pytest.raises(UnreadableFileError) as refused:
+        read_campaign_zip(bytes(data), "upload.zip")
+    assert str(refused.value).startswith("upload.zip: ")
+
+
+def test_a_name_that_is_no_text_is_one_sentence():
+    data = archive([*members(), ("caf\u00e9.csv", "x")]).replace("caf\u00e9".encode(), b"caf\xff\xfe")
+
+    with pytest.raises(UnreadableFileError, match="by bytes that are no text"):
+        read_campaign_zip(data, "upload.zip")
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_no_byte_that_is_changed_ends_in_a_traceback(method):
+    whole = archive(members(), method)
+    draw = random.Random(1)
+    refused = 0
+    for _ in range(100):
+        data = bytearray(whole)
+        for _ in range(draw.randint(1, 4)):
+            data[draw.randrange(len(data))] = draw.randrange(256)
+        try:
+            read_campaign_zip(bytes(data))
+        except InputFileError:
+            refused += 1
+    assert refused > 20
