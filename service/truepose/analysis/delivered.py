@@ -8,6 +8,7 @@ from typing import Final
 from truepose.analysis.drafts import DraftDesk
 from truepose.analysis.errors import NotReadyError
 from truepose.domain.measurement.series import Values
+from truepose.exchange.tables.texts import written_text
 from truepose.storage.files.drafts import Draft
 from truepose.storage.measurement.series import SeriesRecord, SeriesRepository
 from truepose.storage.records import Page
@@ -33,5 +34,9 @@ async def _table(series: SeriesRepository, record: SeriesRecord) -> AsyncIterato
 
 def _lines(rows: Iterable[tuple[str, ...] | Values]) -> bytes:
     written = io.StringIO()
-    csv.writer(written).writerows(rows)
+    csv.writer(written).writerows([_cell(value) for value in row] for row in rows)
     return written.getvalue().encode()
+
+
+def _cell(value: str | float | None) -> str | float | None:
+    return written_text(value) if isinstance(value, str) else value

@@ -92,9 +92,10 @@ def _write(file: Path, changes: "Sequence[Change]") -> None:
     import csv
 
     from truepose.analysis.archive.changes import table
+    from truepose.exchange.tables.texts import written_text
 
     with writing(file), file.open("w", encoding="utf-8", newline="") as opened:
-        csv.writer(opened).writerows(table(changes))
+        csv.writer(opened).writerows(map(written_text, row) for row in table(changes))
 
 
 def _lines(anew: "Anew", table: Path) -> Iterator[str]:

@@ -32,6 +32,7 @@ from truepose.exchange.tables.table import (
     one_of,
     table_parts,
 )
+from truepose.exchange.tables.texts import read_text, written_text
 from truepose.exchange.unit_suffix import in_other_unit
 from truepose.kinematics.frames import rotation_from_quaternion
 from truepose.kinematics.inverse import BRANCH_NAMES
@@ -162,7 +163,7 @@ def _require_whole_rows(table: Table, joints_rad: FloatArray | None) -> None:
 def _names(part: TablePart, first: int) -> tuple[str, ...]:
     """Return what targets are called: as they stand, else by their numbers from 1."""
     if _NAME in part.cells:
-        return tuple(str(name).strip() for name in part.cells[_NAME])
+        return tuple(read_text(str(name).strip()) for name in part.cells[_NAME])
     return tuple(str(first + row) for row in range(1, len(part.table.lines) + 1))
 
 
@@ -172,7 +173,7 @@ def correction_cells(names: Sequence[str], found: Corrections) -> dict[str, list
     columns = zip(joint_names(joints.shape[1]), joints.T, strict=True)
     ok = found.solved  # joints that do not lead to the target must not find their way into a program
     return {
-        _NAME: [_quoted(name) for name in names],
+        _NAME: [_cell(name) for name in names],
         _BRANCH: [
             BRANCH_NAMES[number] if good and number != ANY_BRANCH else ""
             for number, good in zip(found.branch.tolist(), ok.tolist(), strict=True)
@@ -194,9 +195,11 @@ def _written(values: FloatArray, form: str) -> list[str]:
     return [format(value, form) if np.isfinite(value) else "" for value in values.tolist()]
 
 
-def _quoted(name: str) -> str:
-    quoted = name.replace('"', '""')
-    return f'"{quoted}"' if set(name) & set(',"\r\n') else name
+def _cell(text: str) -> str:
+    """Return a text as a cell of CSV."""
+    written = written_text(text)
+    quoted = written.replace('"', '""')
+    return f'"{quoted}"' if set(written) & set(',"\r\n') else written
 
 
 class CorrectionWriter:
@@ -210,7 +213,7 @@ class CorrectionWriter:
         """Append rows in their order; of `own` columns those that the answer does not have."""
         cells = correction_cells(names, found)
         kept = {
-            _quoted(name): [_quoted(str(cell)) for cell in column]
+            _cell(read_text(name)): [_cell(read_text(str(cell))) for cell in column]
             for name, column in own.items()
             if name and name not in cells
         }

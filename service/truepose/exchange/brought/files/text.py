@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from typing import Final
 
 from truepose.exchange.errors import UnreadableFileError
+from truepose.exchange.tables.texts import read_text
 
 LONGEST_LINE: Final = 2**16
 _LOOKED_AT: Final = 60  # lines, to see what separates
@@ -92,10 +93,10 @@ def _only_decimal(lines: Sequence[str]) -> bool:
 
 
 def cells_of(line: str, separator: str | None) -> list[str]:
-    """Return the cells of a line."""
+    """Return the cells of a line; a text that an export of ours keeps from being a formula as it was."""
     if separator is None:
         return line.split()
-    return [cell.strip() for cell in next(csv.reader([line], delimiter=separator), [])]
+    return [read_text(cell.strip()) for cell in next(csv.reader([line], delimiter=separator), [])]
 
 
 def decimal_mark(rows: Sequence[Sequence[str]]) -> str:
