@@ -1,5 +1,6 @@
 """Lists over all kinds of records, and how one came of another, on a database that a demo run left."""
 
+import contextlib
 import sqlite3
 
 import pytest
@@ -90,7 +91,7 @@ async def test_a_text_finds_what_it_stands_in(work, text, kinds):
 
 
 async def test_a_session_is_found_by_who_let_the_arm_move(work, left):
-    with sqlite3.connect(left) as connection:
+    with contextlib.closing(sqlite3.connect(left)) as connection, connection:
         ((person,),) = connection.execute(
             "SELECT DISTINCT person FROM session_states WHERE person IS NOT NULL AND state = 'running'"
         )
@@ -137,7 +138,7 @@ async def test_a_correction_is_simulated_as_the_readings_of_its_model_are(left, 
     file = tmp_path / "corrected.sqlite3"
     file.write_bytes(left.read_bytes())
     named = "recorded_at, job_id, model_id, name, original_sha256, corrected_sha256, asked, document"
-    with sqlite3.connect(file) as connection:
+    with contextlib.closing(sqlite3.connect(file)) as connection, connection:
         connection.executemany(
             f"INSERT INTO corrections ({named}, targets, file) "
             "VALUES ('2027', 1, ?, 'weld.mod', '', '', '{}', '{}', x'', x'')",
@@ -157,7 +158,7 @@ async def test_a_correction_is_simulated_as_the_readings_of_its_model_are(left, 
 async def test_ten_thousand_records_are_listed_and_searched_a_page_at_a_time(left, tmp_path):
     file = tmp_path / "many.sqlite3"
     file.write_bytes(left.read_bytes())
-    with sqlite3.connect(file) as connection:
+    with contextlib.closing(sqlite3.connect(file)) as connection, connection:
         connection.execute(
             "INSERT INTO campaigns (recorded_at, name, robot, summary, session_ids, archive, campaign) "
             "WITH RECURSIVE numbers(n) AS (SELECT 1 UNION ALL SELECT n + 1 FROM numbers WHERE n < 10000) "
