@@ -62,7 +62,7 @@ def started(campaign: Campaign, effects: tuple[str, ...] | None, *, relabel: boo
     if steps is not None and not steps.of_lengths:
         corrected = with_steps(corrected, fitted, steps)
         problem, fitted = _fitted(corrected, chosen)
-    status, message = verdict.outcome(corrected, problem, fitted, fitted)
+    status, message = verdict.outcome(corrected, problem, fitted)
     scene = scene_of(problem, fitted)
     if status is Status.OUTLIERS_DOMINATE:
         shared = gathered(scene, fitted.gross[0])
@@ -77,7 +77,7 @@ def started(campaign: Campaign, effects: tuple[str, ...] | None, *, relabel: boo
 def stands(start: Start, fitted: RobustFit) -> bool:
     """Whether with what was found the readings fit one another."""
     extended = replace(start.problem, structure=fitted.structure)
-    status, _ = verdict.outcome(start.campaign, extended, fitted, fitted)
+    status, _ = verdict.outcome(start.campaign, extended, fitted)
     return status not in _UNUSABLE
 
 

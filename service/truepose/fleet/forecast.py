@@ -58,15 +58,6 @@ def passing(fleet: Fleet, named: Named, limit_mm: float) -> Passing | None:
     return Passing(limit_mm, at(named.size_mm), at(high), at(low))
 
 
-def probability_passed(fleet: Fleet, named: Named, limit_mm: float, day: float) -> float:
-    """Return the probability that a change that goes on evenly has passed a limit by a day."""
-    first, last = _span(fleet, named)
-    if day <= first:
-        return 0.0
-    needed = limit_mm * (last - first) / (day - first)
-    return 0.5 * math.erfc((needed - named.size_mm) / (named.size_u_mm * math.sqrt(2.0)))
-
-
 def _span(fleet: Fleet, named: Named) -> tuple[float, float]:
     """Return the day since which a line goes on, and the last that saw it."""
     return named.change.since, float(fleet.day[concerned(fleet, named)].max())

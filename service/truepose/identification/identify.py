@@ -143,7 +143,7 @@ def _answer(
     model = model if held_out is None else replace(model, discrepancy_mm=held_out.discrepancy_mm())
     tell(0.9, "naming what the data leave open")
     gross = outliers(identified)
-    status, message = verdict.outcome(campaign, problem, identified, nominal)
+    status, message = verdict.outcome(campaign, problem, identified)
     # Where nothing fits, the covariance speaks of the misfit, not of what the configurations can see.
     trusted = status in (Status.CONVERGED, Status.NOT_CONVERGED)
     named = _not_identifiable(problem, identified) if trusted else ()

@@ -244,7 +244,7 @@ def level_curve(selected: Selected, scene: Scene, group: tuple[Candidate, ...]) 
     return _curve(axis, (quantity, "mm"), told, levels, _line(weights, *values_of(selected, names)))
 
 
-def agreement_curve(selected: Selected, scene: Scene, group: tuple[Candidate, ...]) -> Curve | None:
+def agreement_curve(selected: Selected, group: tuple[Candidate, ...]) -> Curve | None:
     """Return the shift that readings show along the way of a cause, against what the cause foretells."""
     names = names_of(group)
     effect = effect_of(selected, names)

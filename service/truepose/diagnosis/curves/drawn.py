@@ -33,7 +33,6 @@ DRAWN_BY = {
     "joint": joint_curve,
     "shift": shape_curve,
     "level": level_curve,
-    "agreement": agreement_curve,
 }
 
 
@@ -45,8 +44,9 @@ class _Way(NamedTuple):
 
 def finding_curve(selected: Selected, scene: Scene, group: tuple[Candidate, ...]) -> Curve | None:
     """Return the residuals without a finding, and the finding over them; None where no reading feels it."""
-    draw = DRAWN_BY[drawn_as(group[0].effect)]
-    return draw(selected, scene, group) or agreement_curve(selected, scene, group)
+    draw = DRAWN_BY.get(drawn_as(group[0].effect))
+    own = None if draw is None else draw(selected, scene, group)
+    return own or agreement_curve(selected, group)
 
 
 def remaining_curve(selected: Selected, scene: Scene, depends: Depends) -> Curve | None:

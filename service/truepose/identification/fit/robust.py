@@ -134,7 +134,7 @@ def robust_fit(structure: Structure, blocks: tuple[Block, ...], start: FloatArra
             for block, flags in zip(soft, gross, strict=True)
         )
         solution = _refit(structure, blocks, gentle.values, gentle.final)
-    return RobustFit(structure, blocks, solution, gross, _stated_chi2(structure, blocks, solution))
+    return RobustFit(structure, blocks, solution, gross, _stated_chi2(blocks, solution))
 
 
 def counted_fit(structure: Structure, blocks: tuple[Block, ...], start: FloatArray) -> RobustFit:
@@ -143,10 +143,10 @@ def counted_fit(structure: Structure, blocks: tuple[Block, ...], start: FloatArr
     Parameters and start as of `robust_fit`.
     """
     solution = fit(structure, blocks, start)
-    blocks = _with_discrepancy(structure, blocks, solution)
+    blocks = _with_discrepancy(blocks, solution)
     solution = _refit(structure, blocks, solution.values, solution.final)
     gross = tuple(np.zeros(len(block.weights), dtype=bool) for block in blocks)
-    return RobustFit(structure, blocks, solution, gross, _stated_chi2(structure, blocks, solution))
+    return RobustFit(structure, blocks, solution, gross, _stated_chi2(blocks, solution))
 
 
 def settled(
@@ -154,7 +154,7 @@ def settled(
 ) -> RobustFit:
     """Fit from a start that is close: decisions of an earlier fit stand in `blocks` and are made again."""
     blocks, gross, solution = _hard_rounds(structure, blocks, fit(structure, blocks, start), rounds)
-    return RobustFit(structure, blocks, solution, gross, _stated_chi2(structure, blocks, solution))
+    return RobustFit(structure, blocks, solution, gross, _stated_chi2(blocks, solution))
 
 
 def _hard_rounds(
@@ -175,7 +175,7 @@ def _hard_rounds(
             block.weighted(weights, block.discrepancy)
             for block, (_, weights) in zip(blocks, judged, strict=True)
         )
-        blocks = _with_discrepancy(structure, blocks, solution)
+        blocks = _with_discrepancy(blocks, solution)
         solution = _refit(structure, blocks, solution.values, solution.final)
         key = b"".join(np.round(weights, 2).tobytes() for _, weights in judged)
         if key in seen:
@@ -276,16 +276,14 @@ def _foretold(block: Block, result: BlockResult, covariance: FloatArray) -> Floa
     return variance
 
 
-def _with_discrepancy(
-    structure: Structure, blocks: tuple[Block, ...], solution: Solution[Joint]
-) -> tuple[Block, ...]:
+def _with_discrepancy(blocks: tuple[Block, ...], solution: Solution[Joint]) -> tuple[Block, ...]:
     return tuple(
-        block.weighted(block.weights, _discrepancy(structure, block, result, solution))
+        block.weighted(block.weights, _discrepancy(block, result, solution))
         for block, result in zip(blocks, solution.final.results, strict=True)
     )
 
 
-def _discrepancy(structure: Structure, block: Block, result: BlockResult, solution: Solution[Joint]) -> float:
+def _discrepancy(block: Block, result: BlockResult, solution: Solution[Joint]) -> float:
     own = block.own_discrepancy()
     if own is not None:
         return own
@@ -336,7 +334,7 @@ def degrees_of_freedom(block: Block, result: BlockResult, covariance: FloatArray
     return float(max(kept - absorbed, 1.0))
 
 
-def _stated_chi2(structure: Structure, blocks: tuple[Block, ...], solution: Solution[Joint]) -> float:
+def _stated_chi2(blocks: tuple[Block, ...], solution: Solution[Joint]) -> float:
     total, degrees = 0.0, 0.0
     for block, result in zip(blocks, solution.final.results, strict=True):
         if block.stated_sigma() == 0.0:

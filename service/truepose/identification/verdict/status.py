@@ -91,9 +91,7 @@ def _evidence(points: PointReadings) -> Evidence:
     return Evidence(points.stops.joints_rad, points.nest, points.position_mm)
 
 
-def outcome(
-    campaign: Campaign, problem: Problem, identified: RobustFit, nominal: RobustFit
-) -> tuple[Status, Sentence]:
+def outcome(campaign: Campaign, problem: Problem, identified: RobustFit) -> tuple[Status, Sentence]:
     """Return status and message of a fit."""
     share = float(np.mean(identified.gross[0]))
     typical = _typical(identified)

@@ -38,12 +38,12 @@ def draw_goals(wish: ContactWish, n: int, rng: np.random.Generator) -> Goals:
     """Draw n places of a tool that touches, or comes near."""
     groups = groups_of(wish)
     group = rng.integers(len(groups), size=n)
-    goals = [_of_group(wish, number, targets, n, rng) for number, targets in enumerate(groups)]
+    goals = [_of_group(wish, targets, n, rng) for targets in groups]
     return Goals(group, *(np.choose(group[:, None], column) for column in zip(*goals, strict=True)))
 
 
 def _of_group(
-    wish: ContactWish, number: int, targets: tuple[Target, ...], n: int, rng: np.random.Generator
+    wish: ContactWish, targets: tuple[Target, ...], n: int, rng: np.random.Generator
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     first = targets[0]
     match first.kind:

@@ -5,7 +5,7 @@ import pytest
 
 from tests.helpers.fleet.linear import drawn
 from truepose.fleet.changes import account_of
-from truepose.fleet.forecast import passing, probability_passed
+from truepose.fleet.forecast import passing
 
 _GAP = np.array([0.0, 0.0, 1.0, 0.0])
 _SCALE = np.array([0.0, 0.0, 0.0, 1.0])
@@ -106,11 +106,9 @@ def test_a_forecast_is_the_crossing_of_its_line():
 
     assert found.day == pytest.approx(180.0)  # twice what it came to within 90 days
     assert found.earliest < found.day < found.latest
-    for day, chance in ((found.earliest, 0.05), (found.day, 0.5), (found.latest, 0.95)):
-        assert probability_passed(account.fleet, change, 2.0 * change.size_mm, day) == pytest.approx(
-            chance, abs=1e-9
-        )
-    assert probability_passed(account.fleet, change, 1.0, 0.0) == 0.0
+    for day, deviations in ((found.earliest, 1.6449), (found.latest, -1.6449)):  # 5 and 95 % of a normal size
+        size_mm = change.size_mm + deviations * change.size_u_mm
+        assert size_mm * day / 90.0 == pytest.approx(2.0 * change.size_mm, rel=1e-4)
 
 
 def test_campaigns_that_scatter_more_than_their_readings_count_less():

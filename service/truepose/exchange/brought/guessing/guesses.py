@@ -48,7 +48,7 @@ def guessed(sheet: Sheet) -> tuple[Guess, ...]:
     found = _points_of_a_row(found, names)
     found = _once_each(found)
     return tuple(
-        _with_unit(found[at], at, found, values) if at in found else _nothing(sheet, at)
+        _with_unit(found[at], found, values) if at in found else _nothing(sheet, at)
         for at in range(len(sheet.header))
     )
 
@@ -214,7 +214,7 @@ def _once_each(found: Guesses) -> Guesses:
     return found
 
 
-def _with_unit(guess: Guess, column: int, found: Guesses, values: Sequence[FloatArray]) -> Guess:
+def _with_unit(guess: Guess, found: Guesses, values: Sequence[FloatArray]) -> Guess:
     """Return the guess with a unit: that of its name, else what the size of all columns of its kind says."""
     meaning = guess.meaning
     units = QUANTITIES[meaning.quantity].units
