@@ -1,7 +1,8 @@
 """Moments of jumps: of many readings only some gaps are tried; what jumped is then placed in the very gap.
 
 A moment that is off by some readings leaves these on the wrong side: they would pass for bad ones. So they
-weigh here as they did before any jump was known.
+weigh here as they did before any jump was known. A jump between two tried moments is often chosen at both of
+them, one after the other: two that meet in one gap are one jump.
 """
 
 from dataclasses import replace
@@ -25,7 +26,8 @@ def with_exact_moments(start: RobustFit, selected: Selected, propose: Propose, s
     solution = fit(selected.fit.structure, start.blocks, selected.fit.values)
     weighed = replace(selected.fit, blocks=start.blocks, solution=solution, gross=start.gross)
     placed = {pick.names: _placed(weighed, selected, pick, scene) for pick in jumps}
-    picks = tuple(placed.get(pick.names, pick) for pick in selected.picks)
+    found = (placed.get(pick.names, pick) for pick in selected.picks)
+    picks = tuple({pick.names: pick for pick in found}.values())
     return selected if picks == selected.picks else reselected(start, selected, picks, propose)
 
 

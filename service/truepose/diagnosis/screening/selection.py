@@ -6,6 +6,7 @@ others (`chosen`). Then everything is fitted again, gross readings included, and
 
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -94,7 +95,7 @@ def chosen(pool: Pool) -> Choice:
     picks = dict[int, Candidate]()
     while True:
         grown, full = _grown(pool, picks, refuted)
-        kept = dict(zip(picks, _each_worth(tuple(picks.items()), grown), strict=True))
+        kept = {index: _judged(index, pick, grown).pick for index, pick in picks.items()}
         refuted |= {index for index, pick in kept.items() if pick is None}
         held = {index: pick for index, pick in kept.items() if pick is not None}
         if len(held) == len(picks):
@@ -176,19 +177,34 @@ def refitted(start: RobustFit, previous: RobustFit, picks: Sequence[Candidate]) 
 
 
 def _worth(picks: Sequence[Candidate], pool: Pool) -> list[Candidate]:
-    """Return the picks that still explain more than their parameters cost, beside all others."""
+    """Return the picks that still explain more than their parameters cost, beside all others.
+
+    Two that tell one story are each worth nothing beside the other: the worst goes alone, and the others are
+    judged again without it.
+    """
     placed = [(pool.index_of(pick), pick) for pick in picks]
-    return [pick for pick in _each_worth(placed, pool) if pick is not None]
+    gone: tuple[str, ...] = ()
+    while True:
+        judged = [_judged(index, pick, pool, gone) for index, pick in placed]
+        if all(one.pick is not None for one in judged):
+            return [one.pick for one in judged if one.pick is not None]
+        worst = int(np.argmin([np.inf if one.pick is not None else one.score for one in judged]))
+        gone += placed.pop(worst)[1].names
 
 
-def _each_worth(picks: Sequence[tuple[int, Candidate]], pool: Pool) -> list[Candidate | None]:
-    """Return each fitted pick, as large as it should be; None where it is not worth its parameters."""
-    found = list[Candidate | None]()
-    for index, pick in picks:
-        screened = screen(pool.of((index,)).view(without=pick.names))
-        worth = screened.p_value[0] <= LEVEL and screened.score[0] > 0.0
-        found.append(_sized(pool.all[index], screened, 0) if worth else None)
-    return found
+class _Judged(NamedTuple):
+    """A fitted pick, as large as it should be; None where it is not worth its parameters."""
+
+    pick: Candidate | None
+    score: float
+
+
+def _judged(index: int, pick: Candidate, pool: Pool, gone: tuple[str, ...] = ()) -> _Judged:
+    """Judge a fitted pick beside the others, those left out whose parameters are `gone`."""
+    screened = screen(pool.of((index,)).view(without=(*pick.names, *gone)))
+    score = float(screened.score[0])
+    worth = screened.p_value[0] <= LEVEL and score > 0.0
+    return _Judged(_sized(pool.all[index], screened, 0) if worth else None, score)
 
 
 def reselected(

@@ -7,7 +7,9 @@ from tests.helpers.diagnosis.selections import make_start, select_from
 from tests.helpers.identification.synthetic import NOISE_MM
 from truepose.diagnosis.circumstances import scene_of
 from truepose.diagnosis.diagnose import proposed
+from truepose.diagnosis.screening.candidates import pooled
 from truepose.diagnosis.screening.jump_moments import with_exact_moments
+from truepose.diagnosis.screening.selection import Selected, refitted
 
 READINGS = 130  # 123 gaps have readings enough beside them: every third is tried
 
@@ -47,3 +49,19 @@ def test_without_a_jump_nothing_is_placed():
     selected = select_from(start, propose)
 
     assert with_exact_moments(start.fit, selected, propose, start.scene) is selected
+
+
+def test_two_jumps_that_meet_in_one_gap_are_one_jump():
+    start, middle_s, propose = jumped(after=41)
+    subject = "joint 3, time, jump"
+    tried = sorted((one for one in propose(start.fit) if one.subject == subject), key=lambda one: one.variant)
+    before = [one for one in tried if one.variant < middle_s - 1.0][-1]
+    after = next(one for one in tried if one.variant > middle_s + 1.0)
+    fit = refitted(start.fit, start.fit, (before, after))
+    selected = Selected(fit, (before, after), pooled(fit, (before, after, *propose(fit))), full=False)
+
+    placed = with_exact_moments(start.fit, selected, propose, start.scene)
+
+    (pick,) = placed.picks
+    assert pick.variant == pytest.approx(middle_s, abs=1e-6)
+    assert len(set(placed.fit.structure.names)) == len(placed.fit.structure.names)
