@@ -207,7 +207,7 @@ class Hands:
     def _detach(self, _: _Nothing) -> None:
         if self._ballbar.seat(self._workplace.now_s) is None:
             raise HandsError("the ballbar is not attached to anything")
-        self._ballbar.take_off()
+        self._ballbar.take_off(self._workplace.now_s)
 
     def _hold(self, _: _Nothing) -> None:
         self._ballbar.take_in_hand()

@@ -57,11 +57,6 @@ class OnlookedCell(RememberedCell):
         return next((seat for since_s, seat in reversed(self._seats) if since_s <= time_s), "")
 
     @property
-    def is_silent(self) -> bool:
-        """Whether the ballbar gives no signal: it is switched off or unplugged."""
-        return self.ballbar.sample(self.clock.now_s).signal == "none"
-
-    @property
     def seat(self) -> str:
         """What the ballbar is on now."""
         return words(self.ballbar.seat(self.clock.now_s))

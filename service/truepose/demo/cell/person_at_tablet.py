@@ -23,6 +23,7 @@ _ADVICE: Final = "skip with that reason"  # where two balls are too close togeth
 _ADVISED: Final = 20  # times, until it is followed
 _LOOK_S: Final = 0.02
 _UNREADABLE: Final = "The length is out of range."
+_OFF: Final = "It lies beside the arm."  # kept where it was not seen to come off
 Session: TypeAlias = dict[str, Any]  # as the service shows it
 
 
@@ -134,7 +135,8 @@ class PersonAtTablet:
                 await self.hands("remove_ball")
             case "detach":
                 await self.hands("detach")
-        if (await self.act("confirm", step["id"])).is_error:
+        known = {"reason": _OFF} if step["kind"] in {"detach", "move"} else {}
+        if (await self.act("confirm", step["id"], **known)).is_error:
             await asyncio.sleep(_LOOK_S)
 
     async def _read(self, step: dict[str, Any]) -> None:

@@ -157,12 +157,13 @@ class ActHandlers:
     async def _word_that_it_is_off(self, act: Act) -> str:
         """Return the person's reason where nothing shows that the ballbar is off; "" where samples do.
 
-        Raises NotNowError where it reads a length, ReasonMissingError.
+        What another ballbar shows says nothing of the one that may be attached. Raises NotNowError where a
+        length is read, ReasonMissingError.
         """
         evidence, now_s = self._session.readings.evidence, await self._clock.now_s()
         if evidence.says(now_s) == "connected":
             raise NotNowError(STILL_ON)
-        if not evidence.needs_reason(now_s):
+        if not (self._session.now.exchanged or evidence.needs_reason(now_s)):
             return ""
         reason = act.reason.strip()
         if not reason:

@@ -141,6 +141,8 @@ class BallbarRunner(SessionRunner[Situation]):
         asks_for_off = step is not None and step.kind in NEEDS_BALLBAR_OFF
         if act.name is ActName.CONFIRM and self._runs and asks_for_off:
             self.require(act)
+            with contextlib.suppress(DriverError):  # then nothing is known of it
+                await self._readings.ask()  # it may have been exchanged behind a link that stays up
             await self._readings.settle()
 
     async def do(self, act: Act) -> ActOutcome:

@@ -49,6 +49,7 @@ class Situation:
     shown: bool  # its prompt is on record
     confirmed: bool  # of a motion: a person has just said that the cell is clear
     attached: bool  # the ballbar, as far as known
+    exchanged: bool  # another ballbar may answer than the one that may be attached
     suspicion: OpenSuspicion | None
     acting: ActingTablet | None
     initialisations: int  # so far
@@ -140,6 +141,7 @@ def situation_of(plan: BallbarPlan, kit: BallbarKit, record: BallbarRecord) -> S
         shown=step is not None and record.shown == step.id,
         confirmed=step is not None and record.confirmed == step.id,
         attached=record.attached,
+        exchanged=record.exchanged,
         suspicion=record.suspicion,
         acting=record.acting,
         initialisations=record.initialisations,

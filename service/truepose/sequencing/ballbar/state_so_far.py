@@ -62,6 +62,7 @@ class BallbarRecord(Record):
     """The ledger of a ballbar session so far."""
 
     attached: bool = False
+    exchanged: bool = False  # another ballbar may answer than the one that may be attached
     ball_fitted: bool = False
     arm_at: str | None = None  # the motion that brought the arm where it stands; None: not known
     last_stop: str | None = None  # the motion that ended last, wherever the arm is now
@@ -147,8 +148,11 @@ class BallbarRecord(Record):
         if entry.control is Control.ZERO_LOST:
             self._lose_zero()
         taken = entry.identity
-        if taken is not None and taken.device == "ballbar" and self.initialisations:
+        if taken is None or taken.device != "ballbar":
+            return
+        if self.initialisations:
             self._lose_zero()  # whoever comes, goes or falls silent has a zero of its own
+        self.exchanged |= self.attached and taken.finding in {"accepted", "silent"}
 
     def _lose_zero(self) -> None:
         self.zero_lost, self.last_zero, self.shown = True, None, None
@@ -206,7 +210,7 @@ class BallbarRecord(Record):
     def _note_consequences(self, entry: LedgerEntry, kind: StepKind | None) -> None:
         match kind:
             case StepKind.DETACH:
-                self.attached = False
+                self.attached = self.exchanged = False
             case StepKind.FIT_BALL:
                 self.ball_fitted = True
             case StepKind.REMOVE_BALL:

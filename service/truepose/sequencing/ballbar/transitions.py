@@ -17,6 +17,7 @@ from truepose.sequencing.ballbar.measuring.readings import Readings
 from truepose.sequencing.ballbar.motion import Motion
 from truepose.sequencing.ballbar.plan import step_ids
 from truepose.sequencing.ballbar.situation import Situation
+from truepose.sequencing.ballbar.state_so_far import READINGS
 from truepose.sequencing.engine.acts import Act
 from truepose.sequencing.engine.identity.check import IdentityCheck
 from truepose.sequencing.engine.identity.expected import accepted, same_number, sentence
@@ -69,6 +70,8 @@ class Transitions:
         step = self.now.step
         number = await self.logbook.append(EntryKind.SHOWN, step.id if step else "", act, text=text)
         self.readings.begin_anew()
+        if step is not None and step.kind in READINGS:
+            self.readings.evidence.expect_length()
         return number
 
     async def store(self, taken: LengthTaken, act: Act | None = None) -> tuple[int, Suspicion | None]:

@@ -19,6 +19,7 @@ BarSet: TypeAlias = Literal["tool", "base"]
 # What the display shows at the stops of the transducer, beyond anything within its range.
 _AT_STOP = 1.05
 _ENDS = 2
+_AWAKE_S = 1.5  # so long a bar that was let go shows its stop before it spares its battery
 # A hand that plays with the bar: mostly run out to its end, now and then through its range.
 _SWAY_RANGES, _SWAY_S = 1.5, 0.8  # about twice the range, either way, and how long one to and fro takes
 
@@ -94,7 +95,7 @@ class Ballbar:
         self._noise = noise
         self._handling = handling
         self._seat: Seat | None = None
-        self._comes_off_s = math.inf
+        self._comes_off_s = -math.inf  # when it comes off its seat, or came off the last one
         self._offset_mm = 0.0  # of the transducer, with these bars
         self._walk_mm = 0.0  # of the zero since the last initialisation
         self._initialisation = 0
@@ -127,10 +128,10 @@ class Ballbar:
         self._snap(_ENDS)
         self._sit(span)
 
-    def take_off(self) -> None:
-        """Lie aside."""
+    def take_off(self, time_s: float) -> None:
+        """Lie aside from a cell time on."""
         self._snap(1)
-        self._seat = None
+        self._comes_off_s = time_s
 
     def take_in_hand(self) -> None:
         """Be held by the person, off every ball."""
@@ -146,8 +147,12 @@ class Ballbar:
         self._sequence += 1
         temperature_c = self._around.temperature_c(time_s)
         seat = self.seat(time_s)
-        if seat is None or not self.plugged or not self.switched_on:
+        asleep = seat is None and time_s - self._comes_off_s > _AWAKE_S
+        if asleep or not self.plugged or not self.switched_on:
             return BallbarSample(math.nan, "none", temperature_c, self._sequence)
+        if seat is None:  # its spring has run it out
+            stop_mm = _AT_STOP * self.setup.range_mm
+            return BallbarSample(stop_mm, "out_of_range", temperature_c, self._sequence)
         shown = self._length_mm(seat, time_s) - self.nominal_mm + self._offset_mm + self._walk_mm
         if self._noise is not None:
             shown += self.setup.noise_mm * float(self._noise.standard_normal())

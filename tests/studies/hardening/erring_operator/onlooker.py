@@ -35,7 +35,6 @@ class Seen:
 
     motions: int = 0
     faults: list[str] = field(default_factory=list)  # motions that must not have been
-    unseen: list[str] = field(default_factory=list)  # with a bar attached that gave no signal
     before: Phase = field(default_factory=Phase)
     after: Phase = field(default_factory=Phase)
     other_kept: Counter[str] = field(default_factory=Counter)  # wrong zeros and sides, kept silently
@@ -72,9 +71,7 @@ class Onlooker:
     def _motion(self, waypoints_rad: Sequence[FloatArray], limits: SpeedLimits) -> None:
         self._seen.motions += 1
         seat = self._cell.seat
-        if "T" in seat and self._cell.is_silent:
-            self._seen.unseen.append(f"the arm moves with a ballbar at {seat} that gives no signal")
-        elif "T" in seat:
+        if "T" in seat:
             self._fault(f"the arm moves with the ballbar at {seat}")
         last = next((line for line in reversed(self._service.lines()) if _matters(line)), None)
         if last is None or last["kind"] != "confirmed" or not last["step_id"].endswith("/move"):

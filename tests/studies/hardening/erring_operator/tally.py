@@ -16,7 +16,7 @@ class Tally:
 
     sessions: int = 0
     accidents: int = 0  # a magnet torn off by a motion
-    motions_attached: int = 0  # with those on which the ballbar gave no signal (`seen.unseen`)
+    motions_attached: int = 0
     seen: Seen = field(default_factory=Seen)
     errors: Counter[str] = field(default_factory=Counter)
     acknowledged: int = 0
@@ -25,7 +25,7 @@ class Tally:
 
     @property
     def passed(self) -> bool:
-        """Whether something moved, nothing that a signal spoke against, and nothing is lost or broken."""
+        """Whether something moved, nothing of it with the ballbar attached, and nothing is lost or broken."""
         wrong = self.seen.faults or self.lost or self.broken
         return self.seen.motions > 0 and not wrong
 
@@ -56,7 +56,6 @@ def joined(tallies: Sequence[Tally]) -> Tally:
         whole.broken += tally.broken
         whole.seen.motions += tally.seen.motions
         whole.seen.faults += tally.seen.faults
-        whole.seen.unseen += tally.seen.unseen
         whole.seen.examples += tally.seen.examples
         whole.seen.other_kept.update(tally.seen.other_kept)
         whole.seen.other_wrong += tally.seen.other_wrong

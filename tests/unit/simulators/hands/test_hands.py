@@ -116,15 +116,18 @@ async def test_readings_scatter_as_the_ballbar_does_and_have_its_resolution(pose
     assert readings * 1e4 == pytest.approx(np.round(readings * 1e4), abs=1e-6)
 
 
-async def test_nothing_is_shown_while_nothing_is_connected(posed):
+async def test_a_ballbar_that_is_laid_aside_shows_its_stop_and_falls_asleep(posed):
     cell = await posed()
     cell.hands.do("connect", LEG)
     cell.hands.do("detach", {})
 
-    sample = shown(cell)
+    at_its_stop = shown(cell)
+    await cell.clock.sleep(2.0)
+    asleep = shown(cell)
 
-    assert sample.signal == "none"
-    assert math.isnan(sample.deviation_mm)
+    assert (at_its_stop.signal, at_its_stop.deviation_mm) == ("out_of_range", pytest.approx(1.05))
+    assert asleep.signal == "none"
+    assert math.isnan(asleep.deviation_mm)
 
 
 async def test_a_pulled_cable_silences_the_ballbar_until_it_is_in_again(posed):
@@ -188,7 +191,7 @@ async def test_a_motion_beyond_its_travel_tears_the_ballbar_off(posed):
 
     await move(cell, OTHER_POSE)
 
-    assert shown(cell).signal == "none"
+    assert cell.ballbar.seat(cell.clock.now_s) is None
     assert (cell.hands.accidents, cell.hands.motions_attached) == (1, 1)
     with pytest.raises(HandsError, match="not attached"):
         cell.hands.do("detach", {})

@@ -1,17 +1,17 @@
 """What the samples of the ballbar prove: that it is connected, in a hand, off, or nothing at all.
 
-A person's word that the ballbar is off counts where no signal speaks against it. A length within the range
-is such a signal, whether the bar sits between two balls or on its calibrator: a bar that lies aside has run
-to its end, or gives no signal. A bar in a hand may pass through its range, but does not stand still there.
+Nothing known counts as attached. The ballbar is off where it was seen to come off: it left its range, or
+moved as in a hand, while no length was asked for. Else a person says where it lies and how they know.
 
-A bar at its end may also hang where it does not read: between two balls that are too far apart for it, not
-for their magnets. So beyond its range it counts as off only where it was seen to leave its range while no
-length was asked for. Where it showed nothing before, or whoever was asked for a length has put it on
-somewhere, nothing is known.
-
-Only samples that are new prove anything. A device that repeats its count, a reading that is old and a link
-that is lost say nothing: then what was seen last counts where that was a bar that is off, and else a
-person's word with a reason. No word outlives the next length within the range.
+- A length within the range is a ballbar that is connected, between two balls or on its calibrator.
+- No signal proves nothing: a ballbar without supply between two balls is as silent as one in its box. Nor
+  does a count that is repeated, an old reading, a lost link, a device that was restarted, or a reading whose
+  value is within the range and whose signal is not.
+- A ballbar at its end may hang where it does not read: between two balls that are too far apart for it, not
+  for their magnets. So it is off only where it was seen to leave its range; where nothing was seen of it
+  before, or a person was asked for a length, nothing is known until it moves as in a hand.
+- What was seen, and what a person said, holds until the next length within the range, and until a person is
+  next asked to put the ballbar on. It holds through a link that is lost and a ballbar that falls silent.
 """
 
 import math
@@ -37,7 +37,8 @@ _STALE_S: Final = 1.0  # an older sample says nothing of now
 _OFF_S: Final = 0.25  # so long no length must be within the range: a radio link drops samples
 _HAND_MM: Final = 0.05  # between two balls that stand still a length moves by some micrometres
 _HAND_S: Final = 0.1  # a hand that holds the bar within its range does not rest for longer
-_ASLEEP_S: Final = 1.0  # a bar that gave no signal for so long was laid aside; a radio link drops less
+_HAND_MOVES: Final = 3  # in a row: a count that hung jumps once, a wild value there and back
+_ASLEEP_S: Final = 1.0  # a bar that gave no signal for so long may be elsewhere; a radio link drops less
 _PERSISTS_S: Final = 0.4  # so long no hand keeps the bar within its range by chance
 
 
@@ -56,6 +57,7 @@ class Evidence:
         self._may_hang = True  # what is beyond its range now was not seen to come off
         self._value_mm: float | None = None  # where the reading was when it last moved
         self._moved_s = -math.inf  # when that was
+        self._moves = 0  # in a row until then
         self._word = False  # a person gave a reason why it is off
         self._arm_moves = False
         self.seen_in_motion = False  # a length within the range persisted since the arm began to move
@@ -66,11 +68,22 @@ class Evidence:
         Where the zero is not known it is None, and every good reading may be a length within the range.
         `asked`: a person is asked for a length, and may have put the bar on where it does not read.
         """
+        if asked:
+            self.expect_length()
         self._linked = reading is not None
         if reading is None:
             self._begin_anew()
+            self._may_hang = True
         elif reading.sequence is None or reading.sequence != self._sequence:
-            self._follow(reading, off_mm, asked=asked)
+            self._follow(reading, off_mm)
+        elif self.is_stale(reading.time_s):
+            self._may_hang = True
+
+    def expect_length(self) -> None:
+        """Forget that the ballbar is off, seen or said: a person is asked to put it on."""
+        self._word, self._may_hang = False, True
+        if self._proved != "connected":
+            self._proved = "unknown"
 
     def says(self, now_s: float) -> Seen:
         """Return what is known at this moment."""
@@ -115,9 +128,9 @@ class Evidence:
 
     def _begin_anew(self) -> None:
         self._inside_s = self._outside_s = self._value_mm = None
-        self._moved_s = -math.inf
+        self._moved_s, self._moves = -math.inf, 0
 
-    def _follow(self, reading: BallbarReading, off_mm: float | None, *, asked: bool) -> None:
+    def _follow(self, reading: BallbarReading, off_mm: float | None) -> None:
         now_s = reading.time_s
         if self._sample_s is not None and not 0.0 <= now_s - self._sample_s <= _STALE_S:
             self._begin_anew()  # a gap, or a clock that began anew
@@ -127,33 +140,41 @@ class Evidence:
             self._follow_inside(now_s)
             return
         self._inside_s = None
+        self._outside_s = now_s if self._outside_s is None else self._outside_s
         if _is_silent(reading):
             self._follow_silence(now_s)
         else:
-            self._follow_beyond(now_s, asked=asked)
+            self._follow_beyond(now_s, contradicts_itself=self._reads_within(reading, off_mm))
 
     def _follow_silence(self, now_s: float) -> None:
-        self._outside_s = now_s if self._outside_s is None else self._outside_s
         if self._silent_s is None or now_s < self._silent_s:
             self._silent_s = now_s
-        if now_s - self._silent_s >= _OFF_S:
-            self._may_hang, self._proved = False, "off"
+        if self._proved != "off" and self._is_outside(now_s):
+            self._proved = "unknown"
 
     def _follow_inside(self, now_s: float) -> None:
         self._outside_s = self._silent_s = None
         self._word = self._may_hang = False
         self._inside_s = now_s if self._inside_s is None else self._inside_s
-        self._proved = "in_hand" if now_s - self._moved_s < _HAND_S else "connected"
+        self._proved = "in_hand" if self._is_in_hand(now_s) else "connected"
         self.seen_in_motion |= self._arm_moves and now_s - self._inside_s >= _PERSISTS_S
 
-    def _follow_beyond(self, now_s: float, *, asked: bool) -> None:
-        self._outside_s = now_s if self._outside_s is None else self._outside_s
+    def _follow_beyond(self, now_s: float, *, contradicts_itself: bool) -> None:
         woke = self._silent_s is not None and now_s - self._silent_s >= _ASLEEP_S
-        in_hand = now_s - self._moved_s < _HAND_S
-        self._may_hang = (self._may_hang or woke or asked) and not in_hand
+        self._may_hang = (self._may_hang or woke or contradicts_itself) and not self._is_in_hand(now_s)
         self._silent_s = None
-        if now_s - self._outside_s >= _OFF_S:
+        if self._is_outside(now_s):
             self._proved = "unknown" if self._may_hang else "off"
+
+    def _is_outside(self, now_s: float) -> bool:
+        return self._outside_s is not None and now_s - self._outside_s >= _OFF_S
+
+    def _is_in_hand(self, now_s: float) -> bool:
+        return self._moves >= _HAND_MOVES and now_s - self._moved_s < _HAND_S
+
+    def _reads_within(self, reading: BallbarReading, off_mm: float | None) -> bool:
+        """Whether the value is one within the range, whatever the signal says."""
+        return abs(reading.deviation_mm if off_mm is None else off_mm) < self._range_mm - BEYOND_RANGE_MM
 
     def _is_within(self, reading: BallbarReading, off_mm: float | None) -> bool:
         if reading.signal != "good" or not math.isfinite(reading.deviation_mm):
@@ -162,10 +183,12 @@ class Evidence:
 
     def _note_movement(self, reading: BallbarReading) -> None:
         if _is_silent(reading):
-            self._value_mm, self._moved_s = None, -math.inf
+            self._value_mm, self._moved_s, self._moves = None, -math.inf, 0
         elif self._value_mm is None:
             self._value_mm = reading.deviation_mm
         elif abs(reading.deviation_mm - self._value_mm) > _HAND_MM:
+            in_a_row = reading.time_s - self._moved_s < _OFF_S
+            self._moves = self._moves + 1 if in_a_row else 1
             self._value_mm, self._moved_s = reading.deviation_mm, reading.time_s
 
 

@@ -121,8 +121,8 @@ class Readings:
     async def settle(self) -> None:
         """Return once it shows whether the ballbar is off: after one sample, or half a second of samples.
 
-        A ballbar that answers and shows nothing is waited for longer: a computer that has other work looks
-        seldom.
+        A ballbar that answers and shows nothing is waited for longer, unless a person said where it lies: a
+        computer that has other work looks seldom.
         """
         with contextlib.suppress(TimeoutError):
             async with asyncio.timeout(_PATIENCE_S):
@@ -130,12 +130,17 @@ class Readings:
                     if self._closed:
                         return
                     await self._polled.wait()
-                    seen = self.sample.ballbar if self.sample is not None else "unknown"
-                    told = seen == "connected" or self._latest is None
-                    if seen == "off" or (seen == "in_hand" and polls >= _IN_HAND):
+                    if self.sample is not None and self._shows_enough(self.sample, polls):
                         return
-                    if told and polls >= _SETTLES:
-                        return
+
+    def _shows_enough(self, sample: LiveSample, polls: int) -> bool:
+        """Whether so many samples show where the ballbar is, or will not show it."""
+        if self._latest is None or sample.ballbar == "connected":
+            return polls >= _SETTLES
+        if sample.ballbar == "in_hand":
+            return polls >= _IN_HAND
+        silent = sample.state == "no_signal"
+        return sample.ballbar == "off" or not sample.reason_needed or (silent and polls >= _SETTLES)
 
     async def watch(self) -> AsyncIterator[LiveSample]:
         """Yield every sample from now on, until the session ends."""
@@ -237,7 +242,7 @@ class Readings:
             robot_still=robot_still,
             sampled_at_ms=sampled_at_ms,
             ballbar=self.evidence.says(time_s),
-            reason_needed=self.evidence.needs_reason(time_s),
+            reason_needed=now.exchanged or self.evidence.needs_reason(time_s),
             can_store=why_not is None,
             why_not=why_not,
             let_go=not usable or self.contact.is_new(self._window.mean_mm),

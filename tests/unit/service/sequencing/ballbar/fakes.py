@@ -20,11 +20,13 @@ from truepose.sequencing.ballbar.plan import step_ids
 from truepose.sequencing.ballbar.runner import BallbarRunner
 from truepose.sequencing.ballbar.state_so_far import READINGS
 from truepose.sequencing.engine.acts import Act, ActName, ActOutcome
+from truepose.sequencing.errors import ReasonMissingError
 from truepose_drivers.api import BallbarReading, DeviceIdentity, JointReading
 from truepose_drivers.errors import ConnectFailedError, ConnectionLostError, DriverError
 
 HOME = joints(0)
 LIMITS = (JointRange(-1.0, 1.0),) * 6
+_AWAKE_S = 1.5  # so long a ballbar that was let go shows its stop
 _MOST_TURNS = 50  # of the event loop: more than any chain of tasks that wake each other is long
 
 
@@ -77,6 +79,7 @@ class Hands:
         self.offset_mm = 0.0  # added to every true deviation
         self.bars = ""  # "tool" or "base": what is screwed on
         self.connected_s = 0.0
+        self.let_go_s = -math.inf
         self.sways = False  # held in the hand, near its range
 
     def connect(self, what: str, points: tuple[int, int] = (0, 0)) -> None:
@@ -86,6 +89,8 @@ class Hands:
         self.connected_s = self._robot.clock.time_s
 
     def detach(self) -> None:
+        if self.at is not None or self.sways:
+            self.let_go_s = self._robot.clock.time_s
         self.at = None
         self.sways = False
 
@@ -138,6 +143,8 @@ class Bar:
         self.temperature_c: float | None = 22.5
         self.out_of_range_mm: float | None = None
         self.frozen = False  # it repeats its last count
+        self.switched_on = True
+        self.flagged = False  # it says out of range, whatever it reads
         self._samples = count()
         self._number = 0
         self.read_at: tuple[str, tuple[int, int]] | None = None  # where it was at the last reading
@@ -160,12 +167,17 @@ class Bar:
         self._number = number = self._number if self.frozen else next(self._samples)
         self.read_at = self._hands.at
         shown, signal = self._hands.deviation_mm, "good"
-        if math.isnan(shown):
-            signal = "none"
+        asleep = self._clock.time_s - self._hands.let_go_s > _AWAKE_S
+        if not self.switched_on or (math.isnan(shown) and asleep):
+            shown, signal = math.nan, "none"
+        elif math.isnan(shown):
+            shown, signal = 1.05, "out_of_range"
         elif self.out_of_range_mm is not None:
             shown, signal = self.out_of_range_mm, "out_of_range"
         elif number % 2:
             shown += self.wobble_mm
+        if self.flagged and signal == "good":
+            signal = "out_of_range"
         return BallbarReading(shown, signal, 0.0001, self._clock.time_s, self.temperature_c, number)
 
 
@@ -361,7 +373,7 @@ class Bench:
         await self.clear_hands(step_id)
         self.hands.do_as_asked(step_id)
         if ActName.CONFIRM in self.now.acts:
-            await self.press(ActName.CONFIRM)
+            await self.confirm()
         for _ in range(60):
             if self.present != step_id or self.now.suspicion is not None:
                 return step_id
@@ -369,6 +381,14 @@ class Bench:
                 return step_id
             await self.clock.advance(0.1)
         raise AssertionError(f"nothing happens at {step_id}")
+
+    async def confirm(self) -> None:
+        """Confirm the present step, and say where the ballbar lies where that is asked for."""
+        try:
+            await self.press(ActName.CONFIRM)
+        except ReasonMissingError:
+            assert self.hands.at is None, "an honest person does not say that it is off"
+            await self.press(ActName.CONFIRM, reason="it lies on the table")
 
     async def clear_hands(self, step_id: str) -> None:
         """Take the ballbar out of its cups on the way to a new connection, as a person must."""

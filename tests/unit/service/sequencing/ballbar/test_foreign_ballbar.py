@@ -12,7 +12,7 @@ from truepose.domain.measurement.session import SessionState
 from truepose.sequencing.ballbar.plan import step_ids
 from truepose.sequencing.engine.acts import ActName
 from truepose.sequencing.engine.identity.check import Expected
-from truepose.sequencing.errors import NotNowError
+from truepose.sequencing.errors import NotNowError, ReasonMissingError
 from truepose_drivers.errors import NoReplyError
 
 A, B = "B-7", "B-9"
@@ -361,3 +361,22 @@ async def test_every_length_of_a_session_with_two_ballbars_counts_from_a_zero_of
                     number_of[entry.length.initialisation] = entry.length.instrument_serial
                 assert number_of[entry.length.initialisation] == entry.length.instrument_serial
         assert set(number_of.values()) == {A, B}
+
+
+async def test_another_one_shows_nothing_of_where_the_one_before_is():
+    async with Bench(make_plan((1, 2))) as bench:
+        await bench.start()
+        await bench.until("tool/detach")
+        bench.bar.serial = B
+        bench.hands.hold()  # B; the one before is between two balls
+        with pytest.raises(NotNowError):  # it is asked who it is
+            await bench.press(ActName.CONFIRM)
+        assert B in bench.now.question
+        await accept(bench)
+        assert bench.present == "tool/detach"
+
+        with pytest.raises(ReasonMissingError):
+            await bench.press(ActName.CONFIRM)
+        await bench.press(ActName.CONFIRM, reason="the one before is in its box")
+
+        assert not bench.now.attached

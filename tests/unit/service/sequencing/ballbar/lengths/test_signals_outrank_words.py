@@ -65,7 +65,7 @@ async def test_a_ballbar_that_was_seen_to_come_off_is_believed_to_be_off(beyond_
 async def test_a_ballbar_put_on_where_it_does_not_read_takes_a_reason_before_the_arm_moves():
     async with Bench(PLAN) as bench:
         await bench_at(bench, MOVE)
-        await bench.clock.advance(2.0)
+        await bench.clock.advance(4.0)
         bench.hands.connect("leg", (1, 1))
         bench.bar.out_of_range_mm = 1.05
 
@@ -84,9 +84,78 @@ async def test_a_leg_left_out_because_it_is_too_long_takes_a_reason_where_the_ba
         with pytest.raises(ReasonMissingError, match="Nothing is known of the ballbar"):
             await bench.press(ActName.CONFIRM)
 
-        bench.hands.detach()
+        bench.hands.hold()  # at its end it looks the same in the cups and on the table
+        bench.bar.out_of_range_mm = None
         await bench.press(ActName.CONFIRM)
         assert not bench.now.attached
+
+
+@pytest.mark.parametrize("attached_later", [False, True], ids=["read before", "put on unseen"])
+@pytest.mark.parametrize("lost", ["switched off", "cable", "frozen", "restart"])
+async def test_no_motion_begins_while_the_ballbar_is_attached_and_cannot_be_read(lost, attached_later):
+    """Whatever made it unreadable: switched off is no better than a cable that is out."""
+    async with Bench(PLAN) as bench:
+        if attached_later:  # it was seen to be off; then it was put on, and what it does not read is skipped
+            await bench_at(bench, "placement-1/pose-1/initialise")
+            bench.hands.detach()
+            await bench.clock.advance(0.5)
+            await lose(bench, lost)
+            bench.hands.connect("leg", (1, 1))
+            await bench.press(ActName.SKIP, reason="it reads nothing")
+        else:
+            await bench_at(bench, DETACH)
+            await lose(bench, lost)
+        assert bench.present == DETACH
+        before = len(bench.robot.moves)
+
+        for _ in range(3):
+            with pytest.raises(ReasonMissingError, match="Nothing is known of the ballbar"):
+                await bench.press(ActName.CONFIRM)
+            await bench.clock.advance(1.0)
+
+        assert len(bench.robot.moves) == before
+
+
+async def lose(bench: Bench, how: str) -> None:
+    match how:
+        case "switched off":
+            bench.bar.switched_on = False
+        case "cable":
+            bench.bar.plugged = False
+        case "frozen":
+            bench.bar.frozen = True
+        case _:
+            bench.bar.switched_on = False
+            await bench.restart()
+            await bench.press(ActName.CONFIRM)
+    await bench.clock.advance(3.0)
+
+
+async def test_what_a_person_said_does_not_outlive_the_next_length_that_is_asked_for():
+    async with Bench(PLAN) as bench:
+        await bench_at(bench, DETACH)
+        bench.bar.switched_on = False
+        await bench.clock.advance(1.0)
+        bench.hands.detach()
+        await bench.press(ActName.CONFIRM, reason="it lies on the table")
+        await bench.do()  # the motion
+        assert bench.present == "placement-1/pose-2/initialise"
+        bench.hands.connect("leg", (1, 1))
+
+        await bench.press(ActName.SKIP, reason="it reads nothing")
+
+        with pytest.raises(ReasonMissingError):
+            await bench.press(ActName.CONFIRM)
+
+
+async def test_a_person_who_lays_the_ballbar_aside_is_never_asked_how_they_know():
+    async with Bench(PLAN) as bench:
+        await bench.start()
+        await bench.until(None)
+
+        confirmed = [entry for entry in bench.disk.entries if entry.kind is EntryKind.CONFIRMED]
+        assert len(confirmed) > 5
+        assert {entry.text for entry in confirmed} == {""}
 
 
 @pytest.mark.parametrize("fault", [NoReplyError, ConnectionLostError])

@@ -1,0 +1,1 @@
+"""Ballbar sessions in which the signals of the ballbar come and go."""
