@@ -5,7 +5,7 @@ Units: mm, rad, s, °C. Every reading carries the time of the cell's clock at wh
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Literal, Protocol, TypeAlias, runtime_checkable
+from typing import Literal, Protocol, TypeAlias
 
 Vector: TypeAlias = tuple[float, float, float]
 Quaternion: TypeAlias = tuple[float, float, float, float]  # w x y z
@@ -104,7 +104,6 @@ class BallbarReading:
     sequence: int | None = None  # the device's own count of its readings; None where it has none
 
 
-@runtime_checkable
 class Clock(Protocol):
     """The clock of the cell: real cells use the monotonic clock, simulated ones offer their own."""
 
@@ -214,7 +213,6 @@ class LinearGauge(Device, Protocol):
         ...
 
 
-@runtime_checkable
 class ReadsChannels(Protocol):
     """A box of several gauges, each of them as a LinearGauge."""
 
@@ -231,7 +229,6 @@ class SimulatedHands(Device, Protocol):
         ...
 
 
-@runtime_checkable
 class GuardsMotion(Protocol):
     """A robot's driver that says more about its motions than it must."""
 
@@ -241,7 +238,6 @@ class GuardsMotion(Protocol):
         ...
 
 
-@runtime_checkable
 class StatesSettings(Protocol):
     """An instrument whose driver says what it measures with, for the record of whoever uses its readings."""
 
@@ -251,35 +247,48 @@ class StatesSettings(Protocol):
         ...
 
 
-@runtime_checkable
 class ShowsReflector(Protocol):
     """A tracker that says where the reflector is while it measures nothing."""
-
-    @property
-    def connected(self) -> bool:
-        """Whether the link is up as far as known."""
-        ...
 
     async def reflector_now(self) -> Vector | None:
         """Return one sample of where the reflector is (tracker frame), None where none is locked on.
 
-        It is for people who look on: of the noise of a single sample, and checked by nothing.
+        It is for people who look on, and has the noise of a single sample; nothing is measured by it.
         """
         ...
 
 
-def stated_settings(instrument: object) -> str:
-    """Return what an instrument's driver says that it measures with; empty where it says nothing."""
-    return instrument.settings if isinstance(instrument, StatesSettings) else ""
-
-
-def motion_guard(controller: object) -> MotionGuard:
-    """Return what a controller's driver says of its motions; of one that says nothing, the worst."""
-    return controller.motion_guard if isinstance(controller, GuardsMotion) else MotionGuard()
-
-
 AnyDevice: TypeAlias = (
     PointTracker | PoseTracker | RobotController | Clock | Ballbar | LinearGauge | SimulatedHands
+)
+
+
+class FullTracker(PointTracker, StatesSettings, ShowsReflector, Protocol):
+    """A tracker as the service gets it: its guard answers for an ability that the driver lacks."""
+
+
+class FullPoseTracker(PoseTracker, StatesSettings, Protocol):
+    """A tracker of poses as the service gets it."""
+
+
+class FullRobot(RobotController, GuardsMotion, Protocol):
+    """A robot as the service gets it: whatever is put around it says what becomes of a motion."""
+
+
+class FullGauge(LinearGauge, ReadsChannels, Protocol):
+    """A box of gauges as the service gets it; a gauge alone is a box of one."""
+
+
+class FullClock(Clock, Protocol):
+    """A clock as the service gets it."""
+
+    async def close(self) -> None:
+        """Close the clock's connections where it has any; never raises."""
+        ...
+
+
+AnyGuarded: TypeAlias = (
+    FullTracker | FullPoseTracker | FullRobot | FullClock | Ballbar | FullGauge | SimulatedHands
 )
 
 

@@ -5,16 +5,19 @@
 - Nonsense closes the link as well, where the driver has not done so.
 - A reading is judged for what no instrument of its kind can mean, see `plausibility`, and a device's count of
   its readings for whether it goes on, see `standing_count`.
+- What a driver offers beyond its kind (see `abilities`) goes the same way, and nothing else passes.
 
 Whatever ends a task (CancelledError, KeyboardInterrupt) passes.
 """
 
 import contextlib
 from collections.abc import Awaitable, Callable
-from typing import Any, Protocol, TypeVar, cast, runtime_checkable
+from typing import TypeVar, cast
 
+from truepose_drivers.abilities import channels_of, motion_guard_of, reflector_of, settings_of
 from truepose_drivers.api import (
     AnyDevice,
+    AnyGuarded,
     Ballbar,
     BallbarReading,
     Clock,
@@ -22,6 +25,7 @@ from truepose_drivers.api import (
     DeviceIdentity,
     DeviceKind,
     Environment,
+    FullClock,
     JointReading,
     LinearGauge,
     MotionGuard,
@@ -30,12 +34,10 @@ from truepose_drivers.api import (
     PointTracker,
     PoseReading,
     PoseTracker,
-    ReadsChannels,
     RobotController,
     SimulatedHands,
     TrackerReading,
     Vector,
-    motion_guard,
 )
 from truepose_drivers.errors import (
     DriverError,
@@ -44,6 +46,7 @@ from truepose_drivers.errors import (
     RemoteProtocolError,
 )
 from truepose_drivers.plausibility import (
+    place_or_none,
     readable,
     require_environment,
     require_joints,
@@ -58,11 +61,6 @@ from truepose_drivers.standing_count import StandingCount
 Value = TypeVar("Value")
 
 
-@runtime_checkable
-class _Closes(Protocol):
-    async def close(self) -> None: ...
-
-
 class GuardedDevice:
     """A device behind its driver's name."""
 
@@ -70,10 +68,6 @@ class GuardedDevice:
         self._name = name
         self._device = device
         self._last_s: float | None = None  # time stamp of the last reading of this connection
-
-    def __getattr__(self, name: str) -> Any:
-        """Pass on what a driver offers beyond its kind, and what a Protocol of it asks for."""
-        return getattr(self._device, name)
 
     @property
     def connected(self) -> bool:
@@ -121,14 +115,25 @@ class GuardedDevice:
         self._last_s = time_s
 
 
-class GuardedTracker(GuardedDevice):
-    """A tracker whose readings are judged."""
+class GuardedInstrument(GuardedDevice):
+    """An instrument that is prepared before it measures."""
 
-    _device: PointTracker
+    _device: PointTracker | PoseTracker
+
+    @property
+    def settings(self) -> str:
+        """What it measures with; empty where the driver cannot tell."""
+        return settings_of(self._device)
 
     async def initialise(self) -> None:
         """Bring the instrument into a state in which it can measure."""
         await self._guarded("initialise", self._device.initialise)
+
+
+class GuardedTracker(GuardedInstrument):
+    """A tracker whose readings are judged."""
+
+    _device: PointTracker
 
     async def find_reflector(self, near_mm: Vector, *, search_radius_mm: float) -> None:
         """Lock on the reflector near a place of the tracker's frame; raises ReflectorNotFoundError."""
@@ -152,6 +157,15 @@ class GuardedTracker(GuardedDevice):
         """Turn to the other face."""
         await self._guarded("change_face", self._device.change_face)
 
+    async def reflector_now(self) -> Vector | None:
+        """Return where the reflector is for people who look on; None also where the driver cannot tell."""
+
+        async def ask() -> Vector | None:
+            offered = reflector_of(self._device)
+            return None if offered is None else place_or_none(await offered())
+
+        return await self._guarded("reflector_now", ask)
+
     async def environment(self) -> Environment:
         """Read the weather station; raises ImplausibleReadingError."""
 
@@ -163,14 +177,10 @@ class GuardedTracker(GuardedDevice):
         return await self._guarded("environment", ask)
 
 
-class GuardedPoseTracker(GuardedDevice):
+class GuardedPoseTracker(GuardedInstrument):
     """A tracker of poses whose readings are judged."""
 
     _device: PoseTracker
-
-    async def initialise(self) -> None:
-        """Bring the instrument into a state in which it can measure."""
-        await self._guarded("initialise", self._device.initialise)
 
     async def measure_pose(self, *, duration_s: float) -> PoseReading:
         """Measure the artefact; raises ArtefactNotSeenError, OutOfVolumeError, ImplausibleReadingError."""
@@ -204,10 +214,7 @@ class GuardedRobot(GuardedDevice):
     @property
     def motion_guard(self) -> MotionGuard:
         """What becomes of a motion when this program is gone; the worst where the driver cannot tell."""
-        try:
-            return motion_guard(self._device)
-        except Exception:
-            return MotionGuard()
+        return motion_guard_of(self._device)
 
     async def set_limits(self, limits: MotionLimits) -> None:
         """Set the speed limits of the following motions."""
@@ -270,7 +277,7 @@ class GuardedGauge(GuardedDevice):
         """Return what all gauges show; raises ImplausibleReadingError."""
 
         async def ask() -> tuple[BallbarReading, ...]:
-            readings = await _all_channels(self._device)
+            readings = await channels_of(self._device)
             require_some(readings)
             for reading in readings:
                 require_length(reading)
@@ -278,12 +285,6 @@ class GuardedGauge(GuardedDevice):
             return readings
 
         return await self._guarded("read_channels", ask)
-
-
-async def _all_channels(gauge: LinearGauge) -> tuple[BallbarReading, ...]:
-    if isinstance(gauge, ReadsChannels):
-        return await gauge.read_channels()
-    return (await gauge.read(),)
 
 
 class GuardedHands(GuardedDevice):
@@ -331,12 +332,11 @@ class GuardedClock:
 
     async def close(self) -> None:
         """Close the clock's connections where it has any; never raises."""
-        if isinstance(self._clock, _Closes):
-            with contextlib.suppress(Exception):
-                await self._clock.close()
+        with contextlib.suppress(Exception):
+            await cast(FullClock, self._clock).close()  # one that has none raises, too
 
 
-def guarded(name: str, kind: DeviceKind, device: AnyDevice) -> AnyDevice:
+def guarded(name: str, kind: DeviceKind, device: AnyDevice) -> AnyGuarded:
     """Return a device of driver `name` behind its guard."""
     match kind:
         case "tracker":

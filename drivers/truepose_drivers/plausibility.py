@@ -27,6 +27,7 @@ _COLDEST_C, _HOTTEST_C = -100.0, 200.0  # of air and of instruments that still w
 _LONGEST_UPTIME_S: Final = 1e10  # three centuries
 _SIGNALS: Final = ("good", "out_of_range", "none")
 _LONGEST_NAME: Final = 200
+_LONGEST_SENTENCE: Final = 2000
 
 
 def require_point(reading: TrackerReading) -> None:
@@ -124,9 +125,25 @@ def readable(identity: DeviceIdentity) -> DeviceIdentity:
     )
 
 
+def readable_sentence(text: str) -> str:
+    """Return what a driver says in characters as `readable`; empty stays empty."""
+    return _printable(text[:_LONGEST_SENTENCE])
+
+
+def place_or_none(point_mm: Vector | None) -> Vector | None:
+    """Return a place that people look at; one where no reflector can be counts as none, and is no fault."""
+    if point_mm is None:
+        return None
+    x, y, z = map(float, point_mm)
+    return (x, y, z) if math.hypot(x, y, z) <= _FARTHEST_POINT_MM else None  # a NaN is not
+
+
 def _visible(text: str) -> str:
-    shown = "".join(character if character.isprintable() else "?" for character in text[:_LONGEST_NAME])
-    return shown.strip() or "unknown"
+    return _printable(text[:_LONGEST_NAME]) or "unknown"
+
+
+def _printable(text: str) -> str:
+    return "".join(character if character.isprintable() else "?" for character in text).strip()
 
 
 def _require_place(point_mm: Vector) -> None:

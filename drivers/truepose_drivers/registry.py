@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from importlib.metadata import EntryPoint, entry_points
 from typing import get_args
 
-from truepose_drivers.api import AnyDevice, Clock, DeviceKind, DriverPlugin, Options
+from truepose_drivers.api import AnyGuarded, Clock, DeviceKind, DriverPlugin, Options
 from truepose_drivers.errors import ConfigurationError, DriverError
 from truepose_drivers.guard import fault_of, guarded
 
@@ -47,7 +47,7 @@ class DriverRegistry:
             raise ConfigurationError(f"driver {name} cannot be used as {use!r}, but as {' or '.join(uses)}")
         return found
 
-    def open(self, name: str, options: Options, clock: Clock | None = None, *, use: str = "") -> AnyDevice:
+    def open(self, name: str, options: Options, clock: Clock | None = None, *, use: str = "") -> AnyGuarded:
         """Build a driver behind its guard; connects nothing.
 
         Without `clock` it stamps with the computer's monotonic time; without `use` its device is used as

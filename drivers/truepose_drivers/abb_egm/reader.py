@@ -7,8 +7,8 @@ from typing import Final
 
 from truepose_drivers import options as option
 from truepose_drivers.abb_egm.protocol import EGM_PORT, Motors, Rapid, RobotFrame, decode_robot
-from truepose_drivers.api import Clock, JointReading, Options
-from truepose_drivers.arms.companion import AccompaniedRobot, GuardingRobot
+from truepose_drivers.api import Clock, FullRobot, JointReading, Options
+from truepose_drivers.arms.companion import AccompaniedRobot
 from truepose_drivers.errors import NoReplyError, NotInitialisedError
 from truepose_drivers.transports.conversation import Turns
 from truepose_drivers.transports.link import OnePortDevice, Source, drain, introduction
@@ -90,7 +90,7 @@ class EgmReader(OnePortDevice):
             )
 
 
-def read_by_egm(robot: GuardingRobot, options: Options, clock: Clock) -> GuardingRobot:
+def read_by_egm(robot: FullRobot, options: Options, clock: Clock) -> FullRobot:
     """Return a robot as its options have it: read by EGM where they say at which port."""
     if "egm_port" not in options:
         return robot

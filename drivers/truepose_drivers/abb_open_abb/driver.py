@@ -39,13 +39,13 @@ from truepose_drivers.api import (
     Clock,
     DeviceIdentity,
     DriverPlugin,
+    FullRobot,
     JointReading,
     MotionGuard,
     MotionLimits,
     Options,
     Vector,
 )
-from truepose_drivers.arms.companion import GuardingRobot
 from truepose_drivers.arms.standstill import Course, answered_unless_it_stands
 from truepose_drivers.arms.targets import degrees_text, require_speeds
 from truepose_drivers.errors import (
@@ -360,7 +360,7 @@ def _in_degrees(angles_rad: tuple[float, ...]) -> tuple[float, ...]:
     return tuple(map(math.degrees, angles_rad))
 
 
-def _open(options: Options, clock: Clock | None) -> GuardingRobot:
+def _open(options: Options, clock: Clock | None) -> FullRobot:
     keeps_time = clock or MonotonicClock()
     tool_mm = option.vector(options, "tool_mm")
     log = JointLog(tcp_link(options, port="log_port")) if "log_port" in options else None

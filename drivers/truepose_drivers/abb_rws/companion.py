@@ -8,8 +8,8 @@ from truepose_drivers.abb_rws.protocol import resources
 from truepose_drivers.abb_rws.protocol.digest import Login
 from truepose_drivers.abb_rws.protocol.panel import Execution, controller_state
 from truepose_drivers.abb_rws.session import RwsSession
-from truepose_drivers.api import Clock, JointReading, Options
-from truepose_drivers.arms.companion import AccompaniedRobot, GuardingRobot
+from truepose_drivers.api import Clock, FullRobot, JointReading, Options
+from truepose_drivers.arms.companion import AccompaniedRobot
 from truepose_drivers.errors import DriverError, NotInitialisedError
 from truepose_drivers.transports.tcp import tcp_link
 
@@ -74,7 +74,7 @@ def login_of(options: Options) -> Login:
     return Login(user or resources.USER, password or resources.PASSWORD)
 
 
-def watched_by_rws(robot: GuardingRobot, options: Options, clock: Clock) -> GuardingRobot:
+def watched_by_rws(robot: FullRobot, options: Options, clock: Clock) -> FullRobot:
     """Return a robot as its options have it: watched by web services where they say at which port."""
     if "rws_port" not in options:
         return robot

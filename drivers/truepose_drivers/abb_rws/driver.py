@@ -21,12 +21,12 @@ from truepose_drivers.api import (
     Clock,
     DeviceIdentity,
     DriverPlugin,
+    FullRobot,
     JointReading,
     MotionGuard,
     MotionLimits,
     Options,
 )
-from truepose_drivers.arms.companion import GuardingRobot
 from truepose_drivers.arms.targets import require_speeds
 from truepose_drivers.errors import (
     BusyError,
@@ -140,7 +140,7 @@ class RwsRobot:
             return _UNKNOWN
 
 
-def _open(options: Options, clock: Clock | None) -> GuardingRobot:
+def _open(options: Options, clock: Clock | None) -> FullRobot:
     keeps_time = clock or MonotonicClock()
     robot = RwsRobot(tcp_link(options, resources.PORT), keeps_time, login_of(options))
     return read_by_egm(robot, options, keeps_time)

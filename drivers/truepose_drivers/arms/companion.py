@@ -5,19 +5,14 @@ from typing import Final, Protocol
 
 from truepose_drivers.api import (
     DeviceIdentity,
-    GuardsMotion,
+    FullRobot,
     JointReading,
     MotionGuard,
     MotionLimits,
-    RobotController,
 )
 from truepose_drivers.errors import DriverError, LinkError, TargetRefusedError
 
 _BETWEEN_LOOKS_S: Final = 0.3  # at whether the arm can still move, while it does
-
-
-class GuardingRobot(RobotController, GuardsMotion, Protocol):
-    """A robot that says more about its motions than it must."""
 
 
 class Companion(Protocol):
@@ -52,7 +47,7 @@ class Companion(Protocol):
 class AccompaniedRobot:
     """A robot whose companion reads the joints, and which moves only where that says that it can."""
 
-    def __init__(self, robot: GuardingRobot, companion: Companion) -> None:
+    def __init__(self, robot: FullRobot, companion: Companion) -> None:
         self._robot = robot
         self._companion = companion
 

@@ -7,7 +7,7 @@ import functools
 import logging
 from collections.abc import AsyncIterator, Callable, Sequence
 from pathlib import Path
-from typing import Final, Protocol, runtime_checkable
+from typing import Final, cast
 
 from truepose.analysis.campaigns.stored import CampaignDesk
 from truepose.analysis.drafts import DraftDesk
@@ -17,7 +17,7 @@ from truepose.analysis.kept import KeptDrawings
 from truepose.analysis.promising import PromiseDesk
 from truepose.analysis.workers.process import Perform, perform_in_worker
 from truepose.analysis.workers.uploads import Uploads
-from truepose.app.errors import ScenarioRefusedError, StartError
+from truepose.app.errors import ScenarioRefusedError
 from truepose.app.joined import (
     allowed_hosts,
     beside,
@@ -70,7 +70,7 @@ from truepose.web.application import create_application
 from truepose.web.context import Context, Endpoint
 from truepose.web.door.proxies import Proxies
 from truepose.web.served import Application
-from truepose_drivers.api import Clock, DriverPlugin
+from truepose_drivers.api import DriverPlugin, FullClock
 from truepose_drivers.registry import DriverRegistry, load_registry
 
 _LOG: Final = logging.getLogger(__name__)
@@ -138,7 +138,7 @@ async def open_context(
         simulation = await _simulation(cell, settings, state, stack)
         cell = _with_simulated_devices(cell, simulation, drivers)
         rack = _rack(cell, simulation, drivers)
-        stack.push_async_callback(_close_clock, rack.clock)
+        stack.push_async_callback(rack.clock.close)
         stack.push_async_callback(rack.close)
         backups = copies_of(settings, stack)
         lookout = Lookout(database, rack, cell, backups, lines_lost)
@@ -234,29 +234,17 @@ def _rack(cell: Cell, simulation: Simulation | None, drivers: DriverRegistry) ->
     return Rack(mounted, clock)
 
 
-def _clock(simulation: Simulation | None, entries: Sequence[DeviceEntry], drivers: DriverRegistry) -> Clock:
+def _clock(
+    simulation: Simulation | None, entries: Sequence[DeviceEntry], drivers: DriverRegistry
+) -> FullClock:
+    name, options = _REAL_CLOCK, dict[str, str | int | float | bool]()
     if entries:  # a simulated cell on the network brings its clock like its instruments
-        opened = drivers.open(entries[0].driver, entries[0].options)
-    elif simulation is None:
-        opened = drivers.open(_REAL_CLOCK, {})
-    else:
+        name, options = entries[0].driver, dict(entries[0].options)
+    elif simulation is not None:
         endpoint = next(e for e in simulation.endpoints if e.device == "clock")
         (name,) = _drivers_of(endpoint, drivers) or [endpoint.protocol]
-        opened = drivers.open(name, {"host": endpoint.host, "port": endpoint.port})
-    if not isinstance(opened, Clock):
-        raise StartError("The driver of the clock does not open a clock.")
-    return opened
-
-
-async def _close_clock(clock: Clock) -> None:
-    # The clock of a simulated cell is reached over connections; the computer's own is not.
-    if isinstance(clock, _Closes):
-        await clock.close()
-
-
-@runtime_checkable
-class _Closes(Protocol):
-    async def close(self) -> None: ...
+        options = {"host": endpoint.host, "port": endpoint.port}
+    return cast(FullClock, drivers.open(name, options, use="clock"))
 
 
 def _context(

@@ -12,18 +12,18 @@ from truepose.sequencing.engine.identity.check import Expected
 from truepose.sequencing.engine.identity.expected import same_number, told
 from truepose.sequencing.engine.notices import motion_notice
 from truepose_drivers.api import (
-    AnyDevice,
+    AnyGuarded,
     Ballbar,
-    Clock,
     Device,
     DeviceIdentity,
     DeviceKind,
-    LinearGauge,
-    PointTracker,
-    PoseTracker,
-    RobotController,
+    FullClock,
+    FullGauge,
+    FullPoseTracker,
+    FullRobot,
+    FullTracker,
+    GuardsMotion,
     SimulatedHands,
-    motion_guard,
 )
 from truepose_drivers.errors import DriverError
 
@@ -35,7 +35,7 @@ class MountedDevice:
     entry: DeviceEntry
     kind: DeviceKind
     protocol: str
-    device: AnyDevice
+    device: AnyGuarded
     expected_serial: str = ""  # as the cell file says; empty: whoever answers
 
 
@@ -64,13 +64,14 @@ class DeviceStatus:
 class Rack:
     """All devices of the cell but its clock."""
 
-    def __init__(self, mounted: Sequence[MountedDevice], clock: Clock) -> None:
+    def __init__(self, mounted: Sequence[MountedDevice], clock: FullClock) -> None:
         self.clock = clock
         self._mounted = {device.entry.name: device for device in mounted}
         self._identities: dict[str, DeviceIdentity] = {}
         self._faults: dict[str, str] = {}
         self._turns = {name: asyncio.Lock() for name in self._mounted}
         self._session_id: int | None = None
+        self._moved: GuardsMotion | None = None  # the robot as the session under way moves it
 
     def statuses(self) -> list[DeviceStatus]:
         """Return every device in the order of the cell file."""
@@ -134,38 +135,41 @@ class Rack:
         """Return the name of the device of this kind that sessions use; empty where there is none."""
         return next((name for name, mounted in self._mounted.items() if mounted.kind == kind), "")
 
-    def lend(self, session_id: int) -> None:
-        """Give all devices to a session; raises DeviceInUseError where another has them."""
+    def lend(self, session_id: int, moved: GuardsMotion) -> None:
+        """Give all devices to a session, which moves the robot `moved`; raises DeviceInUseError."""
         if self._session_id not in {None, session_id}:
             raise DeviceInUseError(
                 f"Session {self._session_id} holds the devices of this cell; end it first."
             )
-        self._session_id = session_id
+        self._session_id, self._moved = session_id, moved
 
     def take_back(self) -> None:
         """End the loan."""
-        self._session_id = None
+        self._session_id = self._moved = None
 
     @property
-    def tracker(self) -> PointTracker:
+    def tracker(self) -> FullTracker:
         """The instrument that measures points; raises MissingDeviceError."""
-        return cast(PointTracker, self._of_kind("tracker"))
+        return cast(FullTracker, self._of_kind("tracker"))
 
     @property
-    def camera(self) -> PoseTracker:
+    def camera(self) -> FullPoseTracker:
         """The instrument that measures poses; raises MissingDeviceError."""
-        return cast(PoseTracker, self._of_kind("pose_tracker"))
+        return cast(FullPoseTracker, self._of_kind("pose_tracker"))
 
     @property
-    def robot(self) -> RobotController:
+    def robot(self) -> FullRobot:
         """The robot's controller; raises MissingDeviceError."""
-        return cast(RobotController, self._of_kind("robot"))
+        return cast(FullRobot, self._of_kind("robot"))
 
     @property
     def motion_notice(self) -> str | None:
-        """What whoever lets the arm move has to know of its controller; None in a cell without one."""
-        found = self._first("robot")
-        return None if found is None else motion_notice(motion_guard(found))
+        """What whoever lets the arm move has to know of its controller; None in a cell without one.
+
+        It is said by the object that a session moves, so nothing around it can make it untrue.
+        """
+        moved = self._moved or cast(FullRobot | None, self._first("robot"))
+        return None if moved is None else motion_notice(moved.motion_guard)
 
     @property
     def ballbar(self) -> Ballbar:
@@ -173,10 +177,10 @@ class Rack:
         return cast(Ballbar, self._of_kind("ballbar"))
 
     @property
-    def gauges(self) -> tuple[tuple[MountedDevice, LinearGauge], ...]:
+    def gauges(self) -> tuple[tuple[MountedDevice, FullGauge], ...]:
         """The linear gauges, in the order of the cell file; none where it lists none."""
         return tuple(
-            (mounted, cast(LinearGauge, mounted.device))
+            (mounted, cast(FullGauge, mounted.device))
             for mounted in self._mounted.values()
             if mounted.kind == "linear_gauge"
         )
@@ -191,13 +195,13 @@ class Rack:
         for mounted in self._mounted.values():
             await _link(mounted).close()
 
-    def _of_kind(self, kind: DeviceKind) -> AnyDevice:
+    def _of_kind(self, kind: DeviceKind) -> AnyGuarded:
         found = self._first(kind)
         if found is None:
             raise MissingDeviceError(f"The cell file lists no {kind}; a session needs one.")
         return found
 
-    def _first(self, kind: DeviceKind) -> AnyDevice | None:
+    def _first(self, kind: DeviceKind) -> AnyGuarded | None:
         return next((mounted.device for mounted in self._mounted.values() if mounted.kind == kind), None)
 
     def _find(self, name: str) -> MountedDevice:

@@ -217,7 +217,7 @@ class SessionDesk:
         await self.sessions.require_intact(record.id)
         ledger = await self.ledger.of_session(record.id)
         runner = await kind.runner(record, await self.sessions.setup(record.id), ledger)
-        self.rack.lend(record.id)
+        self.rack.lend(record.id, runner.robot)
         task = asyncio.create_task(self._run(kind, record.id, runner), name=f"session {record.id}")
         self._tasks.add(task)
         # A callback as well, for a task that is cancelled may never have begun.

@@ -11,7 +11,6 @@ from pathlib import Path
 
 import pytest
 
-from truepose_drivers.api import stated_settings
 from truepose_drivers.errors import DeviceRefusedError, ReflectorNotFoundError
 from truepose_drivers.guard import guarded
 from truepose_drivers.json_bridge.driver import PLUGIN
@@ -52,7 +51,7 @@ async def test_as_it_stands_it_is_a_tracker_of_points():
         await bridge.wait()
 
     assert (identity.manufacturer, identity.model, identity.serial) == ("FARO", "Vantage", "12345")
-    assert "SMR of 1.5 in" in stated_settings(tracker)
+    assert "SMR of 1.5 in" in tracker.settings
     assert all(math.dist(reading.point_mm, REFLECTOR_MM) < 0.2 for reading in readings)  # 0.01 mm of noise
     assert readings[0].samples == 100
 

@@ -29,6 +29,7 @@ class FakeRunner:
     """Does what the test says, and runs until it is cancelled or told to fail."""
 
     def __init__(self, plan, kit, cell, ledger, foresight, entries=(), judges=None):
+        self.robot = cell.robot_controller
         self.situation = situation(plan, kit, entries)
         self.question = self.prompt_id = self.trouble = self.cause_of_trouble = None
         self.robot_moving, self.version = False, 0

@@ -23,6 +23,8 @@ _PLAN = SessionPlan("calibration", tuple(PlannedStop(k, (0.1 * k, *(0.2,) * 5), 
 class FakeRunner:
     """Asks its question at once, or says why it is refused, and runs until it is told how it ends."""
 
+    robot = None
+
     def __init__(self, trouble=None):
         self.trouble = trouble
         self.cause_of_trouble = None if trouble is None else ServerAwayError(trouble)

@@ -8,6 +8,7 @@ from truepose_drivers.api import (
     DriverPlugin,
     Environment,
     JointReading,
+    MotionGuard,
     TrackerReading,
 )
 from truepose_drivers.errors import ConnectFailedError, DeviceRefusedError, NotInitialisedError
@@ -113,6 +114,7 @@ class FakeRobot(FakeLink):
     """Arrives exactly where it is sent; `gate` holds every motion until it is set."""
 
     can_stop_motion = False
+    motion_guard = MotionGuard()
 
     def __init__(self, clock):
         super().__init__("R1", "120-1")

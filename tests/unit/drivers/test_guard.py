@@ -1,18 +1,20 @@
 """The guard between any driver and the service: what passes, what becomes a sentence, what is no reading."""
 
 import asyncio
+import inspect
 import math
 import struct
 from dataclasses import replace
 
 import pytest
 
+from truepose_drivers.abilities import ABILITIES
 from truepose_drivers.api import (
     BallbarReading,
-    Clock,
     DeviceIdentity,
     Environment,
     JointReading,
+    MotionGuard,
     MotionLimits,
     PoseReading,
     TrackerReading,
@@ -84,6 +86,7 @@ CALLS = {
         ("measure_point", (), {"duration_s": 1.0}),
         ("change_face", (), {}),
         ("environment", (), {}),
+        ("reflector_now", (), {}),
     ],
     "pose_tracker": [
         ("connect", (), {}),
@@ -105,7 +108,7 @@ EVERY_CALL = [(kind, *call) for kind, calls in CALLS.items() for call in calls]
 async def test_an_error_that_is_none_of_a_driver_becomes_a_sentence_and_closes_the_link(
     kind, name, given, named, error
 ):
-    instrument = Instrument(error)
+    instrument = Able(error)
     device = guarded("acme", kind, instrument)
 
     sentence = rf"driver acme failed in {name} .*{type(error).__name__}.*check"
@@ -368,7 +371,6 @@ async def test_an_identity_is_made_of_characters_that_can_be_seen_and_kept():
 
 async def test_a_clock_that_goes_back_is_told_once():
     clock = guarded("acme", "clock", Instrument(5.0, 4.0, 4.5))
-    assert isinstance(clock, Clock)
     assert await clock.now_s() == 5.0
 
     with pytest.raises(ImplausibleReadingError, match=r"4\.0 s after 5\.0 s"):
@@ -396,13 +398,117 @@ async def test_a_time_that_is_none_is_refused(now_s):
         await guarded("acme", "clock", Instrument(now_s)).now_s()
 
 
-def test_what_a_driver_offers_beyond_its_kind_is_reached():
-    class Talkative(Instrument):
-        stops_unheard_s = 0.5
+class Able(Instrument):
+    """Offers everything that a driver may offer."""
 
-    assert guarded("acme", "robot", Talkative()).stops_unheard_s == 0.5
-    with pytest.raises(AttributeError):
-        _ = guarded("acme", "robot", Instrument()).stops_unheard_s
+    motion_guard = MotionGuard(longest_piece_s=0.8)
+    settings = "It measures an SMR."
+
+    async def reflector_now(self):
+        return await self._answer()
+
+
+class HandsOn:
+    """An integrator's own wrapper, which hands on whatever it is asked for."""
+
+    def __init__(self, device):
+        self._device = device
+
+    def __getattr__(self, name):
+        return getattr(self._device, name)
+
+
+@pytest.mark.parametrize("around", [lambda device: device, HandsOn])
+async def test_every_ability_of_a_driver_comes_through_its_guard(around):
+    able = around(Able((1.0, 2.0, 3.0)))
+
+    assert guarded("acme", "robot", able).motion_guard == Able.motion_guard
+    assert guarded("acme", "tracker", able).settings == Able.settings
+    assert guarded("acme", "pose_tracker", able).settings == Able.settings
+    assert await guarded("acme", "tracker", able).reflector_now() == (1.0, 2.0, 3.0)
+    assert (
+        await guarded("acme", "linear_gauge", around(Box((LENGTH, LENGTH)))).read_channels() == (LENGTH,) * 2
+    )
+
+
+async def test_for_an_ability_that_a_driver_lacks_its_guard_answers():
+    assert guarded("acme", "robot", Instrument()).motion_guard == MotionGuard()
+    assert guarded("acme", "tracker", Instrument()).settings == ""
+    assert await guarded("acme", "tracker", Instrument()).reflector_now() is None
+
+
+def test_nothing_passes_a_guard_that_no_kind_of_device_has():
+    class Talkative(Instrument):
+        gossip = "psst"
+
+    for kind in CALLS:
+        assert not hasattr(guarded("acme", kind, Talkative()), "gossip")
+
+
+def test_what_a_kind_of_device_may_offer_is_declared_on_its_guard():
+    for kind, abilities in ABILITIES.items():
+        for ability in abilities:
+            for name in (name for name in vars(ability) if not name.startswith("_")):
+                assert inspect.getattr_static(guarded("acme", kind, Instrument()), name) is not None
+
+
+class Unable(Instrument):
+    """Fails where it is asked for a property."""
+
+    @property
+    def motion_guard(self):
+        raise ValueError("no")
+
+    settings = motion_guard
+
+
+@pytest.mark.parametrize(
+    "nonsense",
+    [
+        None,
+        1.0,
+        "1 s",
+        MotionGuard(longest_piece_s=-1.0),
+        MotionGuard(longest_piece_s=math.nan),
+        MotionGuard(stops_unheard_s="soon"),
+        MotionGuard(stops_unheard_s=0.0),
+        MotionGuard(stops_unheard_s=math.inf),
+    ],
+    ids=str,
+)
+def test_of_a_robot_whose_driver_talks_nonsense_of_its_motions_the_worst_is_said(nonsense):
+    able = Able()
+    able.motion_guard = nonsense
+
+    assert guarded("acme", "robot", able).motion_guard == MotionGuard()
+    assert guarded("acme", "robot", Unable()).motion_guard == MotionGuard()
+
+
+@pytest.mark.parametrize(("said", "heard"), [(None, ""), (7, ""), (" a\ud800\x00b\n", "a??b?")], ids=repr)
+def test_settings_are_a_sentence_that_can_be_kept(said, heard):
+    able = Able()
+    able.settings = said
+
+    assert guarded("acme", "tracker", able).settings == heard
+    assert guarded("acme", "tracker", Unable()).settings == ""
+
+
+@pytest.mark.parametrize("place", [(math.nan,) * 3, (math.inf, 0.0, 0.0), (1e12, 0.0, 0.0)])
+async def test_a_reflector_that_can_be_nowhere_is_not_seen_and_costs_no_link(place):
+    device = guarded("acme", "tracker", Able(place))
+
+    assert await device.reflector_now() is None
+    assert device.connected
+
+
+@pytest.mark.parametrize("place", ["here", 7, (1.0, 2.0), (1.0, 2.0, "x")], ids=repr)
+async def test_a_look_that_answers_no_place_at_all_is_a_fault_of_the_driver(place):
+    device = guarded("acme", "tracker", Able(place))
+
+    with pytest.raises(DriverFaultError, match="reflector_now"):
+        await device.reflector_now()
+
+    assert not device.connected
 
 
 def test_a_reading_that_is_none_is_nonsense_of_the_device():

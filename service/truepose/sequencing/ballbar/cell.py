@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 
 from truepose.domain.robot import JointRange, Robot
 from truepose.sequencing.engine.identity.check import Expected
-from truepose_drivers.api import Ballbar, Clock, MotionLimits, RobotController
+from truepose_drivers.api import Ballbar, Clock, FullRobot, MotionLimits
 
 
 @dataclass(frozen=True, slots=True)
@@ -12,7 +12,7 @@ class BallbarCell:
     """Devices and nominal robot of one cell."""
 
     ballbar: Ballbar
-    robot_controller: RobotController
+    robot_controller: FullRobot
     clock: Clock
     robot: Robot
     joint_limits: tuple[JointRange, ...] | None = None  # what no motion may leave

@@ -91,7 +91,7 @@ class BallbarRunner(SessionRunner[Situation]):
         record = BallbarRecord()
         logbook = Logbook(ledger, cell.clock, record, lambda: situation_of(plan, kit, record), entries)
         halts = Halts(logbook, lambda: end_of_motion(cell.robot_controller), effects={})
-        super().__init__(logbook, halts)
+        super().__init__(logbook, halts, cell.robot_controller)
         self._rest = RestMonitor(cell, plan)
         self._readings = Readings(plan, kit, cell, wall_ms)
         identities = IdentityCheck(cell.expected, logbook)

@@ -3,7 +3,7 @@
 from dataclasses import dataclass, field
 
 from truepose.domain.robot import FramePlacement, JointRange, Robot
-from truepose_drivers.api import Clock, LinearGauge, MotionLimits, RobotController
+from truepose_drivers.api import Clock, FullGauge, FullRobot, MotionLimits
 
 
 @dataclass(frozen=True, slots=True)
@@ -11,7 +11,7 @@ class GaugeBox:
     """A gauge, or a box of several, and what the cell file says of it."""
 
     name: str
-    gauge: LinearGauge
+    gauge: FullGauge
     serial: str = ""  # that it must tell, where it tells one
 
 
@@ -20,7 +20,7 @@ class ContactCell:
     """Devices and nominal robot of one cell."""
 
     gauges: tuple[GaugeBox, ...]  # in the order in which the targets of a stop are read
-    robot_controller: RobotController
+    robot_controller: FullRobot
     clock: Clock
     robot: Robot
     base: FramePlacement = field(default_factory=FramePlacement)  # nominal, in the world

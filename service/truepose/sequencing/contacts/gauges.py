@@ -8,7 +8,7 @@ from truepose.domain.measurement.contacts import ContactPlan
 from truepose.sequencing.contacts.cell import GaugeBox
 from truepose.sequencing.engine.identity.expected import same_number, told
 from truepose.sequencing.errors import AttentionNeededError, ReadingRejectedError
-from truepose_drivers.api import BallbarReading, Clock, ReadsChannels
+from truepose_drivers.api import BallbarReading, Clock
 
 _BETWEEN_S: Final = 0.1  # of two samples
 _UNSTEADY: Final = 5.0  # standard uncertainties of a reading by which samples may scatter
@@ -49,10 +49,7 @@ class Gauges:
         """Return what each of them shows now; raises the driver's errors."""
         readings: list[BallbarReading] = []
         for box in self._boxes:
-            if isinstance(box.gauge, ReadsChannels):
-                readings += await box.gauge.read_channels()
-            else:
-                readings.append(await box.gauge.read())
+            readings += await box.gauge.read_channels()
         return tuple(readings)
 
     async def furthest_in_mm(self) -> float:

@@ -38,7 +38,6 @@ from truepose.sequencing.errors import (
     MotionForbiddenError,
     SequencingError,
 )
-from truepose_drivers.api import motion_guard
 from truepose_drivers.errors import DriverError
 
 _EFFECTS: Final = {
@@ -65,7 +64,8 @@ class ContactRunner(UnattendedRunner[ContactSituation]):
         self._cell = cell
         self._record = record = ContactRecord()
         logbook = Logbook(ledger, cell.clock, record, lambda: situation_of(plan, record), entries)
-        super().__init__(logbook, Halts(logbook, lambda: end_of_motion(cell.robot_controller), _EFFECTS))
+        halts = Halts(logbook, lambda: end_of_motion(cell.robot_controller), _EFFECTS)
+        super().__init__(logbook, halts, cell.robot_controller)
         self._speed = binding_speed(plan, cell.speed_limits)
         self._arm = Arm(
             cell.robot_controller,
@@ -202,7 +202,7 @@ class ContactRunner(UnattendedRunner[ContactSituation]):
         for sentence in await self._gauges.open():
             await self._logbook.write(EntryKind.NOTED, text=sentence)
         await robot.set_limits(self._speed)
-        await self._logbook.write(EntryKind.NOTED, text=speed_sentence(self._speed, motion_guard(robot)))
+        await self._logbook.write(EntryKind.NOTED, text=speed_sentence(self._speed, robot.motion_guard))
 
     async def _require_same_robot(self) -> None:
         serial, wanted = told((await self._cell.robot_controller.identify()).serial), self._cell.robot_serial

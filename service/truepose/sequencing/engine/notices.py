@@ -1,11 +1,11 @@
 """What this program cannot do about a motion that has begun, said to whoever lets it begin or end."""
 
-from truepose_drivers.api import MotionGuard, RobotController, motion_guard
+from truepose_drivers.api import GuardsMotion, MotionGuard
 
 
-def end_of_motion(controller: RobotController) -> str:
+def end_of_motion(controller: GuardsMotion) -> str:
     """Return when the arm comes to rest after a pause or the end was asked for, as the end of a sentence."""
-    longest_s = motion_guard(controller).longest_piece_s
+    longest_s = controller.motion_guard.longest_piece_s
     if longest_s is None:
         return "a motion under way cannot be stopped through this program, so it ends first"
     return (

@@ -16,8 +16,10 @@ from truepose.sequencing.engine.acts import HALTS, LETS_MOVE, Act, ActName, ActO
 from truepose.sequencing.engine.halting.halts import Halts
 from truepose.sequencing.engine.halting.pending import PendingHalts
 from truepose.sequencing.engine.logbook import Logbook
+from truepose.sequencing.engine.onlookers import looked_on
 from truepose.sequencing.engine.states import has_ended, words
 from truepose.sequencing.errors import NotNowError, SequencingError
+from truepose_drivers.api import GuardsMotion
 
 _JUST_NOW_S: Final = 3.0  # a page says after two that nobody has heard
 
@@ -42,7 +44,9 @@ S = TypeVar("S", bound=Situation)
 class SessionRunner(ABC, Generic[S]):
     """One session on one cell; `run` is its task, all other methods may be called from other tasks."""
 
-    def __init__(self, logbook: Logbook[S], halts: Halts) -> None:
+    def __init__(self, logbook: Logbook[S], halts: Halts, robot: GuardsMotion) -> None:
+        """Run what `logbook` keeps; `robot` is moved, with all that stands around its driver."""
+        self.robot = robot
         self._logbook = logbook
         self._halts = halts
         self._failure: Exception | None = None  # a halt could not be kept: the run ends with this
@@ -125,7 +129,11 @@ class SessionRunner(ABC, Generic[S]):
         """Put a failure of the program on record."""
 
     def companions(self) -> tuple[Coroutine[Any, Any, None], ...]:
-        """Return what goes on while the session is under way."""
+        """Return what goes on while the session is under way, and what it ends with."""
+        return ()
+
+    def onlookers(self) -> tuple[Coroutine[Any, Any, None], ...]:
+        """Return what only looks on: whatever becomes of it, the session does not notice."""
         return ()
 
     async def close(self) -> None:
@@ -186,6 +194,10 @@ class SessionRunner(ABC, Generic[S]):
         Raises what the ledger raises. Every fault of the devices becomes a state with a sentence; so does a
         mistake of the program, which ends this run.
         """
+        async with looked_on(self.onlookers()):
+            return await self._run()
+
+    async def _run(self) -> SessionState:
         loops: list[asyncio.Task[None]] = []
         try:
             await self.begin()

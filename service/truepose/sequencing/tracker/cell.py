@@ -7,7 +7,7 @@ from truepose.domain.measurement.session import Vector
 from truepose.domain.robot import FixedNest, FramePlacement, JointRange, Nest, Robot
 from truepose.planning.work_volume.cell_bodies import CellBodies
 from truepose.sequencing.engine.identity.check import Expected
-from truepose_drivers.api import Clock, MotionLimits, PointTracker, PoseTracker, RobotController
+from truepose_drivers.api import Clock, FullPoseTracker, FullRobot, FullTracker, MotionLimits
 
 
 @dataclass(frozen=True, slots=True)
@@ -19,8 +19,8 @@ class SessionCell:
     `tracker_position_mm` is known, by a search around the instrument's vertical axis.
     """
 
-    tracker: PointTracker | PoseTracker  # of poses where the cell has a camera
-    robot_controller: RobotController
+    tracker: FullTracker | FullPoseTracker  # of poses where the cell has a camera
+    robot_controller: FullRobot
     clock: Clock
     robot: Robot
     base: FramePlacement  # nominal, in the world

@@ -24,7 +24,6 @@ from truepose_drivers.api import (
     PointTracker,
     PoseTracker,
     RobotController,
-    motion_guard,
 )
 
 _REST_S: Final = 1.0  # between two motions that nobody measures
@@ -102,7 +101,7 @@ class Execution:
             await self._note(sentence)
         speed = binding_speed(self._plan, self._cell.speed_limits)
         await self._cell.robot_controller.set_limits(speed)
-        await self._note(speed_sentence(speed, motion_guard(self._cell.robot_controller)))
+        await self._note(speed_sentence(speed, self._cell.robot_controller.motion_guard))
 
     async def _move(self, target_rad: tuple[float, ...]) -> None:
         robot = self._cell.robot_controller

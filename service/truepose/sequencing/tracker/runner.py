@@ -81,7 +81,7 @@ class TrackerRunner(UnattendedRunner[TrackerSituation]):
         logbook = Logbook(ledger, cell.clock, record, describe, entries)
         self._check(plan, logbook.situation)
         halts = Halts(logbook, lambda: end_of_motion(cell.robot_controller), _EFFECTS)
-        super().__init__(logbook, halts)
+        super().__init__(logbook, halts, cell.robot_controller)
         self._arm = Arm(
             cell.robot_controller,
             cell.clock,
@@ -145,7 +145,7 @@ class TrackerRunner(UnattendedRunner[TrackerSituation]):
         """Return where the reflector is, again and again until the session ends; for all who watch."""
         return self._watch.follow()
 
-    def companions(self) -> tuple[Coroutine[Any, Any, None], ...]:
+    def onlookers(self) -> tuple[Coroutine[Any, Any, None], ...]:
         """Look where the reflector is, while somebody watches."""
         return (self._watch.run(),)
 

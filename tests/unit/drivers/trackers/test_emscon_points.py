@@ -10,7 +10,7 @@ from tests.helpers.instruments.emscon_in_memory import (
     single,
     tracker_on,
 )
-from truepose_drivers.api import PointTracker, ShowsReflector
+from truepose_drivers.api import PointTracker
 from truepose_drivers.errors import (
     BeamBrokenError,
     ConfigurationError,
@@ -329,9 +329,8 @@ async def test_whoever_looks_on_is_told_where_the_reflector_is():
     fake = FakeTracker()
     tracker = tracker_on(fake)
 
-    assert isinstance(guarded("tracker", "tracker", tracker), ShowsReflector)
     assert await tracker.reflector_now() is None  # not connected: nobody is asked
-    tracker = await ready_tracker(fake)
+    tracker = guarded("leica_emscon", "tracker", await ready_tracker(fake))
     assert await tracker.reflector_now() == (1.0, 2.0, 3.0)
 
     fake.script[Command.GET_CURRENT_PRISM_POSITION] = lambda request: [

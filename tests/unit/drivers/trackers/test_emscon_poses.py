@@ -12,7 +12,7 @@ from tests.helpers.instruments.emscon_in_memory import (
     healthy,
     single,
 )
-from truepose_drivers.api import PoseTracker, stated_settings
+from truepose_drivers.api import PoseTracker
 from truepose_drivers.errors import (
     ArtefactNotSeenError,
     DeviceRefusedError,
@@ -127,7 +127,7 @@ async def test_initialising_asks_for_poses_in_the_house_units_and_for_the_beam_t
     assert fake.asked(Command.SET_LONG_SYSTEM_PARAMETER)[0].values == {"system_param": 411, "parameter": 1}
     assert fake.asked(Command.SET_REFLECTOR) == []
     stated = "The tracker measures the probe T-Mac (machine control probe multi side, serial 4702)."
-    assert stated_settings(tracker) == stated
+    assert tracker.settings == stated
 
 
 async def test_a_tracker_without_poses_says_which_driver_it_needs():

@@ -10,7 +10,6 @@ from tests.helpers.instruments.emscon_in_memory import (
     single,
     tracker_on,
 )
-from truepose_drivers.api import stated_settings
 from truepose_drivers.errors import (
     BusyError,
     ConfigurationError,
@@ -320,12 +319,12 @@ async def test_the_reflector_is_stated_as_the_tracker_confirmed_it():
     fake.script[Command.GET_REFLECTORS] = lambda _: [reflector(7, "RRR 0.5in", **stored)]
     tracker = tracker_on(fake)
     await tracker.connect()
-    assert stated_settings(tracker) == ""
+    assert tracker.settings == ""
 
     await tracker.initialise()
 
     stated = "The tracker measures the reflector RRR 0.5in (RRR05, surface offset 6.350 mm)."
-    assert stated_settings(guarded("leica_emscon", "tracker", tracker)) == stated
+    assert guarded("leica_emscon", "tracker", tracker).settings == stated
 
 
 async def test_a_reflector_that_the_tracker_does_not_take_over_is_told_and_none_is_stated():
@@ -336,4 +335,4 @@ async def test_a_reflector_that_the_tracker_does_not_take_over_is_told_and_none_
 
     with pytest.raises(DeviceRefusedError, match="reflector"):
         await tracker.initialise()
-    assert stated_settings(tracker) == ""
+    assert tracker.settings == ""

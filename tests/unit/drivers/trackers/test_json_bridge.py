@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from truepose_drivers.api import PointTracker, PoseTracker, stated_settings
+from truepose_drivers.api import PointTracker, PoseTracker
 from truepose_drivers.errors import (
     ArtefactNotSeenError,
     BeamBrokenError,
@@ -238,7 +238,7 @@ async def test_it_says_who_is_behind_it_and_what_that_measures_with():
 
     assert (identity.manufacturer, identity.model) == ("FARO", "Vantage")
     assert (identity.serial, identity.firmware) == ("12345", "6.1")
-    assert stated_settings(tracker) == "The tracker measures an SMR."
+    assert tracker.settings == "The tracker measures an SMR."
 
 
 async def test_the_questions_carry_their_numbers():

@@ -2,13 +2,14 @@
 
 import asyncio
 
-from truepose_drivers.api import DeviceIdentity, MotionLimits
+from truepose_drivers.api import DeviceIdentity, MotionGuard, MotionLimits
 
 
 class Controller:
     """Connected or not, with a serial number and the limits that it was given."""
 
     can_stop_motion = False
+    motion_guard = MotionGuard()
 
     def __init__(self) -> None:
         self.serial = "120-1"

@@ -16,7 +16,7 @@ from truepose.sequencing.engine.motion.interlocks import (
 )
 from truepose.sequencing.engine.motion.segments import Joints, MotionSegments, WallPace
 from truepose.sequencing.errors import MotionForbiddenError
-from truepose_drivers.api import Clock, JointReading, RobotController, motion_guard
+from truepose_drivers.api import Clock, FullRobot, JointReading
 from truepose_drivers.errors import TargetRefusedError
 
 
@@ -41,7 +41,7 @@ class Arm:
 
     def __init__(
         self,
-        controller: RobotController,
+        controller: FullRobot,
         clock: Clock,
         limits: tuple[JointRange, ...],
         tolerance_rad: float,
@@ -95,7 +95,7 @@ class Arm:
 
     def _pieces_to(self, target_rad: Joints, reading: JointReading) -> tuple[Joints, ...]:
         start_rad = self._left_at or reading.joints_rad
-        longest_s = motion_guard(self._controller).longest_piece_s
+        longest_s = self._controller.motion_guard.longest_piece_s
         known = len(start_rad) == len(target_rad) and all(map(math.isfinite, (*start_rad, *target_rad)))
         if self._pieces is None or longest_s is None or not known or not self._pace.waits:
             return (target_rad,)

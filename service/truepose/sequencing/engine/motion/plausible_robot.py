@@ -1,10 +1,10 @@
 """The robot as a session hears it: what it states of its joints is taken only within its own ranges."""
 
 import math
-from typing import Any, Final
+from typing import Final
 
 from truepose.domain.robot import JointRange
-from truepose_drivers.api import DeviceIdentity, JointReading, MotionLimits, RobotController
+from truepose_drivers.api import DeviceIdentity, FullRobot, JointReading, MotionGuard, MotionLimits
 from truepose_drivers.errors import ImplausibleReadingError
 
 _BEYOND_RANGE_RAD: Final = math.radians(1.0)  # pushed against its stop by hand; ranges are rounded
@@ -13,14 +13,10 @@ _BEYOND_RANGE_RAD: Final = math.radians(1.0)  # pushed against its stop by hand;
 class WatchfulRobot:
     """A robot's controller; refuses statements that put a joint where this robot has none."""
 
-    def __init__(self, controller: RobotController, ranges: tuple[JointRange, ...] | None) -> None:
+    def __init__(self, controller: FullRobot, ranges: tuple[JointRange, ...] | None) -> None:
         """Watch `controller`; without `ranges` nothing is known that could be judged by."""
         self._controller = controller
         self._ranges = ranges
-
-    def __getattr__(self, name: str) -> Any:
-        """Pass on what a driver offers beyond its kind."""
-        return getattr(self._controller, name)
 
     @property
     def connected(self) -> bool:
@@ -31,6 +27,11 @@ class WatchfulRobot:
     def can_stop_motion(self) -> bool:
         """Whether a motion under way can be interrupted through this protocol."""
         return self._controller.can_stop_motion
+
+    @property
+    def motion_guard(self) -> MotionGuard:
+        """What the controller's driver says that becomes of a motion."""
+        return self._controller.motion_guard
 
     async def connect(self) -> None:
         """Open the link; raises ConnectFailedError."""

@@ -15,7 +15,7 @@ from truepose.sequencing.tracker.measuring.tracking import CheckedTracker
 from truepose.sequencing.tracker.plan import steps
 from truepose.sequencing.tracker.situation import TrackerSituation
 from truepose.sequencing.tracker.world_frame.fixed_nests import FixedNests
-from truepose_drivers.api import Environment, PointTracker, stated_settings
+from truepose_drivers.api import Environment, FullTracker
 
 
 class Points:
@@ -28,7 +28,7 @@ class Points:
         logbook: Logbook[TrackerSituation],
         identities: TrackerIdentityCheck,
     ) -> None:
-        self._device = cast(PointTracker, cell.tracker)
+        self._device = cast(FullTracker, cell.tracker)
         self._tracker = tracker = CheckedTracker(self._device, identities)
         self._fixed_nests = FixedNests(plan, cell, tracker, logbook)
         self._tool_nests = ToolNests(plan, cell, tracker, self._fixed_nests, logbook)
@@ -43,7 +43,7 @@ class Points:
 
     async def conditions(self) -> list[str]:
         """Return what the tracker says that it measures with, and in which air; only what it does say."""
-        settings, air = stated_settings(self._device), await self._tracker.environment()
+        settings, air = self._device.settings, await self._tracker.environment()
         return [*filter(None, [settings, None if air is None else _air_sentence(air)])]
 
     async def perform(self, operation: steps.Operation, at_rest: Callable[[], AtRest]) -> None:

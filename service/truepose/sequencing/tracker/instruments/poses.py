@@ -37,7 +37,7 @@ from truepose.sequencing.tracker.plan import steps
 from truepose.sequencing.tracker.plan.steps import StepKind
 from truepose.sequencing.tracker.situation import TrackerSituation
 from truepose.sequencing.tracker.world_frame.registration import to_world
-from truepose_drivers.api import PoseReading, PoseTracker, stated_settings
+from truepose_drivers.api import FullPoseTracker, PoseReading
 
 _STANDS_WITHIN_MM: Final = 50.0  # of where a tape measure puts the camera, and the arm its tool
 _TURNED_WITHIN_RAD: Final = 0.1  # likewise
@@ -58,7 +58,7 @@ class Poses:
         if cell.camera is None:
             raise PlanRefusedError("The plan measures poses; the cell file describes no camera.")
         self._plan, self._cell, self._camera = plan, cell, cell.camera
-        self._device = cast(PoseTracker, cell.tracker)
+        self._device = cast(FullPoseTracker, cell.tracker)
         self._logbook = logbook
         self._identities = identities
         self._centre_mm = nest_centre(cell.nests, cell.camera.nest)
@@ -71,7 +71,7 @@ class Poses:
 
     async def conditions(self) -> list[str]:
         """Return what the camera says that it measures with, where it says something."""
-        return [*filter(None, [stated_settings(self._device)])]
+        return [*filter(None, [self._device.settings])]
 
     async def perform(self, operation: steps.Operation, at_rest: Callable[[], AtRest]) -> None:
         """Do one operation; raises what the camera and the checks raise."""

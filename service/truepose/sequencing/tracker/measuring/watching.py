@@ -5,12 +5,11 @@ answer: a beam that is lost is found by the step itself.
 """
 
 import asyncio
-import contextlib
 import math
 import time
 from collections.abc import AsyncIterator
 from dataclasses import dataclass
-from typing import Final, Literal, TypeAlias
+from typing import Final, Literal, TypeAlias, cast
 
 import numpy as np
 
@@ -19,9 +18,9 @@ from truepose.sequencing.engine.logbook import Logbook
 from truepose.sequencing.engine.motion.nominal_arm import nest_in_world
 from truepose.sequencing.tracker.cell import SessionCell
 from truepose.sequencing.tracker.execution import Execution
+from truepose.sequencing.tracker.measuring.looks import Looks
 from truepose.sequencing.tracker.situation import TrackerSituation
-from truepose_drivers.api import ShowsReflector
-from truepose_drivers.errors import DriverError
+from truepose_drivers.api import FullTracker
 
 _PERIOD_S: Final = 0.12  # wall time: about eight a second, which an eye takes for continuous
 _NEAR: Final = 10.0  # tolerances
@@ -76,6 +75,8 @@ class Watch:
         self._cell = cell
         self._logbook = logbook
         self._execution = execution
+        points = plan.measures == "points"  # a camera follows no reflector
+        self._looks = Looks(cast(FullTracker, cell.tracker), plan.measure_s) if points else None
         self._newest: Sighting | None = None
         self._told = asyncio.Event()
         self._watchers = 0
@@ -101,18 +102,22 @@ class Watch:
 
     async def run(self) -> None:
         """Look again and again while somebody watches; ends with its task."""
-        while True:
-            await asyncio.sleep(_PERIOD_S)
-            if self._watchers:
-                self._newest = await self._looked()
-                self._tell()
+        try:
+            while True:
+                await asyncio.sleep(_PERIOD_S)
+                if self._watchers:
+                    self._newest = await self._looked()
+                    self._tell()
+        finally:
+            if self._looks is not None:
+                await self._looks.end()
 
     def _tell(self) -> None:
         self._told.set()
         self._told = asyncio.Event()
 
     async def _looked(self) -> Sighting:
-        seen_mm = await self._seen_mm()
+        seen_mm = None if self._looks is None else await self._looks.seen_mm()
         aim = self._aim()
         return Sighting(
             sampled_at_ms=round(1000.0 * time.time()),
@@ -121,22 +126,6 @@ class Watch:
             is_seen=seen_mm is not None,
             is_moving=self._execution.is_moving,
         )
-
-    async def _seen_mm(self) -> Vector | None:
-        """Return where the tracker sees the reflector, in its own frame; None where it sees none."""
-        tracker = self._cell.tracker
-        if not isinstance(tracker, ShowsReflector) or not tracker.connected:
-            return None
-        # Shielded: a look that is broken off in its middle would close the link that the session measures on.
-        look = asyncio.ensure_future(tracker.reflector_now())
-        try:
-            return await asyncio.shield(look)
-        except DriverError:
-            return None  # whatever it means is found by the next measurement
-        except asyncio.CancelledError:
-            with contextlib.suppress(DriverError):
-                await look
-            raise
 
     def _delta(self, seen_mm: Vector, aim: Aim) -> Vector | None:
         world = self._execution.in_world(seen_mm)

@@ -8,7 +8,7 @@ import pytest
 
 from truepose_drivers.abb_egm.protocol import Motors, Rapid, RobotFrame, encode_robot
 from truepose_drivers.abb_egm.reader import EgmReader
-from truepose_drivers.api import GuardsMotion, MotionGuard, MotionLimits, RobotController
+from truepose_drivers.api import MotionGuard, MotionLimits, RobotController
 from truepose_drivers.arms.companion import AccompaniedRobot
 from truepose_drivers.errors import (
     ConnectFailedError,
@@ -197,7 +197,6 @@ def robot_on(stream):
 
 async def test_a_robot_is_moved_one_way_and_read_the_other():
     mover, robot = robot_on(Stream())
-    assert isinstance(robot, GuardsMotion)
     as_api: RobotController = robot
     await as_api.connect()
     limits = MotionLimits()

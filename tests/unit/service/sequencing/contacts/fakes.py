@@ -62,6 +62,9 @@ class FakeProbe:
         signal = "out_of_range" if free and self.signal == "good" else self.signal
         return BallbarReading(self.sign * shown_mm, signal, 1e-4, self._clock.time_s)
 
+    async def read_channels(self) -> tuple[BallbarReading, ...]:
+        return (await self.read(),)
+
     def _pushed_mm(self) -> float:
         chain = nominal_chain(IRB120, FramePlacement(), np.array([self._robot.joints]))
         tip_mm, axis = chain.points(np.array(NESTS[1].centre_mm))[0], chain.end_rotation[0][:, 2]

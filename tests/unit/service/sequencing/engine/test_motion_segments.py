@@ -18,7 +18,7 @@ from truepose.sequencing.engine.motion.segments import MotionSegments
 from truepose.sequencing.engine.notices import motion_notice
 from truepose.sequencing.errors import MotionForbiddenError
 from truepose.sequencing.tracker.runner import TrackerRunner
-from truepose_drivers.api import MotionGuard, MotionLimits, motion_guard
+from truepose_drivers.api import MotionGuard, MotionLimits
 
 SLOW = MotionLimits(20.0, math.radians(3.0))
 START = (0.0, 0.1, -0.2, 0.0, 0.3, 0.0)
@@ -167,7 +167,7 @@ async def test_a_paused_session_says_when_the_arm_rests_and_goes_on_later():
 
 
 def test_what_a_controller_does_when_it_is_left_alone_is_said():
-    assert "goes on to the target" in motion_notice(motion_guard(object()))
+    assert "goes on to the target" in motion_notice(MotionGuard())
     assert "for up to 1 s" in motion_notice(MotionGuard(longest_piece_s=1.0))
     assert "stops the arm by itself within 1 s" in motion_notice(MotionGuard(stops_unheard_s=1.0))
 

@@ -10,7 +10,7 @@ from tests.unit.service.sequencing.tracker.operators import PatientOperator, run
 from truepose.domain.measurement.session import SessionState
 from truepose.domain.robot import JointRange
 from truepose.sequencing.engine.motion.plausible_robot import WatchfulRobot
-from truepose_drivers.api import JointReading
+from truepose_drivers.api import JointReading, MotionGuard
 from truepose_drivers.errors import ImplausibleReadingError
 
 RANGES = (JointRange(math.radians(-110.0), math.radians(70.0)),) * 6
@@ -19,7 +19,7 @@ RANGES = (JointRange(math.radians(-110.0), math.radians(70.0)),) * 6
 class Controller:
     connected = True
     can_stop_motion = False
-    stops_unheard_s = 0.5
+    motion_guard = MotionGuard(longest_piece_s=0.5)
 
     def __init__(self, *joints_deg: float) -> None:
         self._joints_rad = tuple(map(math.radians, joints_deg))
@@ -48,7 +48,7 @@ async def test_a_robot_of_unknown_ranges_is_believed():
 
 
 def test_what_the_driver_says_of_its_motions_is_reached():
-    assert WatchfulRobot(Controller(0.0), None).stops_unheard_s == 0.5
+    assert WatchfulRobot(Controller(0.0), None).motion_guard == Controller.motion_guard
 
 
 async def test_a_joint_out_of_range_has_the_session_wait_for_a_person():

@@ -189,6 +189,9 @@ class FakeTracker:
         stated = (self.stated_mm,) * 3
         return TrackerReading((x, y, z), stated, self.rms_mm, 100, 1.0, self.face, self._clock.time_s)
 
+    async def reflector_now(self) -> Vector | None:
+        return None
+
     async def change_face(self) -> None:
         self.face = 3 - self.face
 

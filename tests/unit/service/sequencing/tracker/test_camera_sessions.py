@@ -33,6 +33,8 @@ SHOWN = (*NESTS, Nest(CENTRE, 0.028))
 class FakeCamera:
     """Sees the artefact on the arm, from where it stands by its cell file."""
 
+    settings = ""
+
     def __init__(self, cell):
         self._cell = cell
         self.serial = "P-1"
