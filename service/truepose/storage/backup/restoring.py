@@ -48,6 +48,7 @@ def restore(
         used = _require_allowed(database, replace)
         told(_VERIFYING, "copying")
         with _copied(copy, database.with_name(f"{database.name}.restored"), head) as fresh:
+            lock.move_to(None)  # no open file is replaced on Windows; the side file is held on
             return head, _put_in_place(fresh, database, used)
     except (OSError, LIBRARY.DatabaseError) as error:
         raise BackupError(f"{copy} cannot be restored to {database} ({error}).") from error
@@ -89,6 +90,7 @@ def put_ready_in_place(database: Path) -> tuple[Head, Path | None] | None:
         with contextlib.closing(opened_file(ready)) as laid:
             head = newest_head(laid)
         require_copy(ready, head)
+        lock.move_to(None)  # as above
         return head, _put_in_place(ready, database, _has_records(database))
     except (OSError, LIBRARY.DatabaseError) as error:
         raise BackupError(

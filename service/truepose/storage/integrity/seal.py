@@ -46,7 +46,8 @@ class Seal:
     def break_open(self, connection: Any) -> None:
         """Say that a service has the database open, from now on."""
         with contextlib.suppress(OSError):  # it is a watchman, not a record
-            self._opened = os.open(self.file, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o644)
+            as_written = getattr(os, "O_BINARY", 0)  # Windows would write line ends of two bytes
+            self._opened = os.open(self.file, os.O_RDWR | os.O_CREAT | as_written, 0o644)
             self._write(newest_link(connection))
             os.fsync(self._opened)
 

@@ -4,21 +4,18 @@ SQLite itself would let two services write in turns, and each would move its own
 for life, and the operating system releases both with the process, however that ends:
 
 - An exclusive transaction on a side file, wherever SQLite works.
-- On Linux, `flock` on the database file itself: whoever comes by another path, a hard link, a bind mount,
-  from another container, or after the side file is gone, meets the same inode. SQLite's own locks are of
-  another kind (`fcntl`), which closing any descriptor of the file would drop; so the one here is closed last.
+- On Linux and Windows, a lock on the database file itself: whoever comes by another path, a hard link, a
+  bind mount, from another container, or after the side file is gone, meets the same file. Closing any
+  descriptor of the file would drop SQLite's own locks on Linux; so the one here is closed last.
 """
 
 import os
-import sys
 from pathlib import Path
 from typing import Any
 
+from truepose.storage.connection.sqlite.file_lock import file_lock
 from truepose.storage.connection.sqlite.library import LIBRARY
 from truepose.storage.errors import DatabaseInUseError, StorageUnavailableError
-
-if sys.platform == "linux":
-    import fcntl
 
 _NEW_FILE = 0o644
 
@@ -53,14 +50,15 @@ def locked_file(database: Path) -> int | None:
 
     Raises DatabaseInUseError where another service holds it.
     """
-    if sys.platform != "linux":
+    lock = file_lock()
+    if lock is None:
         return None
     try:
-        file = os.open(database, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, _NEW_FILE)
+        file = os.open(database, os.O_RDWR | os.O_CREAT, _NEW_FILE)
     except OSError as error:
         raise _unwritable(database, error) from error
     try:
-        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        lock(file)
     except OSError as error:
         os.close(file)
         raise (
