@@ -2,13 +2,13 @@
 
 import argparse
 import asyncio
-import signal
 import sys
 from collections.abc import Sequence
 from pathlib import Path
 
 from truepose_simulators.cell.clock import CellClock, Pace
 from truepose_simulators.cell.journal import RememberedCell
+from truepose_simulators.ending import asked_to_end
 from truepose_simulators.errors import EndpointUnavailableError, ModelError, SimulatorError
 from truepose_simulators.faults.file import read_faults
 from truepose_simulators.faults.times import Fault
@@ -137,9 +137,7 @@ async def _run(cell: RememberedCell, options: argparse.Namespace) -> None:
         await cell.remember(options.state)
     pace: Pace = 1 if options.pace == 1 else 0
     cell.clock.go_at(pace)
-    interrupted = asyncio.Event()
-    for number in (signal.SIGINT, signal.SIGTERM):
-        asyncio.get_running_loop().add_signal_handler(number, interrupted.set)
+    interrupted = asked_to_end()
     endpoints, first = _endpoints(cell), options.port_base
     try:
         for offset, endpoint in enumerate(endpoints):

@@ -1,11 +1,10 @@
-"""Runs the service until it is asked to end: SIGINT or SIGTERM, once politely, twice at once."""
+"""Runs the service until it is asked to end: once politely, twice at once."""
 
 import asyncio
 import contextlib
 import functools
 import json
 import logging
-import signal
 import socket
 import sys
 from collections.abc import Callable, Iterator
@@ -28,6 +27,7 @@ from truepose.domain.errors import TrueposeError
 from truepose.effects.registry import unusable_causes
 from truepose.exchange.errors import ExchangeError
 from truepose.operation.people.desk import PeopleDesk
+from truepose.processes import asked_to_end
 from truepose.settings import Settings
 from truepose.storage.connection.address import database_file
 from truepose.storage.database import Database
@@ -137,7 +137,7 @@ async def _serve(settings: Settings, served: Served[C], lines_lost: Callable[[],
             url = _url(listener, speak_tls(config, settings))
             server = _Server(config, _said(context, url), lambda: stop_streams(context))
             with (
-                _ended_by_signals(server),
+                asked_to_end(server.end),
                 told_beside(context.database.file, _reached(context, url, settings)),
             ):
                 telling = asyncio.create_task(keep_telling(), name="service manager")
@@ -158,6 +158,11 @@ class _Server(uvicorn.Server):
         self._said = said
         self._before_shutdown = before_shutdown
 
+    def end(self) -> None:
+        """End in order; at once where that was asked for before."""
+        self.force_exit = self.should_exit
+        self.should_exit = True
+
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
         await super().startup(sockets)
         for listener in sockets or ():
@@ -176,22 +181,6 @@ class _Server(uvicorn.Server):
     def capture_signals(self) -> Iterator[None]:
         # The base class raises the signal again at the end, which would skip our own closing.
         yield
-
-
-@contextlib.contextmanager
-def _ended_by_signals(server: uvicorn.Server) -> Iterator[None]:
-    def end() -> None:
-        server.force_exit = server.should_exit
-        server.should_exit = True
-
-    loop = asyncio.get_running_loop()
-    for number in (signal.SIGINT, signal.SIGTERM):
-        loop.add_signal_handler(number, end)
-    try:
-        yield
-    finally:
-        for number in (signal.SIGINT, signal.SIGTERM):
-            loop.remove_signal_handler(number)
 
 
 @contextlib.contextmanager

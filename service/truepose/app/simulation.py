@@ -17,6 +17,7 @@ from typing import Any, Final
 from truepose.app.errors import ScenarioRefusedError, SimulationFailedError
 from truepose.domain.cell.description import SimulatedCell
 from truepose.exchange.cells.scenario_text import scenario_text
+from truepose.processes import in_own_group
 from truepose.web.context import Endpoint
 from truepose_drivers.errors import ConnectionLostError
 
@@ -91,9 +92,9 @@ async def running_simulation(
         if faults is not None:
             arguments += ["--faults", str(faults)]
         pipe = asyncio.subprocess.PIPE
-        # A session of its own: ctrl-C at the terminal is for the service, which ends the cell in order.
+        # A group of its own: ctrl-C at the terminal is for the service, which ends the cell in order.
         process = await asyncio.create_subprocess_exec(
-            sys.executable, "-c", _TIED, *arguments, stdin=pipe, stdout=pipe, start_new_session=True
+            sys.executable, "-c", _TIED, *arguments, stdin=pipe, stdout=pipe, **in_own_group()
         )
         try:
             yield Simulation(process, await _endpoints(process, needed), tool_file)

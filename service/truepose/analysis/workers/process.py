@@ -1,7 +1,6 @@
 """A worker process as the service sees it: started, listened to, killed with all its children."""
 
 import asyncio
-import contextlib
 import logging
 import os
 import signal
@@ -21,6 +20,7 @@ from truepose.analysis.workers.pipe import (
     unpacked,
 )
 from truepose.analysis.workers.tasks import Answer, Task
+from truepose.processes import in_own_group, kill_group
 from truepose.start import ONE_THREAD
 
 _LOG = logging.getLogger(__name__)
@@ -64,7 +64,6 @@ async def perform_in_worker(
     """
     pipe = asyncio.subprocess.PIPE
     try:
-        # A session of its own makes it the leader of a process group, which can be killed as one.
         process = await asyncio.create_subprocess_exec(
             *command,
             str(memory_bytes or _a_third_of_all()),
@@ -72,7 +71,7 @@ async def perform_in_worker(
             stdout=pipe,
             stderr=pipe,
             env=os.environ | ONE_THREAD,
-            start_new_session=True,
+            **in_own_group(),
         )
     except OSError as error:
         raise WorkerDiedError(
@@ -89,7 +88,8 @@ async def perform_in_worker(
         await asyncio.wait({asyncio.create_task(process.wait()), listening}, timeout=_DYING_S)
         raise WorkerDiedError(_obituary(process, log)) from error
     finally:
-        await _bury(process)
+        kill_group(process)
+        await process.wait()
         listening.cancel()
         _LOG.info("worker %d has ended", process.pid)
 
@@ -138,9 +138,3 @@ def _obituary(process: asyncio.subprocess.Process, log: deque[str]) -> str:
     )
     last = f"; it last said: {log[-1]}" if log else ""
     return f"The worker process {how} before it answered{last}. Start the job again; nothing was stored."
-
-
-async def _bury(process: asyncio.subprocess.Process) -> None:
-    with contextlib.suppress(ProcessLookupError):
-        os.killpg(process.pid, signal.SIGKILL)
-    await process.wait()

@@ -1,7 +1,6 @@
 """A simulated cell with its service, ready to measure."""
 
 import contextlib
-import signal
 from collections.abc import AsyncIterator
 from pathlib import Path
 from typing import Final
@@ -15,13 +14,13 @@ SERVICE_LOG: Final = "service.log"
 
 @contextlib.asynccontextmanager
 async def opened_cell(
-    scenario: str, seed: int, folder: Path, ended_by: signal.Signals = signal.SIGINT
+    scenario: str, seed: int, folder: Path, *, killed: bool = False
 ) -> AsyncIterator[ServiceClient]:
     """Start cell and service on the database of `folder`; yields a client whose devices are connected.
 
-    `scenario` is a shipped name or a file; `ended_by` as of `running_service`. Raises DemoError.
+    `scenario` is a shipped name or a file; `killed` as of `running_service`. Raises DemoError.
     """
     service = SimulatedService(scenario, seed, folder / DATABASE, folder / SERVICE_LOG)
-    async with running_service(service, ended_by) as url, connected(url) as client:
+    async with running_service(service, killed=killed) as url, connected(url) as client:
         await client.connect_devices()
         yield client

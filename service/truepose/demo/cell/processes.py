@@ -2,14 +2,12 @@
 
 The service starts the cell and ends it again; here is only the service's side. Its standard output holds
 the one JSON line that says where it listens; everything it logs goes to a file. Its standard input is a
-pipe held open as long as the run lives: a run that is killed takes its children with it.
+pipe: closed, it asks the service to end, and so a run that is killed takes its children with it.
 """
 
 import asyncio
 import contextlib
 import json
-import os
-import signal
 import sys
 from collections.abc import AsyncIterator
 from dataclasses import dataclass
@@ -17,6 +15,7 @@ from pathlib import Path
 from typing import Final
 
 from truepose.demo.errors import ServiceFailedError, UnusableScenarioError
+from truepose.processes import in_own_group, kill_group
 
 _START_S: Final = 60.0  # three seconds on an idle machine
 _END_S: Final = 15.0  # it gives requests under way 5 s and its cell 5 s
@@ -35,12 +34,10 @@ class SimulatedService:
 
 
 @contextlib.asynccontextmanager
-async def running_service(
-    service: SimulatedService, ended_by: signal.Signals = signal.SIGINT
-) -> AsyncIterator[str]:
+async def running_service(service: SimulatedService, *, killed: bool = False) -> AsyncIterator[str]:
     """Start the service, yield its URL, and end it and its cell with the context.
 
-    By default it is ended in order; SIGKILL ends it as a power cut would.
+    It is ended in order; `killed` ends it as a power cut would.
 
     Raises
     ------
@@ -56,12 +53,15 @@ async def running_service(
             stdin=asyncio.subprocess.PIPE,
             stdout=asyncio.subprocess.PIPE,
             stderr=log,
-            start_new_session=True,  # ctrl-C at the terminal is for the run, which ends the service in order
+            **in_own_group(),  # ctrl-C at the terminal is for the run, which ends the service in order
         )
     try:
         yield await _address(process, service.log)
     finally:
-        await _end(process, ended_by)
+        if not killed:
+            await _end(process)
+        kill_group(process)
+        await process.wait()
 
 
 async def _address(process: asyncio.subprocess.Process, log: Path) -> str:
@@ -84,11 +84,8 @@ def _last_words(log: Path) -> str:
     return "\n".join(line for line in lines if not line.startswith(("INFO", "WARNING", "DEBUG")))
 
 
-async def _end(process: asyncio.subprocess.Process, by: signal.Signals) -> None:
-    if process.returncode is None:
-        process.send_signal(by)
-        with contextlib.suppress(TimeoutError):
-            await asyncio.wait_for(process.wait(), _END_S)
-    with contextlib.suppress(ProcessLookupError):
-        os.killpg(process.pid, signal.SIGKILL)  # whatever of its group is left
-    await process.wait()
+async def _end(process: asyncio.subprocess.Process) -> None:
+    if process.stdin is not None:
+        process.stdin.close()
+    with contextlib.suppress(TimeoutError):
+        await asyncio.wait_for(process.wait(), _END_S)

@@ -11,6 +11,7 @@ import signal
 import sys
 import threading
 
+from truepose.processes import interrupt_this_process
 from truepose.start import begin_lightly, end_lightly
 
 _CHUNK_BYTES = 4096
@@ -42,7 +43,7 @@ def _end_with_the_run() -> None:
     # Not sys.stdin: its buffer is locked while we read, and the interpreter wants that lock when it ends.
     while os.read(0, _CHUNK_BYTES):
         pass
-    os.kill(os.getpid(), signal.SIGINT)
+    interrupt_this_process()
 
 
 if __name__ == "__main__":

@@ -1,7 +1,6 @@
 """The service is killed in the middle of a session, again and again, and goes on where it was."""
 
 import asyncio
-import signal
 from collections.abc import Sequence
 from contextlib import AbstractAsyncContextManager
 from dataclasses import dataclass
@@ -44,14 +43,14 @@ class KilledService:
     async def _run(self, folder: Path, progress: RunProgress) -> list[Check]:
         rng = np.random.default_rng(self.seed)
         lives = _Lives(self.seed, folder)
-        async with lives.life(signal.SIGINT) as client:
+        async with lives.life() as client:
             job = await client.plan("killed", "calibration", _CONFIGURATIONS, self.seed)
             session_id = await client.finish_job(job)
         for measured in np.sort(rng.choice(_CONFIGURATIONS - 1, self.kills, replace=False)):
             progress.doing = f"killing the service after {measured} configurations"
-            async with lives.life(signal.SIGKILL) as client:
+            async with lives.life(killed=True) as client:
                 await lives.work(client, session_id, int(measured), float(rng.uniform(0.0, _WITHIN_S)))
-        async with lives.life(signal.SIGINT) as client:
+        async with lives.life() as client:
             await lives.finish(client, session_id)
         return [*lives.checks(), none_of("broken links of the chain", verify(folder / DATABASE).findings)]
 
@@ -66,9 +65,9 @@ class _Lives:
         self._moved: list[str] = []
         self._ended: dict[str, Any] = {}
 
-    def life(self, ended_by: signal.Signals) -> AbstractAsyncContextManager[ServiceClient]:
+    def life(self, *, killed: bool = False) -> AbstractAsyncContextManager[ServiceClient]:
         """Return the service on its database, until it is ended."""
-        return opened_cell("irb120-clean", self._seed, self._folder, ended_by)
+        return opened_cell("irb120-clean", self._seed, self._folder, killed=killed)
 
     async def work(self, client: ServiceClient, session_id: int, measured: int, more_s: float) -> None:
         """Take the session up, let it measure, and remember what it acknowledged."""
