@@ -4,9 +4,10 @@ A process is this program itself, spoken to over its own pipe (`lane`).
 """
 
 import os
-import selectors
+import queue
 import subprocess
 import sys
+import threading
 from collections import deque
 from dataclasses import dataclass, field
 from typing import IO, Final
@@ -14,7 +15,7 @@ from typing import IO, Final
 from truepose.analysis.cluster.cluster import ALLOWED_FAILURES, lost_reply
 from truepose.analysis.cluster.parts import Reply, Task
 from truepose.analysis.errors import ClusterError
-from truepose.analysis.workers.pipe import packed, receive
+from truepose.analysis.workers.pipe import packed, received, unpacked
 from truepose.start import ONE_THREAD
 
 _COMMAND: Final = (sys.executable, "-m", "truepose.analysis.cluster.lane")
@@ -26,7 +27,13 @@ class _Lane:
     """A process and the tasks that it holds, the one under way first."""
 
     process: subprocess.Popen[bytes]
+    answers: "queue.SimpleQueue[tuple[_Lane, bytes | None]]"  # None: it is gone
     tasks: deque[Task] = field(default_factory=deque)
+
+    def __post_init__(self) -> None:
+        # A thread, as Windows cannot wait for several pipes at once.
+        self._listening = threading.Thread(target=self._listen, daemon=True)
+        self._listening.start()
 
     def send(self, task: Task) -> None:
         self.tasks.append(task)
@@ -37,17 +44,17 @@ class _Lane:
         except OSError:
             return  # it is gone: that is seen where its answer is waited for
 
-    def answer(self) -> Reply | None:
-        """Return its next answer; None where it is gone."""
+    def _listen(self) -> None:
         try:
-            reply: Reply = receive(_open(self.process.stdout))
-        except EOFError:
-            return None
-        return reply
+            while True:
+                self.answers.put((self, received(_open(self.process.stdout))))
+        except (EOFError, OSError):
+            self.answers.put((self, None))
 
     def end(self) -> None:
         self.process.kill()
         self.process.wait()
+        self._listening.join()
         for pipe in (self.process.stdin, self.process.stdout):
             _close(pipe)
 
@@ -59,7 +66,7 @@ class Processes:
         self._count = count
         self._allowed_failures = allowed_failures
         self._lanes: list[_Lane] = []
-        self._answers = selectors.DefaultSelector()
+        self._answers: queue.SimpleQueue[tuple[_Lane, bytes | None]] = queue.SimpleQueue()
         self._lost: dict[int, int] = {}  # times that a task lost its process, by its number
 
     def room(self) -> int:
@@ -76,11 +83,11 @@ class Processes:
     def ended(self) -> tuple[int, Reply]:
         """Wait for the next answer; a task whose process is gone goes to another one."""
         while True:
-            (key, _), *_ = self._answers.select()
-            lane: _Lane = key.data
-            reply = lane.answer()
-            if reply is not None:
-                return lane.tasks.popleft().number, reply
+            lane, body = self._answers.get()
+            if lane not in self._lanes:
+                continue  # of one that was given up
+            if body is not None:
+                return lane.tasks.popleft().number, unpacked(body)
             number = self._replaced(lane)
             if number is not None:
                 return number, lost_reply(self._lost.pop(number))
@@ -95,7 +102,6 @@ class Processes:
 
     def __exit__(self, *_: object) -> None:
         self.give_up()
-        self._answers.close()
 
     @property
     def process_ids(self) -> tuple[int, ...]:
@@ -106,7 +112,7 @@ class Processes:
         try:
             process = subprocess.Popen(
                 _COMMAND,
-                bufsize=0,  # a reply that lies in a buffer here is none that can be waited for
+                bufsize=0,
                 stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE,
                 env=os.environ | ONE_THREAD,
@@ -116,9 +122,8 @@ class Processes:
                 f"No worker process could be started ({error}); free memory or processes of this computer, "
                 "then start it again."
             ) from error
-        lane = _Lane(process)
+        lane = _Lane(process, self._answers)
         self._lanes.append(lane)
-        self._answers.register(_open(process.stdout), selectors.EVENT_READ, lane)
         return lane
 
     def _replaced(self, lane: _Lane) -> int | None:
@@ -135,7 +140,6 @@ class Processes:
         return blamed
 
     def _end(self, lane: _Lane) -> None:
-        self._answers.unregister(_open(lane.process.stdout))
         self._lanes.remove(lane)
         lane.end()
 

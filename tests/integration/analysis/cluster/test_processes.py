@@ -2,6 +2,8 @@
 
 import contextlib
 import os
+import select
+import selectors
 
 import pytest
 
@@ -127,6 +129,15 @@ def test_parts_are_read_no_further_ahead_than_is_needed(two):
 
     assert len(read) <= 5
     outcomes.close()
+
+
+def test_no_pipe_is_selected_which_windows_cannot(monkeypatch):
+    for name in ("select", "poll", "epoll"):
+        monkeypatch.delattr(select, name, raising=False)
+    monkeypatch.setattr(selectors, "DefaultSelector", None)
+
+    with Processes(2) as places:
+        assert Cluster(places).answers(waited_for, _parts([0.0, 0.0, 0.0])) == [0.0, 0.0, 0.0]
 
 
 def test_no_parts_are_no_work(two):
