@@ -1,7 +1,9 @@
 """How a process of this program begins and ends: one thread, and no searches that find nothing."""
 
 import gc
+import io
 import os
+import sys
 from typing import Final
 
 # Importing makes a hundred thousand objects and hardly a cycle; by default they are searched at every 700.
@@ -23,6 +25,17 @@ def begin_lightly() -> None:
     os.environ.update(ONE_THREAD)
     gc.set_threshold(_OBJECTS_BETWEEN_SEARCHES)
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "1")  # to find none takes a look at every package
+
+
+def speak_unicode() -> None:
+    """Say whatever a language asks for: as UTF-8 on Windows, as the computer is set up elsewhere.
+
+    What that set-up has no character for is written as its number.
+    """
+    encoding = "utf-8" if sys.platform == "win32" else None
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(encoding=encoding, errors="backslashreplace")
 
 
 def end_lightly() -> None:

@@ -218,7 +218,7 @@ def test_a_signal_ends_it_in_order_and_the_simulated_cell_with_it(service, datab
 
 def test_a_simulated_cell_that_ended_is_told_and_not_started_anew(service):
     url = url_of(service)
-    (child,) = Path(f"/proc/{service.pid}/task/{service.pid}/children").read_text().split()
+    (child,) = Path(f"/proc/{service.pid}/task/{service.pid}/children").read_text(encoding="utf-8").split()
     os.kill(int(child), signal.SIGKILL)
 
     for _ in range(400):

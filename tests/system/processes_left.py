@@ -31,7 +31,7 @@ def running(pids):
 def _has_ended(pid):
     # An orphan that has ended waits for init to reap it, which not every container's init does.
     try:
-        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[_STATE] == "Z"
+        return Path(f"/proc/{pid}/stat").read_text(encoding="utf-8").rpartition(")")[2].split()[_STATE] == "Z"
     except OSError:
         return True
 

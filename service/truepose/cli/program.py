@@ -13,7 +13,7 @@ from typing import Annotated
 import typer
 
 from truepose.domain.errors import TrueposeError
-from truepose.start import begin_lightly, end_lightly
+from truepose.start import begin_lightly, end_lightly, speak_unicode
 from truepose.version import __version__
 from truepose.words.error_codes import code_of
 
@@ -60,6 +60,7 @@ _GROUPS = {"people": "administration.people"}  # of commands
 def main() -> int:
     """Run the command and return its exit status."""
     begin_lightly()
+    speak_unicode()
     try:
         return _run()
     finally:

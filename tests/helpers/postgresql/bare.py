@@ -113,7 +113,9 @@ class BareServer:
         """Return the processes that serve connections to some databases."""
         if self._process is None:
             return []
-        children = Path(f"/proc/{self._process.pid}/task/{self._process.pid}/children").read_text()
+        children = Path(f"/proc/{self._process.pid}/task/{self._process.pid}/children").read_text(
+            encoding="utf-8"
+        )
         return [int(child) for child in children.split() if _serves(child, databases)]
 
 

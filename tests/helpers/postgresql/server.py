@@ -86,7 +86,7 @@ class Server:
 def shared_server():
     """Yield the server of this run of tests, which whoever comes first starts and whoever goes last ends."""
     folder = Path(tempfile.gettempdir(), f"truepose-{os.environ.get('PYTEST_XDIST_TESTRUNUID', os.getpid())}")
-    with Path(f"{folder}.lock").open("w") as lock:
+    with Path(f"{folder}.lock").open("w", encoding="utf-8") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
         first = not (folder / "ready").exists()
         if first:

@@ -55,7 +55,7 @@ def _options() -> argparse.Namespace:
 
 def _machine() -> str:
     cpu = Path("/proc/cpuinfo")
-    lines = cpu.read_text().splitlines() if cpu.exists() else []
+    lines = cpu.read_text(encoding="utf-8").splitlines() if cpu.exists() else []
     model = next((line.split(":")[1].strip() for line in lines if line.startswith("model name")), "")
     load = os.getloadavg()[0]
     return (

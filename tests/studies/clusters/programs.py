@@ -54,9 +54,11 @@ def running(command: list[str], log: Path, ready: str, env: Mapping[str, str]) -
 
 def _await(process: "subprocess.Popen[bytes]", log: Path, ready: str) -> None:
     until_s = time.monotonic() + _PATIENCE_S
-    while ready not in log.read_text(errors="replace"):
+    while ready not in log.read_text(encoding="utf-8", errors="replace"):
         if process.poll() is not None or time.monotonic() > until_s:
-            raise SystemExit(f"{log} does not say {ready!r}:\n{log.read_text(errors='replace')[-2000:]}")
+            raise SystemExit(
+                f"{log} does not say {ready!r}:\n{log.read_text(encoding='utf-8', errors='replace')[-2000:]}"
+            )
         time.sleep(0.1)
 
 

@@ -68,7 +68,7 @@ def _service(url):
 
 
 def _cpu_s(process):
-    ticks = Path(f"/proc/{process.pid}/stat").read_text().rpartition(")")[2].split()
+    ticks = Path(f"/proc/{process.pid}/stat").read_text(encoding="utf-8").rpartition(")")[2].split()
     return (int(ticks[11]) + int(ticks[12])) / os.sysconf("SC_CLK_TCK")
 
 

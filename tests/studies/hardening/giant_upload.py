@@ -93,7 +93,7 @@ def _listener(port):
     """The process that listens at a port of loopback."""
     inodes = {
         line.split()[9]
-        for line in Path("/proc/net/tcp").read_text().splitlines()[1:]
+        for line in Path("/proc/net/tcp").read_text(encoding="utf-8").splitlines()[1:]
         if line.split()[1].endswith(f":{port:04X}") and line.split()[3] == "0A"
     }
     for handle in Path("/proc").glob("[0-9]*/fd/*"):

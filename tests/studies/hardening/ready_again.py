@@ -114,7 +114,7 @@ async def _median_ms(http, path):
 
 
 def _memory_mb(service):
-    pages = int(Path(f"/proc/{service.pid}/statm").read_text().split()[1])
+    pages = int(Path(f"/proc/{service.pid}/statm").read_text(encoding="utf-8").split()[1])
     return pages * os.sysconf("SC_PAGE_SIZE") / 1e6
 
 

@@ -56,7 +56,7 @@ def processes_ms() -> dict[str, int]:
     for pid, _, command in rows:
         kind = _PROCESS.search(command)
         if kind and pid in ours:
-            ticks = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[11:13]
+            ticks = Path(f"/proc/{pid}/stat").read_text(encoding="utf-8").rpartition(")")[2].split()[11:13]
             spent[kind[1]] = spent.get(kind[1], 0) + 1000 * sum(map(int, ticks)) // os.sysconf("SC_CLK_TCK")
     return spent
 

@@ -219,7 +219,7 @@ def test_a_robot_moves_and_all_devices_see_it_in_one_time(start):
 
 def cpu_s(pid):
     """Seconds of processor that a process has had: a busy machine does not make them more."""
-    user, system = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[11:13]
+    user, system = Path(f"/proc/{pid}/stat").read_text(encoding="utf-8").rpartition(")")[2].split()[11:13]
     return (int(user) + int(system)) / os.sysconf("SC_CLK_TCK")
 
 

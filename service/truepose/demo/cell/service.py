@@ -12,7 +12,7 @@ import sys
 import threading
 
 from truepose.processes import interrupt_this_process
-from truepose.start import begin_lightly, end_lightly
+from truepose.start import begin_lightly, end_lightly, speak_unicode
 
 _CHUNK_BYTES = 4096
 
@@ -20,6 +20,7 @@ _CHUNK_BYTES = 4096
 def main(scenario: str, seed: str, database_url: str) -> int:
     """Serve on any free port of loopback until interrupted; returns the exit status."""
     begin_lightly()
+    speak_unicode()
     from truepose.app import serve
     from truepose.settings import Settings
 

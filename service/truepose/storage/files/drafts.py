@@ -180,10 +180,10 @@ class DraftFolder:
     def _next_number(self, numbers: list[int]) -> int:
         """Return a number that no draft has had: an old address never shows somebody else's files."""
         last = self._folder / "last"
-        said = int(last.read_text()) if last.exists() else 0
+        said = int(last.read_text(encoding="ascii")) if last.exists() else 0
         number = 1 + max([said, *numbers])
         self._folder.mkdir(parents=True, exist_ok=True)
-        last.write_text(str(number))
+        last.write_text(str(number), encoding="ascii")
         return number
 
     def _write(self, draft: Draft) -> Draft:
