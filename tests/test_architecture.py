@@ -171,6 +171,15 @@ def test_the_search_for_machines_lets_ordinary_lines_pass(line):
     assert not _MACHINE.search(line)
 
 
+def test_nothing_around_a_device_hands_on_what_it_does_not_declare():
+    """An ability that is handed on with `__getattr__` is lost to whatever looks at the type."""
+    rooms = ("drivers", "simulators", "service/truepose/sequencing", "service/truepose/operation")
+    modules = [path for room in rooms for path in (_CHECKOUT / room).rglob("*.py")]
+
+    assert len(modules) > 100
+    assert [_named(path) for path in modules if "__getattr__(" in _text(path)] == []
+
+
 def test_every_driver_has_a_readme_that_says_what_was_not_tried():
     folders = {
         _CHECKOUT / "drivers" / entry.value.split(":")[0].replace(".", "/")

@@ -86,6 +86,30 @@ def test_what_a_careless_driver_does_right_is_no_failure(name):
     assert run(NAMED[name], CarelessBench) == "kept"
 
 
+class BoxBench(CarelessBench):
+    plugin = replace(CARELESS, kind="linear_gauge", also=("robot",))
+
+    def driver(self, wiring):
+        return self.box(None, None)
+
+
+class WaitlessBox(CarelessGauge):
+    def read_channels(self):
+        return ()
+
+
+class BoastingRobot(CarelessGauge):
+    motion_guard = 1.0
+
+
+@pytest.mark.parametrize(("box", "lost"), [(WaitlessBox, "read_channels"), (BoastingRobot, "motion_guard")])
+def test_an_ability_that_its_guard_would_lose_is_told(box, lost, monkeypatch):
+    monkeypatch.setattr(BoxBench, "box", box, raising=False)
+
+    with pytest.raises(ContractBrokenError, match=f"{lost} does not come through the guard"):
+        run(NAMED["its_abilities_reach_the_service"], BoxBench)
+
+
 def test_a_bench_that_takes_everything_for_right_is_told():
     with pytest.raises(ContractBrokenError, match="wherever it moves"):
         run(NAMED["the_bench_knows_a_wrong_value"], BlindBench)

@@ -4,6 +4,7 @@ import inspect
 from collections.abc import Mapping
 from typing import Final
 
+from truepose_drivers.abilities import ABILITIES
 from truepose_drivers.api import (
     Ballbar,
     Clock,
@@ -16,6 +17,7 @@ from truepose_drivers.api import (
 )
 from truepose_drivers.contract.case import case
 from truepose_drivers.contract.trial import Trial, broken
+from truepose_drivers.guard import guarded
 
 _FEWEST_WORDS: Final = 3  # of a sentence
 _PROTOCOLS: Final[Mapping[DeviceKind, type]] = {
@@ -35,6 +37,34 @@ async def it_offers_all_of_its_kind(trial: Trial) -> None:
     for kind in (trial.bench.plugin.kind, *trial.bench.plugin.also):
         if missing := _missing(_PROTOCOLS[kind], type(trial.device)):
             broken(f"for a {kind} the driver lacks {', '.join(missing)}, or has it without async")
+
+
+@case(remedy="write it as its Protocol in truepose_drivers.api has it: same type, async where that is")
+async def its_abilities_reach_the_service(trial: Trial) -> None:
+    """What a driver offers beyond its kind has the form of the API, so that its guard says the same."""
+    plugin = trial.bench.plugin
+    for kind in (plugin.kind, *plugin.also):
+        behind = guarded(plugin.name, kind, trial.device)
+        lost = [name for name, member in _abilities(kind) if _is_lost(name, member, trial.device, behind)]
+        if lost:
+            broken(f"for a {kind} {', '.join(lost)} does not come through the guard")
+
+
+def _abilities(kind: DeviceKind) -> list[tuple[str, object]]:
+    return [
+        (name, member)
+        for ability in ABILITIES.get(kind, ())
+        for name, member in vars(ability).items()
+        if not name.startswith("_")
+    ]
+
+
+def _is_lost(name: str, member: object, device: object, behind: object) -> bool:
+    if not hasattr(device, name):
+        return False
+    if inspect.iscoroutinefunction(member):
+        return not inspect.iscoroutinefunction(getattr(device, name))
+    return bool(getattr(behind, name) != getattr(device, name))
 
 
 def _missing(protocol: type, offered: type) -> list[str]:
