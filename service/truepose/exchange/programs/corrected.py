@@ -29,6 +29,7 @@ from truepose.domain.measurement.campaign import Stops
 from truepose.domain.results.corrections import LeftAlone
 from truepose.domain.results.identification import Model
 from truepose.domain.sentences import Sentence, said
+from truepose.exchange.programs.approaches import approach_directions, befores
 from truepose.exchange.programs.branches import branch_of_words
 from truepose.exchange.programs.controllers.reading_back import Controller
 from truepose.exchange.programs.coupled_joints import can_be_coupled, from_horizontal, uncoupled
@@ -51,7 +52,6 @@ from truepose.kinematics.frames import poses_of, quaternion_from_rotation, rotat
 
 _COUNTS_FROM_THE_HORIZONTAL: Final = "FANUC LS"
 _COUPLED: Final = said("left.from_the_horizontal")
-_STILL_RAD: Final = 1e-6  # a joint that moves less comes from neither side
 
 
 @dataclass(frozen=True, slots=True)
@@ -166,7 +166,7 @@ class _Run:
         self._controller = Controller(model.robot, self._rule)
         self._branch = [_branch(target, understood) for target in program.targets]
         self._many = self._says_many_branches()
-        self._befores = _befores(program)
+        self._befores = befores(program)
         self._own: dict[int, FloatArray] = {}  # joints that the controller takes to the file as it is
 
     def reason_against(self, target: ProgramTarget) -> Sentence | None:
@@ -178,6 +178,8 @@ class _Run:
         reason = _reason_against_frames(target)
         if reason is not None:
             return reason
+        if self._rule.counts_turns(target.branch):
+            return said("left.turns", words=target.branch)
         branch = _branch(target, self._understood)
         if not self._controller.can_tell(target, branch):
             return said("left.branch_unknown")
@@ -189,16 +191,23 @@ class _Run:
         """Find the joints that the controller takes as the file is; return what contradicts itself."""
         targets = [self._program.targets[index] for index in rows]
         flange = _own_flanges(self._model, targets, self._understood.meant)
-        branch = [self._branch[index] for index in rows]
-        taken = self._controller.taken(targets, flange, branch)
-        reached = {}
+        told = [target.known_rad(self._model.robot.n_joints) for target in targets]
+        self._own = {
+            index: np.array(joints)
+            for index, target, joints in zip(rows, targets, told, strict=True)
+            if isinstance(target.value, Configuration)
+        }
+        answers = self._controller.answers(flange)
         for place, (index, target) in enumerate(zip(rows, targets, strict=True)):
-            joints = target.known_rad(self._model.robot.n_joints)
-            own = np.array(joints) if isinstance(target.value, Configuration) else taken[place]
-            if own is not None:
-                self._own[index] = own
-            if own is not None and np.isfinite(own).all():
-                reached[index] = place
+            if index not in self._own:
+                before = next(iter(self._before(index, self._own)), None)
+                taken = self._controller.taken(target, answers[place], self._branch[index], before)
+                self._own |= {} if taken is None else {index: taken}
+        reached = {
+            index: place
+            for place, index in enumerate(rows)
+            if index in self._own and np.isfinite(self._own[index]).all()
+        }
         places = list(reached.values())
         arrives = self._arriving(list(reached), [targets[p] for p in places], flange[places], self._own)
         contradicted = [index for index, there in zip(reached, arrives, strict=True) if not there]
@@ -214,7 +223,7 @@ class _Run:
         goals = _goals(self._model, targets, near, self._understood.meant)
         branch = np.array([self._branch[index] for index in rows], dtype=np.int64)
         found = correct(self._model, goals, branch)
-        directions = _directions(self._program, rows, found.joints_rad)
+        directions = approach_directions(self._program, rows, found.joints_rad)
         if not directions.any():
             return goals, found
         goals = replace(goals, stops=replace(goals.stops, direction=directions))
@@ -256,11 +265,13 @@ class _Run:
         flange: FloatArray,
         joints: Mapping[int, FloatArray],
     ) -> list[bool]:
-        befores = [
-            [joints[before] for before in self._befores.get(index, ()) if before in joints] for index in rows
-        ]
+        befores = [self._before(index, joints) for index in rows]
         wanted = np.array([joints[index] for index in rows])
         return self._controller.arriving(targets, flange, [self._branch[i] for i in rows], wanted, befores)
+
+    def _before(self, index: int, joints: Mapping[int, FloatArray]) -> list[FloatArray]:
+        """Return the joints from which the robot moves to a target, as far as they are known."""
+        return [joints[before] for before in self._befores.get(index, ()) if before in joints]
 
     def _turned(self, index: int, sent_rad: FloatArray) -> tuple[int, ...]:
         target = self._program.targets[index]
@@ -275,15 +286,6 @@ class _Run:
         ]
         postures = dict.fromkeys(self._rule.posture(target.branch) for target in asked)
         return "; ".join(postures) if len(postures) > 1 else ""
-
-
-def _befores(program: Program) -> dict[int, set[int]]:
-    """Return the targets from which each one is reached joint by joint: a line keeps its branch."""
-    found: dict[int, set[int]] = {}
-    for motion in program.motions:
-        if motion.before is not None and motion.path == "joints":
-            found.setdefault(motion.target, set()).add(motion.before)
-    return found
 
 
 def _reason_against_frames(target: ProgramTarget) -> Sentence | None:
@@ -355,24 +357,6 @@ def _matrix(pose: Pose) -> FloatArray:
     matrix[:3, :3] = rotation_from_quaternion(np.array(pose.quaternion))
     matrix[:3, 3] = pose.position_mm
     return matrix
-
-
-def _directions(program: Program, rows: Sequence[int], joints_rad: FloatArray) -> IntArray:
-    """Return from which side joints come to targets, shape (n, J); 0 where straight-line code does not tell.
-
-    A target that is reached from several places has no one direction.
-    """
-    row_of = {index: row for row, index in enumerate(rows)}
-    directions = np.zeros(joints_rad.shape, dtype=np.int64)
-    befores: dict[int, set[int | None]] = {}
-    for motion in program.motions:
-        befores.setdefault(motion.target, set()).add(motion.before)
-    for target, before in befores.items():
-        start = next(iter(before)) if len(before) == 1 else None
-        if target in row_of and start in row_of:
-            way = joints_rad[row_of[target]] - joints_rad[row_of[start]]
-            directions[row_of[target]] = np.sign(np.where(np.abs(way) > _STILL_RAD, way, 0.0))
-    return directions
 
 
 def _values(

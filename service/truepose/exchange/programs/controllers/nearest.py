@@ -9,6 +9,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from truepose.correction import ANY_BRANCH
 from truepose.domain.arrays import FloatArray
 from truepose.domain.robot import JointRange
 from truepose.exchange.programs.controllers.rule import FULL_RAD, Known, within
@@ -24,21 +25,29 @@ class Nearest:
     def taken(
         self, answers: FloatArray, known: Known, limits: Sequence[JointRange] | None
     ) -> FloatArray | None:
-        """Return the nearest answer; of where nothing is known to be near, that of the branch."""
+        """Return the nearest answer; of where nothing is known to be near, that of the branch.
+
+        None also where the nearest to the joints before is of another branch than was stated.
+        """
         near = known.near_rad if known.near_rad is not None else known.before_rad
         if near is None:
             return within(answers[known.branch], limits)
-        there = answers[np.isfinite(answers).all(axis=1)]
+        there = np.flatnonzero(np.isfinite(answers).all(axis=1))
         if not len(there):
             return np.full(len(near), np.nan)
-        turned = there - FULL_RAD * np.round((there - near) / FULL_RAD)
+        turned = answers[there] - FULL_RAD * np.round((answers[there] - near) / FULL_RAD)
         apart = np.abs(turned - near)
         first, second = np.argmin(apart.max(axis=1)), np.argmin((apart**2).sum(axis=1))
-        return turned[first] if first == second else None
+        stated = known.branch if known.near_rad is None else ANY_BRANCH
+        return turned[first] if first == second and stated in (ANY_BRANCH, there[first]) else None
 
     def turned(self, known: Known, own_rad: FloatArray, sent_rad: FloatArray) -> tuple[int, ...]:
         """Return nothing: no number counts turns."""
         return known.turns
+
+    def counts_turns(self, words: str) -> bool:
+        """Whether turns are counted of a joint that is not known: of no one."""
+        return False
 
     def moves_external(self, external: Sequence[float]) -> bool:
         """Whether the target names external axes."""

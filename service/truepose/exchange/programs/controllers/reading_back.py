@@ -35,15 +35,18 @@ class Controller:
             return False
         return target.near_rad is not None or (branch != ANY_BRANCH and has_closed_form(self._robot))
 
+    def answers(self, flange: FloatArray) -> FloatArray:
+        """Return the joints of every branch for n flanges, (n, 8, J)."""
+        if not len(flange):
+            return np.empty((0, BRANCHES, self._robot.n_joints))
+        return all_branches(self._robot, flange)
+
     def taken(
-        self, targets: Sequence[ProgramTarget], flange: FloatArray, branch: Sequence[int]
-    ) -> list[FloatArray | None]:
-        """Return the joints of targets whose flange stands at (n, 4, 4); None where the words contradict."""
-        answers = all_branches(self._robot, flange) if len(targets) else flange
-        return [
-            self._one(target, answers[row], Known(branch[row], _turns(target), _near(target)))
-            for row, target in enumerate(targets)
-        ]
+        self, target: ProgramTarget, answers: FloatArray, branch: int, before_rad: FloatArray | None
+    ) -> FloatArray | None:
+        """Return which answer is taken, from the joints before; None where the words contradict."""
+        known = Known(branch, _turns(target), _near(target), before_rad)
+        return self._rule.taken(answers, known, self._robot.joint_limits)
 
     def turned(
         self, target: ProgramTarget, branch: int, own_rad: FloatArray, sent_rad: FloatArray
@@ -66,7 +69,7 @@ class Controller:
         poses = np.array([isinstance(target.value, Pose) for target in targets], dtype=bool)
         answers = np.full((len(targets), BRANCHES, self._robot.n_joints), np.nan)
         if poses.any():
-            answers[poses] = all_branches(self._robot, flange[poses])
+            answers[poses] = self.answers(flange[poses])
         return [
             all(
                 self._is_at(target, answers[row], branch[row], before, sent_rad[row])
@@ -86,11 +89,8 @@ class Controller:
         if isinstance(target.value, Configuration):
             found: FloatArray | None = np.array(target.value.joints_rad)
         else:
-            found = self._one(target, answers, Known(branch, _turns(target), _near(target), before_rad))
+            found = self.taken(target, answers, branch, before_rad)
         return found is not None and bool(np.abs(found - sent_rad).max() <= _tolerance_rad(target))
-
-    def _one(self, target: ProgramTarget, answers: FloatArray, known: Known) -> FloatArray | None:
-        return self._rule.taken(answers, known, self._robot.joint_limits)
 
 
 def _turns(target: ProgramTarget) -> tuple[int, ...]:

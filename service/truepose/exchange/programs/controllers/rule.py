@@ -16,7 +16,6 @@ from truepose.domain.robot import JointRange
 from truepose.kinematics.inverse import brought_within
 
 FULL_RAD: Final = 2 * np.pi
-_TURNS: Final = np.arange(-2, 3)
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,22 +48,13 @@ class Rule(Protocol):
         """Return the numbers that count turns, for joints that are sent instead of the controller's own."""
         ...
 
+    def counts_turns(self, words: str) -> bool:
+        """Whether the words of a target say that a joint stands beyond half a turn, but not which."""
+        ...
+
     def moves_external(self, external: Sequence[float]) -> bool:
         """Whether what a target says of external axes says that there are some."""
         ...
-
-
-def turned_near(
-    angle_rad: float, centre_rad: float, limit: JointRange | None, tolerance_rad: float = 0.0
-) -> float:
-    """Return an angle with the whole turns that bring it nearest to a centre, within its limit if it can."""
-    every = angle_rad + FULL_RAD * _TURNS
-    within = every
-    if limit is not None:
-        low, high = limit.lower_rad - tolerance_rad, limit.upper_rad + tolerance_rad
-        within = every[(every >= low) & (every <= high)]
-    choice = within if len(within) else every
-    return float(choice[np.argmin(np.abs(choice - centre_rad))])
 
 
 def limit_of(limits: Sequence[JointRange] | None, joint: int) -> JointRange | None:

@@ -49,6 +49,10 @@ class StatusAndTurn:
         bits = sum(1 << axis for axis, angle in enumerate(sent_rad) if angle < 0.0)
         return tuple((turn & ~_ARM_BITS) | bits for turn in known.turns)
 
+    def counts_turns(self, words: str) -> bool:
+        """Whether turns are counted of a joint that is not known: of no one."""
+        return False
+
     def moves_external(self, external: Sequence[float]) -> bool:
         """Whether an external axis stands elsewhere than at zero, as those that are not there do."""
         return any(external)
@@ -61,7 +65,8 @@ def _signed(angle_rad: float, negative: bool, axis: int, limit: JointRange | Non
     other = angle_rad - FULL_RAD if negative else angle_rad + FULL_RAD
     if limit is None:
         return other if axis in _TURNING_FAR else None
-    return other if limit.lower_rad <= other <= limit.upper_rad else None
+    inside = limit.lower_rad - _ROUNDING_RAD <= other <= limit.upper_rad + _ROUNDING_RAD
+    return other if inside else None
 
 
 def whole_number(text: str) -> int | None:

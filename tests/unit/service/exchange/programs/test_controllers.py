@@ -1,10 +1,13 @@
 """Corrected targets run by controllers of another make: each arrives at the joints that were solved."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from tests.helpers.exchange.drawn_programs import LANGUAGES, tried
 from tests.helpers.identification.models import model_of, plain_parameters
+from truepose.domain.robot import JointRange
 from truepose.exchange.programs.controllers.confdata import Confdata
 from truepose.exchange.programs.controllers.nearest import Nearest
 from truepose.exchange.programs.controllers.rule import Known
@@ -12,6 +15,7 @@ from truepose.exchange.programs.controllers.stated_branch import StatedBranch
 from truepose.exchange.programs.controllers.status_and_turn import StatusAndTurn
 from truepose.exchange.programs.corrected import corrected_program
 from truepose.exchange.programs.formats import read_program
+from truepose.exchange.programs.program import AT_THE_ORIGIN
 from truepose.exchange.programs.understood import Understood
 from truepose.exchange.robots.shipped import load_robot
 from truepose.kinematics.inverse import branch_of
@@ -23,7 +27,8 @@ def test_no_corrected_target_leads_its_controller_to_other_joints(name):
     count = tried(LANGUAGES[name], 120, seed=4)
 
     assert count.elsewhere == 0
-    assert count.corrected > 60
+    assert count.corrected + count.alone["left.turns"] > 60
+    assert count.corrected > 25
 
 
 @pytest.mark.parametrize(("size", "seed"), [(0.3, 5), (3.0, 6)])
@@ -113,9 +118,91 @@ def test_one_stated_branch_is_not_taken_for_several_that_a_file_names():
     assert [left.reason.key for left in answer.left_alone] == ["left.many_branches"] * 2
 
 
+def test_a_wrist_exactly_stretched_is_left_alone_where_its_turns_are_shared_in_another_way():
+    joints = np.radians([[-16.0, 20.0, 10.0, 75.0, 0.0, -50.0]])
+    data = LANGUAGES["RAPID"].write(load_robot("abb-irb-120"), joints)
+
+    answer = corrected_program(irb(), read_program(data, "m.mod"))
+
+    assert answer.data == data
+    assert [left.reason.key for left in answer.left_alone] == ["left.contradicts"]
+
+
+def test_zeros_written_by_hand_stay_as_they_are():
+    joints = np.radians([[-16.0, 20.0, 10.0, 75.0, 30.0, -50.0]])
+    data = LANGUAGES["RAPID"].write(load_robot("abb-irb-120"), joints).replace(b"[-1,0,-1,", b"[0,0,0,")
+
+    answer = corrected_program(irb(), read_program(data, "m.mod"))
+
+    assert answer.found.solved.all()
+    assert answer.data != data
+    assert b"[0,0,0," in answer.data
+
+
+@pytest.mark.parametrize("turns", ["0, 0, 1", "0, -1, 0", "-1, 0, 0"])
+def test_a_joint_beyond_half_a_turn_is_left_alone_where_it_is_only_counted(turns):
+    robot = load_robot("fanuc-lr-mate-200ic")
+    joints = np.radians([[10.0, 20, -10, 20, 40, 30]])
+    data = LANGUAGES["FANUC LS"].write(robot, joints).replace(b"T, 0, 0, 0", f"T, {turns}".encode())
+
+    answer = corrected_program(
+        model_of(robot, *plain_parameters(robot)), read_program(data, "m.ls"), stated(robot, joints)
+    )
+
+    assert answer.data == data
+    assert "beyond half a turn" in english(answer.left_alone[0].reason)
+
+
+def test_flags_of_a_yaskawa_beyond_half_a_turn_are_left_alone():
+    robot = load_robot("abb-irb-120")
+    joints = np.radians([[20.0, 30, -25, 40, 50, 60], [20.0, 30, -25, 40, 50, 260]])
+    data = LANGUAGES["INFORM"].write(robot, joints)
+
+    answer = corrected_program(
+        irb(),
+        read_program(data, "m.jbi"),
+        replace(stated(robot, joints), defined={"TOOL 0": AT_THE_ORIGIN}),
+    )
+
+    assert answer.names == ("C00000",)
+    assert [(left.what, left.reason.key) for left in answer.left_alone] == [("C00001", "left.turns")]
+
+
+def test_a_pose_of_a_ur_is_reached_in_the_turn_of_the_joints_before():
+    robot = load_robot("universal-robots-ur10")
+    joints = np.radians([[20.0, -80, 70, -60, -90, 250]])
+    data = LANGUAGES["URScript, moves"].write(robot, joints)
+
+    answer = corrected_program(
+        model_of(robot, *plain_parameters(robot)), read_program(data, "m.script"), stated(robot, joints)
+    )
+
+    assert answer.left_alone == ()
+    assert np.degrees(answer.found.joints_rad[:, 5]) == pytest.approx([250.0, 250.0], abs=10.0)
+
+
+def test_joints_before_in_another_branch_than_the_stated_one_are_a_contradiction():
+    near = ANSWERS[1] + 0.1
+
+    assert Nearest().taken(ANSWERS, Known(0, before_rad=near), None) is None
+    assert Nearest().taken(ANSWERS, Known(1, before_rad=near), None) == pytest.approx(ANSWERS[1])
+
+
+def test_an_axis_of_a_kuka_at_its_limit_is_within_it():
+    limits = [JointRange(-np.pi, np.pi)] * 5 + [JointRange(np.radians(-350), np.radians(350))]
+    at_limit = np.radians([10.0, 60, 80, 20, 40, -10 - 1e-7])
+    answers = np.tile(at_limit, (8, 1))
+
+    taken = StatusAndTurn().taken(answers, Known(0, (0,)), limits)
+
+    assert taken is not None
+    assert np.degrees(taken[5]) == pytest.approx(350.0, abs=1e-3)
+
+
 ANSWERS = np.full((8, 6), np.nan)
 ANSWERS[0] = np.radians([170.0, -60, 80, -100, 40, -3])
 ANSWERS[1] = np.radians([170.0, -60, 80, 80, -40, 177])
+ANSWERS[2] = np.radians([170.0, -60, 80, 80, 0.1, 177])
 
 
 @pytest.mark.parametrize(
@@ -123,7 +210,11 @@ ANSWERS[1] = np.radians([170.0, -60, 80, 80, -40, 177])
     [
         (Confdata(), Known(0, (1, -2, -1)), [170, -60, 80, -100, 40, -3]),
         (Confdata(), Known(0, (1, 2, 3)), [170, -60, 80, 260, 40, 357]),
+        (Confdata(), Known(0, (1, -2, 0)), None),
+        (Confdata(), Known(0, (0, 0, 0)), [170, -60, 80, -100, 40, -3]),
+        (Confdata(), Known(2, (0, 0, 0)), None),
         (Confdata(), Known(1, (1, 0, -3)), [170, -60, 80, 80, -40, -183]),
+        (Confdata(), Known(1, (1, 0, 13)), [170, -60, 80, 80, -40, 177 + 3 * 360]),
         (StatusAndTurn(), Known(0, (0b101010,)), [170, -60, 80, -100, 40, -3]),
         (StatusAndTurn(), Known(0, (0b000010,)), [170, -60, 80, 260, 40, 357]),
         (StatusAndTurn(), Known(0, (0b111010,)), None),
