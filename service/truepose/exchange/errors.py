@@ -8,6 +8,8 @@ ExchangeError
 │   ├── WrongUnitError         a column or key is there in another unit
 │   ├── BadValueError          a value cannot be meant
 │   ├── NewerVersionError      it was written by a later program
+│   ├── EditedFileError        it was edited after truepose wrote it
+│   ├── ImplausibleModelError  it moves the tool further than is accepted
 │   └── UnsafeArchiveError     an archive that no honest program writes
 └── UnknownRobotError        no shipped robot has that name
 """
@@ -97,6 +99,14 @@ class BadValueError(InputFileError):
 
 class NewerVersionError(InputFileError):
     """The file was written by a later program and may say what this one does not know."""
+
+
+class EditedFileError(InputFileError):
+    """The file carries the digest of other values: somebody edited it after truepose wrote it."""
+
+
+class ImplausibleModelError(InputFileError):
+    """The model moves the tool further, or has values further from their priors, than is accepted."""
 
 
 class UnsafeArchiveError(InputFileError):

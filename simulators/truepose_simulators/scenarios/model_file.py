@@ -4,6 +4,7 @@ Read here on its own: covariances, priors and what the service keeps for itself 
 later versions add as well. Angles are in degrees there, rates of angles in rad or degrees per hour.
 """
 
+import hashlib
 import json
 import math
 from collections.abc import Mapping
@@ -97,6 +98,7 @@ def _read(document: object, where: str) -> IdentifiedModel:
         raise ModelError(
             f"{where} has version {version}, this simulator reads up to {_VERSION}; update truepose"
         )
+    _require_unedited(document, where)
     nests = [_table(_Nest, item, at) for at, item in _entries(document, "tool_nests", where)]
     if [nest.nest for nest in nests] != list(range(1, len(nests) + 1)) or not nests:
         raise ModelError(f'{where}: key "tool_nests" must list nests 1, 2, ... in order')
@@ -111,6 +113,29 @@ def _read(document: object, where: str) -> IdentifiedModel:
         sensed_torques=bool(_optional(bool, document, "torques_measured", where)),
         repeatability_mm=_optional(float, document, "repeatability_mm", where) or 0.0,
     )
+
+
+def _require_unedited(document: Mapping[str, object], where: str) -> None:
+    """Refuse a file whose digest is that of other values; one without a digest is taken as it is.
+
+    The canonical form is that of `tests/vectors/model_digest.json`.
+    """
+    stated = document.get("digest")
+    content = {key: _canonical(value) for key, value in document.items() if key != "digest"}
+    text = json.dumps(content, sort_keys=True, separators=(",", ":"))
+    if stated not in {None, f"sha256:{hashlib.sha256(text.encode()).hexdigest()}"}:
+        raise ModelError(
+            f"{where} was edited after truepose wrote it: its digest is that of other values; "
+            'take out the key "digest" to simulate what it says now'
+        )
+
+
+def _canonical(value: object) -> object:
+    if isinstance(value, dict):
+        return {key: _canonical(entry) for key, entry in value.items()}
+    if isinstance(value, list):
+        return [_canonical(entry) for entry in value]
+    return float(value) if isinstance(value, int) and not isinstance(value, bool) else value
 
 
 def _arm(robot: object, where: str) -> ArmTable:

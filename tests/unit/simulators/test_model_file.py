@@ -1,4 +1,5 @@
 import json
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -119,6 +120,16 @@ def test_a_file_that_is_cut_off_or_no_json_is_refused(tmp_path, content):
 
     with pytest.raises(ModelError, match=r"robot\.json is no model file: it is cut off, or no JSON at all"):
         load_model(tmp_path / "robot.json")
+
+
+def test_a_file_that_was_edited_is_refused_and_named(load):
+    vector = json.loads(Path("tests/vectors/model_digest.json").read_text(encoding="utf-8"))
+    as_written = vector["document"] | {"digest": vector["digest"]}
+
+    with pytest.raises(ModelError, match='key "tool_nests" is missing'):
+        load(as_written)
+    with pytest.raises(ModelError, match=r"robot\.json was edited after truepose wrote it"):
+        load(as_written | {"values": [1e-07, 0.2, -0.0, 1e22, True]})
 
 
 def test_a_file_that_is_not_there_is_refused(tmp_path):

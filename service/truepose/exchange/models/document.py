@@ -43,6 +43,8 @@ from truepose.exchange.keys import (
     written_keys,
 )
 from truepose.exchange.models.covariance import covariance_document, read_covariance
+from truepose.exchange.models.digest import KEY as DIGEST
+from truepose.exchange.models.digest import digest_of
 from truepose.exchange.robots.document import GRAVITY, PLACEMENT, ROBOT
 from truepose.identification.model.validity.zone import DIRECTIONS
 
@@ -154,7 +156,12 @@ _NOMINAL: Final = [
 
 
 def model_document(model: Model) -> dict[str, Json]:
-    """Return the content of a model file; NaN and infinity become null."""
+    """Return the content of a model file with its digest; NaN and infinity become null."""
+    content = _content(model)
+    return content | {DIGEST: digest_of(content)}
+
+
+def _content(model: Model) -> dict[str, Json]:
     origin = written_keys(model, _ORIGIN)
     return {
         "format": FORMAT,
@@ -213,7 +220,7 @@ def _shortfall_document(short: Shortfall | None, parameters: Sequence[Parameter]
 
 def read_model_document(root: Node) -> Model:
     """Read the content of a model file; raises an InputFileError that names key and line."""
-    _check_format(root)
+    check_format(root)
     parameters = tuple(_read_parameter(entry) for entry in root.key("parameters").items())
     fields = read_keys(root, [*_ORIGIN, *_MODEL])
     _check_zone(root, fields["zone"], fields["robot"])
@@ -226,7 +233,7 @@ def read_model_document(root: Node) -> Model:
     )
 
 
-def _check_format(root: Node) -> None:
+def check_format(root: Node) -> None:
     """Refuse what is no model, or one of a later program, before anything else is looked at."""
     if not isinstance(root.value, dict) or root.value.get("format") != FORMAT:
         root.fail(f'this is not a model file; one begins with "format": "{FORMAT}"', UnreadableFileError)

@@ -10,6 +10,7 @@ from tests.helpers.identification.models import model_of, plain_parameters
 from tests.helpers.web.clients import made
 from tests.helpers.web.performing import perform_here
 from truepose.domain.results.identification import NestCentre
+from truepose.exchange.models.digest import digest_of
 from truepose.exchange.models.file import model_text
 
 PLAN = {"kind": "plan", "name": "monthly check", "person": "Ada Byron", "document": {"name": "monthly"}}
@@ -91,8 +92,9 @@ def handed_model(app, **changes):
     """Return a model as a plant hands it down, made with the tool of the cell."""
     nests = [NestCentre(n, nest.centre_mm) for n, nest in enumerate(app.state.context.cell.nests, 1)]
     model = replace(model_of(IRB_120, *plain_parameters(IRB_120)), nests=tuple(nests))
-    document = json.loads(model_text(model))
-    return PLAN | {"kind": "model", "name": "of the type", "document": document | changes}
+    document = json.loads(model_text(model)) | changes
+    signed = document | {"digest": digest_of(document)}
+    return PLAN | {"kind": "model", "name": "of the type", "document": signed}
 
 
 @pytest.fixture
