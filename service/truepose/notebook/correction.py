@@ -11,6 +11,7 @@ from truepose.correction import Summary, joined
 from truepose.domain.arrays import BoolArray, FloatArray
 from truepose.exchange.corrections.asked import Asked
 from truepose.exchange.corrections.files import corrected_rows, table_cautions
+from truepose.exchange.models.acceptance import require_plausible
 from truepose.exchange.programs.understood import Meant
 from truepose.exchange.tables.targets import CorrectionWriter
 from truepose.kinematics.inverse import BRANCH_NAMES
@@ -108,7 +109,11 @@ class Corrections:
 
 
 def correct(
-    model: Model | str | Path, targets: TableOrFile, *, frame: Literal["world", "base"] = "world"
+    model: Model | str | Path,
+    targets: TableOrFile,
+    *,
+    frame: Literal["world", "base"] = "world",
+    max_shift_mm: float | None = None,
 ) -> Corrections:
     """Find joint targets at which the real tool is where it shall be.
 
@@ -122,6 +127,8 @@ def correct(
         joint angles alone: what the controller itself would be sent to.
     frame : {"world", "base"}
         What targets are given in: the frame of the readings, or the robot's own base.
+    max_shift_mm : float, optional
+        Largest shift of the tool by the model that is accepted; by default 5 mm.
 
     Returns
     -------
@@ -131,6 +138,8 @@ def correct(
     ------
     InputFileError
         The table cannot be used: with file and line, or row (from 0), and column.
+    ImplausibleModelError
+        The model moves the tool further than is accepted, or has values far from their priors.
     ConfigurationError
         The model needs measured joint torques that the rows do not give.
 
@@ -143,6 +152,7 @@ def correct(
     ['out_of_reach']
     """
     data = model_given(model).data
+    require_plausible(data, "model", max_shift_mm)
     names: list[str] = []
     parts: list[Found] = []
     remarks: list[str] = []

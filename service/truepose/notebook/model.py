@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING
 from truepose.domain.results import identification as domain
 from truepose.exchange.json_text import Json
 from truepose.exchange.models.document import model_document
-from truepose.exchange.models.file import read_model as read_model_file
-from truepose.exchange.models.file import write_model
+from truepose.exchange.models.file import read_model_file, write_model
 from truepose.notebook.given.things import path_of, read_if_path
 from truepose.notebook.shown import html
 from truepose.notebook.shown.frames import frame
@@ -64,12 +63,14 @@ class Model:
         return html.page(html.paragraphs([repr(self)]), parameter_table(self.data.parameters))
 
 
-def read_model(file: str | Path) -> Model:
+def read_model(file: str | Path, *, accept_edited: bool = False) -> Model:
     """Read a model file, as `Model.save` or `truepose identify --model-out` writes it.
 
     Parameters
     ----------
     file : path
+    accept_edited : bool
+        Read a file that was edited after truepose wrote it.
 
     Returns
     -------
@@ -81,6 +82,8 @@ def read_model(file: str | Path) -> Model:
         With file, line and key: it is not there, cut off, or a value in it cannot be meant.
     NewerVersionError
         A later program wrote it.
+    EditedFileError
+        It was edited after truepose wrote it.
 
     Examples
     --------
@@ -95,7 +98,8 @@ def read_model(file: str | Path) -> Model:
     ...
     truepose.exchange.errors.MissingFileError: no-such-robot.json: there is no such file.
     """
-    return Model(read_model_file(path_of(file, "model file", "give its path")))
+    path = path_of(file, "model file", "give its path")
+    return Model(read_model_file(path, accept_edited=accept_edited).model)
 
 
 def model_given(given: Model | str | Path) -> Model:

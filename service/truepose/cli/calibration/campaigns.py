@@ -6,15 +6,18 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from truepose.cli.exchange.files import (
+    AcceptEdited,
     CampaignPath,
     Json,
     Language,
+    MaxShiftMm,
     ReportFile,
     effect_names,
     read_measured,
     require_folders,
     writing,
 )
+from truepose.cli.exchange.models import checked_model
 from truepose.cli.output import print_json, print_tables, remark
 from truepose.domain.errors import ConfigurationError
 from truepose.domain.sentences import Sentence, said
@@ -142,20 +145,23 @@ def predict_command(
     model: Annotated[Path, typer.Argument(help="Model file written by `identify --model-out`.")],
     points: Annotated[Path, typer.Argument(help="Rows of config, q1_deg.. and what else is known.")],
     out: Annotated[Path, typer.Option(help="Where the predictions go (CSV).")],
+    max_shift_mm: MaxShiftMm = None,
+    accept_edited: AcceptEdited = False,
     language: Language = ENGLISH,
 ) -> int:
     """Predict where the nests are.
 
     Example: truepose predict robot.json points.csv --out predicted.csv
     """
-    from truepose.exchange.models.file import read_model
     from truepose.exchange.tables.files import read_points_to_predict, write_predictions
     from truepose.identification import predict
     from truepose.judgement.cautions import prediction_cautions
 
     require_folders(out)
     words = catalogue(language)
-    identified = read_model(model)
+    identified = checked_model(
+        model, max_shift_mm, words, accept_edited=accept_edited, robot_follows=False
+    ).model
     nests = [nest.nest for nest in identified.nests]
     rows = read_points_to_predict(points, identified.robot.n_joints, nests)
     remark(map(words.spoken, rows.ignored))

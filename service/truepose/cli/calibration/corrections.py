@@ -9,7 +9,15 @@ from typing import TYPE_CHECKING, Annotated, BinaryIO
 
 import typer
 
-from truepose.cli.exchange.files import Json, Language, require_folders, writing
+from truepose.cli.exchange.files import (
+    AcceptEdited,
+    Json,
+    Language,
+    MaxShiftMm,
+    require_folders,
+    writing,
+)
+from truepose.cli.exchange.models import checked_model
 from truepose.cli.output import print_json, print_lines, remark, shown_progress
 from truepose.domain.errors import ConfigurationError
 from truepose.words.catalogue import ENGLISH, catalogue
@@ -64,6 +72,8 @@ def correct_command(
         bool,
         typer.Option(help="Correct targets also where another unit or frame fits them better."),
     ] = False,
+    max_shift_mm: MaxShiftMm = None,
+    accept_edited: AcceptEdited = False,
     language: Language = ENGLISH,
     json: Json = False,
 ) -> int:
@@ -75,22 +85,21 @@ def correct_command(
 
     Example: truepose correct robot.json weld.mod --out weld-corrected.mod
     """
-    from truepose.exchange.models.file import read_model
-
     require_folders(out)
     _require_another_file(targets, out)
-    words, identified = catalogue(language), read_model(model)
+    words = catalogue(language)
+    checked = checked_model(model, max_shift_mm, words, accept_edited=accept_edited)
     asked = replace(
         _asked(frame, define or [], branch, angles, beside or []), coupled=coupled, as_written=as_written
     )
-    answer = _corrected(identified, targets, out, asked)
+    answer = _corrected(checked.model, targets, out, asked)
     withheld = () if answer.withheld is None else (answer.withheld,)
     remark(map(words.spoken, (*answer.cautions, *withheld)))
     totals, left = answer.summary.totals, answer.left_alone
     if json:
         from truepose.exchange.results.corrections import correction_document
 
-        print_json(correction_document(totals, left))
+        print_json(correction_document(totals, left) | {"model_file": checked.document})
     else:
         from truepose.reports.corrections import correction_sentences, left_alone_sentences
 

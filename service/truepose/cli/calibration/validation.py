@@ -6,7 +6,17 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from truepose.cli.exchange.files import Json, Language, LimitMm, ReportFile, require_folders, require_limit
+from truepose.cli.exchange.files import (
+    AcceptEdited,
+    Json,
+    Language,
+    LimitMm,
+    MaxShiftMm,
+    ReportFile,
+    require_folders,
+    require_limit,
+)
+from truepose.cli.exchange.models import checked_model
 from truepose.cli.output import print_json, print_tables, remark
 from truepose.words.catalogue import ENGLISH, Catalogue, catalogue
 
@@ -46,6 +56,8 @@ def validate_command(
     ] = None,
     warm_up: Annotated[str, typer.Option(help="How the robot was warmed up, for the report.")] = "",
     instrument: Annotated[str, typer.Option(help="What measured, for the report.")] = "",
+    max_shift_mm: MaxShiftMm = None,
+    accept_edited: AcceptEdited = False,
     language: Language = ENGLISH,
     json: Json = False,
 ) -> int:
@@ -61,7 +73,8 @@ def validate_command(
     require_limit(limit_mm)
     require_folders(report)
     words = catalogue(language)
-    identified, readings = _read(model, points, words)
+    checked = checked_model(model, max_shift_mm, words, accept_edited=accept_edited, robot_follows=False)
+    identified, readings = checked.model, _readings(checked.model, points, words)
     rule: DecisionRule = "simple" if decision_rule is Rule.SIMPLE else "guard band"
     answer = validate(identified, readings, limit_mm=limit_mm, rule=rule)
     test = _pose_test(identified, readings) if iso9283 else None
@@ -79,15 +92,16 @@ def validate_command(
         )
         judged = ValidationInput(answer, identified, readings, cautions, test, conditions, language)
         write_validation_report(report, judged)
-    _show(answer, test, words, as_json=json)
+    if json:
+        print_json(_document(answer, test) | {"model_file": checked.document})
+    else:
+        _show(answer, test, words)
     return 0 if answer.passed else 1
 
 
-def _read(model: Path, points: Path, words: Catalogue) -> "tuple[Model, Readings]":
-    from truepose.exchange.models.file import read_model
+def _readings(identified: "Model", points: Path, words: Catalogue) -> "Readings":
     from truepose.exchange.tables.files import read_validation_file
 
-    identified = read_model(model)
     measured = read_validation_file(
         points,
         identified.robot.n_joints,
@@ -95,7 +109,7 @@ def _read(model: Path, points: Path, words: Catalogue) -> "tuple[Model, Readings
         identified.targets,
     )
     remark(map(words.spoken, measured.ignored))
-    return identified, measured.readings
+    return measured.readings
 
 
 def _pose_test(model: "Model", readings: "Readings") -> "PoseTest":
@@ -104,10 +118,7 @@ def _pose_test(model: "Model", readings: "Readings") -> "PoseTest":
     return pose_test(model, readings)
 
 
-def _show(answer: "Validation", test: "PoseTest | None", words: Catalogue, *, as_json: bool) -> None:
-    if as_json:
-        print_json(_document(answer, test))
-        return
+def _show(answer: "Validation", test: "PoseTest | None", words: Catalogue) -> None:
     from truepose.reports.terminal.validation import pose_test_summary, validation_summary
 
     print_tables(validation_summary(answer, words))

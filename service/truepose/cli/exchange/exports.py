@@ -6,7 +6,15 @@ from typing import Annotated
 
 import typer
 
-from truepose.cli.exchange.files import Json, Language, require_folders, writing
+from truepose.cli.exchange.files import (
+    AcceptEdited,
+    Json,
+    Language,
+    MaxShiftMm,
+    require_folders,
+    writing,
+)
+from truepose.cli.exchange.models import checked_model
 from truepose.cli.output import print_json, print_lines
 from truepose.words.catalogue import ENGLISH, catalogue
 
@@ -38,6 +46,8 @@ def export_command(
             help="Fit the table to the full model, so that what it lacks is in it as far as it can be.",
         ),
     ] = False,
+    max_shift_mm: MaxShiftMm = None,
+    accept_edited: AcceptEdited = False,
     language: Language = ENGLISH,
     json: Json = False,
 ) -> int:
@@ -46,10 +56,10 @@ def export_command(
     Example: truepose export robot.json --as urdf --out robot.urdf
     """
     from truepose.exchange.exports.formats import export
-    from truepose.exchange.models.file import read_model
 
     require_folders(out)
-    identified = read_model(model)
+    words = catalogue(language)
+    identified = checked_model(model, max_shift_mm, words, accept_edited=accept_edited).model
     exported = export(identified, form.value, fitted=fitted, as_csv=out.suffix.lower() == ".csv")
     with writing(out):
         exported.write(out)
@@ -58,5 +68,5 @@ def export_command(
 
         print_json(export_document(exported, identified.robot.name))
     else:
-        print_lines(map(catalogue(language).spoken, exported.remarks))
+        print_lines(map(words.spoken, exported.remarks))
     return 0

@@ -35,6 +35,13 @@ ReportFile = Annotated[
     Path | None, typer.Option(help="Write a self-contained report here: .html, or .pdf to print and sign.")
 ]
 LimitMm = Annotated[float | None, typer.Option(help="Largest error that passes.")]
+MaxShiftMm = Annotated[
+    float | None,
+    typer.Option(help="Largest shift of the tool that is accepted of the model; by default 5 mm."),
+]
+AcceptEdited = Annotated[
+    bool, typer.Option("--accept-edited", help="Use a model file that was edited after truepose wrote it.")
+]
 Workers = Annotated[
     str | None,
     typer.Option(

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from typing import Final
 
 from truepose.domain.cell.artefacts import Artefact as Artefact
 from truepose.domain.cell.artefacts import BallbarKit
@@ -9,6 +10,7 @@ from truepose.domain.cell.keep_outs import KeepOuts
 from truepose.domain.robot import FixedNest, FramePlacement, JointRange, Nest, Robot
 
 Vector = tuple[float, float, float]
+MODEL_SHIFT_MM: Final = 5.0  # measured arms: up to 4.5 mm within the zone in which they were measured
 Detail = str | float | tuple[float, ...]
 
 
@@ -96,6 +98,7 @@ class CellLimits:
     reference_mm: float = 0.1  # a fixed nest that moved further pauses the session
     tool_speed_mm_s: float = 500.0  # thesis section 2.4
     orientation_speed_rad_s: float = 0.349  # 20 deg/s, thesis section 2.4
+    model_shift_mm: float = MODEL_SHIFT_MM  # of the tool; beyond it a handed-down model is asked about
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,7 +1,8 @@
-"""Whether a model that somebody hands to a cell is one for it: of its robot, and of its tool."""
+"""Whether a model that somebody hands to a cell is one for it: of its robot, of its tool, and plausible."""
 
 import json
 from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
@@ -11,22 +12,42 @@ from truepose.domain.errors import UnsuitableModelError
 from truepose.domain.results.identification import Model
 from truepose.domain.robot import JointRow, Robot
 from truepose.exchange.errors import InputFileError
-from truepose.exchange.models.file import model_from_text
+from truepose.exchange.models.acceptance import far_sentence, shift_sentence
+from truepose.exchange.models.digest import Integrity
+from truepose.exchange.models.file import ModelFile, model_file_from_text
+from truepose.judgement.largest_shift import FarValue, LargestShift, far_values, largest_shift, placed_at
 
 _ROUNDING: Final = 1e-6  # of a file, in mm and rad
 _SAME_NEST_MM: Final = 0.1  # two artefacts of one drawing differ by less, two tools by more
 _THEN: Final = "Mount that tool and describe it in the cell file, or identify here."
 
 
-def fitting_model(document: Mapping[str, Any], cell: Cell) -> Model:
+@dataclass(frozen=True, slots=True)
+class HandedModel:
+    """A model of the robot and tool of a cell, and what whoever accepts it must know."""
+
+    model: Model
+    integrity: Integrity
+    shift: LargestShift  # from the nominal robot as the cell file has it
+    far: tuple[FarValue, ...]
+    limit_mm: float
+
+    @property
+    def needs_confirmation(self) -> bool:
+        """Whether it is accepted only by who confirms the shift."""
+        return self.shift.shift_mm > self.limit_mm or bool(self.far)
+
+
+def fitting_model(document: Mapping[str, Any], cell: Cell) -> HandedModel:
     """Return the model of a document as it is downloaded.
 
     Raises
     ------
     UnsuitableModelError
-        It is no model, or of another robot, or of another tool, than this cell has.
+        It is no model, was edited, or is of another robot, or of another tool, than this cell has.
     """
-    model = _read(document)
+    found = _read(document)
+    model = found.model
     if model.robot.name != cell.robot.name or not _same_table(model.robot, cell.robot):
         raise UnsuitableModelError(
             f"The model is of {model.robot.name}; this cell has {cell.robot.name} "
@@ -39,12 +60,37 @@ def fitting_model(document: Mapping[str, Any], cell: Cell) -> Model:
             f"The model was made with another tool, whose nests lie up to {apart_mm:.3g} mm elsewhere. "
             f"{_THEN}"
         )
-    return model
+    here = placed_at(model, cell.base_nominal, nests_known=bool(known) and None not in known)
+    limits = cell.limits
+    space = limits.calibration or cell.robot.calibration_ranges or limits.joints or cell.robot.joint_limits
+    return HandedModel(
+        model, found.integrity, largest_shift(here, space), far_values(here), limits.model_shift_mm
+    )
 
 
-def _read(document: Mapping[str, Any]) -> Model:
+def accepted_model(document: Mapping[str, Any], cell: Cell, accepted_shift_mm: float | None = None) -> Model:
+    """Return the model of a document that somebody accepts, with the shift that they confirm.
+
+    Raises
+    ------
+    UnsuitableModelError
+        As `fitting_model`; or the shift is beyond the cell's limit, or values are far from their priors, and
+        the shift was not confirmed.
+    """
+    handed = fitting_model(document, cell)
+    confirmed = accepted_shift_mm is not None and handed.shift.shift_mm <= accepted_shift_mm
+    if handed.needs_confirmation and not confirmed:
+        far = f", with values {far_sentence(handed.far)}" if handed.far else ""
+        raise UnsuitableModelError(
+            f"The model moves the tool by up to {shift_sentence(handed.shift)}{far}; this cell accepts up to "
+            f"{handed.limit_mm:g} mm. Whoever accepts it confirms that shift (accepted_shift_mm)."
+        )
+    return handed.model
+
+
+def _read(document: Mapping[str, Any]) -> ModelFile:
     try:
-        return model_from_text(json.dumps(document).encode(), "handed-down model")
+        return model_file_from_text(json.dumps(document).encode(), "handed-down model")
     except InputFileError as error:
         raise UnsuitableModelError(
             f"What was handed down cannot be read as a model: {error} Hand down a model as it is downloaded."

@@ -4,16 +4,18 @@ import asyncio
 
 from fastapi import Response, status
 
-from truepose.exchange.models.of_cell import fitting_model
+from truepose.exchange.models.of_cell import accepted_model, fitting_model
 from truepose.storage.errors import ConflictError
-from truepose.storage.leaving.handed_down import HandedDownRepository, NewHandedDown
+from truepose.storage.leaving.handed_down import HandedDownRecord, HandedDownRepository, NewHandedDown
 from truepose.web.context import Here
 from truepose.web.leaving.schemas import (
     AcceptanceRequest,
     HandedDownReply,
     HandedDownRequest,
+    ModelCheckReply,
     UseRequest,
     handed_down_reply,
+    model_check_reply,
 )
 from truepose.web.people.asking import Asker, asking
 from truepose.web.problems import problems
@@ -51,6 +53,13 @@ async def get_hand_down(here: Here, id: Id) -> HandedDownReply:
     return handed_down_reply(await HandedDownRepository(here.database).get(id))
 
 
+@router.get("/{id}/check", responses=problems(404, 409, 422, 503))
+async def check_handed_down_model(here: Here, id: Id) -> ModelCheckReply:
+    """Show how far a handed-down model moves the tool here, and which values are far from their priors."""
+    told = _require_model(await HandedDownRepository(here.database).get(id))
+    return model_check_reply(await asyncio.to_thread(fitting_model, told.document, here.cell))
+
+
 @router.post(
     "/{id}/acceptance",
     status_code=status.HTTP_201_CREATED,
@@ -61,13 +70,12 @@ async def accept_handed_down_model(
 ) -> ModelReply:
     """Accept a model that was handed down as one of this cell, of the same robot and with the same tool.
 
-    It then corrects programs and is validated as one that was identified here. Once is enough (409).
+    It then corrects programs and is validated as one that was identified here. Once is enough (409). One
+    that moves the tool beyond the cell's limit needs the shift confirmed (409 says which).
     """
     kept = HandedDownRepository(here.database)
-    told = (await kept.get(id)).handed_down
-    if told.kind != "model":
-        raise ConflictError(f"Hand-down {id} is a {told.kind} and no model; a session is planned with it.")
-    model = await asyncio.to_thread(fitting_model, told.document, here.cell)
+    told = _require_model(await kept.get(id))
+    model = await asyncio.to_thread(accepted_model, told.document, here.cell, wanted.accepted_shift_mm)
     number = await kept.accept_model(id, model, wanted.person)
     response.headers["Location"] = f"/api/v1/models/{number}"
     return model_reply(await here.results.model(number))
@@ -83,3 +91,12 @@ async def use_hand_down(here: Here, id: Id, wanted: UseRequest) -> HandedDownRep
     kept = HandedDownRepository(here.database)
     await kept.note_use(id, wanted.person, wanted.note)
     return handed_down_reply(await kept.get(id))
+
+
+def _require_model(record: HandedDownRecord) -> NewHandedDown:
+    told = record.handed_down
+    if told.kind != "model":
+        raise ConflictError(
+            f"Hand-down {record.id} is a {told.kind} and no model; a session is planned with it."
+        )
+    return told

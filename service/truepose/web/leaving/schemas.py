@@ -1,13 +1,18 @@
 """What a plant is told of a cell, and what it hands down."""
 
+import math
 from typing import Any, Final, Literal
 
 from pydantic import Field
 
 from truepose.domain.people.names import LONGEST_NAME
+from truepose.exchange.models.document import in_file_units
+from truepose.exchange.models.of_cell import HandedModel
+from truepose.judgement.largest_shift import FarValue
 from truepose.storage.leaving.handed_down import HandedDownRecord
 from truepose.web.schemas.base import VISIBLE, FreeDocument, PersonName, RecordedAt, RecordId, Reply, Request
 
+_OF_VALUE: Final = ("name", "value", "unit", "prior_width")
 LINES: Final = "application/x-ndjson"  # media type of links
 
 
@@ -58,9 +63,40 @@ class UseRequest(Request):
 
 
 class AcceptanceRequest(Request):
-    """Who accepts a model that was handed down."""
+    """Who accepts a model that was handed down, and which shift of the tool by it."""
 
     person: PersonName
+    accepted_shift_mm: float | None = Field(
+        default=None,
+        ge=0.0,
+        description="Largest shift that the person accepts; asked for where `confirmation_needed`.",
+        examples=[8.5],
+    )
+
+
+class FarValueReply(Reply):
+    """A value far from what its prior expects, in the units of model files."""
+
+    name: str = Field(examples=["theta_2"])
+    value: float = Field(examples=[40.0])
+    unit: str = Field(examples=["deg"])
+    prior_width: float = Field(examples=[2.86])
+    widths: float = Field(description="How many prior widths it is off.", examples=[14.0])
+
+
+class ModelCheckReply(Reply):
+    """What a handed-down model does to the tool in this cell."""
+
+    digest: Literal["intact", "no digest"]
+    largest_shift_mm: float = Field(
+        description="Of a tool nest or the flange, from the nominal robot as the cell file has it.",
+        examples=[137.2],
+    )
+    at_joints_deg: list[float] = Field(examples=[[0.0, 90.0, 0.0, 0.0, 0.0, 0.0]])
+    nest: int = Field(description="Which is moved so far; 0: the flange.", examples=[1])
+    limit_mm: float = Field(description="`model_shift_mm` of the cell file.", examples=[5.0])
+    far_from_prior: list[FarValueReply]
+    confirmation_needed: bool = Field(description="It is accepted only with `accepted_shift_mm`.")
 
 
 class UseReply(Reply):
@@ -89,6 +125,25 @@ class HandedDownReply(Reply):
     model_id: RecordId | None = Field(
         description="As which it was accepted in this cell; null: it was not.", examples=[7]
     )
+
+
+def model_check_reply(handed: HandedModel) -> ModelCheckReply:
+    """Return what a model does here, as it travels."""
+    shift = handed.shift
+    return ModelCheckReply.model_validate({
+        "digest": handed.integrity.value,
+        "largest_shift_mm": shift.shift_mm,
+        "at_joints_deg": [math.degrees(angle) for angle in shift.joints_rad],
+        "nest": shift.nest,
+        "limit_mm": handed.limit_mm,
+        "far_from_prior": [_far_value(one) for one in handed.far],
+        "confirmation_needed": handed.needs_confirmation,
+    })
+
+
+def _far_value(far: FarValue) -> FarValueReply:
+    fields = {key: value for key, value in in_file_units(far.parameter).items() if key in _OF_VALUE}
+    return FarValueReply.model_validate(fields | {"widths": far.widths})
 
 
 def handed_down_reply(record: HandedDownRecord) -> HandedDownReply:

@@ -1,15 +1,15 @@
 """What a plant hands down: kept once, shown, used by a person, and nothing moves by itself."""
 
 import json
-from dataclasses import replace
+import math
 
 import pytest
 
 from tests.helpers.domain.robots import IRB_120
-from tests.helpers.identification.models import model_of, plain_parameters
+from tests.helpers.identification.models import model_of, parameters_of
 from tests.helpers.web.clients import made
 from tests.helpers.web.performing import perform_here
-from truepose.domain.results.identification import NestCentre
+from truepose.domain.results.identification import NestCentre, Parameter
 from truepose.exchange.models.digest import digest_of
 from truepose.exchange.models.file import model_text
 
@@ -88,10 +88,12 @@ async def test_what_no_other_program_takes_for_json_is_refused(client, said, bec
     assert (await client.get("/api/v1/hand-downs")).json() == []
 
 
-def handed_model(app, **changes):
+def handed_model(app, *parameters, **changes):
     """Return a model as a plant hands it down, made with the tool of the cell."""
-    nests = [NestCentre(n, nest.centre_mm) for n, nest in enumerate(app.state.context.cell.nests, 1)]
-    model = replace(model_of(IRB_120, *plain_parameters(IRB_120)), nests=tuple(nests))
+    cell = app.state.context.cell
+    nests = tuple(NestCentre(n, nest.centre_mm) for n, nest in enumerate(cell.nests, 1))
+    stands = parameters_of("base", [("base_x", 0.4, "mm"), ("base_rz", 1e-3, "rad")])
+    model = model_of(IRB_120, *(parameters or stands), base=cell.base_nominal, nests=nests)
     document = json.loads(model_text(model)) | changes
     signed = document | {"digest": digest_of(document)}
     return PLAN | {"kind": "model", "name": "of the type", "document": signed}
@@ -156,3 +158,52 @@ async def test_a_model_of_another_robot_or_no_model_is_refused_with_a_sentence(c
     assert "What was handed down cannot be read as a model" in answers[1].json()["detail"]
     assert "is a plan and no model" in answers[2].json()["detail"]
     assert (await client.get("/api/v1/models")).json() == []
+
+
+BASE_FAR = Parameter("base_x", "base", 5000.0, "mm", 0.01, 10.0)
+JOINT_FAR = Parameter("theta_2", "geometry", math.radians(40.0), "rad", 1e-5, 0.005)
+
+
+@pytest.mark.parametrize(("far", "least_mm"), [(BASE_FAR, 5000.0), (JOINT_FAR, 200.0)], ids=["base", "joint"])
+async def test_a_model_that_moves_the_tool_far_is_accepted_only_with_its_shift_confirmed(
+    client, app, far, least_mm
+):
+    await client.post("/api/v1/hand-downs", json=handed_model(app, far), headers=KEY)
+
+    check = (await client.get("/api/v1/hand-downs/1/check")).json()
+    page = (await client.get("/hand-downs")).text
+    accepting = "/api/v1/hand-downs/1/acceptance"
+    believed = await client.post(accepting, json={"person": "Grace Hopper"})
+    too_little = await client.post(accepting, json={"person": "Grace Hopper", "accepted_shift_mm": 100.0})
+    shift_mm = check["largest_shift_mm"]
+    confirmed = await client.post(accepting, json={"person": "Grace Hopper", "accepted_shift_mm": shift_mm})
+
+    assert check["confirmation_needed"] and check["digest"] == "intact"
+    assert shift_mm > least_mm
+    assert [one["name"] for one in check["far_from_prior"]] == [far.name]
+    assert 'type="checkbox" name="accepted_shift_mm"' in page
+    assert (believed.status_code, too_little.status_code, confirmed.status_code) == (409, 409, 201)
+    assert f"moves the tool by up to {shift_mm:.4g} mm" in believed.json()["detail"]
+    assert far.name in believed.json()["detail"]
+
+
+async def test_a_model_near_the_nominal_robot_needs_no_confirmation(client, app):
+    await client.post("/api/v1/hand-downs", json=handed_model(app), headers=KEY)
+
+    check = (await client.get("/api/v1/hand-downs/1/check")).json()
+    page = (await client.get("/hand-downs")).text
+
+    assert not check["confirmation_needed"]
+    assert check["largest_shift_mm"] < check["limit_mm"] == 5.0
+    assert "accepted_shift_mm" not in page
+
+
+async def test_a_model_that_was_edited_on_the_way_is_refused(client, app):
+    handed = handed_model(app)
+    handed["document"]["parameters"][0]["value"] += 1.0
+    await client.post("/api/v1/hand-downs", json=handed, headers=KEY)
+
+    answer = await client.post("/api/v1/hand-downs/1/acceptance", json={"person": "Grace Hopper"})
+
+    assert answer.status_code == 409
+    assert "was edited after truepose wrote it" in answer.json()["detail"]

@@ -9,7 +9,7 @@ import pytest
 
 from tests.helpers.checkout import CHECKOUT
 from tests.helpers.domain.robots import IRB_120
-from tests.helpers.identification.models import model_of, plain_parameters
+from tests.helpers.identification.models import model_of, plain_parameters, registered
 from truepose.cli import main
 from truepose.exchange.models.file import write_model
 
@@ -21,7 +21,8 @@ FAR = "far,9000,0,0,1,0,0,0\n"
 @pytest.fixture
 def model(tmp_path):
     file = tmp_path / "robot.json"
-    write_model(model_of(IRB_120, *plain_parameters(IRB_120), base=model_of().nominal_base), file)
+    standing = model_of(IRB_120, *plain_parameters(IRB_120), base=model_of().nominal_base)
+    write_model(registered(standing), file)
     return file
 
 
@@ -146,9 +147,8 @@ def test_a_program_is_never_replaced_by_its_correction(model, tmp_path, monkeypa
 
 def test_limits_that_nobody_knows_are_empty_and_said(run, tmp_path):
     unknown = replace(IRB_120, name="shop robot 7")
-    write_model(
-        model_of(unknown, *plain_parameters(unknown), base=model_of().nominal_base), tmp_path / "robot.json"
-    )
+    standing = model_of(unknown, *plain_parameters(unknown), base=model_of().nominal_base)
+    write_model(registered(standing), tmp_path / "robot.json")
 
     _, rows, said = run(HEADER + NEAR)
 

@@ -6,7 +6,7 @@ import sys
 import pytest
 
 import truepose as tp
-from tests.helpers.identification.models import ROBOTS, extended, model_of
+from tests.helpers.identification.models import ROBOTS, extended, model_of, registered
 from tests.helpers.identification.zones import zoned
 from truepose.cli import main
 from truepose.exchange.models.file import write_model
@@ -20,7 +20,7 @@ OF_CONTROLLERS = {
 
 @pytest.fixture
 def model(tmp_path):
-    write_model(zoned(extended(ROBOTS["irb120"], "backlash")), tmp_path / "robot.json")
+    write_model(registered(zoned(extended(ROBOTS["irb120"], "backlash"))), tmp_path / "robot.json")
     return tmp_path / "robot.json"
 
 
@@ -91,7 +91,7 @@ def test_what_cannot_be_written_is_one_sentence(typed, model, tmp_path, argument
 
 @pytest.mark.parametrize("arguments", [("--as", "controller"), ("--as", "urdf", "--fitted")])
 def test_a_model_that_does_not_know_its_zone_is_refused(typed, tmp_path, arguments):
-    write_model(model_of(ROBOTS["irb120"]), tmp_path / "old.json")
+    write_model(registered(model_of(ROBOTS["irb120"])), tmp_path / "old.json")
 
     status, _, said = typed(tmp_path / "old.json", "--out", tmp_path / "out", *arguments)
 

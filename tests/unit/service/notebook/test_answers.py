@@ -33,6 +33,7 @@ def test_documents_are_those_of_the_commands(campaign, identified, model, model_
     assert identified.document == json.loads(_command("identify", folder, "--json"))
     assert tp.diagnose(campaign).document == json.loads(_command("diagnose", folder, "--json"))
     judged = json.loads(_command("validate", model_file, _HELD_OUT, "--json", "--limit-mm", "0.1"))
+    assert judged.pop("model_file")["digest"] == "intact"
     assert tp.validate(model, _HELD_OUT, limit_mm=0.1).document == judged
 
 

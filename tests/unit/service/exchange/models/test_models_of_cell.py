@@ -20,7 +20,7 @@ NESTS = tuple(Nest(nest.centre_mm) for nest in MODEL.nests)
 
 def handed(model=MODEL, **of_cell):
     cell = Cell("bench", "abb-irb-120", **{"robot": IRB_120, "nests": NESTS, **of_cell})
-    return fitting_model(json.loads(model_text(model)), cell)
+    return fitting_model(json.loads(model_text(model)), cell).model
 
 
 def test_a_model_of_this_robot_and_tool_is_one_of_the_cell():
