@@ -1,10 +1,10 @@
 """Sessions of one kind behind the desk; of those that nobody stands beside, all that they share."""
 
-import asyncio
 from typing import Any, Final, TypeVar, cast
 
 from truepose.domain.measurement.ledger import Control
 from truepose.domain.measurement.session import SessionState
+from truepose.operation.followers import change
 from truepose.operation.session_kind import SessionKind
 from truepose.operation.sessions import SessionDesk
 from truepose.sequencing.engine.acts import Act, ActName
@@ -71,13 +71,14 @@ class AskedSessionKind(ServedKind[R]):
 
     async def begun(self, session_id: int, runner: R) -> None:
         """Wait for the question; raises RecordRefusedError where it cannot be put on record."""
-        # The question comes first, the state that it puts the session in once the journal has it.
-        while self.running(session_id) is runner and (
-            runner.question is None or runner.state is SessionState.PLANNED
-        ):
+        while self.running(session_id) is runner:
+            news, version, now = self.desk.watching.news, runner.version, runner.moment
+            # The question comes first, the state that it puts the session in once the journal has it.
+            if now.question is not None and now.state is not SessionState.PLANNED:
+                return
             if runner.cause_of_trouble is not None:
-                raise type(runner.cause_of_trouble)(f"Session {session_id} was not started. {runner.trouble}")
-            await asyncio.sleep(0.001)
+                raise type(runner.cause_of_trouble)(f"Session {session_id} was not started. {now.trouble}")
+            await change(news, runner, version)
 
     async def recover(self, record: SessionRecord) -> None:
         """Have a session await a person's confirmation, which takes it up."""

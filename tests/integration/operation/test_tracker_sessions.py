@@ -12,6 +12,7 @@ from truepose.domain.errors import RecordRefusedError
 from truepose.domain.measurement.session import PlannedStop, SessionPlan, SessionState
 from truepose.operation.sessions import SessionDesk
 from truepose.operation.tracker.sessions import TrackerSessions
+from truepose.sequencing.engine.moment import Moment
 from truepose.sequencing.errors import NotNowError
 from truepose.storage.errors import ServerAwayError
 from truepose.storage.measurement.added_stops import AddedStopsRepository
@@ -30,7 +31,12 @@ class FakeRunner:
         self.cause_of_trouble = None if trouble is None else ServerAwayError(trouble)
         self.question = None if trouble else "Is the cell clear?"
         self.state = SessionState.PLANNED if trouble else SessionState.AWAITING_CONFIRMATION
+        self.version = 0
         self._ended = asyncio.Event()
+
+    @property
+    def moment(self):
+        return Moment(self.state, "", self.question, None, self.trouble)
 
     async def run(self):
         await self._ended.wait()

@@ -36,6 +36,7 @@ from truepose_drivers.api import MotionLimits
 
 _LOG: Final = logging.getLogger(__name__)
 NOBODY_RUNS: Final = "The program failed and does not run this session now; nothing moves."
+_REMEMBERED: Final = 8  # sessions whose plan and judges wait in memory for the next look at them
 _PLAN_KEPT_S: Final = 30.0  # a tablet that lost its network is back by then
 MakePreCalibrator: TypeAlias = Callable[[SessionSetup], PreCalibrator]
 ChoosePoses: TypeAlias = Callable[[SessionSetup, BallbarWish], Awaitable[BallbarPlan]]
@@ -106,12 +107,13 @@ class BallbarSessions(ServedKind[BallbarRunner]):
             kept = await self.desk.ledger.whole(session_id)
             found = _run_by_nobody(fixed, [record.entry for record in kept])
             return self._view(session_id, fixed, found, kept[-1].id if kept else None)
+        now = runner.moment
         return replace(
             self._view(session_id, fixed, runner.situation, under_way.ledger.newest),
-            question=runner.question,
-            prompt_id=runner.prompt_id,
+            question=now.question,
+            prompt_id=now.prompt_id,
             robot_moving=runner.robot_moving,
-            trouble=runner.trouble,
+            trouble=now.trouble,
         )
 
     def _view(self, session_id: int, fixed: Fixed, found: Situation, newest_entry: int | None) -> BallbarView:
@@ -144,7 +146,8 @@ class BallbarSessions(ServedKind[BallbarRunner]):
         now = self.desk.now
         if now is None or now.kind is not self:
             return None
-        places = self._fixed[now.session_id].plan.placements
+        fixed = self._fixed.get(now.session_id)
+        places = () if fixed is None else fixed.plan.placements
         return next((place.frame for place in places if place.number == placement), None)
 
     async def campaign(self, session_id: int) -> Campaign:
@@ -214,13 +217,22 @@ class BallbarSessions(ServedKind[BallbarRunner]):
         return next((entry.serial_number for entry in setup.cell.devices if entry.name == name), "")
 
     async def _what_is_fixed(self, session_id: int) -> Fixed:
-        if session_id not in self._fixed:
+        found = self._fixed.pop(session_id, None)
+        if found is None:
             record = await self.get(session_id)
             setup = await self.desk.sessions.setup(session_id)
             plan = await self.desk.sessions.ballbar_plan(session_id)
             sight = await asyncio.to_thread(sight_of, setup, plan)
-            self._fixed[session_id] = Fixed(record.name, setup, plan, sight)
-        return self._fixed[session_id]
+            found = Fixed(record.name, setup, plan, sight)
+        self._fixed[session_id] = found  # the one that was asked for last comes last
+        self._forget_others()
+        return found
+
+    def _forget_others(self) -> None:
+        """Forget what was not asked for lately, but for the session under way."""
+        for number in [*self._fixed][:-_REMEMBERED]:
+            if self.desk.under_way(number) is None:
+                del self._fixed[number]
 
 
 def _run_by_nobody(fixed: Fixed, entries: list[LedgerEntry]) -> Situation:

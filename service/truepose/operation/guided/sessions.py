@@ -57,12 +57,12 @@ class GuidedSessions:
             return replace(
                 self._guide(session_id, fixed, found, kept[-1].id if kept else None), question=asked
             )
-        found = standing_of(fixed, runner.record, runs=True)
+        found, now = standing_of(fixed, runner.record, runs=True), runner.moment
         return replace(
             self._guide(session_id, fixed, found, under_way.ledger.newest),
-            question=runner.question,
-            prompt_id=runner.prompt_id,
-            trouble=runner.trouble,
+            question=now.question,
+            prompt_id=now.prompt_id,
+            trouble=now.trouble,
             robot_moving=runner.is_moving,
             tracker_in_question=runner.tracker_in_question if isinstance(runner, TrackerRunner) else None,
         )

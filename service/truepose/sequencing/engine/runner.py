@@ -16,6 +16,7 @@ from truepose.sequencing.engine.acts import HALTS, LETS_MOVE, Act, ActName, ActO
 from truepose.sequencing.engine.halting.halts import Halts
 from truepose.sequencing.engine.halting.pending import PendingHalts
 from truepose.sequencing.engine.logbook import Logbook
+from truepose.sequencing.engine.moment import Moment
 from truepose.sequencing.engine.onlookers import looked_on
 from truepose.sequencing.engine.states import has_ended, words
 from truepose.sequencing.errors import NotNowError, SequencingError
@@ -81,6 +82,11 @@ class SessionRunner(ABC, Generic[S]):
     def cause_of_trouble(self) -> RecordRefusedError | None:
         """Why lines are refused; None while they are taken."""
         return self._logbook.cause_of_trouble
+
+    @property
+    def moment(self) -> Moment:
+        """What the session says of itself now; nothing is awaited, so that all of it is of one moment."""
+        return Moment(self.state, self._logbook.record.reason, self.question, self.prompt_id, self.trouble)
 
     @property
     def version(self) -> int:

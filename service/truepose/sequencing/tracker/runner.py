@@ -205,6 +205,7 @@ class TrackerRunner(UnattendedRunner[TrackerSituation]):
         asked = " ".join(filter(None, (what, ahead, CELL_CLEAR)))
         await self._logbook.keep(lambda: self._put(asked, tuple(stop.config for stop in stops)))
         self._asked = True
+        self._logbook.tell()
 
     async def _put(self, asked: str, stops: tuple[int, ...]) -> None:
         if self._ended or self._halts.wish is not None:

@@ -269,17 +269,18 @@ async def _shown(here: Context, number: int) -> SessionReply:
 
 
 def _reply(here: Context, record: SessionRecord) -> SessionReply:
-    # A line is on disk a moment before the runner goes by it: state and question are the runner's, both.
+    # The record was read a moment ago, and a line is on disk before the runner goes by it.
     runner = here.asked_sessions(record).running(record.id)
-    if runner is not None:
-        record = replace(record, state=runner.state)
+    now = None if runner is None else runner.moment
+    if now is not None:
+        record = replace(record, state=now.state, reason=now.reason)
     foreign = runner.tracker_in_question if isinstance(runner, TrackerRunner) else None
     return SessionReply.of(
         record,
         tracker_in_question=None if foreign is None else identity_reply(foreign),
-        question=None if runner is None else runner.question,
-        prompt_id=None if runner is None else runner.prompt_id,
-        trouble=None if runner is None else runner.trouble,
+        question=None if now is None else now.question,
+        prompt_id=None if now is None else now.prompt_id,
+        trouble=None if now is None else now.trouble,
         motion_notice=here.rack.motion_notice,
     )
 

@@ -8,6 +8,7 @@ from tests.helpers.web.clients import served
 from tests.integration.web.ballbar_bench import BALLBAR, WANTED, Tablet
 from tests.integration.web.ballbar_bench import SESSIONS as BALLBAR_SESSIONS
 from tests.integration.web.bench import CELL, session_request
+from truepose.storage.measurement.sessions import SessionRepository
 
 SESSION = "/api/v1/sessions/1"
 NAMED = CELL.replace('driver = "fake_tracker"', 'driver = "fake_tracker"\nserial_number = "390003"')
@@ -102,6 +103,32 @@ async def test_a_confirmation_without_the_number_asks_again(client, until, bench
     assert "390003" in session["reason"]
     assert bench.robot.moves == 0
     assert (await client.get(f"{SESSION}/readings")).json() == []
+
+
+async def test_whoever_polls_never_sees_the_reason_of_another_moment(client, bench, monkeypatch):
+    """The record is read a while before the answer is written, and the session goes on meanwhile."""
+    await questioned(client, bench)
+    read = SessionRepository.get
+    seen = []
+
+    async def read_a_while_ago(self, session_id):
+        record = await read(self, session_id)
+        await asyncio.sleep(0.05)
+        return record
+
+    async def poll(offset_s):
+        for _ in range(15):
+            await asyncio.sleep(offset_s)
+            found = (await client.get(SESSION)).json()
+            seen.append((found["state"], found["reason"], found["question"]))
+
+    monkeypatch.setattr(SessionRepository, "get", read_a_while_ago)
+    confirming = client.post(f"{SESSION}/confirm", json={"person": "Ada"})
+    await asyncio.gather(confirming, *(poll(0.004 + 0.001 * number) for number in range(6)))
+
+    assert {state for state, _, _ in seen} <= {"awaiting_confirmation", "running"}
+    for state, reason, question in seen:
+        assert question == (reason if state == "awaiting_confirmation" else None)
 
 
 async def test_a_ballbar_session_shows_the_one_in_question_and_who_accepted_it(client, bench):
