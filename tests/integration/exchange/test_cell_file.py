@@ -250,6 +250,13 @@ REFUSED = {
         "limits.tool_speed_mm_s",
         "0",
     ),
+    "a speed that no arm is measured at": (
+        "tool_speed_mm_s = 500.0",
+        "tool_speed_mm_s = 1e9",
+        BadValueError,
+        "limits.tool_speed_mm_s",
+        "1e+09 mm/s is too fast for an arm that is measured; at most 2000 mm/s",
+    ),
     "planted changes in a real cell": (
         "[conditions]",
         '[[effect]]\nname = "joint_gain"\namplitude = 1\n[conditions]',

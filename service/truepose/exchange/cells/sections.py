@@ -80,7 +80,7 @@ def _defaulted(default: object, forms: Mapping[str, Form]) -> list[Key]:
 
 
 _LENGTH: Final = number(above=0.0)
-_LENGTHS: Final = ("reference_mm", "tool_speed_mm_s", "model_shift_mm")  # limits of a cell
+_FASTEST_MM_S: Final = 2000.0  # robot files state no top speed of the tool: one bound for all of them
 _CELSIUS: Final = number(least=-50.0)
 _EXPANSION: Final = Key("expansion_per_k", "expansion_per_k", number(above=-1e-4), absent=None)
 _PAPER: Final = _defaulted(
@@ -163,19 +163,21 @@ def limits_of(robot: Robot) -> Form:
         Key("joints_deg", "joints", within, absent=None),
         Key("calibration_deg", "calibration", within, absent=None),
         Key(KEEP_OUT, "keep_outs", Form(read_keep_outs), absent=default.keep_outs),
-        *_defaulted(
-            default,
-            {
-                "floor_z_mm": NUMBER,
-                "reference_mm": _LENGTH,
-                "tool_speed_mm_s": _LENGTH,
-                "model_shift_mm": _LENGTH,
-            },
-        ),
+        *_defaulted(default, {"floor_z_mm": NUMBER, "reference_mm": _LENGTH, "model_shift_mm": _LENGTH}),
+        Key("tool_speed_mm_s", "tool_speed_mm_s", Form(_read_tool_speed), default.tool_speed_mm_s),
         Key("seen_within_deg", "seen_within_rad", Form(read_cone), absent=None),
         Key("orientation_speed_deg_s", "orientation_speed_rad_s", turning, default.orientation_speed_rad_s),
     ]
     return _sealed(CellLimits, keys)
+
+
+def _read_tool_speed(node: Node) -> float:
+    speed_mm_s = node.number(above=0.0)
+    if speed_mm_s > _FASTEST_MM_S:
+        node.fail(
+            f"{speed_mm_s:g} mm/s is too fast for an arm that is measured; at most {_FASTEST_MM_S:g} mm/s"
+        )
+    return speed_mm_s
 
 
 def read_cone(node: Node) -> float:
