@@ -97,7 +97,7 @@ def test_a_session_is_walked_through_on_the_page_alone(chromium, url, bench, end
         page.goto(f"{url}/operator")
         page.locator(f"#sessions a[href='/operator/{id}']").click()
         on(page, "who")
-        page.wait_for_timeout(700)
+        page.locator(".board svg > *").first.wait_for(timeout=1000 * PATIENCE_S)
         seen["who"] = page.evaluate(LOOK)
         page.get_by_role("button", name="Next: place the tracker").click()
         expect(page.get_by_text("8 of 8 configurations are in sight.")).to_be_visible()
