@@ -5,10 +5,12 @@ said before the next line that can be written.
 """
 
 import contextlib
+import glob
 import logging
 import queue
 import sys
 from collections.abc import Iterator
+from io import TextIOWrapper
 from logging.handlers import QueueHandler, QueueListener, RotatingFileHandler
 from pathlib import Path
 from typing import Final, TextIO
@@ -17,6 +19,7 @@ from truepose.app.logs.few_repeats import FewRepeats
 from truepose.app.logs.lines import REQUEST as REQUEST_FIELD
 from truepose.app.logs.lines import JsonLines, Readable
 from truepose.correlation import REQUEST
+from truepose.storage.files.owner_alone import opened_alone, tighten
 from truepose.web.observation.requests import LOGGER as REQUESTS
 
 _WAITING: Final = 10_000  # lines
@@ -64,6 +67,9 @@ class _File(RotatingFileHandler):
         self._told = 0
         self._failed = False
 
+    def _open(self) -> TextIOWrapper:
+        return open(self.baseFilename, "a", encoding="utf-8", opener=opened_alone)
+
     def emit(self, record: logging.LogRecord) -> None:
         """Write a line, after one that says how many were lost."""
         if self._lost.lines > self._told:
@@ -105,6 +111,7 @@ def logged(file: Path, level: str) -> Iterator[Lost]:
     lost = Lost()
     with contextlib.suppress(OSError):  # then every line is counted as lost
         file.parent.mkdir(parents=True, exist_ok=True)
+        tighten(*file.parent.glob(f"{glob.escape(file.name)}.[0-9]"))  # of an older version, perhaps
     handlers = (_StandardError(), _File(file, lost))
     waiting: queue.Queue[logging.LogRecord] = queue.Queue(_WAITING)
     queued = _Queued(waiting, lost)

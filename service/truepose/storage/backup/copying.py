@@ -19,6 +19,7 @@ from truepose.storage.connection.sqlite.library import LIBRARY
 from truepose.storage.connection.sqlite.place import sync_folder
 from truepose.storage.connection.sqlite.protection import missing_protection
 from truepose.storage.errors import BackupError, DatabaseAddressError
+from truepose.storage.files.owner_alone import make_alone
 from truepose.storage.integrity.head import Head, newest_head
 
 Told = Callable[[float, str], None]  # which share is done, and of what
@@ -83,6 +84,7 @@ def written_copy(database: Path, target: Path, write: Write, told: Told, *, repl
 
 def copy_database(database: Path, target: Path, told: Callable[[float], None]) -> Head:
     """Write everything that a database holds into one file, on the disk, and return the head of its chain."""
+    make_alone(target)
 
     def copied(_status: int, left: int, of: int) -> None:
         told(1.0 - left / max(of, 1))

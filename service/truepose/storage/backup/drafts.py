@@ -16,6 +16,7 @@ from truepose.storage.connection.sqlite.place import sync_folder
 from truepose.storage.documents import to_document
 from truepose.storage.errors import BackupError, NotFoundError
 from truepose.storage.files.drafts import MOST_BYTES, STATE, Draft, DraftFolder
+from truepose.storage.files.owner_alone import make_alone
 
 _MEMBER: Final = re.compile(rf"[1-9]\d{{0,8}}/({re.escape(STATE)}|[1-9]\d{{0,5}}\.file)", re.ASCII)
 _TRIES: Final = 3  # of a draft that somebody changes meanwhile
@@ -31,6 +32,7 @@ def copy_drafts(database: Path, copy: Path) -> int:
     archive = drafts_beside(copy)
     drafts, count = DraftFolder.beside(database), 0
     part = archive.with_name(f"{archive.name}.part")
+    make_alone(part)
     with zipfile.ZipFile(part, "w", zipfile.ZIP_DEFLATED) as written:
         for number in drafts.numbers():
             held = list(_held(drafts, number))

@@ -13,6 +13,7 @@ from truepose.storage.backup.addressed import back_up_at
 from truepose.storage.backup.drafts import drafts_beside
 from truepose.storage.backup.plan import BackupPlan
 from truepose.storage.errors import StorageError
+from truepose.storage.files.owner_alone import tighten
 
 _LOG: Final = logging.getLogger(__name__)
 _NAME: Final = re.compile(r"truepose-(\d{8}T\d{6}Z)\.sqlite3")
@@ -39,6 +40,7 @@ class BackupSchedule:
     async def follow(self) -> None:
         """Make copies until cancelled."""
         await asyncio.sleep(_FIRST_S)
+        tighten(*(file for _, file in copies_in(self.plan.folder)))
         while True:
             await asyncio.sleep(await self.make_if_due())
 

@@ -14,6 +14,8 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Final
 
+from truepose.storage.files.owner_alone import opened_alone
+
 _LENGTH: Final = 256  # of the line, so that it is written over in place
 _CHUNK: Final = 1 << 20
 
@@ -47,7 +49,7 @@ class Seal:
         """Say that a service has the database open, from now on."""
         with contextlib.suppress(OSError):  # it is a watchman, not a record
             as_written = getattr(os, "O_BINARY", 0)  # Windows would write line ends of two bytes
-            self._opened = os.open(self.file, os.O_RDWR | os.O_CREAT | as_written, 0o644)
+            self._opened = opened_alone(self.file, os.O_RDWR | os.O_CREAT | as_written)
             self._write(newest_link(connection))
             os.fsync(self._opened)
 

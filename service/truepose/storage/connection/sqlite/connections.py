@@ -12,6 +12,14 @@ from truepose.storage.documents import from_json
 
 _BUSY_TIMEOUT_MS: Final = 5000  # a checkpoint or an outside backup may hold the file this long
 
+_OF_WRITER: Final = (
+    "journal_mode=WAL",
+    "synchronous=FULL",
+    "foreign_keys=ON",
+    "recursive_triggers=ON",  # a row that REPLACE would delete meets the trigger that refuses it
+    "secure_delete=ON",  # what is taken out is gone from the pages as well
+)
+
 
 def writing_engine(file: Path) -> Engine:
     """Return the engine of the one connection that writes; it makes the file where there is none."""
@@ -52,8 +60,7 @@ def _engine(file: Path, mode: str, pool: Any) -> Engine:
 def _set_up_writer(connection: Any, _record: object) -> None:
     connection.isolation_level = None  # the driver must not begin transactions on its own
     connection.execute(f"PRAGMA busy_timeout={_BUSY_TIMEOUT_MS}")
-    # recursive_triggers: a row that REPLACE would delete meets the trigger that refuses it.
-    for pragma in ("journal_mode=WAL", "synchronous=FULL", "foreign_keys=ON", "recursive_triggers=ON"):
+    for pragma in _OF_WRITER:
         connection.execute(f"PRAGMA {pragma}")
 
 

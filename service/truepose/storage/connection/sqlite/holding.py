@@ -19,6 +19,7 @@ from truepose.storage.connection.sqlite.protection import missing_protection
 from truepose.storage.connection.sqlite.refusals import REFUSED, says_full, translated
 from truepose.storage.connection.sqlite.reserve import Reserve
 from truepose.storage.errors import StorageError
+from truepose.storage.files.owner_alone import make_alone
 from truepose.storage.integrity.arrival import note_how_it_was_left
 from truepose.storage.integrity.condition import RESERVE_IN_USE, Condition
 from truepose.storage.integrity.seal import Left, Seal, digest, has_link
@@ -44,6 +45,7 @@ class SQLiteFile(Holding):
         """Take the lock, open everything, bring the schema up to date and return it; raises StorageError."""
         self._lock = ServiceLock(self.file)
         try:
+            make_alone(self.file)  # log and index beside it get the rights that it has
             return self._open()
         except BaseException:
             self._lock.release()

@@ -11,13 +11,14 @@ for life, and the operating system releases both with the process, however that 
 
 import os
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 from truepose.storage.connection.sqlite.file_lock import file_lock
 from truepose.storage.connection.sqlite.library import LIBRARY
 from truepose.storage.errors import DatabaseInUseError, StorageUnavailableError
+from truepose.storage.files.owner_alone import make_alone, opened_alone, tighten
 
-_NEW_FILE = 0o644
+_BESIDE: Final = ("-wal", "-shm", "-journal", ".seal", ".reserve")  # of an older version, perhaps
 
 
 class ServiceLock:
@@ -54,7 +55,7 @@ def locked_file(database: Path) -> int | None:
     if lock is None:
         return None
     try:
-        file = os.open(database, os.O_RDWR | os.O_CREAT, _NEW_FILE)
+        file = opened_alone(database, os.O_RDWR | os.O_CREAT)
     except OSError as error:
         raise _unwritable(database, error) from error
     try:
@@ -70,6 +71,9 @@ def locked_file(database: Path) -> int | None:
 def _locked_side_file(database: Path) -> Any:
     try:
         database.parent.mkdir(parents=True, exist_ok=True)
+        for part in ("", *_BESIDE):
+            tighten(database.with_name(f"{database.name}{part}"))
+        make_alone(Path(f"{database}.lock"))
         # check_same_thread off: opened by whoever starts the service, released by whoever stops it.
         side = LIBRARY.connect(f"{database}.lock", timeout=0.0, check_same_thread=False, isolation_level=None)
     except (OSError, LIBRARY.OperationalError) as error:

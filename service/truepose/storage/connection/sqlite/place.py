@@ -14,6 +14,7 @@ from typing import Any
 from truepose.storage.connection.sqlite.library import LIBRARY
 from truepose.storage.connection.sqlite.lock import locked_file
 from truepose.storage.errors import StorageUnavailableError
+from truepose.storage.files.owner_alone import make_alone
 
 Identity = tuple[int, int]  # device and number of the file on it
 
@@ -82,6 +83,7 @@ def _identity(file: Path) -> Identity | None:
 
 
 def _copy(connection: Any, target: Path) -> None:
+    make_alone(target)
     copy = LIBRARY.connect(target)
     try:
         connection.backup(copy)

@@ -11,6 +11,8 @@ import shutil
 from pathlib import Path
 from typing import Final
 
+from truepose.storage.files.owner_alone import opened_alone
+
 _BYTES: Final = 16 * 2**20
 _ELSE_FREE: Final = 32 * 2**20  # of the disk, beside the reserve: others live there too
 
@@ -51,7 +53,7 @@ class Reserve:
         return False
 
     def _allocate(self) -> None:
-        with self.file.open("wb") as file:
+        with open(self.file, "wb", opener=opened_alone) as file:
             if hasattr(os, "posix_fallocate"):
                 os.posix_fallocate(file.fileno(), 0, _BYTES)
             else:
