@@ -41,6 +41,7 @@ class Settings:
     backups: BackupPlan | None = None
     log_file: Path | None = None  # of JSON lines; None: beside the database
     log_level: LogLevel = LogLevel.INFO
+    pin_secret: Path | None = None  # what PINs are mixed with; None: beside the database
     tls_certificate: Path | None = None  # PEM; with it the service speaks TLS itself
     tls_key: Path | None = None
     accounts: bool = True  # False: nobody is asked who they are; on loopback only

@@ -8,11 +8,13 @@ from importlib.metadata import PackageNotFoundError, version
 from typing import Final, Protocol
 
 from truepose.operation.people.desk import PeopleDesk, open_people
+from truepose.operation.people.pins import Pins
 from truepose.settings import Settings
 from truepose.storage.backup.restoring import put_ready_in_place
 from truepose.storage.backup.schedule import BackupSchedule
 from truepose.storage.connection.address import database_file
 from truepose.storage.database import Database
+from truepose.storage.people.pepper import Pepper
 from truepose.web.door.hosts import AllowedHosts
 
 _LOG: Final = logging.getLogger(__name__)
@@ -59,7 +61,9 @@ def copies_of(settings: Settings, stack: contextlib.AsyncExitStack) -> BackupSch
 
 def people_of(database: Database, settings: Settings) -> contextlib.AbstractAsyncContextManager[PeopleDesk]:
     """Return what opens everything about who asks."""
-    return open_people(database, asked_for=settings.accounts, alone=settings.reached_from_here_alone)
+    own = None if settings.pin_secret is None else Pepper(settings.pin_secret)
+    pins = Pins(own or Pepper.beside(database.file))
+    return open_people(database, pins, asked_for=settings.accounts, alone=settings.reached_from_here_alone)
 
 
 async def _end(task: asyncio.Task[None]) -> None:

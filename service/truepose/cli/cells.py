@@ -117,6 +117,10 @@ def serve_command(
     log_level: Annotated[
         LogLevel, typer.Option(help="Least weight of what is logged.", case_sensitive=False)
     ] = LogLevel.INFO,
+    pin_secret: Annotated[
+        Path | None,
+        typer.Option(help="File of the secret that PINs are mixed with; by default beside the database."),
+    ] = None,
 ) -> int:
     """Run the service; prints one JSON line with its url when ready.
 
@@ -137,6 +141,7 @@ def serve_command(
             backups=wanted_copies(backup_to, backup_every, backup_keep),
             log_file=log_file,
             log_level=log_level,
+            pin_secret=pin_secret,
             tls_certificate=tls_certificate,
             tls_key=tls_key,
             accounts=accounts,

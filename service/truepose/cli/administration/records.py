@@ -16,6 +16,7 @@ Url = Annotated[
     ),
 ]
 _SERVICE_FAILED = 3
+_NO_PINS = "A copy holds no PINs: each person chooses one anew, with their password, at /account."
 
 
 def verify_command(
@@ -147,7 +148,8 @@ def restore_command(
         before = "" if kept is None else f" What was there is kept as {kept}."
         brought = f" {drafts} drafts are back." if drafts else ""
         print_lines([
-            f"{shown_address(url)}: {head.links} records restored. Chain head {head.text}.{before}{brought}"
+            f"{shown_address(url)}: {head.links} records restored. Chain head {head.text}.{before}{brought} "
+            f"{_NO_PINS}"
         ])
     return 0
 
@@ -164,6 +166,7 @@ def _lay_ready(file: Path, target: Path, *, replace: bool, json: bool) -> int:
         print_lines([
             f"{ready}: {head.links} records, verified. Chain head {head.text}. Restart the service: it "
             "begins with them and keeps what it has until then beside it. To call that off, delete this file."
+            f" {_NO_PINS}"
         ])
     return 0
 

@@ -134,13 +134,15 @@ class _InDatabase(Administration):
 
     def _do(self, work: "Callable[[Accounts], Awaitable[T]]") -> T:
         from truepose.operation.people.accounts import Accounts
+        from truepose.operation.people.pins import Pins
         from truepose.operation.people.register import Register
         from truepose.storage.people.credentials import CredentialRepository
+        from truepose.storage.people.pepper import Pepper
 
         async def working() -> T:
             register = Register(CredentialRepository(self._database))
             await register.load()
-            return await work(Accounts(register))
+            return await work(Accounts(register, Pins(Pepper.beside(self._database.file))))
 
         return asyncio.run(working())
 

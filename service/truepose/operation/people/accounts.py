@@ -14,6 +14,7 @@ from truepose.domain.people.accounts import MACHINE, OF_PROGRAMS, Person, Role, 
 from truepose.operation.people.attempts import Attempts
 from truepose.operation.people.errors import AccountRefusedError, SignInRefusedError
 from truepose.operation.people.hashes import badge_hash, chosen_hash, fingerprint, new_secret
+from truepose.operation.people.pins import Pins
 from truepose.operation.people.register import EVERYBODY, NOBODY, OF_MACHINE, Caller, Register
 from truepose.operation.people.sign_ins import SignedIn, SignIns
 from truepose.storage.people.credentials import CredentialKind, CredentialRecord, NewCredential
@@ -39,12 +40,13 @@ class Chosen:
 class Accounts:
     """Everything about who asks."""
 
-    def __init__(self, register: Register, *, asked_for: bool = True, alone: bool = True) -> None:
+    def __init__(self, register: Register, pins: Pins, *, asked_for: bool = True, alone: bool = True) -> None:
         """Work with a register that is loaded.
 
         Parameters
         ----------
         register : Register
+        pins : Pins
         asked_for : bool
             Whether anybody is ever asked who they are.
         alone : bool
@@ -52,7 +54,8 @@ class Accounts:
         """
         self.register = register
         self.attempts = Attempts(register)
-        self.sign_ins = SignIns(register, self.attempts, register.time.elapsed_s)
+        self.pins = pins
+        self.sign_ins = SignIns(register, self.attempts, pins)
         self._asked_for = asked_for
         self._alone = alone
         self._first = asyncio.Lock()
@@ -161,12 +164,17 @@ class Accounts:
         _require_usable(chosen)
         if chosen.password is not None:
             opened = self.register.of(person.id, CredentialKind.SIGN_IN)
-            await self._put(person, CredentialKind.PASSWORD, await _hashed(chosen.password))
+            kept = await asyncio.to_thread(chosen_hash, chosen.password)
+            await self._put(person, CredentialKind.PASSWORD, kept)
             await self.register.revoke(*(record.id for record in opened), by=person.name)
         if chosen.pin is not None:
-            await self._put(person, CredentialKind.PIN, await _hashed(chosen.pin))
+            await self._put(person, CredentialKind.PIN, await asyncio.to_thread(self.pins.kept, chosen.pin))
         if chosen.badge is not None:
             await self._choose_badge(person, chosen.badge)
+
+    def has_pin(self, person: Person) -> bool:
+        """Whether somebody has a PIN that counts here."""
+        return any(self.pins.counts(r.hash) for r in self.register.of(person.id, CredentialKind.PIN))
 
     async def _choose_badge(self, person: Person, badge: str) -> None:
         others = [r for r in self.register.credentials if r.kind is CredentialKind.BADGE]
@@ -211,10 +219,6 @@ class Accounts:
         role = lesser(Role(record.document["role"]), person.role)
         name = record.document["name"] if role in OF_PROGRAMS else person.name
         return Caller(name, role, person, tablet_name=record.document["name"], token=record.id)
-
-
-async def _hashed(secret: str) -> str:
-    return await asyncio.to_thread(chosen_hash, secret)
 
 
 def _require_usable(chosen: Chosen) -> None:

@@ -6,14 +6,16 @@ nothing for fresh.
 """
 
 import asyncio
-from collections.abc import Callable
+import contextlib
 from dataclasses import dataclass
 from typing import Final
 
+from truepose.domain.errors import RecordRefusedError
 from truepose.domain.people.accounts import Person
 from truepose.operation.people.attempts import Attempts
 from truepose.operation.people.errors import SignInRefusedError
 from truepose.operation.people.hashes import NOBODYS, badge_hash, fingerprint, matches, new_secret
+from truepose.operation.people.pins import Pins
 from truepose.operation.people.register import NOBODY, Caller, Register
 from truepose.storage.people.credentials import CredentialKind, CredentialRecord, NewCredential
 
@@ -23,6 +25,10 @@ LONGEST_DAYS: Final = 7
 _AT_ONCE: Final = 2  # each takes 19 MiB and a processor
 _REFUSED: Final = "Name and password do not go together, or the account is no longer open."
 _PIN_REFUSED: Final = "Name and PIN do not go together; after too many wrong ones the password is asked for."
+_PIN_GONE: Final = (
+    "PINs that were chosen before the database was restored or moved do not count here: show your password, "
+    "and choose a PIN at /account."
+)
 _NO_TABLET: Final = "A PIN opens only a tablet that somebody signed in with a password; use yours."
 _PROVING: Final = (CredentialKind.PASSWORD, CredentialKind.PIN)
 
@@ -44,10 +50,11 @@ class SignedIn:
 class SignIns:
     """Browsers that somebody signed in, and who stands before them."""
 
-    def __init__(self, register: Register, attempts: Attempts, elapsed_s: Callable[[], float]) -> None:
+    def __init__(self, register: Register, attempts: Attempts, pins: Pins) -> None:
         self._register = register
         self._attempts = attempts
-        self._elapsed_s = elapsed_s
+        self._pins = pins
+        self._elapsed_s = register.time.elapsed_s
         self._used: dict[int, _Used] = {}
         self._places = asyncio.Semaphore(_AT_ONCE)
 
@@ -132,14 +139,21 @@ class SignIns:
         return None if record is None else self._register.person(record.person_id)
 
     async def _require_password(self, person: Person | None, password: str) -> None:
-        if not await self._is_right(person, CredentialKind.PASSWORD, password):
+        kept = self._kept(person, CredentialKind.PASSWORD)
+        async with self._places:
+            right = await asyncio.to_thread(matches, NOBODYS if kept is None else kept, password)
+        if not right or kept is None:
             raise SignInRefusedError(_REFUSED)
 
     async def _require_pin(self, person: Person | None, pin: str, tablet: CredentialRecord) -> None:
         """Raise where a PIN is wrong, or was guessed at there too often."""
-        right = await self._is_right(person, CredentialKind.PIN, pin)
-        if person is None:
+        kept = self._kept(person, CredentialKind.PIN)
+        async with self._places:
+            right = await asyncio.to_thread(self._pins.match, kept, pin)
+        if person is None or kept is None:
             raise SignInRefusedError(_PIN_REFUSED)
+        if not self._pins.counts(kept):
+            raise SignInRefusedError(_PIN_GONE)
         pins, number = self._attempts.pins, tablet.document.get("tablet", tablet.id)
         if person.id in {tablet.person_id, tablet.document["opened_by"]}:
             pins.note_stood(person.id, number)
@@ -147,13 +161,18 @@ class SignIns:
             pins.note_wrong(person.id, number)
             raise SignInRefusedError(_PIN_REFUSED)
         pins.note_right(person.id, number)
+        if self._pins.is_old(kept):
+            await self._keep_anew(person, pin)
 
-    async def _is_right(self, person: Person | None, kind: CredentialKind, secret: str) -> bool:
-        """Whether a secret is the person's; for whoever is unknown it takes as long as for everybody else."""
+    async def _keep_anew(self, person: Person, pin: str) -> None:
+        """Keep a PIN of an older version as PINs are kept now; where the disk refuses, the next time."""
+        with contextlib.suppress(RecordRefusedError):
+            new = NewCredential(CredentialKind.PIN, person.id, await asyncio.to_thread(self._pins.kept, pin))
+            await self._register.put(new, person.name)
+
+    def _kept(self, person: Person | None, kind: CredentialKind) -> str | None:
         kept = () if person is None else self._register.of(person.id, kind)
-        async with self._places:
-            right = await asyncio.to_thread(matches, kept[-1].hash if kept else NOBODYS, secret)
-        return right and bool(kept)
+        return kept[-1].hash if kept else None
 
     async def _begun(self, person: Person, until: str | None, document: dict[str, object]) -> SignedIn:
         secret = new_secret()

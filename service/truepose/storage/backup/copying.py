@@ -21,6 +21,7 @@ from truepose.storage.connection.sqlite.protection import missing_protection
 from truepose.storage.errors import BackupError, DatabaseAddressError
 from truepose.storage.files.owner_alone import make_alone
 from truepose.storage.integrity.head import Head, newest_head
+from truepose.storage.integrity.taken_out import take_out_pins
 
 Told = Callable[[float, str], None]  # which share is done, and of what
 _PAGES: Final = 4096  # at a time, 16 MB: between two of them is told how far it is
@@ -98,9 +99,19 @@ def copy_database(database: Path, target: Path, told: Callable[[float], None]) -
         source.backup(copy, pages=_PAGES, progress=copied)
         # One file that can be read from wherever it lies; a service opens its log anew.
         copy.execute("PRAGMA journal_mode=DELETE")
+        _take_out_pins(copy)
     with target.open("rb+") as written:
         os.fsync(written.fileno())
     return head
+
+
+def _take_out_pins(copy: Any) -> None:
+    """Leave no PIN in a copy, nor what was written before in its place."""
+    if copy.execute("SELECT 1 FROM sqlite_schema WHERE name = 'credentials'").fetchone() is None:
+        return  # of an older schema
+    copy.execute("PRAGMA secure_delete=ON")
+    with copy:
+        take_out_pins(copy, revoked_only=False)
 
 
 def require_copy(file: Path, head: Head) -> None:

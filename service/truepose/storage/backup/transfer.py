@@ -8,7 +8,7 @@ one on that: neither lock is lost while the copying goes on.
 
 import contextlib
 import tempfile
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing
 from pathlib import Path
 from typing import Any, Final
@@ -26,6 +26,7 @@ from truepose.storage.errors import BackupError, DatabaseAddressError, DatabaseU
 from truepose.storage.integrity.chain import ROWID, numbered
 from truepose.storage.integrity.condition import Condition
 from truepose.storage.integrity.head import Head, newest_head
+from truepose.storage.integrity.taken_out import without_pin
 from truepose.storage.integrity.verification import findings_within
 from truepose.storage.tables import metadata, read_at_once
 
@@ -134,14 +135,14 @@ def _copy_tables(source: Any, target: Any, links: int, told: Told) -> None:
     renumber(target)
 
 
-def _rows(source: Any, record: str, names: list[str]) -> Iterator[list[Any]]:
-    """Yield the rows of a table by their numbers, some at a time."""
+def _rows(source: Any, record: str, names: list[str]) -> Iterator[list[Sequence[Any]]]:
+    """Yield the rows of a table by their numbers, some at a time, without PINs."""
     number, last, some = numbered(record), 0, read_at_once(record)
     columns = ", ".join(f'"{name}"' for name in (number, *names))
     query = f'SELECT {columns} FROM "{record}" WHERE {number} > ? ORDER BY {number} LIMIT ?'
     while rows := source.execute(query, (last, some)).fetchall():
         last = rows[-1][0]
-        yield [[_decoded(value) for value in row[1:]] for row in rows]
+        yield [without_pin(record, names, [_decoded(value) for value in row[1:]]) for row in rows]
 
 
 def _decoded(value: Any) -> Any:

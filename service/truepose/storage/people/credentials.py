@@ -8,7 +8,9 @@ from typing import Any
 from sqlalchemy import Connection, Row, func, select
 
 from truepose.domain.people.accounts import Person, Role
+from truepose.storage.connection.plain import plain
 from truepose.storage.database import Database
+from truepose.storage.integrity.taken_out import take_out_pins
 from truepose.storage.rows import add_row, add_rows
 from truepose.storage.tables import credentials, people, person_states, revocations
 
@@ -114,8 +116,17 @@ class CredentialRepository:
     async def revoke(self, numbers: tuple[int, ...], by: str) -> None:
         """Record that these open nothing any more."""
         rows = [{"credential_id": number, "by": by} for number in numbers]
+
+        def work(connection: Connection) -> None:
+            add_rows(connection, revocations, rows)
+            take_out_pins(plain(connection), revoked_only=True)
+
         if rows:
-            await self._database.write(lambda connection: add_rows(connection, revocations, rows))
+            await self._database.write(work)
+
+    async def take_out_revoked(self) -> None:
+        """Take out PINs that an older version has left where they count no more."""
+        await self._database.write(lambda connection: take_out_pins(plain(connection), revoked_only=True))
 
 
 def _entered(connection: Connection) -> Entered:

@@ -52,7 +52,7 @@ async def account_page(visit: Visited) -> Response:
     return visit.page(
         "people/account.html",
         person=person,
-        has_pin=bool(of_person(person.id, CredentialKind.PIN)),
+        has_pin=visit.here.people.accounts.has_pin(person),
         has_badge=bool(of_person(person.id, CredentialKind.BADGE)),
     )
 

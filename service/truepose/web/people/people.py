@@ -121,6 +121,6 @@ def _person(here: Context, number: int) -> Person:
 
 
 def _reply(here: Context, person: Person) -> PersonReply:
-    return PersonReply.about(
-        person, {r.kind.value for r in here.people.accounts.register.of(person.id, *CredentialKind)}
-    )
+    accounts = here.people.accounts
+    kinds = {record.kind.value for record in accounts.register.of(person.id, *CredentialKind)}
+    return PersonReply.about(person, kinds, has_pin=accounts.has_pin(person))

@@ -169,14 +169,14 @@ class PersonReply(Reply):
     invited: bool = Field(description="A link to choose a password waits to be used.")
 
     @classmethod
-    def about(cls, person: Person, kinds: set[str]) -> "PersonReply":
+    def about(cls, person: Person, kinds: set[str], *, has_pin: bool) -> "PersonReply":
         """Return somebody with what opens the service to them."""
         return cls(
             id=person.id,
             name=person.name,
             role=person.role,
             has_password="password" in kinds,
-            has_pin="pin" in kinds,
+            has_pin=has_pin,
             has_badge="badge" in kinds,
             invited="link" in kinds,
         )

@@ -116,8 +116,7 @@ async def accept_link(
 def caller_reply(here: Context, caller: Caller) -> CallerReply:
     """Return who is asking, as a page shows it."""
     accounts = here.people.accounts
-    kept = CredentialKind.PIN
-    with_pin = [p.name for p in accounts.register.people if p.active and accounts.register.of(p.id, kept)]
+    with_pin = [p.name for p in accounts.register.people if p.active and accounts.has_pin(p)]
     return CallerReply(
         accounts="off" if not accounts.asked_for else "open" if accounts.are_open else "on",
         name=caller.name or None,

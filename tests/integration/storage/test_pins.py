@@ -1,0 +1,110 @@
+"""PINs that count no more, and those of a copy, are gone; everything else is as it was written."""
+
+from contextlib import closing
+
+import pytest
+
+from truepose.domain.people.accounts import Role
+from truepose.storage.backup.addressed import back_up_at, restore_at
+from truepose.storage.connection.plain import plain
+from truepose.storage.connection.reading import opened_at
+from truepose.storage.database import Database
+from truepose.storage.errors import ConflictError
+from truepose.storage.integrity.taken_out import TAKEN_OUT
+from truepose.storage.integrity.verification import verify, verify_at
+from truepose.storage.people.credentials import CredentialKind, CredentialRepository, NewCredential
+
+FIRST, SECOND = "1f0c99ab$argon2id$first", "1f0c99ab$argon2id$second"
+PASSWORD = "$argon2id$of a password"
+
+
+async def chosen(stored):
+    """Enter Ada with a password and a PIN that took the place of another one."""
+    ada = await stored.enter("Ada", Role.OPERATOR, "Grace")
+    await stored.add(NewCredential(CredentialKind.PASSWORD, ada.id, PASSWORD))
+    before = await stored.add(NewCredential(CredentialKind.PIN, ada.id, FIRST))
+    await stored.add(NewCredential(CredentialKind.PIN, ada.id, SECOND))
+    await stored.revoke((before.id,), "Ada")
+
+
+async def left(url):
+    """Leave a database in which Ada has chosen hers."""
+    database = Database(url)
+    await chosen(CredentialRepository(database))
+    database.close()
+
+
+def hashes(url):
+    with closing(opened_at(url)) as connection:
+        rows = connection.execute("SELECT hash FROM credentials ORDER BY id").fetchall()
+    return [row[0] if isinstance(row[0], str) else bytes(row[0]).decode() for row in rows]
+
+
+def changed(url, statement):
+    """Change a record behind the service's back, as somebody with all rights on the database can."""
+    database = Database(url)
+    try:
+        connection = plain(database.held.connection)
+        of = " ON credentials" if hasattr(connection, "server") else ""
+        connection.execute(f"DROP TRIGGER credentials_no_update{of}")
+        connection.execute(statement)
+    finally:
+        database.close()
+    return verify_at(url).findings
+
+
+async def test_a_pin_that_was_replaced_is_gone_and_the_chain_is_whole(database, database_url):
+    await chosen(CredentialRepository(database))
+
+    assert hashes(database_url) == [PASSWORD, TAKEN_OUT, SECOND]
+    verdict = verify_at(database_url)
+    assert (verdict.findings, verdict.records > 5) == ((), True)
+    with pytest.raises(ConflictError, match="never changed"):
+        await database.on_writer(lambda own: own.execute("UPDATE credentials SET hash = 'mine'"))
+
+
+async def test_a_copy_holds_no_pin(database, database_url, tmp_path):
+    await chosen(CredentialRepository(database))
+    copy = tmp_path / "copy.sqlite3"
+
+    back_up_at(database_url, copy)
+
+    held = copy.read_bytes()
+    assert SECOND.encode() not in held
+    assert FIRST.encode() not in held
+    assert PASSWORD.encode() in held  # else nobody could come in after a restore
+    assert verify(copy).findings == ()
+    assert hashes(database_url) == [PASSWORD, TAKEN_OUT, SECOND]
+
+
+@pytest.mark.engine("sqlite")
+async def test_what_is_taken_out_is_gone_from_the_file(database_url, tmp_path):
+    await left(database_url)
+
+    assert FIRST.encode() not in (tmp_path / "truepose.sqlite3").read_bytes()
+
+
+@pytest.mark.engine("sqlite")
+async def test_a_copy_of_an_older_version_is_put_back_without_its_pins(database_url, tmp_path):
+    await left(database_url)
+
+    restore_at(tmp_path / "truepose.sqlite3", f"sqlite:///{tmp_path}/other.sqlite3")
+
+    assert hashes(f"sqlite:///{tmp_path}/other.sqlite3") == [PASSWORD, TAKEN_OUT, TAKEN_OUT]
+    assert SECOND.encode() not in (tmp_path / "other.sqlite3").read_bytes()
+
+
+@pytest.mark.parametrize(
+    "statement",
+    [
+        "UPDATE credentials SET person_id = NULL WHERE kind = 'pin' AND hash <> 'taken out'",
+        "UPDATE credentials SET hash = 'taken out' WHERE kind = 'password'",
+        "UPDATE credentials SET kind = 'token' WHERE hash = 'taken out'",
+    ],
+)
+async def test_nothing_else_of_a_credential_may_differ(database_url, statement):
+    await left(database_url)
+
+    findings = changed(database_url, statement)
+
+    assert any("of the credentials is not as it was written" in finding for finding in findings)
