@@ -9,8 +9,10 @@ import numpy as np
 from truepose.correction import Corrections as Found
 from truepose.correction import Summary, joined
 from truepose.domain.arrays import BoolArray, FloatArray
+from truepose.domain.errors import ConfigurationError
+from truepose.domain.sentences import Sentence
 from truepose.exchange.corrections.asked import Asked
-from truepose.exchange.corrections.files import corrected_rows, table_cautions
+from truepose.exchange.corrections.files import corrected_rows, reason_to_withhold, table_cautions
 from truepose.exchange.models.acceptance import require_plausible
 from truepose.exchange.programs.understood import Meant
 from truepose.exchange.tables.targets import CorrectionWriter
@@ -114,6 +116,7 @@ def correct(
     *,
     frame: Literal["world", "base"] = "world",
     max_shift_mm: float | None = None,
+    as_written: bool = False,
 ) -> Corrections:
     """Find joint targets at which the real tool is where it shall be.
 
@@ -129,6 +132,9 @@ def correct(
         What targets are given in: the frame of the readings, or the robot's own base.
     max_shift_mm : float, optional
         Largest shift of the tool by the model that is accepted; by default 5 mm.
+    as_written : bool
+        Whether to correct targets also where another unit or frame fits them better, or nearly all of them
+        are out of reach.
 
     Returns
     -------
@@ -141,7 +147,8 @@ def correct(
     ImplausibleModelError
         The model moves the tool further than is accepted, or has values far from their priors.
     ConfigurationError
-        The model needs measured joint torques that the rows do not give.
+        The model needs measured joint torques that the rows do not give; or targets are not meant as they
+        are written, and `as_written` does not say so.
 
     Examples
     --------
@@ -155,14 +162,16 @@ def correct(
     require_plausible(data, "model", max_shift_mm)
     names: list[str] = []
     parts: list[Found] = []
-    remarks: list[str] = []
+    cautions: tuple[Sentence, ...] = ()
     summary = Summary()
     for part, rows in corrected_rows(data, *named_data(targets, "targets"), Asked(Meant(frame))):
         if not parts:
-            remarks += map(english, table_cautions(data, part, rows, Meant(frame)))
+            cautions = table_cautions(data, part, rows, Meant(frame))
         names += rows.names
         parts.append(rows.found)
         summary.add(rows.names, rows.found)
-    return Corrections(
-        tuple(names), joined(parts), (*map(english, correction_sentences(summary.totals)), *remarks)
-    )
+    withheld = None if as_written else reason_to_withhold(cautions, summary.totals)
+    if withheld:
+        raise ConfigurationError(" ".join(map(english, (*cautions[:1], withheld))))
+    sentences = (*correction_sentences(summary.totals), *cautions)
+    return Corrections(tuple(names), joined(parts), tuple(map(english, sentences)))

@@ -93,9 +93,16 @@ def correct_file(model: Model, name: str, data: bytes, asked: Asked, out: Binary
     model = with_known_limits(model)
     correct_one = _correct_table if is_table(name) else _correct_program
     answer = correct_one(model, name, data, asked, out, seen)
-    if not answer.withheld and not asked.as_written:
-        answer.withheld = _out_of_reach(answer.summary.totals)
+    if not asked.as_written:
+        answer.withheld = reason_to_withhold(answer.cautions, answer.summary.totals)
     return answer
+
+
+def reason_to_withhold(cautions: tuple[Sentence, ...], totals: CorrectionTotals) -> Sentence | None:
+    """Return why corrected targets must not be used: they are misread, or nearly all out of reach."""
+    if any(caution.key in OTHER_READINGS for caution in cautions):
+        return said("corrections.withheld.meant_otherwise")
+    return _out_of_reach(totals)
 
 
 def _out_of_reach(totals: CorrectionTotals) -> Sentence | None:
@@ -135,18 +142,11 @@ def _correct_table(model: Model, name: str, data: bytes, asked: Asked, out: Bina
     for part, rows in corrected_rows(model, name, data, asked):
         if not begun:
             answer.cautions, begun = table_cautions(model, part, rows, asked.meant), True
-            if not asked.as_written and _meant_otherwise(answer.cautions):
-                answer.withheld = said("corrections.withheld.meant_otherwise")
         writer.write(rows.names, rows.found, part.own)
         answer.summary.add(rows.names, rows.found)
         seen(rows)
     text.detach()  # flushed; whoever opened the stream closes it
     return answer
-
-
-def _meant_otherwise(cautions: tuple[Sentence, ...]) -> bool:
-    """Whether cautions say that targets would lie where the robot works if they were read in another way."""
-    return any(caution.key in OTHER_READINGS for caution in cautions)
 
 
 def table_cautions(model: Model, part: Targets, rows: Rows, meant: Meant | None) -> tuple[Sentence, ...]:

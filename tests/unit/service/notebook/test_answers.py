@@ -278,6 +278,15 @@ def test_corrected_targets_are_read_back_as_they_were_saved(model, tmp_path):
     assert "out_of_reach" in corrected._repr_html_()
 
 
+def test_targets_in_inches_are_refused_unless_they_are_meant_as_they_stand(model):
+    places = np.array([[350, 100, 400], [330, 150, 420], [300, -200, 450], [380, 50, 350]]) / 25.4
+    poses = {"position_mm": places, "qw": [0.0] * 4, "qx": [0.0] * 4, "qy": [1.0] * 4, "qz": [0.0] * 4}
+
+    with pytest.raises(ConfigurationError, match="inches"):
+        tp.correct(model, poses)
+    assert len(tp.correct(model, poses, as_written=True).status) == 4
+
+
 def test_targets_in_the_robots_base_go_where_the_model_has_it(model):
     pose = {"position_mm": [[350.0, 100.0, 400.0]], "qw": 0.0, "qx": 0.0, "qy": 1.0, "qz": 0.0}
 
