@@ -7,12 +7,29 @@ fails later, while it works, is refused in one sentence with its name.
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from importlib.metadata import EntryPoint, entry_points
-from typing import ParamSpec, TypeVar, get_args
+from typing import Any, ParamSpec, TypeVar, get_args
 
+import numpy as np
+
+from truepose.domain.arrays import FloatArray
 from truepose.domain.errors import ConfigurationError, InstalledCauseError, TrueposeError
+from truepose.domain.results.identification import NotIdentifiable
 from truepose.domain.sentences import Text
 from truepose.effects.causes import Candidate, Cause, Fitted, NamedCause, Scene, Shown
-from truepose.effects.ports import Effect, Need, ParameterSpec, Rows, Setting, Telling, Term, Trait
+from truepose.effects.ports import (
+    Automatic,
+    Drifting,
+    Effect,
+    LeavesOpen,
+    Need,
+    ParameterSpec,
+    Port,
+    Rows,
+    Setting,
+    Summed,
+    Term,
+    Trait,
+)
 from truepose.effects.unnamed.kinds import Kind
 
 GROUP = "truepose.causes"
@@ -108,19 +125,57 @@ def _asked(name: str, what: Callable[P, T], *args: P.args, **kwargs: P.kwargs) -
 
 
 class _GuardedEffect:
-    """An effect of another package."""
+    """An effect of another package, with every ability that one may have.
+
+    What it lacks is answered as for an effect that does nothing of the kind: who asks for an ability has to
+    find it on the guard itself, which `isinstance` does not look through.
+    """
 
     def __init__(self, effect: Effect) -> None:
         self._effect = effect
         self.name = effect.name
         self.needs = effect.needs
-        self.traits: frozenset[Trait] = effect.traits if isinstance(effect, Telling) else frozenset()
+        self.traits: frozenset[Trait] = frozenset(getattr(effect, "traits", ()))
+        self._drifting: Drifting | None = _able(effect, "goes_on")
+        self._automatic: Automatic | None = _able(effect, "automatic")
+        self._leaves_open: LeavesOpen | None = _able(effect, "left_open")
+        self._summed: Summed | None = _able(effect, "sums")
 
     def specs(self, setting: Setting) -> tuple[ParameterSpec, ...]:
         return _asked(self.name, lambda: tuple(self._effect.specs(setting)))
 
     def terms(self, names: tuple[str, ...], rows: Rows) -> list[Term]:
         return _asked(self.name, lambda: list(self._effect.terms(names, rows)))
+
+    def goes_on(self, names: tuple[str, ...]) -> bool:
+        drifting = self._drifting
+        return drifting is not None and _asked(self.name, lambda: bool(drifting.goes_on(names)))
+
+    def automatic(self, setting: Setting) -> bool:
+        automatic = self._automatic
+        return automatic is not None and _asked(self.name, lambda: bool(automatic.automatic(setting)))
+
+    def left_open(self, names: tuple[str, ...], setting: Setting) -> list[NotIdentifiable]:
+        leaves = self._leaves_open
+        return [] if leaves is None else _asked(self.name, lambda: list(leaves.left_open(names, setting)))
+
+    def sums(self, names: tuple[str, ...], values: FloatArray, rows: Rows) -> dict[Port, FloatArray]:
+        summed = self._summed
+        if summed is None:
+            return _added_up(self.terms(names, rows), values, len(rows.nest))
+        return _asked(self.name, lambda: dict(summed.sums(names, values, rows)))
+
+
+def _able(effect: Effect, method: str) -> Any:
+    """Return the effect where it has a method, on itself or through a wrapper of its own; else None."""
+    return effect if callable(getattr(effect, method, None)) else None
+
+
+def _added_up(terms: Iterable[Term], values: FloatArray, n: int) -> dict[Port, FloatArray]:
+    moved: dict[Port, FloatArray] = {}
+    for term in terms:
+        moved[term.port] = moved.get(term.port, np.zeros(n)) + term.weight * float(values[term.parameter])
+    return moved
 
 
 class _GuardedCause(_GuardedEffect):

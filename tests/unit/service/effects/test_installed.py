@@ -5,15 +5,20 @@ from dataclasses import replace
 from importlib.metadata import EntryPoint
 from types import ModuleType
 
+import numpy as np
 import pytest
 
-from tests.helpers.diagnosis.point_scenes import telling_scene
+from tests.helpers.diagnosis.point_scenes import telling_campaign, telling_scene
 from truepose.domain.errors import ConfigurationError, InstalledCauseError
+from truepose.domain.results.identification import NotIdentifiable
 from truepose.effects.causes import CellRow, NamedCause
 from truepose.effects.installed import GROUP, load_installed
 from truepose.effects.joints.joint_gain import JointGain
-from truepose.effects.ports import Trait
+from truepose.effects.ports import Automatic, Drifting, LeavesOpen, Port, PortKind, Summed, Telling, Trait
+from truepose.effects.registry import EFFECTS, goes_on
 from truepose.effects.unnamed.table import OWN
+from truepose.identification.model.evaluation import evaluate, rows_of
+from truepose.identification.problem.build import build
 
 CELL = CellRow("{subject}", "angle of {subject}", "line")
 
@@ -26,6 +31,32 @@ class Floating(Acme):
     traits = frozenset({Trait.ON_FIXED_NESTS})
 
 
+class Able(Acme):
+    """A cause with every ability that one may declare."""
+
+    def goes_on(self, names):
+        return names == ("acme_1",)
+
+    def automatic(self, setting):
+        return True
+
+    def left_open(self, names, setting):
+        return [NotIdentifiable(names, "there is no such thing")]
+
+    def sums(self, names, values, rows):
+        return {Port(PortKind.THETA, 0): 2.0 * values[0] * np.ones(len(rows.nest))}
+
+
+class Wrapped:
+    """A cause behind a wrapper of the other package's own."""
+
+    def __init__(self, cause):
+        self.cause = cause
+
+    def __getattr__(self, name):
+        return getattr(self.cause, name)
+
+
 class Failing(Acme):
     def candidates(self, scene):
         raise ValueError("three is no joint")
@@ -36,6 +67,13 @@ class Failing(Acme):
 
 class Needy(Acme):
     needs = frozenset({"humidity"})
+
+
+def telling_problem():
+    """The setting and the rows of a campaign that tells everything."""
+    problem = build(telling_campaign(), ("base", "geometry"))
+    state = evaluate(problem.structure, problem.start, problem.blocks[0].targets)
+    return problem.setting, rows_of(state)
 
 
 @pytest.fixture
@@ -68,6 +106,61 @@ def test_what_is_brought_tells_its_traits_and_no_others(brought):
 
     assert inheriting.effects["acme"].traits == JointGain.traits
     assert telling.effects["acme"].traits == Floating.traits
+
+
+@pytest.mark.parametrize("thing", [Able(), Wrapped(Able())])
+@pytest.mark.parametrize("as_cause", [False, True])
+def test_every_ability_of_what_is_brought_is_seen_through_its_guard(brought, thing, as_cause):
+    guarded = brought(acme=NamedCause(thing, CELL) if as_cause else thing).effects["acme"]
+    setting, rows = telling_problem()
+
+    assert isinstance(guarded, Drifting)
+    assert guarded.goes_on(("acme_1",))
+    assert not guarded.goes_on(("acme_2",))
+    assert isinstance(guarded, Automatic)
+    assert guarded.automatic(setting)
+    assert isinstance(guarded, LeavesOpen)
+    assert guarded.left_open(("acme_1",), setting) == Able().left_open(("acme_1",), setting)
+    assert isinstance(guarded, Summed)
+    (moved,) = guarded.sums(("acme_1",), np.array([0.25]), rows).values()
+    assert moved == pytest.approx(0.5)
+    assert isinstance(guarded, Telling)
+
+
+def test_what_lacks_an_ability_does_nothing_of_the_kind(brought):
+    guarded = brought(acme=NamedCause(Acme(), CELL)).effects["acme"]
+    setting, rows = telling_problem()
+    names, values = ("gain_1", "gain_3"), np.array([1e-3, -2e-3])
+
+    moved = guarded.sums(names, values, rows)
+
+    assert not guarded.goes_on(names)
+    assert not guarded.automatic(setting)
+    assert guarded.left_open(names, setting) == []
+    assert moved[Port(PortKind.THETA, 0)] == pytest.approx(1e-3 * rows.turn_rad[:, 0])
+    assert moved[Port(PortKind.THETA, 2)] == pytest.approx(-2e-3 * rows.turn_rad[:, 2])
+
+
+@pytest.mark.parametrize("ask", ["goes_on", "automatic", "left_open", "sums"])
+def test_an_ability_that_fails_is_refused_with_the_name_of_what_is_installed(brought, ask):
+    class Broken(Able):
+        def goes_on(self, *told):
+            raise ValueError("three is no joint")
+
+        automatic = left_open = sums = goes_on
+
+    guarded = brought(acme=Broken()).effects["acme"]
+    told = {"goes_on": ((),), "automatic": (None,), "left_open": ((), None), "sums": ((), None, None)}[ask]
+
+    with pytest.raises(InstalledCauseError, match="'acme' failed with ValueError: three is no joint"):
+        getattr(guarded, ask)(*told)
+
+
+def test_a_made_model_holds_a_brought_cause_that_drifts(brought, monkeypatch):
+    monkeypatch.setitem(EFFECTS, "acme", brought(acme=NamedCause(Able(), CELL)).effects["acme"])
+
+    assert goes_on("acme", ("acme_1",))
+    assert not goes_on("acme", ("acme_2",))
 
 
 def test_what_is_brought_does_what_it_does_at_home(brought):
