@@ -100,7 +100,10 @@ def _bad_gain(start: Start, selected: Selected, judged: Improvement) -> Gain | N
     if points is None or judged.source != "validation":
         return None
     full = selected.fit
-    trusting = tuple(block.weighted(np.ones(len(block.weights)), 0.0) for block in full.blocks)
+    trusting = tuple(
+        block.weighted(np.ones(len(block.weights)), 0.0 if block.stated_sigma() > 0.0 else block.discrepancy)
+        for block in full.blocks
+    )
     plain = fit(full.structure, trusting, full.values)
     block = position_block(points, start.campaign.scatter_mm)
     before = block.result(full.structure, plain.values, None).residual

@@ -14,6 +14,7 @@ from typing import Final
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
+from truepose.domain.definite import solved
 from truepose.domain.errors import ConfigurationError
 from truepose.domain.measurement.campaign import Readings
 from truepose.domain.results.identification import Model, Parameter, Statistics, Unit
@@ -143,7 +144,7 @@ def _nothing_changed(earlier: Model, later: Model, names: Sequence[str]) -> floa
     if not (np.all(np.isfinite(scale)) and np.all(scale > 0.0)):
         return None
     scaled = (after - before) / scale
-    squared = float(scaled @ np.linalg.solve(covariance / np.outer(scale, scale), scaled))
+    squared = float(scaled @ solved(covariance / np.outer(scale, scale), scaled))
     return chi2_exceeded(squared, len(names))
 
 

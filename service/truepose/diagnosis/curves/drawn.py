@@ -20,6 +20,7 @@ from truepose.diagnosis.evidence.sensitivities import Seen, of_body, of_joint, s
 from truepose.diagnosis.evidence.structure_left import Depends
 from truepose.diagnosis.screening.selection import Selected
 from truepose.domain.arrays import FloatArray
+from truepose.domain.definite import solved
 from truepose.domain.results.diagnosis import Curve
 from truepose.effects.causes import Candidate, Scene
 from truepose.effects.cells import drawn_as
@@ -116,7 +117,7 @@ def _smooth(selected: Selected, axis: Axis, way: _Way) -> tuple[float, Curve] | 
         line=drawn @ coefficients,
         line_band=band,
     )
-    taken = float(coefficients @ np.linalg.solve(covariance, coefficients))
+    taken = float(coefficients @ solved(covariance, coefficients))
     return taken, curve
 
 

@@ -14,6 +14,7 @@ from truepose.diagnosis.evidence.gains import gain_of
 from truepose.diagnosis.screening.groups import names_of
 from truepose.diagnosis.screening.selection import Choice, Selected
 from truepose.domain.arrays import FloatArray, IntArray
+from truepose.domain.definite import solved
 from truepose.domain.measurement.campaign import Campaign
 from truepose.domain.results.diagnosis import Gain, HeldOutErrors
 from truepose.effects.causes import Candidate
@@ -148,8 +149,6 @@ def _without(block: Block, full: RobustFit, group: tuple[Candidate, ...]) -> Flo
     names = names_of(group)
     out = np.array([name in names for name in full.structure.names])
     covariance = full.solution.covariance
-    values = full.values - covariance[:, out] @ np.linalg.solve(
-        covariance[np.ix_(out, out)], full.values[out]
-    )
+    values = full.values - covariance[:, out] @ solved(covariance[np.ix_(out, out)], full.values[out])
     values[out] = 0.0
     return _residual(block, full.structure, values)

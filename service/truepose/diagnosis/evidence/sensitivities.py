@@ -13,6 +13,7 @@ import numpy as np
 from truepose.diagnosis.screening.groups import names_of
 from truepose.diagnosis.screening.selection import Selected
 from truepose.domain.arrays import BoolArray, FloatArray
+from truepose.domain.definite import solved
 from truepose.domain.results.diagnosis import Worth
 from truepose.effects.causes import Candidate, Fitted, Scene, Shown
 from truepose.effects.ports import ParameterSpec, Port, PortKind, Term, motion_port
@@ -87,7 +88,7 @@ def _own_effect(selected: Selected, names: Sequence[str]) -> FloatArray:
     """
     rows = [selected.fit.structure.index_of(name) for name in names]
     values, covariance = values_of(selected, names)
-    step = selected.fit.solution.covariance[:, rows] @ np.linalg.solve(covariance, values)
+    step = selected.fit.solution.covariance[:, rows] @ solved(covariance, values)
     return np.asarray(np.tensordot(step, selected.fit.results[0].jacobian, 1))
 
 

@@ -8,6 +8,7 @@ gears behave so (T. D. Tuttle, W. P. Seering, IEEE Trans. Robotics and Automatio
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
+from truepose.domain.definite import solved
 from truepose.domain.results.causes import Detail
 from truepose.domain.sentences import Text, said
 from truepose.effects.causes import FEWEST_TOGETHER, Candidate, Fitted, Limits, Scene, Shown
@@ -144,7 +145,7 @@ def _shares(fitted: Fitted, scene: Scene) -> tuple[list[str], FloatArray, FloatA
 
 def _common(shares: FloatArray, covariance: FloatArray) -> tuple[float, float]:
     """Mean share, each joint weighted by how well these data know it (generalised least squares)."""
-    weights = np.linalg.solve(covariance, np.ones(len(shares)))
+    weights = solved(covariance, np.ones(len(shares)))
     information = float(weights.sum())
     return float(weights @ shares) / information, float(1.0 / np.sqrt(information))
 

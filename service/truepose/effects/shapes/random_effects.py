@@ -18,6 +18,7 @@ from itertools import product
 import numpy as np
 
 from truepose.domain.arrays import FloatArray, IntArray
+from truepose.domain.definite import inverse
 
 _COARSE, _FINE = 13, 15  # steps of the two grids
 _FINEST, _WIDEST = 1e-2, 10.0  # of the prior's width: what the coarse grid spans
@@ -46,7 +47,7 @@ def deviations(
     """
     occasions, components = mean.shape
     scale = np.tile(widths, occasions)
-    precision = np.linalg.inv(covariance / np.outer(scale, scale))
+    precision = inverse(covariance / np.outer(scale, scale))
     vector = precision @ (mean.ravel() / scale)
     information = _positive(precision - np.eye(len(scale)))
     common = np.kron(np.full((occasions, occasions), _WIDEST**2), np.eye(components))

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from truepose.domain.arrays import BoolArray, FloatArray, IntArray, distinct_values
+from truepose.domain.definite import whitening_root
 
 # A weight below this is none at all: however far off a reading is, it has no part in what is whitened.
 _LEAST_WEIGHT = 1e-12
@@ -104,7 +105,7 @@ def _of_single(total: FloatArray, counts: BoolArray) -> Whitener:
     if diagonal is not None:
         return of_independent(diagonal, counts[:, 0, 0].astype(float))
     rows = np.arange(len(total))[:, None]
-    return Whitener(((rows, counts * _inverse_cholesky(total)),), None)
+    return Whitener(((rows, counts * whitening_root(total)),), None)
 
 
 def _factors(inflated: FloatArray, shared: FloatArray, counts: BoolArray, rows: IntArray) -> FloatArray:
@@ -117,9 +118,4 @@ def _factors(inflated: FloatArray, shared: FloatArray, counts: BoolArray, rows: 
     arms = (counts * shared)[rows].reshape(stops, size * d, -1)
     covariance = blocks.reshape(stops, size * d, size * d) + arms @ np.swapaxes(arms, 1, 2)
     kept = np.repeat(counts[rows].reshape(stops, size), d, axis=1)
-    return kept[:, :, None] * _inverse_cholesky(covariance)
-
-
-def _inverse_cholesky(covariance: FloatArray) -> FloatArray:
-    factor = np.linalg.cholesky(covariance)
-    return np.linalg.solve(factor, np.broadcast_to(np.eye(factor.shape[-1]), factor.shape))
+    return kept[:, :, None] * whitening_root(covariance)

@@ -60,3 +60,19 @@ def test_of_an_arm_without_a_cause_nothing_is_found_and_what_the_artefact_is_off
     assert (answer.verdict, answer.findings) == (Verdict.CONSISTENT, ())
     kept = [p.name for p in answer.model.parameters if p.effect == "tool_certificate"]
     assert kept == ["certified_4_x", "certified_4_y", "certified_4_z"]
+
+
+def test_bad_poses_whose_turns_state_no_uncertainty_are_held_against_a_fit_that_trusts_them():
+    campaign = poses(0.0)
+    points = replace(campaign.calibration, rotation_uncertainty_rad=None)
+    off_mm = points.position_mm.copy()
+    off_mm[[7, 21]] += 3.0
+    measured = replace(
+        campaign, calibration=replace(points, position_mm=off_mm), validation=points.taken(np.arange(30))
+    )
+
+    answer = diagnose(measured)
+
+    (bad,) = [finding for finding in answer.findings if finding.effect == "outliers"]
+    assert bad.amplitude == 2 / 60
+    assert bad.gain.rms_before_mm > bad.gain.rms_after_mm
