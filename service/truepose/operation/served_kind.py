@@ -18,6 +18,7 @@ _TAKES_UP: Final = {
     SessionState.PLANNED: ActName.START,
     SessionState.AWAITING_CONFIRMATION: ActName.CONFIRM,
 }
+_LETS_ARM_MOVE: Final = frozenset({ActName.CONFIRM, ActName.RESUME})
 _RESTARTED: Final = "The service was restarted during the session; look at the cell, then confirm."
 _STOPPED: Final = "The service was stopped during the session; look at the cell, then confirm."
 
@@ -68,6 +69,10 @@ class AskedSessionKind(ServedKind[R]):
         """Raise NotNowError unless a planned one is started, or confirmed what an earlier service left."""
         if _TAKES_UP.get(record.state) is not act.name:
             raise NotNowError(f"Session {record.id} is {words(record.state)}; nothing of it is under way.")
+
+    async def prepare(self, session_id: int, act: Act) -> Act:
+        """Return an act with why the ballbar counts as off; raises NotNowError, ReasonMissingError."""
+        return await self.desk.judged_by_ballbar(session_id, act) if act.name in _LETS_ARM_MOVE else act
 
     async def begun(self, session_id: int, runner: R) -> None:
         """Wait for the question; raises RecordRefusedError where it cannot be put on record."""

@@ -46,8 +46,9 @@ class SessionKind(ABC, Generic[R]):
     async def begun(self, session_id: int, runner: R) -> None:
         """Wait for what a run does of itself before anybody acts."""
 
-    async def prepare(self, session_id: int, act: Act) -> None:
-        """See to what an act rests on that the session itself does not know."""
+    async def prepare(self, session_id: int, act: Act) -> Act:
+        """Return an act with what it rests on that the session itself does not know."""
+        return act
 
     async def follow(self, session_id: int) -> None:
         """Do what follows a session that has finished."""

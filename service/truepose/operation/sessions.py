@@ -15,6 +15,7 @@ from truepose.domain.errors import RecordRefusedError, TrueposeError
 from truepose.domain.measurement.ledger import Control, EntryKind, LedgerEntry
 from truepose.domain.measurement.session import SessionState
 from truepose.domain.people.names import readable_name
+from truepose.operation.ballbar.bar_put_away import BarPutAway
 from truepose.operation.devices import Rack
 from truepose.operation.errors import DeviceInUseError
 from truepose.operation.followers import Watching
@@ -67,9 +68,14 @@ class SessionDesk:
         self.watching = Watching()
         self.turn = asyncio.Lock()  # two acts that start at once must not start two sessions
         self.now: UnderWay | None = None
+        self._bar = BarPutAway(sessions, ledger, rack)
         self._kinds: list[SessionKind[Any]] = []
         self._acts = RequestsUnderWay[ActAnswer]()
         self._tasks: set[asyncio.Task[None]] = set()  # of sessions, with what follows their end
+
+    async def judged_by_ballbar(self, session_id: int, act: Act) -> Act:
+        """Return an act of a session without the ballbar that may let the arm move; see `BarPutAway`."""
+        return await self._bar.judged(session_id, act)
 
     async def is_first_pass(self, setup: SessionSetup) -> bool:
         """Whether no session of a real robot has finished yet."""
@@ -145,8 +151,7 @@ class SessionDesk:
         if isinstance(under_way, ActAnswer):
             return under_way
         try:
-            await kind.prepare(session_id, act)
-            done = await under_way.runner.ask(act)
+            done = await under_way.runner.ask(await kind.prepare(session_id, act))
         except TrueposeError:
             await self._give_back_unstarted(under_way)
             raise

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from enum import StrEnum
+from typing import Final
 
 from truepose.domain.measurement.ballbar import ArrivalTaken, LengthTaken, PreCalibration, Suspicion
 from truepose.domain.measurement.contacts import ContactTaken
@@ -13,6 +14,10 @@ from truepose.domain.measurement.session import (
     Registration,
     SessionState,
 )
+
+# Steps of lines that a session without the ballbar notes of the one in its cell.
+BALLBAR_OFF: Final = "ballbar-off"  # it was seen to come off, or a person said how they know
+BALLBAR_ON: Final = "ballbar-on"  # it read a length within its range
 
 
 class EntryKind(StrEnum):

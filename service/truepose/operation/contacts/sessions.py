@@ -11,7 +11,6 @@ from truepose.domain.cell.description import Cell
 from truepose.domain.errors import ConfigurationError
 from truepose.domain.measurement.campaign import Campaign
 from truepose.domain.measurement.contacts import ContactPlan, ContactTaken
-from truepose.operation.ballbar.bar_put_away import require_ballbar_aside
 from truepose.operation.errors import MissingDeviceError
 from truepose.operation.served_kind import AskedSessionKind
 from truepose.planning.contacts.plan import plan_of
@@ -22,7 +21,6 @@ from truepose.planning.work_volume.room_on_ways import Ways, what_blocks_a_way, 
 from truepose.sequencing.contacts.cell import ContactCell, GaugeBox
 from truepose.sequencing.contacts.dry_run import check_plan
 from truepose.sequencing.contacts.runner import ContactRunner
-from truepose.sequencing.engine.acts import Act, ActName
 from truepose.sequencing.engine.motion.limits import motion_limits
 from truepose.sequencing.engine.motion.plausible_robot import WatchfulRobot
 from truepose.sequencing.errors import PlanRefusedError
@@ -86,12 +84,6 @@ class ContactSessions(AskedSessionKind[ContactRunner]):
         plan = await self.desk.sessions.contact_plan(record.id)
         cell = self._cell(setup, await self.desk.speed_limits(setup))
         return await asyncio.to_thread(ContactRunner, plan, cell, ledger, ledger.earlier)
-
-    async def prepare(self, session_id: int, act: Act) -> None:
-        """Raise NotNowError where the ballbar hangs in a cell whose arm is let move."""
-        if act.name in {ActName.CONFIRM, ActName.RESUME}:
-            setup = await self.desk.sessions.setup(session_id)
-            await require_ballbar_aside(self.desk.rack, setup.cell.ballbar)
 
     def _cell(self, setup: SessionSetup, speed: MotionLimits) -> ContactCell:
         rack, cell = self.desk.rack, self.desk.present.bound(setup.cell)

@@ -3,18 +3,15 @@
 import asyncio
 from collections.abc import Awaitable, Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
-from typing import Final
 
 from truepose.domain.cell.description import Cell
 from truepose.domain.measurement.ledger import LedgerEntry
 from truepose.domain.measurement.session import SessionPlan
-from truepose.operation.ballbar.bar_put_away import require_ballbar_aside
 from truepose.operation.served_kind import AskedSessionKind
 from truepose.operation.sessions import SessionDesk
 from truepose.operation.tracker.plans import judged_addition, refuse_below_floor, require_fit
 from truepose.planning.tracker.added_stops import Addition, WantedStop, addition
 from truepose.planning.work_volume.cell_bodies import bodies_of
-from truepose.sequencing.engine.acts import Act, ActName
 from truepose.sequencing.engine.ledger_port import Ledger
 from truepose.sequencing.engine.motion.plausible_robot import WatchfulRobot
 from truepose.sequencing.engine.states import has_ended, words
@@ -28,7 +25,6 @@ from truepose.storage.measurement.ledger import SessionLedger
 from truepose.storage.records import AddedStops, RequestKey, SessionRecord, SessionSetup
 from truepose_drivers.api import MotionLimits
 
-_LOOKED_AT_THE_CELL: Final = frozenset({ActName.CONFIRM, ActName.RESUME})
 WhenFinished = Callable[[int], Awaitable[None]]
 MakeRunner = Callable[[SessionPlan, SessionCell, Ledger, tuple[LedgerEntry, ...]], TrackerRunner]
 
@@ -128,12 +124,6 @@ class TrackerSessions(AskedSessionKind[TrackerRunner]):
             await asyncio.to_thread(refuse_below_floor, cell.bodies, left, plan.approach_offset_rad)
         # On a thread: it goes through the whole plan first.
         return await asyncio.to_thread(self._make_runner, plan, cell, ledger, ledger.earlier)
-
-    async def prepare(self, session_id: int, act: Act) -> None:
-        """Raise NotNowError where the ballbar hangs in a cell whose arm is let move."""
-        if act.name in _LOOKED_AT_THE_CELL:
-            setup = await self.desk.sessions.setup(session_id)
-            await require_ballbar_aside(self.desk.rack, setup.cell.ballbar)
 
     async def follow(self, session_id: int) -> None:
         """Do what was wanted after the session."""

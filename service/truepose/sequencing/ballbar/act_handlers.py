@@ -16,6 +16,7 @@ from truepose.domain.people.names import tidy_name
 from truepose.sequencing.ballbar.acts import Answer
 from truepose.sequencing.ballbar.doubts.assignments import leg_taken_for, legs_to_read_again
 from truepose.sequencing.ballbar.measuring.attachment import NOTHING_KNOWN, STILL_ON
+from truepose.sequencing.ballbar.state_so_far import NEEDS_BALLBAR_OFF
 from truepose.sequencing.ballbar.transitions import Transitions
 from truepose.sequencing.engine.acts import HALTS, Act, ActName, ActOutcome
 from truepose.sequencing.engine.halting.halts import Halts
@@ -37,7 +38,6 @@ _OF_A_STEP: Final = frozenset({
 })
 _SEEN_AGE_S: Final = 2.0  # a confirmation that was under way for longer says nothing of the cell now
 _ITS_PAIR_CAME: Final = "It may have been read of the pair that came now; it is read once more."
-NEEDS_BALLBAR_OFF: Final = frozenset({StepKind.DETACH, StepKind.MOVE})
 _SUSPICIONS: Final[dict[SuspicionKind, str]] = {
     "same_pair": "this looks like a pair that was read already",
     "other_pair": "this looks like another pair than the one asked for",

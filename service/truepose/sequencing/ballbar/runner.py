@@ -25,7 +25,7 @@ from truepose.domain.measurement.ballbar import (
 )
 from truepose.domain.measurement.ledger import EntryKind, LedgerEntry
 from truepose.domain.measurement.session import SessionState
-from truepose.sequencing.ballbar.act_handlers import NEEDS_BALLBAR_OFF, ActHandlers
+from truepose.sequencing.ballbar.act_handlers import ActHandlers
 from truepose.sequencing.ballbar.arm_at_rest import RestMonitor
 from truepose.sequencing.ballbar.cell import BallbarCell
 from truepose.sequencing.ballbar.doubts.assignments import Judges
@@ -35,7 +35,7 @@ from truepose.sequencing.ballbar.motion import Motion
 from truepose.sequencing.ballbar.plan.dry_run import check_plan, check_structure
 from truepose.sequencing.ballbar.precalibration import PreCalibrator, precalibrated
 from truepose.sequencing.ballbar.situation import Situation, situation_of
-from truepose.sequencing.ballbar.state_so_far import BallbarRecord
+from truepose.sequencing.ballbar.state_so_far import NEEDS_BALLBAR_OFF, BallbarRecord
 from truepose.sequencing.ballbar.transitions import Transitions
 from truepose.sequencing.engine.acts import Act, ActName, ActOutcome
 from truepose.sequencing.engine.halting.halts import Halts

@@ -10,6 +10,7 @@ The ballbar counts as attached from the moment a person was asked to attach it, 
 confirmed that it is off.
 """
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Final, Literal, TypeAlias
 
@@ -21,6 +22,7 @@ from truepose.sequencing.engine.state_so_far import ActingTablet, Record
 
 OutcomeKind: TypeAlias = Literal["open", "confirmed", "measured", "moved", "skipped", "computed"]
 
+NEEDS_BALLBAR_OFF: Final = frozenset({StepKind.DETACH, StepKind.MOVE})
 READINGS: Final = frozenset({StepKind.INITIALISE, StepKind.MEASURE_SIDE, StepKind.CONNECT_LEG})
 _ENDS: Final[dict[EntryKind, OutcomeKind]] = {
     EntryKind.CONFIRMED: "confirmed",
@@ -229,3 +231,12 @@ class BallbarRecord(Record):
                     self.stood_at[entry.step_id] = self.last_stop
             case _:
                 pass
+
+
+def leaves_attached(entries: Iterable[LedgerEntry]) -> bool | None:
+    """Return whether a session leaves the ballbar attached, as far as known; None where it tells nothing."""
+    record, told = BallbarRecord(), False
+    for entry in entries:
+        record.apply(entry)
+        told |= entry.kind is EntryKind.CONFIRMED and step_ids.kind_of(entry.step_id) in NEEDS_BALLBAR_OFF
+    return True if record.attached else False if told else None

@@ -33,12 +33,13 @@ class Act:
     tablet: str = ""
     key: str | None = None  # idempotency key: the same key again does nothing again
     step_id: str | None = None  # the step that the person saw
-    reason: str = ""  # of a skip, or why the session pauses, stops or ends
+    reason: str = ""  # of a skip, of a halt, or how one knows that the ballbar is off
     answer: str = ""  # to a suspicion
     seen_time_s: float | None = None  # cell clock of the newest sample that the person saw
     accepted_serial: str = ""  # of a confirmation: the instrument in question that the person accepts
     prompt_id: int | None = None  # what the person saw asked; None: whatever is asked now
     under_way_s: float = 0.0  # since it was pressed, when it arrived here
+    ballbar_off: str = ""  # why the ballbar counts as off that an earlier session left attached
 
 
 @dataclass(frozen=True, slots=True)

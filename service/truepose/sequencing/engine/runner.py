@@ -8,9 +8,11 @@
 import asyncio
 from abc import ABC, abstractmethod
 from collections.abc import Coroutine
+from dataclasses import replace
 from typing import Any, Final, Generic, Protocol, TypeVar
 
 from truepose.domain.errors import RecordRefusedError
+from truepose.domain.measurement.ledger import BALLBAR_OFF, EntryKind
 from truepose.domain.measurement.session import SessionState
 from truepose.sequencing.engine.acts import HALTS, LETS_MOVE, Act, ActName, ActOutcome
 from truepose.sequencing.engine.halting.halts import Halts
@@ -169,6 +171,7 @@ class SessionRunner(ABC, Generic[S]):
                     raise NotNowError(  # what was confirmed is not what is asked now
                         f"The session became {words(self.state)} meanwhile; look at the cell, confirm anew."
                     )
+                await self._note_ballbar(act)
                 return self._logbook.keep_outcome(act.key, await self.do(act))
         except RecordRefusedError:
             if wished:
@@ -246,6 +249,12 @@ class SessionRunner(ABC, Generic[S]):
         """Raise NotNowError where the person pressed it who looked at the cell a while ago."""
         if self.lets_move(act) and not abs(act.under_way_s) <= _JUST_NOW_S:
             raise NotNowError("It was not pressed just now; look at the cell and confirm anew.")
+
+    async def _note_ballbar(self, act: Act) -> None:
+        """Put on record why the ballbar of an earlier session counts as off, before the arm is let move."""
+        if act.ballbar_off:
+            of_it = replace(act, key=None)  # the key is that of the line which the act itself makes
+            await self._logbook.append(EntryKind.NOTED, BALLBAR_OFF, of_it, text=act.ballbar_off)
 
     def _wish_at_once(self, act: Act) -> bool:
         """Forbid motion from the moment on at which a halt is asked for; returns whether that was done."""

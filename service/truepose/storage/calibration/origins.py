@@ -44,6 +44,11 @@ def is_simulated(setup: Any) -> ColumnElement[bool]:
     return is_object_at(setup, _SIMULATED)
 
 
+def in_cell(setup: Any, *, simulated: bool) -> ColumnElement[bool]:
+    """Whether a set-up is of a simulated cell, or else of a real one."""
+    return is_simulated(setup) if simulated else ~is_simulated(setup)
+
+
 class Origin:
     """Of one campaign, inside the caller's transaction."""
 

@@ -17,6 +17,7 @@ from truepose.domain.measurement.session import (
     StopSkipped,
     config_of,
 )
+from truepose.storage.calibration.origins import in_cell
 from truepose.storage.database import Database
 from truepose.storage.documents import from_document, to_document
 from truepose.storage.errors import KeyReusedError
@@ -76,6 +77,16 @@ class LedgerRepository:
         """Return the number of the newest entry of a session; None before the first."""
         query = select(func.max(session_entries.c.id)).where(session_entries.c.session_id == session_id)
         return await self._database.read(lambda c: c.scalar(query))
+
+    async def newest_at(self, *steps: str, simulated: bool) -> LedgerRecord | None:
+        """Return the newest entry of these steps in any session of a simulated cell, or of a real one."""
+        table = session_entries
+        query = _records().join(sessions, sessions.c.id == table.c.session_id)
+        query = query.where(table.c.step_id.in_(steps), in_cell(sessions.c.setup, simulated=simulated))
+        row = await self._database.read(
+            lambda c: c.execute(query.order_by(table.c.id.desc()).limit(1)).one_or_none()
+        )
+        return None if row is None else _record(row)
 
     async def entry_with(self, session_id: int, key: str) -> LedgerRecord | None:
         """Return the entry that a request with this key caused; None where none did."""

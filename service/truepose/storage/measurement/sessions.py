@@ -18,7 +18,7 @@ from truepose.domain.measurement.session import (
     SessionState,
     StopSkipped,
 )
-from truepose.storage.calibration.origins import is_simulated, simulated_session
+from truepose.storage.calibration.origins import in_cell, is_simulated, simulated_session
 from truepose.storage.database import Database
 from truepose.storage.dialects import entries_at, length_at, text_at
 from truepose.storage.documents import from_document, to_document
@@ -132,6 +132,13 @@ class SessionRepository(NumberedRecords[SessionRecord]):
         return await self._listed(
             _records().where(session_states.c.state.in_(states)).order_by(sessions.c.id)
         )
+
+    async def with_ballbar(self, *, simulated: bool) -> list[int]:
+        """Return the ballbar sessions of a simulated cell, or of a real one, newest first."""
+        query = select(sessions.c.id).where(
+            sessions.c.role == "ballbar", in_cell(sessions.c.setup, simulated=simulated)
+        )
+        return await self._database.read(lambda c: list(c.scalars(query.order_by(sessions.c.id.desc()))))
 
     async def has_finished(self, robot: str, serial_number: str) -> bool:
         """Whether a real session of this robot has finished."""

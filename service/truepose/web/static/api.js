@@ -21,7 +21,7 @@ export async function answered(path, request, unreachable) {
   const [reply, answer] = await said(path, request).catch(() => [null, null]);
   if (reply === null) throw new Unanswered(unreachable);
   if (reply.status === BUSY) throw new Unanswered(answer.detail ?? unreachable);
-  if (!reply.ok) throw new Error((await refusal(answer, request.method)).sentence);
+  if (!reply.ok) throw Object.assign(new Error((await refusal(answer, request.method)).sentence), { code: answer.code });
   return answer;
 }
 

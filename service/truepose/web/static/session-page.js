@@ -7,6 +7,7 @@ import { Stored } from "./stored.js";
 import { now_s } from "./service-time.js";
 
 const POLL_MS = 1000;
+const REASON_MISSING = "TP-2006";
 const ENDED = ["finished", "aborted", "failed"];
 const at = Object.fromEntries([...document.querySelectorAll("[id]")].map((node) => [node.id, node]));
 const { path, unreachable, measured } = at.session.dataset;
@@ -58,7 +59,15 @@ function bodyOf(act) {
   if (["pause", "abort"].includes(act)) return name ? { person: name } : {};
   // Whoever accepts another tracker says which: the number is typed, not offered.
   const serial = at.foreign.hidden ? "" : form.elements.serial.value.trim();
-  return { person: name, prompt_id: shown.prompt_id, pressed_at_s: now_s(), ...(act === "confirm" && serial && { accept_serial_number: serial }) };
+  const reason = form.elements.reason.value.trim();
+  return { person: name, prompt_id: shown.prompt_id, pressed_at_s: now_s(), ...(reason && { reason }), ...(act === "confirm" && serial && { accept_serial_number: serial }) };
+}
+
+// A ballbar that may be attached and was not seen to come off: a person says how they know that it is off.
+function askHowOff(asked) {
+  at.off.hidden = !asked;
+  if (asked) form.elements.reason.focus();
+  else form.elements.reason.value = "";
 }
 
 async function act(name) {
@@ -67,8 +76,10 @@ async function act(name) {
   try {
     const answer = await post(`${path}/${name}`, bodyOf(name), unreachable);
     say(answer.session.question ? "" : answer.sentence); // a question says more
+    askHowOff(false);
     show(answer.session);
   } catch (error) {
+    if (error.code === REASON_MISSING) askHowOff(true);
     say(error.message, true);
   }
   return undefined;

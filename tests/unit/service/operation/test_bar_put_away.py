@@ -4,11 +4,15 @@ import math
 
 import pytest
 
+from tests.helpers.ballbar.cells import domain_cell
 from truepose.domain.cell.artefacts import BallbarKit
 from truepose.domain.cell.description import DeviceEntry
-from truepose.operation.ballbar.bar_put_away import require_ballbar_aside
+from truepose.domain.measurement.ledger import BALLBAR_ON
+from truepose.operation.ballbar.bar_put_away import BarPutAway
 from truepose.operation.devices import MountedDevice, Rack
+from truepose.sequencing.engine.acts import Act, ActName
 from truepose.sequencing.errors import NotNowError
+from truepose.storage.records import LedgerRecord, SessionSetup
 from truepose_drivers.api import BallbarReading
 from truepose_drivers.errors import ConnectFailedError, NoReplyError
 
@@ -52,11 +56,42 @@ def rack_with(deviation_mm=0.3, signal="good"):
     return Rack([mounted], clock), bar
 
 
+class Records:
+    """Of a cell whose last session with the ballbar ended with it put away, as far as they tell."""
+
+    def __init__(self):
+        self.lines = []
+
+    async def setup(self, session_id):
+        return SessionSetup(domain_cell(ballbar=BallbarKit()))
+
+    async def with_ballbar(self, *, simulated):
+        return []
+
+    async def newest_at(self, *steps, simulated):
+        return LedgerRecord(len(self.lines), "", self.lines[-1]) if self.lines else None
+
+    async def append(self, session_id, entry):
+        self.lines.append(entry)
+
+
+CONFIRM = Act(ActName.CONFIRM, "Ada")
+
+
+async def judged(rack, records=None):
+    records = records or Records()
+    return await BarPutAway(records, records, rack).judged(1, CONFIRM)
+
+
 async def test_a_ballbar_that_reads_a_length_keeps_the_arm_where_it_is():
     rack, bar = rack_with()
 
+    records = Records()
+
     with pytest.raises(NotNowError, match="since the last session"):
-        await require_ballbar_aside(rack, BallbarKit())
+        await judged(rack, records)
+
+    assert [line.step_id for line in records.lines] == [BALLBAR_ON]  # from now on it counts as attached
 
     assert not bar.connected  # its link is left as it was
 
@@ -67,7 +102,7 @@ async def test_a_ballbar_that_reads_a_length_keeps_the_arm_where_it_is():
 async def test_one_that_lies_aside_keeps_nothing(shown_mm, signal):
     rack, bar = rack_with(shown_mm, signal)
 
-    await require_ballbar_aside(rack, BallbarKit())
+    await judged(rack)
 
     assert not bar.connected
 
@@ -75,10 +110,10 @@ async def test_one_that_lies_aside_keeps_nothing(shown_mm, signal):
 async def test_one_that_cannot_be_read_says_nothing():
     rack, bar = rack_with()
     bar.connect_fails = ConnectFailedError("no ballbar at this port")
-    await require_ballbar_aside(rack, BallbarKit())
+    await judged(rack)
     bar.connect_fails, bar.read_fails = None, NoReplyError("nothing came")
 
-    await require_ballbar_aside(rack, BallbarKit())
+    await judged(rack)
 
     assert not bar.connected
 
@@ -87,10 +122,10 @@ async def test_a_link_that_was_open_stays_open():
     rack, bar = rack_with(math.nan, "none")
     await bar.connect()
 
-    await require_ballbar_aside(rack, None)
+    await judged(rack)
 
     assert bar.connected
 
 
 async def test_a_cell_without_a_ballbar_asks_nobody():
-    await require_ballbar_aside(Rack([], Clock()), None)
+    assert await judged(Rack([], Clock())) is CONFIRM

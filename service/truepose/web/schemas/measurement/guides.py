@@ -43,7 +43,12 @@ class GuideActRequest(Request):
     tablet: Annotated[str, AfterValidator(tidy_name)] = Field(
         min_length=1, max_length=100, pattern=NAME_PATTERN, examples=["tablet-1"]
     )
-    reason: str = Field("", max_length=2000, description="Of a skip it is needed.")
+    reason: str = Field(
+        "",
+        max_length=2000,
+        description="Of a skip it is needed; how one knows that a ballbar is off which an earlier session "
+        "left attached.",
+    )
     accept_serial_number: str | None = Field(
         None, max_length=200, description="Of a confirmation: the tracker in question that is accepted."
     )

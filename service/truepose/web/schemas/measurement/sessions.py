@@ -172,6 +172,12 @@ class AnswerRequest(PersonRequest):
 
     prompt_id: PromptAnswered = None
     pressed_at_s: PressedAt = None
+    reason: str = Field(
+        "",
+        max_length=2000,
+        description="How one knows that a ballbar is off which an earlier session left attached and nobody "
+        "saw come off.",
+    )
 
 
 class ConfirmRequest(AnswerRequest):

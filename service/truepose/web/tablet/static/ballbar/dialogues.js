@@ -21,18 +21,6 @@ export class BallbarDialogues extends Dialogues {
     this.reasoned({ title, text: inPose ? "skip.text" : null, does: "skip.do", reasons, given, other: OTHER }, chosen);
   }
 
-  // Nothing shows that the ballbar is off: a person says how they know.
-  off(written) {
-    const submitted = (form) => {
-      const said = form.elements.written.value.trim();
-      if (!said) return form.elements.written.focus();
-      this.leave();
-      return written(said);
-    };
-    const parts = () => [this.field("off.write", { name: "written", maxlength: 300, required: true })];
-    this.put({ title: "off.title", text: "off.text", parts, does: "off.do", submitted });
-  }
-
   // `pairs`: [base, tool] each; the simulated hands connect the one that is tapped.
   pairs(pairs, chosen) {
     const button = ([base, tool]) =>

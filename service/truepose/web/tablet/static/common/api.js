@@ -6,6 +6,7 @@ import { hear } from "/static/service-time.js";
 const PATIENCE_MS = 8000;
 const GATEWAY = [502, 504]; // said by something between here and the service
 const BUSY = 503;
+const REASON_MISSING = "TP-2006";
 const AGAIN_MS = 1000;
 
 export class Unreached extends Error {}
@@ -16,6 +17,7 @@ export class Refused extends Error {
     super(problem?.detail ?? "");
     this.status = status;
     this.solved = solved;
+    this.ofReason = problem?.code === REASON_MISSING;
     this.ofName = problem?.type === "urn:truepose:problem:name";
   }
 }

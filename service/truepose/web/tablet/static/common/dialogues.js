@@ -69,6 +69,18 @@ export class Dialogues {
     this.put({ ...ask, parts: () => this.#reasons(reasons, given, other), submitted });
   }
 
+  // Nothing shows that the ballbar is off: a person says how they know.
+  off(written) {
+    const submitted = (form) => {
+      const said = form.elements.written.value.trim();
+      if (!said) return form.elements.written.focus();
+      this.leave();
+      return written(said);
+    };
+    const parts = () => [this.field("off.write", { name: "written", maxlength: 300, required: true })];
+    this.put({ title: "off.title", text: "off.text", parts, does: "off.do", submitted });
+  }
+
   abort(meant) {
     this.put({ title: "abort.title", text: "abort.text", parts: () => [], does: "abort.do", danger: true,
       submitted: () => (this.leave(), meant()) });

@@ -15,6 +15,7 @@ import { stayAwake } from "./wake.js";
 
 const SAID_MS = 9000; // a sentence of the service stays so long
 const NOT_FOUND = 404;
+const ONLY_OFF = ["confirm", "resume"]; // they need a reason where a ballbar may be attached
 const ACTS = {
   start: "act.start", confirm: "act.done", store: "act.store", answer: "act.answer", hand_over: "act.hand_over",
   resume: "dock.resume", back: "dock.back", retry: "dock.retry", skip: "dock.skip", pause: "dock.pause",
@@ -170,6 +171,7 @@ export class Page {
   async #dropped(tap, error) {
     await this.refresh().catch(() => null);
     if (error.ofName) return this.askName(error.message);
+    if (error.ofReason && ONLY_OFF.includes(tap.act)) return this.dialogues.off((reason) => this.act(tap.act, { reason }));
     if (error.solved) return this.say(error.message);
     const name = this.texts.say(ACTS[tap.act]);
     const gone = tap.step_id !== null && this.isGone(tap);
