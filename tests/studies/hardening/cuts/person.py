@@ -24,8 +24,19 @@ _TAP: Final = """(act) => {
   button.click();
   const form = document.querySelector("#dialogue form");
   const reason = form?.querySelector("input[type=radio]");
+  const written = form?.querySelector("[name=written]");
   if (reason) reason.checked = true;
+  else if (written) written.value = "It lies beside the arm.";
   form?.requestSubmit();
+  return true;
+}"""
+# What the page asks by itself, or after a button was held: how one knows that the ballbar is off.
+_ANSWER: Final = """() => {
+  const form = document.querySelector("#dialogue:not([hidden]) form");
+  const written = form?.querySelector("[name=written]");
+  if (!written || form.querySelector("input[type=radio]")) return false;
+  written.value = "It lies beside the arm.";
+  form.requestSubmit();
   return true;
 }"""
 SAID: Final = """
@@ -125,6 +136,13 @@ class Person:
         await self.page.mouse.down()
         await asyncio.sleep(_HOLD_S)
         await self.page.mouse.up()
+        await self._say_how_off()
+
+    async def _say_how_off(self) -> None:
+        """Answer what the page asks of a ballbar that may be attached; it then sends the tap anew."""
+        screen, at_s = await self.screen(), time.monotonic()
+        if await self.page.evaluate(_ANSWER):
+            self.taps.append(Tap("confirm", screen, at_s))
 
     async def use_hands(self, path: str) -> None:
         """Do with the simulated hands what the step asks for."""
@@ -135,6 +153,7 @@ class Person:
     async def go_on(self, screen: str, path: str) -> None:
         """Do what the screen is for, once its buttons are taken for looked at."""
         await asyncio.sleep(_FRESH_S)
+        await self._say_how_off()
         if screen in _READ | _DONE:
             await self.use_hands(path)
             await self.tap("store" if screen in _READ else "confirm")
