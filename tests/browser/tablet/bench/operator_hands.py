@@ -88,8 +88,16 @@ class Operator:
             if before[0] == "move" and time.monotonic() > again:
                 self._hold_again()
                 again = time.monotonic() + UNHEARD_S
+            self._say_how_off()
             self.page.wait_for_timeout(30)
         return now
+
+    def _say_how_off(self):
+        """Answer the page where nothing shows that the ballbar is off."""
+        written = self.page.get_by_label("What you see")
+        if written.is_visible():
+            written.fill("It lies beside the arm.")
+            self.page.get_by_role("button", name="It is off, out of the arm").click()
 
     def _hold_again(self):
         """Confirm once more where a busy service did not hear in time, if it is still asked for."""
