@@ -91,8 +91,9 @@ async def test_nobody_waits_for_a_session_that_is_over():
 
     kind.now = None
     kind.watching.tell()
-
     await asyncio.wait_for(task, 1.0)
+
+    assert task.done()
 
 
 async def test_of_ballbar_sessions_the_last_ones_and_the_one_under_way_are_remembered(monkeypatch):
