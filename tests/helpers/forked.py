@@ -144,6 +144,8 @@ def _become(arguments, environment, folder, start_new_session, streams):
         os.dup2(stream.fileno(), number)
         stream.close()
     sys.stdin = os.fdopen(0, closefd=False)  # multiprocessing has none
+    # The streams of the parent know whether theirs could be searched, which these may not.
+    sys.stdout, sys.stderr = (os.fdopen(number, "w", closefd=False) for number in (1, 2))
     asyncio.create_subprocess_exec = forked
     how, what, *sys.argv[1:] = arguments
     if how == "-c":

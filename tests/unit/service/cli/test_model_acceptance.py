@@ -107,6 +107,23 @@ def test_an_edited_file_is_refused_and_named(typed, command):
     assert "key digest: the model was edited after truepose wrote it" in said.err
 
 
+WORN = model_of(IRB_120, Parameter("d_4", "geometry", 9.0, "mm", 0.01, 2.0), base=STANDS)
+
+
+def test_an_arm_that_was_measured_to_be_far_off_is_corrected_and_that_is_said(typed):
+    status, written, said = typed("correct", model_text(WORN))
+
+    assert (status, written) == (0, True)
+    assert "more than the 5 mm that are usual" in said.err
+
+
+def test_the_same_shift_is_refused_where_nothing_vouches_for_it(typed):
+    status, written, said = typed("correct", without_digest(model_text(WORN)))
+
+    assert (status, written) == (2, False)
+    assert "and up to 5 mm is accepted" in said.err
+
+
 def test_an_edited_file_is_used_where_somebody_says_so(typed):
     status, _, said = typed("correct", edited(model_text(NEAR)), "--accept-edited", "--json")
 
