@@ -30,8 +30,8 @@ from truepose.judgement.largest_shift import (
 )
 
 _MOST_NAMED: Final = 3
-# Intact models of simulated arms reach 7 mm at the corners of their zone, and arms as built vary more. What is
-# off by more than this has been described wrongly, rather than built inaccurately.
+# Intact models of simulated arms reach 7 mm at the corners of their zone, and arms as built vary more. What
+# is off by more than this has been described wrongly, rather than built inaccurately.
 _IDENTIFIED_SHIFT_MM: Final = 20.0
 _NAMES: Final = {
     Integrity.EDITED: "model_file.edited",
