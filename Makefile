@@ -11,7 +11,7 @@ EXTRAS ?= dev
 TRUEPOSE_DATA ?=
 export TRUEPOSE_DATA
 
-.PHONY: setup demo test unit smoke installed check docs bench accuracy diagnosis-report ballbar-report hardening-report pages-report interruptions interface-report interface-accepted live-latency nightly clean
+.PHONY: setup demo test unit smoke attack installed check docs bench accuracy diagnosis-report ballbar-report hardening-report pages-report interruptions interface-report interface-accepted live-latency nightly clean
 
 setup: $(VENV)/.installed
 
@@ -50,6 +50,23 @@ SESSIONS := $(addprefix tests/, \
 
 smoke: setup
 	$(PYTEST) --numprocesses 4 -q tests/unit/drivers tests/unit/service/sequencing tests/unit/service/exchange $(SESSIONS)
+
+# What an attacker tried, in the order of its report: the wrist, unknown limits and inches; a bar nobody can read;
+# models that were handed down; the speed of the tool; guesses, tokens, secrets; broken text, files and requests.
+ATTACK := $(addprefix tests/, \
+  unit/service/exchange/programs/test_controllers.py unit/service/cli/test_correct_command.py \
+  unit/service/exchange/robots/test_known_limits.py system/studies/test_lost_signals.py \
+  unit/service/sequencing/ballbar/lengths/test_signals_outrank_words.py \
+  integration/web/measurement/acts/test_bar_left_attached.py unit/service/cli/test_model_acceptance.py \
+  integration/web/leaving/test_hand_downs.py integration/exchange/test_cell_file.py \
+  integration/web/people/test_guessing.py unit/service/operation/people/test_attempts.py \
+  integration/web/people/test_programs.py integration/web/people/test_pins_of_others.py \
+  integration/storage/secrecy unit/service/web/test_half_characters.py integration/web/test_any_requests.py \
+  unit/service/exchange/test_campaign_zip.py unit/service/exchange/tables/test_texts.py \
+  integration/deployment/test_compose_file.py)
+
+attack: setup
+	$(PYTEST) --numprocesses 2 $(ATTACK)
 
 # As somebody has it who never saw the checkout: the wheel in an environment of its own, the demo in an empty folder.
 installed: setup
