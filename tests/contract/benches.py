@@ -241,12 +241,12 @@ class Bench:
                 await self.endpoints[part].close()
                 await self.endpoints[part].open("127.0.0.1", self._ports[part])
 
-    def driver(self, name: str):
-        """Return a driver by its configuration name, on this bench's device, not connected."""
+    def driver(self, name: str, use: str = ""):
+        """Return a driver by its configuration name, on this bench's device, not connected; as `use` of it."""
         if self._way == "socket":
             further = NEEDED.get(name, {}) | self._further_ports(name)
             options = {"host": "127.0.0.1", "port": self._ports[name], **further}
-            driver = registry().open(name, options, self.clock)
+            driver = registry().open(name, options, self.clock, use=use)
         elif name in USB_PORTS:
             port = UsbInMemory(self.gadgets[name])
             self._usb_ports.append(port)

@@ -14,7 +14,7 @@ COUNTS_FRAMES = {"ndi_polaris"}  # the others average inside
 
 async def ready(bench, name):
     bench.clock = bench.driver("cell_clock")
-    camera = bench.driver(name)
+    camera = bench.driver(name, "pose_tracker")
     await camera.connect()
     await camera.initialise()
     return camera
@@ -68,7 +68,7 @@ async def test_a_camera_that_hangs_is_lost_and_comes_back(bench, name):
 
 @cameras
 async def test_nothing_is_measured_before_initialising(bench, name):
-    camera = bench.driver(name)
+    camera = bench.driver(name, "pose_tracker")
     await camera.connect()
 
     with pytest.raises(NotInitialisedError, match="initialised"):

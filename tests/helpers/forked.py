@@ -52,7 +52,21 @@ async def forked(
     await asyncio.to_thread(process.start)
     for end in ends:
         end.of_process.close()
-    return Forked(process, *[await end.stream(limit) for end in ends])
+    return Forked(process, *await _streams(ends, limit))
+
+
+async def _streams(ends, limit):
+    """Return the streams at the other ends; none is left open where whoever starts the process gives up."""
+    streams = []
+    try:
+        for end in ends:
+            streams.append(await end.stream(limit))
+    except asyncio.CancelledError:
+        for _, pipe in streams:
+            if pipe is not None:
+                pipe.close()
+        raise
+    return streams
 
 
 @contextlib.contextmanager

@@ -54,7 +54,7 @@ async def get_hand_down(here: Here, id: Id) -> HandedDownReply:
 
 
 @router.get("/{id}/check", responses=problems(404, 409, 422, 503))
-async def check_handed_down_model(here: Here, id: Id) -> ModelCheckReply:
+async def get_hand_down_check(here: Here, id: Id) -> ModelCheckReply:
     """Show how far a handed-down model moves the tool here, and which values are far from their priors."""
     told = _require_model(await HandedDownRepository(here.database).get(id))
     return model_check_reply(await asyncio.to_thread(fitting_model, told.document, here.cell))

@@ -48,7 +48,7 @@ _BY_LEAST: Final[Mapping[Role | Anybody, str]] = {
         list_series get_series list_readings_of_series
         bring_page draft_page list_drafts get_draft get_understood
         pause_session abort_session press_button press_button_of_session
-        list_hand_downs get_hand_down check_handed_down_model handed_down_page
+        list_hand_downs get_hand_down get_hand_down_check handed_down_page
         list_plant_cells get_plant_cell list_plant_hand_downs get_plant_hand_down
         list_seen_robots get_robot_life list_seen_instruments get_instrument_life
         list_plant_results get_plant_record

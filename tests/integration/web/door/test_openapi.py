@@ -125,6 +125,7 @@ def test_every_number_that_is_a_quantity_names_its_unit(document):
         "times_before",
         "times_after",
         "amount",
+        "widths",
     }
     ratios |= {
         "value",
