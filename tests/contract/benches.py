@@ -242,7 +242,7 @@ class Bench:
                 await self.endpoints[part].open("127.0.0.1", self._ports[part])
 
     def driver(self, name: str, use: str = ""):
-        """Return a driver by its configuration name, on this bench's device, not connected; as `use` of it."""
+        """Return a driver by its configuration name, on the device of this bench and not connected."""
         if self._way == "socket":
             further = NEEDED.get(name, {}) | self._further_ports(name)
             options = {"host": "127.0.0.1", "port": self._ports[name], **further}
