@@ -3,15 +3,16 @@
 import asyncio
 import contextlib
 import logging
-from collections.abc import AsyncIterator, Coroutine, Sequence
-from typing import Any, Final
+from collections.abc import AsyncIterator, Awaitable, Callable, Sequence
+from typing import Final, TypeAlias
 
 _LOG: Final = logging.getLogger(__name__)
+Onlooker: TypeAlias = Callable[[], Awaitable[None]]  # called once the session runs, which may end before
 _PATIENCE_S: Final = 5.0  # wall time, for an onlooker to leave when the session is over
 
 
 @contextlib.asynccontextmanager
-async def looked_on(onlookers: Sequence[Coroutine[Any, Any, None]]) -> AsyncIterator[None]:
+async def looked_on(onlookers: Sequence[Onlooker]) -> AsyncIterator[None]:
     """Let `onlookers` look on meanwhile; none of them ends what is looked at, or keeps it from ending."""
     tasks = [asyncio.create_task(_harmless(onlooker)) for onlooker in onlookers]
     try:
@@ -23,8 +24,8 @@ async def looked_on(onlookers: Sequence[Coroutine[Any, Any, None]]) -> AsyncIter
             _LOG.warning("an onlooker did not leave within %g s and was left behind", _PATIENCE_S)
 
 
-async def _harmless(onlooker: Coroutine[Any, Any, None]) -> None:
+async def _harmless(onlooker: Onlooker) -> None:
     try:
-        await onlooker
+        await onlooker()
     except Exception:
         _LOG.exception("looking on failed; the session goes on without it")

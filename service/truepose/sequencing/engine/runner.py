@@ -19,7 +19,7 @@ from truepose.sequencing.engine.halting.halts import Halts
 from truepose.sequencing.engine.halting.pending import PendingHalts
 from truepose.sequencing.engine.logbook import Logbook
 from truepose.sequencing.engine.moment import Moment
-from truepose.sequencing.engine.onlookers import looked_on
+from truepose.sequencing.engine.onlookers import Onlooker, looked_on
 from truepose.sequencing.engine.states import has_ended, words
 from truepose.sequencing.errors import NotNowError, SequencingError
 from truepose_drivers.api import GuardsMotion
@@ -140,7 +140,7 @@ class SessionRunner(ABC, Generic[S]):
         """Return what goes on while the session is under way, and what it ends with."""
         return ()
 
-    def onlookers(self) -> tuple[Coroutine[Any, Any, None], ...]:
+    def onlookers(self) -> tuple[Onlooker, ...]:
         """Return what only looks on: whatever becomes of it, the session does not notice."""
         return ()
 

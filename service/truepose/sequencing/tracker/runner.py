@@ -8,7 +8,7 @@
 """
 
 from collections import deque
-from collections.abc import AsyncIterator, Awaitable, Callable, Coroutine, Sequence
+from collections.abc import AsyncIterator, Awaitable, Callable, Sequence
 from dataclasses import replace
 from typing import Any, Final
 
@@ -26,6 +26,7 @@ from truepose.sequencing.engine.motion.limits import binding_speed
 from truepose.sequencing.engine.motion.segments import MotionSegments
 from truepose.sequencing.engine.motion.unattended import UnattendedRunner
 from truepose.sequencing.engine.notices import end_of_motion
+from truepose.sequencing.engine.onlookers import Onlooker
 from truepose.sequencing.engine.prompts import CELL_CLEAR, require_person
 from truepose.sequencing.engine.states import has_ended, words
 from truepose.sequencing.errors import MotionForbiddenError, NotNowError, SequencingError
@@ -145,9 +146,9 @@ class TrackerRunner(UnattendedRunner[TrackerSituation]):
         """Return where the reflector is, again and again until the session ends; for all who watch."""
         return self._watch.follow()
 
-    def onlookers(self) -> tuple[Coroutine[Any, Any, None], ...]:
+    def onlookers(self) -> tuple[Onlooker, ...]:
         """Look where the reflector is, while somebody watches."""
-        return (self._watch.run(),)
+        return (self._watch.run,)
 
     async def close(self) -> None:
         """Tell watchers that nothing more comes."""
