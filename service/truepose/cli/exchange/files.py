@@ -37,7 +37,10 @@ ReportFile = Annotated[
 LimitMm = Annotated[float | None, typer.Option(help="Largest error that passes.")]
 MaxShiftMm = Annotated[
     float | None,
-    typer.Option(help="Largest shift of the tool that is accepted of the model; by default 5 mm."),
+    typer.Option(
+        help="Largest shift of the tool that is accepted of the model; by default 20 mm of a file as truepose"
+        " wrote it, else 5 mm."
+    ),
 ]
 AcceptEdited = Annotated[
     bool, typer.Option("--accept-edited", help="Use a model file that was edited after truepose wrote it.")

@@ -116,10 +116,11 @@ def _plausibility(model: Model, usual_mm: float, max_shift_mm: float | None) -> 
 def _remarks(found: ModelFile, seen: _Plausibility) -> Iterator[Sentence]:
     if found.integrity in _NAMES:
         yield said(_NAMES[found.integrity])
-    if seen.beyond:
-        yield said("model_file.shift", shift_mm=seen.shift.shift_mm, limit_mm=seen.limit_mm)
-    elif seen.shift.shift_mm > MODEL_SHIFT_MM:
-        yield said("model_file.usual_shift", shift_mm=seen.shift.shift_mm, limit_mm=MODEL_SHIFT_MM)
+    if seen.far and not seen.stated:
+        yield said("model_file.far")
+    if seen.shift.shift_mm > MODEL_SHIFT_MM:
+        key = "model_file.shift" if seen.shift.shift_mm > seen.limit_mm else "model_file.usual_shift"
+        yield said(key, shift_mm=seen.shift.shift_mm, limit_mm=MODEL_SHIFT_MM)
 
 
 def _refusal(robot: Robot, seen: _Plausibility) -> str:

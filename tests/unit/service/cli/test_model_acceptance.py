@@ -124,6 +124,16 @@ def test_the_same_shift_is_refused_where_nothing_vouches_for_it(typed):
     assert "and up to 5 mm is accepted" in said.err
 
 
+def test_values_far_from_their_priors_are_remarked_on_where_the_shift_is_small(typed):
+    far = model_of(IRB_120, Parameter("theta_2", "geometry", 1e-3, "rad", 1e-6, 1e-5), base=STANDS)
+
+    status, _, said = typed("predict", model_text(far))
+
+    assert status == 0
+    assert "Values of the model are far from their priors" in said.err
+    assert "The model moves the tool" not in said.err
+
+
 def test_an_edited_file_is_used_where_somebody_says_so(typed):
     status, _, said = typed("correct", edited(model_text(NEAR)), "--accept-edited", "--json")
 
