@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from tests.helpers.diagnosis.point_scenes import START, telling_campaign, telling_scene
+from tests.helpers.diagnosis.seats import GROUPS, SHIFT_MM, TURN_RAD, WIDTHS, posterior
 from truepose.domain.robot import Nest
 from truepose.effects.causes import Fitted
 from truepose.effects.ports import PortKind
@@ -15,10 +16,6 @@ from truepose.effects.shapes.random_effects import deviations
 from truepose.identification.model.evaluation import evaluate, rows_of
 from truepose.identification.problem.build import build
 from truepose.words.catalogue import english
-
-SHIFT_MM, TURN_RAD = 0.15, 1.5e-3  # widths of the seats' priors
-WIDTHS = np.repeat([SHIFT_MM, TURN_RAD], 3)
-GROUPS = np.repeat([0, 1], 3)
 
 
 def one_known_nest():
@@ -139,30 +136,6 @@ def test_seats_are_shown_as_a_standard_deviation_whatever_the_order_of_their_nam
     assert mixed.amplitude == pytest.approx(straight.amplitude)
     assert straight.unit == "mm"
     assert "4 mountings" in english(straight.sentence)
-
-
-def posterior(draws, noise, rng):
-    """What a fit with the prior leaves of draws that were measured with some noise."""
-    variance = np.tile(WIDTHS**2, len(draws))
-    seen = draws.ravel() + noise * rng.standard_normal(draws.size) * np.sqrt(variance)
-    precision = 1.0 / (noise**2 * variance) + 1.0 / variance
-    return (seen / (noise**2 * variance) / precision).reshape(draws.shape), np.diag(1.0 / precision)
-
-
-@pytest.mark.parametrize(("mountings", "noise"), [(4, 0.02), (4, 0.15), (8, 0.15)])
-def test_the_deviation_of_seats_lies_within_its_stated_interval_as_often_as_it_says(mountings, noise):
-    rng = np.random.default_rng(8)
-    truth = np.array([0.03, 3e-4])  # a fifth of the priors' widths, for shifts and turns
-    within = []
-    for _ in range(40):
-        draws = np.repeat(truth, 3) * rng.standard_normal((mountings, 6)) + WIDTHS * rng.standard_normal(6)
-        mean, covariance = posterior(draws, noise, rng)
-
-        found, uncertainty = deviations(mean, covariance, WIDTHS, GROUPS)
-
-        within += (np.abs(found - truth) < 1.96 * uncertainty).tolist()
-    # 95 % stated; 80 deviations of that scatter by 2.4 %
-    assert np.mean(within) > 0.87
 
 
 def test_seats_that_differ_by_noise_alone_have_a_deviation_that_zero_is_near():

@@ -6,27 +6,12 @@ import numpy as np
 import pytest
 
 from tests.helpers.domain.builders import make_model, make_parameter, make_robot
+from tests.helpers.domain.two_models import seen_by, with_values
 from truepose.domain.errors import ConfigurationError
-from truepose.domain.measurement.campaign import PointReadings, Stops
 from truepose.domain.robot import FramePlacement
-from truepose.identification import predict
 from truepose.judgement.two_models import compare_models
 
 _U = np.array([1e-4, 0.01])  # of the two parameters of `make_model`
-
-
-def with_values(*values, **changes):
-    model = make_model(**changes)
-    parameters = [replace(one, value=v) for one, v in zip(model.parameters, values, strict=True)]
-    return replace(model, parameters=tuple(parameters))
-
-
-def seen_by(model, n=12):
-    """Readings without noise of an arm that is `model`."""
-    joints = np.random.default_rng(2).uniform(-1.2, 1.2, (n, 3))
-    stops = Stops(config=np.arange(1, n + 1), joints_rad=joints)
-    nest = np.ones(n, np.int64)
-    return PointReadings(stops, nest, predict(model, stops, nest)[0], np.full(n, 0.01))
 
 
 def test_the_parameter_that_changed_is_named_and_the_other_is_not():
@@ -39,21 +24,6 @@ def test_the_parameter_that_changed_is_named_and_the_other_is_not():
     assert length.difference == pytest.approx(0.1)
     assert length.standard_uncertainty == pytest.approx(0.01 * np.sqrt(2.0))
     assert found.p_value < 1e-6
-
-
-def test_two_measurements_of_an_unchanged_robot_differ_by_chance_as_often_as_is_said():
-    generator = np.random.default_rng(11)
-    truth, covariance = np.array([1e-3, 0.2]), make_model().covariance
-    readings = seen_by(make_model())
-    runs = 400
-    drawn = generator.multivariate_normal(truth, covariance, (runs, 2))
-
-    found = [compare_models(with_values(*a), with_values(*b), readings) for a, b in drawn]
-
-    together = sum(one.p_value < 0.05 for one in found)
-    single = sum(any(change.significant for change in one.changes) for one in found)
-    assert 8 <= together <= 34  # 20 expected; 99.8 % of a binomial of 400 and 0.05
-    assert single <= 34
 
 
 def test_a_base_that_stands_elsewhere_is_no_change_of_the_robot():

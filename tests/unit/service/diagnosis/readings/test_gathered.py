@@ -24,13 +24,6 @@ def some_of(readings, count):
     return marked
 
 
-def test_readings_that_are_bad_anywhere_share_nothing_more_often_than_is_said(scene):
-    rng = np.random.default_rng(1)
-    drawn = [np.isin(np.arange(N), rng.choice(N, size, replace=False)) for size in [3, 6, 12, 24] * 100]
-
-    assert sum(gathered(scene, bad) is not None for bad in drawn) <= 8  # 4 of 400 at 1 %
-
-
 @pytest.mark.parametrize("count", [0, 1, 2])
 def test_one_or_two_bad_readings_cannot_gather(count, scene):
     assert gathered(scene, some_of(scene.nest == 2, count)) is None
