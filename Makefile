@@ -11,7 +11,7 @@ EXTRAS ?= dev
 TRUEPOSE_DATA ?=
 export TRUEPOSE_DATA
 
-.PHONY: setup demo test unit smoke attack installed check docs bench accuracy diagnosis-report ballbar-report hardening-report pages-report interruptions interface-report interface-accepted live-latency nightly clean
+.PHONY: setup demo test thorough unit smoke attack installed check docs bench accuracy diagnosis-report ballbar-report hardening-report pages-report interruptions interface-report interface-accepted live-latency nightly clean
 
 setup: $(VENV)/.installed
 
@@ -37,7 +37,11 @@ PYTEST := OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1 PYTHONDONTWRITEBYTECODE= $(BI
   --dist loadfile --no-loadscope-reorder
 
 test: setup
-	$(PYTEST) --numprocesses 4
+	$(PYTEST) --numprocesses 4 --ignore tests/thorough
+
+# How often, how exactly and how well: causes at every size, studies, the demo and the wheel as they are installed.
+thorough: setup
+	$(PYTEST) --numprocesses 4 tests/thorough
 
 unit: setup
 	$(PYTEST) --numprocesses 2 tests/unit
@@ -55,7 +59,7 @@ smoke: setup
 # models that were handed down; the speed of the tool; guesses, tokens, secrets; broken text, files and requests.
 ATTACK := $(addprefix tests/, \
   unit/service/exchange/programs/test_controllers.py unit/service/cli/test_correct_command.py \
-  unit/service/exchange/robots/test_known_limits.py system/studies/test_lost_signals.py \
+  unit/service/exchange/robots/test_known_limits.py thorough/system/studies/test_lost_signals.py \
   unit/service/sequencing/ballbar/lengths/test_signals_outrank_words.py \
   integration/web/measurement/acts/test_bar_left_attached.py unit/service/cli/test_model_acceptance.py \
   integration/web/leaving/test_hand_downs.py integration/exchange/test_cell_file.py \

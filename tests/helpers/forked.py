@@ -2,7 +2,7 @@
 
 To load what a service needs takes a second and more. This is for tests of what a process does once it runs.
 What one loads by itself, and what it says of how it was started, is tested where users start it:
-`tests/system/simulators/test_process.py`, `tests/system/demo`, `tests/integration/test_serve.py`,
+`tests/system/simulators/test_process.py`, `tests/thorough/system/demo`, `tests/integration/test_serve.py`,
 `tests/integration/analysis/test_worker_process.py`.
 """
 

@@ -24,7 +24,7 @@ from truepose_simulators.scenarios.file import load_scenario, shipped_scenarios
 
 pytestmark = pytest.mark.usefixtures("forked_processes")
 
-REPOSITORY = Path(__file__).parents[3]
+REPOSITORY = Path(__file__).parents[4]
 
 
 def unreachable(judged):

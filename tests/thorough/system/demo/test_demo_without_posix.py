@@ -7,9 +7,9 @@ import sys
 import pytest
 
 from tests.helpers.checkout import CHECKOUT
-from tests.system.demo.test_demo import DEMO_S, of_size
+from tests.thorough.system.demo.test_demo import DEMO_S, of_size
 
-_LACKING = CHECKOUT / "tests" / "system" / "demo" / "without_posix"
+_LACKING = CHECKOUT / "tests" / "thorough" / "system" / "demo" / "without_posix"
 
 
 @pytest.fixture(scope="module")

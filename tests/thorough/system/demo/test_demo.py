@@ -14,8 +14,8 @@ import numpy as np
 import pytest
 
 from tests.helpers.checkout import CHECKOUT
-from tests.integration.deployment.images import environment, install
 from tests.system.processes_left import descendants, named, running_after
+from tests.thorough.integration.deployment.images import environment, install
 from truepose.demo.demo import DemoSize, run_demo
 from truepose.exchange.campaigns.folder import read_campaign
 from truepose.exchange.models.file import read_model

@@ -9,7 +9,7 @@ import pytest
 
 from tests.helpers.ports import free_block, free_port
 from tests.integration.deployment.deployment_files import CHECKOUT, compose_file, dockerfiles
-from tests.integration.deployment.images import (
+from tests.thorough.integration.deployment.images import (
     CONSECUTIVE_PORTS,
     announced,
     copy_sources,

@@ -1,6 +1,6 @@
 """What somebody installs: source archive, wheel, clean environment; from there a notebook.
 
-The demo of what was installed is in `tests/system/demo`.
+The demo of what was installed is in `tests/thorough/system/demo`.
 """
 
 import shutil
@@ -12,8 +12,8 @@ import zipfile
 import pytest
 
 from tests.helpers.checkout import CHECKOUT
-from tests.integration.deployment.images import environment, install_wheel
 from tests.integration.documentation.test_notebook_page import promised
+from tests.thorough.integration.deployment.images import environment, install_wheel
 from truepose.version import __version__
 
 _PACKAGES = {"truepose", "truepose_drivers", "truepose_simulators"}
