@@ -15,6 +15,7 @@ from truepose.exchange.models.file import read_model
 from truepose.exchange.point_lists.importing import Stated, read_stated
 from truepose.exchange.point_lists.inbox import arrivals
 
+PAINTED_ELSEWHERE = pytest.mark.usefixtures("empty_pictures")
 EXAMPLE = CHECKOUT / "docs/examples/campaign"
 
 
@@ -33,6 +34,7 @@ def names(folder):
     return [arrival.name for arrival in arrivals(folder)]
 
 
+@PAINTED_ELSEWHERE
 def test_a_campaign_that_is_there_is_identified(inbox, tmp_path, capsys):
     left(inbox)
 
@@ -45,6 +47,7 @@ def test_a_campaign_that_is_there_is_identified(inbox, tmp_path, capsys):
     assert capsys.readouterr().out.startswith("arm-7: ")
 
 
+@PAINTED_ELSEWHERE
 def test_what_cannot_be_read_is_one_line_and_stops_nothing(inbox, tmp_path, capsys):
     left(inbox, "b-whole")
     (inbox / "a-broken.zip").write_bytes(b"no zip")

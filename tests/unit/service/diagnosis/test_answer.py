@@ -279,11 +279,14 @@ def test_beside_something_large_that_nothing_explains_a_small_help_is_not_claime
     assert _useless(selected, groups, small, replace(left, more_than_stated=True)) == (0, 1)
 
 
-def test_what_validation_readings_contradict_is_said_and_certain_no_more(campaign):
-    # the validation readings come from a robot without the gain: it cannot help there
-    elsewhere = replace(campaign, validation=with_unseen({}).validation)
+@pytest.fixture(scope="module")
+def contradicted(campaign):
+    """A diagnosis whose validation readings come from a robot without the gain: it cannot help there."""
+    return diagnose(replace(campaign, validation=with_unseen({}).validation), START)
 
-    found = diagnose(elsewhere, START)
+
+def test_what_validation_readings_contradict_is_said_and_certain_no_more(contradicted):
+    found = contradicted
 
     # they decide nothing: that would make them readings that chose the model
     assert [(one.effect, one.confidence) for one in found.findings] == [("joint_gain", Confidence.LIKELY)]
@@ -296,11 +299,9 @@ def test_what_validation_readings_contradict_is_said_and_certain_no_more(campaig
     assert "gain_4" not in [parameter.name for parameter in found.model.parameters]
 
 
-def test_validation_readings_choose_nothing(campaign, explained):
+def test_validation_readings_choose_nothing(contradicted, explained):
     """Whatever they say, the same is found; only what is said of it changes."""
-    elsewhere = replace(campaign, validation=with_unseen({}).validation)
-
-    found = diagnose(elsewhere, START)
+    found = contradicted
 
     assert [one.parameters for one in found.findings] == [one.parameters for one in explained.findings]
     assert found.findings[0].amplitude == explained.findings[0].amplitude

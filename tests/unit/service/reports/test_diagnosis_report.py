@@ -325,7 +325,8 @@ def test_text_of_others_stays_text():
     diagnosis = make_diagnosis(
         robot=HOSTILE,
         message=HOSTILE,
-        findings=(finding, replace(finding, subject="other")),
+        findings=(finding, replace(finding, subject="other", curve=None)),
+        errors=None,
         start_effects=(HOSTILE,),
         remaining=replace(NOTHING_LEFT, sentence=HOSTILE),
         next_measurements=(NextMeasurement(HOSTILE, (), (Cause(HOSTILE, HOSTILE),)),),
@@ -355,6 +356,7 @@ def test_ten_thousand_readings_make_no_heavy_page():
     assert "400 of 10,000 readings, evenly chosen" in html
 
 
+@pytest.mark.usefixtures("empty_pictures")
 def test_readings_that_are_no_numbers_are_left_out_of_the_pictures():
     curve = make_curve()
     curve.residual[::2] = np.nan

@@ -350,7 +350,7 @@ def test_a_module_without_targets_has_none():
 def test_a_long_module_is_read_without_all_of_its_words_in_memory(declared):
     """The words of a text weigh a hundred times the text."""
     rest = "[9E9,9E9,9E9,9E9,9E9,9E9]"
-    targets = [f"[[{k % 90}.1,30.25,-25.5,40.5,50.125,60.75],{rest}]" for k in range(800)]
+    targets = [f"[[{k % 90}.1,30.25,-25.5,40.5,50.125,60.75],{rest}]" for k in range(300)]
     data = "".join(f"CONST jointtarget j{k}:={text};\n" for k, text in enumerate(targets) if declared)
     moved = (f"j{k}" if declared else text for k, text in enumerate(targets))
     moves = "".join(f"MoveAbsJ {one},v100,fine,tool0;\n" for one in moved)
@@ -362,5 +362,5 @@ def test_a_long_module_is_read_without_all_of_its_words_in_memory(declared):
     peak = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
 
-    assert len(program.targets) == len(program.motions) == 800
+    assert len(program.targets) == len(program.motions) == 300
     assert peak < 40 * len(module)

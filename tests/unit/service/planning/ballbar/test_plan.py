@@ -108,7 +108,7 @@ def test_the_template_gives_times_and_speeds():
 
 
 def test_a_whole_session_is_planned_from_a_cell():
-    plan = ballbar_plan(domain_cell(), poses=20, seed=2, draws=40)
+    plan = ballbar_plan(domain_cell(), poses=20, seed=2, draws=10)
 
     (placement,) = plan.placements
     assert len(placement.poses) == 20
@@ -118,7 +118,7 @@ def test_a_whole_session_is_planned_from_a_cell():
 def test_four_cups_and_another_bar_are_taken_from_what_was_asked():
     kit = BallbarKit(base_bars=Bars(300.0, 300.0, 0.0005, (150.0, 50.0)))
 
-    plan = ballbar_plan(domain_cell(ballbar=kit), base_points=4, poses=20, draws=40)
+    plan = ballbar_plan(domain_cell(ballbar=kit), base_points=4, poses=20, draws=10)
 
     assert len(plan.placements[0].cups_mm) == 4
     assert len(plan.placements[0].setups) == 4
@@ -187,10 +187,8 @@ def test_a_short_plan_has_its_pre_calibration_halfway_and_ends_with_a_test(poses
     assert (plan.precalibrate_after, plan.check_at_end) == (after, True)
 
 
-def test_a_plan_of_twice_as_many_poses_as_a_pre_calibration_needs_has_it_where_it_was():
-    plan = plan_at(ballbar_cell(), [fixture_before_the_arm()], 24, seed=1)
-
-    assert (plan.precalibrate_after, plan.check_at_end) == (12, False)
+def test_a_plan_of_twice_as_many_poses_as_a_pre_calibration_needs_has_it_where_it_was(at_hand):
+    assert (at_hand.precalibrate_after, at_hand.check_at_end) == (12, False)
 
 
 @pytest.mark.parametrize(("floor_z_mm", "table_z_mm"), [(None, 0.0), (120.0, 120.0), (-300.0, -300.0)])

@@ -57,8 +57,9 @@ def test_no_bar_goes_through_a_volume_that_the_arm_never_comes_near():
 
 
 def test_no_way_of_a_session_leads_through_a_volume():
-    (placement,) = plan_at(UNDER_LID, [FIXTURE], 12).placements
+    (placement,) = plan_at(UNDER_LID, [FIXTURE], 6).placements
 
+    assert any(pose.via_rad for pose in placement.poses[1:])
     for before, pose in pairwise(placement.poses):
         points = [np.array(p) for p in (before.joints_rad, *pose.via_rad, pose.joints_rad)]
         assert all(highest_mm(between(a, b)) < ELBOW_MM + 1.0 for a, b in pairwise(points))
