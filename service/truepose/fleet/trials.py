@@ -275,27 +275,28 @@ class InstrumentDays:
         return (self._best(columns).u, left) if left >= 1 else (np.inf, 0)
 
     def _best(self, columns: FloatArray) -> "Line":
-        turned = self._turns.T @ columns
-        each = (self._fitted(turned, day) for day in _DAYS.tolist())
-        return max(each, key=lambda one: one.likelihood)
-
-    def _fitted(self, turned: FloatArray, day: float) -> "Line":
-        """Return what of the last column is found at a variance of days.
+        """Return what of the last column is found at the likeliest variance of days.
 
         The variance of days is that of the restricted likelihood's scale: of D values, as many are free as
         columns leave.
         """
-        weights = 1.0 / np.sqrt(self._variances + day)
-        white, read = weights[:, None] * turned, weights * self._turned
-        inverse = np.linalg.inv(white.T @ white)
-        found = inverse @ (white.T @ read)
-        left = read - white @ found
-        squared = float(left @ left)
+        likelihood, found, inverse, squared = self._likeliest(self._turns.T @ columns)
         # What days scatter beyond this variance widens it, so that the largest likelihood is not taken at
         # its word by few days.
-        spread = max(squared / max(len(read) - turned.shape[1], 1), 1.0)
-        likelihood = -0.5 * squared + float(np.log(weights).sum())
+        spread = max(squared / max(len(columns) - columns.shape[1], 1), 1.0)
         beyond = slice(self._levels.shape[1], None)
         told = found[beyond] @ np.linalg.inv(inverse[beyond, beyond]) @ found[beyond]
-        squared = float(told) / (max(turned.shape[1] - self._levels.shape[1], 1) * spread)
+        squared = float(told) / (max(columns.shape[1] - self._levels.shape[1], 1) * spread)
         return Line(likelihood, float(found[-1]), float(np.sqrt(inverse[-1, -1] * spread)), squared)
+
+    def _likeliest(self, turned: FloatArray) -> tuple[float, FloatArray, FloatArray, float]:
+        """Fit columns (D, p) at every variance of days: the largest likelihood, its fit, and what is left."""
+        weights = 1.0 / np.sqrt(self._variances + _DAYS[:, None])
+        white, read = weights[:, :, None] * turned, (weights * self._turned)[:, :, None]
+        rows = np.swapaxes(white, 1, 2)
+        inverses = np.linalg.inv(rows @ white)
+        found = inverses @ (rows @ read)
+        squares = np.square(read - white @ found).sum(axis=(1, 2))
+        likelihoods = np.log(weights).sum(axis=1) - 0.5 * squares
+        best = int(np.argmax(likelihoods))
+        return float(likelihoods[best]), found[best, :, 0], inverses[best], float(squares[best])

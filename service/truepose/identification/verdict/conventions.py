@@ -141,10 +141,15 @@ def _with_zero_mm(meant: Meant, known: Known, joint: int, shift_rad: float) -> f
 def _refined(meant: Meant, known: Known, joint: int, shift: float) -> float:
     golden = (np.sqrt(5.0) - 1.0) / 2.0
     low, high = shift - _ZERO_STEP_RAD, shift + _ZERO_STEP_RAD
+    inner = [high - golden * (high - low), low + golden * (high - low)]
+    typical = [_with_zero_mm(meant, known, joint, one) for one in inner]
     while high - low > 1e-4:
-        first, second = high - golden * (high - low), low + golden * (high - low)
-        if _with_zero_mm(meant, known, joint, first) < _with_zero_mm(meant, known, joint, second):
-            high = second
+        if typical[0] < typical[1]:
+            high = inner[1]
+            inner = [high - golden * (high - low), inner[0]]
+            typical = [_with_zero_mm(meant, known, joint, inner[0]), typical[0]]
         else:
-            low = first
+            low = inner[0]
+            inner = [inner[1], low + golden * (high - low)]
+            typical = [typical[1], _with_zero_mm(meant, known, joint, inner[1])]
     return float(0.5 * (low + high))
