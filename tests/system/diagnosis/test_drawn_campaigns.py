@@ -10,7 +10,7 @@ import pytest
 from tests.studies.drawn_campaigns.asking import asked_about
 
 
-@pytest.mark.parametrize("seed", [*range(2, 19), 1003])
+@pytest.mark.parametrize("seed", [*range(2, 19), 1003, 100840])
 def test_a_campaign_that_is_read_ends_in_an_answer_or_a_refusal(seed):
     _, asked = asked_about(seed)
 

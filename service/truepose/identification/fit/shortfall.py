@@ -12,8 +12,9 @@ marginal likelihood:
 
     B = (A / s^2 + 1 / v)^-1        b = B y / s^2        v <- |b|^2 / (k - tr B / v)
 
-for k functions of one variance. What even they leave of the residuals, beyond what readings state, is the
-rest: of no shape, and the same everywhere.
+for k functions of one variance. Where functions can explain all that the parameters leave, no likelihood
+bounds s^2 from below: what readings state of their noise then counts as one reading more. What even they
+leave of the residuals, beyond what readings state, is the rest: of no shape, and the same everywhere.
 
 References
 ----------
@@ -27,6 +28,7 @@ from typing import Final, NamedTuple, Self
 import numpy as np
 
 from truepose.domain.arrays import FloatArray, IntArray
+from truepose.domain.definite import whitening_root
 from truepose.domain.results.identification import Parameter, Shortfall
 from truepose.effects.joints.backlash import NAME as BACKLASH
 from truepose.effects.joints.backlash import from_both_sides
@@ -43,6 +45,7 @@ _ROUNDS: Final = 40
 _NONE: Final = 1e-12  # variance, over what is believed, of a function that is not there
 _TOLD: Final = 0.5  # of a group, that must come from the readings and not from what was expected of it
 _FELT: Final = 1e-2  # standard deviations of a reading, by which what is as large as believed moves some
+_ROUNDING: Final = 1e-11  # of a function's square: as much is left where the parameters take it over wholly
 _LEAST_FREE: Final = 0.05  # of the readings: parameters and functions never take all of them
 
 
@@ -107,9 +110,10 @@ class _Tried:
 
     @classmethod
     def of(cls, fit: RobustFit, functions: tuple[Function, ...]) -> Self:
-        """Return the functions that move some reading, at a fit.
+        """Return the functions that move some reading as no parameter does, at a fit.
 
-        A nest on the axis of a joint is moved by rounding alone, and would let any size be believed.
+        A nest on the axis of a joint is moved by rounding alone, and would let any size be believed; so would
+        what the parameters take over wholly.
         """
         result, covariance = fit.results[0], fit.solution.covariance
         columns, joint = function_columns(functions, result.state)
@@ -117,18 +121,21 @@ class _Tried:
         white = result.whitening.apply(columns).reshape(len(functions), result.residual.size)
         across, residual = result.white_jacobian @ white.T, result.white_residual
         absorbed = covariance @ across
+        own = white @ white.T
+        squares = own - across.T @ absorbed
         kinds = [_KINDS.index(one.effect) for one in functions]
         tried = cls(
             functions=functions,
             group=len(_KINDS) * joint + np.array(kinds, dtype=np.int64),
             columns=columns,
             absorbed=absorbed,
-            squares=white @ white.T - across.T @ absorbed,
+            squares=(squares + squares.T) / 2.0,  # the parameters leave 8 digits of its symmetry
             towards=white @ residual,
             residual_square=float(residual @ residual),
             degrees=degrees_of_freedom(fit.blocks[0], result, covariance),
         )
-        return tried.taken(np.flatnonzero(np.abs(white).max(axis=1, initial=0.0) > _FELT))
+        felt = np.abs(white).max(axis=1, initial=0.0) > _FELT
+        return tried.taken(np.flatnonzero(felt & (np.diag(squares) > _ROUNDING * np.diag(own))))
 
     def taken(self, kept: IntArray) -> Self:
         """Return some of the functions."""
@@ -155,13 +162,14 @@ class _Tried:
     def found(self, variance: FloatArray, noise: float) -> _Found:
         """Return the functions of given variances beside given noise."""
         root = np.sqrt(variance)
-        both = np.linalg.inv(self.squares * np.outer(root, root) / noise + np.eye(len(root)))
-        unit = (both + both.T) / 2.0  # what the parameters take over leaves 8 digits of its symmetry
+        half = whitening_root(self.squares * np.outer(root, root) / noise + np.eye(len(root)))
+        unit = half.T @ half
         covariance = unit * np.outer(root, root)
         mean = covariance @ self.towards / noise
         told = 1.0 - np.diag(unit)
         left = self.residual_square - 2.0 * float(mean @ self.towards) + float(mean @ self.squares @ mean)
-        return _Found(mean, covariance, max(left, _NONE) / max(self.degrees - told.sum(), 1.0), told)
+        least = 1.0 / (1.0 + self.degrees)
+        return _Found(mean, covariance, max(left / max(self.degrees - told.sum(), 1.0), least), told)
 
     def shown(self, variance: FloatArray, noise: float) -> IntArray:
         """Return which functions are of a group that the readings tell more of than chance would."""

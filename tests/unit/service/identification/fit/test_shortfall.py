@@ -81,3 +81,14 @@ def test_of_a_nest_on_the_axis_of_a_joint_rounding_tells_nothing():
     assert not [one for one in functions if one.name.startswith("wave_6")]
     _, u_mm = predict(answer.model, Stops(np.arange(5), configurations(5, 8)), np.ones(5, dtype=int))
     assert u_mm.max() < 1.0
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_few_readings_whose_noise_functions_could_explain_say_next_to_nothing_of_them(seed):
+    """Twelve stops leave a few degrees of freedom, and dozens of functions fit them without any noise."""
+    answer = identify(measured(campaign(seed, 12), seed=seed)[0], MODEL)
+
+    functions = answer.model.shortfall.functions
+    _, u_mm = predict(answer.model, Stops(np.arange(5), configurations(5, 8)), np.ones(5, dtype=int))
+    assert all(abs(one.value) < 10.0 * one.standard_uncertainty for one in functions)
+    assert u_mm.max() < 0.2
