@@ -36,6 +36,7 @@ _LEAST_GAIN = 4.0
 _SWEEPS = 2  # over the cells that are in, after each that comes in
 _MOST_CELLS = 40
 _HIGHEST_ORDER = 12.0  # of waves that are told apart from noise by a few readings
+_ROUNDING = 1e-12  # of a column's square, added to it: a direction that only rounding supports
 _NO_ROWS = np.zeros(0, dtype=np.int64)
 _SEARCHED = frozenset({"jump", "settling"})  # over moments: one is right, their sum says nothing
 
@@ -168,9 +169,9 @@ def _products(pool: Pool, cells: Sequence[_Cell], without: tuple[str, ...]) -> _
     columns, absorbed = pool.products.columns[rows] * widths[:, None], view.absorbed[rows] * widths[:, None]
     ends = np.cumsum([len(cell.rows) for cell in cells]).tolist()
     runs = tuple(np.arange(end - len(cell.rows), end) for cell, end in zip(cells, ends, strict=True))
-    return _Products(
-        columns @ columns.T - absorbed @ absorbed.T, view.towards[rows] * widths, view.sums, runs
-    )
+    own = columns @ columns.T
+    gram = own - absorbed @ absorbed.T + _ROUNDING * np.diag(np.diag(own))
+    return _Products(gram, view.towards[rows] * widths, view.sums, runs)
 
 
 def _sizes(products: _Products) -> dict[int, float]:

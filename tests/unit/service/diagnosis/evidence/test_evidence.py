@@ -56,6 +56,16 @@ def test_noise_asks_for_hardly_a_cell(seed):
     assert len(places(found)) <= 6
 
 
+@pytest.mark.parametrize(("stops", "seed"), [(15, 3), (30, 4)])
+def test_cells_that_take_all_that_readings_left_are_described(stops, seed):
+    """What is left for noise is rounding, and so is what tells these cells apart."""
+    pool = pool_of(make_start({}, n=stops, seed=seed))
+
+    found = described(pool)
+
+    assert np.isfinite(found.fitted(pool).past().step()).all()
+
+
 def test_what_is_described_foretells_readings_that_were_never_seen(wavy):
     pool = pool_of(wavy)
     found = described(pool)
