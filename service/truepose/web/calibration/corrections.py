@@ -82,6 +82,13 @@ Coupled = Annotated[
     bool,
     Query(description="Of FANUC: joint 3 counts from the horizontal; its joint targets are corrected."),
 ]
+AsWritten = Annotated[
+    bool,
+    Query(
+        description="Correct targets also where another unit or frame fits them better, or where nearly all "
+        "are out of reach."
+    ),
+]
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,6 +122,7 @@ async def correct_file(
     branch: Branch = None,
     angles: Angles = None,
     coupled: Coupled = False,
+    as_written: AsWritten = False,
     key: IdempotencyKey = None,
     sender: Sender = "",
 ) -> JobReply:
@@ -122,17 +130,26 @@ async def correct_file(
 
     The file is read before the answer: one that cannot be used is refused in a sentence that names the
     place. RAPID, KRL, LS, URScript, INFORM, VAL3, G-code, JSON and CSV are known by the ending of the name.
-    The job's result is the correction. More than 100,000 targets are for the command, which takes tables of
-    any length.
+    The job's result is the correction. The job fails, and nothing is written, where the numbers seem to be
+    in another unit or frame or nearly all targets are out of reach, unless they are meant as written. More
+    than 100,000 targets are for the command, which takes tables of any length.
     """
     model = (await here.results.model(id)).model
-    asked = {"frame": frame, "define": define or [], "branch": branch, "angles": angles, "coupled": coupled}
+    asked = {
+        "frame": frame,
+        "define": define or [],
+        "branch": branch,
+        "angles": angles,
+        "coupled": coupled,
+        "as_written": as_written,
+    }
     meant = Asked(
         meant=None if frame is None else Meant(frame),
         defined=dict(frame_defined(text, "define") for text in define or []),
         branch=None if branch is None else branch_named(branch, "branch"),
         angles=angles,
         coupled=coupled,
+        as_written=as_written,
         most_targets=MOST_TARGETS,
     )
     async with here.campaign_desk.uploads.turn():

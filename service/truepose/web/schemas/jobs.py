@@ -49,6 +49,7 @@ class JobRequestReply(Reply):
     branch: str | None = None
     angles: str | None = None
     coupled: bool | None = Field(None, description="Whether joint 3 of FANUC counts from the horizontal.")
+    as_written: bool | None = Field(None, description="Whether targets are meant as they are written.")
     joints: list[int] | None = Field(None, description="That are turned; none: the usual ones.")
 
 

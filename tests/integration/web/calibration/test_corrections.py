@@ -10,7 +10,7 @@ from dataclasses import replace
 import pytest
 
 from tests.helpers.domain.robots import IRB_120
-from tests.helpers.web.clients import made
+from tests.helpers.web.clients import ENDED, made, until
 from tests.helpers.web.pages import Page
 from tests.helpers.web.performing import perform_here
 from tests.integration.web.calibration.stored_models import store_model
@@ -103,6 +103,54 @@ async def test_joints_of_a_fanuc_are_corrected_where_they_are_said_to_be_coupled
 
     assert [reply.json()["document"]["corrected"] for reply in (silent, told)] == [0, 1]
     assert [reply.json()["asked"]["coupled"] for reply in (silent, told)] == [False, True]
+
+
+FITTING_MM = [(350, 100, 400), (330, 150, 420), (300, -200, 450), (380, 50, 350), (360, -120, 380)]
+INCHES = "\n".join(
+    ["target,x_mm,y_mm,z_mm,qw,qx,qy,qz"]
+    + [f"t,{x / 25.4},{y / 25.4},{z / 25.4},0,0,1,0" for x, y, z in FITTING_MM]
+).encode()
+
+
+async def test_numbers_that_would_fit_in_inches_are_not_corrected_unless_they_are_meant_so(client, send):
+    asked = await send("t.csv", INCHES, frame="base")
+    job = await until(client, asked.headers["Location"], lambda job: job["state"] in ENDED)
+    nothing = (await client.get("/api/v1/corrections")).json()
+    meant = await made(client, await send("t.csv", INCHES, frame="base", as_written=True))
+
+    assert (job["state"], job["result_id"], nothing) == ("failed", None, [])
+    assert "100% would if x, y and z were in inches" in job["message"]
+    assert "say so (as_written; of the command, --as-written)" in job["message"]
+    assert (await client.get(meant)).json()["asked"]["as_written"] is True
+    assert "are meant as they stand" in (await client.get(meant.removeprefix("/api/v1"))).text
+
+
+BEYOND = (
+    b"target,x_mm,y_mm,z_mm,qw,qx,qy,qz\nbelow,370,60,-200,0,0,1,0\n"  # q2 = 122 deg, 12 beyond its limit
+)
+
+
+async def test_limits_that_nobody_knows_are_empty_and_said(app, client, send):
+    unknown = await store_model(app.state.context, replace(IRB_120, name="shop robot 7"))
+    path = await made(client, await send("t.csv", BEYOND, model=unknown, frame="base"))
+
+    (target,) = (await client.get(f"{path}/targets")).json()
+    (row,) = csv.DictReader(io.StringIO((await client.get(f"{path}/file")).text))
+    record = (await client.get(path)).json()
+    assert (target["status"], row["status"]) == ("limits_unknown", "limits_unknown")
+    assert float(row["q2_deg"]) == pytest.approx(122.0, abs=2.0)
+    assert row["beyond_limit_deg"] == ""
+    assert record["document"]["statuses"] == {"limits_unknown": 1}
+    page = (await client.get(f"/corrections/{record['id']}")).text
+    assert "The joint limits of this robot are not known" in page
+
+
+async def test_a_target_beyond_the_limits_of_a_known_robot_is_not_corrected(client, send):
+    path = await made(client, await send("t.csv", BEYOND, frame="base"))
+
+    (row,) = csv.DictReader(io.StringIO((await client.get(f"{path}/file")).text))
+    assert (row["status"], row["q2_deg"]) == ("joint_limit", "")
+    assert float(row["beyond_limit_deg"]) == pytest.approx(12.0, abs=2.0)
 
 
 async def test_the_same_key_corrects_once(client, send, model_id):

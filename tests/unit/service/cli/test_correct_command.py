@@ -16,6 +16,7 @@ from truepose.exchange.models.file import write_model
 HEADER = "target,x_mm,y_mm,z_mm,qw,qx,qy,qz\n"
 NEAR = "near,350,100,400,0,0,1,0\n"
 FAR = "far,9000,0,0,1,0,0,0\n"
+BELOW = "below,370,60,-200,0,0,1,0\n"  # q2 = 122.5 deg, 12.5 beyond its limit
 
 
 @pytest.fixture
@@ -150,18 +151,24 @@ def test_limits_that_nobody_knows_are_empty_and_said(run, tmp_path):
     standing = model_of(unknown, *plain_parameters(unknown), base=model_of().nominal_base)
     write_model(registered(standing), tmp_path / "robot.json")
 
-    _, rows, said = run(HEADER + NEAR)
+    _, rows, said = run(HEADER + BELOW, "--frame", "base")
 
     assert [(row["status"], row["beyond_limit_deg"]) for row in rows] == [("limits_unknown", "")]
+    assert float(rows[0]["q2_deg"]) == pytest.approx(122.5, abs=0.5)
     assert "The joint limits of this robot are not known" in said.out
 
 
-def test_a_target_beyond_the_limits_of_a_known_robot_is_not_corrected(run):
-    status, rows, _ = run("target,q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg\na,10,122,10,20,30,40\n")
+@pytest.mark.parametrize(
+    "targets",
+    [HEADER + BELOW, "target,q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg\na,10,122,10,20,30,40\n"],
+    ids=["pose", "joints"],
+)
+def test_a_target_beyond_the_limits_of_a_known_robot_is_not_corrected(run, targets):
+    status, rows, _ = run(targets, "--frame", "base")
 
     assert status == 1
-    assert rows[0]["status"] == "joint_limit"
-    assert float(rows[0]["beyond_limit_deg"]) == pytest.approx(12.0, abs=0.5)
+    assert (rows[0]["status"], rows[0]["q2_deg"]) == ("joint_limit", "")
+    assert float(rows[0]["beyond_limit_deg"]) == pytest.approx(12.25, abs=0.5)
 
 
 INCHES = HEADER + "".join(f"t{k},{x / 25.4},{y / 25.4},{z / 25.4},0,0,1,0\n" for k, (x, y, z) in enumerate([

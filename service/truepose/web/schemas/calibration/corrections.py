@@ -20,6 +20,9 @@ class AskedReply(Reply):
     branch: str | None = None
     angles: str | None = None
     coupled: bool = Field(False, description="Whether joint 3 of FANUC counts from the horizontal.")
+    as_written: bool = Field(
+        False, description="Whether the numbers are meant so where another unit or frame fits better."
+    )
     beside: list[str] = Field([], description="Names of the files beside it.")
 
 
