@@ -66,9 +66,11 @@ class HandedDownRepository:
         """Return what was handed down, oldest first."""
         return await self._database.read(lambda connection: _page(connection, page))
 
-    async def newest(self, count: int) -> list[HandedDownRecord]:
-        """Return what was handed down last, newest first."""
+    async def newest(self, count: int, before: int | None = None) -> list[HandedDownRecord]:
+        """Return what was handed down last, or last before a number, newest first."""
         query = select(handed_down).order_by(handed_down.c.id.desc()).limit(count)
+        if before is not None:
+            query = query.where(handed_down.c.id < before)
         return await self._database.read(lambda c: [_record(c, row) for row in c.execute(query).all()])
 
     async def accept_model(self, number: int, model: Model, person: str) -> int:

@@ -12,6 +12,7 @@ from tests.helpers.web.performing import perform_here
 from truepose.domain.results.identification import NestCentre, Parameter
 from truepose.exchange.models.digest import digest_of
 from truepose.exchange.models.file import model_text
+from truepose.web.leaving import pages
 
 PLAN = {"kind": "plan", "name": "monthly check", "person": "Ada Byron", "document": {"name": "monthly"}}
 KEY = {"Idempotency-Key": "hand-down-1"}
@@ -185,6 +186,22 @@ async def test_a_model_that_moves_the_tool_far_is_accepted_only_with_its_shift_c
     assert (believed.status_code, too_little.status_code, confirmed.status_code) == (409, 409, 201)
     assert f"moves the tool by up to {shift_mm:.4g} mm" in believed.json()["detail"]
     assert far.name in believed.json()["detail"]
+
+
+async def test_every_model_that_the_page_shows_is_checked_however_many_came_later(client, app, monkeypatch):
+    monkeypatch.setattr(pages, "_SHOWN", 2)
+    await client.post("/api/v1/hand-downs", json=handed_model(app, BASE_FAR), headers=KEY)
+    for number in range(2):
+        later = handed_model(app) | {"name": f"later {number}"}
+        await client.post("/api/v1/hand-downs", json=later, headers={"Idempotency-Key": f"later-{number}"})
+
+    newest = (await client.get("/hand-downs")).text
+    older = (await client.get("/hand-downs?before=2")).text
+
+    assert [text.count("moves the tool by up to") for text in (newest, older)] == [2, 1]
+    assert 'href="/hand-downs?before=2"' in newest
+    assert 'type="checkbox" name="accepted_shift_mm"' in older
+    assert 'href="/hand-downs?before=' not in older
 
 
 async def test_a_model_near_the_nominal_robot_needs_no_confirmation(client, app):
