@@ -88,12 +88,15 @@ def spread(errors: FloatArray, own: Discrepancy, draws: int = DRAWS) -> Spread:
 def drawn_norms(errors: FloatArray, own: Discrepancy, draws: int) -> FloatArray:
     """Return the norms of the errors of drawn calibrations, shape (draws, m)."""
     places, axes, causes = errors.shape
-    drawn = _drawn(draws, causes, places * axes if own.per_axis_mm > 0.0 else 0)
-    common = drawn.of_causes @ errors.reshape(places * axes, causes).T
-    if own.per_axis_mm > 0.0:
-        common += _sizes_mm(own, drawn.of_sizes)[:, None] * drawn.of_places
-    x, y, z = np.moveaxis(np.square(common, out=common).reshape(draws, places, axes), 2, 0)
-    return np.asarray(np.sqrt(x + y + z))
+    drawn = _drawn(draws, causes, places if own.per_axis_mm > 0.0 else 0)
+    sizes = _sizes_mm(own, drawn.of_sizes)[:, None]
+    squares = np.zeros((draws, places))
+    for axis in range(axes):
+        common = drawn.of_causes @ errors[:, axis].T
+        if own.per_axis_mm > 0.0:
+            common += sizes * drawn.of_places[axis]
+        squares += np.square(common, out=common)
+    return np.asarray(np.sqrt(squares, out=squares))
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,17 +105,15 @@ class _Drawn:
 
     of_causes: FloatArray  # (draws, S)
     of_sizes: FloatArray  # (draws,)
-    of_places: FloatArray  # (draws, 3 m)
+    of_places: FloatArray  # (3, draws, m), an axis after the other in memory
 
 
 @lru_cache(maxsize=1)  # some megabytes; a curve asks for the same at each of its points
-def _drawn(draws: int, causes: int, at_places: int) -> _Drawn:
+def _drawn(draws: int, causes: int, places: int) -> _Drawn:
     rng = np.random.default_rng(_SEED)
-    return _Drawn(
-        rng.standard_normal((draws, causes)),
-        rng.standard_normal(draws),
-        rng.standard_normal((draws, at_places)),
-    )
+    of_causes, of_sizes = rng.standard_normal((draws, causes)), rng.standard_normal(draws)
+    of_places = rng.standard_normal((draws, places, 3))
+    return _Drawn(of_causes, of_sizes, np.ascontiguousarray(np.moveaxis(of_places, 2, 0)))
 
 
 def _sizes_mm(own: Discrepancy, drawn: FloatArray) -> FloatArray:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tests.helpers.diagnosis.point_scenes import START, telling_campaign
-from tests.helpers.diagnosis.selections import left_of, make_selected, make_start, planted
+from tests.helpers.diagnosis.selections import PRESENT, left_of, make_selected, make_start, planted
 from tests.helpers.identification.synthetic import NOISE_MM, configurations, shifted
 from truepose.diagnosis.answer import _verdict, unanswerable
 from truepose.diagnosis.diagnose import diagnose
@@ -36,7 +36,7 @@ def campaign():
 def explained_step_by_step(campaign):
     """A diagnosis, and what was told of its progress."""
     told = []
-    return diagnose(campaign, START, lambda share, doing: told.append((share, doing))), told
+    return diagnose(campaign, PRESENT, lambda share, doing: told.append((share, doing))), told
 
 
 @pytest.fixture(scope="module")
@@ -47,12 +47,12 @@ def explained(explained_step_by_step):
 @pytest.fixture(scope="module")
 def crossed(campaign):
     """A diagnosis without validation readings."""
-    return diagnose(replace(campaign, validation=None), START)
+    return diagnose(replace(campaign, validation=None), PRESENT)
 
 
 @pytest.fixture(scope="module")
 def consistent():
-    return diagnose(with_unseen({}), START)
+    return diagnose(with_unseen({}), PRESENT)
 
 
 @pytest.fixture(scope="module")
@@ -105,7 +105,7 @@ def test_what_was_tried_and_not_found_says_how_large_it_could_still_be(explained
 
 
 def test_what_no_material_does_is_likely_at_most_and_says_so():
-    found = diagnose(planted({"thermal_growth": {"growth": -1e-4}}, n=60), START)
+    found = diagnose(planted({"thermal_growth": {"growth": -1e-4}}, n=60), PRESENT)
 
     (finding,) = [one for one in found.findings if one.over == "temperature"][:1]
     assert finding.effect == "thermal_growth"
@@ -144,8 +144,8 @@ def test_a_model_holds_what_was_found_and_nothing_that_only_the_diagnosis_needed
 
     assert set(explained.findings[0].parameters) <= set(names)
     assert not [name for name in names if name.startswith(NUISANCE)]
-    assert explained.model.effects == (*START, "joint_gain")
-    assert consistent.model.effects == START
+    assert explained.model.effects == (*PRESENT, "joint_gain")
+    assert consistent.model.effects == PRESENT
 
 
 def test_a_model_of_a_moving_instrument_keeps_the_fixed_nests_that_hold_its_frame():
@@ -157,7 +157,7 @@ def test_a_model_of_a_moving_instrument_keeps_the_fixed_nests_that_hold_its_fram
         for rows, time_s in ((points, points.stops.time_s), (looks, looks.time_s))
     ]
 
-    found = diagnose(replace(still, calibration=moving[0], reference=moving[1]), START)
+    found = diagnose(replace(still, calibration=moving[0], reference=moving[1]), PRESENT)
 
     names = [parameter.name for parameter in found.model.parameters]
     assert [finding.effect for finding in found.findings] == ["instrument_drift"]
@@ -282,7 +282,7 @@ def test_beside_something_large_that_nothing_explains_a_small_help_is_not_claime
 @pytest.fixture(scope="module")
 def contradicted(campaign):
     """A diagnosis whose validation readings come from a robot without the gain: it cannot help there."""
-    return diagnose(replace(campaign, validation=with_unseen({}).validation), START)
+    return diagnose(replace(campaign, validation=with_unseen({}).validation), PRESENT)
 
 
 def test_what_validation_readings_contradict_is_said_and_certain_no_more(contradicted):
@@ -310,7 +310,7 @@ def test_validation_readings_choose_nothing(contradicted, explained):
 def test_what_cannot_be_fitted_is_answered_with_its_reason():
     few = planted(GAIN_4, telling_campaign(5))
 
-    found = diagnose(few, START)
+    found = diagnose(few, PRESENT)
 
     assert found.verdict is Verdict.UNEXPLAINED
     assert "5" in english(found.message)
@@ -325,15 +325,15 @@ def test_what_cannot_be_fitted_is_answered_with_its_reason():
 
 
 def test_an_answer_without_numbers_names_robot_and_quantity(campaign):
-    found = unanswerable(campaign, START, "Nothing can be said.")
+    found = unanswerable(campaign, PRESENT, "Nothing can be said.")
 
-    assert (found.robot, found.quantity, found.start_effects) == ("ABB IRB 120", "position", START)
+    assert (found.robot, found.quantity, found.start_effects) == ("ABB IRB 120", "position", PRESENT)
     assert english(found.message) == "Nothing can be said."
 
 
 def off_at(rows):
     """What is said where some readings of a sound robot are off by 0.3 mm."""
-    return diagnose(shifted(with_unseen({}), rows, 0.3), START)
+    return diagnose(shifted(with_unseen({}), rows, 0.3), PRESENT)
 
 
 def test_bad_readings_that_fall_anywhere_are_certain():

@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 import truepose
-from tests.helpers.diagnosis.point_scenes import START, telling_campaign, telling_scene
-from tests.helpers.diagnosis.selections import planted
+from tests.helpers.diagnosis.point_scenes import telling_campaign, telling_scene
+from tests.helpers.diagnosis.selections import PRESENT, planted
 from tests.helpers.identification.synthetic import configurations
 from tests.helpers.web.pages import Page
 from tests.helpers.words.english import FUNCTION_WORDS, NOUNS, english_in
@@ -73,7 +73,7 @@ def diagnosed():
         "base_drift": {"drift_linear_x": 0.2},
     }
     unseen = planted(causes, telling_campaign(40, joints_rad=configurations(40, seed=9)), seed=11)
-    return diagnose(replace(planted(causes), validation=unseen.calibration), START)
+    return diagnose(replace(planted(causes), validation=unseen.calibration), PRESENT)
 
 
 def test_a_report_of_planted_causes_is_french_throughout(diagnosed):

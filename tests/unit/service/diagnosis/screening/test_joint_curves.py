@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from tests.helpers.diagnosis.point_scenes import START, telling_campaign
-from tests.helpers.diagnosis.selections import planted, select_from
+from tests.helpers.diagnosis.point_scenes import telling_campaign
+from tests.helpers.diagnosis.selections import PRESENT, planted, select_from
 from truepose.diagnosis.circumstances import scene_of
 from truepose.diagnosis.diagnose import diagnose
 from truepose.diagnosis.screening.candidates import pooled
@@ -35,7 +35,7 @@ def campaigns(values, n=300):
 @pytest.fixture(scope="module")
 def found():
     measured, _ = campaigns(lines(1, 25, seed=2, size_deg=0.006))
-    return diagnose(measured, START)
+    return diagnose(measured, PRESENT)
 
 
 def test_a_joint_with_dozens_of_lines_is_found_as_one_curve(found):
@@ -68,7 +68,7 @@ def test_a_few_waves_are_told_one_by_one():
     values = {"wave_1_2_sin": 3e-4, "wave_1_2_cos": 0.0, "wave_1_9_sin": 2e-4, "wave_1_9_cos": 1e-4}
     measured, _ = campaigns(values, n=100)
 
-    found = diagnose(measured, START)
+    found = diagnose(measured, PRESENT)
 
     assert {len(finding.parameters) for finding in found.findings} == {2}
     assert {finding.subject for finding in found.findings} == {"joint 1"}
@@ -76,7 +76,7 @@ def test_a_few_waves_are_told_one_by_one():
 
 def test_a_selection_with_a_curve_settles_though_its_size_is_told_anew_each_time():
     measured, _ = campaigns(lines(1, 25, seed=2, size_deg=0.006), n=120)
-    start = started(measured, START, relabel=False)
+    start = started(measured, PRESENT, relabel=False)
 
     def propose(fit):
         return CAUSES["joint_harmonics"].candidates(scene_of(start.problem, fit))
@@ -91,7 +91,7 @@ def test_a_selection_with_a_curve_settles_though_its_size_is_told_anew_each_time
 
 def test_a_curve_that_was_sized_may_still_grow_to_what_physics_allows():
     measured, _ = campaigns(lines(1, 25, seed=2, size_deg=0.006))
-    start = started(measured, START, relabel=False)
+    start = started(measured, PRESENT, relabel=False)
     proposed = CAUSES["joint_harmonics"].candidates(scene_of(start.problem, start.fit))
     curve = next(one for one in proposed if one.function and one.subject == "joint 1")
 
