@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.helpers.identification.lacking import GAP_RAD, MODEL, errors_over_stated, robot
+from tests.helpers.identification.lacking import GAP_RAD, MODEL, campaign, errors_over_stated, robot
 from tests.helpers.identification.synthetic import (
     NOISE_MM,
     configurations,
