@@ -1,4 +1,4 @@
-"""The tracker's place in the world: exact without noise, and its covariance against Monte Carlo."""
+"""The tracker's place in the world: exact without noise, and as far known as what it stands on."""
 
 import math
 from dataclasses import replace
@@ -6,30 +6,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from tests.helpers.domain.registered import CERTIFIED, ROTATION, draw, in_tracker
 from tests.unit.service.sequencing.tracker.fakes import FIXED_NESTS, TRACKER_AT
 from truepose.domain.cell.description import CertifiedLength
 from truepose.domain.robot import FixedNest
-from truepose.kinematics.frames import rotation_xyz, vector_from_rotation
 from truepose.sequencing.tracker.world_frame.registration import nest_mean, register, to_tracker, to_world
 from truepose.sequencing.tracker.world_frame.scale import scale_sentence
-
-ROTATION = rotation_xyz(0.003, -0.002, 2.1)
-SPREAD_MM = (0.010, 0.022, 0.022)
-CERTIFIED = np.array([nest.centre_mm for nest in FIXED_NESTS])
-
-
-def in_tracker(world):
-    return (world - np.array(TRACKER_AT)) @ ROTATION
-
-
-def readings(place, rng, n=20):
-    return place + np.array(SPREAD_MM) * rng.standard_normal((n, 3))
-
-
-def draw(rng, true_nests=CERTIFIED, scale=1.0, nests=FIXED_NESTS, lengths=()):
-    stated = np.broadcast_to(np.diag(np.square(SPREAD_MM)), (20, 3, 3))
-    means = [nest_mean(readings(scale * place, rng), stated) for place in in_tracker(true_nests)]
-    return register(means, nests, lengths=lengths)
 
 
 def test_without_noise_the_motion_is_found_exactly():
@@ -50,23 +32,6 @@ def test_there_and_back_is_where_one_started():
     assert to_tracker(registration, to_world(registration, points)) == pytest.approx(points, abs=1e-9)
 
 
-def test_the_stated_covariance_is_what_many_registrations_show():
-    rng = np.random.default_rng(3)
-    motions, stated = [], []
-    for _ in range(1500):
-        true_nests = CERTIFIED + 0.002 * rng.standard_normal(CERTIFIED.shape)
-        registration = draw(rng, true_nests)
-        turn = vector_from_rotation(registration.rotation @ ROTATION.T)
-        shift = registration.translation_mm - registration.rotation @ ROTATION.T @ TRACKER_AT
-        motions.append(np.concatenate([shift, turn]))
-        stated.append(registration.covariance)
-
-    observed = np.cov(np.array(motions), rowvar=False)
-    ratios = np.linalg.eigvals(np.linalg.solve(np.mean(stated, axis=0), observed)).real
-    # the largest of six eigenvalues of 1,500 draws strays by (1 +- sqrt(6 / 1500))^2: 0.88 to 1.13
-    assert np.all((ratios > 0.85) & (ratios < 1.16))
-
-
 def test_a_nest_with_a_poor_certificate_has_little_say():
     rng = np.random.default_rng(4)
     poor = (*FIXED_NESTS[:2], FixedNest(FIXED_NESTS[2].centre_mm, 5.0))
@@ -77,17 +42,6 @@ def test_a_nest_with_a_poor_certificate_has_little_say():
     registration = draw(rng, true_nests, nests=extra)
 
     assert registration.rotation == pytest.approx(ROTATION, abs=2e-5)  # 0.02 mm over 1 m
-
-
-def test_the_scale_is_found_with_its_uncertainty():
-    errors = []
-    for seed in range(200):
-        registration = draw(np.random.default_rng(seed), scale=1.0 / (1.0 + 20e-6))
-        errors.append((registration.scale - 1.0 - 20e-6) / registration.scale_standard_uncertainty)
-
-    # the certificate's own errors are not drawn here, so a little less than 1; 200 draws: 5 %
-    assert 0.7 < np.std(errors) < 1.15
-    assert abs(np.mean(errors)) < 4 / np.sqrt(200)
 
 
 @pytest.mark.parametrize(
