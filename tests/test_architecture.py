@@ -2,6 +2,7 @@
 
 import ast
 import contextlib
+import functools
 import re
 import statistics
 import subprocess
@@ -39,10 +40,12 @@ _MACHINE = re.compile(
 )
 
 
+@functools.cache
 def _modules():
     return [path for package in _PACKAGES for path in (_CHECKOUT / package).rglob("*.py")]
 
 
+@functools.cache
 def _kept_files():
     """Files under version control and those about to be."""
     listed = subprocess.run(
@@ -57,6 +60,7 @@ def _kept_files():
     return [_CHECKOUT / name for name in names if name and (_CHECKOUT / name).is_file()]
 
 
+@functools.cache
 def _text(path):
     """Return a file's text, empty where it is no text."""
     data = path.read_bytes()
@@ -64,7 +68,7 @@ def _text(path):
 
 
 def _functions(path):
-    tree = ast.parse(path.read_text(encoding="utf-8"))
+    tree = ast.parse(_text(path))
     return [node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef)]
 
 
@@ -109,7 +113,7 @@ def test_no_two_modules_lead_to_each_other(package):
 
 
 def test_every_module_stays_below_its_limit():
-    lengths = {_named(path): len(path.read_text(encoding="utf-8").splitlines()) for path in _modules()}
+    lengths = {_named(path): len(_text(path).splitlines()) for path in _modules()}
 
     assert {name: lines for name, lines in lengths.items() if lines > _LONGEST_MODULE} == {}
 

@@ -83,7 +83,8 @@ def test_the_commands_of_the_readme_work_one_after_the_other(tmp_path):
     lines = re.findall(r"^truepose ((?:identify|validate|predict|diagnose) .*)$", readme, flags=re.MULTILINE)
     shutil.copytree(_FOLDER, tmp_path / "docs" / "examples" / "campaign")
 
-    done = [_truepose(*shlex.split(line), cwd=tmp_path) for line in lines]
+    first, *others = (shlex.split(line) for line in lines)
+    done = [_truepose(*first, cwd=tmp_path), *(typed(*line, cwd=tmp_path) for line in others)]
 
     assert [line.split()[0] for line in lines] == ["identify", "validate", "predict", "diagnose"]
     assert [run.returncode for run in done] == [0] * 4, "".join(run.stderr for run in done)

@@ -86,7 +86,8 @@ def address(request, tmp_path, empty_database):
     return f"sqlite:///{file}"
 
 
-async def test_robots_are_compared_from_what_was_collected(address, served_plant, campaigns):
+async def test_robots_are_compared_from_what_was_collected(address, served_plant, campaigns, monkeypatch):
+    monkeypatch.setattr(chosen, "workers", lambda *_: contextlib.nullcontext(Cluster(ThisProcess())))
     async with served_plant(address) as service:
         await collect(service, campaigns)
         await lay(service, (plant_robots, {"serial_number": "A-0", "robot": "ABB IRB 120"}))

@@ -75,7 +75,7 @@ async def test_a_pose_skipped_at_every_attempt_stays_left_out(kept):
     assert await kept.counts() == (1, 1)
 
 
-@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("seed", range(2))
 async def test_list_and_page_agree_whatever_was_skipped_taken_back_and_tried_again(kept, seed):
     chance, story = np.random.default_rng(seed), kept.story
     for _ in range(90):

@@ -141,7 +141,7 @@ def test_real_robots_replay_as_their_models_predict(measured_data, tmp_path, cam
     assert positions_mm(tmp_path / "out") == pytest.approx(predicted, abs=1e-3)
 
 
-async def test_a_session_over_the_wire_measures_the_robot_of_the_model(geared):
+async def test_a_session_over_the_wire_measures_the_robot_of_the_model(geared, forked_processes):
     identified = read_model(geared / "model.json")
     async with bench("irb120-clean", 3, "--model", str(geared / "model.json")) as opened:
         plan = plan_validation(opened.space, 25, seed=1)
