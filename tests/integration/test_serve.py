@@ -1,6 +1,7 @@
 """The service as a process: ready in one line, refused in one sentence, ended in order."""
 
 import contextlib
+import http.client
 import json
 import logging
 import os
@@ -14,6 +15,7 @@ import time
 from asyncio.constants import ACCEPT_RETRY_DELAY
 from dataclasses import replace
 from pathlib import Path
+from urllib.parse import urlsplit
 
 import httpx
 import pytest
@@ -156,6 +158,21 @@ def test_the_body_of_an_answer_does_not_wait_for_the_acknowledgement_of_its_head
         accepted, _ = listener.accept()
         with accepted:
             assert accepted.getsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY)
+
+
+def test_a_request_arrives_on_a_connection_that_a_client_has_kept_for_as_long_as_most_do(standing):
+    url, _ = standing
+    connection = http.client.HTTPConnection(urlsplit(url).netloc)
+
+    connection.request("GET", "/health")
+    connection.getresponse().read()
+    kept = connection.sock
+    time.sleep(5.3)  # httpx keeps one for 5 s
+    connection.request("GET", "/health")
+
+    assert connection.getresponse().status == 200
+    assert connection.sock is kept
+    connection.close()
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="the option is Linux's")

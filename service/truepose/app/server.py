@@ -43,6 +43,9 @@ _LOG: Final = logging.getLogger(__name__)
 _UNUSABLE_INPUT: Final = 2
 _SERVICE_FAILED: Final = 3
 _GRACE_S: Final = 5  # for requests under way when the service ends
+# Most clients keep a connection for 5 or 15 s, and so end it before the service does: a request that
+# meets the end of its connection is reset, and nobody knows whether it was carried out.
+_KEPT_S: Final = 75
 _AT_ONCE: Final = 128  # connections taken up before anything else is looked at again
 _UNHEARD_MS: Final = 30_000  # after which a connection ends whose other side acknowledges nothing
 _QUEUE: Final = 4096  # connections that wait in the system to be taken up; beyond, it asks them to come again
@@ -132,6 +135,7 @@ async def _serve(settings: Settings, served: Served[C], lines_lost: Callable[[],
                 access_log=False,
                 log_config=None,
                 log_level=logging.WARNING,
+                timeout_keep_alive=_KEPT_S,
                 timeout_graceful_shutdown=_GRACE_S,
             )
             url = _url(listener, speak_tls(config, settings))

@@ -47,6 +47,7 @@ async def served(limits=TIGHT):
         protocol = functools.partial(WatchedProtocol, census)
         config = uvicorn.Config(application, http=protocol, ws="none", log_config=None, lifespan="off")
         config.timeout_graceful_shutdown = 1
+        config.timeout_keep_alive = 60
         server = uvicorn.Server(config)
         server.capture_signals = contextlib.nullcontext
         async with looked_after(census):

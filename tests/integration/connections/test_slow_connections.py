@@ -110,6 +110,30 @@ async def test_a_connection_that_is_used_again_and_again_is_kept():
         writer.close()
 
 
+async def test_a_connection_that_rests_between_two_requests_is_kept(port):
+    reader, writer = await connected(port, GET)
+    await reader.readuntil(b"xxx\r\n0\r\n\r\n")
+
+    await asyncio.sleep(5 * TIGHT.head_s)
+    writer.write(GET)
+
+    assert b"HTTP/1.1 200" in await reader.readuntil(b"xxx\r\n0\r\n\r\n")
+    writer.close()
+
+
+@pytest.mark.parametrize("together", [False, True])
+async def test_who_does_not_finish_a_second_request_is_closed(port, together):
+    half = b"GET /3 HTTP/1.1\r\nHost: "
+    reader, writer = await connected(port, GET + half if together else GET)
+    await reader.readuntil(b"xxx\r\n0\r\n\r\n")
+    if not together:
+        writer.write(half)
+
+    async with asyncio.timeout(20 * TIGHT.head_s):  # sooner than an idle connection would be
+        assert await until_closed(reader) == b""
+    writer.close()
+
+
 async def test_what_is_no_http_gets_a_problem_with_all_headers(port):
     reader, writer = await connected(port, b"\x16\x03\x01\x02\x00\x01\r\n\r\n")
 

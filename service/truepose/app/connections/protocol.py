@@ -39,6 +39,7 @@ class WatchedProtocol(H11Protocol):
         self._census = census
         limits = census.limits
         self._head_since_s = self.loop.time()
+        self._is_idle = False  # since an answer; it is the server's keep-alive that ends it
         self._body = Pace(limits.body_bytes_per_s, limits.body_grace_s)
         self._answer = Pace(limits.answer_bytes_per_s, limits.answer_grace_s)
 
@@ -60,6 +61,8 @@ class WatchedProtocol(H11Protocol):
 
     def data_received(self, data: bytes) -> None:
         """Read on, and note how far a body has come."""
+        if self._is_idle:
+            self._is_idle, self._head_since_s = False, self.loop.time()
         was_body = self.conn.their_state is h11.SEND_BODY
         super().data_received(data)
         if self.conn.their_state is h11.SEND_BODY:
@@ -71,6 +74,7 @@ class WatchedProtocol(H11Protocol):
     def on_response_complete(self) -> None:
         """Wait for the next request from now on."""
         self._head_since_s = self.loop.time()
+        self._is_idle = not self.conn.trailing_data[0]  # else the next request is here in part
         super().on_response_complete()
 
     def incomplete_since(self) -> float | None:
@@ -92,7 +96,7 @@ class WatchedProtocol(H11Protocol):
         if self.transport.is_closing():
             return None
         if self.conn.their_state is h11.IDLE:
-            late = now_s - self._head_since_s > limits.head_s
+            late = not self._is_idle and now_s - self._head_since_s > limits.head_s
             return "sent no whole request in time" if late else None
         if self.conn.their_state is h11.SEND_BODY:
             if self.flow.read_paused:  # it is we who do not read
