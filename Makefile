@@ -11,7 +11,7 @@ EXTRAS ?= dev
 TRUEPOSE_DATA ?=
 export TRUEPOSE_DATA
 
-.PHONY: setup demo test thorough unit smoke attack installed check docs bench accuracy diagnosis-report ballbar-report hardening-report pages-report interruptions interface-report interface-accepted live-latency nightly clean
+.PHONY: setup demo test thorough unit smoke attack installed check docs bench accuracy diagnosis-report ballbar-report hardening-report pages-report interruptions interface-report behaviour interface-accepted live-latency nightly clean
 
 setup: $(VENV)/.installed
 
@@ -130,6 +130,10 @@ interruptions: setup
 # Twice fifty examples of each of ninety operations and each phase: an hour and a half on two idle cores.
 interface-report: setup
 	$(BIN)/python -m tests.studies.every_request --out out/interface
+
+# What commands, replies, pages and wires say today; tests hold every later change against it.
+behaviour: setup
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m tests.recorded
 
 # What programs may rely on, as it is today; a test holds every later change against it.
 interface-accepted: setup

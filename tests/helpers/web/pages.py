@@ -2,6 +2,8 @@
 
 from html.parser import HTMLParser
 
+_NOT_SHOWN = {"script", "style", "template"}
+
 
 class Page(HTMLParser):
     """What a browser would find: elements with attributes, and the text between them."""
@@ -9,13 +11,26 @@ class Page(HTMLParser):
     def __init__(self, html):
         super().__init__()
         self.elements, self._texts = [], []
+        self._hidden = False
+        self._seen = []
         self.feed(html)
 
     def handle_starttag(self, tag, attrs):
         self.elements.append((tag, dict(attrs)))
+        self._hidden = tag in _NOT_SHOWN
+
+    def handle_endtag(self, tag):
+        self._hidden = False
 
     def handle_data(self, data):
         self._texts.append(data)
+        if not self._hidden:
+            self._seen.append(data)
+
+    @property
+    def pieces(self):
+        """What is read on it, piece by piece: no program, no form of words or lines."""
+        return [" ".join(data.split()) for data in self._seen if data.strip()]
 
     @property
     def text(self):
