@@ -1,10 +1,13 @@
 """What a machine may lack and what a run says of it at its end; where it writes its files."""
 
 import os
+import socket
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
+
+import pytest
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,6 +36,14 @@ OWN_NETWORK = Lack(
 )
 POSTGRESQL = Lack("no PostgreSQL server is installed (Debian: postgresql)", "records on a PostgreSQL server")
 PANGO = Lack("Pango is not installed (Debian: libpango-1.0-0, libpangoft2-1.0-0)", "reports as PDF")
+# What other systems than Linux do without.
+PSEUDO_TERMINALS = pytest.mark.skipif(not hasattr(os, "openpty"), reason="no pseudo terminals here")
+NAMED_PIPES = pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no pipe is a file here")
+UNIX_SOCKETS = pytest.mark.skipif(not hasattr(socket, "AF_UNIX"), reason="no socket is a file here")
+DEVICE_FILES = pytest.mark.skipif(not Path("/dev/zero").exists(), reason="no device is a file here")
+POSIX_MODES = pytest.mark.skipif(os.name != "posix", reason="Windows knows no such modes")
+KILLING_SIGNALS = pytest.mark.skipif(os.name != "posix", reason="no signal kills a process of Windows")
+FOLDERS_IN_MEMORY = pytest.mark.skipif(not hasattr(os, "ST_NOEXEC"), reason="no folder in memory here")
 _MEMORY: Final = Path("/dev/shm")
 _ROOM_BYTES: Final = 3 * 2**30  # a whole run leaves less than one, were every folder kept
 _ALL = (MEASURED_DATA, UMOCKDEV, CHROMIUM, CESAPI, NDICAPI, ABB_ROBOT_CLIENT, OWN_NETWORK, POSTGRESQL, PANGO)
@@ -53,11 +64,13 @@ def what_was_untested(reasons: Iterable[str]) -> str:
 
 
 def folder_in_memory(folder: Path = _MEMORY) -> Path | None:
-    """Return where files lie in memory; None where that is small or forbids programs.
+    """Return where files lie in memory; None where that is small or forbids programs, or no such thing is.
 
     A commit that waits for a disk waits most of its time. What a killed process has written is there
     afterwards, as on a disk; a computer that loses its power is in no test.
     """
+    if not hasattr(os, "statvfs"):  # Windows
+        return None
     try:
         found = os.statvfs(folder)
     except OSError:

@@ -3,13 +3,12 @@
 import asyncio
 import contextlib
 import os
-import termios
 import time
-import tty
 from types import SimpleNamespace
 
 import pytest
 
+from tests.helpers.machine import PSEUDO_TERMINALS
 from truepose_drivers.errors import ConnectFailedError, ConnectionLostError
 from truepose_drivers.transports.serial import Framing, SerialLink, _check_parity
 
@@ -20,6 +19,8 @@ class Terminal:
     """A pseudo terminal whose master end plays the device."""
 
     def __init__(self) -> None:
+        import tty  # not on Windows
+
         self.master, slave = os.openpty()
         tty.setraw(slave)
         self.name = os.ttyname(slave)
@@ -30,7 +31,7 @@ class Terminal:
         os.close(self.master)
 
 
-@pytest.fixture
+@pytest.fixture(params=[pytest.param("pseudo", marks=PSEUDO_TERMINALS)])
 def terminal():
     made = Terminal()
     yield made
@@ -56,6 +57,8 @@ async def test_bytes_go_there_and_back(terminal):
 
 
 def test_characters_whose_parity_fails_do_not_pass_for_others(terminal):
+    import termios  # not on Windows
+
     _check_parity(SimpleNamespace(fd=terminal._slave))
 
     iflag = termios.tcgetattr(terminal._slave)[0]

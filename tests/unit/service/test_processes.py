@@ -9,9 +9,11 @@ import sys
 
 import pytest
 
+from tests.helpers.machine import KILLING_SIGNALS
 from truepose.processes import asked_to_end, in_own_group, interrupt_this_process, kill_group
 from truepose_simulators import ending
 
+BREAK = getattr(signal, "SIGBREAK", None) or signal.SIGUSR1
 SYSTEMS = ("as it is", "as Windows is")
 
 
@@ -24,18 +26,18 @@ def system(request, monkeypatch):
             raise NotImplementedError
 
         monkeypatch.setattr(asyncio.SelectorEventLoop, "add_signal_handler", refused)
-        monkeypatch.setattr(signal, "SIGBREAK", signal.SIGUSR1, raising=False)
+        monkeypatch.setattr(signal, "SIGBREAK", BREAK, raising=False)
     return request.param
 
 
 def asking(system):
-    return [signal.SIGINT, signal.SIGTERM, *([signal.SIGUSR1] if system == "as Windows is" else [])]
+    return [signal.SIGINT, signal.SIGTERM, *([BREAK] if system == "as Windows is" else [])]
 
 
 @pytest.fixture
 def handlers():
     """Signal handlers as they were before a test."""
-    before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM, signal.SIGUSR1)}
+    before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM, BREAK)}
     yield before
     for number, handler in before.items():
         signal.signal(number, handler)
@@ -76,6 +78,7 @@ def test_a_thread_interrupts_its_process_where_a_kill_would_end_it_on_the_spot(m
 
 
 def test_a_process_of_windows_gets_a_group_by_a_flag(monkeypatch):
+    monkeypatch.delattr(subprocess, "CREATE_NEW_PROCESS_GROUP", raising=False)
     assert in_own_group() == {"start_new_session": True}
 
     monkeypatch.setattr(subprocess, "CREATE_NEW_PROCESS_GROUP", 0x200, raising=False)
@@ -83,10 +86,11 @@ def test_a_process_of_windows_gets_a_group_by_a_flag(monkeypatch):
     assert in_own_group() == {"creationflags": 0x200}
 
 
+@KILLING_SIGNALS
 @pytest.mark.parametrize("grouped", [True, False])
 async def test_a_process_is_killed_once_and_may_have_ended(monkeypatch, grouped):
     if not grouped:
-        monkeypatch.delattr(os, "killpg")
+        monkeypatch.delattr(os, "killpg", raising=False)
     process = await asyncio.create_subprocess_exec(
         sys.executable, "-c", "input()", stdin=asyncio.subprocess.PIPE, start_new_session=True
     )

@@ -4,6 +4,7 @@ import os
 
 import pytest
 
+from tests.helpers.machine import DEVICE_FILES, NAMED_PIPES
 from truepose_simulators.errors import ModelError, ReplayError, ScenarioError
 from truepose_simulators.recording.ballbars.plan import read_plan
 from truepose_simulators.recording.replaying.measured_table import read_table
@@ -12,6 +13,7 @@ from truepose_simulators.scenarios.input_file import read_file, read_text
 from truepose_simulators.scenarios.model_file import load_model
 
 
+@NAMED_PIPES
 @pytest.mark.parametrize(
     ("read", "error"), [(load_model, ModelError), (read_plan, ScenarioError), (read_table, ReplayError)]
 )
@@ -22,6 +24,7 @@ def test_a_pipe_is_refused_at_once(tmp_path, read, error):
         read(tmp_path / "it")
 
 
+@DEVICE_FILES
 def test_a_device_has_no_content(tmp_path):
     (tmp_path / "it").symlink_to("/dev/zero")
 

@@ -5,7 +5,13 @@ from types import SimpleNamespace
 
 import pytest
 
-from tests.helpers.machine import CHROMIUM, MEASURED_DATA, folder_in_memory, what_was_untested
+from tests.helpers.machine import (
+    CHROMIUM,
+    FOLDERS_IN_MEMORY,
+    MEASURED_DATA,
+    folder_in_memory,
+    what_was_untested,
+)
 
 
 def test_a_machine_that_has_everything_says_nothing():
@@ -27,9 +33,10 @@ def test_a_bare_machine_says_in_one_line_what_it_could_not_test():
     )
 
 
+@FOLDERS_IN_MEMORY
 @pytest.mark.parametrize(
     ("free_bytes", "flags", "there"),
-    [(8 * 2**30, 0, True), (64 * 2**20, 0, False), (8 * 2**30, os.ST_NOEXEC, False)],
+    [(8 * 2**30, 0, True), (64 * 2**20, 0, False), (8 * 2**30, getattr(os, "ST_NOEXEC", 8), False)],
 )
 def test_files_are_in_memory_where_there_is_room_and_programs_may_run(
     monkeypatch, tmp_path, free_bytes, flags, there
@@ -42,3 +49,9 @@ def test_files_are_in_memory_where_there_is_room_and_programs_may_run(
 
 def test_without_such_a_folder_files_are_on_the_disk(tmp_path):
     assert folder_in_memory(tmp_path / "none") is None
+
+
+def test_a_system_that_says_nothing_of_free_room_has_its_files_on_the_disk(monkeypatch, tmp_path):
+    monkeypatch.delattr(os, "statvfs", raising=False)
+
+    assert folder_in_memory(tmp_path) is None

@@ -6,6 +6,7 @@ import stat
 
 import pytest
 
+from tests.helpers.machine import POSIX_MODES
 from truepose.app.logs.journal import logged
 from truepose.storage.backup.addressed import back_up_at, restore_at
 from truepose.storage.backup.plan import BackupPlan
@@ -14,7 +15,7 @@ from truepose.storage.database import Database
 
 pytestmark = [
     pytest.mark.engine("sqlite"),
-    pytest.mark.skipif(os.name != "posix", reason="Windows knows no such modes"),
+    POSIX_MODES,
 ]
 
 

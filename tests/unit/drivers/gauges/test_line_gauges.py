@@ -4,12 +4,12 @@ import asyncio
 import contextlib
 import math
 import os
-import tty
 
 import pytest
 
 from tests.contract.benches import in_memory
 from tests.helpers.ballbar.length_sources import FakeBar, electronics
+from tests.helpers.machine import PSEUDO_TERMINALS
 from truepose_drivers.errors import ConfigurationError, ConnectFailedError, DriverError, RemoteProtocolError
 from truepose_drivers.keyence_gt2.driver import PLUGIN as KEYENCE
 from truepose_drivers.keyence_gt2.driver import KeyenceUnit
@@ -162,7 +162,10 @@ async def test_an_answer_that_came_too_late_is_not_taken_after_connecting_again(
     assert (await gauges.read()).deviation_mm == 0.222
 
 
+@PSEUDO_TERMINALS
 async def test_a_box_on_a_serial_port_is_read():
+    import tty  # not on Windows
+
     master, slave = os.openpty()
     tty.setraw(slave)
     driver = SERIAL.open({"serial": os.ttyname(slave), "channels": "1 2"}, MonotonicClock())

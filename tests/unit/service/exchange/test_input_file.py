@@ -5,6 +5,7 @@ import socket
 
 import pytest
 
+from tests.helpers.machine import DEVICE_FILES, NAMED_PIPES, UNIX_SOCKETS
 from truepose.exchange.errors import MissingFileError, UnreadableFileError
 from truepose.exchange.input_file import read_bytes
 
@@ -28,7 +29,12 @@ def directory(folder):
 
 @pytest.mark.parametrize(
     ("make", "kind"),
-    [(fifo, "a pipe"), (listener, "a socket"), (device, "a device"), (directory, "a folder")],
+    [
+        pytest.param(fifo, "a pipe", marks=NAMED_PIPES),
+        pytest.param(listener, "a socket", marks=UNIX_SOCKETS),
+        pytest.param(device, "a device", marks=DEVICE_FILES),
+        (directory, "a folder"),
+    ],
 )
 def test_what_is_no_file_is_refused_at_once(tmp_path, make, kind):
     make(tmp_path)

@@ -5,12 +5,11 @@ import stat
 
 import pytest
 
+from tests.helpers.machine import POSIX_MODES
 from truepose.operation.people.hashes import chosen_hash, matches
 from truepose.operation.people.pins import Pins
 from truepose.storage.errors import StorageUnavailableError
 from truepose.storage.people.pepper import Pepper
-
-POSIX = pytest.mark.skipif(os.name != "posix", reason="Windows knows no such modes")
 
 
 @pytest.fixture
@@ -50,7 +49,7 @@ def test_a_pin_of_an_older_version_counts(pepper):
     assert not Pins.is_old(Pins(pepper).kept("4071"))
 
 
-@POSIX
+@POSIX_MODES
 def test_the_secret_is_its_owners_alone_whatever_the_umask(pepper):
     before = os.umask(0)
     try:
