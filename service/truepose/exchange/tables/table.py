@@ -58,7 +58,8 @@ def one_of(numbers: Collection[int], what: str) -> Rule:
     """Return the rule that numbers are among `numbers`, which are `what`."""
     allowed = np.array(sorted(numbers), float)
     listed = ", ".join(str(number) for number in sorted(numbers))
-    return Rule(lambda v: np.isin(v, allowed), f"must be one of {what}: {listed}")
+    known = f": {listed}" if numbers else ", of which there are none"
+    return Rule(lambda v: np.isin(v, allowed), f"must be one of {what}{known}")
 
 
 @dataclass(frozen=True, slots=True)

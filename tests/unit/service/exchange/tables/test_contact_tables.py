@@ -103,6 +103,12 @@ def test_a_row_without_an_axis_has_none():
         ),
         (
             lambda: read_distance_table(
+                "d.csv", b"target_a,target_b,distance_mm,u_mm\n4,4,300,0.001\n", SPHERES[2:]
+            ),
+            "that have a centre, of which there are none",
+        ),
+        (
+            lambda: read_distance_table(
                 "d.csv", b"target_a,target_b,distance_mm,u_mm\n1,1,300,0.001\n", SPHERES
             ),
             "two different targets",
