@@ -106,16 +106,20 @@ def _days(at: Posterior) -> tuple[FloatArray, FloatArray]:
 
 
 def uncertainties(estimated: Estimated) -> FloatArray:
-    """Return the standard uncertainty of each variance between robots, (P,), in squared stated widths."""
+    """Return the standard uncertainty of each variance between robots, (P,), in squared stated widths.
+
+    It is at least what it were if all others were known, and at most what was stated: of a parameter that
+    no campaign shows, nothing else is known.
+    """
     at = estimated.posterior
     normal, cross = at.equations.normal, at.equations.cross
     held = normal - normal @ at.own @ normal
-    reach = (cross - normal @ at.gain) @ np.linalg.cholesky(at.covariance)  # (R, P, G)
+    reach = (cross - normal @ at.gain) @ at.root  # (R, P, G)
     information = np.zeros(normal.shape[1:])
     for robot, mine in enumerate(reach):
         between = mine @ np.swapaxes(reach, 1, 2)  # (R, P, P)
         between[robot] -= held[robot]
         information += 0.5 * (between**2).sum(axis=0)
-    scale = 1.0 / np.sqrt(np.maximum(np.diag(information), 1e-300))
+    scale = 1.0 / np.sqrt(np.maximum(np.diag(information), 1.0))
     unit = np.linalg.pinv(information * np.outer(scale, scale), rcond=1e-10, hermitian=True)
-    return np.asarray(scale * np.sqrt(np.diag(unit)))
+    return np.minimum(scale * np.sqrt(np.maximum(np.diag(unit), 1.0)), 1.0)

@@ -87,7 +87,7 @@ def _of_instrument(account: Account, named: Named) -> Along:
     posterior = estimate(Equations(fleet, others), account.estimated.variances).posterior
     days = InstrumentDays(posterior)
     number = fleet.instruments.index(named.change.of)
-    own = [k for k, visit in enumerate(fleet.visits) if visit[0] == number]
+    own = [k for k, visit in enumerate(fleet.visits) if visit[0] == number and days.told[k]]
     less = np.eye(len(days.scale))[own[1:]] - np.eye(len(days.scale))[own[0]]
     unit_mm = float(np.sqrt(fleet.motion_mm2[-1, -1])) * float(np.sign(named.amount[0]))
     spread = np.einsum("nd,de,ne->n", less, days.covariance, less)

@@ -19,6 +19,7 @@ from typing import Final
 import numpy as np
 
 from truepose.domain.arrays import BoolArray, FloatArray
+from truepose.domain.definite import inverse
 from truepose.domain.measurement.campaign import Campaign
 from truepose.domain.robot import Robot
 from truepose.effects.instruments.instrument_scale import NAME as SCALE
@@ -139,7 +140,7 @@ def _without_the_set_up(told: Information, of_set_up: BoolArray) -> Information:
     keep, out = np.flatnonzero(~of_set_up), np.flatnonzero(of_set_up)
     means, widths = (np.array([told.specs[k][i] for k in out.tolist()], dtype=float) for i in (2, 3))
     lost = told.normal[np.ix_(out, out)] + np.diag(1.0 / widths**2)
-    gain = np.linalg.solve(lost, told.normal[np.ix_(out, keep)]).T
+    gain = (inverse(lost) @ told.normal[np.ix_(out, keep)]).T
     normal = told.normal[np.ix_(keep, keep)] - gain @ told.normal[np.ix_(out, keep)]
     return Information(
         tuple(told.specs[k] for k in keep.tolist()),

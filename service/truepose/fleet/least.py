@@ -74,9 +74,10 @@ def least_of_instruments(account: Account) -> Least:
     own = {
         name: instrument == number
         for number, name in enumerate(fleet.instruments)
-        if not _is_named(account, name, cause)
+        if not _is_named(account, name, cause) and number in instrument  # not all of it is left out
     }
-    sizes = [unit_mm * _least_scale(scales, _line(day, among), chance) for among in own.values()]
+    least = [_least_scale(scales, _line(day, among), chance) for among in own.values()]
+    sizes = [unit_mm * one if np.isfinite(one) else np.inf for one in least]
     days = [float(np.ptp(day[among])) for among in own.values()]
     return Least(cause, tuple(own), np.array(sizes), np.array(days))
 

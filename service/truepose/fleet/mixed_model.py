@@ -30,6 +30,7 @@ from functools import cached_property
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
+from truepose.domain.definite import whitening_root
 from truepose.fleet.campaigns import Fleet
 
 
@@ -107,7 +108,7 @@ class Posterior:
         self.equations, self.variances = equations, variances
         size = np.sqrt(variances.robot)
         wound = np.eye(len(size)) + size[:, None] * equations.normal * size
-        root = np.linalg.inv(np.linalg.cholesky(wound)) * size  # (R, P, P)
+        root = whitening_root(wound) * size  # (R, P, P)
         self.own = np.swapaxes(root, 1, 2) @ root  # (R, P, P) D_i
         self.gain = self.own @ equations.cross  # (R, P, G)
         half = root @ equations.cross
@@ -117,7 +118,8 @@ class Posterior:
         right = equations.common_right - np.einsum("rpg,rp->g", half, told[:, :, 0], optimize=True)
         self.information, self.information_right = information, right
         total = information + np.linalg.inv(prior)
-        self.covariance = np.linalg.inv(0.5 * (total + total.T))  # (G, G) of g
+        self.root = whitening_root(0.5 * (total + total.T)).T  # (G, G)
+        self.covariance = self.root @ self.root.T  # (G, G) of g
         self.shared = self.covariance @ right  # (G,)
         self.deviation = np.einsum(
             "rpq,rq->rp", self.own, equations.right - equations.cross @ self.shared

@@ -27,7 +27,7 @@ def of_a_new_robot(account: Account) -> Belief:
     posterior = account.estimated.posterior
     own = slice(len(account.fleet.specs))
     variances = account.estimated.variances.robot
-    between = variances + np.minimum(uncertainties(account.estimated), 1.0)
+    between = variances + uncertainties(account.estimated)
     between *= _of_few(len(account.fleet.robots))
     return _belief(account, posterior.shared[own], posterior.covariance[own, own] + np.diag(between))
 

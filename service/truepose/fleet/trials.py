@@ -39,7 +39,9 @@ Kind = Literal["linear", "step", "day"]
 _MOST_BEGINNINGS: Final = 12  # of lines
 _SEEN: Final = 1e-6  # of the largest information of a cause: directions with less are not seen at all
 _SIZES: Final = np.logspace(-4.0, 8.0, 121)  # of 1 / information: where the largest ratio is looked for
-_RANK: Final = 1e-12  # of the largest variance of a day's scale: rounding leaves none below 0
+_UNSEEN: Final = 1e-10  # of the largest information on a day's scale: readings do not tell the scale
+_WHOLLY: Final = 0.999  # of a day, in what is seen of all days
+_SAME: Final = 1e-6  # of the largest of columns: what is left of one that is a sum of the others
 _DAYS: Final = np.append(0.0, np.logspace(-8.0, 0.0, 81))  # variances of days, in squared stated widths
 
 
@@ -236,58 +238,65 @@ class Line(NamedTuple):
     """A change over the days of an instrument, as it is found at a variance of days."""
 
     likelihood: float  # its logarithm
-    amount: float  # in stated widths
-    u: float  # standard uncertainty
+    u: float  # standard uncertainty; inf: there is no column
     squared: float  # of all columns beyond the instruments' levels: F where nothing changed
 
 
 class InstrumentDays:
-    """The scales of instruments on their days, and what explains them."""
+    """The scales of instruments on their days, as far as readings tell them, and what explains them."""
 
     def __init__(self, posterior: Posterior) -> None:
-        visits = posterior.equations.visits
-        prior = posterior.equations.prior(posterior.variances.day)[visits, visits]
-        known = np.linalg.inv(posterior.covariance[visits, visits])
-        covariance = np.linalg.inv(known - np.linalg.inv(prior))
-        self.covariance = 0.5 * (covariance + covariance.T)  # (D, D) of the readings alone
-        self.scale = self.covariance @ (known @ posterior.shared[visits])  # (D,) in stated widths
-        values, self._turns = np.linalg.eigh(self.covariance)
-        self._variances = np.maximum(values, _RANK * values[-1])
-        self._turned = self._turns.T @ self.scale
+        right, information = _of_days(posterior)
+        values, vectors = np.linalg.eigh(information)
+        seen = values > max(_UNSEEN * float(values[-1]), 1e-300)
+        self._turns, self._variances = vectors[:, seen], 1.0 / values[seen]
+        self._turned = self._variances * (self._turns.T @ right)
+        self.told = (self._turns**2).sum(axis=1) > _WHOLLY  # (D,) whether readings tell a day's scale
+        self.covariance = (self._turns * self._variances) @ self._turns.T  # (D, D) of the readings alone
+        self.scale = self._turns @ self._turned  # (D,) in stated widths
         instrument = np.array([visit[0] for visit in posterior.equations.fleet.visits])
-        self._levels = (instrument[:, None] == np.unique(instrument)).astype(float)
-        self._without = self._best(self._levels).likelihood
+        self._levels = _spanning(self._turns.T @ (instrument[:, None] == np.unique(instrument)))
+        self._without = self._best(()).likelihood
 
     def of(self, *changes: FloatArray) -> tuple[float, float]:
         """Return twice the log likelihood ratio of changes (D,) over the visits together, and its chance."""
-        columns = np.column_stack([self._levels, *changes])
-        left = len(self.scale) - columns.shape[1]
+        turned = [self._turns.T @ change for change in changes]
+        left = self._left(turned)
         if left < 1:
             return 0.0, 1.0
-        best = self._best(columns)
+        best = self._best(turned)
         chance = f_exceeded(best.squared, float(len(changes)), float(left))
         return max(2.0 * (best.likelihood - self._without), 0.0), chance
 
     def judging(self, shape: FloatArray) -> tuple[float, int]:
         """Return the standard uncertainty by which a change (D,) is judged, and its degrees of freedom."""
-        columns = np.column_stack([self._levels, shape])
-        left = len(shape) - columns.shape[1]
-        return (self._best(columns).u, left) if left >= 1 else (np.inf, 0)
+        turned = [self._turns.T @ shape]
+        left = self._left(turned)
+        return (self._best(turned).u, left) if left >= 1 else (np.inf, 0)
 
-    def _best(self, columns: FloatArray) -> "Line":
-        """Return what of the last column is found at the likeliest variance of days.
+    def _left(self, turned: Sequence[FloatArray]) -> int:
+        """Return the degrees of freedom beside changes; 0 where readings cannot tell these from levels."""
+        columns = np.column_stack([self._levels, *turned])
+        told = _spanning(columns).shape[1] == columns.shape[1]
+        return len(columns) - columns.shape[1] if told else 0
+
+    def _best(self, turned: Sequence[FloatArray]) -> "Line":
+        """Return what of the last change is found at the likeliest variance of days.
 
         The variance of days is that of the restricted likelihood's scale: of D values, as many are free as
         columns leave.
         """
-        likelihood, found, inverse, squared = self._likeliest(self._turns.T @ columns)
+        columns = np.column_stack([self._levels, *turned])
+        likelihood, found, inverse, squared = self._likeliest(columns)
         # What days scatter beyond this variance widens it, so that the largest likelihood is not taken at
         # its word by few days.
         spread = max(squared / max(len(columns) - columns.shape[1], 1), 1.0)
+        if not len(turned):
+            return Line(likelihood, np.inf, 0.0)
         beyond = slice(self._levels.shape[1], None)
         told = found[beyond] @ np.linalg.inv(inverse[beyond, beyond]) @ found[beyond]
-        squared = float(told) / (max(columns.shape[1] - self._levels.shape[1], 1) * spread)
-        return Line(likelihood, float(found[-1]), float(np.sqrt(inverse[-1, -1] * spread)), squared)
+        squared = float(told) / (len(turned) * spread)
+        return Line(likelihood, float(np.sqrt(inverse[-1, -1] * spread)), squared)
 
     def _likeliest(self, turned: FloatArray) -> tuple[float, FloatArray, FloatArray, float]:
         """Fit columns (D, p) at every variance of days: the largest likelihood, its fit, and what is left."""
@@ -300,3 +309,21 @@ class InstrumentDays:
         likelihoods = np.log(weights).sum(axis=1) - 0.5 * squares
         best = int(np.argmax(likelihoods))
         return float(likelihoods[best]), found[best, :, 0], inverses[best], float(squares[best])
+
+
+def _of_days(posterior: Posterior) -> tuple[FloatArray, FloatArray]:
+    """Return what readings say of the scales of D days, all else integrated out: (D,) and (D, D)."""
+    days = posterior.equations.visits
+    others = np.delete(np.arange(len(posterior.information)), days)
+    across = posterior.information[days, others]
+    held = posterior.information[np.ix_(others, others)] + np.eye(len(others))  # with their priors
+    gain = np.linalg.solve(held, across.T).T
+    information = posterior.information[days, days] - gain @ across.T
+    right = posterior.information_right
+    return right[days] - gain @ right[others], 0.5 * (information + information.T)
+
+
+def _spanning(columns: FloatArray) -> FloatArray:
+    """Return columns at right angles (n, r) that span given ones, without those that are sums of others."""
+    left, sizes, _ = np.linalg.svd(columns, full_matrices=False)
+    return np.asarray(left[:, sizes > _SAME * sizes.max(initial=0.0)])

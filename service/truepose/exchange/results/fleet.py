@@ -324,10 +324,8 @@ def _least(one: Least) -> LeastDocument:
 def _least_drifts(account: Account) -> Iterator[LeastDriftDocument]:
     found = least_of_instruments(account)
     for name, size_mm, days in zip(found.of, found.size_mm.tolist(), found.days.tolist(), strict=True):
-        um_per_m = drift_um_per_m(account.fleet, size_mm)
-        yield LeastDriftDocument(
-            instrument=name, days=days, size_mm=_finite(size_mm), um_per_m=_finite(um_per_m)
-        )
+        um_per_m = drift_um_per_m(account.fleet, size_mm) if math.isfinite(size_mm) else None
+        yield LeastDriftDocument(instrument=name, days=days, size_mm=_finite(size_mm), um_per_m=um_per_m)
 
 
 def _finite(value: float) -> float | None:

@@ -4,6 +4,7 @@ from typing import Final
 
 import numpy as np
 
+from truepose.domain.errors import ConfigurationError
 from truepose.fleet.causes import AgeingCause, robot_causes
 from truepose.fleet.changes import Account
 from truepose.fleet.pooled import of_robot_now
@@ -22,17 +23,28 @@ def asked_of(account: Account) -> tuple[AgeingCause, ...]:
     """Return what ages: the springs and the lines of the gears, and whatever was named of a robot.
 
     A gap is none of them: configurations that are approached from one side never show it.
+
+    Raises
+    ------
+    ConfigurationError
+        The campaigns tell of nothing that ages.
     """
     named = {
         one.change.cause.key
         for one in account.named
         if one.change.scope == "robot" and one.change.cause.effect != GAP
     }
-    return tuple(
+    asked = tuple(
         cause
         for cause in robot_causes(account.fleet)
         if cause.effect == _SPRING or cause.order > _GEAR_LINES or cause.key in named
     )
+    if not asked:
+        raise ConfigurationError(
+            "A check asks what ages in a robot, and this fleet has neither a spring nor a line of a gear nor "
+            "a change of a robot: compare campaigns that are identified with such effects."
+        )
+    return asked
 
 
 def check_of(
@@ -53,7 +65,7 @@ def check_of(
     Raises
     ------
     ConfigurationError
-        The growth is not above 0.
+        The growth is not above 0, or nothing ages.
     WorkSpaceError, TooFewCandidatesError
         As `draw_candidates`.
     """

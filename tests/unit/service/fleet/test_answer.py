@@ -8,7 +8,9 @@ import pytest
 
 from tests.helpers.fleet.linear import drawn
 from truepose.analysis.fleets.foretold import foretold
+from truepose.domain.errors import ConfigurationError
 from truepose.domain.sentences import leading_key
+from truepose.fleet.answer.check import asked_of
 from truepose.fleet.answer.due import due
 from truepose.fleet.answer.sentences import compared, headline, next_said, told_of
 from truepose.fleet.changes import account_of
@@ -170,3 +172,11 @@ def test_everything_is_said_in_every_language(ageing, language):
 
     assert not any("fleet." in one or "{" in one for one in said)
     assert "robot 4" in said[2]
+
+
+def test_a_check_of_a_fleet_in_which_nothing_ages_is_refused(steady):
+    """A ballbar without masses tells of geometry alone."""
+    aged = replace(steady.fleet, owners=("geometry",) * len(steady.fleet.owners))
+
+    with pytest.raises(ConfigurationError, match="neither a spring nor a line of a gear"):
+        asked_of(replace(steady, fleet=aged, named=()))

@@ -100,3 +100,34 @@ def test_no_step_lowers_the_likelihood():
     again = estimate(equations, start.variances)
 
     assert again.log_likelihood >= start.log_likelihood - 1e-3
+
+
+def test_of_a_parameter_that_no_campaign_shows_no_more_is_known_than_was_stated():
+    seen, unseen = ParameterSpec("theta_2", "rad", 0.0, 1e4), ParameterSpec("theta_6", "rad", 0.0, 1.0)
+    sigma = np.sqrt(_WITHIN)
+    fleet = fleet_of([
+        Measured(
+            f"batch {k}",
+            "scales",
+            0.0,
+            told(np.array([[1 / sigma] * len(row), [0.0] * len(row)]), np.array(row) / sigma, [seen, unseen]),
+        )
+        for k, row in enumerate(_DYES)
+    ])
+
+    assert uncertainties(estimate(Equations(fleet)))[1] == 1.0
+
+
+def test_readings_stated_far_better_than_numbers_are_kept_have_variances():
+    """Of information of 1e25 squared widths rounding leaves some below nothing."""
+    rng = np.random.default_rng(2)
+    specs = [ParameterSpec(f"theta_{joint}", "rad", 0.0, 1.0) for joint in range(1, 7)]
+    ways = rng.standard_normal((6, 3)) @ rng.standard_normal((3, 20))
+    fleet = fleet_of([
+        Measured(f"robot {k}", "tracker", 0.0, told(1e12 * ways, 1e12 * rng.standard_normal(20), specs))
+        for k in (0, 1, 2)
+    ])
+
+    found = uncertainties(estimate(Equations(fleet)))
+
+    assert ((found > 0.0) & (found <= 1.0)).all()

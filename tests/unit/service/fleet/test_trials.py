@@ -1,11 +1,16 @@
 """What speaks for a change, against one dense covariance of all readings and against a general optimiser."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.optimize import minimize_scalar
 from scipy.special import chdtrc
 
-from tests.helpers.fleet.linear import Dense, drawn
+from tests.helpers.fleet.linear import Dense, drawn, told
+from truepose.fleet.campaigns import Measured, fleet_of
+from truepose.fleet.changes import account_of
+from truepose.fleet.least import least_of_instruments
 from truepose.fleet.mixed_model import Equations, Posterior, Variances
 from truepose.fleet.trials import InstrumentDays, Score, Seen, excess_of, largest_ratio, shapes
 
@@ -148,3 +153,50 @@ def test_readings_that_are_all_worse_than_stated_are_told_from_a_change():
     assert worse.scattered(3.0) == 0.0
     assert worse.judged()[0] < worse.scattered(1.0) + 1e-9
     assert changed.scattered(1.0) == worse.scattered(1.0)
+
+
+def without_scale(information):
+    """A campaign as a ballbar or a gauge measures it: of the scale of a tracker it tells nothing."""
+    kept = slice(len(information.specs) - 1)
+    return replace(
+        information,
+        specs=information.specs[kept],
+        owners=information.owners[kept],
+        normal=information.normal[kept, kept],
+        right=information.right[kept],
+        motion_mm2=information.motion_mm2[kept, kept],
+    )
+
+
+def fleet_without_scale(blind):
+    """A fleet of which some campaigns, by their numbers, tell nothing of the scale."""
+    made = drawn(3, readings=40)
+    rows = zip(made.jacobians, made.reads, made.robot, made.instrument, made.day, strict=True)
+    return fleet_of([
+        Measured(
+            f"robot {i}",
+            f"tracker {k}",
+            day,
+            without_scale(told(*of, made.specs)) if blind(number, k) else told(*of, made.specs),
+        )
+        for number, (*of, i, k, day) in enumerate(rows)
+    ])
+
+
+def test_instruments_whose_scale_no_reading_tells_do_not_change():
+    account = account_of(fleet_without_scale(lambda number, k: True))
+
+    least = least_of_instruments(account)
+
+    assert not [one for one in account.named if one.change.scope == "instrument"]
+    assert np.isinf(least.size_mm).all()
+
+
+def test_one_instrument_is_judged_as_ever_beside_another_whose_scale_no_reading_tells():
+    account = account_of(fleet_without_scale(lambda number, k: k == 0))
+
+    least = least_of_instruments(account)
+    size_mm = dict(zip(least.of, least.size_mm.tolist(), strict=True))
+
+    assert np.isinf(size_mm["tracker 0"])
+    assert 0.0 < size_mm["tracker 1"] < np.inf
