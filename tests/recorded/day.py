@@ -196,10 +196,6 @@ async def _tracker_session(day):
 async def _ballbar_session(day):
     path = await _planned(day, "/api/v1/ballbar-sessions", WANTED)
     await day.get(f"{path}/steps", f"{path}/scene")
-    await _press(day, path, "start")
-    await day.until(path, lambda session: session["step"]["id"] != "tool/initialise")
-    await _press(day, path, "pause")
-    await day.until(path, lambda session: session["state"] == "paused")
     await _press(day, path, "abort")
     await day.until(path, lambda session: session["state"] == "aborted")
     await day.get(f"{path}/ledger")
