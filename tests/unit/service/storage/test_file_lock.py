@@ -122,7 +122,9 @@ def test_lines_beside_a_database_are_written_as_they_are(monkeypatch, tmp_path):
     flags = []
     opened = os.open
     monkeypatch.setattr(os, "O_BINARY", 0x8000, raising=False)  # no such flag here
-    monkeypatch.setattr(os, "open", lambda file, how, mode: flags.append(how) or opened(file, how, mode))
+    monkeypatch.setattr(
+        os, "open", lambda file, how, *of, **more: flags.append(how) or opened(file, how, *of, **more)
+    )
     monkeypatch.delattr(os, "O_CLOEXEC", raising=False)
     database = sqlite3.connect(tmp_path / "cell.sqlite3")
     database.execute("CREATE TABLE links (id INTEGER, hash BLOB)")
