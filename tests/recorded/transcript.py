@@ -24,7 +24,6 @@ _OWN_TO_A_RUN = [
     (r"\b(?=\d*[a-f])[0-9a-f]{12,}\b", "<digest>"),
     (r"\b\d+(-[A-Z2-7]{4}){4}\b", "<head>"),
     (r"\d+(\.\d+)? (ms|s)\b(?= ago|\.|,)", "<duration>"),
-    (r"Unprocessable (Entity|Content)", "Unprocessable"),  # as Python's release names 422
     (r"\b[\d.]+ [GT]B are free", "<space> are free"),
     (r"/tmp/[\w./-]+|/dev/shm/[\w./-]+", "<file>"),
     (r"\b\d+\.\d+\.\d+(\.dev\d+)?(\+\w+)?\b", "<version>"),

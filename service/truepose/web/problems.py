@@ -134,6 +134,8 @@ _MEANING: Mapping[int, str] = {
 }
 
 
+# Python 3.13 words these otherwise, and the type of a problem follows its title: programs rely on one.
+_TITLES: Mapping[int, str] = {413: "Request Entity Too Large", 422: "Unprocessable Entity"}
 _OF_STATUS: Mapping[int, str] = {  # what has a status and no exception of its own
     400: "UnreadableRequest",
     401: "NotSignedIn",
@@ -180,7 +182,7 @@ def problem_response(
     code: str | None = None,
 ) -> JSONResponse:
     """Return a problem document; its kind and code are those of the status unless others are given."""
-    title, code = HTTPStatus(status).phrase, code or code_named(_OF_STATUS[status])
+    title, code = _title(status), code or code_named(_OF_STATUS[status])
     told = explained(code, catalogue(ENGLISH))
     body = Problem(
         type=f"urn:truepose:problem:{kind or title.lower().replace(' ', '-')}",
@@ -194,6 +196,10 @@ def problem_response(
         code_url=f"/errors/{code}",
     )
     return JSONResponse(body.model_dump(), status, headers, media_type=MEDIA_TYPE)
+
+
+def _title(status: int) -> str:
+    return _TITLES.get(status) or HTTPStatus(status).phrase
 
 
 def problems(*statuses: int) -> dict[int | str, dict[str, Any]]:
