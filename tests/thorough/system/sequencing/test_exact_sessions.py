@@ -11,17 +11,21 @@ from truepose.planning.tracker.session_plans import plan_calibration, plan_valid
 pytestmark = pytest.mark.usefixtures("forked_processes")
 
 
-async def test_a_session_on_a_fanuc_that_counts_joint_3_from_the_horizontal_is_as_exact():
-    async with bench("lrmate-fanuc", seed=11) as opened:
-        plan = plan_calibration(opened.space, 12, seed=1, n_candidates=200)
-
-        ended = await run(opened, plan)
+async def whole_session(scenario, n, n_candidates):
+    """Run a session that skips nothing; return its errors, the robot's identity and its motion guard."""
+    async with bench(scenario, seed=11) as opened:
+        ended = await run(opened, plan_calibration(opened.space, n, seed=1, n_candidates=n_candidates))
 
         errors = await true_errors(opened)
-        identity = await opened.robot.identify()
-        guard = opened.robot.motion_guard
+        identity, guard = await opened.robot.identify(), opened.robot.motion_guard
     assert ended is SessionState.FINISHED
     assert opened.journal.skipped == []
+    return errors, identity, guard
+
+
+async def test_a_session_on_a_fanuc_that_counts_joint_3_from_the_horizontal_is_as_exact():
+    errors, identity, guard = await whole_session("lrmate-fanuc", 12, 200)
+
     assert (identity.manufacturer, identity.model) == ("FANUC", "LR Mate 200iC")
     assert guard.stops_unheard_s == 1.0
     # as on the IRB 120; of 15 x 3 values a third more or less than their standard deviation is chance
@@ -29,15 +33,8 @@ async def test_a_session_on_a_fanuc_that_counts_joint_3_from_the_horizontal_is_a
 
 
 async def test_a_session_on_a_ur10_is_as_exact_as_the_arm_repeats():
-    async with bench("ur10-clean", seed=11) as opened:
-        plan = plan_calibration(opened.space, 6, seed=1, n_candidates=120)
+    errors, identity, _ = await whole_session("ur10-clean", 6, 120)
 
-        ended = await run(opened, plan)
-
-        errors = await true_errors(opened)
-        identity = await opened.robot.identify()
-    assert ended is SessionState.FINISHED
-    assert opened.journal.skipped == []
     assert (identity.manufacturer, identity.model) == ("Universal Robots", "UR10")
     # tracker and registration 0.016 mm as above, robot 0.033: 0.037; of 9 x 3 values 40 % may be chance
     assert np.sqrt(np.mean(errors**2)) == pytest.approx(0.037, rel=0.4)
