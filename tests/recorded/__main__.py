@@ -1,6 +1,7 @@
 """Takes down anew what commands, replies, pages and wires say (`make behaviour`); git shows the changes."""
 
 import asyncio
+import shutil
 import tempfile
 from pathlib import Path
 
@@ -8,6 +9,7 @@ import pytest
 
 from tests.helpers.web.pages import leave_pictures_empty
 from tests.recorded import commands, day, wires
+from tests.recorded.transcript import KEPT
 
 
 def main():
@@ -17,6 +19,7 @@ def main():
         taken = [*wires.listen(), _in_a_folder(commands.type_all)]
         for spend in day.DAYS:
             taken += _in_a_folder(lambda folder, spend=spend: asyncio.run(spend(folder)))
+    shutil.rmtree(KEPT, ignore_errors=True)  # what nothing says any more goes
     for transcript in taken:
         transcript.keep()
 

@@ -92,8 +92,9 @@ class Day:
 
     async def drawn(self, page):
         """Wait until the pictures of a page are there."""
-        while "data-drawing" in (await self.client.get(page)).text:
-            await asyncio.sleep(0.05)
+        async with asyncio.timeout(_PATIENCE_S):
+            while "data-drawing" in (await self.client.get(page)).text:
+                await asyncio.sleep(0.05)
 
     async def until(self, path, holds):
         """Wait without a word, as a page does that polls."""
