@@ -15,7 +15,7 @@ export TRUEPOSE_DATA
 
 setup: $(VENV)/.installed
 
-$(VENV)/.installed: pyproject.toml $(wildcard service/packages/*)
+$(VENV)/.installed: pyproject.toml service/build_hook.py $(wildcard service/packages/*)
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null || \
 	  { echo "truepose needs Python 3.11 or newer, and $(PYTHON) is not: name one, as in make demo PYTHON=python3.13." >&2; exit 2; }
 	@$(PYTHON) -c 'import ensurepip, venv' 2>/dev/null || \
@@ -49,21 +49,21 @@ unit: setup
 # What every Python from 3.11 on is tried with beside the demo, also with the oldest versions of what is depended on
 # (`tests/oldest.txt`): what meets the world, and a session of each kind.
 SESSIONS := $(addprefix tests/, \
-  system/sequencing/test_session_on_simulated_cell.py system/sequencing/test_ballbar_session.py \
+  system/sessions/test_session_on_simulated_cell.py system/sessions/test_ballbar_session.py \
   integration/web/measurement/test_camera_sessions.py integration/web/measurement/test_contact_sessions.py)
 
 smoke: setup
-	$(PYTEST) --numprocesses 4 -q tests/unit/drivers tests/unit/service/sequencing tests/unit/service/exchange $(SESSIONS)
+	$(PYTEST) --numprocesses 4 -q tests/unit/drivers tests/unit/service/sessions tests/unit/service/exchange $(SESSIONS)
 
 # What an attacker tried, in the order of its report: the wrist, unknown limits and inches; a bar nobody can read;
 # models that were handed down; the speed of the tool; guesses, tokens, secrets; broken text, files and requests.
 ATTACK := $(addprefix tests/, \
   unit/service/exchange/programs/test_controllers.py unit/service/cli/test_correct_command.py \
   unit/service/exchange/robots/test_known_limits.py thorough/system/studies/test_lost_signals.py \
-  unit/service/sequencing/ballbar/lengths/test_signals_outrank_words.py \
+  unit/service/sessions/ballbar/lengths/test_signals_outrank_words.py \
   integration/web/measurement/acts/test_bar_left_attached.py unit/service/cli/test_model_acceptance.py \
   integration/web/leaving/test_hand_downs.py integration/exchange/test_cell_file.py \
-  integration/web/people/test_guessing.py unit/service/operation/people/test_attempts.py \
+  integration/web/people/test_guessing.py unit/service/people/test_attempts.py \
   integration/web/people/test_programs.py integration/web/people/test_pins_of_others.py \
   integration/storage/secrecy unit/service/web/test_half_characters.py integration/web/test_any_requests.py \
   unit/service/exchange/test_campaign_zip.py unit/service/exchange/tables/test_texts.py \

@@ -12,7 +12,7 @@ from hypothesis import HealthCheck, settings
 from tests.helpers.machine import MEASURED_DATA, PANGO, folder_in_memory, what_was_untested
 from tests.helpers.order import spread, turned
 from tests.helpers.web.pages import leave_pictures_empty
-from truepose_drivers.contract.simulated_time import SimulatedTimeLoop
+from truepose_drivers.contract.case import SimulatedTimeLoop
 
 _TESTS = Path(__file__).parent
 _OBJECTS_BETWEEN_SEARCHES = 50_000
@@ -97,8 +97,10 @@ def measured_data() -> Path:
 @pytest.fixture(scope="session")
 def text_library():
     """What a PDF is set with, which the system brings or does not."""
-    from truepose.reports.errors import NoPdfError  # most files print nothing
-    from truepose.reports.paper import require_pdf
+    from truepose.reports.paper import (
+        NoPdfError,  # most files print nothing
+        require_pdf,
+    )
 
     try:
         require_pdf()

@@ -8,7 +8,6 @@ import shutil
 import statistics
 import subprocess
 import sys
-from collections import Counter
 from importlib.metadata import entry_points
 from pathlib import Path
 
@@ -18,14 +17,15 @@ import pytest
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
+from tests.helpers.room_sizes import budget, lines_of_code, sizes
 from truepose.web.application import create_application
 
 _CHECKOUT = Path(__file__).parents[1]
 _PACKAGES = ("service", "drivers", "simulators", "migrations")
-_LONGEST_MODULE = 400
+_LONGEST_MODULE = 450
 _LONGEST_FUNCTION = 50  # a numeric loop may reach 80; none needs to yet
 _MEDIAN_FUNCTION = 8
-_FULLEST_ROOM = 15  # Python files in one folder; a fuller one wants rooms named for what is in them
+_GROWTH = 1.03  # of a room since its budget was set
 _SHELVES = {"utils", "util", "helpers", "common", "misc", "manager"}  # modules named for nothing in them
 
 # Where somebody's machine or mirror shows. The public loopback and documentation addresses are none.
@@ -121,6 +121,28 @@ def test_every_module_stays_below_its_limit():
     assert {name: lines for name, lines in lengths.items() if lines > _LONGEST_MODULE} == {}
 
 
+def test_no_room_outgrows_its_budget():
+    """Whoever needs more raises the figure in `docs/architecture.md`, in the commit that says why."""
+    measured, stated = sizes(), budget()
+
+    assert measured.keys() == stated.keys()
+    assert {room: lines for room, lines in measured.items() if lines > _GROWTH * stated[room]} == {}
+
+
+def test_a_line_of_code_is_no_blank_no_comment_and_no_docstring():
+    heading = ['"""What it is."""', "", "# A reason."]
+    function = [
+        "def f():",
+        '    """Do."""',
+        '    text = """',
+        "    two lines",
+        '"""',
+        "    return text  # so",
+    ]
+
+    assert lines_of_code("\n".join(heading + function)) == len(function) - 1
+
+
 def test_functions_are_short():
     lengths = {
         f"{_named(path)}:{function.name}": _lines_of_code(function)
@@ -136,12 +158,6 @@ def test_every_module_is_named_for_what_is_in_it():
     names = {_named(path): path.stem for path in _modules()}
 
     assert [path for path, name in names.items() if name in _SHELVES] == []
-
-
-def test_no_room_is_crowded():
-    rooms = Counter(_named(path.parent) for path in _kept_files() if path.suffix == ".py")
-
-    assert {room: files for room, files in rooms.items() if files > _FULLEST_ROOM} == {}
 
 
 def test_no_file_names_a_machine_or_a_registry():
@@ -180,7 +196,7 @@ def test_the_search_for_machines_lets_ordinary_lines_pass(line):
 
 def test_nothing_around_a_device_hands_on_what_it_does_not_declare():
     """An ability that is handed on with `__getattr__` is lost to whatever looks at the type."""
-    rooms = ("drivers", "simulators", "service/truepose/sequencing", "service/truepose/operation")
+    rooms = ("drivers", "simulators", "service/truepose/sessions")
     modules = [path for room in rooms for path in (_CHECKOUT / room).rglob("*.py")]
 
     assert len(modules) > 100
@@ -202,6 +218,6 @@ def test_every_driver_has_a_readme_that_says_what_was_not_tried():
 
 
 def test_every_operation_has_a_least_role():
-    started = create_application("test", contextlib.nullcontext)  # it would not: web/people/rights.py
+    started = create_application("test", contextlib.nullcontext)  # it would not: web/middleware/rights.py
 
     assert started.routes

@@ -14,7 +14,6 @@ import contextlib
 from collections.abc import Awaitable, Callable
 from typing import TypeVar, cast
 
-from truepose_drivers.abilities import channels_of, motion_guard_of, reflector_of, settings_of
 from truepose_drivers.api import (
     AnyDevice,
     AnyGuarded,
@@ -46,8 +45,12 @@ from truepose_drivers.errors import (
     RemoteProtocolError,
 )
 from truepose_drivers.plausibility import (
+    StandingCount,
+    channels_of,
+    motion_guard_of,
     place_or_none,
     readable,
+    reflector_of,
     require_environment,
     require_joints,
     require_length,
@@ -55,8 +58,8 @@ from truepose_drivers.plausibility import (
     require_pose,
     require_some,
     require_time,
+    settings_of,
 )
-from truepose_drivers.standing_count import StandingCount
 
 Value = TypeVar("Value")
 

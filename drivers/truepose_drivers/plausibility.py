@@ -1,23 +1,33 @@
-"""What no instrument of its kind can mean, whatever the cell: judged before the service sees a reading.
+"""What a driver says, held against what is possible: its readings, its count of them, its abilities.
 
 Pure functions on one reading each, which raise ImplausibleReadingError. What takes knowledge of the cell (the
 range of this bar, the joints of this robot) is judged where the service takes readings in.
+
+Abilities are looked up by name, as a Python that calls the member would: a runtime protocol sees nothing that
+a driver passes on with `__getattr__`.
 """
 
 import math
-from collections.abc import Sequence
-from typing import Final
+from collections.abc import Awaitable, Callable, Mapping, Sequence
+from typing import Any, Final, TypeAlias
 
 from truepose_drivers.api import (
     BallbarReading,
     DeviceIdentity,
+    DeviceKind,
     Environment,
+    GuardsMotion,
     JointReading,
+    LinearGauge,
+    MotionGuard,
     PoseReading,
+    ReadsChannels,
+    ShowsReflector,
+    StatesSettings,
     TrackerReading,
     Vector,
 )
-from truepose_drivers.errors import ImplausibleReadingError
+from truepose_drivers.errors import ImplausibleReadingError, RemoteProtocolError
 
 _FARTHEST_POINT_MM: Final = 200_000.0  # no tracker measures as far
 _UNIT_QUATERNION: Final = 1e-6  # how far off a length of one may be
@@ -186,3 +196,71 @@ def _require(plausible: bool, what: str) -> None:
         raise ImplausibleReadingError(
             f"it states {what}; that is no reading: check its settings and its cable, then connect again"
         )
+
+
+_LONGEST_S: Final = 1.0  # cell time; whoever asks faster than the device measures hears one reading twice
+
+
+class StandingCount:
+    """Compares each reading of a connection with those before it."""
+
+    def __init__(self) -> None:
+        self._sequence: int | None = None
+        self._since_s = 0.0
+
+    def require_going_on(self, reading: BallbarReading) -> None:
+        """Raise RemoteProtocolError for a count that has stood still for longer than a second."""
+        if reading.sequence is None or reading.sequence != self._sequence:
+            self._sequence, self._since_s = reading.sequence, reading.time_s
+        elif reading.time_s - self._since_s > _LONGEST_S:
+            raise RemoteProtocolError(
+                f"the device has repeated its reading {reading.sequence} for"
+                f" {reading.time_s - self._since_s:.1f} s: it hangs; unplug it and plug it in again"
+            )
+
+
+ABILITIES: Final[Mapping[DeviceKind, tuple[type, ...]]] = {
+    "tracker": (StatesSettings, ShowsReflector),
+    "pose_tracker": (StatesSettings,),
+    "robot": (GuardsMotion,),
+    "linear_gauge": (ReadsChannels,),
+}
+AskReflector: TypeAlias = Callable[[], Awaitable[Vector | None]]
+
+
+def motion_guard_of(driver: object) -> MotionGuard:
+    """Return what a robot's driver says of its motions; where it says nothing or nonsense, the worst."""
+    stated = _stated(driver, "motion_guard")
+    plausible = isinstance(stated, MotionGuard) and all(
+        seconds is None or (_is_number(seconds) and 0.0 < seconds < math.inf)
+        for seconds in (stated.stops_unheard_s, stated.longest_piece_s)
+    )
+    return stated if isinstance(stated, MotionGuard) and plausible else MotionGuard()
+
+
+def settings_of(driver: object) -> str:
+    """Return what an instrument's driver says that it measures with; empty where it cannot tell."""
+    stated = _stated(driver, "settings")
+    return readable_sentence(stated) if isinstance(stated, str) else ""
+
+
+def reflector_of(driver: object) -> AskReflector | None:
+    """Return what asks a tracker's driver for the reflector, None where it does not offer that."""
+    return getattr(driver, "reflector_now", None)
+
+
+async def channels_of(driver: LinearGauge) -> tuple[BallbarReading, ...]:
+    """Return what all gauges of a box show; of a driver that knows no box, what its one gauge does."""
+    read_channels = getattr(driver, "read_channels", None)
+    return (await driver.read(),) if read_channels is None else await read_channels()
+
+
+def _stated(driver: object, name: str) -> Any:
+    try:
+        return getattr(driver, name, None)
+    except Exception:  # whatever foreign code does in a property
+        return None
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)

@@ -15,10 +15,9 @@ if TYPE_CHECKING:
     from truepose.notebook.circles import CircleErrors, circles
     from truepose.notebook.correction import Corrections, correct
     from truepose.notebook.diagnosis import Diagnosis, diagnose
-    from truepose.notebook.exports import export
     from truepose.notebook.fleets import Fleet, fleet_of
     from truepose.notebook.identification import Identification, identify
-    from truepose.notebook.model import Model, read_model
+    from truepose.notebook.model import Model, export, read_model
     from truepose.notebook.plan import Plan, plan
     from truepose.notebook.prediction import Predictions, predict
     from truepose.notebook.spheres import SphereErrors, sphere
@@ -70,7 +69,7 @@ _HOMES = {
     "circles": "notebook.circles",
     "correct": "notebook.correction",
     "diagnose": "notebook.diagnosis",
-    "export": "notebook.exports",
+    "export": "notebook.model",
     "fleet_of": "notebook.fleets",
     "identify": "notebook.identification",
     "plan": "notebook.plan",

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Literal
 
 from truepose.storage.backup.plan import BackupPlan
-from truepose.storage.connection.folder import data_folder
+from truepose.storage.engine.files import data_folder
 
 
 class LogLevel(StrEnum):

@@ -2,53 +2,65 @@
 
 import argparse
 import asyncio
+import signal
 import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from truepose_simulators.cell.clock import CellClock, Pace
+from truepose_simulators.cell.environment import CellClock, Pace
 from truepose_simulators.cell.journal import RememberedCell
-from truepose_simulators.ending import asked_to_end
 from truepose_simulators.errors import EndpointUnavailableError, ModelError, SimulatorError
 from truepose_simulators.faults.file import read_faults
 from truepose_simulators.faults.times import Fault
-from truepose_simulators.instruments.ballbars.ballbar_hid import HidBallbarGadget
-from truepose_simulators.instruments.ballbars.length_source import Electronics
-from truepose_simulators.instruments.ballbars.nd28x import nd28x_endpoint
-from truepose_simulators.instruments.ballbars.usb_itn import UsbItnGadget
-from truepose_simulators.instruments.ballbars.usbip import usbip_endpoint
 from truepose_simulators.instruments.cable import FaultyCable
-from truepose_simulators.instruments.camera.ndi_polaris import camera_endpoint
-from truepose_simulators.instruments.cell_clock import clock_endpoint
-from truepose_simulators.instruments.endpoint import Announced
-from truepose_simulators.instruments.faults_endpoint import faults_endpoint
-from truepose_simulators.instruments.gauges.keyence_gt2 import keyence_gt2_endpoint
-from truepose_simulators.instruments.hands_endpoint import hands_endpoint
-from truepose_simulators.instruments.robot.abb_rws.controller import AbbController
-from truepose_simulators.instruments.robot.abb_rws.programs import program_of
+from truepose_simulators.instruments.cell_endpoints import clock_endpoint, faults_endpoint, hands_endpoint
+from truepose_simulators.instruments.endpoint import InstrumentAddress
+from truepose_simulators.instruments.gauges.ballbar_hid import HidBallbarGadget
+from truepose_simulators.instruments.gauges.length_source import Electronics
+from truepose_simulators.instruments.gauges.nd28x import nd28x_endpoint
+from truepose_simulators.instruments.gauges.text_boxes import keyence_gt2_endpoint
+from truepose_simulators.instruments.gauges.usb_itn import UsbItnGadget
+from truepose_simulators.instruments.gauges.usbip import usbip_endpoint
+from truepose_simulators.instruments.leica_emscon.server import tracker_endpoint
+from truepose_simulators.instruments.ndi_polaris import camera_endpoint
+from truepose_simulators.instruments.robot.abb_rws.controller import AbbController, program_of
+from truepose_simulators.instruments.robot.abb_rws.egm_stream import EgmStream
 from truepose_simulators.instruments.robot.abb_rws.server import web_endpoint
-from truepose_simulators.instruments.robot.egm_stream import EgmStream
 from truepose_simulators.instruments.robot.fanuc_rmi.controller import Controller as FanucController
 from truepose_simulators.instruments.robot.fanuc_rmi.endpoints import connect_endpoint, session_endpoint
 from truepose_simulators.instruments.robot.fanuc_rmi.program import RmiMove
-from truepose_simulators.instruments.robot.kuka.proxy import proxy_endpoint
-from truepose_simulators.instruments.robot.kuka.variables import Variables
-from truepose_simulators.instruments.robot.mappdk import MappdkProgram
-from truepose_simulators.instruments.robot.mappdk_server import mappdk_endpoint, mappdk_logger_endpoint
-from truepose_simulators.instruments.robot.open_abb import MotionProgram
-from truepose_simulators.instruments.robot.open_abb_server import logger_endpoint, robot_endpoint
-from truepose_simulators.instruments.robot.universal_robots.controller import Controller
-from truepose_simulators.instruments.robot.universal_robots.programs import Programs
-from truepose_simulators.instruments.robot.universal_robots.rtde import rtde_endpoint
-from truepose_simulators.instruments.robot.universal_robots.text_ports import (
+from truepose_simulators.instruments.robot.kuka import Variables, proxy_endpoint
+from truepose_simulators.instruments.robot.mappdk import (
+    MappdkProgram,
+    mappdk_endpoint,
+    mappdk_logger_endpoint,
+)
+from truepose_simulators.instruments.robot.open_abb import MotionProgram, logger_endpoint, robot_endpoint
+from truepose_simulators.instruments.robot.universal_robots import Controller, Programs
+from truepose_simulators.instruments.robot.universal_robots_ports import (
     dashboard_endpoint,
+    rtde_endpoint,
     script_endpoint,
 )
-from truepose_simulators.instruments.tracker.leica_emscon import tracker_endpoint
 from truepose_simulators.instruments.truth import truth_endpoint
 from truepose_simulators.physics.identified import IdentifiedModel
 from truepose_simulators.scenarios.file import load_scenario, shipped_scenarios
 from truepose_simulators.scenarios.model_file import load_model
+
+# Ctrl-C; a service manager; on Windows alone Ctrl-Break, which a closed window is told by as well.
+_ASKING = ("SIGINT", "SIGTERM", "SIGBREAK")
+
+
+def asked_to_end() -> asyncio.Event:
+    """Return what is set when somebody asks this process to end, which is the last that its loop does."""
+    loop, asked = asyncio.get_running_loop(), asyncio.Event()
+    for number in (getattr(signal, name) for name in _ASKING if hasattr(signal, name)):
+        try:
+            loop.add_signal_handler(number, asked.set)
+        except NotImplementedError:  # Windows: there the signal itself wakes the loop
+            signal.signal(number, lambda *_: loop.call_soon_threadsafe(asked.set))
+    return asked
+
 
 _EXIT_UNUSABLE_INPUT = 2
 _EXIT_DEVICE_FAILED = 3
@@ -151,7 +163,7 @@ async def _run(cell: RememberedCell, options: argparse.Namespace) -> None:
             await endpoint.close()
 
 
-def _endpoints(cell: RememberedCell) -> list[Announced]:
+def _endpoints(cell: RememberedCell) -> list[InstrumentAddress]:
     camera = cell.scenario.camera
     controller, newer = _controller(cell)
     bar = Electronics(cell.ballbar, cell.faults, cell.clock)
@@ -172,7 +184,7 @@ def _endpoints(cell: RememberedCell) -> list[Announced]:
     ]
 
 
-def _gauges(cell: RememberedCell) -> list[Announced]:
+def _gauges(cell: RememberedCell) -> list[InstrumentAddress]:
     """Return an endpoint for each gauge of a closed loop: a box of its own."""
     boxes = [Electronics(gauge, cell.faults, cell.clock) for gauge in cell.loop]
     return [keyence_gt2_endpoint([box], f"gauge-{number}") for number, box in enumerate(boxes, start=1)]
@@ -182,7 +194,7 @@ def _faults(path: Path | None, cell: RememberedCell) -> tuple[Fault, ...]:
     return () if path is None else read_faults(path, cell.scenario.check_fault)
 
 
-def _controller(cell: RememberedCell) -> tuple[list[Announced], list[Announced]]:
+def _controller(cell: RememberedCell) -> tuple[list[InstrumentAddress], list[InstrumentAddress]]:
     """Return the ports of the robot's controller, in the language of the scenario, and its newer ones."""
     if cell.scenario.arm.protocol == "ur_rtde":
         universal = Controller(cell)
@@ -202,10 +214,10 @@ def _controller(cell: RememberedCell) -> tuple[list[Announced], list[Announced]]
     return _abb(cell)
 
 
-def _abb(cell: RememberedCell) -> tuple[list[Announced], list[Announced]]:
+def _abb(cell: RememberedCell) -> tuple[list[InstrumentAddress], list[InstrumentAddress]]:
     abb = AbbController(cell)
     port = cell.scenario.arm.egm_port
-    stream: list[Announced] = [] if port is None else [EgmStream(abb, port)]
+    stream: list[InstrumentAddress] = [] if port is None else [EgmStream(abb, port)]
     if cell.scenario.arm.protocol == "rws":
         abb.task = program_of(abb)
         return [web_endpoint(cell, abb), *stream], []

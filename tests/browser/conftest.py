@@ -14,7 +14,8 @@ from tests.browser.windows import Windows, without_complaint
 from tests.helpers.machine import CHROMIUM
 from tests.integration.web.bench import CELL, Bench, session_request
 from tests.integration.web.listening import listening
-from truepose.analysis.workers.promising import PromiseTask
+from truepose.analysis.workers.accuracy_tasks import PromiseTask
+from truepose.analysis.workers.tasks import DrawTask
 from truepose.app import create_app
 from truepose.settings import Settings
 
@@ -25,13 +26,13 @@ expect.set_options(timeout=1000.0 * _PATIENCE_S)  # of 5 s by itself, which a pa
 
 
 class Diagnostician:
-    """Answers every request with what it was told to give; promises of plans it works out."""
+    """Answers every request with what it was told to give; promises of plans it works out, and draws."""
 
     def __init__(self):
         self.answer = None
 
     async def __call__(self, task, told):
-        return task.perform(lambda *_: None) if isinstance(task, PromiseTask) else self.answer
+        return task.perform(lambda *_: None) if isinstance(task, PromiseTask | DrawTask) else self.answer
 
 
 class Service:
@@ -72,7 +73,7 @@ class Service:
         path = self._started(name, n=60)
         while self.get(path)["measured"] < 2:
             time.sleep(0.005)
-        self.post(f"{path}/pause")
+        self.command(path, "pause")
         assert self.until(path, "state", "paused", "finished")["state"] == "paused"
         return path
 
@@ -80,10 +81,15 @@ class Service:
         for device in ("tracker", "robot"):
             self.post(f"/api/v1/devices/{device}/connect")
         path = self.post("/api/v1/sessions", session_request(n, name=name)).headers["Location"]
-        self.post(f"{path}/start")
+        self.command(path, "start")
         self.until(path, "state", "awaiting_confirmation")
-        self.post(f"{path}/confirm", {"person": "Ada Byron"})
+        self.command(path, "confirm")
         return path
+
+    def command(self, path, name):
+        """Ask something of a session as Ada Byron would, who reads what it asks."""
+        asked = (self.get(f"{path}/situation")["prompt"] or {}).get("id")
+        self.post(f"{path}/commands", {"command": name, "person": "Ada Byron", "prompt_id": asked})
 
     def diagnosed(self, session, answer):
         """Diagnose a session and return the address of the page, drawn to its end."""

@@ -10,7 +10,7 @@ from tests.helpers.web.performing import perform_here
 from tests.integration.web.bench import CELL, Bench
 from tests.integration.web.listening import listening
 from truepose.app import create_app
-from truepose.exchange.brought.example import example_files
+from truepose.exchange.import_wizard.files import example_files
 from truepose.settings import Settings
 
 MOST_TAPS = 10

@@ -15,10 +15,10 @@ from tests.integration.web.calibration.stored_models import store_model
 from tests.integration.web.listening import listening
 from truepose.app import create_app
 from truepose.settings import Settings
-from truepose.storage.calibration.campaigns import CampaignRepository
-from truepose.storage.calibration.jobs import JobRepository
-from truepose.storage.calibration.results import ResultRepository
 from truepose.storage.database import Database
+from truepose.storage.results.campaigns import CampaignRepository
+from truepose.storage.results.jobs import JobRepository
+from truepose.storage.results.models import ResultRepository
 
 REST = "[9E9,9E9,9E9,9E9,9E9,9E9]"
 PROGRAM = f"MODULE M\nCONST jointtarget a:=[[20,30,-25,40,50,60],{REST}];\nENDMODULE\n".encode()

@@ -6,7 +6,7 @@ import pytest
 from playwright.sync_api import expect
 
 from tests.helpers.diagnosis.diagnosed_cells import consistent, described, small_findings, two_findings
-from truepose.domain.results.diagnosis import NextMeasurement
+from truepose.domain.diagnosis import NextMeasurement
 
 PROPOSED = ((5.0, 40.0, -25.0, 0.0, 30.0, 90.0), (15.0, 45.0, -20.0, 0.0, 35.0, -90.0))
 

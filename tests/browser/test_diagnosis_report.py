@@ -3,7 +3,7 @@
 import pytest
 
 from tests.helpers.diagnosis.diagnosed_cells import ENDINGS, two_findings
-from truepose.reports import DiagnosisInput, write_diagnosis_report
+from truepose.reports.diagnosis.report import DiagnosisReport
 
 SMALLEST_LETTERS_PX = """Math.min(16, ...[...document.querySelectorAll("svg text")].map(
     (text) => text.getBoundingClientRect().height))"""
@@ -25,7 +25,7 @@ OVERLAPPING_LABELS = """(() => {
 @pytest.mark.parametrize("ending", ENDINGS)
 def test_a_report_fits_a_tablet_and_no_label_lies_on_another(tmp_path, reader, ending):
     path = tmp_path / "report.html"
-    write_diagnosis_report(path, DiagnosisInput(ENDINGS[ending]()))
+    DiagnosisReport(ENDINGS[ending]()).write(path)
 
     reader.goto(path.as_uri())
 
@@ -37,7 +37,7 @@ def test_a_report_fits_a_tablet_and_no_label_lies_on_another(tmp_path, reader, e
 
 def test_a_report_on_a_phone_does_not_scroll_sideways(tmp_path, reader):
     path = tmp_path / "report.html"
-    write_diagnosis_report(path, DiagnosisInput(two_findings()))
+    DiagnosisReport(two_findings()).write(path)
     reader.set_viewport_size({"width": 390, "height": 844})
 
     reader.goto(path.as_uri())

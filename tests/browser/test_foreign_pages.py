@@ -8,18 +8,20 @@ import pytest
 
 _PAGE = b"<!doctype html><title>evil</title><iframe name=framed></iframe>"
 _ATTACKS = """async (base) => {
-  const pause = `${base}/api/v1/sessions/1/pause`, abort = `${base}/api/v1/sessions/1/abort`;
+  const url = `${base}/api/v1/sessions/1/commands`;
+  const halts = ["pause", "abort"].map((command) => JSON.stringify({ command }));
   const told = [];
   for (const mode of ["no-cors", "cors"])
     for (const type of ["text/plain", "application/x-www-form-urlencoded", "application/json"])
-      for (const url of [pause, abort])
-        await fetch(url, { method: "POST", mode, headers: { "Content-Type": type }, body: "{}" })
-          .catch(() => 0);
-  for (const url of [pause, abort]) {
-    await fetch(url, { method: "POST", mode: "no-cors" }).catch(() => 0);
-    navigator.sendBeacon(url, new Blob(["{}"], { type: "text/plain" }));
+      for (const body of halts)
+        await fetch(url, { method: "POST", mode, headers: { "Content-Type": type }, body }).catch(() => 0);
+  for (const body of halts) {
+    await fetch(url, { method: "POST", mode: "no-cors", body }).catch(() => 0);
+    navigator.sendBeacon(url, new Blob([body], { type: "text/plain" }));
     const form = document.createElement("form");
     Object.assign(form, { method: "POST", action: url, target: "framed", enctype: "text/plain" });
+    const [name, value] = [body.slice(0, -1) + ', "reason": "', '"}']; // as a form makes JSON of plain text
+    form.append(Object.assign(document.createElement("input"), { name, value }));
     document.body.append(form);
     form.submit();
   }
@@ -65,7 +67,7 @@ def somebody_elses_server():
 @pytest.mark.parametrize("site", ["evil.test", "localhost", "127.0.0.1"])
 def test_a_page_of_others_neither_presses_nor_reads_nor_frames(chromium, service, site):
     session = service.paused_session("left arm")
-    service.post(f"{session}/resume", {"person": "Ada Byron"})
+    service.command(session, "resume")
     service.until(session, "state", "running", "finished")  # whichever comes first on a busy machine
 
     with somebody_elses_server() as port, chromium.one(f"http://{site}:{port}") as page:

@@ -8,7 +8,7 @@ from playwright.sync_api import expect
 
 from tests.browser.windows import without_complaint
 from tests.integration.web.bench import session_request, stops
-from truepose.domain.measurement.session import PlannedStop, SessionPlan
+from truepose.domain.session import PlannedStop, SessionPlan
 
 
 def planned(n=3):
@@ -28,10 +28,10 @@ def test_a_test_is_planned_started_and_followed_to_its_result(service, tablet):
         form.get_by_role("button", name="Plan it").click()
     expect(tablet.locator("#state")).to_have_text("planned")
     tablet.get_by_role("button", name="Start").click()
-    expect(tablet.locator("#question")).to_contain_text("Is the cell clear")
-    tablet.get_by_role("button", name="The cell is clear").click()
     expect(tablet.get_by_label("Your name")).to_be_focused()  # nothing moves without a name
     tablet.get_by_label("Your name").fill("Ada Byron")
+    tablet.get_by_role("button", name="Start").click()
+    expect(tablet.locator("#question")).to_contain_text("Is the cell clear")
     tablet.get_by_role("button", name="The cell is clear").click()
 
     expect(tablet.locator("#state")).to_have_text("finished", timeout=20_000)
@@ -52,15 +52,16 @@ def test_where_the_fixture_stands_is_asked_before_a_sphere_test_is_planned(servi
     for label, value in (("Fixture, x", "350"), ("Fixture, y", "-150"), ("Fixture, z", "150")):
         form.get_by_label(label).fill(value)
     made = {"id": 1, "state": "planned", "result_url": "/sessions/1/result"}
-    tablet.route("**/api/v1/ballbar-sessions", lambda route: route.fulfill(json=made))
+    tablet.route("**/api/v1/sessions", lambda route: route.fulfill(json=made))
     tablet.route("**/sessions/1", lambda route: route.fulfill(body="the session"))
-    with tablet.expect_request("**/api/v1/ballbar-sessions") as asked:
+    with tablet.expect_request("**/api/v1/sessions") as asked:
         form.get_by_role("button", name="Plan it").click()
     expect(tablet.get_by_text("the session")).to_be_visible()
 
     place = {"x_mm": 350, "y_mm": -150, "z_mm": 150, "rx_deg": 0, "ry_deg": 0, "rz_deg": 0}
     assert asked.value.post_data_json["placements"] == [place]
     assert asked.value.post_data_json["plan"] == {"method": "sphere", "configurations": 24}
+    assert asked.value.post_data_json["kind"] == "ballbar"
 
 
 def test_what_the_service_refuses_is_said_at_the_form(service, chromium):
@@ -84,24 +85,28 @@ def test_another_tracker_is_accepted_by_the_number_that_a_person_types(service, 
     questioned = {
         **session,
         "state": "awaiting_confirmation",
-        "question": "Another tracker answers.",
-        "prompt_id": 5,
+        "prompt": {"id": 5, "message": "Another tracker answers."},
         "tracker_in_question": foreign,
     }
     told = {"Truepose-Time": str(time.monotonic())}  # as every answer tells it
     tablet.route(f"**/api/v1/sessions/{number}", lambda route: route.fulfill(json=questioned, headers=told))
     answer = {"sentence": "", "session": {**questioned, "tracker_in_question": None, "state": "running"}}
-    tablet.route("**/confirm", lambda route: route.fulfill(json=answer))
+    tablet.route("**/commands", lambda route: route.fulfill(json=answer))
     tablet.goto(f"{service.url}/sessions/{number}")
     tablet.get_by_label("Your name").fill("Ada Byron")
 
     tablet.get_by_label("Serial number of the tracker that you accept").fill("42")
-    with tablet.expect_request("**/confirm") as asked:
+    with tablet.expect_request("**/commands") as asked:
         tablet.get_by_role("button", name="The cell is clear: go on").click()
 
     said = asked.value.post_data_json
     assert said.pop("pressed_at_s") <= time.monotonic()
-    assert said == {"person": "Ada Byron", "prompt_id": 5, "accept_serial_number": "42"}
+    assert said == {
+        "command": "confirm",
+        "person": "Ada Byron",
+        "prompt_id": 5,
+        "accept_serial_number": "42",
+    }
 
 
 def test_where_no_tracker_is_questioned_no_number_is_asked(service, tablet):
@@ -132,7 +137,7 @@ def test_a_calibration_is_planned_beside_its_promise_and_identified_by_one_tap(s
     tablet.route("**/api/v1/identifications", lambda route: route.fulfill(json=made))
     tablet.route("**/identifications/4", lambda route: route.fulfill(body="Here is number 4."))
     with tablet.expect_request("**/api/v1/identifications") as identified:
-        tablet.get_by_role("button", name="Identify").click()
+        tablet.get_by_role("button", name="Identify", exact=True).click()  # another one also diagnoses
 
     expect(tablet.get_by_text("Here is number 4.")).to_be_visible()
     assert identified.value.post_data_json == {"campaign_id": 5}

@@ -12,7 +12,7 @@ from tests.browser.windows import without_complaint
 from tests.integration.web.bench import CELL, Bench
 from tests.integration.web.listening import listening
 from truepose.app import create_app
-from truepose.operation.people import hashes, sign_ins
+from truepose.people import secrets, sign_ins
 from truepose.settings import Settings
 
 PASSWORD, PIN, BADGE = "on the looms of Lyon", "4071", "04A1B2C3D4"
@@ -25,8 +25,8 @@ def cheap_hashes():
     """Hashes that cost nothing: what they are worth is tried elsewhere."""
     hasher = PasswordHasher(time_cost=1, memory_cost=8, parallelism=1)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(hashes, "_HASHER", hasher)
-        patch.setattr(hashes, "MEMORY_KIB", 8)
+        patch.setattr(secrets, "_HASHER", hasher)
+        patch.setattr(secrets, "MEMORY_KIB", 8)
         patch.setattr(sign_ins, "NOBODYS", hasher.hash("of nobody"))
         yield
 

@@ -75,7 +75,7 @@ def without_complaint(page, origin, allowed=()):
     """Fail whatever the page complains of or fetches from elsewhere, but what begins as is `allowed`."""
     complaints = []
     heard = {
-        "console": lambda message: complaints.append(message.text) if message.type == "error" else None,
+        "console": lambda message: complaints.append(_said(message)) if message.type == "error" else None,
         "pageerror": lambda error: complaints.append(str(error)),
         "request": lambda r: None if r.url.startswith((origin, "data:")) else complaints.append(r.url),
     }
@@ -87,3 +87,8 @@ def without_complaint(page, origin, allowed=()):
         page.remove_listener(event, hear)
     unexpected = [text for text in complaints if not text.startswith(tuple(allowed))]
     assert not unexpected, unexpected
+
+
+def _said(message):
+    """Return what the console says, and what it is of."""
+    return f"{message.text} {message.location['url']}"

@@ -22,15 +22,14 @@ from truepose_drivers.cell_clock.driver import CellClock
 from truepose_drivers.cell_hands.driver import CellHands
 from truepose_drivers.fanuc_mappdk.driver import MappdkRobot
 from truepose_drivers.fanuc_rmi.driver import RmiRobot
-from truepose_drivers.fanuc_rmi.protocol.messages import CONNECT_PORT
+from truepose_drivers.fanuc_rmi.protocol import CONNECT_PORT
 from truepose_drivers.heidenhain_nd.driver import HeidenhainCounter
 from truepose_drivers.json_bridge.driver import BridgedTracker
 from truepose_drivers.keyence_gt2.driver import KeyenceUnit
 from truepose_drivers.kuka_variable_proxy.driver import KukaRobot
 from truepose_drivers.leica_emscon.driver import LaserTracker
 from truepose_drivers.leica_emscon.probe import ProbeTracker
-from truepose_drivers.line_gauges.dialogue import LineGauges
-from truepose_drivers.line_gauges.settings import GaugeSettings
+from truepose_drivers.line_gauges.dialogue import GaugeSettings, LineGauges
 from truepose_drivers.mitutoyo_eh.driver import EhCounter
 from truepose_drivers.mitutoyo_serial.driver import MitutoyoBox
 from truepose_drivers.mitutoyo_usb_itn.driver import UsbItnGauge
@@ -42,43 +41,38 @@ from truepose_drivers.transports.link import Link
 from truepose_drivers.transports.memory import MemoryEnd, MemoryLink
 from truepose_drivers.transports.usb import UsbPort
 from truepose_drivers.universal_robots.driver import Ports, UniversalRobot
-from truepose_simulators.cell.clock import CellClock as SimulatedClock
+from truepose_simulators.cell.environment import CellClock as SimulatedClock
 from truepose_simulators.cell.true_cell import Cell
-from truepose_simulators.instruments.ballbars.ballbar_hid import HidBallbarGadget
-from truepose_simulators.instruments.ballbars.length_source import Electronics
-from truepose_simulators.instruments.ballbars.nd28x import nd28x_endpoint
-from truepose_simulators.instruments.ballbars.usb_itn import UsbItnGadget
-from truepose_simulators.instruments.ballbars.usbip import usbip_endpoint
-from truepose_simulators.instruments.camera.accuracy import CameraSetup
-from truepose_simulators.instruments.camera.ndi_polaris import camera_endpoint
-from truepose_simulators.instruments.cell_clock import clock_endpoint
+from truepose_simulators.instruments.accuracy import CameraSetup, ProbeSetup
+from truepose_simulators.instruments.cell_endpoints import clock_endpoint, hands_endpoint
 from truepose_simulators.instruments.endpoint import Endpoint
-from truepose_simulators.instruments.gauges.keyence_gt2 import keyence_gt2_endpoint
-from truepose_simulators.instruments.gauges.mitutoyo_eh import mitutoyo_eh_endpoint
-from truepose_simulators.instruments.gauges.mitutoyo_serial import mitutoyo_serial_endpoint
-from truepose_simulators.instruments.hands_endpoint import hands_endpoint
-from truepose_simulators.instruments.robot.abb_rws.controller import AbbController
-from truepose_simulators.instruments.robot.abb_rws.programs import OurProgram
+from truepose_simulators.instruments.gauges.ballbar_hid import HidBallbarGadget
+from truepose_simulators.instruments.gauges.length_source import Electronics
+from truepose_simulators.instruments.gauges.nd28x import nd28x_endpoint
+from truepose_simulators.instruments.gauges.text_boxes import (
+    keyence_gt2_endpoint,
+    mitutoyo_eh_endpoint,
+    mitutoyo_serial_endpoint,
+)
+from truepose_simulators.instruments.gauges.usb_itn import UsbItnGadget
+from truepose_simulators.instruments.gauges.usbip import usbip_endpoint
+from truepose_simulators.instruments.leica_emscon.server import tracker_endpoint
+from truepose_simulators.instruments.ndi_polaris import camera_endpoint
+from truepose_simulators.instruments.robot.abb_rws.controller import AbbController, OurProgram
 from truepose_simulators.instruments.robot.abb_rws.server import web_endpoint
 from truepose_simulators.instruments.robot.fanuc_rmi.controller import Controller as FanucController
 from truepose_simulators.instruments.robot.fanuc_rmi.endpoints import connect_endpoint, session_endpoint
 from truepose_simulators.instruments.robot.fanuc_rmi.program import RmiMove
-from truepose_simulators.instruments.robot.kuka.proxy import proxy_endpoint
-from truepose_simulators.instruments.robot.kuka.variables import Variables
-from truepose_simulators.instruments.robot.mappdk import MappdkProgram
-from truepose_simulators.instruments.robot.mappdk_server import mappdk_endpoint
-from truepose_simulators.instruments.robot.open_abb import MotionProgram
-from truepose_simulators.instruments.robot.open_abb_server import robot_endpoint
-from truepose_simulators.instruments.robot.universal_robots.controller import Controller
-from truepose_simulators.instruments.robot.universal_robots.programs import Programs
-from truepose_simulators.instruments.robot.universal_robots.rtde import rtde_endpoint
-from truepose_simulators.instruments.robot.universal_robots.text_ports import (
+from truepose_simulators.instruments.robot.kuka import Variables, proxy_endpoint
+from truepose_simulators.instruments.robot.mappdk import MappdkProgram, mappdk_endpoint
+from truepose_simulators.instruments.robot.open_abb import MotionProgram, robot_endpoint
+from truepose_simulators.instruments.robot.universal_robots import Controller, Programs
+from truepose_simulators.instruments.robot.universal_robots_ports import (
     dashboard_endpoint,
+    rtde_endpoint,
     script_endpoint,
 )
-from truepose_simulators.instruments.tracker.accuracy import ProbeSetup
-from truepose_simulators.instruments.tracker.device import seen_from
-from truepose_simulators.instruments.tracker.leica_emscon import tracker_endpoint
+from truepose_simulators.instruments.tracker import seen_from
 from truepose_simulators.scenarios.file import load_scenario
 
 PYPROJECT = Path(__file__).parents[2] / "pyproject.toml"

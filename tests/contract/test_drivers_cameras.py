@@ -6,7 +6,7 @@ import pytest
 
 from tests.contract.benches import registry
 from truepose_drivers.errors import ArtefactNotSeenError, LinkError, NotInitialisedError
-from truepose_simulators.faults import kinds, wire
+from truepose_simulators.faults import kinds
 
 cameras = pytest.mark.parametrize("name", registry().names("pose_tracker"))
 COUNTS_FRAMES = {"ndi_polaris"}  # the others average inside
@@ -54,7 +54,7 @@ async def test_a_camera_that_hangs_is_lost_and_comes_back(bench, name):
     camera = await ready(bench, name)
     now_s = bench.cell.clock.now_s
     await camera.measure_pose(duration_s=0.1)
-    bench.cell.add_fault(wire.CameraFrozen(until_s=now_s + 100.0))
+    bench.cell.add_fault(kinds.CameraFrozen(until_s=now_s + 100.0))
 
     with pytest.raises(LinkError):
         await camera.measure_pose(duration_s=0.5)

@@ -5,7 +5,7 @@ import math
 import pytest
 
 from truepose_drivers.errors import DriverError, NotInitialisedError, RemoteProtocolError
-from truepose_simulators.faults import wire
+from truepose_simulators.faults import kinds
 
 LINE_GAUGES = ["keyence_gt2", "mitutoyo_eh", "mitutoyo_serial"]
 GAUGES = ["heidenhain_nd", "mitutoyo_usb_itn", *LINE_GAUGES]
@@ -21,7 +21,7 @@ async def reading_gauge(bench, name):
 
 async def test_a_bar_that_hangs_gives_no_length(bench):
     bar = await reading_gauge(bench, "ballbar_hid")
-    bench.cell.add_fault(wire.BallbarFrozen())
+    bench.cell.add_fault(kinds.BallbarFrozen())
     bench.bar.deviation_mm = -0.25
 
     for _ in range(2):
@@ -32,7 +32,7 @@ async def test_a_bar_that_hangs_gives_no_length(bench):
 
 async def test_a_counter_switched_to_inches_goes_on_in_millimetres(bench):
     counter = await reading_gauge(bench, "heidenhain_nd")
-    bench.cell.add_fault(wire.BallbarInches())
+    bench.cell.add_fault(kinds.BallbarInches())
 
     for deviation_mm in (0.5, -0.25):
         bench.bar.deviation_mm = deviation_mm
@@ -44,7 +44,7 @@ async def test_a_counter_switched_to_inches_goes_on_in_millimetres(bench):
 async def test_a_gauge_switched_to_inches_is_no_reading_until_it_shows_millimetres(bench, name):
     gauge = await reading_gauge(bench, name)
     now_s = bench.cell.clock.now_s
-    bench.cell.add_fault(wire.BallbarInches(from_s=now_s, until_s=now_s + 10.0))
+    bench.cell.add_fault(kinds.BallbarInches(from_s=now_s, until_s=now_s + 10.0))
 
     for _ in range(2):
         with pytest.raises(RemoteProtocolError, match="inches"):
@@ -58,7 +58,7 @@ async def test_a_gauge_switched_to_inches_is_no_reading_until_it_shows_millimetr
 @pytest.mark.parametrize("name", GAUGES)
 async def test_a_key_that_is_pressed_shifts_no_reading(bench, name):
     gauge = await reading_gauge(bench, name)
-    bench.cell.add_fault(wire.BallbarKeyPressed())
+    bench.cell.add_fault(kinds.BallbarKeyPressed())
 
     for deviation_mm in (0.1, 0.2, 0.3, -0.4, 0.5):
         bench.bar.deviation_mm = deviation_mm
@@ -68,7 +68,7 @@ async def test_a_key_that_is_pressed_shifts_no_reading(bench, name):
 @pytest.mark.parametrize("name", GAUGES)
 async def test_digits_that_come_twice_are_no_reading(bench, name):
     gauge = await reading_gauge(bench, name)
-    bench.cell.add_fault(wire.LineDoublesDigits())
+    bench.cell.add_fault(kinds.LineDoublesDigits())
 
     with pytest.raises(DriverError):
         await gauge.read()
@@ -78,7 +78,7 @@ async def test_digits_that_come_twice_are_no_reading(bench, name):
 @pytest.mark.parametrize("name", ["heidenhain_nd", *LINE_GAUGES])
 async def test_a_line_that_stalls_inside_a_number_is_waited_for(bench, name):
     counter = await reading_gauge(bench, name)
-    bench.cell.add_fault(wire.LineStalls())
+    bench.cell.add_fault(kinds.LineStalls())
     bench.bar.deviation_mm = -0.1234
 
     assert (await counter.read()).deviation_mm == -0.1234
@@ -92,7 +92,7 @@ async def test_joints_on_a_line_that_stalls_are_whole(bench, name):
     await robot.connect()
     await robot.move_joints(tuple(map(math.radians, (10.0, -20.55, 30.0, 5.25, 45.0, -12.34))))
     before = await robot.read_joints()
-    bench.cell.add_fault(wire.LineStalls())
+    bench.cell.add_fault(kinds.LineStalls())
 
     assert (await robot.read_joints()).joints_rad == before.joints_rad
 
@@ -109,7 +109,7 @@ async def ready_tracker(bench):
 
 async def test_units_that_another_program_changes_during_a_measurement_spoil_no_point(bench):
     tracker = await ready_tracker(bench)
-    bench.cell.add_fault(wire.TrackerUnitsChanged())
+    bench.cell.add_fault(kinds.TrackerUnitsChanged())
 
     with pytest.raises(NotInitialisedError, match="units"):
         await tracker.measure_point(duration_s=0.5)
@@ -124,7 +124,7 @@ async def test_units_that_another_program_changes_during_a_measurement_spoil_no_
 
 async def test_the_result_of_an_earlier_measurement_is_no_point_of_this_one(bench):
     tracker = await ready_tracker(bench)
-    bench.cell.add_fault(wire.TrackerRepeatsResult())
+    bench.cell.add_fault(kinds.TrackerRepeatsResult())
 
     with pytest.raises(RemoteProtocolError, match="earlier measurement"):
         await tracker.measure_point(duration_s=0.5)
@@ -133,7 +133,7 @@ async def test_the_result_of_an_earlier_measurement_is_no_point_of_this_one(benc
 
 async def test_a_result_that_was_under_way_is_passed_over(bench):
     tracker = await ready_tracker(bench)
-    bench.cell.add_fault(wire.TrackerStaleResult())
+    bench.cell.add_fault(kinds.TrackerStaleResult())
 
     point = (await tracker.measure_point(duration_s=0.5)).point_mm
 

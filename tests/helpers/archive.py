@@ -2,9 +2,8 @@
 
 from collections import deque
 
-from truepose.analysis.archive.campaigns import in_folder
-from truepose.analysis.archive.run import Archive
-from truepose.analysis.cluster.cluster import Cluster
+from truepose.analysis.archive import Archive, in_folder
+from truepose.analysis.cluster.tasks import Cluster
 from truepose_simulators.recording.campaign import record
 from truepose_simulators.recording.files import write_campaign
 from truepose_simulators.recording.plan import Wishes

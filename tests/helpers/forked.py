@@ -19,7 +19,7 @@ from subprocess import DEVNULL, PIPE
 _FORKS = multiprocessing.get_context("forkserver")
 _LOADED = [
     "truepose.cli",
-    "truepose.app.cells",
+    "truepose.app.composition",
     "truepose.analysis.workers.worker",
     "truepose_simulators.__main__",
 ]

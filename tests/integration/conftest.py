@@ -6,8 +6,8 @@ import pytest
 
 from tests.helpers.machine import POSTGRESQL
 from tests.helpers.postgresql.server import programs, shared_server
-from truepose.storage.connection.address import database_file
 from truepose.storage.database import Database
+from truepose.storage.engine.address import database_file
 
 
 @pytest.fixture(scope="session")

@@ -20,13 +20,14 @@ from urllib.parse import urlsplit
 import httpx
 import pytest
 
+from tests.helpers.web.clients import prompt_id
 from tests.integration.web.bench import CELL
 from truepose.app import serve
 from truepose.app.server import _listening, _url
+from truepose.messages.error_codes import CODES
 from truepose.settings import Settings
 from truepose.storage.database import Database
-from truepose.storage.people.machine import service_of
-from truepose.words.error_codes import CODES
+from truepose.storage.secret_files import service_of
 
 CODED = re.compile(r" \[(TP-\d{4})\]\n$")
 PATIENCE_S = 120  # with a process that starts or ends, on a busy machine
@@ -337,8 +338,11 @@ def test_a_service_killed_in_a_session_lets_go_of_its_database_and_finds_it_awai
         stops = [{"config": k, "joints_deg": q, "nest": 1} for k, q in enumerate(joints, 1)]
         wanted = {"name": "a", "role": "calibration", "plan": {"method": "given", "stops": stops}}
         client.post("/api/v1/sessions", json=wanted).raise_for_status()
-        client.post("/api/v1/sessions/1/start").raise_for_status()
-        client.post("/api/v1/sessions/1/confirm", json={"person": "Ada"}).raise_for_status()
+        path = "/api/v1/sessions/1"
+        for command in ("start", "confirm"):
+            asked = prompt_id(client.get(f"{path}/situation").json())
+            said = {"command": command, "person": "Ada", "prompt_id": asked}
+            client.post(f"{path}/commands", json=said).raise_for_status()
         acknowledged = readings_until(client, 12)
     os.kill(service.pid, signal.SIGKILL)
     service.wait()

@@ -9,7 +9,7 @@ import time
 from fastapi.responses import HTMLResponse
 
 from tests.helpers.checkout import CHECKOUT
-from tests.helpers.web.clients import client_of, made
+from tests.helpers.web.clients import client_of, made, prompt_id
 from tests.helpers.web.performing import perform_here
 from tests.helpers.web.routes import paths_answering, routes_alone
 from tests.integration.web.ballbar_bench import BALLBAR, WANTED
@@ -71,9 +71,11 @@ class Day:
         reply = await self.client.request(method, path, **sent)
         media_type = reply.headers.get("content-type", "").partition(";")[0]
         asked = [f"### {method} {path}", *([printed(sent["json"])] if "json" in sent else [])]
-        body = (
-            "" if reply.status_code == _ACCEPTED else told(reply.content, media_type)
-        )  # how far a job is by then
+        # How far a job or a session is by then, is not the same every day.
+        if path.endswith("/commands") and reply.is_success:
+            body = printed({"sentence": reply.json()["sentence"]})
+        else:
+            body = "" if reply.status_code == _ACCEPTED else told(reply.content, media_type)
         where = [f"Location: {reply.headers['location']}"] if "location" in reply.headers else []
         self.transcripts[-1].add(*asked, f"-> {reply.status_code} {media_type}", *where, body, "")
         return reply
@@ -146,7 +148,7 @@ async def spend_at_the_camera(folder):
     async with open_day("camera-day", folder, CAMERA_CELL, CameraBench()) as day:
         day.part("camera-session")
         await _walk(day, await _planned(day, "/api/v1/sessions", camera_session()))
-        await day.get("/api/v1/sessions/1/readings", "/api/v1/sessions/1/guide", "/sessions/1")
+        await day.get("/api/v1/sessions/1/readings", "/api/v1/sessions/1/situation", "/sessions/1")
         return day.transcripts
 
 
@@ -176,15 +178,13 @@ async def _morning(day):
 
 async def _tracker_session(day):
     path = await _planned(day, "/api/v1/sessions", session_request(12))
-    await day.get(
-        *(f"{path}/{part}" for part in ("plan", "promise", "guide/outlook", "guide/sheet", "authority"))
-    )
+    await day.get(*(f"{path}/{part}" for part in ("plan", "promise", "outlook", "sheet", "authority")))
     await _walk(day, path)
     parts = (
         "readings",
         "progress",
-        "guide",
-        "guide/scene",
+        "situation",
+        "scene",
         "accuracy",
         "space",
         "closing",
@@ -195,24 +195,23 @@ async def _tracker_session(day):
 
 
 async def _ballbar_session(day):
-    path = await _planned(day, "/api/v1/ballbar-sessions", WANTED)
-    await day.get(f"{path}/steps", f"{path}/scene")
+    path = await _planned(day, "/api/v1/sessions", WANTED)
+    await day.get(f"{path}/situation", f"{path}/plan", f"{path}/scene")
     await _press(day, path, "abort")
     await day.until(path, lambda session: session["state"] == "aborted")
     await day.get(f"{path}/ledger")
 
 
 async def _press(day, path, act):
-    body = {"act": act, "tablet": "tablet-1", **ADA}
-    await day.ask("POST", f"{path}/acts", json=body, headers={"Idempotency-Key": act})
+    body = {"command": act, "tablet": "tablet-1", **ADA}
+    await day.ask("POST", f"{path}/commands", json=body, headers={"Idempotency-Key": act})
 
 
 async def _contact_session(day):
-    path = await _planned(day, "/api/v1/contact-sessions", WIRE)
-    contacts = path.replace("/sessions/", "/contact-sessions/")
-    await day.get(f"{contacts}/plan")
+    path = await _planned(day, "/api/v1/sessions", WIRE)
+    await day.get(f"{path}/plan")
     await _walk(day, path)
-    await day.get(path, f"{contacts}/readings")
+    await day.get(path, f"{path}/contact-readings")
 
 
 async def _campaign(day):
@@ -247,7 +246,7 @@ async def _second_session(day):
     path = await _planned(day, "/api/v1/sessions", session_request(60))
     await day.ask("PUT", f"{path}/authority", json={"tablet": "tablet-1", **ADA})
     await day.ask("DELETE", f"{path}/authority", params={"tablet": "tablet-1"})
-    await day.ask("POST", f"{path}/abort", json=ADA)
+    await day.ask("POST", f"{path}/commands", json={"command": "abort", **ADA})
     await day.get(path)
     await day.ask(
         "POST", "/api/v1/sessions/1/closing", json={"closed_as": "calibrated", **ADA, "reason": "Checked."}
@@ -345,20 +344,22 @@ async def _planned(day, path, wanted):
 
 def _asks_anew(last, found):
     """Whether a session waits, and not with the question that was answered last."""
-    return found["state"] in _AT_REST and found["prompt_id"] != last
+    return found["state"] in _AT_REST and prompt_id(found) != last
 
 
 async def _walk(day, path):
     """Start a session and confirm whatever it asks, to its end."""
-    await day.ask("POST", f"{path}/start")
+    await day.ask("POST", f"{path}/commands", json={"command": "start", **ADA})
     last = None
     while True:
         found = await day.until(path, functools.partial(_asks_anew, last))
         if found["state"] != "awaiting_confirmation":
             break
-        last = found["prompt_id"]
+        last = prompt_id(found)
         await day.get(path)
-        confirmed = await day.ask("POST", f"{path}/confirm", json={**ADA, "prompt_id": last})
+        confirmed = await day.ask(
+            "POST", f"{path}/commands", json={"command": "confirm", **ADA, "prompt_id": last}
+        )
         assert confirmed.is_success, confirmed.text
 
 

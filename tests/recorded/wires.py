@@ -4,8 +4,7 @@ import asyncio
 
 from tests.contract.devices.every import BENCHES
 from tests.recorded.transcript import Transcript
-from truepose_drivers.contract.simulated_time import SimulatedTimeLoop
-from truepose_drivers.contract.trial import Trial
+from truepose_drivers.contract.case import SimulatedTimeLoop, Trial
 
 _READINGS = 3
 _SEED = 7

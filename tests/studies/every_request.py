@@ -21,7 +21,7 @@ from tests.helpers.domain.builders import make_campaign, make_points
 from tests.integration.web.bench import CELL, Bench, session_request
 from tests.integration.web.calibration.test_jobs import FakeWorker
 from tests.integration.web.listening import listening
-from truepose.analysis.workers.promising import PromiseTask
+from truepose.analysis.workers.accuracy_tasks import PromiseTask
 from truepose.analysis.workers.tasks import IdentifyTask, ValidateTask
 from truepose.app import create_app
 from truepose.exchange.campaigns.zip_file import write_campaign_zip
@@ -29,7 +29,7 @@ from truepose.settings import Settings
 
 CONFIGURATION = """
 [[operations]]  # streams do not end by themselves
-include-operation-id = ["follow_events", "follow_ballbar_session", "follow_guide"]
+include-operation-id = ["follow_events", "follow_session"]
 parameters = {{ "query.stop_after_s" = 0.2{known} }}
 
 [[operations]]  # that bytes are a campaign or a program is more than a schema can say

@@ -16,13 +16,13 @@ from typing import Final
 
 import numpy as np
 
-from truepose.domain.measurement.campaign import Campaign, PointReadings
-from truepose.domain.results.identification import Model
-from truepose.domain.results.validation import FigureUncertainty, Validation
+from truepose.domain.campaign import Campaign, PointReadings
+from truepose.domain.identification import Model
+from truepose.domain.validation import FigureUncertainty, Validation
 from truepose.exchange.campaigns.folder import read_campaign
 from truepose.identification import identify, judge
-from truepose.judgement.uncertainty import known
-from truepose.judgement.validation import validate
+from truepose.validation.uncertainty import known
+from truepose.validation.validate import validate
 from truepose_simulators.recording.campaign import record
 from truepose_simulators.recording.files import write_campaign
 from truepose_simulators.recording.plan import Wishes

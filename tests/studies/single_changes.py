@@ -17,10 +17,10 @@ import sqlalchemy as sa
 
 from tests.helpers.domain.tracker_sessions import make_setup
 from tests.studies.running import from_command_line
-from truepose.storage.column_types import Real
-from truepose.storage.connection.sqlite.library import LIBRARY
 from truepose.storage.database import Database
 from truepose.storage.documents import to_document
+from truepose.storage.engine.dialects import Real
+from truepose.storage.engine.sqlite_connections import LIBRARY
 from truepose.storage.integrity.verification import verify
 from truepose.storage.rows import add_row
 from truepose.storage.tables import metadata

@@ -11,12 +11,12 @@ from typing import Any
 
 import numpy as np
 
-from tests.unit.service.sequencing.tracker.fakes import ListLedger
+from tests.unit.service.sessions.tracker.fakes import ListLedger
 from truepose.domain.arrays import FloatArray
 from truepose.domain.robot import JointRange
 from truepose.exchange.cells.file import simulated_cell
-from truepose.planning.work_volume.work_space import WorkSpace
-from truepose.sequencing.tracker.cell import SessionCell
+from truepose.planning.workspace.space import WorkSpace
+from truepose.sessions.tracker.cell import SessionCell
 from truepose_drivers.abb_open_abb.driver import PLUGIN as OPEN_ABB
 from truepose_drivers.abb_rws.driver import PLUGIN as RWS
 from truepose_drivers.cell_clock.driver import PLUGIN as CLOCK

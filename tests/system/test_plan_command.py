@@ -87,6 +87,16 @@ def test_a_campaign_that_is_too_small_for_a_model_promises_nothing(tmp_path):
     assert "Nothing can be promised" in plan(str(folder), status=2).stderr
 
 
+@pytest.mark.parametrize("instrument", ["tracker", "closed loop"])
+def test_a_cell_whose_tool_has_no_nest_has_no_plan(tmp_path, instrument):
+    cell = tmp_path / "cell.toml"
+    cell.write_text('robot = "kuka-kr-6-r900-sixx"\n[[device]]\nname = "tracker"\ndriver = "leica_emscon"\n')
+    (tmp_path / "targets.csv").write_text("target,kind,x_mm,y_mm,z_mm\n1,ball,430,0,260\n")
+    loop = ("--targets", str(tmp_path / "targets.csv")) if instrument == "closed loop" else ()
+
+    assert "no tool nest" in plan(str(cell), *loop, "--n", "6", status=2).stderr
+
+
 @pytest.mark.parametrize(
     ("arguments", "sentence"),
     [

@@ -7,7 +7,7 @@ with the load. A package brings it as `BROUGHT`; inside the service it would be 
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
-from truepose.effects.causes import Candidate, CellRow, Fitted, NamedCause, Scene, Shown
+from truepose.effects.causes import OF_SUBJECT, Candidate, Description, Fitted, Scene, Signature
 from truepose.effects.names import joint_name, joint_of, joint_subject
 from truepose.effects.ports import Need, ParameterSpec, Port, PortKind, Rows, Setting, Term
 
@@ -21,6 +21,7 @@ class FrictionWindup:
 
     name = NAME
     needs: frozenset[Need] = frozenset({"torque", "direction"})  # what a row must tell
+    signature = Signature(OF_SUBJECT, "torque of {subject}", "sign")
 
     def specs(self, setting: Setting) -> tuple[ParameterSpec, ...]:
         """Return `friction_2` and so on for the joints that carry load."""
@@ -50,11 +51,11 @@ class FrictionWindup:
         ]
         return tuple(Candidate(NAME, joint_subject(joint), (_spec(joint),)) for joint in joints)
 
-    def shown(self, subject: str, fitted: Fitted, scene: Scene) -> Shown:
+    def describe(self, subject: str, fitted: Fitted, scene: Scene) -> Description:
         """Say how far the load keeps the joint from where it is sent."""
         friction, uncertainty = float(fitted.values[0]), float(np.sqrt(fitted.covariance[0, 0]))
         sentence = f"The gear of {subject} rubs under load: its joint stops short of where it is sent."
-        return Shown(subject, friction, "rad/(N*mm)", uncertainty, sentence)
+        return Description(subject, friction, "rad/(N*mm)", uncertainty, sentence)
 
 
 def _spec(joint: int) -> ParameterSpec:
@@ -75,4 +76,4 @@ def _short_of(rows: Rows, joint: int) -> FloatArray:
     return against
 
 
-BROUGHT = NamedCause(FrictionWindup(), CellRow("{subject}", "torque of {subject}", "sign"))
+BROUGHT = FrictionWindup()

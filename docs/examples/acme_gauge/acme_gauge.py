@@ -8,7 +8,7 @@ import re
 
 from truepose_drivers.api import BallbarReading, Clock, DeviceIdentity, DriverPlugin, Options
 from truepose_drivers.errors import RemoteProtocolError
-from truepose_drivers.line_gauges.text_lines import TextLines
+from truepose_drivers.line_gauges.protocol import TextLines
 from truepose_drivers.monotonic_clock import MonotonicClock
 from truepose_drivers.transports.conversation import Conversation
 from truepose_drivers.transports.link import Link, introduction

@@ -8,7 +8,7 @@ from typing import Final
 from truepose_drivers import options as option
 from truepose_drivers.abb_egm.protocol import EGM_PORT, Motors, Rapid, RobotFrame, decode_robot
 from truepose_drivers.api import Clock, FullRobot, JointReading, Options
-from truepose_drivers.arms.companion import AccompaniedRobot
+from truepose_drivers.arm_motion import AccompaniedRobot
 from truepose_drivers.errors import NoReplyError, NotInitialisedError
 from truepose_drivers.transports.conversation import Turns
 from truepose_drivers.transports.link import OnePortDevice, Source, drain, introduction

@@ -12,28 +12,8 @@ from dataclasses import dataclass
 
 from truepose_drivers import options as option
 from truepose_drivers.abb_egm.reader import EGM_OPTION, read_by_egm
-from truepose_drivers.abb_open_abb.heartbeat import BEAT, BEAT_S, SILENCE_S, STOPS_WITHIN_S, is_our_server
+from truepose_drivers.abb_open_abb import protocol
 from truepose_drivers.abb_open_abb.joint_log import JointLog
-from truepose_drivers.abb_open_abb.protocol import (
-    LOGGER_PORT,
-    LONGEST_MESSAGE_CHARS,
-    MOTION_PORT,
-    Code,
-    OpenAbbProtocolError,
-    Reply,
-    ReplyStatus,
-    decimal,
-    decode_reply,
-    encode_joint_target,
-    encode_request,
-    ends_for_certain,
-    joint_angles_deg,
-    joint_decimals,
-    joint_resolution_deg,
-    reply_extent,
-    reply_numbers,
-    rest_before_ping,
-)
 from truepose_drivers.abb_rws.companion import LOGIN_OPTIONS, watched_by_rws
 from truepose_drivers.api import (
     Clock,
@@ -46,8 +26,13 @@ from truepose_drivers.api import (
     Options,
     Vector,
 )
-from truepose_drivers.arms.standstill import Course, answered_unless_it_stands
-from truepose_drivers.arms.targets import degrees_text, require_speeds
+from truepose_drivers.arm_motion import (
+    CommandedMotion,
+    answered_unless_it_stands,
+    degrees_text,
+    require_speeds,
+    require_target,
+)
 from truepose_drivers.errors import (
     ConnectionLostError,
     DeviceRefusedError,
@@ -110,7 +95,7 @@ class OpenAbbRobot:
         self._clock = clock
         self._time_outs = time_outs or TimeOuts()
         self._turns = Turns(link)
-        self._tool_mm = [decimal(value, 1) for value in tool_mm]
+        self._tool_mm = [protocol.decimal(value, 1) for value in tool_mm]
         self._limits = MotionLimits()
         self._limits_sent = False
         self._finest_decimals = 0  # of the angles that this server has given
@@ -126,7 +111,7 @@ class OpenAbbRobot:
     def motion_guard(self) -> MotionGuard:
         """Our own server stops a motion when it hears nothing; a stock one goes on with what was sent."""
         if self._watches:
-            return MotionGuard(stops_unheard_s=STOPS_WITHIN_S, speed_read_back=True)
+            return MotionGuard(stops_unheard_s=protocol.STOPS_WITHIN_S, speed_read_back=True)
         return MotionGuard(longest_piece_s=_LONGEST_PIECE_S)
 
     async def connect(self) -> None:
@@ -153,14 +138,16 @@ class OpenAbbRobot:
         """Let the server listen for the next client, then close the link; never raises."""
         if self._link.is_open and not self._turns.taken:
             with contextlib.suppress(ConnectionLostError):
-                await self._link.send(encode_request(Code.CLOSE))
+                await self._link.send(protocol.encode_request(protocol.Code.CLOSE))
         await self._link.close()
 
     async def identify(self) -> DeviceIdentity:
         """Ask for serial number, RobotWare version and robot type."""
-        reply = await self._ask(encode_request(Code.CONTROLLER_INFO), Code.CONTROLLER_INFO, words=1)
+        reply = await self._ask(
+            protocol.encode_request(protocol.Code.CONTROLLER_INFO), protocol.Code.CONTROLLER_INFO, words=1
+        )
         fields = [field.strip() or _UNKNOWN for field in reply.text.split("*")]
-        self._watches = is_our_server(fields)
+        self._watches = protocol.is_our_server(fields)
         serial, firmware, model = [*fields, *[_UNKNOWN] * len(_INFO_FIELDS)][: len(_INFO_FIELDS)]
         return DeviceIdentity(manufacturer="ABB", model=model, serial=serial, firmware=firmware)
 
@@ -168,15 +155,23 @@ class OpenAbbRobot:
         """Set the speed limits of the following motions, and stop exactly at every target."""
         require_speeds(limits)
         speed = [
-            decimal(limits.tool_speed_mm_s, 1),
-            decimal(math.degrees(limits.orientation_speed_rad_s), 2),
+            protocol.decimal(limits.tool_speed_mm_s, 1),
+            protocol.decimal(math.degrees(limits.orientation_speed_rad_s), 2),
         ]
         # The server keeps the tool of whoever was here before, and holds the speed at its point.
-        await self._ask(encode_request(Code.SET_TOOL, [*self._tool_mm, *_UPRIGHT]), Code.SET_TOOL)
-        await self._ask(encode_request(Code.SET_WORK_OBJECT, [*_ORIGIN, *_UPRIGHT]), Code.SET_WORK_OBJECT)
-        await self._ask(encode_request(Code.SET_SPEED, speed), Code.SET_SPEED)
+        await self._ask(
+            protocol.encode_request(protocol.Code.SET_TOOL, [*self._tool_mm, *_UPRIGHT]),
+            protocol.Code.SET_TOOL,
+        )
+        await self._ask(
+            protocol.encode_request(protocol.Code.SET_WORK_OBJECT, [*_ORIGIN, *_UPRIGHT]),
+            protocol.Code.SET_WORK_OBJECT,
+        )
+        await self._ask(protocol.encode_request(protocol.Code.SET_SPEED, speed), protocol.Code.SET_SPEED)
         # A fly-by zone would answer before the arm is at rest; with "fine" the three zone sizes are moot.
-        await self._ask(encode_request(Code.SET_ZONE, ["1", "0", "0", "0"]), Code.SET_ZONE)
+        await self._ask(
+            protocol.encode_request(protocol.Code.SET_ZONE, ["1", "0", "0", "0"]), protocol.Code.SET_ZONE
+        )
         if self._watches:
             await self._require_speed([float(value) for value in speed])
         self._limits = limits
@@ -184,8 +179,10 @@ class OpenAbbRobot:
 
     async def _require_speed(self, told: list[float]) -> None:
         """Read the speed back; raises DeviceRefusedError where the controller has another one."""
-        reply = await self._ask(encode_request(Code.GET_SPEED), Code.GET_SPEED, words=2)
-        stated = reply_numbers(reply, 2)
+        reply = await self._ask(
+            protocol.encode_request(protocol.Code.GET_SPEED), protocol.Code.GET_SPEED, words=2
+        )
+        stated = protocol.reply_numbers(reply, 2)
         if not all(abs(has - should) <= _SPEED_ROUNDING for has, should in zip(stated, told, strict=True)):
             await self._link.close()
             raise DeviceRefusedError(
@@ -204,7 +201,10 @@ class OpenAbbRobot:
             # The server starts with a fly-by zone, so a first motion without limits would not end at rest.
             await self.set_limits(self._limits)
         if self._watches and not self._watching:
-            await self._ask(encode_request(Code.WATCH, [decimal(SILENCE_S, 2)]), Code.WATCH)
+            await self._ask(
+                protocol.encode_request(protocol.Code.WATCH, [protocol.decimal(protocol.SILENCE_S, 2)]),
+                protocol.Code.WATCH,
+            )
             self._watching = True
         if self._log is None:
             await self._moved(request, target_rad)
@@ -213,7 +213,7 @@ class OpenAbbRobot:
 
     async def _moved_under_watch(self, request: bytes, target_rad: tuple[float, ...], log: JointLog) -> None:
         start_rad = (await self.read_joints()).joints_rad
-        course = Course(_in_degrees(start_rad), _in_degrees(target_rad), _ARRIVED_DEG, _STILL_DEG)
+        course = CommandedMotion(_in_degrees(start_rad), _in_degrees(target_rad), _ARRIVED_DEG, _STILL_DEG)
         moved = self._moved(request, target_rad)
         try:
             await answered_unless_it_stands(moved, log.joints_deg, course, _LOOK_AT_PENDANT)
@@ -222,13 +222,17 @@ class OpenAbbRobot:
 
     async def _moved(self, request: bytes, target_rad: tuple[float, ...]) -> None:
         try:
-            await self._ask(request, Code.MOVE_JOINTS, timeout_s=self._motion_timeout_s())
+            await self._ask(request, protocol.Code.MOVE_JOINTS, timeout_s=self._motion_timeout_s())
         except NoReplyError as error:
             raise NoReplyError(
                 f"the robot did not report the end of its motion: {_LOOK_AT_PENDANT}"
             ) from error
         except ConnectionLostError as error:
-            why = f", as it does after {SILENCE_S:g} s in which it heard nothing" if self._watching else ""
+            why = (
+                f", as it does after {protocol.SILENCE_S:g} s in which it heard nothing"
+                if self._watching
+                else ""
+            )
             raise ConnectionLostError(
                 f"the robot hung up during a motion{why}: {_LOOK_AT_PENDANT}"
             ) from error
@@ -239,35 +243,37 @@ class OpenAbbRobot:
     async def read_joints(self) -> JointReading:
         """Ask where the joints are; stock servers round to 0.01 deg."""
         reply = await self._ask_joints()
-        if not ends_for_certain(reply) or joint_decimals(reply) > self._finest_decimals:
+        if not protocol.ends_for_certain(reply) or protocol.joint_decimals(reply) > self._finest_decimals:
             reply = await self._confirmed(reply)
-        joints_deg = joint_angles_deg(reply, _JOINTS)
+        joints_deg = protocol.joint_angles_deg(reply, _JOINTS)
         return JointReading(
             joints_rad=tuple(map(math.radians, joints_deg)),
-            resolution_rad=math.radians(joint_resolution_deg(reply)),
+            resolution_rad=math.radians(protocol.joint_resolution_deg(reply)),
             time_s=await self._clock.now_s(),
         )
 
-    async def _confirmed(self, reply: Reply) -> Reply:
+    async def _confirmed(self, reply: protocol.Reply) -> protocol.Reply:
         """Ask again where a digit may have been lost or come twice; raises OpenAbbProtocolError.
 
         A last number with fewer decimals may be a whole one, or one cut short. More decimals than the
         server ever gave come from an arm that stood at whole degrees until now, or from a bad line.
         """
         again = await self._ask_joints()
-        finest = min(joint_decimals(reply), joint_decimals(again))
+        finest = min(protocol.joint_decimals(reply), protocol.joint_decimals(again))
         self._finest_decimals = max(self._finest_decimals, finest)
-        ends = ends_for_certain(again) or again.text == reply.text
-        if not ends or joint_decimals(again) > self._finest_decimals:
+        ends = protocol.ends_for_certain(again) or again.text == reply.text
+        if not ends or protocol.joint_decimals(again) > self._finest_decimals:
             await self._link.close()
-            raise OpenAbbProtocolError(
+            raise protocol.OpenAbbProtocolError(
                 f"the robot stated {reply.text!r}, then {again.text!r}: digits were lost or came twice;"
                 " connect again"
             )
         return again
 
-    async def _ask_joints(self) -> Reply:
-        return await self._ask(encode_request(Code.GET_JOINTS), Code.GET_JOINTS, words=_JOINTS)
+    async def _ask_joints(self) -> protocol.Reply:
+        return await self._ask(
+            protocol.encode_request(protocol.Code.GET_JOINTS), protocol.Code.GET_JOINTS, words=_JOINTS
+        )
 
     def _motion_timeout_s(self) -> float:
         turning_s = _LONGEST_TURN_RAD / self._limits.orientation_speed_rad_s
@@ -275,44 +281,48 @@ class OpenAbbRobot:
         return self._time_outs.motion_s + max(turning_s, path_s)
 
     async def _ask(
-        self, request: bytes, code: Code, *, words: int = 0, timeout_s: float | None = None
-    ) -> Reply:
+        self, request: bytes, code: protocol.Code, *, words: int = 0, timeout_s: float | None = None
+    ) -> protocol.Reply:
         """Send a request and return its reply, whose text has at least `words` words."""
         async with self._turns.turn():
             await drain(self._link)  # a line end or the like behind the last reply
             await self._link.send(request)
-            beats = self._watching and code is Code.MOVE_JOINTS
+            beats = self._watching and code is protocol.Code.MOVE_JOINTS
             data = await self._receive_reply(code, words, timeout_s or self._time_outs.reply_s, beats=beats)
-            reply = decode_reply(data)
+            reply = protocol.decode_reply(data)
             if reply.code != code:
-                raise OpenAbbProtocolError(
+                raise protocol.OpenAbbProtocolError(
                     f"the robot replied to request {reply.code}, not to {int(code)}: connect again"
                 )
             _require_text(reply, words)
             behind = await self._link.receive(0.0)
             if behind is not None and behind.strip():
-                raise OpenAbbProtocolError(
+                raise protocol.OpenAbbProtocolError(
                     f"the robot replied with more than was asked ({behind[:40]!r}): connect again"
                 )
-        if reply.status != ReplyStatus.OK:
+        if reply.status != protocol.ReplyStatus.OK:
             raise DeviceRefusedError(f"the robot refused request {int(code)} ({code.name}) as a bad message")
         return reply
 
-    async def _receive_reply(self, code: Code, words: int, timeout_s: float, *, beats: bool) -> bytes:
+    async def _receive_reply(
+        self, code: protocol.Code, words: int, timeout_s: float, *, beats: bool
+    ) -> bytes:
         """Return a reply; with `beats` the controller hears meanwhile that somebody waits for it."""
         deadline_s = asyncio.get_running_loop().time() + timeout_s
         data = b""
         # The space that ends a reply without text may come as late as this one.
-        while (extent := reply_extent(data := data.lstrip(b" \r\n"), code, words)) != "whole":
+        while (extent := protocol.reply_extent(data := data.lstrip(b" \r\n"), code, words)) != "whole":
             if extent == "maybe whole" and words:
                 return data + await self._rest(deadline_s)
             left_s = deadline_s - asyncio.get_running_loop().time()
             patience_s = self._time_outs.rest_of_reply_s if extent == "maybe whole" else left_s
-            more = await self._link.receive(max(min(patience_s, BEAT_S) if beats else patience_s, 0.0))
+            more = await self._link.receive(
+                max(min(patience_s, protocol.BEAT_S) if beats else patience_s, 0.0)
+            )
             if more is None and extent == "maybe whole":
                 return data
-            if more is None and beats and left_s > BEAT_S:
-                await self._link.send(BEAT)
+            if more is None and beats and left_s > protocol.BEAT_S:
+                await self._link.send(protocol.BEAT)
                 continue
             if more is None:
                 raise NoReplyError(
@@ -323,11 +333,11 @@ class OpenAbbRobot:
 
     async def _rest(self, deadline_s: float) -> bytes:
         """Return what still belongs to a reply whose end cannot be told: what comes before that to a ping."""
-        await self._link.send(encode_request(Code.PING))
+        await self._link.send(protocol.encode_request(protocol.Code.PING))
         data = b""
-        while (rest := rest_before_ping(data)) is None:
+        while (rest := protocol.rest_before_ping(data)) is None:
             more = await self._link.receive(max(0.0, deadline_s - asyncio.get_running_loop().time()))
-            if more is None or len(data) > LONGEST_MESSAGE_CHARS:
+            if more is None or len(data) > protocol.LONGEST_MESSAGE_CHARS:
                 raise NoReplyError(
                     f"the robot at {self._link.address} does not end its reply: {_LOOK_AT_PENDANT}"
                 )
@@ -335,23 +345,22 @@ class OpenAbbRobot:
         return rest
 
 
-def _require_text(reply: Reply, words: int) -> None:
+def _require_text(reply: protocol.Reply, words: int) -> None:
     """See that a reply has the text that belongs there; raises OpenAbbProtocolError."""
-    if reply.status != ReplyStatus.OK:
+    if reply.status != protocol.ReplyStatus.OK:
         return
-    if reply.code == Code.GET_JOINTS:
-        joint_angles_deg(reply, words)
+    if reply.code == protocol.Code.GET_JOINTS:
+        protocol.joint_angles_deg(reply, words)
     elif words == 0 and reply.text:
-        raise OpenAbbProtocolError(
+        raise protocol.OpenAbbProtocolError(
             f"the robot's reply to request {reply.code} goes on with {reply.text[:40]!r}: connect again"
         )
 
 
 def _encode_target(target_rad: tuple[float, ...]) -> bytes:
-    if len(target_rad) != _JOINTS:
-        raise TargetRefusedError(f"open_abb moves {_JOINTS} joints; the target has {len(target_rad)}")
+    require_target(target_rad, _JOINTS)
     try:
-        return encode_joint_target([math.degrees(angle) for angle in target_rad])
+        return protocol.encode_joint_target([math.degrees(angle) for angle in target_rad])
     except ValueError as error:
         raise TargetRefusedError(str(error)) from error
 
@@ -364,15 +373,16 @@ def _open(options: Options, clock: Clock | None) -> FullRobot:
     keeps_time = clock or MonotonicClock()
     tool_mm = option.vector(options, "tool_mm")
     log = JointLog(tcp_link(options, port="log_port")) if "log_port" in options else None
-    robot = OpenAbbRobot(tcp_link(options, MOTION_PORT), keeps_time, tool_mm=tool_mm, log=log)
+    robot = OpenAbbRobot(tcp_link(options, protocol.MOTION_PORT), keeps_time, tool_mm=tool_mm, log=log)
     return read_by_egm(watched_by_rws(robot, options, keeps_time), options, keeps_time)
 
 
 _OPTIONS = {
     "host": "address of the controller, often 192.168.125.1",
-    "port": f"TCP port of the motion server, {MOTION_PORT} unless changed",
+    "port": f"TCP port of the motion server, {protocol.MOTION_PORT} unless changed",
     "tool_mm": 'point at which speeds hold, on the axes of the flange: "0 0 125"; the flange unless given',
-    "log_port": f"TCP port of the logger, often {LOGGER_PORT}, to see whether the arm moves; else none",
+    "log_port": f"TCP port of the logger, often {protocol.LOGGER_PORT}, to see whether the arm moves;"
+    " else none",
     "rws_port": "TCP port of Robot Web Services, often 80, to watch state and joints by; else none",
     **LOGIN_OPTIONS,
     "egm_port": EGM_OPTION,

@@ -7,7 +7,7 @@ import asyncio
 from typing import Final
 
 from truepose_drivers.abb_open_abb.protocol import LogReader
-from truepose_drivers.arms.standstill import Angles
+from truepose_drivers.arm_options import Angles
 from truepose_drivers.errors import DriverError
 from truepose_drivers.transports.link import Link, drain
 

@@ -6,6 +6,9 @@ folder's README). Wire units: mm, degrees; quaternions w first.
 A request is ``CODE value value ... #``, at most 80 characters (one RAPID string), at most ten values. A
 reply is ``CODE STATUS text``. Neither has a terminator that can be relied on: one segment is one message,
 and a client sends the next request only after the reply to the last.
+
+Our own server stops a motion when nobody is heard any more, where it is asked to: its identity has one more
+field at its end, and the codes 94 to 96, which the stock server does not have, go to our server only.
 """
 
 import math
@@ -13,10 +16,10 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import IntEnum
-from typing import Literal, TypeAlias
+from typing import Final, Literal, TypeAlias
 
 from truepose_drivers.errors import RemoteProtocolError
-from truepose_drivers.stream_reader import StreamReader
+from truepose_drivers.framing import StreamReader
 
 MOTION_PORT = 5000
 LOGGER_PORT = 5001
@@ -300,3 +303,15 @@ def _decimals(word: bytes) -> int:
 
 def _is_count(word: str) -> bool:
     return word.isascii() and word.isdigit()
+
+
+SILENCE_S: Final = 0.8  # after which the controller stops the arm; it looks every 0.1 s
+BEAT_S: Final = 0.2  # so often the driver is heard while the arm moves
+STOPS_WITHIN_S: Final = 1.0  # silence, look and deceleration
+
+BEAT: Final = encode_request(Code.BEAT)
+
+
+def is_our_server(fields: list[str]) -> bool:
+    """Whether an identity, in its fields, is that of a server that can watch."""
+    return OUR_SERVER in fields[3:]

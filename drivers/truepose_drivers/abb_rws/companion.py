@@ -3,18 +3,18 @@
 import math
 
 from truepose_drivers import options as option
+from truepose_drivers.abb_rws import protocol
+from truepose_drivers.abb_rws.http import Login
 from truepose_drivers.abb_rws.motion import read_panel
-from truepose_drivers.abb_rws.protocol import resources
-from truepose_drivers.abb_rws.protocol.digest import Login
-from truepose_drivers.abb_rws.protocol.panel import Execution, controller_state
+from truepose_drivers.abb_rws.protocol import Execution, controller_state
 from truepose_drivers.abb_rws.session import RwsSession
 from truepose_drivers.api import Clock, FullRobot, JointReading, Options
-from truepose_drivers.arms.companion import AccompaniedRobot
+from truepose_drivers.arm_motion import AccompaniedRobot
 from truepose_drivers.errors import DriverError, NotInitialisedError
 from truepose_drivers.transports.tcp import tcp_link
 
 LOGIN_OPTIONS = {
-    "user": f'user of the controller\'s web services, "{resources.USER}" unless changed',
+    "user": f'user of the controller\'s web services, "{protocol.USER}" unless changed',
     "password": "password of that user, that of a new controller unless changed",
 }
 
@@ -35,7 +35,7 @@ class RwsCompanion:
         """Open the link and log in; raises ConnectFailedError, DeviceRefusedError."""
         await self._session.open()
         try:
-            await self._session.get(resources.CONTROLLER_STATE, controller_state)
+            await self._session.get(protocol.CONTROLLER_STATE, controller_state)
         except DriverError:
             await self._session.close()
             raise
@@ -56,22 +56,22 @@ class RwsCompanion:
 
     async def read_joints(self) -> JointReading:
         """Ask where the joints are; also while the arm moves."""
-        joints_deg = await self._session.get(resources.JOINT_TARGET, resources.joint_angles_deg)
+        joints_deg = await self._session.get(protocol.JOINT_TARGET, protocol.joint_angles_deg)
         return JointReading(
             joints_rad=tuple(map(math.radians, joints_deg)),
-            resolution_rad=math.radians(resources.RESOLUTION_DEG),
+            resolution_rad=math.radians(protocol.RESOLUTION_DEG),
             time_s=await self._clock.now_s(),
         )
 
     async def last_words(self) -> str:
         """Return the newest entry of the event log."""
-        return await self._session.get(f"{resources.EVENT_LOG}?lang=en", resources.last_event)
+        return await self._session.get(f"{protocol.EVENT_LOG}?lang=en", protocol.last_event)
 
 
 def login_of(options: Options) -> Login:
     """Return who logs in, by the options `user` and `password`; raises ConfigurationError."""
     user, password = option.text(options, "user"), option.text(options, "password")
-    return Login(user or resources.USER, password or resources.PASSWORD)
+    return Login(user or protocol.USER, password or protocol.PASSWORD)
 
 
 def watched_by_rws(robot: FullRobot, options: Options, clock: Clock) -> FullRobot:

@@ -10,12 +10,11 @@ import math
 from typing import Final
 
 from truepose_drivers.abb_egm.reader import EGM_OPTION, read_by_egm
+from truepose_drivers.abb_rws import protocol
 from truepose_drivers.abb_rws.companion import LOGIN_OPTIONS, RwsCompanion, login_of
+from truepose_drivers.abb_rws.http import Login
 from truepose_drivers.abb_rws.motion import Patience, RapidProgram, read_panel
-from truepose_drivers.abb_rws.protocol import resources
-from truepose_drivers.abb_rws.protocol.digest import Login
-from truepose_drivers.abb_rws.protocol.panel import Panel
-from truepose_drivers.abb_rws.protocol.program import STOPS_WITHIN_S, Order
+from truepose_drivers.abb_rws.protocol import STOPS_WITHIN_S, Order, Panel
 from truepose_drivers.abb_rws.session import RwsSession
 from truepose_drivers.api import (
     Clock,
@@ -27,7 +26,7 @@ from truepose_drivers.api import (
     MotionLimits,
     Options,
 )
-from truepose_drivers.arms.targets import require_speeds
+from truepose_drivers.arm_motion import require_speeds, require_target
 from truepose_drivers.errors import (
     BusyError,
     DeviceRefusedError,
@@ -40,7 +39,7 @@ from truepose_drivers.transports.link import Link
 from truepose_drivers.transports.tcp import tcp_link
 
 _UNKNOWN: Final = "unknown"
-_FURTHEST_DEG: Final = 3600.0  # no joint is wound up further
+_FURTHEST_RAD: Final = math.radians(3600.0)  # no joint is wound up further
 _FASTEST: Final = 1e9  # a number of RAPID, far beyond any arm
 
 
@@ -59,7 +58,7 @@ class RwsRobot:
         *,
         patience: Patience | None = None,
     ) -> None:
-        known = login or Login(resources.USER, resources.PASSWORD)
+        known = login or Login(protocol.USER, protocol.PASSWORD)
         self._session = RwsSession(link, known)
         self._watch = RwsCompanion(self._session, clock)
         self._program = RapidProgram(self._session, patience or Patience())
@@ -83,9 +82,9 @@ class RwsRobot:
         """Ask for serial number, robot type and RobotWare version."""
         return DeviceIdentity(
             manufacturer="ABB",
-            model=await self._stated(resources.ROBOT_TYPE, "robot-type"),
-            serial=await self._stated(resources.IDENTITY, "ctrl-id"),
-            firmware=await self._stated(resources.SYSTEM, "rwversion"),
+            model=await self._stated(protocol.ROBOT_TYPE, "robot-type"),
+            serial=await self._stated(protocol.IDENTITY, "ctrl-id"),
+            firmware=await self._stated(protocol.SYSTEM, "rwversion"),
         )
 
     async def set_limits(self, limits: MotionLimits) -> None:
@@ -118,16 +117,9 @@ class RwsRobot:
                 raise
 
     def _order(self, target_rad: tuple[float, ...]) -> Order:
-        target_deg = tuple(map(math.degrees, target_rad))
-        if len(target_deg) != resources.JOINTS:
-            raise TargetRefusedError(
-                f"the robot has {resources.JOINTS} joints; the target has {len(target_deg)}"
-            )
-        for joint, angle in enumerate(target_deg, start=1):
-            if not abs(angle) <= _FURTHEST_DEG:
-                raise TargetRefusedError(f"{angle} deg of joint {joint} is out of any robot's range")
+        require_target(target_rad, protocol.JOINTS, _FURTHEST_RAD)
         return Order(
-            target_deg=target_deg,
+            target_deg=tuple(map(math.degrees, target_rad)),
             tool_speed_mm_s=self._limits.tool_speed_mm_s,
             turning_speed_deg_s=math.degrees(self._limits.orientation_speed_rad_s),
         )
@@ -135,20 +127,20 @@ class RwsRobot:
     async def _stated(self, target: str, name: str) -> str:
         """Return what a controller says of itself, `unknown` where it does not know the question."""
         try:
-            return await self._session.get(target, lambda told: resources.stated(told, name)) or _UNKNOWN
+            return await self._session.get(target, lambda told: protocol.stated(told, name)) or _UNKNOWN
         except DeviceRefusedError:
             return _UNKNOWN
 
 
 def _open(options: Options, clock: Clock | None) -> FullRobot:
     keeps_time = clock or MonotonicClock()
-    robot = RwsRobot(tcp_link(options, resources.PORT), keeps_time, login_of(options))
+    robot = RwsRobot(tcp_link(options, protocol.PORT), keeps_time, login_of(options))
     return read_by_egm(robot, options, keeps_time)
 
 
 _OPTIONS = {
     "host": "address of the controller, often 192.168.125.1",
-    "port": f"TCP port of its web services, {resources.PORT} unless changed",
+    "port": f"TCP port of its web services, {protocol.PORT} unless changed",
     **LOGIN_OPTIONS,
     "egm_port": EGM_OPTION,
 }

@@ -5,26 +5,9 @@ import random
 from dataclasses import dataclass, replace
 from typing import Final
 
-from truepose_drivers.abb_rws.protocol import panel, resources
-from truepose_drivers.abb_rws.protocol.panel import Execution, Panel
-from truepose_drivers.abb_rws.protocol.program import (
-    BEAT,
-    BEAT_S,
-    NAME,
-    ORDER,
-    REPORT,
-    SERVER,
-    SILENCE_S,
-    Order,
-    Progress,
-    Report,
-    beat_after,
-    decode_report,
-)
-from truepose_drivers.abb_rws.protocol.rapid import number_text
-from truepose_drivers.abb_rws.protocol.resources import SYMBOL_DATA, value_of
+from truepose_drivers.abb_rws import protocol
 from truepose_drivers.abb_rws.session import RwsSession
-from truepose_drivers.arms.targets import degrees_text
+from truepose_drivers.arm_motion import degrees_text
 from truepose_drivers.errors import (
     BusyError,
     ConnectionLostError,
@@ -55,13 +38,13 @@ class Patience:
     stands_s: float = 20.0  # under way, at a low speed override or paused by somebody
 
 
-async def read_panel(session: RwsSession) -> Panel:
+async def read_panel(session: RwsSession) -> protocol.Panel:
     """Ask for motors, key switch, program and speed override."""
-    return Panel(
-        state=await session.get(resources.CONTROLLER_STATE, panel.controller_state),
-        mode=await session.get(resources.OPERATION_MODE, panel.operation_mode),
-        execution=await session.get(resources.EXECUTION, panel.execution),
-        speed_percent=await session.get(resources.SPEED_RATIO, panel.speed_percent),
+    return protocol.Panel(
+        state=await session.get(protocol.CONTROLLER_STATE, protocol.controller_state),
+        mode=await session.get(protocol.OPERATION_MODE, protocol.operation_mode),
+        execution=await session.get(protocol.EXECUTION, protocol.execution),
+        speed_percent=await session.get(protocol.SPEED_RATIO, protocol.speed_percent),
     )
 
 
@@ -73,7 +56,7 @@ class RapidProgram:
         self._patience = patience
         self._beat = float(random.randrange(1_000_000))  # another one than that of a client before
 
-    async def carry_out(self, order: Order) -> None:
+    async def carry_out(self, order: protocol.Order) -> None:
         """Have an order carried out; returns when the arm rests at its target.
 
         Raises NotInitialisedError where the arm may not move or was stopped, TargetRefusedError, BusyError.
@@ -82,11 +65,11 @@ class RapidProgram:
         stood_deg = await self.joints_deg()
         order = await self._give(order)
         await self._require_still_ready()
-        await self._follow(order, _Course(stood_deg, stood_deg, _now_s()))
+        await self._follow(order, _ObservedMotion(stood_deg, stood_deg, _now_s()))
 
     async def joints_deg(self) -> tuple[float, ...]:
         """Ask where the joints are."""
-        return await self._session.get(resources.JOINT_TARGET, resources.joint_angles_deg)
+        return await self._session.get(protocol.JOINT_TARGET, protocol.joint_angles_deg)
 
     async def _make_ready(self) -> None:
         """See that the arm may move, and start a program that stands, at its beginning."""
@@ -94,41 +77,41 @@ class RapidProgram:
         if now.obstacle is not None:
             raise NotInitialisedError(f"the robot cannot move: {now.obstacle}; then confirm")
         await self._require_ours()
-        if now.execution is Execution.STOPPED:
-            await self._session.act(resources.EXECUTION, "resetpp")
-            await self._session.act(resources.EXECUTION, "start", _START)
+        if now.execution is protocol.Execution.STOPPED:
+            await self._session.act(protocol.EXECUTION, "resetpp")
+            await self._session.act(protocol.EXECUTION, "start", _START)
 
     async def _require_still_ready(self) -> None:
         """See once more what a stop changes: requests are slow, and the first beat sets the arm off."""
-        runs = await self._session.get(resources.EXECUTION, panel.execution)
-        state = await self._session.get(resources.CONTROLLER_STATE, panel.controller_state)
-        if runs is Execution.STOPPED or state is not panel.ControllerState.MOTORS_ON:
+        runs = await self._session.get(protocol.EXECUTION, protocol.execution)
+        state = await self._session.get(protocol.CONTROLLER_STATE, protocol.controller_state)
+        if runs is protocol.Execution.STOPPED or state is not protocol.ControllerState.MOTORS_ON:
             raise NotInitialisedError(
                 f"the robot was stopped before it set off ({state.value}): look at the pendant, then confirm"
             )
 
     async def _require_ours(self) -> None:
         try:
-            name = await self._session.get(SYMBOL_DATA + NAME, value_of)
+            name = await self._session.get(protocol.SYMBOL_DATA + protocol.NAME, protocol.value_of)
         except DeviceRefusedError:
             name = ""
-        if name != SERVER:
+        if name != protocol.SERVER:
             raise NotInitialisedError(
                 "the robot's program is not ours: load TruePoseRws.mod into task T_ROB1 from the pendant,"
                 " then confirm"
             )
 
-    async def _give(self, order: Order) -> Order:
+    async def _give(self, order: protocol.Order) -> protocol.Order:
         """Write an order and see that the program has understood it; nothing moves before the first beat."""
         before = await self._report()
-        if before.progress in {Progress.TAKEN, Progress.MOVING}:
+        if before.progress in {protocol.Progress.TAKEN, protocol.Progress.MOVING}:
             raise BusyError("the robot is still under way: wait until it rests, then confirm")
         order = replace(order, number=before.next_number)
-        await self._set(ORDER, order.encode())
+        await self._set(protocol.ORDER, order.encode())
         self._require_understood(order, await self._taken(order))
         return order
 
-    async def _taken(self, order: Order) -> Report:
+    async def _taken(self, order: protocol.Order) -> protocol.Report:
         give_up_s = _now_s() + self._patience.taken_s
         while int((report := await self._report()).order[0]) != order.number:
             if _now_s() > give_up_s:
@@ -138,8 +121,8 @@ class RapidProgram:
             await asyncio.sleep(_BETWEEN_REPORTS_S)
         return report
 
-    def _require_understood(self, order: Order, report: Report) -> None:
-        if report.progress is Progress.REFUSED:
+    def _require_understood(self, order: protocol.Order, report: protocol.Report) -> None:
+        if report.progress is protocol.Progress.REFUSED:
             raise _refused(order, "")
         if not report.is_about(order):
             raise DeviceRefusedError(
@@ -147,14 +130,14 @@ class RapidProgram:
                 " program that writes its variables, then connect again"
             )
 
-    async def _follow(self, order: Order, course: "_Course") -> None:
+    async def _follow(self, order: protocol.Order, course: "_ObservedMotion") -> None:
         """Give beats until the arm has arrived."""
-        beat_s = look_s = _now_s() - BEAT_S
+        beat_s = look_s = _now_s() - protocol.BEAT_S
         while True:
-            if _now_s() - beat_s >= BEAT_S:
+            if _now_s() - beat_s >= protocol.BEAT_S:
                 beat_s = _now_s()
-                self._beat = beat_after(self._beat)
-                await self._set(BEAT, number_text(self._beat))
+                self._beat = protocol.beat_after(self._beat)
+                await self._set(protocol.BEAT, protocol.number_text(self._beat))
             if _has_arrived(await self._report(), order):
                 return
             if _now_s() - look_s >= _BETWEEN_LOOKS_S:
@@ -162,13 +145,13 @@ class RapidProgram:
                 course = await self._look(order, course)
             await asyncio.sleep(_BETWEEN_REPORTS_S)
 
-    async def _look(self, order: Order, course: "_Course") -> "_Course":
+    async def _look(self, order: protocol.Order, course: "_ObservedMotion") -> "_ObservedMotion":
         """See that program and arm are under way."""
-        if await self._session.get(resources.EXECUTION, panel.execution) is Execution.STOPPED:
+        if await self._session.get(protocol.EXECUTION, protocol.execution) is protocol.Execution.STOPPED:
             await self._tell_stop(order, course)
         here_deg = await self.joints_deg()
         if _distance_deg(here_deg, course.last_deg) > _SAME_PLACE_DEG:
-            return _Course(course.start_deg, here_deg, _now_s())
+            return _ObservedMotion(course.start_deg, here_deg, _now_s())
         if _now_s() - course.moved_s > self._patience.stands_s:
             raise NoReplyError(
                 f"the robot has not moved for {self._patience.stands_s:g} s and has not arrived: look at the"
@@ -176,27 +159,29 @@ class RapidProgram:
             )
         return course
 
-    async def _tell_stop(self, order: Order, course: "_Course") -> None:
+    async def _tell_stop(self, order: protocol.Order, course: "_ObservedMotion") -> None:
         """Say why the program stopped under way."""
         now = await read_panel(self._session)
         if now.obstacle is not None:
             raise NotInitialisedError(f"the robot stopped on its way: {now.obstacle}; then confirm")
-        said = await self._session.get(f"{resources.EVENT_LOG}?lang=en", resources.last_event)
+        said = await self._session.get(f"{protocol.EVENT_LOG}?lang=en", protocol.last_event)
         if _distance_deg(await self.joints_deg(), course.start_deg) <= _SAME_PLACE_DEG:
             raise _refused(order, said)
         raise NotInitialisedError(
             f"the robot's program stopped on its way{_quoted(said)}: look at the pendant, then confirm"
         )
 
-    async def _report(self) -> Report:
-        return decode_report(await self._session.get(SYMBOL_DATA + REPORT, value_of))
+    async def _report(self) -> protocol.Report:
+        return protocol.decode_report(
+            await self._session.get(protocol.SYMBOL_DATA + protocol.REPORT, protocol.value_of)
+        )
 
     async def _set(self, variable: str, value: str) -> None:
-        await self._session.act(SYMBOL_DATA + variable, "set", {"value": value})
+        await self._session.act(protocol.SYMBOL_DATA + variable, "set", {"value": value})
 
 
 @dataclass(frozen=True, slots=True)
-class _Course:
+class _ObservedMotion:
     """Where the arm started, where it was seen last, and since when it was seen there."""
 
     start_deg: tuple[float, ...]
@@ -204,20 +189,20 @@ class _Course:
     moved_s: float
 
 
-def _has_arrived(report: Report, order: Order) -> bool:
+def _has_arrived(report: protocol.Report, order: protocol.Order) -> bool:
     if int(report.order[0]) != order.number:
         raise DeviceRefusedError(
             "somebody else gave the robot an order: see that one program alone moves it, then connect again"
         )
-    if report.progress is Progress.GIVEN_UP:
+    if report.progress is protocol.Progress.GIVEN_UP:
         raise ConnectionLostError(
-            f"the robot stopped on its way, having heard nothing for {SILENCE_S:g} s: check the network, then"
-            " confirm before anything moves"
+            f"the robot stopped on its way, having heard nothing for {protocol.SILENCE_S:g} s: check the"
+            " network, then confirm before anything moves"
         )
-    return report.progress is Progress.ARRIVED
+    return report.progress is protocol.Progress.ARRIVED
 
 
-def _refused(order: Order, said: str) -> TargetRefusedError:
+def _refused(order: protocol.Order, said: str) -> TargetRefusedError:
     return TargetRefusedError(
         f"the robot refused the joint target ({degrees_text(order.target_deg)}) deg{_quoted(said)}:"
         " look at the pendant"

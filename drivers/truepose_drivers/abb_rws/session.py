@@ -9,16 +9,8 @@ import secrets
 from collections.abc import Callable
 from typing import Final, TypeVar
 
-from truepose_drivers.abb_rws.protocol.digest import Challenge, Login, authorization, decode_challenge
-from truepose_drivers.abb_rws.protocol.errors import RwsProtocolError
-from truepose_drivers.abb_rws.protocol.http import (
-    HttpRequest,
-    HttpResponse,
-    ResponseReader,
-    encode_request,
-    form_body,
-)
-from truepose_drivers.abb_rws.protocol.resources import LOGOUT, error_sentence
+from truepose_drivers.abb_rws import http
+from truepose_drivers.abb_rws.protocol import LOGOUT, error_sentence
 from truepose_drivers.errors import ConfigurationError, ConnectionLostError, DeviceRefusedError, DriverError
 from truepose_drivers.transports.conversation import Conversation
 from truepose_drivers.transports.link import Link
@@ -30,19 +22,21 @@ _GOODBYE_S: Final = 0.3
 _UNAUTHORISED: Final = 401
 _BUSY: Final = 503
 
-Told = TypeVar("Told")
+Value = TypeVar("Value")
 
 
 class RwsSession:
     """Asks for resources and acts on them."""
 
-    def __init__(self, link: Link, login: Login) -> None:
-        self._conversation = Conversation[HttpResponse](link, ResponseReader, harmless=(DeviceRefusedError,))
+    def __init__(self, link: Link, login: http.Login) -> None:
+        self._conversation = Conversation[http.HttpResponse](
+            link, http.ResponseReader, harmless=(DeviceRefusedError,)
+        )
         self._login = login
         self._forget()
 
     def _forget(self) -> None:
-        self._challenge: Challenge | None = None
+        self._challenge: http.Challenge | None = None
         self._answered = 0  # requests that answered this challenge
         self._cookies: dict[str, str] = {}
         self._requests = 0  # on this connection
@@ -70,7 +64,7 @@ class RwsSession:
                     await self.get(LOGOUT, _nothing)
         await self.close()
 
-    async def get(self, target: str, decode: Callable[[HttpResponse], Told]) -> Told:
+    async def get(self, target: str, decode: Callable[[http.HttpResponse], Value]) -> Value:
         """Return what a resource tells; raises DeviceRefusedError where there is none, LinkError.
 
         An answer that `decode` cannot read closes the connection.
@@ -79,20 +73,25 @@ class RwsSession:
 
     async def act(self, target: str, action: str, form: dict[str, str] | None = None) -> None:
         """Do something to a resource; raises DeviceRefusedError, LinkError."""
-        await self._exchange("POST", _in_json(f"{target}?action={action}"), form_body(form or {}), _nothing)
+        await self._exchange(
+            "POST", _in_json(f"{target}?action={action}"), http.form_body(form or {}), _nothing
+        )
 
     async def _exchange(
-        self, method: str, target: str, body: bytes, decode: Callable[[HttpResponse], Told]
-    ) -> Told:
+        self, method: str, target: str, body: bytes, decode: Callable[[http.HttpResponse], Value]
+    ) -> Value:
         async with self._conversation.turn():
             response = await self._answer(method, target, body)
             if response.status == _UNAUTHORISED:
-                self._challenge, self._answered = decode_challenge(response.header("www-authenticate")), 0
+                self._challenge, self._answered = (
+                    http.decode_challenge(response.header("www-authenticate")),
+                    0,
+                )
                 response = await self._answer(method, target, body)
             self._require_success(response, f"{method} {target.partition('?')[0]}")
             return decode(response)
 
-    def _require_success(self, response: HttpResponse, asked: str) -> None:
+    def _require_success(self, response: http.HttpResponse, asked: str) -> None:
         if response.status == _UNAUTHORISED:
             raise DeviceRefusedError(
                 f"the robot does not let user {self._login.user!r} in: check the options user and password"
@@ -101,7 +100,7 @@ class RwsSession:
             more = ": it has too many clients, end some" if response.status == _BUSY else ""
             raise DeviceRefusedError(f"the robot refused {asked} ({error_sentence(response)}){more}")
 
-    async def _answer(self, method: str, target: str, body: bytes) -> HttpResponse:
+    async def _answer(self, method: str, target: str, body: bytes) -> http.HttpResponse:
         """Ask once, on a connection that lasts for it."""
         await self._connect_anew_where_it_ends()
         await self._conversation.drain()
@@ -112,7 +111,7 @@ class RwsSession:
         await self._conversation.send(question, timeout_s=_REPLY_S, silence=silence)
         response = await self._conversation.next()
         if not await self._conversation.is_quiet():
-            raise RwsProtocolError("the robot answered more than was asked: connect again")
+            raise http.RwsProtocolError("the robot answered more than was asked: connect again")
         self._requests += 1
         self._ends = response.ends_connection
         self._cookies |= response.cookies
@@ -133,7 +132,7 @@ class RwsSession:
             headers["cookie"] = "; ".join(f"{name}={value}" for name, value in self._cookies.items())
         if self._challenge is not None:
             self._answered += 1
-            headers["authorization"] = authorization(
+            headers["authorization"] = http.authorization(
                 self._challenge,
                 self._login,
                 method,
@@ -142,7 +141,9 @@ class RwsSession:
                 client_nonce=secrets.token_hex(8),
             )
         try:
-            return encode_request(HttpRequest(method, target, headers, body), self._conversation.address)
+            return http.encode_request(
+                http.HttpRequest(method, target, headers, body), self._conversation.address
+            )
         except ValueError as error:  # h11 sends no line ends or the like in a header
             raise ConfigurationError(f"user and password cannot be sent: {error}") from error
 
@@ -151,5 +152,5 @@ def _in_json(target: str) -> str:
     return f"{target}{'&' if '?' in target else '?'}json=1"
 
 
-def _nothing(_: HttpResponse) -> None:
+def _nothing(_: http.HttpResponse) -> None:
     """Read nothing in the answer to an action, which has no body."""

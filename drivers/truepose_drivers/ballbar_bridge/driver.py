@@ -2,7 +2,7 @@
 
 from truepose_drivers.api import BallbarReading, Clock, DeviceIdentity, DriverPlugin, Options
 from truepose_drivers.ballbar_bridge.protocol import BridgeProtocolError, BridgeReading, Hello, decode
-from truepose_drivers.json_lines import LineReader
+from truepose_drivers.framing import LineReader
 from truepose_drivers.monotonic_clock import MonotonicClock
 from truepose_drivers.transports.conversation import Listener
 from truepose_drivers.transports.link import Link, OnePortDevice, introduction

@@ -9,7 +9,7 @@ import math
 from dataclasses import dataclass
 from typing import Literal, TypeAlias, cast
 
-from truepose_drivers.json_lines import JsonLineError, decode_object, encode_object, finite_number
+from truepose_drivers.framing import JsonLineError, decode_object, encode_object, finite_number
 
 Signal: TypeAlias = Literal["good", "out_of_range", "none"]
 _SIGNALS = ("good", "out_of_range", "none")

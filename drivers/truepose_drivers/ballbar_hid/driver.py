@@ -5,30 +5,16 @@ import math
 from typing import Literal
 
 from truepose_drivers.api import BallbarReading, Clock, DeviceIdentity, DriverPlugin, Options
-from truepose_drivers.ballbar_hid.protocol import (
-    BAR_BYTES,
-    COUNTS_PER_MM,
-    READING_BYTES,
-    BarReading,
-    HidBallbarError,
-    Rate,
-    Status,
-    decode_bar,
-    decode_reading,
-    encode_rate,
-    follows,
-)
-from truepose_drivers.ballbar_hid.report_descriptor import BAR_ID
+from truepose_drivers.ballbar_hid import protocol
 from truepose_drivers.errors import ConnectFailedError, DeviceRefusedError, DriverError, NoReplyError
 from truepose_drivers.monotonic_clock import MonotonicClock
 from truepose_drivers.transports.conversation import Turns
 from truepose_drivers.transports.hid import HidapiPort, HidOverUsb, ReportPort
-from truepose_drivers.transports.usb import UsbDevice
-from truepose_drivers.transports.usb_address import LocalUsb, usb_address
+from truepose_drivers.transports.usb import LocalUsb, UsbDevice, usb_address
 
 _RATE_HZ = 200  # a reading that waits for a fresh report takes a few of these
 _REPORT_TIMEOUT_S = 0.5
-_UNTRUSTED = Status.OVERSPEED | Status.NOT_REFERENCED
+_UNTRUSTED = protocol.Status.OVERSPEED | protocol.Status.NOT_REFERENCED
 
 
 class HidBallbar:
@@ -55,8 +41,10 @@ class HidBallbar:
         self._last = None
         try:
             async with self._turns.turn():
-                self._nominal_mm = decode_bar(await self._port.feature(BAR_ID, BAR_BYTES)).nominal_mm
-                await self._port.set_feature(encode_rate(Rate(_RATE_HZ, running=True)))
+                self._nominal_mm = protocol.decode_bar(
+                    await self._port.feature(protocol.BAR_ID, protocol.BAR_BYTES)
+                ).nominal_mm
+                await self._port.set_feature(protocol.encode_rate(protocol.Rate(_RATE_HZ, running=True)))
         except DeviceRefusedError as error:
             await self._port.close()
             raise ConnectFailedError(
@@ -68,14 +56,14 @@ class HidBallbar:
         """Let the device rest and close it; never raises."""
         if self._port.is_open and not self._turns.taken:
             with contextlib.suppress(DriverError):
-                await self._port.set_feature(encode_rate(Rate(_RATE_HZ, running=False)))
+                await self._port.set_feature(protocol.encode_rate(protocol.Rate(_RATE_HZ, running=False)))
         await self._port.close()
 
     async def identify(self) -> DeviceIdentity:
         """Ask for manufacturer, product and serial number."""
         async with self._turns.turn():
             manufacturer, product, serial = await self._port.texts()
-            bar = decode_bar(await self._port.feature(BAR_ID, BAR_BYTES))
+            bar = protocol.decode_bar(await self._port.feature(protocol.BAR_ID, protocol.BAR_BYTES))
         return DeviceIdentity(
             manufacturer or "unknown", product or "HID ballbar", bar.serial or serial or "unknown", "unknown"
         )
@@ -90,13 +78,13 @@ class HidBallbar:
         return BallbarReading(
             deviation_mm=math.nan if signal == "none" else reading.deviation_mm,
             signal=signal,
-            resolution_mm=1.0 / COUNTS_PER_MM,
+            resolution_mm=1.0 / protocol.COUNTS_PER_MM,
             time_s=await self._clock.now_s(),
             temperature_c=reading.temperature_c,
             sequence=reading.sequence,
         )
 
-    async def _next_reading(self) -> BarReading:
+    async def _next_reading(self) -> protocol.BarReading:
         """Return a new report; raises HidBallbarError for one that is old, or longer than the bar."""
         report = await self._port.fresh_report(self._report_timeout_s)
         if report is None:
@@ -104,22 +92,22 @@ class HidBallbar:
                 f"the ballbar at {self._port.address} sends nothing for {self._report_timeout_s:g} s:"
                 " check its battery, then plug it in again"
             )
-        reading, last = decode_reading(report), self._last
-        if last is not None and not follows(reading.sequence, last):
-            raise HidBallbarError(
+        reading, last = protocol.decode_reading(report), self._last
+        if last is not None and not protocol.follows(reading.sequence, last):
+            raise protocol.HidBallbarError(
                 f"the ballbar at {self._port.address} sends reading {reading.sequence} after {last}:"
                 " it repeats itself; unplug it and plug it in again"
             )
         self._last = reading.sequence
         if abs(reading.deviation_mm) >= self._nominal_mm:  # a NaN is not
-            raise HidBallbarError(
+            raise protocol.HidBallbarError(
                 f"the ballbar at {self._port.address} is {self._nominal_mm:g} mm long and says that it is"
                 f" {reading.deviation_mm:g} mm off: check its cable"
             )
         return reading
 
 
-def _signal(reading: BarReading) -> Literal["good", "out_of_range", "none"]:
+def _signal(reading: protocol.BarReading) -> Literal["good", "out_of_range", "none"]:
     if reading.status & _UNTRUSTED or math.isnan(reading.deviation_mm):
         return "none"
     return "out_of_range" if reading.out_of_range else "good"
@@ -127,7 +115,11 @@ def _signal(reading: BarReading) -> Literal["good", "out_of_range", "none"]:
 
 def _open(options: Options, clock: Clock | None) -> HidBallbar:
     where = usb_address(options)
-    port = HidapiPort(where, READING_BYTES) if isinstance(where, LocalUsb) else HidOverUsb(UsbDevice(where))
+    port = (
+        HidapiPort(where, protocol.READING_BYTES)
+        if isinstance(where, LocalUsb)
+        else HidOverUsb(UsbDevice(where))
+    )
     return HidBallbar(port, clock or MonotonicClock())
 
 

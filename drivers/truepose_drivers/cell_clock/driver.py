@@ -7,7 +7,7 @@ from truepose_drivers import options as option
 from truepose_drivers.api import Clock, DriverPlugin, Options
 from truepose_drivers.cell_clock.protocol import Now, Request, Sleep, Time, decode_answer, encode
 from truepose_drivers.errors import DeviceRefusedError
-from truepose_drivers.json_lines import LineReader, Refusal
+from truepose_drivers.framing import LineReader, Refusal
 from truepose_drivers.transports.conversation import Conversation
 from truepose_drivers.transports.link import Link
 from truepose_drivers.transports.tcp import TcpLink

@@ -7,7 +7,7 @@
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from truepose_drivers.json_lines import (
+from truepose_drivers.framing import (
     JsonLineError,
     Refusal,
     decode_object,

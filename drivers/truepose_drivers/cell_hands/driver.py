@@ -3,7 +3,7 @@
 from truepose_drivers.api import Clock, DeviceIdentity, DriverPlugin, Options
 from truepose_drivers.cell_hands.protocol import Answer, Do, Request, Who, decode_answer, encode
 from truepose_drivers.errors import DeviceRefusedError
-from truepose_drivers.json_lines import LineReader, Refusal
+from truepose_drivers.framing import LineReader, Refusal
 from truepose_drivers.transports.conversation import Conversation
 from truepose_drivers.transports.link import Link, OnePortDevice, introduction
 from truepose_drivers.transports.tcp import tcp_link

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TypeAlias
 
-from truepose_drivers.json_lines import JsonLineError, Refusal, decode_object, encode_object, encode_refusal
+from truepose_drivers.framing import JsonLineError, Refusal, decode_object, encode_object, encode_refusal
 
 Detail: TypeAlias = str | int | float | bool
 _LARGEST = 2**53  # whole numbers beyond it are not the same to every reader of JSON

@@ -13,11 +13,9 @@ from typing import Final
 
 import numpy as np
 
-from truepose_drivers.contract.bench import Bench
-from truepose_drivers.contract.case import NewBench
-from truepose_drivers.contract.simulated_time import SimulatedTimeLoop
+from truepose_drivers.contract.bench import Bench, NewBench
+from truepose_drivers.contract.case import SimulatedTimeLoop, Trial, broken
 from truepose_drivers.contract.spoiling import GENERAL, whole
-from truepose_drivers.contract.trial import Trial, broken
 from truepose_drivers.errors import DriverError
 
 _READINGS: Final = 4  # of the good session

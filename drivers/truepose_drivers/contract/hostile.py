@@ -13,10 +13,9 @@ import time
 from dataclasses import dataclass, field
 from typing import Final
 
-from truepose_drivers.contract.case import NewBench
-from truepose_drivers.contract.simulated_time import SimulatedTimeLoop
+from truepose_drivers.contract.bench import NewBench
+from truepose_drivers.contract.case import SimulatedTimeLoop, Trial, broken
 from truepose_drivers.contract.spoiling import GENERAL, WITHIN_A_FRAME, WITHIN_FREE_NUMBERS
-from truepose_drivers.contract.trial import Trial, broken
 from truepose_drivers.errors import DriverError, DriverFaultError
 
 QUICK_INPUTS: Final = 20_000

@@ -11,10 +11,9 @@ from dataclasses import dataclass, field
 from typing import Final
 
 from truepose_drivers.contract import spoiling
-from truepose_drivers.contract.case import NewBench
-from truepose_drivers.contract.simulated_time import SimulatedTimeLoop
+from truepose_drivers.contract.bench import NewBench
+from truepose_drivers.contract.case import ContractBrokenError, SimulatedTimeLoop, Trial, broken, now_s
 from truepose_drivers.contract.spoiling import Fault
-from truepose_drivers.contract.trial import ContractBrokenError, Trial, broken, now_s
 from truepose_drivers.errors import DriverError
 
 FAULTS_EACH: Final = 500

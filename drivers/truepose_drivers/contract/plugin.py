@@ -11,4 +11,4 @@ _SUITE = "truepose_drivers.contract"
 def pytest_load_initial_conftests(early_config: pytest.Config, args: list[str]) -> None:
     """Bring the options of the suite where it is named on the command line."""
     if any(word.partition("::")[0] in (_SUITE, f"{_SUITE}.test_contract") for word in args):
-        early_config.pluginmanager.import_plugin(f"{_SUITE}.asking")
+        early_config.pluginmanager.import_plugin(f"{_SUITE}.suite")

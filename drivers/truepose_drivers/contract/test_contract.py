@@ -5,7 +5,8 @@ from collections.abc import Callable
 import pytest
 
 from truepose_drivers.contract import codec_fuzz, hostile
-from truepose_drivers.contract.case import Case, NewBench, reason_absent, unknown_absences
+from truepose_drivers.contract.bench import NewBench
+from truepose_drivers.contract.case import Case, reason_absent, unknown_absences
 from truepose_drivers.contract.case import run as require_kept
 from truepose_drivers.contract.cases import CASES
 from truepose_drivers.contract.link_faults import require_found

@@ -7,16 +7,7 @@ known is followed by a new connection: the rest of it must not be taken for the 
 import asyncio
 
 from truepose_drivers.errors import ConnectFailedError, NoReplyError
-from truepose_drivers.fanuc_mappdk.heartbeat import BEAT, BEAT_S
-from truepose_drivers.fanuc_mappdk.protocol import (
-    GREETING,
-    Expected,
-    MappdkProtocolError,
-    Reply,
-    decode_reply,
-    reply_extent,
-    require,
-)
+from truepose_drivers.fanuc_mappdk import protocol
 from truepose_drivers.transports.conversation import Turns
 from truepose_drivers.transports.link import Link, drain
 
@@ -35,16 +26,18 @@ class Dialogue(Turns):
         try:
             async with self.turn():
                 greeting = await self._reply("success", timeout_s, beats=False)
-                if greeting != GREETING:
-                    raise MappdkProtocolError(f"{self.address} greets with {greeting.message[:40]!r}")
+                if greeting != protocol.GREETING:
+                    raise protocol.MappdkProtocolError(
+                        f"{self.address} greets with {greeting.message[:40]!r}"
+                    )
         except NoReplyError as error:
             raise ConnectFailedError(
                 f"{self.address} does not greet: another client is served there, or it is no MAPPDK"
             ) from error
 
     async def ask(
-        self, request: bytes, expected: Expected, timeout_s: float, *, beats: bool = False
-    ) -> Reply:
+        self, request: bytes, expected: protocol.Expected, timeout_s: float, *, beats: bool = False
+    ) -> protocol.Reply:
         """Send a request and return its reply; with `beats` the server hears meanwhile that somebody waits.
 
         Raises NoReplyError after `timeout_s` [s, wall time].
@@ -53,34 +46,36 @@ class Dialogue(Turns):
             await drain(self._link)  # a line end or the like behind the last reply
             await self._link.send(request)
             reply = await self._reply(expected, timeout_s, beats=beats)
-            require(reply, expected)
+            protocol.require(reply, expected)
             behind = await self._link.receive(0.0) if self._link.is_open else None
             if behind is not None and behind.strip():
-                raise MappdkProtocolError(
+                raise protocol.MappdkProtocolError(
                     f"the robot replied with more than was asked ({behind[:40]!r}): connect again"
                 )
             return reply
 
-    async def _reply(self, expected: Expected, timeout_s: float, *, beats: bool) -> Reply:
+    async def _reply(self, expected: protocol.Expected, timeout_s: float, *, beats: bool) -> protocol.Reply:
         data = await self._whole(expected, timeout_s, beats=beats)
-        reply = decode_reply(data)
-        if reply_extent(data, expected) == "maybe whole":
+        reply = protocol.decode_reply(data)
+        if protocol.reply_extent(data, expected) == "maybe whole":
             await self._link.close()
         return reply
 
-    async def _whole(self, expected: Expected, timeout_s: float, *, beats: bool) -> bytes:
+    async def _whole(self, expected: protocol.Expected, timeout_s: float, *, beats: bool) -> bytes:
         deadline_s = asyncio.get_running_loop().time() + timeout_s
         data = b""
-        while (extent := reply_extent(data, expected)) != "whole":
+        while (extent := protocol.reply_extent(data, expected)) != "whole":
             left_s = deadline_s - asyncio.get_running_loop().time()
             patience_s = self._rest_of_reply_s if extent == "maybe whole" else left_s
-            more = await self._link.receive(max(min(patience_s, BEAT_S) if beats else patience_s, 0.0))
+            more = await self._link.receive(
+                max(min(patience_s, protocol.BEAT_S) if beats else patience_s, 0.0)
+            )
             if more is not None:
                 data += more
             elif extent == "maybe whole":
                 return data
-            elif beats and left_s > BEAT_S:
-                await self._link.send(BEAT)
+            elif beats and left_s > protocol.BEAT_S:
+                await self._link.send(protocol.BEAT)
             else:
                 raise NoReplyError(f"the robot at {self.address} is connected and says nothing")
         return data

@@ -5,10 +5,10 @@ it is after silence and nonsense, because replies carry no number. Where the mot
 """
 
 import asyncio
-import math
 from dataclasses import dataclass
 from functools import partial
 
+from truepose_drivers import arm_options
 from truepose_drivers import options as option
 from truepose_drivers.api import (
     Clock,
@@ -19,11 +19,17 @@ from truepose_drivers.api import (
     MotionLimits,
     Options,
 )
-from truepose_drivers.arms import arm_options
-from truepose_drivers.arms.joint_counting import Angles, JointCounting
-from truepose_drivers.arms.pace import Pace
-from truepose_drivers.arms.standstill import Course, answered_unless_it_stands
-from truepose_drivers.arms.targets import ARRIVED_DEG, degrees_text, farthest_off, require_speeds
+from truepose_drivers.arm_motion import (
+    ARRIVED_DEG,
+    CommandedMotion,
+    answered_unless_it_stands,
+    astray_text,
+    counted_reading,
+    counted_target_deg,
+    degrees_text,
+    require_speeds,
+)
+from truepose_drivers.arm_options import Angles, JointCounting, Pace
 from truepose_drivers.errors import (
     ConnectionLostError,
     DeviceRefusedError,
@@ -32,27 +38,8 @@ from truepose_drivers.errors import (
     NoReplyError,
     TargetRefusedError,
 )
+from truepose_drivers.fanuc_mappdk import protocol
 from truepose_drivers.fanuc_mappdk.dialogue import Dialogue
-from truepose_drivers.fanuc_mappdk.heartbeat import SILENCE_S, STOPS_WITHIN_S
-from truepose_drivers.fanuc_mappdk.protocol import (
-    JOINTS,
-    LOGGER_PORT,
-    LONGEST_TIMED_MOTION_S,
-    MOTION_PORT,
-    Command,
-    MappdkProtocolError,
-    Motion,
-    Reply,
-    ReplyCode,
-    TimedMotion,
-    decode_identity,
-    encode_motion,
-    encode_request,
-    encode_timed_motion,
-    encode_watch,
-    joint_angles_deg,
-    joint_resolution_deg,
-)
 from truepose_drivers.monotonic_clock import MonotonicClock
 from truepose_drivers.transports.link import Link, open_patiently
 from truepose_drivers.transports.tcp import TcpLink, tcp_link
@@ -115,7 +102,7 @@ class MappdkRobot:
     def motion_guard(self) -> MotionGuard:
         """Our own server stops a motion when it hears nothing; a stock one goes on with what was sent."""
         if self._watches:
-            return MotionGuard(stops_unheard_s=STOPS_WITHIN_S)
+            return MotionGuard(stops_unheard_s=protocol.STOPS_WITHIN_S)
         return MotionGuard(longest_piece_s=_LONGEST_PIECE_S)
 
     async def connect(self) -> None:
@@ -138,8 +125,10 @@ class MappdkRobot:
 
     async def identify(self) -> DeviceIdentity:
         """Ask our own server for model, F number and version; a stock server tells nothing of them."""
-        reply = await self._motion.ask(encode_request(Command.IDENTITY), "identity", self._time_outs.reply_s)
-        stated = decode_identity(reply)
+        reply = await self._motion.ask(
+            protocol.encode_request(protocol.Command.IDENTITY), "identity", self._time_outs.reply_s
+        )
+        stated = protocol.decode_identity(reply)
         self._watches = stated is not None
         model, serial, version = stated or (_UNKNOWN, _UNKNOWN, "MAPPDK")
         return DeviceIdentity(
@@ -164,14 +153,14 @@ class MappdkRobot:
         if self._watches is None:
             await self.identify()
         await self._have_watched()
-        start_deg = joint_angles_deg(await self._ask_joints(self._motion))
+        start_deg = protocol.joint_angles_deg(await self._ask_joints(self._motion))
         request, expected_s = self._request(start_deg, target_deg)
         timeout_s = self._time_outs.motion_s + _LONGER_BY_OVERRIDE * expected_s
-        course = Course(start_deg, target_deg, ARRIVED_DEG, _STILL_DEG)
+        course = CommandedMotion(start_deg, target_deg, ARRIVED_DEG, _STILL_DEG)
         reply = await answered_unless_it_stands(
             self._moved(request, timeout_s), self._joints_under_way, course, _LOOK_AT_PENDANT
         )
-        if reply.code != ReplyCode.OK:
+        if reply.code != protocol.ReplyCode.OK:
             raise TargetRefusedError(
                 f"the robot refused the joint target ({degrees_text(target_deg)}) deg,"
                 f" as its pendant counts them: {reply.message}"
@@ -181,10 +170,10 @@ class MappdkRobot:
     async def read_joints(self) -> JointReading:
         """Ask where the joints are, the logger while the arm moves."""
         reply = await self._ask_joints(await self._free_port())
-        shown_rad = tuple(map(math.radians, joint_angles_deg(reply)))
-        return JointReading(
-            joints_rad=self._counting.of_robot(shown_rad),
-            resolution_rad=math.radians(joint_resolution_deg(reply)),
+        return counted_reading(
+            protocol.joint_angles_deg(reply),
+            self._counting,
+            resolution_deg=protocol.joint_resolution_deg(reply),
             time_s=await self._clock.now_s(),
         )
 
@@ -209,25 +198,29 @@ class MappdkRobot:
     async def _joints_under_way(self) -> Angles | None:
         try:
             logger = await self._opened_logger()
-            return None if logger is None else joint_angles_deg(await self._ask_joints(logger))
+            return None if logger is None else protocol.joint_angles_deg(await self._ask_joints(logger))
         except DriverError:
             return None
 
-    async def _ask_joints(self, port: Dialogue) -> Reply:
-        reply = await port.ask(encode_request(Command.JOINTS), "joints", self._time_outs.reply_s)
-        if reply.code != ReplyCode.OK:
+    async def _ask_joints(self, port: Dialogue) -> protocol.Reply:
+        reply = await port.ask(
+            protocol.encode_request(protocol.Command.JOINTS), "joints", self._time_outs.reply_s
+        )
+        if reply.code != protocol.ReplyCode.OK:
             raise DeviceRefusedError(f"the robot does not tell its joints: {reply.message}")
         return reply
 
     async def _have_watched(self) -> None:
         if not self._watches or self._watching:
             return
-        reply = await self._motion.ask(encode_watch(SILENCE_S), "success", self._time_outs.reply_s)
-        if reply.code != ReplyCode.OK:
+        reply = await self._motion.ask(
+            protocol.encode_watch(protocol.SILENCE_S), "success", self._time_outs.reply_s
+        )
+        if reply.code != protocol.ReplyCode.OK:
             raise DeviceRefusedError(f"the robot does not watch its motions: {reply.message}")
         self._watching = True
 
-    async def _moved(self, request: bytes, timeout_s: float) -> Reply:
+    async def _moved(self, request: bytes, timeout_s: float) -> protocol.Reply:
         try:
             return await self._motion.ask(request, "success", timeout_s, beats=self._watching)
         except NoReplyError as error:
@@ -235,29 +228,25 @@ class MappdkRobot:
                 f"the robot did not report the end of its motion: {_LOOK_AT_PENDANT}"
             ) from error
         except ConnectionLostError as error:
-            why = f" or after {SILENCE_S:g} s in which it heard nothing" if self._watching else ""
+            why = f" or after {protocol.SILENCE_S:g} s in which it heard nothing" if self._watching else ""
             raise ConnectionLostError(
                 f"the robot hung up during a motion, as it does at a fault{why}: {_LOOK_AT_PENDANT}"
             ) from error
 
     async def _require_arrival(self, target_deg: Angles) -> None:
         """See that the arm is where it was sent; a late reply to something else may have said so."""
-        stands_deg = joint_angles_deg(await self._ask_joints(self._motion))
-        off_deg = farthest_off(stands_deg, target_deg)
-        if off_deg > ARRIVED_DEG:
+        stands_deg = protocol.joint_angles_deg(await self._ask_joints(self._motion))
+        if astray := astray_text(stands_deg, target_deg):
             await self._motion.close()
-            raise MappdkProtocolError(
-                f"the robot reported the end of its motion and stands {off_deg:.3f} deg off its target:"
-                f" {_LOOK_AT_PENDANT}"
-            )
+            raise protocol.MappdkProtocolError(f"{astray}: {_LOOK_AT_PENDANT}")
 
     def _request(self, start_deg: Angles, target_deg: Angles) -> tuple[bytes, float]:
         """Return the request of a motion within the limits, and how long it takes without override [s]."""
         before, after = self._counting.inclined(start_deg), self._counting.inclined(target_deg)
         steps_deg = [to - origin for origin, to in zip(before, after, strict=True)]
         least_s = max(self._pace.least_s(steps_deg, self._limits), _SHORTEST_MOTION_S)
-        if self._watches and least_s <= LONGEST_TIMED_MOTION_S:
-            return encode_timed_motion(TimedMotion(target_deg, least_s)), least_s
+        if self._watches and least_s <= protocol.LONGEST_TIMED_MOTION_S:
+            return protocol.encode_timed_motion(protocol.TimedMotion(target_deg, least_s)), least_s
         percent = self._pace.share_percent(steps_deg, self._limits)
         if percent < 1:
             raise DeviceRefusedError(
@@ -266,25 +255,23 @@ class MappdkRobot:
                 " server program"
             )
         return (
-            encode_motion(Command.MOVE_TO_JOINTS, Motion(target_deg, percent)),
+            protocol.encode_motion(protocol.Command.MOVE_TO_JOINTS, protocol.Motion(target_deg, percent)),
             100.0 * self._pace.at_full_speed_s(steps_deg) / percent,
         )
 
     def _shown_deg(self, target_rad: tuple[float, ...]) -> Angles:
-        if len(target_rad) != JOINTS:
-            raise TargetRefusedError(f"MAPPDK moves {JOINTS} joints here; the target has {len(target_rad)}")
-        shown = self._counting.of_controller(tuple(map(math.degrees, target_rad)))
-        try:
-            encode_motion(Command.MOVE_TO_JOINTS, Motion(shown, 1))
-        except ValueError as error:
-            raise TargetRefusedError(str(error)) from error
-        return shown
+        def encode(joints_deg: Angles) -> object:
+            return protocol.encode_motion(protocol.Command.MOVE_TO_JOINTS, protocol.Motion(joints_deg, 1))
+
+        return counted_target_deg(target_rad, protocol.JOINTS, self._counting, encode)
 
 
 def _open(options: Options, clock: Clock | None) -> MappdkRobot:
-    logger = TcpLink(option.host(options), option.port({"port": options.get("logger_port", LOGGER_PORT)}))
+    logger = TcpLink(
+        option.host(options), option.port({"port": options.get("logger_port", protocol.LOGGER_PORT)})
+    )
     return MappdkRobot(
-        tcp_link(options, MOTION_PORT),
+        tcp_link(options, protocol.MOTION_PORT),
         clock or MonotonicClock(),
         logger=logger,
         counting=arm_options.counting(options),
@@ -294,8 +281,9 @@ def _open(options: Options, clock: Clock | None) -> MappdkRobot:
 
 _OPTIONS = {
     "host": "address of the controller",
-    "port": f"TCP port of the motion server, {MOTION_PORT} unless changed",
-    "logger_port": f"TCP port of the logger, {LOGGER_PORT} unless changed; tells joints during motions",
+    "port": f"TCP port of the motion server, {protocol.MOTION_PORT} unless changed",
+    "logger_port": f"TCP port of the logger, {protocol.LOGGER_PORT} unless changed; tells joints during"
+    " motions",
     **arm_options.COUNTING_OPTIONS,
     **arm_options.PACE_OPTIONS,
 }

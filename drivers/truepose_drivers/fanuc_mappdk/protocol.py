@@ -1,10 +1,13 @@
 """Wire protocol of MAPPDK, the KAREL text server of fanucpy: bytes in, messages out, no I/O.
 
 Source: the KAREL program and the Python client of the public project fanucpy (see the folder's README).
-Wire units: mm, degrees, as the controller counts its joints (see `arms.joint_counting`).
+Wire units: mm, degrees, as the controller counts its joints (see `arm_options`).
 
 A request is one line of fields joined by `:`. A reply is ``CODE:MESSAGE`` without any terminator, at most
 254 characters; a client sends the next request only after the reply to the last.
+
+Our own server stops a motion when nobody is heard any more, where it is asked to. The stock server has none
+of these requests, and ours does all that the stock one does.
 """
 
 import math
@@ -15,7 +18,7 @@ from enum import StrEnum
 from typing import Final, Literal, TypeAlias
 
 from truepose_drivers.errors import RemoteProtocolError
-from truepose_drivers.stream_reader import StreamReader
+from truepose_drivers.framing import StreamReader
 
 MOTION_PORT: Final = 18735
 LOGGER_PORT: Final = 18736  # takes the same requests; answers while a motion keeps the other port busy
@@ -330,3 +333,11 @@ def _register(text: str, register: str) -> int:
     if not (text.isascii() and text.isdigit()):
         raise MappdkProtocolError(f"{register}-was-not-set")
     return int(text)
+
+
+# Our own server watches whoever moves the arm.
+SILENCE_S: Final = 0.8  # after which the controller stops the arm; it looks every 0.05 s
+BEAT_S: Final = 0.2  # so often the driver is heard while the arm moves
+STOPS_WITHIN_S: Final = 1.0  # silence, look and deceleration
+
+BEAT: Final = encode_request(Command.BEAT)

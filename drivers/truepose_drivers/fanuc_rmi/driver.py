@@ -5,11 +5,11 @@ and each when the one before has ended: whatever dies, the arm rests within a se
 """
 
 import asyncio
-import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final, TypeVar
 
+from truepose_drivers import arm_options
 from truepose_drivers import options as option
 from truepose_drivers.api import (
     Clock,
@@ -20,10 +20,14 @@ from truepose_drivers.api import (
     MotionLimits,
     Options,
 )
-from truepose_drivers.arms import arm_options
-from truepose_drivers.arms.joint_counting import Angles, JointCounting
-from truepose_drivers.arms.pace import Pace
-from truepose_drivers.arms.targets import ARRIVED_DEG, degrees_text, farthest_off, require_speeds
+from truepose_drivers.arm_motion import (
+    astray_text,
+    counted_reading,
+    counted_target_deg,
+    degrees_text,
+    require_speeds,
+)
+from truepose_drivers.arm_options import Angles, JointCounting, Pace
 from truepose_drivers.errors import (
     ConnectFailedError,
     DeviceRefusedError,
@@ -32,28 +36,11 @@ from truepose_drivers.errors import (
     NotInitialisedError,
     TargetRefusedError,
 )
-from truepose_drivers.fanuc_rmi.exchanges import Exchanges
-from truepose_drivers.fanuc_rmi.handover import Handover
+from truepose_drivers.fanuc_rmi import protocol
 from truepose_drivers.fanuc_rmi.pieces import LONGEST_PIECE_S, PieceMaker
-from truepose_drivers.fanuc_rmi.protocol.messages import (
-    CONNECT_PORT,
-    JOINTS,
-    RESOLUTION_DEG,
-    Command,
-    JointMotion,
-    StatedAxes,
-    Status,
-    command,
-    decode_axes,
-    decode_status,
-    encode_motion,
-    error_of,
-    error_texts,
-)
-from truepose_drivers.fanuc_rmi.protocol.packets import Packet, RmiProtocolError
-from truepose_drivers.fanuc_rmi.protocol.refusals import in_words, is_of_target
+from truepose_drivers.fanuc_rmi.session import Exchanges, Handover
 from truepose_drivers.monotonic_clock import MonotonicClock
-from truepose_drivers.transports.link import Link
+from truepose_drivers.transports.link import Link, OnePortDevice
 from truepose_drivers.transports.tcp import TcpLink
 
 _UNKNOWN: Final = "unknown"
@@ -74,7 +61,7 @@ class TimeOuts:
     next_client_s: float = 3.0  # after the last client has left
 
 
-class RmiRobot:
+class RmiRobot(OnePortDevice):
     """A controller behind a handed-over link. Keeps the conversation."""
 
     can_stop_motion = True  # a motion given up ends the session, and with it the program
@@ -86,7 +73,7 @@ class RmiRobot:
         to_port: Callable[[int], Link],
         clock: Clock,
         *,
-        first_port: int = CONNECT_PORT,
+        first_port: int = protocol.CONNECT_PORT,
         counting: JointCounting | None = None,
         pace: Pace | None = None,
         time_outs: TimeOuts | None = None,
@@ -94,6 +81,7 @@ class RmiRobot:
         self._time_outs = time_outs or TimeOuts()
         reply_s, patience_s = self._time_outs.reply_s, self._time_outs.next_client_s
         self._link = Handover(to_port, first_port, reply_s=reply_s, patience_s=patience_s)
+        super().__init__(self._link)
         self._exchanges = Exchanges(self._link, alive_s=self._time_outs.alive_s, answer_s=reply_s - 0.5)
         self._clock = clock
         self._counting = counting or JointCounting()
@@ -101,12 +89,7 @@ class RmiRobot:
         self._limits = MotionLimits()
         self._one_motion = asyncio.Lock()
         self._sequence = 0  # number of the next instruction
-        self._stated: StatedAxes | None = None  # last in this session
-
-    @property
-    def connected(self) -> bool:
-        """Whether the session is up as far as known."""
-        return self._link.is_open
+        self._stated: protocol.StatedAxes | None = None  # last in this session
 
     async def connect(self) -> None:
         """Begin a session; raises ConnectFailedError. The motion group stays free before the first motion."""
@@ -120,13 +103,9 @@ class RmiRobot:
                 f"{error}; check that no other program is connected to the robot"
             ) from error
 
-    async def close(self) -> None:
-        """End the session; never raises."""
-        await self._link.close()
-
     async def identify(self) -> DeviceIdentity:
         """Return the interface's version, which is all that it tells of itself."""
-        await self._asked(Command.STATUS, decode_status)
+        await self._asked(protocol.Command.STATUS, protocol.decode_status)
         return DeviceIdentity("FANUC", _UNKNOWN, _UNKNOWN, self._link.version)
 
     async def set_limits(self, limits: MotionLimits) -> None:
@@ -144,34 +123,32 @@ class RmiRobot:
         async with self._one_motion:
             status = await self._ready()
             while not await self._move_on(target_deg, status.override_percent):
-                status = await self._asked(Command.STATUS, decode_status)
+                status = await self._asked(protocol.Command.STATUS, protocol.decode_status)
             await self._require_arrival(target_deg)
 
     async def read_joints(self) -> JointReading:
         """Ask where the joints are; between two pieces while the arm moves."""
-        stated = await self._newest_axes()
-        shown_rad = tuple(map(math.radians, stated.axes_deg[:JOINTS]))
-        return JointReading(
-            joints_rad=self._counting.of_robot(shown_rad),
-            resolution_rad=math.radians(RESOLUTION_DEG),
-            time_s=await self._clock.now_s(),
-        )
+        axes_deg = (await self._newest_axes()).axes_deg[: protocol.JOINTS]
+        now_s = await self._clock.now_s()
+        return counted_reading(axes_deg, self._counting, resolution_deg=protocol.RESOLUTION_DEG, time_s=now_s)
 
-    async def _asked(self, name: Command, decode: Callable[[Packet], Answer]) -> Answer:
+    async def _asked(self, name: protocol.Command, decode: Callable[[protocol.Packet], Answer]) -> Answer:
         async with self._exchanges.turn():
             return await self._answer(name, decode)
 
-    async def _answer(self, name: Command, decode: Callable[[Packet], Answer]) -> Answer:
-        answer = await self._exchanges.reply_to(command(name), self._time_outs.reply_s)
-        if (error := error_of(answer)) != 0:
-            raise DeviceRefusedError(f"the robot does not answer {name}: {in_words(error)}")
+    async def _answer(self, name: protocol.Command, decode: Callable[[protocol.Packet], Answer]) -> Answer:
+        answer = await self._exchanges.reply_to(protocol.command(name), self._time_outs.reply_s)
+        if (error := protocol.error_of(answer)) != 0:
+            raise DeviceRefusedError(f"the robot does not answer {name}: {protocol.in_words(error)}")
         return decode(answer)
 
-    async def _newest_axes(self) -> StatedAxes:
+    async def _newest_axes(self) -> protocol.StatedAxes:
         """Return axes that were stated later than any before in this session."""
         give_up_s = _now_s() + self._time_outs.newer_s
         async with self._exchanges.turn():
-            while not self._is_news(stated := await self._answer(Command.JOINTS, decode_axes)):
+            while not self._is_news(
+                stated := await self._answer(protocol.Command.JOINTS, protocol.decode_axes)
+            ):
                 if _now_s() > give_up_s:
                     raise NoReplyError(
                         "the robot repeats itself, or its clock stands still: check the controller, then"
@@ -181,17 +158,19 @@ class RmiRobot:
             self._stated = stated
         return stated
 
-    def _is_news(self, stated: StatedAxes) -> bool:
+    def _is_news(self, stated: protocol.StatedAxes) -> bool:
         before = self._stated
         if before is None or stated.is_newer_than(before):
             return True
         if stated.time_ms != before.time_ms:
-            raise RmiProtocolError("the robot states joints that are older than the last ones: connect again")
+            raise protocol.RmiProtocolError(
+                "the robot states joints that are older than the last ones: connect again"
+            )
         return False
 
-    async def _ready(self) -> Status:
+    async def _ready(self) -> protocol.Status:
         """Have the controller take motions, and return its status; raises NotInitialisedError."""
-        status = await self._asked(Command.STATUS, decode_status)
+        status = await self._asked(protocol.Command.STATUS, protocol.decode_status)
         if status.pendant_on or status.single_step:
             what = "switch its pendant off" if status.pendant_on else "end single steps on its pendant"
             raise NotInitialisedError(
@@ -199,30 +178,32 @@ class RmiRobot:
             )
         if self._exchanges.holds or not status.running:
             await self._initialise(status)
-            status = await self._asked(Command.STATUS, decode_status)
+            status = await self._asked(protocol.Command.STATUS, protocol.decode_status)
             self._sequence = status.next_sequence
             self._exchanges.holds = False
         return status
 
-    async def _initialise(self, status: Status) -> None:
+    async def _initialise(self, status: protocol.Status) -> None:
         """Begin the controller's program anew; its faults are reset where that is refused."""
         if status.running:
-            await self._told(Command.ABORT)
-        if await self._told(Command.INITIALIZE) != 0:
-            await self._told(Command.RESET)
-            if (error := await self._told(Command.INITIALIZE)) != 0:
+            await self._told(protocol.Command.ABORT)
+        if await self._told(protocol.Command.INITIALIZE) != 0:
+            await self._told(protocol.Command.RESET)
+            if (error := await self._told(protocol.Command.INITIALIZE)) != 0:
                 raise NotInitialisedError(
-                    f"the robot takes no motions: {in_words(error)}{await self._shown_errors()}; put that"
-                    " right at the pendant, then confirm"
+                    f"the robot takes no motions: {protocol.in_words(error)}{await self._shown_errors()};"
+                    " put that right at the pendant, then confirm"
                 )
 
-    async def _told(self, name: Command) -> int:
+    async def _told(self, name: protocol.Command) -> int:
         """Give a command that takes its time, and return with which error."""
         async with self._exchanges.turn():
-            return error_of(await self._exchanges.reply_to(command(name), self._time_outs.initialise_s))
+            return protocol.error_of(
+                await self._exchanges.reply_to(protocol.command(name), self._time_outs.initialise_s)
+            )
 
     async def _shown_errors(self) -> str:
-        texts = await self._asked(Command.ERROR_TEXTS, error_texts)
+        texts = await self._asked(protocol.Command.ERROR_TEXTS, protocol.error_texts)
         return f' (it shows "{"; ".join(texts)[:200]}")' if texts else ""
 
     async def _move_on(self, target_deg: Angles, override_percent: int) -> bool:
@@ -238,7 +219,9 @@ class RmiRobot:
                 holds = await self._override_is(pieces.override_percent)
                 if not holds:
                     return False
-                await self._move(JointMotion(self._sequence, end_deg, pieces.speed_percent), target_deg)
+                await self._move(
+                    protocol.JointMotion(self._sequence, end_deg, pieces.speed_percent), target_deg
+                )
         finally:
             if holds and self.connected and pieces.override_percent != override_percent:
                 await self._set_override(override_percent)
@@ -246,7 +229,7 @@ class RmiRobot:
 
     async def _override_is(self, percent: int) -> bool:
         """Whether a speed override holds; raises NotInitialisedError where a fault holds the robot."""
-        status = await self._asked(Command.STATUS, decode_status)
+        status = await self._asked(protocol.Command.STATUS, protocol.decode_status)
         if self._exchanges.holds or not status.running:
             raise NotInitialisedError("the robot was stopped on its way: look at the pendant, then confirm")
         return status.override_percent == percent
@@ -260,22 +243,24 @@ class RmiRobot:
 
     async def _set_override(self, percent: int) -> None:
         async with self._exchanges.turn():
-            request = command(Command.OVERRIDE, Value=percent)
-            if (error := error_of(await self._exchanges.reply_to(request, self._time_outs.reply_s))) != 0:
-                raise DeviceRefusedError(f"the robot keeps its speed override: {in_words(error)}")
+            request = protocol.command(protocol.Command.OVERRIDE, Value=percent)
+            if (
+                error := protocol.error_of(await self._exchanges.reply_to(request, self._time_outs.reply_s))
+            ) != 0:
+                raise DeviceRefusedError(f"the robot keeps its speed override: {protocol.in_words(error)}")
 
-    async def _move(self, motion: JointMotion, target_deg: Angles) -> None:
+    async def _move(self, motion: protocol.JointMotion, target_deg: Angles) -> None:
         async with self._exchanges.turn():
-            end = await self._exchanges.end_of(encode_motion(motion), self._time_outs.motion_s)
-            error = error_of(end)
+            end = await self._exchanges.end_of(protocol.encode_motion(motion), self._time_outs.motion_s)
+            error = protocol.error_of(end)
             self._sequence += 1
             self._exchanges.holds = self._exchanges.holds or error != 0
         if error != 0:
             raise await self._refusal(error, target_deg)
 
     async def _refusal(self, error: int, target_deg: Angles) -> DeviceRefusedError:
-        why = f"{in_words(error)}{await self._shown_errors()}"
-        if is_of_target(error):
+        why = f"{protocol.in_words(error)}{await self._shown_errors()}"
+        if protocol.is_of_target(error):
             return TargetRefusedError(
                 f"the robot refused the joint target ({degrees_text(target_deg)}) deg,"
                 f" as its pendant counts them: {why}"
@@ -286,24 +271,16 @@ class RmiRobot:
 
     async def _require_arrival(self, target_deg: Angles) -> None:
         """See that the arm is where it was sent."""
-        stands_deg = (await self._newest_axes()).axes_deg[:JOINTS]
-        off_deg = farthest_off(stands_deg, target_deg)
-        if off_deg > ARRIVED_DEG:
+        stands_deg = (await self._newest_axes()).axes_deg[: protocol.JOINTS]
+        if astray := astray_text(stands_deg, target_deg):
             await self._link.close()
-            raise RmiProtocolError(
-                f"the robot reported the end of its motion and stands {off_deg:.3f} deg off its target:"
-                " look at the pendant, then connect again"
-            )
+            raise protocol.RmiProtocolError(f"{astray}: look at the pendant, then connect again")
 
     def _shown_deg(self, target_rad: tuple[float, ...]) -> Angles:
-        if len(target_rad) != JOINTS:
-            raise TargetRefusedError(f"the robot moves {JOINTS} joints; the target has {len(target_rad)}")
-        shown = self._counting.of_controller(tuple(map(math.degrees, target_rad)))
-        try:
-            encode_motion(JointMotion(0, shown, 1))
-        except ValueError as error:
-            raise TargetRefusedError(str(error)) from error
-        return shown
+        def encode(axes_deg: Angles) -> object:
+            return protocol.encode_motion(protocol.JointMotion(0, axes_deg, 1))
+
+        return counted_target_deg(target_rad, protocol.JOINTS, self._counting, encode)
 
 
 def _now_s() -> float:
@@ -315,7 +292,7 @@ def _open(options: Options, clock: Clock | None) -> RmiRobot:
     return RmiRobot(
         lambda port: TcpLink(host, port, connect_timeout_s=_SECOND_PORT_OPENS_WITHIN_S),
         clock or MonotonicClock(),
-        first_port=option.port(options, CONNECT_PORT),
+        first_port=option.port(options, protocol.CONNECT_PORT),
         counting=arm_options.counting(options),
         pace=arm_options.pace(options),
     )
@@ -323,7 +300,7 @@ def _open(options: Options, clock: Clock | None) -> RmiRobot:
 
 _OPTIONS = {
     "host": "address of the controller",
-    "port": f"TCP port at which sessions begin, {CONNECT_PORT} unless changed",
+    "port": f"TCP port at which sessions begin, {protocol.CONNECT_PORT} unless changed",
     **arm_options.COUNTING_OPTIONS,
     **arm_options.PACE_OPTIONS,
 }

@@ -5,10 +5,9 @@ from dataclasses import dataclass
 from typing import Final
 
 from truepose_drivers.api import MotionLimits
-from truepose_drivers.arms.joint_counting import Angles, JointCounting
-from truepose_drivers.arms.pace import Pace
+from truepose_drivers.arm_options import Angles, JointCounting, Pace
 from truepose_drivers.errors import DeviceRefusedError
-from truepose_drivers.fanuc_rmi.protocol.messages import JOINTS
+from truepose_drivers.fanuc_rmi.protocol import JOINTS
 
 LONGEST_PIECE_S: Final = 0.8  # of what is sent at once; ramps take up to 0.2 s more
 _MOST_PIECES: Final = 2_000

@@ -6,26 +6,7 @@ from dataclasses import dataclass, replace
 from truepose_drivers import options as option
 from truepose_drivers.api import BallbarReading, Clock, DeviceIdentity, DriverPlugin, Options
 from truepose_drivers.errors import ConfigurationError, NoReplyError
-from truepose_drivers.heidenhain_nd.protocol import (
-    ERROR_TEXT,
-    IDENTITY,
-    LAMPS,
-    VALUE,
-    Command,
-    Lamps,
-    Line,
-    NdProtocolError,
-    Refused,
-    Reply,
-    ReplyReader,
-    decode_count,
-    decode_identity,
-    decode_lamps,
-    encode_request,
-    is_identity_line,
-    reply_kind,
-    to_mm,
-)
+from truepose_drivers.heidenhain_nd import protocol
 from truepose_drivers.monotonic_clock import MonotonicClock
 from truepose_drivers.transports.conversation import Conversation
 from truepose_drivers.transports.link import Link, OnePortDevice, introduction
@@ -47,8 +28,8 @@ _CHECK_LINE = "check cable, power, and the counter's baud rate"
 class _Answers:
     """What came back on error text, value and lamps asked in one go."""
 
-    value: Line | None = None
-    lamps: Line | None = None
+    value: protocol.Line | None = None
+    lamps: protocol.Line | None = None
     error_text: str | None = None
     refusals: int = 0
 
@@ -57,7 +38,7 @@ class HeidenhainCounter(OnePortDevice):
     """An ND 28x on a link. Keeps the conversation; computes nothing."""
 
     def __init__(self, link: Link, clock: Clock, *, reply_timeout_s: float = _REPLY_TIMEOUT_S) -> None:
-        self._conversation: Conversation[Reply] = Conversation(link, ReplyReader)
+        self._conversation: Conversation[protocol.Reply] = Conversation(link, protocol.ReplyReader)
         super().__init__(self._conversation)
         self._counter = f"the counter at {link.address}"
         self._clock = clock
@@ -76,7 +57,7 @@ class HeidenhainCounter(OnePortDevice):
         """Ask for model and software number; the counter knows no serial number of its gauge."""
         async with self._conversation.turn():
             lines = await self._ask_identity()
-        model, software, _ = decode_identity(lines)
+        model, software, _ = protocol.decode_identity(lines)
         return DeviceIdentity("HEIDENHAIN", model or "unknown", "unknown", software or "unknown")
 
     async def read(self) -> BallbarReading:
@@ -87,22 +68,22 @@ class HeidenhainCounter(OnePortDevice):
                 self._inch = lamps.inch
                 answers, lamps = await self._ask_state()
             if lamps.inch != self._inch:
-                raise NdProtocolError(
+                raise protocol.NdProtocolError(
                     f"the unit displayed at {self._counter} changes again and again:"
                     " leave its keys alone while it is read"
                 )
         time_s = await self._clock.now_s()
-        resolution_mm = to_mm(1, lamps)
+        resolution_mm = protocol.to_mm(1, lamps)
         if answers.value is None or answers.error_text is not None:
             return BallbarReading(math.nan, "none", resolution_mm, time_s)
-        deviation_mm = to_mm(decode_count(answers.value), lamps)
+        deviation_mm = protocol.to_mm(protocol.decode_count(answers.value), lamps)
         sorted_out = lamps.below or lamps.above
         return BallbarReading(deviation_mm, "out_of_range" if sorted_out else "good", resolution_mm, time_s)
 
-    async def _ask_identity(self) -> list[Line]:
+    async def _ask_identity(self) -> list[protocol.Line]:
         """Ask for the identity, which has a form of its own: replies to what was asked before end here."""
-        await self._send(IDENTITY)
-        lines: list[Line] = []
+        await self._send(protocol.IDENTITY)
+        lines: list[protocol.Line] = []
         refused = False
         while len(lines) < _IDENTITY_LINES:
             try:
@@ -110,62 +91,72 @@ class HeidenhainCounter(OnePortDevice):
             except NoReplyError as error:
                 if not refused:
                     raise
-                raise NdProtocolError(f"{self._counter} refuses to say what it is (A0000)") from error
-            refused |= isinstance(reply, Refused)
-            if isinstance(reply, Line) and is_identity_line(reply, len(lines)):
+                raise protocol.NdProtocolError(
+                    f"{self._counter} refuses to say what it is (A0000)"
+                ) from error
+            refused |= isinstance(reply, protocol.Refusal)
+            if isinstance(reply, protocol.Line) and protocol.is_identity_line(reply, len(lines)):
                 lines.append(reply)
             else:
-                lines = [reply] if isinstance(reply, Line) and is_identity_line(reply, 0) else []
+                lines = (
+                    [reply]
+                    if isinstance(reply, protocol.Line) and protocol.is_identity_line(reply, 0)
+                    else []
+                )
         return lines
 
-    async def _ask_state(self) -> tuple[_Answers, Lamps]:
+    async def _ask_state(self) -> tuple[_Answers, protocol.Lamps]:
         """Ask for error text, value and lamps at once, which the counter's buffer holds easily.
 
         Whether a counter without an error refuses A0301 or ignores it is not in the manual; the lamps come
         last and answer always, so that either does.
         """
-        await self._send(ERROR_TEXT, VALUE, LAMPS)
+        await self._send(protocol.ERROR_TEXT, protocol.VALUE, protocol.LAMPS)
         answers = _Answers()
         while (lamps := answers.lamps) is None:
             answers = _with(answers, await self._conversation.next())
             if answers.refusals == _MOST_REFUSALS - (answers.value is not None):
-                raise NdProtocolError(
+                raise protocol.NdProtocolError(
                     f"{self._counter} does not tell its status indicators (A0800):"
                     " it is none of the ND 2xx B or ND 287"
                 )
         await self._require_end()
-        return answers, decode_lamps(lamps)
+        return answers, protocol.decode_lamps(lamps)
 
     async def _require_end(self) -> None:
         """See that nothing but prints stands behind the last answer; raises NdProtocolError."""
         async for reply in self._conversation.arrived():
-            if not isinstance(reply, Line) or reply.opened:
-                raise NdProtocolError(
+            if not isinstance(reply, protocol.Line) or reply.opened:
+                raise protocol.NdProtocolError(
                     f"{self._counter} answered more than was asked:"
                     " one answer is left from before, and nobody knows which"
                 )
 
-    async def _send(self, *commands: Command) -> None:
+    async def _send(self, *commands: protocol.Command) -> None:
         """Drop what was printed at the counter's keys, then ask."""
         await self._conversation.drain()
         await self._conversation.send(
-            b"".join(map(encode_request, commands)),
+            b"".join(map(protocol.encode_request, commands)),
             timeout_s=self._reply_timeout_s,
             silence=f"{self._counter} says nothing for {self._reply_timeout_s:.1f} s: {_CHECK_LINE}",
         )
 
 
-def _with(answers: _Answers, reply: Reply) -> _Answers:
+def _with(answers: _Answers, reply: protocol.Reply) -> _Answers:
     """Return the answers with one more; raises NdProtocolError where it stands in a wrong place."""
-    if isinstance(reply, Refused):
+    if isinstance(reply, protocol.Refusal):
         return replace(answers, refusals=answers.refusals + 1)
-    if not isinstance(reply, Line):
-        raise NdProtocolError("the counter acknowledged something that it was not asked: connect again")
+    if not isinstance(reply, protocol.Line):
+        raise protocol.NdProtocolError(
+            "the counter acknowledged something that it was not asked: connect again"
+        )
     if not reply.opened:
         return answers  # an operator pressed PRINT meanwhile
-    kind = reply_kind(reply)
+    kind = protocol.reply_kind(reply)
     if answers.value is not None and kind != "lamps":
-        raise NdProtocolError(f"{reply.text!r} answers nothing that was asked: it is left from before")
+        raise protocol.NdProtocolError(
+            f"{reply.text!r} answers nothing that was asked: it is left from before"
+        )
     match kind:
         case "value":
             return replace(answers, value=reply)
@@ -173,7 +164,7 @@ def _with(answers: _Answers, reply: Reply) -> _Answers:
             return replace(answers, lamps=reply)
         case "text" if answers.error_text is None:
             return replace(answers, error_text=reply.text.strip())
-    raise NdProtocolError("the counter told its error twice: one of them is left from before")
+    raise protocol.NdProtocolError("the counter told its error twice: one of them is left from before")
 
 
 def _open(options: Options, clock: Clock | None) -> HeidenhainCounter:

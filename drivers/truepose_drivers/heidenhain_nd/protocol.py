@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
 from truepose_drivers.errors import RemoteProtocolError
-from truepose_drivers.stream_reader import StreamReader
+from truepose_drivers.framing import StreamReader
 
 STX, ENQ, ACK, DC1, DC3, NAK, ESC = 0x02, 0x05, 0x06, 0x11, 0x13, 0x15, 0x1B
 _CR, _LF = 0x0D, 0x0A
@@ -65,12 +65,12 @@ LAMPS = Command("A0800")
 
 
 @dataclass(frozen=True, slots=True)
-class Acknowledged:
+class Acknowledgement:
     """ACK."""
 
 
 @dataclass(frozen=True, slots=True)
-class Refused:
+class Refusal:
     """NAK: the command is unknown, or makes no sense now."""
 
 
@@ -82,7 +82,7 @@ class Line:
     opened: bool = True
 
 
-Reply: TypeAlias = Acknowledged | Refused | Line
+Reply: TypeAlias = Acknowledgement | Refusal | Line
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,9 +106,9 @@ def encode_request(request: Command | Control) -> bytes:
 def encode_reply(reply: Reply) -> bytes:
     """Return the characters of a reply."""
     match reply:
-        case Acknowledged():
+        case Acknowledgement():
             return bytes([ACK])
-        case Refused():
+        case Refusal():
             return bytes([NAK])
         case Line(text, opened):
             return bytes([STX] * opened) + text.encode("ascii", "replace") + bytes([_CR, _LF])
@@ -238,7 +238,7 @@ class ReplyReader(StreamReader):
         if not self._buffer:
             return None
         if self._buffer[0] in (ACK, NAK):
-            return Acknowledged() if self._buffer.pop(0) == ACK else Refused()
+            return Acknowledgement() if self._buffer.pop(0) == ACK else Refusal()
         end = self._buffer.find(b"\r\n")
         if (end if end >= 0 else len(self._buffer)) > _LONGEST_REPLY:
             raise NdProtocolError(

@@ -4,7 +4,7 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from types import MappingProxyType
-from typing import Final, TypeVar
+from typing import Final, Literal, TypeVar, cast
 
 from truepose_drivers.api import (
     Clock,
@@ -13,6 +13,7 @@ from truepose_drivers.api import (
     Environment,
     Options,
     PoseReading,
+    Quaternion,
     TrackerReading,
     Vector,
 )
@@ -29,26 +30,104 @@ from truepose_drivers.errors import (
     OutOfVolumeError,
     ReflectorNotFoundError,
 )
-from truepose_drivers.json_bridge.protocol import (
-    VERSION,
-    Answer,
-    Ask,
-    BridgeError,
-    Busy,
-    Failed,
-    Question,
-    counted,
-    decode_reply,
-    encode_question,
-    measured,
-    text,
-)
-from truepose_drivers.json_bridge.readings import air_of, point_of, pose_of
-from truepose_drivers.json_lines import LineReader
+from truepose_drivers.framing import LineReader
+from truepose_drivers.json_bridge import protocol
 from truepose_drivers.monotonic_clock import MonotonicClock
 from truepose_drivers.transports.conversation import Conversation
 from truepose_drivers.transports.link import Link, OnePortDevice, introduction
 from truepose_drivers.transports.tcp import tcp_link
+
+Values = Mapping[str, object]
+_NOT_STATED = (math.nan, math.nan, math.nan)
+
+
+def point_of(values: Values) -> TrackerReading:
+    """Return a point, whose time and duration the asker knows; raises BridgeError."""
+    return TrackerReading(
+        point_mm=_vector(values, "point_mm"),
+        standard_deviation_mm=_stated(values, "deviation_mm"),
+        rms_mm=_scatter_mm(values),
+        samples=_whole(values, "samples"),
+        duration_s=math.nan,
+        face=_face(values),
+        time_s=math.nan,
+        covariance_mm2=_covariance(values),
+    )
+
+
+def pose_of(values: Values) -> PoseReading:
+    """Return a pose, whose time and duration the asker knows; raises BridgeError."""
+    return PoseReading(
+        quaternion=cast(Quaternion, protocol.numbers(values, "quaternion", 4)),
+        position_mm=_vector(values, "position_mm"),
+        position_deviation_mm=_stated(values, "deviation_mm"),
+        rotation_deviation_rad=_optional(values, "rotation_deviation_rad"),
+        rms_mm=_optional(values, "rms_mm"),
+        frames=_whole(values, "frames"),
+        duration_s=math.nan,
+        time_s=math.nan,
+    )
+
+
+def air_of(values: Values) -> Environment:
+    """Return the air; NaN for what the instrument does not measure. Raises BridgeError."""
+    return Environment(
+        protocol.number(values, "temperature_c"),
+        _optional(values, "pressure_hpa"),
+        _optional(values, "humidity_percent"),
+    )
+
+
+def _vector(values: Values, key: str) -> Vector:
+    return cast(Vector, protocol.numbers(values, key, 3))
+
+
+def _stated(values: Values, key: str) -> Vector:
+    return _NOT_STATED if values.get(key) is None else _vector(values, key)
+
+
+def _optional(values: Values, key: str) -> float:
+    return math.nan if values.get(key) is None else protocol.number(values, key)
+
+
+def _scatter_mm(values: Values) -> float:
+    """Return the total scatter, from the deviations where it is not stated; one of them must be."""
+    if values.get("rms_mm") is None and values.get("deviation_mm") is None:
+        raise protocol.BridgeError(
+            "neither rms_mm nor deviation_mm is given: how much did the samples scatter?"
+        )
+    if values.get("rms_mm") is None:
+        return math.hypot(*_vector(values, "deviation_mm"))
+    return protocol.number(values, "rms_mm")
+
+
+def _whole(values: Values, key: str) -> int:
+    """Return how many were averaged, one where nothing is said."""
+    count = values.get(key, 1)
+    if isinstance(count, bool) or not isinstance(count, int) or not 1 <= count < 2**31:
+        raise protocol.BridgeError(f"{key} is {repr(count)[:40]}; a whole number from 1 was expected")
+    return count
+
+
+def _face(values: Values) -> Literal[1, 2]:
+    """Return the face, the first where the instrument has one only."""
+    match values.get("face", 1):
+        case bool():
+            pass
+        case 1:
+            return 1
+        case 2:
+            return 2
+    raise protocol.BridgeError(f"face is {values['face']!r:.40}; 1 or 2 was expected")
+
+
+def _covariance(values: Values) -> tuple[Vector, Vector, Vector] | None:
+    """Return xx, yy, zz, xy, xz, yz as a matrix, None where they are not given."""
+    if values.get("covariance_mm2") is None:
+        return None
+    xx, yy, zz, xy, xz, yz = protocol.numbers(values, "covariance_mm2", 6)
+    return (xx, xy, xz), (xy, yy, yz), (xz, yz, zz)
+
 
 Value = TypeVar("Value")
 
@@ -130,14 +209,14 @@ class BridgedTracker(OnePortDevice):
         return await self._ask("environment", lambda answer: air_of(self._of_ours(answer).values))
 
     async def _measure(
-        self, ask: Ask, duration_s: float, decode: Callable[[Mapping[str, object]], Value]
+        self, ask: protocol.Ask, duration_s: float, decode: Callable[[Mapping[str, object]], Value]
     ) -> Value:
         """Have a measurement made that none before was."""
         if not (math.isfinite(duration_s) and duration_s > 0.0):
             raise ConfigurationError(f"nothing can be measured in {duration_s} s")
 
-        def new(answer: Answer) -> Value:
-            self._require_new(measured(self._of_ours(answer)))
+        def new(answer: protocol.Answer) -> Value:
+            self._require_new(protocol.measured(self._of_ours(answer)))
             return decode(answer.values)
 
         details = {"duration_s": duration_s}
@@ -146,13 +225,13 @@ class BridgedTracker(OnePortDevice):
     def _require_new(self, sequence: int) -> None:
         """See that measurements are counted up, from what the bridge said when it was initialised."""
         if sequence <= self._newest:
-            raise BridgeError(
+            raise protocol.BridgeError(
                 f"the bridge sends measurement {sequence} after {self._newest}: it repeats itself; take the"
                 " count from the instrument or from the clock"
             )
         self._newest = sequence
 
-    def _of_ours(self, answer: Answer) -> Answer:
+    def _of_ours(self, answer: protocol.Answer) -> protocol.Answer:
         """Return an answer of the instrument that was initialised; raises NotInitialisedError."""
         if answer.serial != self._serial:
             before, self._serial = self._serial, None
@@ -163,8 +242,8 @@ class BridgedTracker(OnePortDevice):
 
     async def _ask(
         self,
-        ask: Ask,
-        decode: Callable[[Answer], Value],
+        ask: protocol.Ask,
+        decode: Callable[[protocol.Answer], Value],
         details: Mapping[str, object] = MappingProxyType({}),
         *,
         longest_s: float = _PATIENCE_S,
@@ -176,52 +255,62 @@ class BridgedTracker(OnePortDevice):
         async with self._lines.turn():
             await self._pass_over_busy()
             self._asked += 1
-            question = encode_question(Question(self._asked, ask, details))
+            question = protocol.encode_question(protocol.Question(self._asked, ask, details))
             await self._lines.send(question, timeout_s=longest_s, silence=self._silence(ask))
             answer = await self._answer(ask)
             await self._pass_over_busy()
             return decode(answer)
 
-    async def _answer(self, ask: Ask) -> Answer:
+    async def _answer(self, ask: protocol.Ask) -> protocol.Answer:
         while True:
             line = await self._lines.next_within(_QUIET_S)
             if line is None:
                 raise NoReplyError(self._silence(ask))
-            match decode_reply(line):
-                case Busy():
+            match protocol.decode_reply(line):
+                case protocol.Busy():
                     continue
-                case Answer() | Failed() as reply if reply.number != self._asked:
-                    raise BridgeError(f"the bridge answered question {reply.number}, {self._asked} was asked")
-                case Failed(_, kind, sentence):
+                case protocol.Answer() | protocol.Failure() as reply if reply.number != self._asked:
+                    raise protocol.BridgeError(
+                        f"the bridge answered question {reply.number}, {self._asked} was asked"
+                    )
+                case protocol.Failure(_, kind, sentence):
                     raise _FAILURES.get(kind, DeviceRefusedError)(sentence)
-                case Answer() as answer:
+                case protocol.Answer() as answer:
                     return answer
 
     async def _pass_over_busy(self) -> None:
         """Read what arrived unasked: that it was at work, and nothing else."""
         async for line in self._lines.arrived():
-            if not isinstance(decode_reply(line), Busy):
-                raise BridgeError(f"the bridge at {self._lines.address} said more than was asked")
+            if not isinstance(protocol.decode_reply(line), protocol.Busy):
+                raise protocol.BridgeError(f"the bridge at {self._lines.address} said more than was asked")
 
-    def _silence(self, ask: Ask) -> str:
+    def _silence(self, ask: protocol.Ask) -> str:
         return (
             f"the bridge at {self._lines.address} did not answer {ask}: look whether it and the maker's"
             " software are running, then connect again"
         )
 
 
-def _identity(hello: Answer) -> DeviceIdentity:
+def _identity(hello: protocol.Answer) -> DeviceIdentity:
     version = hello.values.get("version")
-    if version != VERSION:
-        raise BridgeError(f"the bridge speaks version {version!r}, we {VERSION}: update the older of the two")
-    manufacturer, model, firmware = (text(hello.values, key) for key in ("manufacturer", "model", "firmware"))
+    if version != protocol.VERSION:
+        raise protocol.BridgeError(
+            f"the bridge speaks version {version!r}, we {protocol.VERSION}: update the older of the two"
+        )
+    manufacturer, model, firmware = (
+        protocol.text(hello.values, key) for key in ("manufacturer", "model", "firmware")
+    )
     return DeviceIdentity(manufacturer, model, hello.serial, firmware)
 
 
-def _ready(answer: Answer) -> tuple[str, int, str]:
+def _ready(answer: protocol.Answer) -> tuple[str, int, str]:
     """Return what the instrument measures with, how far its measurements are counted, and which it is."""
     settings = answer.values.get("settings")
-    return ("" if settings is None else text(answer.values, "settings")), counted(answer), answer.serial
+    return (
+        ("" if settings is None else protocol.text(answer.values, "settings")),
+        protocol.counted(answer),
+        answer.serial,
+    )
 
 
 def _open(options: Options, clock: Clock | None) -> BridgedTracker:

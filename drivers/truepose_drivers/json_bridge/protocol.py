@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Literal, TypeAlias
 
-from truepose_drivers.json_lines import JsonLineError, decode_object, encode_object, finite_number
+from truepose_drivers.framing import JsonLineError, decode_object, encode_object, finite_number
 
 VERSION = 1
 UNIT = "mm"
@@ -52,7 +52,7 @@ class Busy:
 
 
 @dataclass(frozen=True, slots=True)
-class Failed:
+class Failure:
     """The bridge could not do it: `kind` is one of a few words, the sentence is for people."""
 
     number: int
@@ -69,7 +69,7 @@ class Answer:
     values: Mapping[str, object]
 
 
-Reply: TypeAlias = Busy | Failed | Answer
+Reply: TypeAlias = Busy | Failure | Answer
 
 
 def encode_question(question: Question) -> bytes:
@@ -92,7 +92,7 @@ def encode_reply(reply: Reply) -> bytes:
     match reply:
         case Busy(number):
             return encode_object({"id": number, "busy": True})
-        case Failed(number, kind, sentence):
+        case Failure(number, kind, sentence):
             return encode_object({"id": number, "error": kind, "sentence": sentence})
         case Answer(number, serial, values):
             return encode_object({"id": number, "serial": serial, **values})
@@ -103,7 +103,7 @@ def decode_reply(line: bytes) -> Reply:
     document = decode_object(line)
     number = _count(document, "id")
     if "error" in document:
-        return Failed(number, text(document, "error"), text(document, "sentence"))
+        return Failure(number, text(document, "error"), text(document, "sentence"))
     if "busy" in document:
         if document["busy"] is not True:
             raise BridgeError(f"busy is {_shown(document['busy'])}; true was expected")

@@ -5,27 +5,17 @@ from typing import Final
 
 from truepose_drivers.api import Clock, DeviceIdentity, DriverPlugin, Options
 from truepose_drivers.errors import DeviceRefusedError
-from truepose_drivers.keyence_gt2.protocol import (
-    BOTH,
-    HIGH,
-    LOW,
-    MOST_AMPLIFIERS,
-    STATES_AND_VALUES,
-    Amplifier,
-    Amplifiers,
-    Refused,
-    Reply,
-    encode_question,
-    reply_reader,
-)
-from truepose_drivers.line_gauges.dialogue import Ask, LineGauges, Shown
-from truepose_drivers.line_gauges.settings import (
+from truepose_drivers.keyence_gt2 import protocol
+from truepose_drivers.line_gauges.dialogue import (
     SERIAL_OPTIONS,
     SHARED_OPTIONS,
+    Ask,
+    Display,
+    LineGauges,
     gauge_settings,
     serial_or_tcp,
 )
-from truepose_drivers.line_gauges.text_lines import LineGaugeError
+from truepose_drivers.line_gauges.protocol import LineGaugeError
 from truepose_drivers.monotonic_clock import MonotonicClock
 from truepose_drivers.transports.conversation import Reader
 from truepose_drivers.transports.serial import Framing
@@ -40,47 +30,49 @@ class KeyenceUnit:
 
     box = "the Keyence unit"
 
-    def new_reader(self) -> Reader[Reply]:
+    def new_reader(self) -> Reader[protocol.Reply]:
         """Return a reader of its lines."""
-        return reply_reader()
+        return protocol.reply_reader()
 
-    async def identity(self, ask: Ask[Reply], channels: Sequence[int]) -> DeviceIdentity:
+    async def identity(self, ask: Ask[protocol.Reply], channels: Sequence[int]) -> DeviceIdentity:
         """Count the amplifiers; none of them tells a serial number."""
         amplifiers = await _ask_all(ask, channels)
         return DeviceIdentity("Keyence", f"GT2, {len(amplifiers)} amplifiers", "unknown", "unknown")
 
-    async def shown(self, ask: Ask[Reply], channels: Sequence[int]) -> Sequence[Shown]:
+    async def displays(self, ask: Ask[protocol.Reply], channels: Sequence[int]) -> Sequence[Display]:
         """Ask once, and pick the amplifiers that are used."""
         amplifiers = await _ask_all(ask, channels)
-        return [_shown(amplifiers[channel - 1]) for channel in channels]
+        return [_display(amplifiers[channel - 1]) for channel in channels]
 
 
-async def _ask_all(ask: Ask[Reply], channels: Sequence[int]) -> tuple[Amplifier, ...]:
-    reply = await ask(encode_question(STATES_AND_VALUES))
+async def _ask_all(ask: Ask[protocol.Reply], channels: Sequence[int]) -> tuple[protocol.Amplifier, ...]:
+    reply = await ask(protocol.encode_question(protocol.STATES_AND_VALUES))
     match reply:
-        case Amplifiers(command, amplifiers) if command == STATES_AND_VALUES:
+        case protocol.Amplifiers(command, amplifiers) if command == protocol.STATES_AND_VALUES:
             if len(amplifiers) >= max(channels):
                 return amplifiers
             raise DeviceRefusedError(
                 f"the unit has {len(amplifiers)} amplifiers, and channel {max(channels)} is asked for:"
                 " check channels in the cell file, and that all amplifiers are plugged together"
             )
-        case Refused(_, code):
+        case protocol.Refusal(_, code):
             raise DeviceRefusedError(f"the unit refuses to tell its values (error {code}): see its manual")
     raise LineGaugeError(f"the unit answered MS with {reply}: connect again")
 
 
-def _shown(amplifier: Amplifier) -> Shown:
-    return Shown(amplifier.value, sorted_out=amplifier.state in {HIGH, LOW, BOTH})
+def _display(amplifier: protocol.Amplifier) -> Display:
+    return Display(
+        amplifier.value, sorted_out=amplifier.state in {protocol.HIGH, protocol.LOW, protocol.BOTH}
+    )
 
 
-def _open(options: Options, clock: Clock | None) -> LineGauges[Reply]:
+def _open(options: Options, clock: Clock | None) -> LineGauges[protocol.Reply]:
     on_network = {} if "serial" in options else {"port": _PORT}
     return LineGauges(
         serial_or_tcp({**on_network, **options}, _FACTORY),
         clock or MonotonicClock(),
         KeyenceUnit(),
-        gauge_settings(options, most_channels=MOST_AMPLIFIERS),
+        gauge_settings(options, most_channels=protocol.MOST_AMPLIFIERS),
         settle_s=_SETTLE_S,
     )
 

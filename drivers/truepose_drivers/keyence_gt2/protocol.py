@@ -9,8 +9,7 @@ import re
 from dataclasses import dataclass
 from typing import Final, TypeAlias
 
-from truepose_drivers.line_gauges.text_lines import LineGaugeError, TextLines
-from truepose_drivers.line_gauges.value_form import Value, read_value, write_value
+from truepose_drivers.line_gauges.protocol import LineGaugeError, TextLines, Value, read_value, write_value
 
 VALUES: Final = "M0"
 STATES_AND_VALUES: Final = "MS"
@@ -43,14 +42,14 @@ class Amplifiers:
 
 
 @dataclass(frozen=True, slots=True)
-class Refused:
+class Refusal:
     """The unit refuses a command."""
 
     command: str
     code: str
 
 
-Reply: TypeAlias = Amplifiers | Refused
+Reply: TypeAlias = Amplifiers | Refusal
 
 
 def encode_question(command: str) -> bytes:
@@ -61,7 +60,7 @@ def encode_question(command: str) -> bytes:
 def encode(reply: Reply) -> bytes:
     """Return the characters of a reply."""
     match reply:
-        case Refused(command, code):
+        case Refusal(command, code):
             fields = ["ER", command, code]
         case Amplifiers(command, amplifiers):
             fields = [command]
@@ -74,7 +73,7 @@ def encode(reply: Reply) -> bytes:
 def decode(line: str) -> Reply:
     """Read a line without its end; raises LineGaugeError."""
     if match := _ERROR.fullmatch(line):
-        return Refused(match[1], match[2])
+        return Refusal(match[1], match[2])
     command, *fields = line.split(",")
     if command == VALUES and fields:
         return Amplifiers(command, tuple(Amplifier(_value(field, line)) for field in fields))

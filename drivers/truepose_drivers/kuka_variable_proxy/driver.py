@@ -5,11 +5,11 @@ keeps changing: whoever gave the order and is gone has the arm stopped.
 """
 
 import asyncio
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
+from truepose_drivers import arm_options
 from truepose_drivers.api import (
     Clock,
     DeviceIdentity,
@@ -19,31 +19,24 @@ from truepose_drivers.api import (
     MotionLimits,
     Options,
 )
-from truepose_drivers.arms import arm_options
-from truepose_drivers.arms.joint_counting import Angles, JointCounting
-from truepose_drivers.arms.pace import Pace
-from truepose_drivers.arms.targets import ARRIVED_DEG, degrees_text, require_speeds
+from truepose_drivers.arm_motion import (
+    astray_text,
+    counted_reading,
+    counted_target_deg,
+    degrees_text,
+    require_speeds,
+)
+from truepose_drivers.arm_options import Angles, JointCounting, Pace
 from truepose_drivers.errors import (
     ConnectFailedError,
     DeviceRefusedError,
     LinkError,
     TargetRefusedError,
 )
-from truepose_drivers.kuka_variable_proxy.program import Order, Program, off_deg
-from truepose_drivers.kuka_variable_proxy.protocol.frames import PROXY_PORT, ProxyProtocolError
-from truepose_drivers.kuka_variable_proxy.protocol.variables import (
-    JOINTS,
-    STEP_DEG,
-    STOPS_WITHIN_S,
-    Variable,
-    decode_axes,
-    decode_count,
-    decode_text,
-    encode_axes,
-)
-from truepose_drivers.kuka_variable_proxy.proxy import VariableProxy
+from truepose_drivers.kuka_variable_proxy import protocol
+from truepose_drivers.kuka_variable_proxy.conversation import Order, Program, VariableProxy
 from truepose_drivers.monotonic_clock import MonotonicClock
-from truepose_drivers.transports.link import Link
+from truepose_drivers.transports.link import Link, OnePortDevice
 from truepose_drivers.transports.tcp import tcp_link
 
 _UNKNOWN: Final = "unknown"
@@ -60,12 +53,12 @@ class TimeOuts:
     motion_s: float = 20.0  # in addition to the motion at the speed override that holds
 
 
-class KukaRobot:
+class KukaRobot(OnePortDevice):
     """A controller behind its proxy. Keeps the conversation; computes nothing."""
 
     can_stop_motion = True  # a motion given up is heard of no more, and the program stops the arm
     # The program stops a motion when it hears nothing.
-    motion_guard = MotionGuard(stops_unheard_s=STOPS_WITHIN_S)
+    motion_guard = MotionGuard(stops_unheard_s=protocol.STOPS_WITHIN_S)
 
     def __init__(
         self,
@@ -78,17 +71,13 @@ class KukaRobot:
     ) -> None:
         self._time_outs = time_outs or TimeOuts()
         self._proxy = VariableProxy(link, reply_s=self._time_outs.reply_s)
+        super().__init__(self._proxy)
         self._clock = clock
         self._counting = JointCounting(signs, from_horizontal=False)
         self._pace = pace
         self._limits = MotionLimits()
         self._one_motion = asyncio.Lock()
         self._program = Program(self._proxy)
-
-    @property
-    def connected(self) -> bool:
-        """Whether the link is up as far as known."""
-        return self._proxy.is_open
 
     async def connect(self) -> None:
         """Open the link and see that a robot is behind it; raises ConnectFailedError."""
@@ -99,14 +88,11 @@ class KukaRobot:
             await self._proxy.close()
             raise ConnectFailedError(f"{error}; check that this is a controller of KUKA") from error
 
-    async def close(self) -> None:
-        """Close the link; never raises."""
-        await self._proxy.close()
-
     async def identify(self) -> DeviceIdentity:
         """Ask for serial number, model and software."""
         serial, model, software = [
-            await self._named(name) for name in (Variable.SERIAL, Variable.MODEL, Variable.SOFTWARE)
+            await self._named(name)
+            for name in (protocol.Variable.SERIAL, protocol.Variable.MODEL, protocol.Variable.SOFTWARE)
         ]
         return DeviceIdentity("KUKA", model, serial, software)
 
@@ -137,49 +123,35 @@ class KukaRobot:
 
     async def read_joints(self) -> JointReading:
         """Ask where the joints are, the arm moving or not."""
-        shown_rad = tuple(map(math.radians, (await self._axes_deg())[:JOINTS]))
-        return JointReading(
-            joints_rad=self._counting.of_robot(shown_rad),
-            resolution_rad=math.radians(STEP_DEG),
-            time_s=await self._clock.now_s(),
-        )
+        axes_deg = (await self._axes_deg())[: protocol.JOINTS]
+        now_s = await self._clock.now_s()
+        return counted_reading(axes_deg, self._counting, resolution_deg=protocol.STEP_DEG, time_s=now_s)
 
     async def _axes_deg(self) -> Angles:
-        return await self._proxy.read(Variable.AXES, decode_axes)
+        return await self._proxy.read(protocol.Variable.AXES, protocol.decode_axes)
 
-    async def _named(self, name: Variable) -> str:
+    async def _named(self, name: protocol.Variable) -> str:
         try:
-            return await self._proxy.read(name, decode_text) or _UNKNOWN
+            return await self._proxy.read(name, protocol.decode_text) or _UNKNOWN
         except DeviceRefusedError:  # older software does not have it
             return _UNKNOWN
 
     async def _order(self, axes_deg: Angles, target_deg: Angles) -> tuple[Order, float]:
         """Return the order of a motion within the limits, and how long it takes [s]."""
-        override = max(await self._proxy.read(Variable.OVERRIDE, decode_count), 1)
+        override = max(await self._proxy.read(protocol.Variable.OVERRIDE, protocol.decode_count), 1)
         steps_deg = _inclined([to - origin for to, origin in zip(target_deg, axes_deg, strict=False)])
         percent, override = self._pace.share_and_override(steps_deg, self._limits, override)
         duration_s = 100.0 * self._pace.at_share_s(steps_deg, percent) / override
-        return Order((*target_deg, *axes_deg[JOINTS:]), percent, override), duration_s
+        return Order((*target_deg, *axes_deg[protocol.JOINTS :]), percent, override), duration_s
 
     async def _require_arrival(self, target_deg: Angles) -> None:
         """See that the arm is where it was sent."""
-        astray_deg = off_deg(await self._axes_deg(), target_deg)
-        if astray_deg > ARRIVED_DEG:
+        if astray := astray_text((await self._axes_deg())[: protocol.JOINTS], target_deg):
             await self._proxy.close()
-            raise ProxyProtocolError(
-                f"the robot reported the end of its motion and stands {astray_deg:.3f} deg off its target:"
-                " look at the pendant, then connect again"
-            )
+            raise protocol.ProxyProtocolError(f"{astray}: look at the pendant, then connect again")
 
     def _shown_deg(self, target_rad: tuple[float, ...]) -> Angles:
-        if len(target_rad) != JOINTS:
-            raise TargetRefusedError(f"the robot moves {JOINTS} joints; the target has {len(target_rad)}")
-        shown = self._counting.of_controller(tuple(map(math.degrees, target_rad)))
-        try:
-            encode_axes(shown)
-        except ValueError as error:
-            raise TargetRefusedError(str(error)) from error
-        return shown
+        return counted_target_deg(target_rad, protocol.JOINTS, self._counting, protocol.encode_axes)
 
 
 def _inclined(steps_deg: Sequence[float]) -> Angles:
@@ -190,7 +162,7 @@ def _inclined(steps_deg: Sequence[float]) -> Angles:
 
 def _open(options: Options, clock: Clock | None) -> KukaRobot:
     return KukaRobot(
-        tcp_link(options, PROXY_PORT),
+        tcp_link(options, protocol.PROXY_PORT),
         clock or MonotonicClock(),
         signs=arm_options.signs(options, _SIGNS),
         pace=arm_options.pace(options, _AGILUS_PACE),
@@ -199,7 +171,7 @@ def _open(options: Options, clock: Clock | None) -> KukaRobot:
 
 _OPTIONS = {
     "host": "address of the controller",
-    "port": f"TCP port of the variable proxy, {PROXY_PORT} unless changed",
+    "port": f"TCP port of the variable proxy, {protocol.PROXY_PORT} unless changed",
     "signs": "-1 for each joint that the robot file counts the other way round, all 1 if left out",
     "joint_speeds_deg_s": "greatest speeds of the six joints, those of the KR 6 R900 sixx if left out",
     "reach_mm": "farthest that the tool can be from any joint axis, 1000 if left out",

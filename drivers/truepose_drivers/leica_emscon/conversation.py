@@ -11,43 +11,27 @@ from dataclasses import dataclass
 from typing import Final
 
 from truepose_drivers.errors import DeviceRefusedError, MeasurementFailedError, NoReplyError
-from truepose_drivers.leica_emscon.protocol import (
-    Answer,
-    Command,
-    ErrorReport,
-    Frame,
-    FrameReader,
-    FromServer,
-    PacketError,
-    PacketType,
-    Record,
-    Request,
-    Result,
-    ResultStatus,
-    StatusChange,
-    decode_from_server,
-    encode,
-)
-from truepose_drivers.leica_emscon.sentences import Purpose, command_name, concerns_connection, error_for
+from truepose_drivers.leica_emscon import protocol
+from truepose_drivers.leica_emscon.refusals import Purpose, command_name, concerns_connection, error_for
 from truepose_drivers.transports.conversation import Conversation
 from truepose_drivers.transports.link import Link
 
 _MOST_ITEMS = 1_000  # of a list; a tracker stores a few dozen reflectors
 _QUIET_S: Final = 0.9  # without a packet, before the tracker is asked, and then before it is given up
 _TAKE_TIME: Final = frozenset({
-    Command.INITIALIZE,
-    Command.GO_POSITION,
-    Command.FIND_REFLECTOR,
-    Command.CHANGE_FACE,
+    protocol.Command.INITIALIZE,
+    protocol.Command.GO_POSITION,
+    protocol.Command.FIND_REFLECTOR,
+    protocol.Command.CHANGE_FACE,
 })
-_SIGN_OF_LIFE: Final = Request(Command.GET_TRACKER_STATUS)
+_SIGN_OF_LIFE: Final = protocol.Request(protocol.Command.GET_TRACKER_STATUS)
 
 
 @dataclass(frozen=True, slots=True)
 class Subject:
     """What is measured: the packets of its results, and what a status means while it is."""
 
-    results: frozenset[PacketType]
+    results: frozenset[protocol.PacketType]
     purpose: Purpose
 
 
@@ -56,8 +40,8 @@ class TrackerConversation:
 
     def __init__(self, link: Link, subject: Subject) -> None:
         self._subject = subject
-        self._frames: Conversation[Frame] = Conversation(
-            link, FrameReader, harmless=(DeviceRefusedError, MeasurementFailedError)
+        self._frames: Conversation[protocol.Frame] = Conversation(
+            link, protocol.FrameReader, harmless=(DeviceRefusedError, MeasurementFailedError)
         )
         self._changes: set[int] = set()
         self._owes_sign = False  # of life, that was asked for
@@ -71,7 +55,9 @@ class TrackerConversation:
         self.answers_while_busy = True
         await self._frames.open()
 
-    async def ask(self, request: Request, *, timeout_s: float, purpose: Purpose = "set") -> Record:
+    async def ask(
+        self, request: protocol.Request, *, timeout_s: float, purpose: Purpose = "set"
+    ) -> protocol.Record:
         """Return the members of the answer; raises the error that its status means."""
         async with self._frames.turn():
             await self._send(request, timeout_s)
@@ -79,41 +65,41 @@ class TrackerConversation:
             await self._digest_pending(after_answer=True)
             return values
 
-    async def ask_list(self, command: Command, *, timeout_s: float) -> list[Record]:
+    async def ask_list(self, command: protocol.Command, *, timeout_s: float) -> list[protocol.Record]:
         """Return the items of a list command, which come one a packet; may be empty."""
         async with self._frames.turn():
-            await self._send(Request(command), timeout_s)
+            await self._send(protocol.Request(command), timeout_s)
             items = [await self._answer(command, "set")]
             total = items[0].integer(next(iter(items[0])))  # every item carries the total first
             if not 0 <= total <= _MOST_ITEMS:
-                raise PacketError(f"the tracker announces {total} items for {command_name(command)}")
+                raise protocol.PacketError(f"the tracker announces {total} items for {command_name(command)}")
             while len(items) < total:
                 items.append(await self._answer(command, "set"))
             return items[:total]
 
-    async def measure(self, *, accept_s: float, result_s: float) -> Record:
+    async def measure(self, *, accept_s: float, result_s: float) -> protocol.Record:
         """Start a stationary measurement and return the members of its result.
 
         A result that arrives before the answer was under way before we asked: it is not ours.
         """
-        request, purpose = Request(Command.START_MEASUREMENT), self._subject.purpose
+        request, purpose = protocol.Request(protocol.Command.START_MEASUREMENT), self._subject.purpose
         async with self._frames.turn():
             await self._send(request, accept_s)
             await self._answer(request.command, purpose, about_anything=True)
             self._expect(request.command, result_s)
             self._takes_time = True
             result = await self._result()
-            if result.status != ResultStatus.ALL_OK:
+            if result.status != protocol.ResultStatus.ALL_OK:
                 raise error_for(request.command, result.status, purpose)
             await self._digest_pending(after_answer=True)
             return result.values
 
-    async def _result(self) -> Result:
+    async def _result(self) -> protocol.Result:
         while True:
             match await self._next_packet():
-                case ErrorReport(_, status):  # nothing else is active that it could be about
-                    raise error_for(Command.START_MEASUREMENT, status, self._subject.purpose)
-                case Result(kind) as result if kind in self._subject.results:
+                case protocol.ErrorReport(_, status):  # nothing else is active that it could be about
+                    raise error_for(protocol.Command.START_MEASUREMENT, status, self._subject.purpose)
+                case protocol.Result(kind) as result if kind in self._subject.results:
                     return result
 
     def take_changes(self) -> frozenset[int]:
@@ -121,12 +107,12 @@ class TrackerConversation:
         changes, self._changes = frozenset(self._changes), set()
         return changes
 
-    async def _send(self, request: Request, timeout_s: float) -> None:
+    async def _send(self, request: protocol.Request, timeout_s: float) -> None:
         """Send a request whose answers are awaited from now on."""
         await self._digest_pending()
         self._expect(request.command, timeout_s)
         self._takes_time = request.command in _TAKE_TIME
-        await self._frames.add(encode(request))
+        await self._frames.add(protocol.encode(request))
 
     def _expect(self, command: int, timeout_s: float) -> None:
         silence = (
@@ -145,22 +131,24 @@ class TrackerConversation:
             if self._is_sign_of_life(packet):
                 continue
             if after_answer and self._answers(packet):
-                raise PacketError(
+                raise protocol.PacketError(
                     f"the tracker at {self._frames.address} answered more than was asked: connect again"
                 )
 
-    async def _answer(self, command: int, purpose: Purpose, *, about_anything: bool = False) -> Record:
+    async def _answer(
+        self, command: int, purpose: Purpose, *, about_anything: bool = False
+    ) -> protocol.Record:
         """Return what a command is answered with, where an error may be `about_anything` or names it."""
         while True:
             match await self._next_packet():
-                case Answer(answered, status, values) if answered == command:
-                    if status != ResultStatus.ALL_OK:
+                case protocol.Answer(answered, status, values) if answered == command:
+                    if status != protocol.ResultStatus.ALL_OK:
                         raise error_for(command, status, purpose)
                     return values
-                case ErrorReport(active, status) if about_anything or active == command:
+                case protocol.ErrorReport(active, status) if about_anything or active == command:
                     raise error_for(command, status, purpose)
 
-    async def _next_packet(self) -> FromServer:
+    async def _next_packet(self) -> protocol.FromServer:
         """Return the next packet that is no sign of life."""
         while True:
             frame = await self._frames.next_within(_QUIET_S)
@@ -184,33 +172,33 @@ class TrackerConversation:
                 " check its power and cable, then connect again"
             )
         self._owes_sign = True
-        await self._frames.add(encode(_SIGN_OF_LIFE))
+        await self._frames.add(protocol.encode(_SIGN_OF_LIFE))
 
-    def _answers(self, packet: FromServer) -> bool:
-        return isinstance(packet, Answer) or (
-            isinstance(packet, Result) and packet.packet_type in self._subject.results
+    def _answers(self, packet: protocol.FromServer) -> bool:
+        return isinstance(packet, protocol.Answer) or (
+            isinstance(packet, protocol.Result) and packet.packet_type in self._subject.results
         )
 
-    def _is_sign_of_life(self, packet: FromServer) -> bool:
+    def _is_sign_of_life(self, packet: protocol.FromServer) -> bool:
         """Whether a packet is the answer owed to our asking in between, of whatever status."""
         is_owed = self._owes_sign and _is_about(packet, _SIGN_OF_LIFE.command)
         if is_owed:
             self._owes_sign = False
         return is_owed
 
-    def _take(self, frame: Frame) -> FromServer:
-        packet = decode_from_server(frame)
-        if isinstance(packet, ErrorReport) and concerns_connection(packet.status):
+    def _take(self, frame: protocol.Frame) -> protocol.FromServer:
+        packet = protocol.decode_from_server(frame)
+        if isinstance(packet, protocol.ErrorReport) and concerns_connection(packet.status):
             raise error_for(packet.command, packet.status, "set")
-        if isinstance(packet, StatusChange):
+        if isinstance(packet, protocol.StatusChange):
             self._changes.add(packet.event)
         return packet
 
 
-def _is_at_leisure(packet: FromServer) -> bool:
+def _is_at_leisure(packet: protocol.FromServer) -> bool:
     """Whether a tracker that was asked for its status has told it, and is not busy."""
-    return isinstance(packet, Answer) and packet.status == ResultStatus.ALL_OK
+    return isinstance(packet, protocol.Answer) and packet.status == protocol.ResultStatus.ALL_OK
 
 
-def _is_about(packet: FromServer, command: int) -> bool:
-    return isinstance(packet, Answer | ErrorReport) and packet.command == command
+def _is_about(packet: protocol.FromServer, command: int) -> bool:
+    return isinstance(packet, protocol.Answer | protocol.ErrorReport) and packet.command == command

@@ -19,18 +19,18 @@ from truepose_drivers.errors import (
     RemoteProtocolError,
 )
 from truepose_drivers.leica_emscon.conversation import Subject, TrackerConversation
-from truepose_drivers.leica_emscon.protocol import EXCHANGES, Command, Record, Request, Value
-from truepose_drivers.leica_emscon.protocol.equipment import LTSensorType, TrackerProcessorStatus
-from truepose_drivers.leica_emscon.protocol.settings import SystemParameter, WeatherMonitorStatus
-from truepose_drivers.leica_emscon.sentences import CommandUnknownError
-from truepose_drivers.leica_emscon.settled import (
+from truepose_drivers.leica_emscon.coordinate_settings import (
     OWN_FRAME,
     RIGHT_HANDED,
     TELLING_CHANGES,
     UNITS,
+    CoordinateSettings,
     Setting,
-    Settled,
 )
+from truepose_drivers.leica_emscon.protocol import EXCHANGES, Command, Record, Request, Value
+from truepose_drivers.leica_emscon.protocol.equipment import LTSensorType, TrackerProcessorStatus
+from truepose_drivers.leica_emscon.protocol.settings import SystemParameter, WeatherMonitorStatus
+from truepose_drivers.leica_emscon.refusals import CommandUnknownError
 from truepose_drivers.transports.link import Link, OnePortDevice, introduction
 
 _MANUFACTURER = "Leica Geosystems"
@@ -71,8 +71,8 @@ class EmsconInstrument(OnePortDevice, ABC):
         self._prepared = False
         self._measure_ms: int | None = None
         self._measures = ""
-        self._settled = Settled(self._ask)
-        self._earlier: deque[_Taken] = deque(maxlen=_REMEMBERED_RESULTS)
+        self._settled = CoordinateSettings(self._ask)
+        self._earlier: deque[_AcceptedResult] = deque(maxlen=_REMEMBERED_RESULTS)
 
     @abstractmethod
     def _require_fit(self, values: Record) -> None:
@@ -211,7 +211,7 @@ class EmsconInstrument(OnePortDevice, ABC):
         """See that a result is of what was asked for, and none of an earlier measurement."""
         try:
             self._require_fit(values)
-            taken = _Taken(tuple(values.items()), await self._place_of(values))
+            taken = _AcceptedResult(tuple(values.items()), await self._place_of(values))
             earlier = next((one for one in self._earlier if one.members == taken.members), None)
             if earlier is not None and not await self._stands_at(earlier.place_mm):
                 raise RemoteProtocolError(
@@ -238,7 +238,7 @@ class EmsconInstrument(OnePortDevice, ABC):
 
 
 @dataclass(frozen=True, slots=True)
-class _Taken:
+class _AcceptedResult:
     """A result that was believed."""
 
     members: tuple[tuple[str, Value], ...]

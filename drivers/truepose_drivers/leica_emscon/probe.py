@@ -2,34 +2,102 @@
 
 import contextlib
 import math
+from collections.abc import Mapping
+from typing import Final
 
 from truepose_drivers import options as option
-from truepose_drivers.api import Clock, DriverPlugin, Options, PoseReading, Vector
-from truepose_drivers.errors import DeviceRefusedError, NotInitialisedError
+from truepose_drivers.api import Clock, DriverPlugin, Options, PoseReading, Quaternion, Vector
+from truepose_drivers.errors import (
+    ArtefactNotSeenError,
+    DeviceRefusedError,
+    DriverError,
+    NotInitialisedError,
+    OutOfVolumeError,
+    RemoteProtocolError,
+)
+from truepose_drivers.leica_emscon import protocol
 from truepose_drivers.leica_emscon.conversation import Subject
+from truepose_drivers.leica_emscon.coordinate_settings import COMPENSATION, Setting, mode
 from truepose_drivers.leica_emscon.instrument import EmsconInstrument, TimeOuts
-from truepose_drivers.leica_emscon.pose import require_stationary_pose, unit_quaternion
-from truepose_drivers.leica_emscon.protocol import DEFAULT_PORT, Command, PacketType, Record, Value
-from truepose_drivers.leica_emscon.protocol.equipment import ProbeType
+from truepose_drivers.leica_emscon.protocol.equipment import MeasurementTipStatus, ProbeType
 from truepose_drivers.leica_emscon.protocol.settings import MeasMode, SystemParameter
-from truepose_drivers.leica_emscon.sentences import CommandUnknownError
-from truepose_drivers.leica_emscon.settled import COMPENSATION, Setting, mode
+from truepose_drivers.leica_emscon.refusals import CommandUnknownError
 from truepose_drivers.monotonic_clock import MonotonicClock
 from truepose_drivers.transports.link import Link
 from truepose_drivers.transports.tcp import tcp_link
 
-_POSES = Subject(frozenset({PacketType.STATIONARY_PROBE_MEAS_RESULT}), "measure_pose")
+_ROUNDED: Final = 1e-3  # by so much a quaternion's length may differ from 1: more is damage, not rounding
+_ANGLES: Final = ("rotation_angle_x", "rotation_angle_y", "rotation_angle_z")
+_POSITION: Final = ("position1", "position2", "position3")
+
+_UNFIT: Mapping[protocol.RotationStatus, DriverError] = {
+    protocol.RotationStatus.FROZEN: RemoteProtocolError(
+        "the tracker repeats a frozen orientation: connect again"
+    ),
+    protocol.RotationStatus.NOT_ENOUGH_LEDS: ArtefactNotSeenError(
+        "the tracker's camera sees too few lamps of the probe: clear its view, turn the probe towards it,"
+        " then repeat the configuration"
+    ),
+    protocol.RotationStatus.RMS_TOO_HIGH: ArtefactNotSeenError(
+        "the lamps of the probe do not fit its compensation: clear the view of the camera, then repeat the"
+        " configuration; if it comes back, have the probe compensated"
+    ),
+    protocol.RotationStatus.ANGLE_OUT_OF_RANGE: OutOfVolumeError(
+        "the probe is turned too far away from the tracker: choose another configuration"
+    ),
+    protocol.RotationStatus.DISTANCE_OUT_OF_RANGE: OutOfVolumeError(
+        "the probe is too near to the tracker or too far from it: choose another configuration"
+    ),
+}
+
+
+def require_stationary_pose(values: protocol.Record) -> None:
+    """Raise RemoteProtocolError for a result that is no pose, MeasurementFailedError for an unfit one."""
+    if values.integer("meas_mode") != MeasMode.STATIONARY_6D or values.integer("is_try_mode"):
+        raise RemoteProtocolError("the tracker measured in another mode than asked for: initialise it")
+    if values.integer("tip_status") != MeasurementTipStatus.TIP_OK:
+        raise DeviceRefusedError("the probe has a tip that the tracker does not know, or several: remove it")
+    _require_fit(values.integer("rotation_status"))
+    position_mm = values.vector(*_POSITION)
+    if not all(map(math.isfinite, (*position_mm, *values.vector(*_ANGLES)))):
+        raise RemoteProtocolError(f"the tracker measured {position_mm}: that is no position")
+    unit_quaternion(values)
+
+
+def unit_quaternion(values: protocol.Record) -> Quaternion:
+    """Return the orientation; raises RemoteProtocolError where the four numbers are none."""
+    q0, qx, qy, qz = (values.number(f"quaternion{index}") for index in range(4))
+    length = math.hypot(q0, qx, qy, qz)
+    if not abs(length - 1.0) <= _ROUNDED:  # a NaN is not
+        raise RemoteProtocolError(f"the tracker states a quaternion of length {length:.6g}: connect again")
+    return q0 / length, qx / length, qy / length, qz / length
+
+
+def _require_fit(status: int) -> None:
+    for bit, error in _UNFIT.items():
+        if status & bit:
+            raise type(error)(*error.args)
+    if status & protocol.RotationStatus.ERROR or not status & protocol.RotationStatus.VALID:
+        raise ArtefactNotSeenError(
+            "the tracker does not vouch for the orientation of the probe: clear the line of sight, then"
+            " repeat the configuration"
+        )
+
+
+_POSES = Subject(frozenset({protocol.PacketType.STATIONARY_PROBE_MEAS_RESULT}), "measure_pose")
 _TIP = ("internal_tip_adapter_id", "tip_adapter_interface")
 # A pose depends on all of them; which they are is the business of the tracker's own program.
 _COMPENSATIONS = (
     COMPENSATION,
     Setting(
         "compensation of its camera",
-        Command.GET_T_CAM_TO_TRACKER_COMPENSATION,
+        protocol.Command.GET_T_CAM_TO_TRACKER_COMPENSATION,
         kept=("internal_t_cam_to_tracker_compensation_id",),
     ),
     Setting(
-        "compensation of the probe", Command.GET_PROBE_COMPENSATION, kept=("internal_probe_compensation_id",)
+        "compensation of the probe",
+        protocol.Command.GET_PROBE_COMPENSATION,
+        kept=("internal_probe_compensation_id",),
     ),
 )
 
@@ -46,8 +114,10 @@ class ProbeTracker(EmsconInstrument):
     ) -> None:
         super().__init__(link, clock, _POSES, time_outs)
         self._wanted = probe
-        self._probe_id: Value | None = None
-        self._tip: tuple[Value, ...] | None = None  # that was measured since initialising; none is one too
+        self._probe_id: protocol.Value | None = None
+        self._tip: tuple[protocol.Value, ...] | None = (
+            None  # that was measured since initialising; none is one too
+        )
 
     async def initialise(self) -> None:
         """Set units, mode and frame, and see which probe is there; start up the tracker where needed.
@@ -56,7 +126,7 @@ class ProbeTracker(EmsconInstrument):
         sees no probe, or another than the one that is asked for.
         """
         try:
-            await self._prepare(Record(meas_mode=MeasMode.STATIONARY_6D))
+            await self._prepare(protocol.Record(meas_mode=MeasMode.STATIONARY_6D))
         except CommandUnknownError as error:
             raise DeviceRefusedError(
                 f"this tracker measures points and no poses ({error}): use the driver leica_emscon"
@@ -65,11 +135,11 @@ class ProbeTracker(EmsconInstrument):
         probe = await self._present_probe()
         self._tip = None
         self._probe_id = probe["internal_probe_id"]
-        number = Record(internal_probe_id=self._probe_id)
+        number = protocol.Record(internal_probe_id=self._probe_id)
         await self._settle(
             _probe_sentence(probe),
             mode(MeasMode.STATIONARY_6D),
-            Setting("probe", Command.GET_PROBE, number),
+            Setting("probe", protocol.Command.GET_PROBE, number),
             *_COMPENSATIONS,
         )
 
@@ -92,20 +162,22 @@ class ProbeTracker(EmsconInstrument):
 
     async def _catch_the_beam_again(self) -> None:
         """Have the tracker find a probe that was hidden, where it can."""
-        power_lock = Record(system_param=SystemParameter.POWER_LOCK_FUNCTION_ACTIVE, parameter=1)
+        power_lock = protocol.Record(system_param=SystemParameter.POWER_LOCK_FUNCTION_ACTIVE, parameter=1)
         with contextlib.suppress(DeviceRefusedError):
-            await self._ask(Command.SET_LONG_SYSTEM_PARAMETER, power_lock)
+            await self._ask(protocol.Command.SET_LONG_SYSTEM_PARAMETER, power_lock)
 
-    async def _present_probe(self) -> Record:
+    async def _present_probe(self) -> protocol.Record:
         """Return the probe that the beam is on, by the tracker's list."""
-        present = (await self._ask(Command.GET_PROBE))["internal_probe_id"]
-        known = await self._conversation.ask_list(Command.GET_PROBES, timeout_s=self._time_outs.command_s)
+        present = (await self._ask(protocol.Command.GET_PROBE))["internal_probe_id"]
+        known = await self._conversation.ask_list(
+            protocol.Command.GET_PROBES, timeout_s=self._time_outs.command_s
+        )
         for probe in known:
             if probe["internal_probe_id"] == present:
                 return self._required(probe)
         raise DeviceRefusedError("the tracker sees no probe that it knows: lead the beam to the probe")
 
-    def _required(self, probe: Record) -> Record:
+    def _required(self, probe: protocol.Record) -> protocol.Record:
         name = probe.text("name")
         if self._wanted not in (None, name):
             raise DeviceRefusedError(
@@ -114,7 +186,7 @@ class ProbeTracker(EmsconInstrument):
             )
         return probe
 
-    def _require_fit(self, values: Record) -> None:
+    def _require_fit(self, values: protocol.Record) -> None:
         require_stationary_pose(values)
         tip = tuple(values[name] for name in _TIP)
         if values["internal_probe_id"] != self._probe_id or self._tip not in (None, tip):
@@ -124,12 +196,12 @@ class ProbeTracker(EmsconInstrument):
             )
         self._tip = tip
 
-    async def _place_of(self, values: Record) -> Vector | None:
+    async def _place_of(self, values: protocol.Record) -> Vector | None:
         """Where the prism is; the pose is of a frame or a tip elsewhere on the probe."""
         return await self._prism_mm()
 
 
-def _probe_sentence(probe: Record) -> str:
+def _probe_sentence(probe: protocol.Record) -> str:
     known = {int(kind): kind.name.replace("_", " ").lower() for kind in ProbeType}
     kind = known.get(probe.integer("probe_type"), "of a kind unknown here")
     return (
@@ -139,13 +211,13 @@ def _probe_sentence(probe: Record) -> str:
 
 
 def _open(options: Options, clock: Clock | None) -> ProbeTracker:
-    link = tcp_link(options, DEFAULT_PORT)
+    link = tcp_link(options, protocol.DEFAULT_PORT)
     return ProbeTracker(link, clock or MonotonicClock(), probe=option.text(options, "probe"))
 
 
 _OPTIONS = {
     "host": "address of the tracker controller, often 192.168.0.1",
-    "port": f"TCP port, {DEFAULT_PORT} unless changed",
+    "port": f"TCP port, {protocol.DEFAULT_PORT} unless changed",
     "probe": "name of the probe as stored in the tracker; whichever the beam is on if left out",
 }
 PLUGIN = DriverPlugin("leica_emscon_6d", "pose_tracker", "emscon", _OPTIONS, _open)

@@ -1,19 +1,105 @@
-"""The conversation with gauges that answer a line; a dialect says what is asked, and what an answer says."""
+"""Options and conversation of gauges that answer a line; a dialect says what is asked and answered."""
 
 import math
-from collections.abc import Awaitable, Callable, Sequence
+from collections.abc import Awaitable, Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final, Generic, Protocol, TypeAlias, TypeVar
 
-from truepose_drivers.api import BallbarReading, Clock, DeviceIdentity
+from truepose_drivers import options as option
+from truepose_drivers.api import BallbarReading, Clock, DeviceIdentity, Options
 from truepose_drivers.errors import (
+    ConfigurationError,
     DeviceRefusedError,
 )
-from truepose_drivers.line_gauges.settings import GaugeSettings
-from truepose_drivers.line_gauges.text_lines import LineGaugeError
-from truepose_drivers.line_gauges.value_form import MOST_LESSONS, Value, ValueForm
+from truepose_drivers.line_gauges.protocol import (
+    MOST_DECIMALS,
+    MOST_LESSONS,
+    LineGaugeError,
+    Value,
+    ValueForm,
+)
 from truepose_drivers.transports.conversation import Conversation, Reader
 from truepose_drivers.transports.link import Link, OnePortDevice, drain, introduction
+from truepose_drivers.transports.serial import Framing, SerialLink
+from truepose_drivers.transports.tcp import tcp_link
+
+_RATES: Final = (1200, 2400, 4800, 9600, 19_200, 38_400, 57_600, 115_200)
+TERMINAL_SERVER_PORT: Final = 4001  # first line of a Moxa NPort, as delivered
+
+
+@dataclass(frozen=True, slots=True)
+class GaugeSettings:
+    """What the cell file says of the gauges behind a box."""
+
+    channels: tuple[int, ...] = (1,)
+    range_mm: float = math.inf  # either way of zero; what lies beyond is out of range
+    reversed: bool = False  # the box counts up as the plunger comes out
+    decimals: int | None = None  # behind the point in millimetres; None: learnt from the first values
+
+
+def gauge_settings(options: Options, *, most_channels: int) -> GaugeSettings:
+    """Read the options that all of them have; raises ConfigurationError."""
+    return GaugeSettings(
+        _channels(options, most_channels),
+        option.positive(options, "range_mm", 1.0) if "range_mm" in options else math.inf,
+        _reversed(options),
+        decimals(options),
+    )
+
+
+def decimals(options: Options) -> int | None:
+    """Read how many digits stand behind the point; raises ConfigurationError."""
+    number = options.get("decimals")
+    if number is None:
+        return None
+    if isinstance(number, bool) or not isinstance(number, int) or not 0 <= number <= MOST_DECIMALS:
+        raise ConfigurationError(f"option decimals is {number!r}: give a number from 0 to {MOST_DECIMALS}")
+    return number
+
+
+def serial_or_tcp(options: Options, framing: Framing) -> Link:
+    """Return the link of a box on a serial port or a terminal server; raises ConfigurationError."""
+    port = option.text(options, "serial")
+    if port is None:
+        return tcp_link(options, TERMINAL_SERVER_PORT)
+    if "host" in options or "port" in options:
+        raise ConfigurationError("serial and host are two ways to the same box: give one of them")
+    baud = options.get("baud", framing.baud)
+    if isinstance(baud, bool) or not isinstance(baud, int) or baud not in _RATES:
+        raise ConfigurationError(f"option baud is {baud!r}: give one of {', '.join(map(str, _RATES))}")
+    return SerialLink(port, Framing(baud, framing.data_bits, framing.parity, framing.stop_bits))
+
+
+def _channels(options: Options, most: int) -> tuple[int, ...]:
+    words = option.text(options, "channels") or "1"
+    channels = tuple(int(word) if word.isdecimal() else 0 for word in words.split())
+    if not all(1 <= channel <= most for channel in channels) or len(set(channels)) < len(channels):
+        raise ConfigurationError(
+            f"option channels is {words!r}: give different numbers from 1 to {most}, such as 1 2 3"
+        )
+    return channels
+
+
+def _reversed(options: Options) -> bool:
+    value = options.get("reversed", False)
+    if not isinstance(value, bool):
+        raise ConfigurationError(f"option reversed is {value!r}: give true or false")
+    return value
+
+
+SHARED_OPTIONS: Final[Mapping[str, str]] = {
+    "channels": "which channels are used, each a gauge, such as 1 2 3; 1 unless given",
+    "range_mm": "either way of zero; what lies beyond is out of range; unless given, what the box says is",
+    "reversed": "true where the box counts up as the plunger comes out; false unless given",
+    "decimals": "digits behind the point in millimetres; learnt from the first values unless given",
+}
+SERIAL_OPTIONS: Final[Mapping[str, str]] = {
+    "serial": "name of the serial port, such as /dev/ttyUSB0 or COM3, or a URL of pyserial",
+    "baud": "rate set at the box, 9600 unless changed",
+    "host": "instead of serial: address of a terminal server in raw mode",
+    "port": f"TCP port of the terminal server's line, {TERMINAL_SERVER_PORT} unless changed",
+}
+
 
 _REPLY_TIMEOUT_S: Final = 1.0  # a Digimatic gauge takes up to a quarter of a second to send its value
 _SETTLE_S: Final = 0.3  # a Digimatic gauge needs no longer, and the line no time
@@ -23,7 +109,7 @@ Message = TypeVar("Message")
 
 
 @dataclass(frozen=True, slots=True)
-class Shown:
+class Display:
     """What one gauge says."""
 
     value: Value | None  # None where it has none
@@ -49,7 +135,7 @@ class Dialect(Protocol[Message]):
         """Ask who is there."""
         ...
 
-    async def shown(self, ask: Ask[Message], channels: Sequence[int]) -> Sequence[Shown]:
+    async def displays(self, ask: Ask[Message], channels: Sequence[int]) -> Sequence[Display]:
         """Ask what the gauges show, in the order of `channels`."""
         ...
 
@@ -101,11 +187,11 @@ class LineGauges(OnePortDevice, Generic[Message]):
     async def read_channels(self) -> tuple[BallbarReading, ...]:
         """Return what all gauges show now, in the order of the cell file's channels."""
         async with self._conversation.turn():
-            shown = await self._shown_in_form()
+            shown = await self._displays_in_form()
         time_s = await self._clock.now_s()
         return tuple(self._reading(one, form, time_s) for one, form in zip(shown, self._forms, strict=True))
 
-    def _reading(self, shown: Shown, form: ValueForm, time_s: float) -> BallbarReading:
+    def _reading(self, shown: Display, form: ValueForm, time_s: float) -> BallbarReading:
         resolution_mm = form.resolution_mm
         if shown.value is None:
             return BallbarReading(math.nan, "none", resolution_mm, time_s)
@@ -114,12 +200,12 @@ class LineGauges(OnePortDevice, Generic[Message]):
         inside = not shown.sorted_out and abs(value_mm) <= self._settings.range_mm + 0.5 * resolution_mm
         return BallbarReading(value_mm, "good" if inside else "out_of_range", resolution_mm, time_s)
 
-    async def _shown_in_form(self) -> Sequence[Shown]:
-        shown = await self._all_shown()
+    async def _displays_in_form(self) -> Sequence[Display]:
+        shown = await self._all_displays()
         for _ in range(MOST_LESSONS):
             if all(form.known or one.value is None for form, one in zip(self._forms, shown, strict=True)):
                 break
-            before, shown = shown, await self._all_shown()
+            before, shown = shown, await self._all_displays()
             for form, first, second in zip(self._forms, before, shown, strict=True):
                 if first.value is not None and second.value is not None:
                     form.learn(first.value, second.value)
@@ -128,8 +214,8 @@ class LineGauges(OnePortDevice, Generic[Message]):
                 form.require(one.value)
         return shown
 
-    async def _all_shown(self) -> Sequence[Shown]:
-        return await self._dialect.shown(self._ask, self._settings.channels)
+    async def _all_displays(self) -> Sequence[Display]:
+        return await self._dialect.displays(self._ask, self._settings.channels)
 
     async def _ask(self, question: bytes) -> Message:
         """Ask, and return the answer; where a second line comes with it, nobody knows which it is."""

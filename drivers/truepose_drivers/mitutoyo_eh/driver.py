@@ -6,24 +6,17 @@ from typing import Final
 from truepose_drivers import options as option
 from truepose_drivers.api import Clock, DeviceIdentity, DriverPlugin, Options
 from truepose_drivers.errors import ConfigurationError
-from truepose_drivers.line_gauges.dialogue import Ask, LineGauges, Shown
-from truepose_drivers.line_gauges.settings import (
+from truepose_drivers.line_gauges.dialogue import (
     SERIAL_OPTIONS,
     SHARED_OPTIONS,
+    Ask,
+    Display,
+    LineGauges,
     gauge_settings,
     serial_or_tcp,
 )
-from truepose_drivers.line_gauges.text_lines import LineGaugeError
-from truepose_drivers.mitutoyo_eh.protocol import (
-    ENDS,
-    MOST_CHANNELS,
-    Counted,
-    Question,
-    Refused,
-    Reply,
-    encode_question,
-    reply_reader,
-)
+from truepose_drivers.line_gauges.protocol import LineGaugeError
+from truepose_drivers.mitutoyo_eh import protocol
 from truepose_drivers.monotonic_clock import MonotonicClock
 from truepose_drivers.transports.conversation import Reader
 from truepose_drivers.transports.serial import Framing
@@ -36,50 +29,50 @@ class EhCounter:
 
     box = "the EH counter"
 
-    def __init__(self, end: bytes = ENDS["CR LF"]) -> None:
+    def __init__(self, end: bytes = protocol.ENDS["CR LF"]) -> None:
         self._end = end
 
-    def new_reader(self) -> Reader[Reply]:
+    def new_reader(self) -> Reader[protocol.Reply]:
         """Return a reader of its lines."""
-        return reply_reader()
+        return protocol.reply_reader()
 
-    async def identity(self, ask: Ask[Reply], channels: Sequence[int]) -> DeviceIdentity:
+    async def identity(self, ask: Ask[protocol.Reply], channels: Sequence[int]) -> DeviceIdentity:
         """See that it answers as a counter does; it knows no question of who it is."""
         await self._ask_channel(ask, channels[0])
         return DeviceIdentity("Mitutoyo", "EH counter", "unknown", "unknown")
 
-    async def shown(self, ask: Ask[Reply], channels: Sequence[int]) -> Sequence[Shown]:
+    async def displays(self, ask: Ask[protocol.Reply], channels: Sequence[int]) -> Sequence[Display]:
         """Ask one channel after the other."""
         return [await self._ask_channel(ask, channel) for channel in channels]
 
-    async def _ask_channel(self, ask: Ask[Reply], channel: int) -> Shown:
-        reply = await ask(encode_question(Question("GA", channel), self._end))
-        if isinstance(reply, Refused):
-            return Shown(None)
-        if not isinstance(reply, Counted) or reply.channel != channel:
+    async def _ask_channel(self, ask: Ask[protocol.Reply], channel: int) -> Display:
+        reply = await ask(protocol.encode_question(protocol.Question("GA", channel), self._end))
+        if isinstance(reply, protocol.Refusal):
+            return Display(None)
+        if not isinstance(reply, protocol.CounterValue) or reply.channel != channel:
             raise LineGaugeError(f"the counter answered GA{channel:02d} with {reply}: connect again")
         if reply.mode != "N":
             raise LineGaugeError(
                 f"channel {channel} holds its greatest, least or span (G{reply.mode}), not its value:"
                 " set the counter to normal measurement"
             )
-        return Shown(reply.value)
+        return Display(reply.value)
 
 
-def _open(options: Options, clock: Clock | None) -> LineGauges[Reply]:
+def _open(options: Options, clock: Clock | None) -> LineGauges[protocol.Reply]:
     return LineGauges(
         serial_or_tcp(options, _FACTORY),
         clock or MonotonicClock(),
         EhCounter(_end(options)),
-        gauge_settings(options, most_channels=MOST_CHANNELS),
+        gauge_settings(options, most_channels=protocol.MOST_CHANNELS),
     )
 
 
 def _end(options: Options) -> bytes:
     name = option.text(options, "terminator") or "CR LF"
-    if name not in ENDS:
-        raise ConfigurationError(f"option terminator is {name!r}: give one of {', '.join(ENDS)}")
-    return ENDS[name]
+    if name not in protocol.ENDS:
+        raise ConfigurationError(f"option terminator is {name!r}: give one of {', '.join(protocol.ENDS)}")
+    return protocol.ENDS[name]
 
 
 _OPTIONS = {

@@ -9,8 +9,7 @@ import re
 from dataclasses import dataclass
 from typing import Final, Literal, TypeAlias
 
-from truepose_drivers.line_gauges.text_lines import LineGaugeError, TextLines
-from truepose_drivers.line_gauges.value_form import Value, read_value, write_value
+from truepose_drivers.line_gauges.protocol import LineGaugeError, TextLines, Value, read_value, write_value
 
 MOST_CHANNELS: Final = 99  # two digits
 Ends: TypeAlias = Literal["CR LF", "CR", "LF"]
@@ -24,7 +23,7 @@ _FIELD_WIDTH: Final = 9
 
 
 @dataclass(frozen=True, slots=True)
-class Counted:
+class CounterValue:
     """What a channel displays; `mode` N is the value itself, X, M and W its greatest, least and span."""
 
     channel: int
@@ -33,7 +32,7 @@ class Counted:
 
 
 @dataclass(frozen=True, slots=True)
-class Refused:
+class Refusal:
     """The counter has no value, or does not know the command."""
 
     channel: int
@@ -55,7 +54,7 @@ class Question:
     channel: int
 
 
-Reply: TypeAlias = Counted | Refused | Done
+Reply: TypeAlias = CounterValue | Refusal | Done
 
 
 def encode_question(question: Question, end: bytes) -> bytes:
@@ -66,9 +65,9 @@ def encode_question(question: Question, end: bytes) -> bytes:
 def encode(reply: Reply, end: bytes) -> bytes:
     """Return the characters of a reply."""
     match reply:
-        case Counted(channel, value, mode):
+        case CounterValue(channel, value, mode):
             line = f"G{mode}{channel:02d},{write_value(value, _FIELD_WIDTH)}"
-        case Refused(channel, code):
+        case Refusal(channel, code):
             line = f"CE{channel:02d},{code}"
         case Done(channel):
             line = f"CH{channel:02d}"
@@ -78,9 +77,9 @@ def encode(reply: Reply, end: bytes) -> bytes:
 def decode(line: str) -> Reply:
     """Read a line without its end; raises LineGaugeError."""
     if match := _VALUE.fullmatch(line):
-        return Counted(int(match[2]), read_value(match[3]), match[1])
+        return CounterValue(int(match[2]), read_value(match[3]), match[1])
     if match := _REFUSED.fullmatch(line):
-        return Refused(int(match[1]), match[2])
+        return Refusal(int(match[1]), match[2])
     if match := _DONE.fullmatch(line):
         return Done(int(match[1]))
     raise LineGaugeError(f"{line[:40]!r} is no line of an EH counter: check its rate and its output mode")

@@ -4,21 +4,17 @@ from collections.abc import Sequence
 from typing import Final
 
 from truepose_drivers.api import Clock, DeviceIdentity, DriverPlugin, Options
-from truepose_drivers.line_gauges.dialogue import Ask, LineGauges, Shown
-from truepose_drivers.line_gauges.settings import (
+from truepose_drivers.line_gauges.dialogue import (
     SERIAL_OPTIONS,
     SHARED_OPTIONS,
+    Ask,
+    Display,
+    LineGauges,
     gauge_settings,
     serial_or_tcp,
 )
-from truepose_drivers.line_gauges.text_lines import LineGaugeError
-from truepose_drivers.mitutoyo_serial.protocol import (
-    MOST_CHANNELS,
-    NoValue,
-    Reply,
-    encode_question,
-    reply_reader,
-)
+from truepose_drivers.line_gauges.protocol import LineGaugeError
+from truepose_drivers.mitutoyo_serial import protocol
 from truepose_drivers.monotonic_clock import MonotonicClock
 from truepose_drivers.transports.conversation import Reader
 from truepose_drivers.transports.serial import Framing
@@ -31,37 +27,37 @@ class MitutoyoBox:
 
     box = "the Mitutoyo box"
 
-    def new_reader(self) -> Reader[Reply]:
+    def new_reader(self) -> Reader[protocol.Reply]:
         """Return a reader of its lines."""
-        return reply_reader()
+        return protocol.reply_reader()
 
-    async def identity(self, ask: Ask[Reply], channels: Sequence[int]) -> DeviceIdentity:
+    async def identity(self, ask: Ask[protocol.Reply], channels: Sequence[int]) -> DeviceIdentity:
         """See that it answers; it knows no question of who it is."""
-        await ask(encode_question(channels[0]))
+        await ask(protocol.encode_question(channels[0]))
         return DeviceIdentity("Mitutoyo", "serial gauge box", "unknown", "unknown")
 
-    async def shown(self, ask: Ask[Reply], channels: Sequence[int]) -> Sequence[Shown]:
+    async def displays(self, ask: Ask[protocol.Reply], channels: Sequence[int]) -> Sequence[Display]:
         """Ask one channel after the other."""
-        return [_shown(await ask(encode_question(channel)), channel) for channel in channels]
+        return [_display(await ask(protocol.encode_question(channel)), channel) for channel in channels]
 
 
-def _shown(reply: Reply, channel: int) -> Shown:
-    if isinstance(reply, NoValue):
-        return Shown(None)
+def _display(reply: protocol.Reply, channel: int) -> Display:
+    if isinstance(reply, protocol.NoValue):
+        return Display(None)
     if reply.channel != channel:
         raise LineGaugeError(
             f"channel {reply.channel} answered, and channel {channel} was asked:"
             " it is left from before, or the box numbers its channels otherwise"
         )
-    return Shown(reply.value)
+    return Display(reply.value)
 
 
-def _open(options: Options, clock: Clock | None) -> LineGauges[Reply]:
+def _open(options: Options, clock: Clock | None) -> LineGauges[protocol.Reply]:
     return LineGauges(
         serial_or_tcp(options, _FACTORY),
         clock or MonotonicClock(),
         MitutoyoBox(),
-        gauge_settings(options, most_channels=MOST_CHANNELS),
+        gauge_settings(options, most_channels=protocol.MOST_CHANNELS),
     )
 
 

@@ -7,9 +7,14 @@ channel has no value.
 from dataclasses import dataclass
 from typing import Final, TypeAlias
 
-from truepose_drivers.line_gauges.digimatic import data_line, read_data_line, read_error_line
-from truepose_drivers.line_gauges.text_lines import LineGaugeError, TextLines
-from truepose_drivers.line_gauges.value_form import Value
+from truepose_drivers.line_gauges.protocol import (
+    LineGaugeError,
+    TextLines,
+    Value,
+    data_line,
+    read_data_line,
+    read_error_line,
+)
 
 MOST_CHANNELS: Final = 9  # one digit
 _FIELD_WIDTH: Final = 8  # manual: D5 to D12

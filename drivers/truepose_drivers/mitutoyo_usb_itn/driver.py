@@ -5,31 +5,16 @@ import math
 from truepose_drivers import options as option
 from truepose_drivers.api import BallbarReading, Clock, DeviceIdentity, DriverPlugin, Options
 from truepose_drivers.errors import ConnectFailedError, DeviceRefusedError, NoReplyError
-from truepose_drivers.line_gauges.settings import decimals as decimals_option
-from truepose_drivers.line_gauges.value_form import MOST_LESSONS, Value, ValueForm
-from truepose_drivers.mitutoyo_usb_itn.protocol import (
-    GET_MODE,
-    PRODUCT,
-    READ_DEVICE,
-    READ_VALUE,
-    SEND_COMMAND,
-    SERIAL_MODE,
-    SET_MODE,
-    VENDOR,
-    DeviceInfo,
-    Error,
-    ItnProtocolError,
-    Reply,
-    ReplyReader,
-)
+from truepose_drivers.line_gauges.dialogue import decimals as decimals_option
+from truepose_drivers.line_gauges.protocol import MOST_LESSONS, Value, ValueForm
+from truepose_drivers.mitutoyo_usb_itn import protocol
 from truepose_drivers.monotonic_clock import MonotonicClock
 from truepose_drivers.transports.conversation import Listener
-from truepose_drivers.transports.usb import UsbDevice, UsbPort
-from truepose_drivers.transports.usb_address import usb_address
-from truepose_drivers.usb.protocol.control import VENDOR_FROM_DEVICE, VENDOR_TO_DEVICE
+from truepose_drivers.transports.usb import UsbDevice, UsbPort, usb_address
+from truepose_drivers.usb.protocol import VENDOR_FROM_DEVICE, VENDOR_TO_DEVICE
 
 _REPLY_TIMEOUT_S = 1.0  # a Digimatic gauge takes up to a quarter of a second to send its value
-_ANY_CABLE = f"{VENDOR:04x}:{PRODUCT:04x}"
+_ANY_CABLE = f"{protocol.VENDOR:04x}:{protocol.PRODUCT:04x}"
 _RANGE_MM = 1.0
 _MOST_TRIES = 2  # of a question that somebody's press of a key disturbed
 _PLUG = "unplug the cable and plug it in again"
@@ -52,8 +37,8 @@ class UsbItnGauge:
         self._clock = clock
         self._range_mm = range_mm
         self._reply_timeout_s = reply_timeout_s
-        self._form = ValueForm(decimals, ItnProtocolError)  # kept over connections, as the gauge is
-        self._replies: Listener[Reply] = Listener(port, ReplyReader)
+        self._form = ValueForm(decimals, protocol.ItnProtocolError)  # kept over connections, as the gauge is
+        self._replies: Listener[protocol.Reply] = Listener(port, protocol.ReplyReader)
 
     @property
     def connected(self) -> bool:
@@ -68,8 +53,8 @@ class UsbItnGauge:
         await self._replies.open()
         async with self._replies.turn():
             try:
-                await self._port.control_out(VENDOR_TO_DEVICE, SET_MODE, SERIAL_MODE)
-                await self._port.control_in(VENDOR_FROM_DEVICE, GET_MODE, 0, 0, 1)
+                await self._port.control_out(VENDOR_TO_DEVICE, protocol.SET_MODE, protocol.SERIAL_MODE)
+                await self._port.control_in(VENDOR_FROM_DEVICE, protocol.GET_MODE, 0, 0, 1)
                 await self._ask_device()
             except (DeviceRefusedError, NoReplyError) as error:
                 raise ConnectFailedError(
@@ -97,7 +82,7 @@ class UsbItnGauge:
             if isinstance(reply, Value):
                 reply = await self._in_form(reply)
         time_s, resolution_mm = await self._clock.now_s(), self._form.resolution_mm
-        if isinstance(reply, Error):
+        if isinstance(reply, protocol.Error):
             return BallbarReading(math.nan, "none", resolution_mm, time_s)
         # Half a step more: the end of the range is within it, whatever a double makes of it.
         inside = abs(reply.shown) <= self._range_mm + 0.5 * resolution_mm
@@ -116,35 +101,37 @@ class UsbItnGauge:
         self._form.require(value)
         return value
 
-    async def _ask_value(self) -> Value | Error:
+    async def _ask_value(self) -> Value | protocol.Error:
         """Ask for the value; what was sent before the question is passed over, whoever made it be sent.
 
         Where a second line comes behind the first nobody knows which is the answer: it is asked for again.
         """
         for _ in range(_MOST_TRIES):
             await self._ask_device()
-            await self._send(READ_VALUE)
+            await self._send(protocol.READ_VALUE)
             reply = await self._replies.next()
-            if isinstance(reply, DeviceInfo):
-                raise ItnProtocolError(f"the cable told about itself ({reply.text!r}) when asked for a value")
+            if isinstance(reply, protocol.DeviceInfo):
+                raise protocol.ItnProtocolError(
+                    f"the cable told about itself ({reply.text!r}) when asked for a value"
+                )
             if await self._replies.is_quiet():
                 return reply
-        raise ItnProtocolError(
+        raise protocol.ItnProtocolError(
             f"the cable at {self._port.address} sends more than it is asked for: leave the gauge's keys alone"
         )
 
-    async def _ask_device(self) -> DeviceInfo:
+    async def _ask_device(self) -> protocol.DeviceInfo:
         """Ask who it is. No value looks like the answer, so whatever stands before it was sent earlier."""
-        await self._send(READ_DEVICE)
+        await self._send(protocol.READ_DEVICE)
         while True:
             reply = await self._replies.next()
-            if isinstance(reply, DeviceInfo):
+            if isinstance(reply, protocol.DeviceInfo):
                 return reply
 
     async def _send(self, command: bytes) -> None:
         silence = f"the cable at {self._port.address} says nothing: {_PLUG}, and check the gauge's battery"
         self._replies.expect(self._reply_timeout_s, silence)
-        await self._port.control_out(VENDOR_TO_DEVICE, SEND_COMMAND, data=command)
+        await self._port.control_out(VENDOR_TO_DEVICE, protocol.SEND_COMMAND, data=command)
 
 
 def _open(options: Options, clock: Clock | None) -> UsbItnGauge:

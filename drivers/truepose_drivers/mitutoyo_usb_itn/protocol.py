@@ -9,9 +9,8 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 from truepose_drivers.errors import RemoteProtocolError
-from truepose_drivers.line_gauges.digimatic import data_line, read_data_line, read_error_line
-from truepose_drivers.line_gauges.value_form import Value
-from truepose_drivers.stream_reader import StreamReader
+from truepose_drivers.framing import StreamReader
+from truepose_drivers.line_gauges.protocol import Value, data_line, read_data_line, read_error_line
 
 VENDOR, PRODUCT = 0x0FE7, 0x4001
 PACKET_BYTES = 8

@@ -19,32 +19,8 @@ from truepose_drivers.errors import (
     OutOfVolumeError,
 )
 from truepose_drivers.monotonic_clock import MonotonicClock
+from truepose_drivers.ndi_polaris import protocol
 from truepose_drivers.ndi_polaris.mean import mean_pose
-from truepose_drivers.ndi_polaris.protocol import (
-    ANY_PASSIVE_TOOL,
-    DEFAULT_PORT,
-    LARGEST_DEFINITION,
-    OKAY,
-    RESET,
-    Binary,
-    NdiProtocolError,
-    PortStatus,
-    Reply,
-    ReplyReader,
-    Request,
-    Text,
-    ToolFrame,
-    ToolPose,
-    decode_binary,
-    decode_handle,
-    decode_handles,
-    decode_text,
-    encode_request,
-    error_code,
-    facts,
-    identified,
-    page_writes,
-)
 from truepose_drivers.ndi_polaris.refusals import CommandUnknownError, refusal, started_again
 from truepose_drivers.ndi_polaris.serial_line import FIRST_BAUD, CameraLine
 from truepose_drivers.transports.conversation import Conversation
@@ -62,9 +38,9 @@ _STANDING_S: Final = 0.5  # thirty frames of the slowest model; one that counts 
 _POLL_S: Final = 0.002  # between two looks at the same frame
 _SEEN_SHARE: Final = 0.9  # of the frames; below it what is left says little of where the artefact was
 _FRAMES = "0801"  # poses, those outside the measuring volume too, which their status then tells
-_ALL_HANDLES = Request("PHSR", "00")
-_VERSION = Request("VER", "0")  # which every model knows
-_HARDWARE = Request("GETINFO", "Features.Hardware.*")
+_ALL_HANDLES = protocol.Request("PHSR", "00")
+_VERSION = protocol.Request("VER", "0")  # which every model knows
+_HARDWARE = protocol.Request("GETINFO", "Features.Hardware.*")
 
 _Lost = Literal["missing", "outside", "partly"]
 Value = TypeVar("Value")
@@ -79,8 +55,8 @@ class PolarisTracker(OnePortDevice):
     def __init__(
         self, link: Link, clock: Clock, definition: bytes, *, reply_timeout_s: float = _REPLY_TIMEOUT_S
     ) -> None:
-        self._conversation: Conversation[Reply] = Conversation(
-            link, ReplyReader, harmless=(DeviceRefusedError, MeasurementFailedError)
+        self._conversation: Conversation[protocol.Reply] = Conversation(
+            link, protocol.ReplyReader, harmless=(DeviceRefusedError, MeasurementFailedError)
         )
         super().__init__(self._conversation)
         self._clock = clock
@@ -99,7 +75,7 @@ class PolarisTracker(OnePortDevice):
 
     async def identify(self) -> DeviceIdentity:
         """Ask for model, serial number and firmware; older models know VER alone."""
-        who = identified(facts(await self._text(_VERSION)), await self._hardware())
+        who = protocol.identified(protocol.facts(await self._text(_VERSION)), await self._hardware())
         firmware = " ".join(filter(None, (who.firmware, await self._interface())))
         return DeviceIdentity(
             _MANUFACTURER, who.model or "unknown", who.serial or "unknown", firmware or "unknown"
@@ -112,15 +88,15 @@ class PolarisTracker(OnePortDevice):
         """
         self._handle = None
         await self._stop()
-        await self._okay(Request("INIT"), timeout_s=_START_UP_TIMEOUT_S)
-        for handle, _ in decode_handles(await self._text(_ALL_HANDLES)):
-            await self._okay(Request("PHF", f"{handle:02X}"))
-        handle = decode_handle(await self._text(ANY_PASSIVE_TOOL))
-        for write in page_writes(handle, self._definition):
+        await self._okay(protocol.Request("INIT"), timeout_s=_START_UP_TIMEOUT_S)
+        for handle, _ in protocol.decode_handles(await self._text(_ALL_HANDLES)):
+            await self._okay(protocol.Request("PHF", f"{handle:02X}"))
+        handle = protocol.decode_handle(await self._text(protocol.ANY_PASSIVE_TOOL))
+        for write in protocol.page_writes(handle, self._definition):
             await self._okay(write)
-        await self._okay(Request("PINIT", f"{handle:02X}"))
-        await self._okay(Request("PENA", f"{handle:02X}D"))
-        await self._okay(Request("TSTART", "80"), timeout_s=_START_UP_TIMEOUT_S)
+        await self._okay(protocol.Request("PINIT", f"{handle:02X}"))
+        await self._okay(protocol.Request("PENA", f"{handle:02X}D"))
+        await self._okay(protocol.Request("TSTART", "80"), timeout_s=_START_UP_TIMEOUT_S)
         self._frame = 0
         await self._choose_form(handle)
         self._handle = handle
@@ -145,20 +121,20 @@ class PolarisTracker(OnePortDevice):
             time_s=await self._clock.now_s(),
         )
 
-    async def _frames(self, handle: int, duration_s: float) -> tuple[list[ToolPose], Counter[_Lost]]:
+    async def _frames(self, handle: int, duration_s: float) -> tuple[list[protocol.ToolPose], Counter[_Lost]]:
         """Return the poses of the time to come, and how often there was none for which reason."""
-        poses: list[ToolPose] = []
+        poses: list[protocol.ToolPose] = []
         lost: Counter[_Lost] = Counter()
         end_s = await self._clock.now_s() + duration_s
         while not (poses or lost) or await self._clock.now_s() < end_s:
             seen = _seen(await self._next_frame(handle))
-            if isinstance(seen, ToolPose):
+            if isinstance(seen, protocol.ToolPose):
                 poses.append(seen)
             else:
                 lost[seen] += 1
         return poses, lost
 
-    async def _next_frame(self, handle: int) -> ToolFrame:
+    async def _next_frame(self, handle: int) -> protocol.ToolFrame:
         """Return the artefact in the next frame; raises NoReplyError where the frames stand still."""
         loop = asyncio.get_running_loop()
         give_up_s = loop.time() + _STANDING_S
@@ -175,7 +151,7 @@ class PolarisTracker(OnePortDevice):
                 )
             await asyncio.sleep(_POLL_S)
 
-    async def _tool(self, handle: int) -> ToolFrame:
+    async def _tool(self, handle: int) -> protocol.ToolFrame:
         """Return the artefact as the camera states it now."""
         tools = await self._tracked()
         ours = [tool for tool in tools if tool.handle == handle]
@@ -187,9 +163,9 @@ class PolarisTracker(OnePortDevice):
             )
         return ours[0]
 
-    async def _tracked(self) -> list[ToolFrame]:
+    async def _tracked(self) -> list[protocol.ToolFrame]:
         name, decode = ("BX", _binary_tools) if self._speaks_binary else ("TX", _text_tools)
-        return await self._ask(Request(name, _FRAMES), decode, timeout_s=_FRAME_TIMEOUT_S)
+        return await self._ask(protocol.Request(name, _FRAMES), decode, timeout_s=_FRAME_TIMEOUT_S)
 
     async def _choose_form(self, handle: int) -> None:
         """Speak binary where the camera does; text has a hundredth of a millimetre only."""
@@ -203,19 +179,19 @@ class PolarisTracker(OnePortDevice):
     async def _stop(self) -> None:
         """Leave the tracking of whoever was here before; a camera that was not tracking refuses."""
         try:
-            await self._okay(Request("TSTOP"))
+            await self._okay(protocol.Request("TSTOP"))
         except DeviceRefusedError:
             return
 
     async def _hardware(self) -> dict[str, str]:
         try:
-            return facts(await self._text(_HARDWARE))
+            return protocol.facts(await self._text(_HARDWARE))
         except DeviceRefusedError:
             return {}
 
     async def _interface(self) -> str:
         try:
-            return f"API {(await self._text(Request('APIREV'))).text.strip()}"
+            return f"API {(await self._text(protocol.Request('APIREV'))).text.strip()}"
         except DeviceRefusedError:
             return ""
 
@@ -224,19 +200,23 @@ class PolarisTracker(OnePortDevice):
             raise NotInitialisedError("the camera was not initialised since it was connected: do so first")
         return self._handle
 
-    async def _okay(self, request: Request, *, timeout_s: float | None = None) -> None:
+    async def _okay(self, request: protocol.Request, *, timeout_s: float | None = None) -> None:
         await self._ask(request, _okayed, timeout_s=timeout_s)
 
-    async def _text(self, request: Request, *, timeout_s: float | None = None) -> Text:
+    async def _text(self, request: protocol.Request, *, timeout_s: float | None = None) -> protocol.Text:
         return await self._ask(request, _text, timeout_s=timeout_s)
 
     async def _ask(
-        self, request: Request, decode: Callable[[Reply], Value], *, timeout_s: float | None = None
+        self,
+        request: protocol.Request,
+        decode: Callable[[protocol.Reply], Value],
+        *,
+        timeout_s: float | None = None,
     ) -> Value:
-        def answered(reply: Reply) -> Value:
-            if reply == RESET:
+        def answered(reply: protocol.Reply) -> Value:
+            if reply == protocol.RESET:
                 raise started_again()
-            code = error_code(reply)
+            code = protocol.error_code(reply)
             if code is not None:
                 raise refusal(request.name, code)
             return decode(reply)
@@ -246,45 +226,49 @@ class PolarisTracker(OnePortDevice):
             " look whether it is still running, then connect again"
         )
         return await self._conversation.ask(
-            encode_request(request),
+            protocol.encode_request(request),
             answered,
             timeout_s=self._reply_timeout_s if timeout_s is None else timeout_s,
             silence=silence,
         )
 
 
-def _text(reply: Reply) -> Text:
-    if not isinstance(reply, Text):
-        raise NdiProtocolError("the camera answered with a frame that nobody asked for: connect again")
+def _text(reply: protocol.Reply) -> protocol.Text:
+    if not isinstance(reply, protocol.Text):
+        raise protocol.NdiProtocolError(
+            "the camera answered with a frame that nobody asked for: connect again"
+        )
     return reply
 
 
-def _binary_tools(reply: Reply) -> list[ToolFrame]:
-    return decode_binary(_binary(reply))
+def _binary_tools(reply: protocol.Reply) -> list[protocol.ToolFrame]:
+    return protocol.decode_binary(_binary(reply))
 
 
-def _text_tools(reply: Reply) -> list[ToolFrame]:
-    return decode_text(_text(reply))
+def _text_tools(reply: protocol.Reply) -> list[protocol.ToolFrame]:
+    return protocol.decode_text(_text(reply))
 
 
-def _okayed(reply: Reply) -> None:
-    if reply != OKAY:
-        raise NdiProtocolError(f"the camera answered {_text(reply).text[:40]!r} where it had to agree")
+def _okayed(reply: protocol.Reply) -> None:
+    if reply != protocol.OKAY:
+        raise protocol.NdiProtocolError(
+            f"the camera answered {_text(reply).text[:40]!r} where it had to agree"
+        )
 
 
-def _binary(reply: Reply) -> Binary:
-    if not isinstance(reply, Binary):
-        raise NdiProtocolError(f"the camera answered {reply.text[:40]!r} where a frame was expected")
+def _binary(reply: protocol.Reply) -> protocol.Binary:
+    if not isinstance(reply, protocol.Binary):
+        raise protocol.NdiProtocolError(f"the camera answered {reply.text[:40]!r} where a frame was expected")
     return reply
 
 
-def _seen(tool: ToolFrame) -> ToolPose | _Lost:
+def _seen(tool: protocol.ToolFrame) -> protocol.ToolPose | _Lost:
     """Return the pose of a frame, or why there is none to be trusted."""
-    if tool.status & PortStatus.OUT_OF_VOLUME:
+    if tool.status & protocol.PortStatus.OUT_OF_VOLUME:
         return "outside"
     if tool.pose is None:
         return "missing"
-    return "partly" if tool.status & PortStatus.PARTIALLY_OUT_OF_VOLUME else tool.pose
+    return "partly" if tool.status & protocol.PortStatus.PARTIALLY_OUT_OF_VOLUME else tool.pose
 
 
 def _require_seen(seen: int, lost: Counter[_Lost]) -> None:
@@ -313,7 +297,7 @@ def _open(options: Options, clock: Clock | None) -> PolarisTracker:
 def _link(options: Options) -> Link:
     port = option.text(options, "serial")
     if port is None:
-        return tcp_link(options, DEFAULT_PORT)
+        return tcp_link(options, protocol.DEFAULT_PORT)
     return CameraLine(SerialLink(port, Framing(FIRST_BAUD)))
 
 
@@ -325,12 +309,13 @@ def _definition(options: Options) -> bytes:
         )
     try:
         with Path(name).open("rb") as file:
-            definition = file.read(LARGEST_DEFINITION + 1)
+            definition = file.read(protocol.LARGEST_DEFINITION + 1)
     except OSError as error:
         raise ConfigurationError(f"option tool_file: {name} cannot be read ({error.strerror})") from error
-    if not 0 < len(definition) <= LARGEST_DEFINITION:
+    if not 0 < len(definition) <= protocol.LARGEST_DEFINITION:
         raise ConfigurationError(
-            f"option tool_file: {name} is no tool definition, which has 1 to {LARGEST_DEFINITION} bytes"
+            f"option tool_file: {name} is no tool definition, which has 1 to"
+            f" {protocol.LARGEST_DEFINITION} bytes"
         )
     return definition
 
@@ -338,7 +323,7 @@ def _definition(options: Options) -> bytes:
 _OPTIONS = {
     "host": "address of the camera, by its label or its maker's tool",
     "serial": "serial port instead, of a camera without Ethernet",
-    "port": f"TCP port, {DEFAULT_PORT} unless changed",
+    "port": f"TCP port, {protocol.DEFAULT_PORT} unless changed",
     "tool_file": "file with the artefact's tool definition (.rom)",
 }
 PLUGIN = DriverPlugin("ndi_polaris", "pose_tracker", "ndi", _OPTIONS, _open)

@@ -13,16 +13,9 @@ except ImportError:
     import hid as hidapi
 
 from truepose_drivers.errors import ConnectFailedError, DeviceRefusedError
-from truepose_drivers.transports.blocking import BlockingPort
-from truepose_drivers.transports.link import OverPort, Port
-from truepose_drivers.transports.usb import UsbPort
-from truepose_drivers.transports.usb_address import LocalUsb
-from truepose_drivers.usb.protocol.control import (
-    CLASS_FROM_INTERFACE,
-    CLASS_TO_INTERFACE,
-    HidRequest,
-    ReportType,
-)
+from truepose_drivers.transports.link import BlockingPort, OverPort, Port
+from truepose_drivers.transports.usb import LocalUsb, UsbPort
+from truepose_drivers.usb import protocol
 
 _SLICE_S = 0.05
 _INTERFACE = 0
@@ -53,14 +46,14 @@ class ReportPort(Port, Protocol):
 
 
 @dataclass(frozen=True, slots=True)
-class _Opened:
+class _OpenDevice:
     """What hidapi has opened, which has no types."""
 
     device: Any
     texts: tuple[str, str, str]  # manufacturer, product, serial number
 
 
-class HidapiPort(BlockingPort[_Opened]):
+class HidapiPort(BlockingPort[_OpenDevice]):
     """A HID device of this computer."""
 
     def __init__(self, where: LocalUsb, report_bytes: int, system: Any = hidapi) -> None:
@@ -98,10 +91,10 @@ class HidapiPort(BlockingPort[_Opened]):
         device, timeout_ms = self._opened().device, max(1, round(1000.0 * slice_s))
         return await self._guarded(lambda: bytes(device.read(self._report_bytes, timeout_ms)))
 
-    def _open_handle(self) -> _Opened:
+    def _open_handle(self) -> _OpenDevice:
         return _open_device(self._system, self._where)
 
-    def _close_handle(self, handle: _Opened) -> None:
+    def _close_handle(self, handle: _OpenDevice) -> None:
         handle.device.close()
 
     async def _refusable(self, call: Callable[[], Value]) -> Value:
@@ -145,18 +138,20 @@ class HidOverUsb(OverPort):
 
     async def feature(self, number: int, length: int) -> bytes:
         """Read a feature report; raises DeviceRefusedError."""
-        value = ReportType.FEATURE << 8 | number
+        value = protocol.ReportType.FEATURE << 8 | number
         return await self._port.control_in(
-            CLASS_FROM_INTERFACE, HidRequest.GET_REPORT, value, _INTERFACE, length
+            protocol.CLASS_FROM_INTERFACE, protocol.HidRequest.GET_REPORT, value, _INTERFACE, length
         )
 
     async def set_feature(self, report: bytes) -> None:
         """Write a feature report; raises DeviceRefusedError."""
-        value = ReportType.FEATURE << 8 | report[0]
-        await self._port.control_out(CLASS_TO_INTERFACE, HidRequest.SET_REPORT, value, _INTERFACE, report)
+        value = protocol.ReportType.FEATURE << 8 | report[0]
+        await self._port.control_out(
+            protocol.CLASS_TO_INTERFACE, protocol.HidRequest.SET_REPORT, value, _INTERFACE, report
+        )
 
 
-def _open_device(system: Any, where: LocalUsb) -> _Opened:
+def _open_device(system: Any, where: LocalUsb) -> _OpenDevice:
     """Open the first device that fits, by its path, which is the same whatever hidapi makes of numbers."""
     found = [
         entry
@@ -179,7 +174,7 @@ def _open_device(system: Any, where: LocalUsb) -> _Opened:
         ) from error
     names = ("manufacturer_string", "product_string", "serial_number")
     manufacturer, product, serial = (found[0][name] or "" for name in names)
-    return _Opened(device, (manufacturer, product, serial))
+    return _OpenDevice(device, (manufacturer, product, serial))
 
 
 def _drain(device: Any, report_bytes: int) -> None:

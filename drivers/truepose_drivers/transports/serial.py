@@ -11,7 +11,7 @@ from typing import Literal
 import serial
 
 from truepose_drivers.errors import ConnectFailedError, ConnectionLostError
-from truepose_drivers.transports.blocking import BlockingPort
+from truepose_drivers.transports.link import BlockingPort
 
 _NOT_OPENED: tuple[type[Exception], ...] = (OSError, ValueError)  # ValueError: no such kind of URL or rate
 try:

@@ -1,4 +1,7 @@
-"""A TCP connection as a link.
+"""A TCP connection as a link, which its own system ends where the peer is gone.
+
+A peer whose cable was pulled says nothing, like one whose arm moves for a minute. The two systems tell them
+apart: they ask each other whether they are there, whatever the programs on them do.
 
 A driver asks after every answer, and before every question, whether more has arrived. That must cost next to
 nothing: what arrives is kept by the connection itself, and the system is asked whether it has received
@@ -8,13 +11,31 @@ anything, so that most looks take no turn of the event loop, and none takes a ti
 import asyncio
 import contextlib
 import select
+import socket
 from collections.abc import Callable
-from typing import cast
+from typing import Final, cast
 
 from truepose_drivers import options as option
 from truepose_drivers.api import Options
 from truepose_drivers.errors import ConnectFailedError, ConnectionLostError
-from truepose_drivers.transports.watched_peer import watch_peer
+
+_LOST_AFTER_MS: Final = 1500  # in which the peer's system acknowledges nothing
+_ASKED_EVERY_S: Final = 1  # by the system, while nothing is sent
+_SETTINGS: Final = (
+    ("TCP_KEEPIDLE", _ASKED_EVERY_S),
+    ("TCP_KEEPINTVL", _ASKED_EVERY_S),
+    ("TCP_KEEPCNT", 1),
+    ("TCP_USER_TIMEOUT", _LOST_AFTER_MS),
+)
+
+
+def watch_peer(connection: socket.socket) -> None:
+    """Have the system end a connection within two seconds of the peer's going, as far as this system can."""
+    connection.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
+    for name, value in _SETTINGS:
+        if hasattr(socket, name):
+            connection.setsockopt(socket.IPPROTO_TCP, getattr(socket, name), value)
+
 
 _MOST_UNREAD_BYTES = 65_536  # more is left to the system until that was taken
 _CLOSE_TIMEOUT_S = 1.0  # a peer that does not say goodbye must not hold up a shutdown

@@ -4,19 +4,90 @@ pyusb blocks; interrupt transfers wait in slices.
 """
 
 import errno
+import re
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Protocol, TypeVar
+from typing import Any, Final, Protocol, TypeAlias, TypeVar
+from urllib.parse import urlsplit
 
 import usb.control
 import usb.core
 import usb.util
 
-from truepose_drivers.errors import ConnectFailedError, DeviceRefusedError, NoReplyError
-from truepose_drivers.transports.blocking import BlockingPort
-from truepose_drivers.transports.link import Source
-from truepose_drivers.transports.usb_address import LocalUsb, UsbAddress
+from truepose_drivers import options as option
+from truepose_drivers.api import Options
+from truepose_drivers.errors import ConfigurationError, ConnectFailedError, DeviceRefusedError, NoReplyError
+from truepose_drivers.transports.link import BlockingPort, Source
 from truepose_drivers.transports.usbip_backend import UsbipBackend
+from truepose_drivers.usb import usbip
+
+_LOCAL: Final = re.compile(r"([0-9a-fA-F]{4}):([0-9a-fA-F]{4})(?::(.+))?")
+_ONLY_DEVICE: Final = "1-1"  # what a server of a single device calls it
+_FORMS: Final = "vendor:product[:serial number], such as 0fe7:4001, or usbip://host[:port]/busid"
+
+
+@dataclass(frozen=True, slots=True)
+class LocalUsb:
+    """A device of this computer; without `serial` the first of its kind."""
+
+    vendor: int
+    product: int
+    serial: str | None = None
+
+    def __str__(self) -> str:
+        numbers = f"{self.vendor:04x}:{self.product:04x}"
+        return numbers if self.serial is None else f"{numbers}:{self.serial}"
+
+
+@dataclass(frozen=True, slots=True)
+class RemoteUsb:
+    """A device behind a USB/IP server."""
+
+    host: str
+    port: int
+    busid: str
+
+    def __str__(self) -> str:
+        return f"usbip://{self.host}:{self.port}/{self.busid}"
+
+
+UsbAddress: TypeAlias = LocalUsb | RemoteUsb
+
+
+def usb_address(options: Options, default: str | None = None) -> UsbAddress:
+    """Read option `usb`, or `host` and `port` of a USB/IP server that has one device.
+
+    Raises ConfigurationError where both are given, or neither and there is no `default`.
+    """
+    text = option.text(options, "usb")
+    if "host" in options or "port" in options:
+        if text is not None:
+            raise ConfigurationError("usb and host are two ways to the same device: give one of them")
+        return RemoteUsb(option.host(options), option.port(options, usbip.PORT), _ONLY_DEVICE)
+    text = text or default
+    if text is None:
+        raise ConfigurationError(f"option usb is missing: give {_FORMS}")
+    return _remote(text) if text.startswith("usbip:") else _local(text)
+
+
+def _local(text: str) -> LocalUsb:
+    match = _LOCAL.fullmatch(text.strip())
+    if match is None:
+        raise ConfigurationError(f"option usb is {text!r}: give {_FORMS}")
+    vendor, product, serial = match.groups()
+    return LocalUsb(int(vendor, 16), int(product, 16), serial)
+
+
+def _remote(text: str) -> RemoteUsb:
+    try:
+        parts = urlsplit(text)
+        host, port, busid = parts.hostname, parts.port or usbip.PORT, parts.path.strip("/")
+    except ValueError as error:
+        raise ConfigurationError(f"option usb is {text!r} ({error}): give {_FORMS}") from error
+    if not host or not busid or len(busid) >= usbip.BUSID_BYTES:
+        raise ConfigurationError(f"option usb is {text!r}: give {_FORMS}")
+    return RemoteUsb(host, port, busid)
+
 
 _INTERFACE = 0  # measuring devices have one
 _CONTROL_TIMEOUT_MS = 1000
@@ -44,14 +115,14 @@ class UsbPort(Source, Protocol):
 
 
 @dataclass(frozen=True, slots=True)
-class _Opened:
+class _OpenDevice:
     """What pyusb has opened, which has no types."""
 
     device: Any
     endpoint: Any  # of the interrupt transfers
 
 
-class UsbDevice(BlockingPort[_Opened]):
+class UsbDevice(BlockingPort[_OpenDevice]):
     """A USB device with one interface and its interrupt endpoint."""
 
     def __init__(self, where: UsbAddress) -> None:
@@ -89,10 +160,10 @@ class UsbDevice(BlockingPort[_Opened]):
         endpoint = self._opened().endpoint
         return await self._guarded(lambda: _read_packet(endpoint, max(1, round(1000.0 * slice_s))))
 
-    def _open_handle(self) -> _Opened:
+    def _open_handle(self) -> _OpenDevice:
         return _open_device(self._where)
 
-    def _close_handle(self, handle: _Opened) -> None:
+    def _close_handle(self, handle: _OpenDevice) -> None:
         usb.util.dispose_resources(handle.device)
 
     async def _guarded(self, call: Callable[[], Value]) -> Value:
@@ -109,14 +180,14 @@ class UsbDevice(BlockingPort[_Opened]):
             raise await self._lost(f"USB device {self.address} is gone ({error}): check its cable") from error
 
 
-def _open_device(where: UsbAddress) -> _Opened:
+def _open_device(where: UsbAddress) -> _OpenDevice:
     try:
         device = _find(where)
         if device is None:
             raise ConnectFailedError(
                 f"there is no USB device {where}: check its cable, and the numbers with lsusb"
             )
-        return _Opened(device, _prepare(device))
+        return _OpenDevice(device, _prepare(device))
     except usb.core.NoBackendError as error:
         raise ConnectFailedError(
             f"USB device {where} needs the system's libusb-1.0: install it (Debian: libusb-1.0-0)"

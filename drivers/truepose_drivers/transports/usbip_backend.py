@@ -13,17 +13,7 @@ import usb.backend
 import usb.core
 
 from truepose_drivers.transports.usbip_session import RemoteDevice, Session, listed_devices
-from truepose_drivers.usb.protocol import descriptors, usbip
-from truepose_drivers.usb.protocol.control import (
-    CLASS_TO_PORT,
-    FROM_DEVICE,
-    PORT_RESET,
-    TO_DEVICE,
-    TO_ENDPOINT,
-    TO_INTERFACE,
-    Setup,
-    StandardRequest,
-)
+from truepose_drivers.usb import protocol, usbip
 
 _SPEEDS = {1: 1, 2: 2, 3: 3}  # low, full, high: libusb counts them like the kernel
 _ENDPOINT_HALT = 0
@@ -49,8 +39,8 @@ class UsbipBackend(usb.backend.IBackend):  # type: ignore[misc]  # pyusb has no 
         """Ask the device itself: a server's list has no serial number."""
         device = dev.device_descriptor()
         return SimpleNamespace(
-            bLength=descriptors.DEVICE_BYTES,
-            bDescriptorType=descriptors.DescriptorType.DEVICE,
+            bLength=protocol.DEVICE_BYTES,
+            bDescriptorType=protocol.DescriptorType.DEVICE,
             bcdUSB=device.usb,
             bDeviceClass=device.device_class,
             bDeviceSubClass=device.device_subclass,
@@ -74,8 +64,8 @@ class UsbipBackend(usb.backend.IBackend):  # type: ignore[misc]  # pyusb has no 
         """Return configuration number `config`, from 0; raises IndexError past the end."""
         found = dev.configuration(config)
         return SimpleNamespace(
-            bLength=descriptors.CONFIGURATION_HEAD_BYTES,
-            bDescriptorType=descriptors.DescriptorType.CONFIGURATION,
+            bLength=protocol.CONFIGURATION_HEAD_BYTES,
+            bDescriptorType=protocol.DescriptorType.CONFIGURATION,
             wTotalLength=found.total_bytes,
             bNumInterfaces=len({interface.number for interface in found.interfaces}),
             bConfigurationValue=found.value,
@@ -92,7 +82,7 @@ class UsbipBackend(usb.backend.IBackend):  # type: ignore[misc]  # pyusb has no 
         found = _alternate(dev.configuration(config), intf, alt)
         return SimpleNamespace(
             bLength=9,
-            bDescriptorType=descriptors.DescriptorType.INTERFACE,
+            bDescriptorType=protocol.DescriptorType.INTERFACE,
             bInterfaceNumber=found.number,
             bAlternateSetting=found.alternate,
             bNumEndpoints=len(found.endpoints),
@@ -100,7 +90,7 @@ class UsbipBackend(usb.backend.IBackend):  # type: ignore[misc]  # pyusb has no 
             bInterfaceSubClass=found.subclass,
             bInterfaceProtocol=found.protocol,
             iInterface=found.string,
-            extra_descriptors=tuple(descriptors.encode_hid(found)),
+            extra_descriptors=tuple(protocol.encode_hid(found)),
         )
 
     def get_endpoint_descriptor(
@@ -110,7 +100,7 @@ class UsbipBackend(usb.backend.IBackend):  # type: ignore[misc]  # pyusb has no 
         found = _alternate(dev.configuration(config), intf, alt).endpoints[ep]
         return SimpleNamespace(
             bLength=7,
-            bDescriptorType=descriptors.DescriptorType.ENDPOINT,
+            bDescriptorType=protocol.DescriptorType.ENDPOINT,
             bEndpointAddress=found.address,
             bmAttributes=found.attributes,
             wMaxPacketSize=found.packet_bytes,
@@ -130,16 +120,22 @@ class UsbipBackend(usb.backend.IBackend):  # type: ignore[misc]  # pyusb has no 
 
     def set_configuration(self, dev_handle: Session, config_value: int) -> None:
         """Choose a configuration."""
-        dev_handle.control(Setup(TO_DEVICE, StandardRequest.SET_CONFIGURATION, config_value))
+        dev_handle.control(
+            protocol.Setup(protocol.TO_DEVICE, protocol.StandardRequest.SET_CONFIGURATION, config_value)
+        )
 
     def get_configuration(self, dev_handle: Session) -> int:
         """Return the value of the present configuration, 0 for none."""
-        (value,) = dev_handle.control(Setup(FROM_DEVICE, StandardRequest.GET_CONFIGURATION, 0, 0, 1))
+        (value,) = dev_handle.control(
+            protocol.Setup(protocol.FROM_DEVICE, protocol.StandardRequest.GET_CONFIGURATION, 0, 0, 1)
+        )
         return value
 
     def set_interface_altsetting(self, dev_handle: Session, intf: int, altsetting: int) -> None:
         """Choose an alternate setting."""
-        dev_handle.control(Setup(TO_INTERFACE, StandardRequest.SET_INTERFACE, altsetting, intf))
+        dev_handle.control(
+            protocol.Setup(protocol.TO_INTERFACE, protocol.StandardRequest.SET_INTERFACE, altsetting, intf)
+        )
 
     def claim_interface(self, dev_handle: Session, intf: int) -> None:
         """Do nothing: an imported device is ours as a whole."""
@@ -159,12 +155,18 @@ class UsbipBackend(usb.backend.IBackend):  # type: ignore[misc]  # pyusb has no 
 
     def clear_halt(self, dev_handle: Session, ep: int) -> None:
         """Let an endpoint that stalled go on."""
-        dev_handle.control(Setup(TO_ENDPOINT, StandardRequest.CLEAR_FEATURE, _ENDPOINT_HALT, ep))
+        dev_handle.control(
+            protocol.Setup(protocol.TO_ENDPOINT, protocol.StandardRequest.CLEAR_FEATURE, _ENDPOINT_HALT, ep)
+        )
 
     def reset_device(self, dev_handle: Session) -> None:
         """Reset the port that the device is on; a server that cannot stalls, and that is all right."""
         try:
-            dev_handle.control(Setup(CLASS_TO_PORT, StandardRequest.SET_FEATURE, PORT_RESET))
+            dev_handle.control(
+                protocol.Setup(
+                    protocol.CLASS_TO_PORT, protocol.StandardRequest.SET_FEATURE, protocol.PORT_RESET
+                )
+            )
         except usb.core.USBError as error:
             if error.errno != errno.EPIPE:
                 raise
@@ -180,7 +182,7 @@ class UsbipBackend(usb.backend.IBackend):  # type: ignore[misc]  # pyusb has no 
         timeout: int,
     ) -> int:
         """Make a control transfer; returns how many bytes went either way."""
-        setup = Setup(bmRequestType, bRequest, wValue, wIndex, len(data))
+        setup = protocol.Setup(bmRequestType, bRequest, wValue, wIndex, len(data))
         if not setup.is_in:
             dev_handle.control(setup, data.tobytes(), timeout)
             return len(data)
@@ -197,9 +199,7 @@ class UsbipBackend(usb.backend.IBackend):  # type: ignore[misc]  # pyusb has no 
     bulk_read, bulk_write = intr_read, intr_write  # the server knows what kind an endpoint is
 
 
-def _alternate(
-    configuration: descriptors.Configuration, interface: int, alternate: int
-) -> descriptors.Interface:
+def _alternate(configuration: protocol.Configuration, interface: int, alternate: int) -> protocol.Interface:
     numbers = sorted({found.number for found in configuration.interfaces})
     settings = [found for found in configuration.interfaces if found.number == numbers[interface]]
     return settings[alternate]

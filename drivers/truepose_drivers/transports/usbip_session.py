@@ -15,9 +15,9 @@ from dataclasses import dataclass
 import usb.core
 
 from truepose_drivers.errors import RemoteProtocolError
-from truepose_drivers.transports.watched_peer import watch_peer
-from truepose_drivers.usb.protocol import descriptors, usbip
-from truepose_drivers.usb.protocol.control import FROM_DEVICE, Setup, StandardRequest, encode_setup
+from truepose_drivers.transports.tcp import watch_peer
+from truepose_drivers.usb import protocol, usbip
+from truepose_drivers.usb.protocol import FROM_DEVICE, Setup, StandardRequest, encode_setup
 
 _CONNECT_TIMEOUT_S = 5.0
 _OPERATION_TIMEOUT_S = 5.0  # of requests that no device has a part in
@@ -38,8 +38,8 @@ class RemoteDevice:
     host: str
     port: int
     record: usbip.DeviceRecord
-    _device: descriptors.Device | None = None
-    _configurations: tuple[descriptors.Configuration, ...] = ()
+    _device: protocol.Device | None = None
+    _configurations: tuple[protocol.Configuration, ...] = ()
 
     def open(self) -> "Session":
         """Import it on a connection of its own."""
@@ -50,7 +50,7 @@ class RemoteDevice:
             stream.close()
             raise
 
-    def device_descriptor(self) -> descriptors.Device:
+    def device_descriptor(self) -> protocol.Device:
         """Return its device descriptor; the device is imported for the moment that takes."""
         if self._device is None:
             session = self.open()
@@ -60,7 +60,7 @@ class RemoteDevice:
                 session.close()
         return self._device
 
-    def configuration(self, number: int) -> descriptors.Configuration:
+    def configuration(self, number: int) -> protocol.Configuration:
         """Return one of its configurations, from 0; raises IndexError."""
         self.device_descriptor()
         return self._configurations[number]
@@ -91,17 +91,17 @@ class Session:
         """Write to an endpoint; returns how many bytes the device took."""
         return self._transfer(endpoint & 0x0F, False, len(data), data, timeout_ms).length
 
-    def describe(self) -> tuple[descriptors.Device, tuple[descriptors.Configuration, ...]]:
+    def describe(self) -> tuple[protocol.Device, tuple[protocol.Configuration, ...]]:
         """Ask the device for its descriptors."""
-        kind = descriptors.DescriptorType
+        kind = protocol.DescriptorType
         with _translated():
-            device = descriptors.decode_device(self._descriptor(kind.DEVICE, 0, descriptors.DEVICE_BYTES))
+            device = protocol.decode_device(self._descriptor(kind.DEVICE, 0, protocol.DEVICE_BYTES))
             configurations = []
             for number in range(device.configurations):
-                head = self._descriptor(kind.CONFIGURATION, number, descriptors.CONFIGURATION_HEAD_BYTES)
-                total = descriptors.configuration_total_bytes(head)
+                head = self._descriptor(kind.CONFIGURATION, number, protocol.CONFIGURATION_HEAD_BYTES)
+                total = protocol.configuration_total_bytes(head)
                 whole = self._descriptor(kind.CONFIGURATION, number, total)
-                configurations.append(descriptors.decode_configuration(whole))
+                configurations.append(protocol.decode_configuration(whole))
         return device, tuple(configurations)
 
     def _descriptor(self, kind: int, number: int, length: int) -> bytes:
@@ -110,7 +110,7 @@ class Session:
 
     def _transfer(
         self, endpoint: int, is_in: bool, length: int, data: bytes, timeout_ms: int, setup: bytes = bytes(8)
-    ) -> usbip.Submitted:
+    ) -> usbip.SubmitReply:
         with self._lock, _translated():
             sequence = next(self._numbers)
             request = usbip.Submit(sequence, self._record.id, endpoint, is_in, length, setup, data)
@@ -121,31 +121,31 @@ class Session:
                 raise _error(-reply.status)
             return reply
 
-    def _reply(self, is_in: bool, timeout_s: float | None) -> usbip.Submitted | None:
+    def _reply(self, is_in: bool, timeout_s: float | None) -> usbip.SubmitReply | None:
         """Return the reply to the one transfer under way, None after `timeout_s`."""
         header = self._stream.receive(usbip.HEADER_BYTES, timeout_s)
         if header is None:
             return None
         reply = usbip.decode_reply(header)
-        if not isinstance(reply, usbip.Submitted):
+        if not isinstance(reply, usbip.SubmitReply):
             raise usbip.UsbipProtocolError("a transfer that nobody gave up was answered as given up")
         data = self._stream.receive_rest(reply.length) if is_in and reply.length else b""
-        return usbip.Submitted(reply.sequence, reply.status, reply.length, data)
+        return usbip.SubmitReply(reply.sequence, reply.status, reply.length, data)
 
-    def _take_back(self, victim: int, is_in: bool) -> usbip.Submitted:
+    def _take_back(self, victim: int, is_in: bool) -> usbip.SubmitReply:
         """Give a transfer up; return it if it completed all the same, else raise USBTimeoutError."""
         unlink = usbip.Unlink(next(self._numbers), self._record.id, victim)
         self._stream.send(usbip.encode_request(unlink))
-        completed: usbip.Submitted | None = None
+        completed: usbip.SubmitReply | None = None
         while True:
             header = self._stream.receive(usbip.HEADER_BYTES, _UNLINK_TIMEOUT_S)
             if header is None:
                 raise _error(errno.ENODEV)  # not even the server answers
             match usbip.decode_reply(header):
-                case usbip.Submitted(sequence, status, length):
+                case usbip.SubmitReply(sequence, status, length):
                     data = self._stream.receive_rest(length) if is_in and length else b""
-                    completed = usbip.Submitted(sequence, status, length, data)
-                case usbip.Unlinked():
+                    completed = usbip.SubmitReply(sequence, status, length, data)
+                case usbip.UnlinkReply():
                     break
         if completed is None or completed.status == usbip.UNLINKED:
             raise usb.core.USBTimeoutError("the device says nothing in time", None, errno.ETIMEDOUT)

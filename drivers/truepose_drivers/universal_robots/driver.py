@@ -20,29 +20,19 @@ from truepose_drivers.api import (
     MotionLimits,
     Options,
 )
-from truepose_drivers.arms.targets import require_speeds
+from truepose_drivers.arm_motion import require_speeds, require_target
 from truepose_drivers.errors import (
     BusyError,
     ConnectFailedError,
     DeviceRefusedError,
-    TargetRefusedError,
 )
 from truepose_drivers.monotonic_clock import MonotonicClock
 from truepose_drivers.transports.conversation import Conversation
 from truepose_drivers.transports.link import Link, drain
 from truepose_drivers.transports.tcp import tcp_link
+from truepose_drivers.universal_robots import protocol
 from truepose_drivers.universal_robots.progress import STANDING_RAD, Progress, require_ready
-from truepose_drivers.universal_robots.protocol.dashboard import (
-    DASHBOARD_PORT,
-    ROBOT_MODEL,
-    SERIAL_NUMBER,
-    LineReader,
-    encode_line,
-    require_greeting,
-    stated_name,
-)
-from truepose_drivers.universal_robots.protocol.errors import UrProtocolError
-from truepose_drivers.universal_robots.protocol.motion import (
+from truepose_drivers.universal_robots.script import (
     BEAT_S,
     INPUTS,
     JOINTS,
@@ -53,26 +43,6 @@ from truepose_drivers.universal_robots.protocol.motion import (
     Order,
     RobotState,
     robot_state,
-)
-from truepose_drivers.universal_robots.protocol.packets import (
-    RTDE_PORT,
-    Kind,
-    Packet,
-    PacketReader,
-    encode,
-    inputs_request,
-    is_accepted,
-    outputs_request,
-    recipe_stated,
-    said,
-    stated_version,
-    version_request,
-)
-from truepose_drivers.universal_robots.protocol.recipes import (
-    IN_USE,
-    NOT_FOUND,
-    Recipe,
-    agreed_recipe,
 )
 
 _FREQUENCY_HZ = 125.0  # which controllers of every series offer
@@ -106,9 +76,11 @@ class UniversalRobot:
 
     def __init__(self, ports: Ports, clock: Clock, *, time_outs: TimeOuts | None = None) -> None:
         self._link = ports.rtde
-        self._rtde = Conversation[Packet](ports.rtde, PacketReader, harmless=(DeviceRefusedError,))
+        self._rtde = Conversation[protocol.Packet](
+            ports.rtde, protocol.PacketReader, harmless=(DeviceRefusedError,)
+        )
         self._script = ports.script
-        self._dashboard = Conversation[str](ports.dashboard, LineReader)
+        self._dashboard = Conversation[str](ports.dashboard, protocol.LineReader)
         self._clock = clock
         self._time_outs = time_outs or TimeOuts()
         limits = MotionLimits()
@@ -143,7 +115,7 @@ class UniversalRobot:
     async def identify(self) -> DeviceIdentity:
         """Ask RTDE for the software, the dashboard for serial number and model."""
         async with self._rtde.turn():
-            firmware = stated_version(await self._asked(Packet(Kind.CONTROLLER)))
+            firmware = protocol.stated_version(await self._asked(protocol.Packet(protocol.Kind.CONTROLLER)))
         try:
             await self._dashboard.open()
             async with self._dashboard.turn():
@@ -174,7 +146,7 @@ class UniversalRobot:
         Raises TargetRefusedError for a target that is none or that the controller does not take,
         NotInitialisedError where the arm may not move or was stopped, with what to do.
         """
-        _check_target(target_rad)
+        require_target(target_rad, JOINTS, _FURTHEST_RAD)
         async with self._rtde.turn(), self._streaming():
             before = await self._next_state()
             require_ready(before)
@@ -196,54 +168,56 @@ class UniversalRobot:
         )
 
     async def _agree(self) -> None:
-        if not is_accepted(await self._asked(version_request())):
-            raise UrProtocolError(
+        if not protocol.is_accepted(await self._asked(protocol.version_request())):
+            raise protocol.UrProtocolError(
                 "the controller speaks an older RTDE: its software must be 3.9 or 5.3, or later"
             )
-        outputs = outputs_request(_FREQUENCY_HZ, OUTPUTS)
+        outputs = protocol.outputs_request(_FREQUENCY_HZ, OUTPUTS)
         self._outputs = _recipe(await self._asked(outputs), OUTPUTS)
-        self._inputs = _recipe(await self._asked(inputs_request(INPUTS)), INPUTS)
+        self._inputs = _recipe(await self._asked(protocol.inputs_request(INPUTS)), INPUTS)
 
     async def _names(self) -> tuple[str | None, str | None]:
         at = self._dashboard.address
         self._dashboard.expect(self._time_outs.reply_s, f"the dashboard at {at} does not greet: restart it")
-        require_greeting(await self._dashboard.next())
-        return await self._name(SERIAL_NUMBER), await self._name(ROBOT_MODEL)
+        protocol.require_greeting(await self._dashboard.next())
+        return await self._name(protocol.SERIAL_NUMBER), await self._name(protocol.ROBOT_MODEL)
 
     async def _name(self, question: str) -> str | None:
         silence = f'the dashboard at {self._dashboard.address} does not answer "{question}": connect again'
-        await self._dashboard.send(encode_line(question), timeout_s=self._time_outs.reply_s, silence=silence)
-        return stated_name(await self._dashboard.next())
+        await self._dashboard.send(
+            protocol.encode_line(question), timeout_s=self._time_outs.reply_s, silence=silence
+        )
+        return protocol.stated_name(await self._dashboard.next())
 
     @contextlib.asynccontextmanager
     async def _streaming(self) -> AsyncIterator[None]:
         """Have the controller send its state, and take orders, for as long as this lasts."""
         self._said = ""
-        await self._switch(Kind.START)
+        await self._switch(protocol.Kind.START)
         try:
             yield
         except DeviceRefusedError:
-            await self._switch(Kind.PAUSE)
+            await self._switch(protocol.Kind.PAUSE)
             raise
-        await self._switch(Kind.PAUSE)
+        await self._switch(protocol.Kind.PAUSE)
 
-    async def _switch(self, kind: Kind) -> None:
-        if not is_accepted(await self._asked(Packet(kind))):
-            raise UrProtocolError(
+    async def _switch(self, kind: protocol.Kind) -> None:
+        if not protocol.is_accepted(await self._asked(protocol.Packet(kind))):
+            raise protocol.UrProtocolError(
                 f"the robot does not {kind.name.lower()} its stream of states: connect again"
             )
 
-    async def _asked(self, request: Packet) -> bytes:
+    async def _asked(self, request: protocol.Packet) -> bytes:
         """Send a request and return what its reply holds; states and texts may come before it."""
         await self._rtde.send(
-            encode(request),
+            protocol.encode(request),
             timeout_s=self._time_outs.reply_s,
             silence=f"the robot at {self._rtde.address} is connected and says nothing: look at the pendant,"
             " then connect again",
         )
         while (reply := await self._rtde.next()).kind != request.kind:
-            if reply.kind not in {Kind.DATA, Kind.TEXT}:
-                raise UrProtocolError(
+            if reply.kind not in {protocol.Kind.DATA, protocol.Kind.TEXT}:
+                raise protocol.UrProtocolError(
                     f"the robot replied to {reply.kind.name}, not to {request.kind.name}: connect again"
                 )
         return reply.payload
@@ -257,17 +231,19 @@ class UniversalRobot:
         )
         while True:
             packet = await self._rtde.next()
-            if packet.kind is Kind.TEXT:
-                self._said = said(packet.payload)
+            if packet.kind is protocol.Kind.TEXT:
+                self._said = protocol.said(packet.payload)
                 continue
             state = self._state(packet)
             if state.timestamp_s > self._newest_s:
                 self._newest_s = state.timestamp_s
                 return state
 
-    def _state(self, packet: Packet) -> RobotState:
-        if packet.kind is not Kind.DATA:
-            raise UrProtocolError(f"the robot sent {packet.kind.name} among its states: connect again")
+    def _state(self, packet: protocol.Packet) -> RobotState:
+        if packet.kind is not protocol.Kind.DATA:
+            raise protocol.UrProtocolError(
+                f"the robot sent {packet.kind.name} among its states: connect again"
+            )
         return robot_state(self._outputs.unpack(packet.payload))
 
     async def _give(self, order: Order) -> None:
@@ -276,14 +252,14 @@ class UniversalRobot:
         give_up_s = _now_s() + self._time_outs.reply_s
         while (await self._next_state()).registers != order.values():
             if _now_s() > give_up_s:
-                raise UrProtocolError(
+                raise protocol.UrProtocolError(
                     "the robot does not keep what is written to its registers 24 to 31: see that no other"
                     " program or URCap uses them, then connect again"
                 )
 
     async def _write(self, order: Order) -> None:
         self._order = order
-        await self._link.send(encode(self._inputs.pack(order.values())))
+        await self._link.send(protocol.encode(self._inputs.pack(order.values())))
 
     async def _follow(self, progress: Progress) -> None:
         """Give beats until the arm has arrived."""
@@ -299,45 +275,35 @@ def _now_s() -> float:
     return asyncio.get_running_loop().time()
 
 
-def _recipe(payload: bytes, wanted: Mapping[str, str]) -> Recipe:
-    number, types = recipe_stated(payload)
+def _recipe(payload: bytes, wanted: Mapping[str, str]) -> protocol.Recipe:
+    number, types = protocol.recipe_stated(payload)
     named = dict(zip(wanted, types, strict=False))
-    if IN_USE in types:
-        used = next(name for name, kind in named.items() if kind == IN_USE)
+    if protocol.IN_USE in types:
+        used = next(name for name, kind in named.items() if kind == protocol.IN_USE)
         raise BusyError(
             f"another program writes {used} of the robot: end it, so that one program alone moves the arm"
         )
-    if NOT_FOUND in types:
-        unknown = next(name for name, kind in named.items() if kind == NOT_FOUND)
-        raise UrProtocolError(
+    if protocol.NOT_FOUND in types:
+        unknown = next(name for name, kind in named.items() if kind == protocol.NOT_FOUND)
+        raise protocol.UrProtocolError(
             f"the controller does not know {unknown}: its software must be 3.9 or 5.3, or later"
         )
-    return agreed_recipe(number, types, wanted)
-
-
-def _check_target(target_rad: tuple[float, ...]) -> None:
-    if len(target_rad) != JOINTS:
-        raise TargetRefusedError(f"the robot has {JOINTS} joints; the target has {len(target_rad)}")
-    for joint, angle in enumerate(target_rad, start=1):
-        if not abs(angle) <= _FURTHEST_RAD:
-            raise TargetRefusedError(
-                f"{math.degrees(angle)} deg of joint {joint} is out of any robot's range"
-            )
+    return protocol.agreed_recipe(number, types, wanted)
 
 
 def _open(options: Options, clock: Clock | None) -> UniversalRobot:
     ports = Ports(
-        rtde=tcp_link(options, RTDE_PORT),
+        rtde=tcp_link(options, protocol.RTDE_PORT),
         script=tcp_link(options, SCRIPT_PORT, port="script_port"),
-        dashboard=tcp_link(options, DASHBOARD_PORT, port="dashboard_port"),
+        dashboard=tcp_link(options, protocol.DASHBOARD_PORT, port="dashboard_port"),
     )
     return UniversalRobot(ports, clock or MonotonicClock())
 
 
 _OPTIONS = {
     "host": "address of the controller, as shown on the pendant",
-    "port": f"TCP port of RTDE, {RTDE_PORT} unless changed",
+    "port": f"TCP port of RTDE, {protocol.RTDE_PORT} unless changed",
     "script_port": f"TCP port that takes scripts, {SCRIPT_PORT} unless changed",
-    "dashboard_port": f"TCP port of the dashboard, {DASHBOARD_PORT} unless changed",
+    "dashboard_port": f"TCP port of the dashboard, {protocol.DASHBOARD_PORT} unless changed",
 }
 PLUGIN = DriverPlugin("universal_robots", "robot", "ur_rtde", _OPTIONS, _open)

@@ -9,8 +9,7 @@ from truepose_drivers.errors import (
     NotInitialisedError,
     TargetRefusedError,
 )
-from truepose_drivers.universal_robots.protocol.modes import obstacle
-from truepose_drivers.universal_robots.protocol.motion import SILENCE_S, Order, RobotState
+from truepose_drivers.universal_robots.script import SILENCE_S, Order, RobotState, obstacle
 
 # A standing joint is held by its servo, and what it reports wanders.
 STANDING_RAD = 1e-4

@@ -4,6 +4,7 @@ from collections.abc import Iterable, Sequence
 
 from truepose.analysis.errors import NeverDiagnosedError, RobotsMixedError
 from truepose.diagnosis.history import CauseOverTime, DatedDiagnosis, compare, place_in_time
+from truepose.messages.message import message
 from truepose.storage.records import DiagnosisRecord
 
 
@@ -25,10 +26,7 @@ def compare_over_time(
         The records are of robots with different serial numbers.
     """
     if not records:
-        raise NeverDiagnosedError(
-            f"No diagnosis of a robot {robot!r} with that serial number is stored; the list of diagnoses "
-            "has the names and serial numbers that there are."
-        )
+        raise NeverDiagnosedError(message("refused.never_diagnosed", robot=repr(robot)))
     _check_one_robot(robot, records)
     counting = sorted(_latest(records), key=lambda record: place_in_time(record.measured_at, record.id))
     return counting, compare(dated(counting))
@@ -43,8 +41,7 @@ def _check_one_robot(robot: str, records: Sequence[DiagnosisRecord]) -> None:
     serials = {record.robot_serial_number for record in records} - {""}
     if len(serials) > 1:
         raise RobotsMixedError(
-            f"The diagnoses of {robot!r} are of robots with the serial numbers {', '.join(sorted(serials))}; "
-            "name one of them as serial_number."
+            message("refused.robots_mixed", robot=repr(robot), serials=", ".join(sorted(serials)))
         )
 
 

@@ -1,23 +1,28 @@
-"""Files that somebody brings: received, understood, corrected, and made a campaign with its jobs."""
+"""Files and series that somebody brings: received, understood, and made a campaign with its jobs."""
 
 import asyncio
+import csv
+import io
 from collections import OrderedDict
-from collections.abc import AsyncIterator, Callable, Mapping
+from collections.abc import AsyncIterator, Callable, Iterable, Mapping
 from dataclasses import replace
 from typing import Any, Final, ParamSpec, TypeVar
 
 from truepose.analysis.errors import NotReadyError
-from truepose.analysis.jobs import JobDesk
-from truepose.analysis.workers.bringing import BroughtCampaign, BroughtRead, ReadBroughtTask
-from truepose.analysis.workers.process import TaskRefusedError
-from truepose.analysis.workers.turns import Turns
+from truepose.analysis.jobs import JobService
+from truepose.analysis.workers.file_tasks import BroughtCampaign, BroughtRead, ReadBroughtTask
+from truepose.analysis.workers.process import TaskRefusedError, Turns
 from truepose.analysis.workers.uploads import Uploads
-from truepose.exchange.brought.choices import choices_of, merged
-from truepose.exchange.brought.example import example_files
-from truepose.exchange.brought.understood import Fault, Understood
-from truepose.storage.calibration.campaigns import CampaignRepository, NewCampaign
-from truepose.storage.files.drafts import Draft, DraftFolder
-from truepose.words.catalogue import IN_ENGLISH
+from truepose.domain.campaign import Values
+from truepose.exchange.import_wizard.dialogue import Fault, Understood, choices_of, merged
+from truepose.exchange.import_wizard.files import example_files
+from truepose.exchange.tables.rows import written_text
+from truepose.messages.catalogue import IN_ENGLISH
+from truepose.messages.message import message
+from truepose.storage.drafts import Draft, DraftFolder
+from truepose.storage.ledger.series import SeriesRecord, SeriesRepository
+from truepose.storage.records import Page
+from truepose.storage.results.campaigns import CampaignRepository, NewCampaign
 
 _REMEMBERED: Final = 20
 _PATIENCE_S: Final = 60.0
@@ -26,17 +31,17 @@ P = ParamSpec("P")
 T = TypeVar("T")
 
 
-class DraftDesk:
+class DraftService:
     """Takes what somebody brings to its diagnosis."""
 
     def __init__(
-        self, drafts: DraftFolder, uploads: Uploads, campaigns: CampaignRepository, jobs: JobDesk
+        self, drafts: DraftFolder, uploads: Uploads, campaigns: CampaignRepository, jobs: JobService
     ) -> None:
         self._drafts = drafts
         self._uploads = uploads
         self._campaigns = campaigns
         self._jobs = jobs
-        self._turns = Turns("uploads", at_once=4, waiting=12, patience_s=_PATIENCE_S)
+        self._turns = Turns(at_once=4, waiting=12, patience_s=_PATIENCE_S)
         self._seen: OrderedDict[tuple[int, int], Understood] = OrderedDict()
         self._making: dict[int, asyncio.Lock] = {}
 
@@ -169,3 +174,32 @@ def _what_is_missing(understood: Understood) -> str:
 
 async def _off_the_loop(work: Callable[P, T], *args: P.args, **kwargs: P.kwargs) -> T:
     return await asyncio.to_thread(work, *args, **kwargs)
+
+
+_AT_ONCE: Final = 500
+
+
+async def draft_of_series(series: SeriesRepository, drafts: DraftService, series_id: int) -> Draft:
+    """Return a new draft with what a series holds; raises NotFoundError, ConflictError, NotReadyError."""
+    record = await series.get(series_id)
+    if not record.readings:
+        raise NotReadyError(message("refused.empty_series", series=series_id))
+    draft = await drafts.create()
+    return await drafts.receive(draft.id, f"series {series_id}.csv", _table(series, record))
+
+
+async def _table(series: SeriesRepository, record: SeriesRecord) -> AsyncIterator[bytes]:
+    yield _lines([record.series.columns])
+    for after in range(0, record.readings, _AT_ONCE):
+        page = await series.readings(record.id, Page(after, min(_AT_ONCE, record.readings - after)))
+        yield _lines(one.values for one in page)
+
+
+def _lines(rows: Iterable[tuple[str, ...] | Values]) -> bytes:
+    written = io.StringIO()
+    csv.writer(written).writerows([_cell(value) for value in row] for row in rows)
+    return written.getvalue().encode()
+
+
+def _cell(value: str | float | None) -> str | float | None:
+    return written_text(value) if isinstance(value, str) else value

@@ -6,9 +6,9 @@ from datetime import date
 from typing import Any, Final
 
 from truepose.analysis.errors import BusyError, NothingMeasuredError
-from truepose.analysis.workers.correcting import CorrectFileTask, FileCorrected, TargetsFile
+from truepose.analysis.workers.file_tasks import CorrectFileTask, FileCorrected, TargetsFile
 from truepose.analysis.workers.process import Perform, perform_in_worker
-from truepose.analysis.workers.queue import Foreseen, JobQueue, Work
+from truepose.analysis.workers.queue import JobForecast, JobQueue, Work
 from truepose.analysis.workers.tasks import (
     BallbarPlanTask,
     ContactPlanTask,
@@ -19,21 +19,22 @@ from truepose.analysis.workers.tasks import (
     Task,
     ValidateTask,
 )
+from truepose.domain.ballbar import BallbarPlan
+from truepose.domain.contacts import ContactPlan
+from truepose.domain.diagnosis import Diagnosis
 from truepose.domain.errors import RecordRefusedError
-from truepose.domain.measurement.ballbar import BallbarPlan
-from truepose.domain.measurement.contacts import ContactPlan
-from truepose.domain.measurement.session import SessionPlan
-from truepose.domain.results.diagnosis import Diagnosis
-from truepose.domain.results.identification import Identification
-from truepose.domain.results.validation import Validation
-from truepose.storage.calibration.campaigns import CampaignRepository
-from truepose.storage.calibration.corrections import CorrectionRepository, NewCorrection
-from truepose.storage.calibration.diagnoses import DiagnosisRepository
-from truepose.storage.calibration.jobs import JobRepository
-from truepose.storage.calibration.results import ResultRepository
+from truepose.domain.identification import Identification
+from truepose.domain.session import SessionPlan
+from truepose.domain.validation import Validation
+from truepose.messages.message import Text, message
 from truepose.storage.records import CampaignRecord, JobKind, JobState, RequestKey
+from truepose.storage.results.campaigns import CampaignRepository
+from truepose.storage.results.corrections import CorrectionRepository, NewCorrection
+from truepose.storage.results.diagnoses import DiagnosisRepository
+from truepose.storage.results.jobs import JobRepository
+from truepose.storage.results.models import ResultRepository
 
-CheckPlan = Callable[[Any], Awaitable[str]]  # of the plan that its task makes
+CheckPlan = Callable[[Any], Awaitable[Text]]  # of the plan that its task makes
 _LOG: Final = logging.getLogger(__name__)
 _MOST_FILES: Final = 4  # of 16 MB at most each
 _PLANNED_BY: Final = {
@@ -43,7 +44,7 @@ _PLANNED_BY: Final = {
 }
 
 
-class JobDesk:
+class JobService:
     """Takes jobs, refuses those that are known to fail, and queues the others."""
 
     def __init__(
@@ -63,7 +64,7 @@ class JobDesk:
         self._queue = JobQueue(jobs, perform)
         self._files: set[int] = set()  # jobs that hold a file in memory
 
-    async def mark_interrupted(self, why: str) -> None:
+    async def mark_interrupted(self, why: Text) -> None:
         """Give every job that has no end one: nobody works on it any more."""
         await self._jobs.interrupt(why)
 
@@ -243,7 +244,7 @@ class JobDesk:
     def require_room(self) -> None:
         """Refuse a file to correct where too many wait in memory already; raises BusyError."""
         if sum(map(self._queue.under_way, self._files)) >= _MOST_FILES:
-            raise BusyError("Too many files wait to be corrected; nothing was stored, ask again later.")
+            raise BusyError(message("refused.many_files"))
 
     async def cancel(self, job_id: int) -> None:
         """End a job and its worker.
@@ -252,10 +253,10 @@ class JobDesk:
         cannot be put on record; then it goes on.
         """
         await self._jobs.get(job_id)
-        await self._jobs.change_state(job_id, JobState.CANCELLED, "Cancelled on request; nothing was stored.")
+        await self._jobs.change_state(job_id, JobState.CANCELLED, message("job.cancelled_on_request"))
         await self._queue.stop(job_id)
 
-    def foreseen(self, job_id: int) -> Foreseen | None:
+    def foreseen(self, job_id: int) -> JobForecast | None:
         """Return what is known of a job that has not ended; None of others."""
         return self._queue.foreseen(job_id)
 
@@ -263,7 +264,7 @@ class JobDesk:
         """End all workers and say so in the records of their jobs."""
         await self._queue.close()
         try:
-            await self.mark_interrupted("The service was stopped before the job ended; start it again.")
+            await self.mark_interrupted(message("job.service_stopped"))
         except RecordRefusedError as error:  # the next service finds them and says so itself
             _LOG.warning("jobs under way could not be put on record as interrupted: %s", error)
 
@@ -277,10 +278,7 @@ def _calibration_readings(campaign: CampaignRecord) -> int:
     held = campaign.summary
     found = held.calibration_points + held.calibration_legs + held.calibration_contacts
     if not found:
-        raise NothingMeasuredError(
-            f"Campaign {campaign.id} has no calibration readings; measure a calibration session, or upload "
-            "a campaign with them."
-        )
+        raise NothingMeasuredError(message("refused.no_calibration", campaign=campaign.id))
     return found
 
 
@@ -289,8 +287,5 @@ def _validation_readings(campaign: CampaignRecord) -> int:
     held = campaign.summary
     found = held.validation_points + held.validation_legs + held.validation_contacts
     if not found:
-        raise NothingMeasuredError(
-            f"Campaign {campaign.id} has no validation readings; name a validation session when it is made, "
-            "or upload one with a 'validation' file."
-        )
+        raise NothingMeasuredError(message("refused.no_validation", campaign=campaign.id))
     return found

@@ -3,11 +3,11 @@
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from truepose.domain.measurement.session import SessionPlan
+from truepose.domain.session import SessionPlan
 from truepose.storage.records import SessionSetup
 
 if TYPE_CHECKING:
-    from truepose.judgement.iso9283.plan import Plane, PoseTestKind
+    from truepose.validation.iso9283.plan import Plane, PoseTestKind
 
 
 @dataclass(frozen=True, slots=True)

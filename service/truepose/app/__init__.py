@@ -5,10 +5,9 @@ from typing import TYPE_CHECKING
 from truepose.lazy_names import loader
 
 if TYPE_CHECKING:
-    from truepose.app.cells import serve
-    from truepose.app.composition import create_app
+    from truepose.app.composition import create_app, serve
 
 __all__ = ["create_app", "serve"]
 
 if not TYPE_CHECKING:
-    __getattr__ = loader(__name__, {"create_app": "composition", "serve": "cells"})
+    __getattr__ = loader(__name__, {"create_app": "composition", "serve": "composition"})

@@ -6,19 +6,20 @@ import dataclasses
 import functools
 import logging
 from collections.abc import AsyncIterator, Callable, Sequence
+from contextlib import AbstractAsyncContextManager
 from pathlib import Path
 from typing import Final, cast
 
-from truepose.analysis.campaigns.stored import CampaignDesk
-from truepose.analysis.drafts import DraftDesk
-from truepose.analysis.drawing import DrawingDesk
-from truepose.analysis.jobs import JobDesk
-from truepose.analysis.kept import KeptDrawings
-from truepose.analysis.promising import PromiseDesk
+from truepose.analysis.campaigns.records import CampaignDesk
+from truepose.analysis.drafts import DraftService
+from truepose.analysis.jobs import JobService
+from truepose.analysis.page_services import AccuracyService, RenderCache, Renderer
 from truepose.analysis.workers.process import Perform, perform_in_worker
 from truepose.analysis.workers.uploads import Uploads
 from truepose.app.errors import ScenarioRefusedError
-from truepose.app.joined import (
+from truepose.app.server import ServiceDefinition, run
+from truepose.app.simulation import Simulation, running_simulation
+from truepose.app.startup import (
     allowed_hosts,
     beside,
     copies_of,
@@ -27,49 +28,46 @@ from truepose.app.joined import (
     program_version,
     stop_streams,
 )
-from truepose.app.simulation import Simulation, running_simulation
-from truepose.domain.cell.description import Cell, DeviceEntry
+from truepose.domain.cell import Cell, DeviceEntry
 from truepose.exchange.cells.file import read_cell, simulated_cell
-from truepose.operation.ballbar.sessions import BallbarSessions
-from truepose.operation.ballbar.worker_tasks import BallbarWork
-from truepose.operation.closing import ClosingDesk
-from truepose.operation.contacts.sessions import ContactSessions
-from truepose.operation.devices import MountedDevice, Rack
-from truepose.operation.guided.outlooks import Outlooks
-from truepose.operation.guided.sessions import GuidedSessions
-from truepose.operation.lookout.watch import Lookout
-from truepose.operation.people.desk import PeopleDesk
-from truepose.operation.present_cell import PresentCell
-from truepose.operation.repeated_diagnosis import RepeatedDiagnosis
-from truepose.operation.sessions import SessionDesk
-from truepose.operation.simulated_faults import FaultsDesk
-from truepose.operation.simulated_hands import HandsDesk
-from truepose.operation.tracker.sessions import TrackerSessions
+from truepose.health import Lookout
+from truepose.messages.message import message
+from truepose.people.accounts import PeopleDesk
+from truepose.sessions.ballbar.planning import BallbarWork
+from truepose.sessions.ballbar.service import BallbarSessions
+from truepose.sessions.cell import PresentCell
+from truepose.sessions.closing import ClosingDesk
+from truepose.sessions.contact.service import ContactSessions
+from truepose.sessions.devices import MountedDevice, Rack
+from truepose.sessions.guide.guide import Outlooks
+from truepose.sessions.guide.service import GuidedSessions
+from truepose.sessions.repeated_diagnosis import RepeatedDiagnosis
+from truepose.sessions.service import SessionDesk
+from truepose.sessions.simulated import FaultsDesk, HandsDesk
+from truepose.sessions.tracker.service import TrackerSessions
 from truepose.settings import Settings
-from truepose.storage.calibration.campaigns import CampaignRepository
-from truepose.storage.calibration.corrections import CorrectionRepository
-from truepose.storage.calibration.diagnoses import DiagnosisRepository
-from truepose.storage.calibration.jobs import JobRepository
-from truepose.storage.calibration.reports import ReportRepository
-from truepose.storage.calibration.results import ResultRepository
+from truepose.storage.caches import DrawnFolder
+from truepose.storage.contents import require_of_cell
 from truepose.storage.database import Database
-from truepose.storage.events import EventRepository
-from truepose.storage.files.drafts import DraftFolder
-from truepose.storage.files.drawn import DrawnFolder
+from truepose.storage.drafts import DraftFolder
 from truepose.storage.integrity.guard import Guard
-from truepose.storage.leaving.whose import require_of_cell
-from truepose.storage.measurement.added_stops import AddedStopsRepository
-from truepose.storage.measurement.closings import ClosingRepository
-from truepose.storage.measurement.ledger import LedgerRepository
-from truepose.storage.measurement.series import SeriesRepository
-from truepose.storage.measurement.sessions import SessionRepository
-from truepose.storage.measurement.tracker_readings import ReadingRepository
-from truepose.storage.work.lineage import Lineages
-from truepose.storage.work.listing import WorkList
+from truepose.storage.ledger.additions import AddedStopsRepository, ClosingRepository
+from truepose.storage.ledger.entries import LedgerRepository
+from truepose.storage.ledger.series import SeriesRepository
+from truepose.storage.ledger.sessions import SessionRepository
+from truepose.storage.ledger.tracker_readings import ReadingRepository
+from truepose.storage.results.campaigns import CampaignRepository
+from truepose.storage.results.corrections import CorrectionRepository
+from truepose.storage.results.diagnoses import DiagnosisRepository
+from truepose.storage.results.jobs import JobRepository
+from truepose.storage.results.lineage import Lineages, WorkList
+from truepose.storage.results.models import ResultRepository
+from truepose.storage.results.reports import ReportRepository
+from truepose.storage.rows import EventRepository
 from truepose.web.application import create_application
+from truepose.web.asgi import Application
 from truepose.web.context import Context, Endpoint
-from truepose.web.door.proxies import Proxies
-from truepose.web.served import Application
+from truepose.web.middleware.hosts import Proxies
 from truepose_drivers.api import DriverPlugin, FullClock
 from truepose_drivers.registry import DriverRegistry, load_registry
 
@@ -77,7 +75,7 @@ _LOG: Final = logging.getLogger(__name__)
 _REAL_CLOCK: Final = "monotonic_clock"
 _NOT_DEVICES: Final = {"clock", "truth"}  # endpoints that no session measures with
 _TOOL_FILE: Final = "tool_file"  # option of a driver that brings the artefact's definition to its camera
-_RESTARTED: Final = "The service ended before the job did; start it again."
+_RESTARTED: Final = message("job.service_ended")
 
 
 def create_app(
@@ -261,11 +259,11 @@ def _context(
     campaigns, jobs = CampaignRepository(database), JobRepository(database)
     results, diagnoses = ResultRepository(database), DiagnosisRepository(database)
     corrections, closings = CorrectionRepository(database), ClosingRepository(database)
-    additions = AddedStopsRepository(database)
-    job_desk, work = JobDesk(jobs, campaigns, results, diagnoses, corrections, perform), BallbarWork(perform)
+    additions, drafts = AddedStopsRepository(database), DraftFolder.beside(database.file)
+    job_desk = JobService(jobs, campaigns, results, diagnoses, corrections, perform)
     session_desk = SessionDesk(sessions, LedgerRepository(database), rack, present)
+    contact_sessions, work = ContactSessions(session_desk), BallbarWork(perform)
     ballbar_sessions = BallbarSessions(session_desk, work.precalibrator, work.choose)
-    contact_sessions = ContactSessions(session_desk)
     made_of = (ballbar_sessions.campaign, contact_sessions.campaign)
     campaign_desk = CampaignDesk(campaigns, sessions, readings, *made_of, Uploads())
     again = RepeatedDiagnosis(additions, diagnoses, campaigns, sessions, campaign_desk, job_desk)
@@ -297,13 +295,22 @@ def _context(
         guided_sessions=GuidedSessions(tracker_sessions, contact_sessions, readings, Outlooks(perform)),
         hands_desk=HandsDesk(rack, ballbar_sessions.frame_of),
         faults_desk=FaultsDesk(None if simulation is None else simulation.ask_of_faults, present),
-        drawing_desk=DrawingDesk(perform, KeptDrawings(DrawnFolder.beside(database.file))),
-        promise_desk=PromiseDesk(perform),
-        closing_desk=ClosingDesk(sessions, closings, rack, present),
+        drawing_desk=Renderer(perform, RenderCache(DrawnFolder.beside(database.file))),
+        promise_desk=AccuracyService(perform),
+        closing_desk=ClosingDesk(sessions, closings, rack, present, session_desk.kind_of),
         job_desk=job_desk,
         campaign_desk=campaign_desk,
         people=people,
-        draft_desk=DraftDesk(DraftFolder.beside(database.file), campaign_desk.uploads, campaigns, job_desk),
+        draft_desk=DraftService(drafts, campaign_desk.uploads, campaigns, job_desk),
         stopping=asyncio.Event(),
         fault=lambda: None if simulation is None else simulation.fault,
     )
+
+
+def serve(settings: Settings) -> int:
+    """Serve a cell until interrupted, as `run` does."""
+
+    def opened(lines_lost: Callable[[], int]) -> AbstractAsyncContextManager[Context]:
+        return open_context(settings, lines_lost=lines_lost)
+
+    return run(settings, ServiceDefinition(opened, create_application))

@@ -5,31 +5,25 @@ import contextlib
 from collections.abc import AsyncIterator, Callable
 from datetime import UTC, datetime
 
-from truepose.analysis.drawing import DrawingDesk
-from truepose.analysis.fleets.desk import FleetDesk
-from truepose.analysis.kept import KeptDrawings
+from truepose.analysis.fleets.service import FleetService
+from truepose.analysis.page_services import RenderCache, Renderer
 from truepose.analysis.workers.process import perform_in_worker
-from truepose.app.joined import beside, copies_of, opened_database, people_of, program_version
-from truepose.app.server import Served, run
-from truepose.exchange.cells.of_plant import read_plant_file
+from truepose.app.server import ServiceDefinition, run
+from truepose.app.startup import beside, copies_of, opened_database, people_of, program_version
+from truepose.exchange.cells.plant import read_plant_file
 from truepose.plant.changes import RobotsChanged
-from truepose.plant.collector import Collector, Pace, collecting
+from truepose.plant.collector import Collector, Pace, Shelves, collecting
 from truepose.plant.due import DueAfter
-from truepose.plant.visit import Shelves
 from truepose.settings import PlantSettings
-from truepose.storage.files.drawn import DrawnFolder
-from truepose.storage.files.foreseen import Comparisons
+from truepose.storage.caches import Comparisons, DrawnFolder
+from truepose.storage.contents import require_of_plant
 from truepose.storage.integrity.guard import Guard
-from truepose.storage.leaving.whose import require_of_plant
-from truepose.storage.plant.campaigns import CollectedCampaigns
+from truepose.storage.plant.cells import VisitRepository
 from truepose.storage.plant.certificates import PlantCertificates
-from truepose.storage.plant.hand_downs import HandDownRepository
-from truepose.storage.plant.journal import JournalRepository
-from truepose.storage.plant.lines import JournalLines
-from truepose.storage.plant.looking import PlantLooks
-from truepose.storage.plant.looking_over import PlantOverview
-from truepose.storage.plant.newest import PlantTold
-from truepose.storage.plant.visits import VisitRepository
+from truepose.storage.plant.deployments import HandDownRepository
+from truepose.storage.plant.journal import JournalLines, JournalRepository
+from truepose.storage.plant.overview import CollectedCampaigns, PlantOverview, PlantResults
+from truepose.storage.plant.queries import PlantQueries
 from truepose.web.plant.application import create_plant_application
 from truepose.web.plant.changes import read_ahead
 from truepose.web.plant.context import Place, PlantContext
@@ -41,7 +35,7 @@ def serve_plant(settings: PlantSettings) -> int:
     def opened(_lines_lost: Callable[[], int]) -> contextlib.AbstractAsyncContextManager[PlantContext]:
         return open_plant(settings)
 
-    return run(settings.service, Served(opened, create_plant_application))
+    return run(settings.service, ServiceDefinition(opened, create_plant_application))
 
 
 @contextlib.asynccontextmanager
@@ -68,13 +62,13 @@ async def open_plant(settings: PlantSettings) -> AsyncIterator[PlantContext]:
         beside(stack, Guard(database).follow(), "storage guard")
         copies = copies_of(settings.service, stack)
         await stack.enter_async_context(collecting(collector))
-        told = PlantTold(database)
+        told = PlantResults(database)
         await read_ahead(told, datetime.now(UTC).date())  # of all robots: no page waits for it
-        drawing = DrawingDesk(perform_in_worker, KeptDrawings(DrawnFolder.beside(database.file)))
+        drawing = Renderer(perform_in_worker, RenderCache(DrawnFolder.beside(database.file)))
         stack.push_async_callback(drawing.kept.close)
         # Who waits for workers elsewhere keeps no report from being drawn.
-        asking = drawing if settings.workers is None else DrawingDesk(perform_in_worker, drawing.kept)
-        telling = FleetDesk.folder(database.file), asking, settings.workers
+        asking = drawing if settings.workers is None else Renderer(perform_in_worker, drawing.kept)
+        telling = FleetService.folder(database.file), asking, settings.workers
         yield PlantContext(
             version=program_version(),
             cell=Place(settings.name),
@@ -84,12 +78,12 @@ async def open_plant(settings: PlantSettings) -> AsyncIterator[PlantContext]:
             visits=visits,
             hand_downs=hand_downs,
             lines=JournalLines(database),
-            looks=PlantLooks(database),
+            looks=PlantQueries(database),
             overview=PlantOverview(database),
             told=told,
             changed=RobotsChanged(),
             certificates=PlantCertificates(database),
-            fleets=FleetDesk(CollectedCampaigns(database), *telling),
+            fleets=FleetService(CollectedCampaigns(database), *telling),
             comparisons=Comparisons(database.file),
             drawing_desk=drawing,
             due=DueAfter(settings.due_after_days, plant.due_after_days),

@@ -1,11 +1,13 @@
-"""Runs the service until it is asked to end: once politely, twice at once."""
+"""The server of a cell's or a plant's service: who may reach it, started, watched, ended."""
 
 import asyncio
 import contextlib
 import functools
 import json
 import logging
+import os
 import socket
+import ssl
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import AbstractAsyncContextManager
@@ -15,29 +17,80 @@ from typing import Final, Generic, Protocol, TypeVar
 
 import uvicorn
 
-from truepose.app.connections.census import Census, Limits, looked_after
-from truepose.app.connections.descriptors import connection_limit
-from truepose.app.connections.protocol import WatchedProtocol
+from truepose.app.connections import Census, Limits, connection_limit, looked_after
 from truepose.app.errors import PortInUseError, ScenarioRefusedError, UnsafeStartError
-from truepose.app.joined import allowed_hosts, program_version, stop_streams
-from truepose.app.logs.journal import logged
-from truepose.app.safety import require_safe, speak_tls
-from truepose.app.service_manager import keep_telling, tell
+from truepose.app.http_protocol import WatchedProtocol
+from truepose.app.logs import logged
+from truepose.app.startup import allowed_hosts, program_version, stop_streams
 from truepose.domain.errors import TrueposeError
 from truepose.effects.registry import unusable_causes
 from truepose.exchange.errors import ExchangeError
-from truepose.operation.people.desk import PeopleDesk
+from truepose.messages.error_codes import code_of
+from truepose.people.accounts import PeopleDesk
 from truepose.processes import asked_to_end
 from truepose.settings import Settings
-from truepose.storage.connection.address import database_file
 from truepose.storage.database import Database
-from truepose.storage.people.machine import ReachedService, told_beside
-from truepose.web.door.errors import DoorError
-from truepose.web.door.hosts import AllowedHosts
-from truepose.web.door.proxies import Proxies
-from truepose.web.served import Application
-from truepose.words.error_codes import code_of
+from truepose.storage.engine.address import database_file
+from truepose.storage.secret_files import ReachedService, told_beside
+from truepose.web.asgi import Application
+from truepose.web.middleware.hosts import AddressError, AllowedHosts, Proxies
 from truepose_drivers.errors import DriverError
+
+_OPEN: Final = (
+    "--no-accounts lets in whoever reaches the service, so it is for this computer alone: leave "
+    "out --host, --allowed-host and --behind-proxy, or leave out --no-accounts."
+)
+_HALF: Final = "TLS needs both: --tls-certificate FILE and --tls-key FILE."
+
+
+def require_safe(settings: Settings) -> None:
+    """Raise UnsafeStartError where a service would let in whoever reaches it."""
+    if not settings.accounts and not settings.reached_from_here_alone:
+        raise UnsafeStartError(_OPEN)
+    if (settings.tls_certificate is None) != (settings.tls_key is None):
+        raise UnsafeStartError(_HALF)
+
+
+def speak_tls(config: uvicorn.Config, settings: Settings) -> str:
+    """Have a server speak TLS 1.2 or newer where there is a certificate; return the scheme of its addresses.
+
+    Raises UnsafeStartError where certificate and key cannot be used.
+    """
+    config.load()
+    if settings.tls_certificate is None or settings.tls_key is None:
+        return "http"
+    context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
+    context.minimum_version = ssl.TLSVersion.TLSv1_2
+    try:
+        context.load_cert_chain(settings.tls_certificate, settings.tls_key)
+    except (OSError, ssl.SSLError) as error:
+        raise UnsafeStartError(
+            f"{settings.tls_certificate} and {settings.tls_key} are no certificate and its key ({error})."
+        ) from error
+    config.ssl = context
+    return "https"
+
+
+_MICROSECONDS: Final = 1e6
+_OFTEN: Final = 3.0  # times within the time after which the service counts as hung
+
+
+def tell(state: str) -> None:
+    """Send a state to the service manager that started this process."""
+    address = os.environ.get("NOTIFY_SOCKET", "")
+    if not address or not hasattr(socket, "AF_UNIX"):
+        return
+    with contextlib.suppress(OSError), socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as sender:
+        sender.sendto(state.encode(), f"\0{address[1:]}" if address.startswith("@") else address)
+
+
+async def keep_telling() -> None:
+    """Say that the event loop turns, as often as the service manager wants it; return where it does not."""
+    hung_after_s = float(os.environ.get("WATCHDOG_USEC") or 0) / _MICROSECONDS
+    while hung_after_s > 0:
+        tell("WATCHDOG=1")
+        await asyncio.sleep(hung_after_s / _OFTEN)
+
 
 _LOG: Final = logging.getLogger(__name__)
 _UNUSABLE_INPUT: Final = 2
@@ -51,7 +104,7 @@ _UNHEARD_MS: Final = 30_000  # after which a connection ends whose other side ac
 _QUEUE: Final = 4096  # connections that wait in the system to be taken up; beyond, it asks them to come again
 
 
-class Opened(Protocol):
+class ServiceContext(Protocol):
     """What is behind the routes of any service."""
 
     @property
@@ -67,11 +120,11 @@ class Opened(Protocol):
         """Set when the service ends."""
 
 
-C = TypeVar("C", bound=Opened)
+C = TypeVar("C", bound=ServiceContext)
 
 
 @dataclass(frozen=True, slots=True)
-class Served(Generic[C]):
+class ServiceDefinition(Generic[C]):
     """A service: what opens all that is behind its routes, given how many lines of the log were lost."""
 
     opened: Callable[[Callable[[], int]], AbstractAsyncContextManager[C]]
@@ -80,7 +133,7 @@ class Served(Generic[C]):
     ]
 
 
-def run(settings: Settings, served: Served[C]) -> int:
+def run(settings: Settings, served: ServiceDefinition[C]) -> int:
     """Serve until interrupted and return the exit status; prints one JSON line with `url` when ready.
 
     A start that fails writes one sentence to standard error: status 2 for a cell file, a scenario, an
@@ -96,7 +149,7 @@ def run(settings: Settings, served: Served[C]) -> int:
             asyncio.run(_serve(settings, served, lambda: lost.lines))
     except KeyboardInterrupt:  # before the service was ready and took care of signals itself
         return 0
-    except (ExchangeError, ScenarioRefusedError, UnsafeStartError, DoorError) as error:
+    except (ExchangeError, ScenarioRefusedError, UnsafeStartError, AddressError) as error:
         return _refuse(error, _UNUSABLE_INPUT)
     except (TrueposeError, DriverError) as error:
         return _refuse(error, _SERVICE_FAILED)
@@ -116,7 +169,7 @@ def _refuse(error: Exception, status: int) -> int:
     return status
 
 
-async def _serve(settings: Settings, served: Served[C], lines_lost: Callable[[], int]) -> None:
+async def _serve(settings: Settings, served: ServiceDefinition[C], lines_lost: Callable[[], int]) -> None:
     hosts, proxies = allowed_hosts(settings), Proxies(settings.proxies)
     # The port first: a service that nobody can reach must not hold the database or start a cell.
     with _listening(settings.host, settings.port) as listener:
@@ -206,7 +259,7 @@ def _listening(host: str, port: int) -> Iterator[socket.socket]:
         yield listener
 
 
-def _said(context: Opened, url: str) -> dict[str, str]:
+def _said(context: ServiceContext, url: str) -> dict[str, str]:
     """Return what is told when the service is ready, and how the first person enters."""
     accounts = context.people.accounts
     if not accounts.asked_for or not accounts.nobody_entered:
@@ -217,7 +270,7 @@ def _said(context: Opened, url: str) -> dict[str, str]:
     return {"url": url, "first_person": link}
 
 
-def _reached(context: Opened, url: str, settings: Settings) -> ReachedService:
+def _reached(context: ServiceContext, url: str, settings: Settings) -> ReachedService:
     """Return how commands of this machine reach the service."""
     certificate = settings.tls_certificate
     shown = None if certificate is None else str(certificate.resolve())

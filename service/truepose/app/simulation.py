@@ -15,8 +15,8 @@ from pathlib import Path
 from typing import Any, Final
 
 from truepose.app.errors import ScenarioRefusedError, SimulationFailedError
-from truepose.domain.cell.description import SimulatedCell
-from truepose.exchange.cells.scenario_text import scenario_text
+from truepose.domain.cell import SimulatedCell
+from truepose.exchange.cells.file import scenario_text
 from truepose.processes import in_own_group
 from truepose.web.context import Endpoint
 from truepose_drivers.errors import ConnectionLostError

@@ -7,6 +7,9 @@ import sys
 from collections.abc import Callable, Iterable, Iterator
 from typing import TYPE_CHECKING, Any
 
+from truepose.messages.catalogue import english
+from truepose.messages.message import Text
+
 if TYPE_CHECKING:
     from rich.console import RenderableType
 
@@ -32,7 +35,7 @@ def print_lines(lines: Iterable[str]) -> None:
 
 
 @contextlib.contextmanager
-def shown_progress() -> Iterator[Callable[[float, str], None]]:
+def shown_progress() -> Iterator[Callable[[float, Text], None]]:
     """Yield what is to be told how far the work is (0 to 1, and what is done); a bar on a terminal only."""
     from rich.console import Console
     from rich.markup import escape
@@ -42,7 +45,7 @@ def shown_progress() -> Iterator[Callable[[float, str], None]]:
     columns = (TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn())
     with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as bars:
         bar = bars.add_task("", total=1.0)
-        yield lambda fraction, doing: bars.update(bar, completed=fraction, description=escape(doing))
+        yield lambda fraction, doing: bars.update(bar, completed=fraction, description=escape(english(doing)))
 
 
 def remark(sentences: Iterable[str]) -> None:

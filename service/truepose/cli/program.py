@@ -13,9 +13,9 @@ from typing import Annotated
 import typer
 
 from truepose.domain.errors import TrueposeError
+from truepose.messages.error_codes import code_of
 from truepose.start import begin_lightly, end_lightly, speak_unicode
 from truepose.version import __version__
-from truepose.words.error_codes import code_of
 
 UNUSABLE_INPUT = 2
 SERVICE_FAILED = 3
@@ -24,37 +24,37 @@ INTERRUPTED = 130
 _OF_SERVICES = frozenset({"TP-5008", "TP-5009", "TP-6004", "TP-6010", "TP-6011"})
 
 _COMMANDS = {
-    "demo": "cells",
-    "serve": "cells",
-    "plant": "plants",
-    "simulate": "cells",
-    "identify": "calibration.campaigns",
-    "diagnose": "calibration.diagnoses",
-    "predict": "calibration.campaigns",
-    "reanalyse": "calibration.archives",
-    "fleet": "calibration.fleets",
-    "resample": "calibration.resampling",
-    "validate": "calibration.validation",
-    "plan": "calibration.plans",
-    "circles": "calibration.circles",
-    "sphere": "calibration.spheres",
-    "correct": "calibration.corrections",
-    "export": "exchange.exports",
-    "import": "exchange.imports",
-    "watch": "calibration.watching",
-    "nightly": "cells",
-    "inspect": "exchange.inspection",
-    "verify": "administration.records",
-    "backup": "administration.records",
-    "restore": "administration.records",
-    "copy": "administration.records",
-    "retention": "administration.retention",
-    "unit": "administration.deployment",
-    "dashboard": "administration.deployment",
+    "demo": "services",
+    "serve": "services",
+    "plant": "services",
+    "simulate": "services",
+    "identify": "campaigns",
+    "diagnose": "diagnoses",
+    "predict": "campaigns",
+    "reanalyse": "archives",
+    "fleet": "fleets",
+    "resample": "archives",
+    "validate": "validation",
+    "plan": "plans",
+    "circles": "circles_and_spheres",
+    "sphere": "circles_and_spheres",
+    "correct": "corrections",
+    "export": "models",
+    "import": "imports",
+    "watch": "archives",
+    "nightly": "services",
+    "inspect": "imports",
+    "verify": "database",
+    "backup": "database",
+    "restore": "database",
+    "copy": "database",
+    "retention": "database",
+    "unit": "services",
+    "dashboard": "services",
 }
 
 
-_GROUPS = {"people": "administration.people"}  # of commands
+_GROUPS = {"people": "people"}  # of commands
 
 
 def main() -> int:

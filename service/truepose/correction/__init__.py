@@ -1,6 +1,6 @@
 """Corrected joint targets: the identified model turned round, so that the real tool arrives."""
 
-from truepose.correction.corrections import ANY_BRANCH, Corrections, Status, joined
+from truepose.correction.answers import ANY_BRANCH, Corrections, Status, Summary, joined
 from truepose.correction.goals import FLANGE, Goals, of_poses
 from truepose.correction.joint_targets import (
     correct,
@@ -11,7 +11,6 @@ from truepose.correction.joint_targets import (
     tool_nests_mm,
 )
 from truepose.correction.mistakes import OTHER_READINGS, likely_mistake
-from truepose.correction.summary import Summary
 
 __all__ = [
     "ANY_BRANCH",

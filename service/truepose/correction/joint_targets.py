@@ -9,16 +9,13 @@ from typing import Final
 
 import numpy as np
 
-from truepose.correction.branches import Ranges, attain_any_branch
-from truepose.correction.corrections import ANY_BRANCH, Corrections, joined, judged
-from truepose.correction.goals import FLANGE, Goals
-from truepose.correction.inverse import Attained, attain, merged, replaced
-from truepose.correction.limits import FAR_RAD
-from truepose.correction.starts import NominalArm, attain_branch
+from truepose.correction.answers import ANY_BRANCH, Corrections, joined, judged
+from truepose.correction.branches import NominalArm, Ranges, attain_any_branch, attain_branch
+from truepose.correction.goals import FAR_RAD, FLANGE, Goals
+from truepose.correction.inverse import SearchEnd, attain, merged, replaced
 from truepose.domain.arrays import BoolArray, FloatArray, IntArray
-from truepose.domain.measurement.campaign import Stops
-from truepose.domain.measurement.last_moves import told_moves
-from truepose.domain.results.identification import Model
+from truepose.domain.campaign import Stops, told_moves
+from truepose.domain.identification import Model
 from truepose.identification.model.estimates import Estimate, check_targets, identified_estimate
 from truepose.identification.model.evaluation import Targets
 from truepose.kinematics.chain import nominal_chain
@@ -134,7 +131,7 @@ def _measured(model: Model) -> Ranges:
     return (model.zone.joint_ranges if model.zone else robot.calibration_ranges) or robot.joint_limits
 
 
-def _from_told(estimate: Estimate, goals: Goals, told: BoolArray) -> Attained:
+def _from_told(estimate: Estimate, goals: Goals, told: BoolArray) -> SearchEnd:
     """Search from the joints that are told, in their branch, near them or near the nominal answer there."""
     found, arm = attain(estimate, goals, goals.stops.joints_rad), NominalArm(estimate)
     rows = np.flatnonzero(told)
@@ -144,7 +141,7 @@ def _from_told(estimate: Estimate, goals: Goals, told: BoolArray) -> Attained:
     branch = branch_of(estimate.structure.robot, start)
     own = _turned_to(arm.one_branch(arm.flange(goals), branch), start)
 
-    def near(ended: Attained) -> Attained:
+    def near(ended: SearchEnd) -> SearchEnd:
         away = [np.abs(ended.joints_rad - joints).max(axis=1) for joints in (start, own)]
         return ended.without(~(np.minimum(*away) <= FAR_RAD))
 

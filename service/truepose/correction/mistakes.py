@@ -10,15 +10,15 @@ from typing import Final
 
 import numpy as np
 
+from truepose.correction.branches import NominalArm
 from truepose.correction.goals import Goals
 from truepose.correction.joint_targets import numbered_nests, with_flange
-from truepose.correction.starts import NominalArm
 from truepose.domain.arrays import BoolArray, FloatArray
-from truepose.domain.results.identification import Model
-from truepose.domain.sentences import Sentence, said
+from truepose.domain.identification import Model
 from truepose.identification.model.estimates import identified_estimate
-from truepose.identification.model.validity.zone import beyond_zone_mm
+from truepose.identification.model.validity import beyond_zone_mm
 from truepose.kinematics.frames import quaternion_from_rotation, rotation_from_quaternion
+from truepose.messages.message import Message, message
 
 _FEWEST: Final = 3  # targets: of fewer nothing is said
 _LOOKED_AT: Final = 500  # of a table, evenly drawn
@@ -44,7 +44,7 @@ OTHER_READINGS: Final = frozenset(_MEANT.values())  # keys of sentences that nam
 _MIRROR: Final = np.diag([1.0, -1.0, 1.0])
 
 
-def likely_mistake(model: Model, goals: Goals, *, in_base: bool) -> Sentence | None:
+def likely_mistake(model: Model, goals: Goals, *, in_base: bool) -> Message | None:
     """Return as what targets were probably meant; None where as they are, or as nothing that is known.
 
     Parameters
@@ -66,9 +66,9 @@ def likely_mistake(model: Model, goals: Goals, *, in_base: bool) -> Sentence | N
     shares = {name: work.share(other, in_base=base) for name, other, base in _readings(looked_at, in_base)}
     name = max(shares, key=lambda one: shares[one])
     if _explains(shares[name], now):
-        return said(_MEANT[name], now=now, then=shares[name])
+        return message(_MEANT[name], now=now, then=shares[name])
     away_mm = work.away_mm(looked_at, in_base=in_base)
-    return None if now or not away_mm else said("corrections.mistake.elsewhere", away_mm=away_mm)
+    return None if now or not away_mm else message("corrections.mistake.elsewhere", away_mm=away_mm)
 
 
 def _explains(then: float, now: float) -> bool:

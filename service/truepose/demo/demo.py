@@ -1,4 +1,4 @@
-"""`truepose demo`: the main job without hardware, from the first motion to the report."""
+"""`truepose demo`: the main job without hardware, from the first motion to report and `result.json`."""
 
 import asyncio
 import time
@@ -6,15 +6,103 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
-from truepose.demo.cell.opened import DATABASE
-from truepose.demo.cell.run import CellRequest, run_cell
-from truepose.demo.diagnosis import write_diagnosis
+from rich.console import Console
+from rich.table import Table
+
 from truepose.demo.errors import DemoError, UnusableScenarioError
+from truepose.demo.processes import DATABASE
 from truepose.demo.progress import RunProgress, shown_progress
-from truepose.demo.report import REPORT, write_report
-from truepose.demo.result import RESULT, show_result, write_result
-from truepose.demo.truth_comparison import JudgedRun, judge
+from truepose.demo.report import REPORT, diagnosis_lines, write_diagnosis, write_report
+from truepose.demo.run import CAMPAIGN_FOLDER, MODEL_FILE, CellRequest, CellRun, run_cell
+from truepose.demo.truth_comparison import JudgedRun, TrueErrors, judge
 from truepose.exchange.cells.file import reads_poses
+from truepose.exchange.json_text import Json, number_or_null, render_json
+from truepose.exchange.results.document import statistics_document
+from truepose.messages.catalogue import IN_ENGLISH, english
+from truepose.reports.error_tables import title_of, turns_table
+from truepose.reports.identification.judged_figures import figures_table
+from truepose.reports.identification.summary import truth_table
+from truepose.reports.rounding import millimetres
+from truepose.reports.tables import on_terminal
+from truepose.version import __version__
+
+RESULT: Final = "result.json"
+
+
+def write_result(judged: JudgedRun, wall_s: float, file: Path) -> None:
+    """Write the document of a run; `truth` is null where nothing was identified."""
+    run = judged.run
+    document: dict[str, Json] = {
+        "scenario": run.request.scenario,
+        "seed": run.request.seed,
+        "version": __version__,
+        "identification": run.identification,
+        "validation": run.validation,
+        "diagnosis": run.diagnosis["document"],
+        "truth": None if judged.errors is None else _truth(judged, judged.errors),
+        "campaign": CAMPAIGN_FOLDER,
+        "model": None if run.model is None else MODEL_FILE,
+        "wall_s": round(wall_s, 3),
+    }
+    file.write_text(render_json(document) + "\n", encoding="utf-8")
+
+
+def _truth(judged: JudgedRun, errors: TrueErrors) -> dict[str, Json]:
+    return {
+        "validation_true_error": statistics_document(errors.absolute),
+        "validation_true_error_aligned": statistics_document(errors.aligned),
+        "parameters": [
+            {
+                "name": parameter.name,
+                "identified": parameter.identified,
+                "true": number_or_null(parameter.true),
+                "standard_uncertainty": parameter.standard_uncertainty,
+                "unit": parameter.unit,
+            }
+            for parameter in judged.parameters
+        ],
+    }
+
+
+def show_result(judged: JudgedRun, out: Path) -> None:
+    """Print the tables on standard output."""
+    console = Console(highlight=False)
+    errors, turns = figures_table(judged.identification), turns_table(judged.identification)
+    console.print(on_terminal(errors, IN_ENGLISH.say(title_of(judged.identification))))
+    if turns.rows:
+        console.print(on_terminal(turns, IN_ENGLISH.say("turns.title")))
+    if judged.errors is None:
+        console.print(english(judged.identification.message), soft_wrap=True, markup=False)
+    else:
+        console.print(_errors_table(judged.errors))
+        console.print(on_terminal(truth_table(judged.parameters), IN_ENGLISH.say("terminal.truth")))
+    for line in diagnosis_lines(judged.run.diagnosis["document"]):
+        console.print(line, soft_wrap=True, markup=False)
+    console.print(
+        f"{_verdict(judged.run)} Reports, result, campaign and model are in {out}.",
+        soft_wrap=True,
+        markup=False,
+    )
+
+
+def _errors_table(errors: TrueErrors) -> Table:
+    table = Table(title="True errors of the identified model, mm: the simulator's knowledge")
+    table.add_column("at the validation configurations")
+    for name in ("n", "mean", "rms", "max"):
+        table.add_column(name, justify="right")
+    for label, figures in (("absolute", errors.absolute), ("after rigid alignment", errors.aligned)):
+        values = (figures.mean_mm, figures.rms_mm, figures.max_mm)
+        table.add_row(label, str(figures.n), *(millimetres(value) for value in values))
+    return table
+
+
+def _verdict(run: CellRun) -> str:
+    if run.passed:
+        return "Identified and validated."
+    if run.validation is None:
+        return "No model was identified."
+    return "The model was not validated." if run.converged else "The identification did not converge."
+
 
 _FAILED: Final = 1
 _UNUSABLE_INPUT: Final = 2

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
-from truepose.demo.cell.client import Told
+from truepose.demo.client import Told
 
 
 class RunProgress:

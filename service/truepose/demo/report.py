@@ -1,28 +1,36 @@
-"""The report of a run, with the conditions that the service recorded of its sessions."""
+"""The reports of a run: identification and diagnosis, with the conditions that the service recorded.
 
+The document comes over REST like every other. The report also draws curves and single errors, which the
+document has no place for: they are read from the database that the ended service has left.
+"""
+
+import asyncio
+import contextlib
+import dataclasses
 import math
+from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor
 from datetime import UTC, datetime
 from multiprocessing import get_context
 from pathlib import Path
 from typing import Any, Final
 
-from truepose.demo.cell.client import PERSON
-from truepose.demo.cell.run import SessionRecords
+from truepose.demo.client import PERSON
+from truepose.demo.processes import DATABASE
+from truepose.demo.run import CellRun, SessionRecords
 from truepose.demo.truth_comparison import JudgedRun
-from truepose.domain.cell.description import Cell
-from truepose.domain.sentences import said
+from truepose.domain.cell import Cell
+from truepose.domain.diagnosis import Diagnosis
 from truepose.exchange.cells.file import simulated_cell
-from truepose.reports import (
-    DiagnosisLink,
-    Instrument,
-    Period,
-    ReportConditions,
-    ReportInput,
-    Truth,
-    write_identification_report,
-)
+from truepose.messages.message import message
+from truepose.reports.diagnosis.report import DiagnosisReport
+from truepose.reports.identification.report import DiagnosisLink, IdentificationReport
+from truepose.reports.identification.summary import Truth
 from truepose.reports.paper import print_page
+from truepose.reports.traceability import Instrument, Period, ReportConditions
+from truepose.storage.database import Database
+from truepose.storage.results.diagnoses import DiagnosisRepository
+from truepose.storage.results.models import ResultRepository
 
 REPORT: Final = "report.html"
 DIAGNOSIS_REPORT: Final = "diagnosis.html"
@@ -33,14 +41,14 @@ def write_report(judged: JudgedRun, file: Path) -> None:
     """Write the HTML report; raises UnwritableReportError."""
     run = judged.run
     cell = simulated_cell(run.request.scenario, run.request.seed)
-    report = ReportInput(
+    report = IdentificationReport(
         identification=judged.identification,
         campaign=run.campaign,
         conditions=report_conditions(run.records, cell),
         truth=_truth(judged),
         diagnosis=DiagnosisLink(DIAGNOSIS_REPORT, run.diagnosis["document"]["message"]),
     )
-    write_identification_report(file, report)
+    report.write(file)
 
 
 def print_reports(folder: Path) -> None:
@@ -54,8 +62,8 @@ def _truth(judged: JudgedRun) -> Truth | None:
     if judged.errors is None:
         return None
     errors = (
-        (said("truth.absolute"), judged.errors.absolute),
-        (said("truth.aligned"), judged.errors.aligned),
+        (message("truth.absolute"), judged.errors.absolute),
+        (message("truth.aligned"), judged.errors.aligned),
     )
     return Truth(parameters=judged.parameters, errors=errors)
 
@@ -112,3 +120,27 @@ def _approach(offset_deg: float | None) -> str:
 def _period(name: str, session: dict[str, Any]) -> Period:
     began = (state["recorded_at"] for state in session["states"] if state["state"] == "running")
     return Period(name, next(began, ""), session["state_since"])
+
+
+def write_diagnosis(run: CellRun, folder: Path) -> None:
+    """Write the report of the diagnosis into the folder of the run; raises UnwritableReportError."""
+    diagnosis = asyncio.run(_stored(folder / DATABASE, run.diagnosis["id"]))
+    conditions = report_conditions(run.records, simulated_cell(run.request.scenario, run.request.seed))
+    name = f"scenario {Path(run.request.scenario).stem}, seed {run.request.seed}"
+    DiagnosisReport(diagnosis, name, conditions=conditions).write(folder / DIAGNOSIS_REPORT)
+
+
+async def _stored(database: Path, number: int) -> Diagnosis:
+    with contextlib.closing(Database(f"sqlite:///{database.resolve()}")) as opened:
+        record = await DiagnosisRepository(opened).get(number)
+        if record.model_id is None:
+            return record.diagnosis
+        model = (await ResultRepository(opened).model(record.model_id)).model
+    return dataclasses.replace(record.diagnosis, model=model)
+
+
+def diagnosis_lines(document: dict[str, Any]) -> Iterator[str]:
+    """Yield the message and, of each finding, the sentence with how sure it is."""
+    yield f"Diagnosis: {document['message']}"
+    for number, finding in enumerate(document["findings"], start=1):
+        yield f"  {number}. {finding['sentence']} ({finding['confidence']})"

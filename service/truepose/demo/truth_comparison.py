@@ -11,17 +11,17 @@ rigid motions where the model has DH-Modified rows, so no table of the simulator
 import math
 from dataclasses import dataclass, replace
 
-from truepose.demo.cell.run import CellRun
-from truepose.demo.cell.truth import TrueReadings
+from truepose.demo.run import CellRun
+from truepose.demo.truth import TrueReadings
 from truepose.domain.arrays import FloatArray
-from truepose.domain.measurement.campaign import Campaign, PointReadings
-from truepose.domain.results.identification import Identification, Model, Parameter, Statistics
+from truepose.domain.campaign import Campaign, PointReadings
+from truepose.domain.identification import Identification, Model, Parameter, Statistics
 from truepose.domain.robot import Nest
 from truepose.exchange.models.document import file_factor, file_unit
 from truepose.identification import identify, predict
-from truepose.identification.verdict.statistics import statistics
+from truepose.identification.verdict.judge import statistics
 from truepose.kinematics.frames import rigid_alignment
-from truepose.reports import TrueParameter
+from truepose.reports.identification.summary import TrueParameter
 
 
 @dataclass(frozen=True, slots=True)

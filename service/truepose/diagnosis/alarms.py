@@ -9,14 +9,14 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
-from truepose.diagnosis.history import CauseOverTime, Change, DatedDiagnosis, Sighting, Sign
-from truepose.domain.results.diagnosis import Confidence, Diagnosis
+from truepose.diagnosis.history import CauseObservation, CauseOverTime, Change, DatedDiagnosis, Sighting
+from truepose.domain.diagnosis import Confidence, Diagnosis
 
 _BAND: Final = 1.96  # standard uncertainties of 95 %
 
 
 @dataclass(frozen=True, slots=True)
-class Grown:
+class CauseGrowth:
     """A cause whose amplitude grew, and from when to when."""
 
     cause: CauseOverTime
@@ -24,7 +24,7 @@ class Grown:
 
 
 @dataclass(frozen=True, slots=True)
-class Appeared:
+class NewCause:
     """A cause that was not there before, RMS at the tool [mm]."""
 
     cause: CauseOverTime
@@ -34,7 +34,7 @@ class Appeared:
     worth_mm: float  # now
 
 
-Alarm = Grown | Appeared
+Alarm = CauseGrowth | NewCause
 
 
 def alarms(causes: Sequence[CauseOverTime], diagnoses: Sequence[DatedDiagnosis]) -> tuple[Alarm, ...]:
@@ -52,17 +52,17 @@ def alarms(causes: Sequence[CauseOverTime], diagnoses: Sequence[DatedDiagnosis])
     return tuple(alarm for alarm in found if alarm is not None)
 
 
-def _grown(cause: CauseOverTime) -> Grown | None:
+def _grown(cause: CauseOverTime) -> CauseGrowth | None:
     """Return the significant growth that ends with the last amplitude: overall, else of the last step."""
     signs = {sign.diagnosis_id: abs(sign.amplitude or 0.0) for sign in cause.signs}
     last = cause.changes[-1].to_id if cause.changes else None
     for change in filter(None, (cause.overall, *cause.changes[-1:])):
         if change.significant and change.to_id == last and signs[change.to_id] > signs[change.from_id]:
-            return Grown(cause, change)
+            return CauseGrowth(cause, change)
     return None
 
 
-def _appeared(cause: CauseOverTime, known: Mapping[int, Diagnosis]) -> Appeared | None:
+def _appeared(cause: CauseOverTime, known: Mapping[int, Diagnosis]) -> NewCause | None:
     dated = [sign for sign in cause.signs if sign.measured_at is not None]
     if len(dated) < 2 or dated[-1].confidence is not Confidence.CERTAIN:
         return None
@@ -71,10 +71,10 @@ def _appeared(cause: CauseOverTime, known: Mapping[int, Diagnosis]) -> Appeared 
     worth = _worth_mm(cause, known[now.diagnosis_id])
     if limit is None or worth is None or worth * _surely(now) <= limit:
         return None
-    return Appeared(cause, before.measured_at or "", limit, now.measured_at or "", worth)
+    return NewCause(cause, before.measured_at or "", limit, now.measured_at or "", worth)
 
 
-def _limit_mm(cause: CauseOverTime, sign: Sign, diagnosis: Diagnosis) -> float | None:
+def _limit_mm(cause: CauseOverTime, sign: CauseObservation, diagnosis: Diagnosis) -> float | None:
     """Return how large a cause could have been at most where it was not found."""
     if sign.sighting is not Sighting.NOT_FOUND:
         return None
@@ -89,7 +89,7 @@ def _worth_mm(cause: CauseOverTime, diagnosis: Diagnosis) -> float | None:
     return None
 
 
-def _surely(sign: Sign) -> float:
+def _surely(sign: CauseObservation) -> float:
     """Return the share of an amplitude that its uncertainty leaves for sure."""
     relative = (sign.standard_uncertainty or 0.0) / abs(sign.amplitude or 1.0)
     return max(1.0 - _BAND * relative, 0.0)

@@ -5,33 +5,35 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from truepose.diagnosis.advice.next_measurements import next_measurements
-from truepose.diagnosis.circumstances import scene_of
-from truepose.diagnosis.curves.drawn import finding_curve, remaining_curve
-from truepose.diagnosis.curves.spectra import finding_spectrum
-from truepose.diagnosis.curves.unseen import Unseen, curve_with_unseen, unseen_of
-from truepose.diagnosis.doubt.doubts import better_families
-from truepose.diagnosis.doubt.open_shapes import with_open_shapes
-from truepose.diagnosis.doubt.ruled_out import ruled_out
-from truepose.diagnosis.doubt.small_findings import parted
-from truepose.diagnosis.doubt.standing import Tested, standing
-from truepose.diagnosis.evidence.cell_functions import described
-from truepose.diagnosis.evidence.extended_model import Whole
-from truepose.diagnosis.evidence.held_out import CrossValidation, Improvement, on_validation
-from truepose.diagnosis.evidence.sensitivities import shown_of, worth_of
-from truepose.diagnosis.evidence.structure_left import Depends, Left
-from truepose.diagnosis.evidence.witnesses import accused, speak_against
-from truepose.diagnosis.readings.gathered import gathered
-from truepose.diagnosis.readings_found import readings_found
-from truepose.diagnosis.screening.groups import names_of
-from truepose.diagnosis.screening.line_orders import with_known_orders
-from truepose.diagnosis.screening.rivals import Weighed, weighed
-from truepose.diagnosis.screening.selection import Choice, Propose, Selected, refitted
+from truepose.diagnosis.alternatives import RivalComparison, ruled_out, weighed
+from truepose.diagnosis.confidence import SelectionTests, better_families, parted, standing, with_open_shapes
+from truepose.diagnosis.curves import (
+    ValidationFit,
+    curve_with_unseen,
+    finding_curve,
+    finding_spectrum,
+    remaining_curve,
+    unseen_of,
+)
+from truepose.diagnosis.evidence.held_out_errors import CrossValidation, Improvement, on_validation
+from truepose.diagnosis.evidence.residual_structure import (
+    Relation,
+    Remainder,
+    accused,
+    speak_against,
+)
+from truepose.diagnosis.evidence.sensitivities import CompleteModel, description_of, worth_of
+from truepose.diagnosis.evidence.signature_functions import described
+from truepose.diagnosis.next_measurements import next_measurements
+from truepose.diagnosis.reading_faults import gathered
+from truepose.diagnosis.reading_findings import readings_found
+from truepose.diagnosis.screening.refinement import with_known_orders
+from truepose.diagnosis.screening.selection import Choice, Propose, Selection, names_of, refitted
 from truepose.diagnosis.sentences import first_line, noise_of, remaining_sentence
-from truepose.diagnosis.start import NUISANCE, Start
-from truepose.domain.measurement.campaign import Campaign
-from truepose.domain.results.causes import Cause
-from truepose.domain.results.diagnosis import (
+from truepose.diagnosis.start import NUISANCE, Start, scene_of
+from truepose.domain.campaign import Campaign
+from truepose.domain.diagnosis import (
+    Cause,
     Confidence,
     Dependence,
     Diagnosis,
@@ -40,26 +42,24 @@ from truepose.domain.results.diagnosis import (
     Verdict,
     WorstPoint,
 )
-from truepose.domain.results.identification import Model
-from truepose.domain.sentences import Text, said, together
-from truepose.effects.causes import Candidate, Scene, Shown
-from truepose.effects.cells import cell_of, named_cell, of_instrument
-from truepose.effects.tool.tool_certificate import NAME as CERTIFICATE
-from truepose.effects.unnamed.cause import NAME as UNNAMED
-from truepose.identification.fit.considered import considered
+from truepose.domain.identification import Model
+from truepose.effects.causes import Candidate, Description, Scene
+from truepose.effects.placing.tool_certificate import NAME as CERTIFICATE
+from truepose.effects.signatures import of_instrument, signature_of
+from truepose.identification.fit.assessment import considered
+from truepose.identification.fit.inadequacy import shortfall, typical_mm
 from truepose.identification.fit.robust import RobustFit
 from truepose.identification.fit.robust import fit as refit
-from truepose.identification.fit.shortfall import shortfall, typical_mm
 from truepose.identification.identify import nominal_fit
 from truepose.identification.model_of_fit import Fits, model_of
-from truepose.identification.verdict.judge import USUAL
-from truepose.identification.verdict.statistics import statistics
+from truepose.identification.verdict.judge import USUAL, statistics
+from truepose.messages.message import Text, message, together
 from truepose.version import __version__
 
 _BEYOND = 1.5  # typical validation error over what explains it: more than a common error of the parameters
 _FAR_WORSE = 1.5  # times the largest error before: more than another draw of the noise does
 
-Tell = Callable[[float, str], None]
+Tell = Callable[[float, Text], None]
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,12 +67,12 @@ class _Answer:
     """What the parts of an answer are made from."""
 
     start: Start
-    tested: Tested  # doubts included in what is left
-    whole: Whole | None  # None: the findings are all that the model is extended by
+    tested: SelectionTests  # doubts included in what is left
+    whole: CompleteModel | None  # None: the findings are all that the model is extended by
     judged: Improvement  # on validation readings, where there are any
     folds: Improvement  # of the model in the end, chosen anew in each
     scene: Scene  # of the extended model
-    unseen: Unseen | None  # the extended model at validation readings, where there are any
+    unseen: ValidationFit | None  # the extended model at validation readings, where there are any
 
     @property
     def found(self) -> RobustFit:
@@ -86,12 +86,17 @@ class _Answer:
 
 
 def answered(
-    start: Start, first: Choice, selected: Selected, propose: Propose, without: tuple[str, ...], tell: Tell
+    start: Start,
+    first: Choice,
+    selected: Selection,
+    propose: Propose,
+    without: tuple[str, ...],
+    tell: Tell,
 ) -> Diagnosis:
     """Put everything that a diagnosis found together."""
     judging = CrossValidation(first)
     tested, withdrawn = standing(start, selected, judging, propose, without)
-    tell(0.85, "judging on readings that were not seen, and putting it into words")
+    tell(0.85, message("job.doing.wording"))
     tested = replace(tested, left=_with_doubts(tested))
     whole = _whole(start, tested, judging)
     folds = _in_folds(tested, judging, whole)
@@ -114,7 +119,7 @@ def answered(
     )
 
 
-def _whole(start: Start, tested: Tested, judging: CrossValidation) -> Whole | None:
+def _whole(start: Start, tested: SelectionTests, judging: CrossValidation) -> CompleteModel | None:
     """Return the model with what is left described too, where configurations left out ask for it.
 
     What is left over time is not foretold by a description of where the arm was when.
@@ -124,17 +129,19 @@ def _whole(start: Start, tested: Tested, judging: CrossValidation) -> Whole | No
     if in_time or not (tested.left.structure and judging.asks_for_description(groups)):
         return None
     found = described(tested.selected.pool, tested.selected.picks)
-    return Whole(refitted(start.fit, tested.selected.fit, found.candidates), found.candidates)
+    return CompleteModel(refitted(start.fit, tested.selected.fit, found.candidates), found.candidates)
 
 
-def _in_folds(tested: Tested, judging: CrossValidation, whole: Whole | None) -> Improvement:
+def _in_folds(tested: SelectionTests, judging: CrossValidation, whole: CompleteModel | None) -> Improvement:
     """Return what configurations left out say of the model in the end."""
     if whole is None:
         return tested.judged
     return judging.of(tested.selected, tuple(group for _, group in tested.groups), described=True)
 
 
-def _judged(start: Start, tested: Tested, folds: Improvement, whole: Whole | None) -> Improvement:
+def _judged(
+    start: Start, tested: SelectionTests, folds: Improvement, whole: CompleteModel | None
+) -> Improvement:
     groups = tuple(group for _, group in tested.groups)
     end = whole.fit if whole else tested.selected.fit
     return on_validation(start.campaign, (start.fit, end), tested.selected, groups) or folds
@@ -157,7 +164,7 @@ def _worse_at(judged: Improvement) -> WorstPoint | None:
     return worst if worst.after_mm > limit_mm else None
 
 
-def _with_doubts(tested: Tested) -> Left:
+def _with_doubts(tested: SelectionTests) -> Remainder:
     """Add the families that tell the story of a finding better than its name."""
     selected, left = tested.selected, tested.left
     together: dict[Cause, tuple[Candidate, ...]] = {}
@@ -172,12 +179,12 @@ def _with_doubts(tested: Tested) -> Left:
     return replace(left, depends=(*left.depends, *new.values()))
 
 
-def _with_shared(start: Start, left: Left) -> Left:
+def _with_shared(start: Start, left: Remainder) -> Remainder:
     """Add what bad readings share. No description holds it: they have no weight in it."""
     shared = gathered(start.scene, left.tails.bad)
     if shared is None or shared.on.variable in {one.variable for one in left.depends}:
         return left
-    added = Depends(shared.on.variable, shared.p_value, shared.on.kind, shared.on.joint, None)
+    added = Relation(shared.on.variable, shared.p_value, shared.on.kind, shared.on.joint, None)
     return replace(left, depends=(*left.depends, added))
 
 
@@ -240,11 +247,11 @@ def _findings(answer: _Answer) -> tuple[Finding, ...]:
     return tuple(sorted(found, key=lambda finding: -finding.share))
 
 
-def _finding(answer: _Answer, index: int, scale: Weighed, share: float) -> Finding:
+def _finding(answer: _Answer, index: int, scale: RivalComparison, share: float) -> Finding:
     subject, group = answer.tested.groups[index]
     gain = answer.judged.gains[index]
-    shown = shown_of(answer.tested.selected, answer.scene, subject, group)
-    cell = cell_of(group[0]._replace(subject=subject))
+    shown = description_of(answer.tested.selected, answer.scene, subject, group)
+    cell = signature_of(group[0]._replace(subject=subject))
     helps = gain.interval_95_mm[0] > 0.0 and not answer.tested.left.structure
     against = speak_against(answer.tested.selected.fit, cell)
     sure = helps and not scale.rivals and not shown.impossible and not against
@@ -259,7 +266,7 @@ def _finding(answer: _Answer, index: int, scale: Weighed, share: float) -> Findi
         p_value=scale.p_value,
         confidence=Confidence.CERTAIN if sure else Confidence.LIKELY,
         details=with_known_orders(answer.tested.selected, group, shown.details, answer.scene),
-        sentence=together(_sentence(shown), said("causes.contradicted_by_nests") if against else ""),
+        sentence=together(_sentence(shown), message("causes.contradicted_by_nests") if against else ""),
         confusable_with=tuple(dict.fromkeys((*scale.rivals, *instead))),
         gain=gain,
         parameters=names_of(group),
@@ -273,11 +280,11 @@ def _finding(answer: _Answer, index: int, scale: Weighed, share: float) -> Findi
     )
 
 
-def _sentence(shown: Shown) -> Text:
+def _sentence(shown: Description) -> Text:
     """Return what is said of a finding; beyond physical limits also that it cannot be what it says."""
     if shown.limits is None or not shown.impossible:
         return shown.sentence
-    return said("causes.impossible", sentence=shown.sentence, why=shown.limits.why)
+    return message("causes.impossible", sentence=shown.sentence, why=shown.limits.why)
 
 
 def _model(answer: _Answer) -> Model:
@@ -307,7 +314,7 @@ def _only_of_diagnosis(campaign: Campaign) -> tuple[str, ...]:
 
 
 def _acts_on_instrument(effects: tuple[str, ...]) -> bool:
-    return any(of_instrument(named_cell(effect, "")) for effect in effects if effect != UNNAMED)
+    return any(map(of_instrument, effects))
 
 
 def _folds_show_mm(answer: _Answer) -> float:

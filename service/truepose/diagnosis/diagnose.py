@@ -4,23 +4,20 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from truepose.diagnosis.answer import answered, unanswerable
-from truepose.diagnosis.circumstances import scene_of
 from truepose.diagnosis.screening.candidates import pooled
-from truepose.diagnosis.screening.jump_moments import with_exact_moments
-from truepose.diagnosis.screening.line_orders import with_lines_between
+from truepose.diagnosis.screening.refinement import with_exact_moments, with_lines_between
 from truepose.diagnosis.screening.selection import chosen, select
-from truepose.diagnosis.start import Start, stands, started
-from truepose.domain.measurement.campaign import Campaign
-from truepose.domain.measurement.last_moves import with_last_moves
-from truepose.domain.results.diagnosis import Diagnosis
-from truepose.domain.sentences import together
+from truepose.diagnosis.start import Start, scene_of, stands, started
+from truepose.domain.campaign import Campaign, with_last_moves
+from truepose.domain.diagnosis import Diagnosis
 from truepose.effects.causes import Candidate, Scene
 from truepose.effects.readings.label_swap import NAME as LABEL_SWAP
 from truepose.effects.registry import CAUSES
 from truepose.identification.fit.robust import RobustFit
-from truepose.identification.verdict.reach import within_reach
+from truepose.identification.verdict.outliers import within_reach
+from truepose.messages.message import Text, message, together
 
-Progress = Callable[[float, str], None]
+Progress = Callable[[float, Text], None]
 
 
 def diagnose(
@@ -53,7 +50,7 @@ def diagnose(
         The request cannot be understood.
     """
     tell = progress or _silent
-    tell(0.02, "fitting the present model")
+    tell(0.02, message("job.doing.fitting"))
     reached = within_reach(with_last_moves(campaign))
     start = started(reached.campaign, effects, relabel=LABEL_SWAP not in without)
     if not isinstance(start, Start):
@@ -62,14 +59,16 @@ def diagnose(
     def propose(fit: RobustFit) -> tuple[Candidate, ...]:
         return proposed(scene_of(start.problem, fit), without)
 
-    tell(0.1, "screening the ways in which the model may be wrong")
+    tell(0.1, message("job.doing.screening"))
     first = chosen(pooled(start.fit, propose(start.fit)))
-    selected = select(first, propose, lambda share: tell(0.1 + 0.5 * share, "choosing among causes"))
+    selected = select(
+        first, propose, lambda share: tell(0.1 + 0.5 * share, message("job.doing.choosing_causes"))
+    )
     selected = with_lines_between(start.fit, selected, propose, start.scene)
     selected = with_exact_moments(start.fit, selected, propose, start.scene)
     if start.doubt and not (selected.picks and stands(start, selected.fit)):
         return unanswerable(campaign, effects or (), start.doubt)
-    tell(0.6, "judging on points that were not seen")
+    tell(0.6, message("job.doing.judging_unseen"))
     answer = answered(start, first, selected, propose, without, tell)
     return replace(answer, message=together(answer.message, reached.sentence))
 
@@ -84,5 +83,5 @@ def proposed(scene: Scene, without: tuple[str, ...]) -> tuple[Candidate, ...]:
     )
 
 
-def _silent(_fraction: float, _doing: str) -> None:
+def _silent(_fraction: float, _doing: Text) -> None:
     return None

@@ -12,17 +12,100 @@ in time stands last, in the order of its numbers.
 """
 
 import math
+import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
 from itertools import pairwise
 from typing import Final
 
-from truepose.diagnosis.curves.amplitudes import SHARED, Amplitude, Key, Variant, amplitudes_of
-from truepose.domain.results.diagnosis import Confidence, Diagnosis
-from truepose.effects.cells import named_cell
+from truepose.domain.diagnosis import Confidence, Detail, Diagnosis, Finding
 from truepose.effects.readings.label_swap import NAME as LABEL_SWAP
-from truepose.judgement.multiplicity import holm
+from truepose.effects.signatures import named_signature
+from truepose.identification.distributions import holm
+
+SHARED: Final = {"joint": "joints", "link": "links"}  # subjects when more than two share a cause
+
+# Details that say which of several ways a cause acts in, and the detail after it with that way's amplitude.
+_VARIANTS: Final = {"order": "amplitude", "source joint": "coupling"}
+_ALIKE: Final = 1  # decimals: an order between whole ones is not found alike to more
+_MEMBER: Final = re.compile(r".+ of ((?:joint|link) \d+)")
+
+
+@dataclass(frozen=True, slots=True)
+class Variant:
+    """Which of several ways a cause acts in: the `order` of a wave, the `source joint` of a coupling."""
+
+    name: str
+    value: float
+
+
+@dataclass(frozen=True, slots=True)
+class Key:
+    """By what a cause is recognised in another diagnosis."""
+
+    effect: str
+    subject: str
+    variant: Variant | None
+    unit: str
+
+
+@dataclass(frozen=True, slots=True)
+class Amplitude:
+    """How large a cause is, in the unit of its key."""
+
+    value: float
+    standard_uncertainty: float
+    confidence: Confidence
+
+
+def amplitudes_of(diagnosis: Diagnosis) -> dict[Key, Amplitude]:
+    """Return every amplitude that the findings state, the small ones too."""
+    amplitudes: dict[Key, Amplitude] = {}
+    for finding in diagnosis.all_findings:
+        whole = (_key(finding), _amplitude(finding))
+        for key, amplitude in _variants(finding) or _members(finding) or [whole]:
+            amplitudes.setdefault(key, amplitude)  # of two of one name, the more important one
+    return amplitudes
+
+
+def _variants(finding: Finding) -> list[tuple[Key, Amplitude]]:
+    """Return a finding way by way; a detail with its own amplitude follows where there are several."""
+    found: list[tuple[Key, Amplitude]] = []
+    own = ""
+    for detail in finding.details:
+        if detail.name in _VARIANTS:
+            own = _VARIANTS[detail.name]
+            variant = Variant(detail.name, round(detail.value, _ALIKE))
+            found.append((replace(_key(finding), variant=variant), _amplitude(finding)))
+        elif found and detail.name == own:
+            found[-1] = (found[-1][0], _amplitude_of(detail, finding))
+    return found
+
+
+def _members(finding: Finding) -> list[tuple[Key, Amplitude]]:
+    """Return a finding on several joints or links one by one, where the details have their amplitudes."""
+    if finding.subject not in SHARED.values():
+        return []
+    named = [(_MEMBER.fullmatch(detail.name), detail) for detail in finding.details]
+    return [
+        (replace(_key(finding), subject=match[1]), _amplitude_of(detail, finding))
+        for match, detail in named
+        if match is not None and detail.unit == finding.unit
+    ]
+
+
+def _key(finding: Finding) -> Key:
+    return Key(finding.effect, finding.subject, None, finding.unit)
+
+
+def _amplitude_of(detail: Detail, finding: Finding) -> Amplitude:
+    return Amplitude(detail.value, detail.standard_uncertainty, finding.confidence)
+
+
+def _amplitude(finding: Finding) -> Amplitude:
+    return Amplitude(finding.amplitude, finding.amplitude_standard_uncertainty, finding.confidence)
+
 
 LEVEL: Final = 0.05  # of a false "significant" anywhere in one comparison
 
@@ -51,7 +134,7 @@ class Sighting(StrEnum):
 
 
 @dataclass(frozen=True, slots=True)
-class Sign:
+class CauseObservation:
     """What one diagnosis says of one cause; the numbers are None where it was not found."""
 
     diagnosis_id: int
@@ -86,7 +169,7 @@ class CauseOverTime:
     subject: str
     variant: Variant | None
     unit: str
-    signs: tuple[Sign, ...]
+    signs: tuple[CauseObservation, ...]
     changes: tuple[Change, ...]  # between consecutive diagnoses that found it
     overall: Change | None  # between the first and the last, where there are more than two
 
@@ -123,17 +206,17 @@ def _over_time(
 
 def _is_event(key: Key) -> bool:
     """Whether it happened once, in one campaign: two of them are not the same thing at two times."""
-    return key.effect == LABEL_SWAP or named_cell(key.effect, key.subject).shape == "jump"
+    return key.effect == LABEL_SWAP or named_signature(key.effect, key.subject).shape == "jump"
 
 
-def _has_amplitude_and_day(sign: Sign) -> bool:
+def _has_amplitude_and_day(sign: CauseObservation) -> bool:
     return sign.sighting is Sighting.FOUND and sign.measured_at is not None
 
 
-def _sign(key: Key, entry: DatedDiagnosis, found: Amplitude | None) -> Sign:
+def _sign(key: Key, entry: DatedDiagnosis, found: Amplitude | None) -> CauseObservation:
     if found is None:
-        return Sign(entry.id, entry.measured_at, _why_absent(key, entry.diagnosis))
-    return Sign(
+        return CauseObservation(entry.id, entry.measured_at, _why_absent(key, entry.diagnosis))
+    return CauseObservation(
         entry.id,
         entry.measured_at,
         Sighting.FOUND,
@@ -155,7 +238,7 @@ def _why_absent(key: Key, diagnosis: Diagnosis) -> Sighting:
     return Sighting.NOT_FOUND if all(entry.visible for entry in said) else Sighting.NOT_VISIBLE
 
 
-def _change(earlier: Sign, later: Sign) -> Change:
+def _change(earlier: CauseObservation, later: CauseObservation) -> Change:
     """Return the difference of two signs that were found, its p value not yet corrected."""
     difference = (later.amplitude or 0.0) - (earlier.amplitude or 0.0)
     uncertainty = math.hypot(earlier.standard_uncertainty or 0.0, later.standard_uncertainty or 0.0)
@@ -212,7 +295,7 @@ def _words(cause: CauseOverTime) -> str:
     return f"{name} of {cause.subject}"
 
 
-def _verb(earlier: Sign, later: Sign) -> str:
+def _verb(earlier: CauseObservation, later: CauseObservation) -> str:
     before, after = earlier.amplitude or 0.0, later.amplitude or 0.0
     if before * after < 0.0:
         return "turned round"
@@ -226,7 +309,7 @@ def _verdict(change: Change) -> str:
     return f"significant ({p})" if change.significant else f"within what noise explains ({p})"
 
 
-def _moments(earlier: Sign, later: Sign) -> tuple[str, str]:
+def _moments(earlier: CauseObservation, later: CauseObservation) -> tuple[str, str]:
     first, last = earlier.measured_at or "", later.measured_at or ""
     length = _MINUTE if first[:_DAY] == last[:_DAY] else _DAY
     return first[:length].replace("T", " "), last[:length].replace("T", " ")

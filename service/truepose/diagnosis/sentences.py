@@ -1,12 +1,11 @@
 """Sentences: what an operator reads first, and what is left; their words are in the catalogue."""
 
-from truepose.diagnosis.evidence.structure_left import Left
-from truepose.domain.results.causes import Cause
-from truepose.domain.results.diagnosis import Finding, Noise, Remaining, Verdict
-from truepose.domain.results.identification import Statistics
-from truepose.domain.sentences import Sentence, Text, leading_key, said, together
+from truepose.diagnosis.evidence.residual_structure import Remainder
+from truepose.domain.diagnosis import Cause, Finding, Noise, Remaining, Verdict
+from truepose.domain.identification import Statistics
 from truepose.effects.ports import Trait
 from truepose.effects.registry import effects_with
+from truepose.messages.message import Message, Text, leading_key, message, together
 
 _AS_STATED = "remaining.as_stated"
 _CONTRADICTED = "remaining.contradicted"
@@ -22,26 +21,26 @@ def first_line(
     """Return the one sentence that stands above everything."""
     if verdict is Verdict.CONSISTENT:
         noise = "" if leading_key(remaining.sentence) == _AS_STATED else remaining.sentence
-        return together(said("message.consistent"), noise)
+        return together(message("message.consistent"), noise)
     if not findings:
-        return together(said("message.unexplained"), remaining.sentence)
+        return together(message("message.unexplained"), remaining.sentence)
     explained = verdict is Verdict.EXPLAINED
     if findings[0].effect in effects_with(Trait.OF_READINGS):
-        wrong = said("message.readings_wrong", sentence=findings[0].sentence)
+        wrong = message("message.readings_wrong", sentence=findings[0].sentence)
         return together(wrong, "" if explained else remaining.sentence)
     return together(_lacking(findings, before, after, remaining), "" if explained else _beside(remaining))
 
 
 def _lacking(
     findings: tuple[Finding, ...], before: Statistics, after: Statistics, remaining: Remaining
-) -> Sentence:
+) -> Message:
     lead, others = findings[0], len(findings) - 1
-    more = said("message.one_more" if others == 1 else "message.more", causes=others)
-    return said(
+    more = message("message.one_more" if others == 1 else "message.more", causes=others)
+    return message(
         "message.lacks" if lead.confidence == "certain" else "message.probably_lacks",
         cause=spoken(Cause(lead.effect, lead.subject)),
         more=more if others else "",
-        beside=said("message.and_described") if remaining.described else "",
+        beside=message("message.and_described") if remaining.described else "",
         before_mm=before.mean_mm,
         after_mm=after.mean_mm,
     )
@@ -50,67 +49,67 @@ def _lacking(
 def _beside(remaining: Remaining) -> Text:
     """Return what is said of the rest beside a named cause: in full where a point is far worse now."""
     told = remaining.worse_at is not None or leading_key(remaining.sentence) == _CONTRADICTED
-    return remaining.sentence if told else said("message.something_left")
+    return remaining.sentence if told else message("message.something_left")
 
 
-def spoken(cause: Cause) -> Sentence:
+def spoken(cause: Cause) -> Message:
     """Return e.g. `backlash (joint 4)`."""
-    return said("cause.spoken", effect=cause.effect, subject=cause.subject)
+    return message("cause.spoken", effect=cause.effect, subject=cause.subject)
 
 
-def remaining_sentence(left: Left, *, full: bool) -> Text:
+def remaining_sentence(left: Remainder, *, full: bool) -> Text:
     """Return what is left, and what the model could not take."""
-    return together(_left(left), _withheld(left), said("remaining.full") if full else "")
+    return together(_left(left), _withheld(left), message("remaining.full") if full else "")
 
 
-def _withheld(left: Left) -> Text:
+def _withheld(left: Remainder) -> Text:
     if left.withheld is None:
         return ""
     gain = left.withheld
-    return said("remaining.withheld", before_mm=gain.rms_before_mm, after_mm=gain.rms_after_mm)
+    return message("remaining.withheld", before_mm=gain.rms_before_mm, after_mm=gain.rms_after_mm)
 
 
-def _left(left: Left) -> Sentence:
+def _left(left: Remainder) -> Message:
     if left.contradicted:
-        return said(_CONTRADICTED)
+        return message(_CONTRADICTED)
     if left.worse_at is not None:
-        return said(
+        return message(
             "remaining.worse_at",
             config=left.worse_at.config,
             before_mm=left.worse_at.before_mm,
             after_mm=left.worse_at.after_mm,
         )
     if left.depends:
-        return said("remaining.depends", variables=tuple(one.variable for one in left.depends[:2]))
+        return message("remaining.depends", variables=tuple(one.variable for one in left.depends[:2]))
     if left.clearly_worse_unseen:
-        return said("remaining.worse_unseen", times=left.worse_unseen, calibration=_of_calibration(left))
+        return message("remaining.worse_unseen", times=left.worse_unseen, calibration=_of_calibration(left))
     if left.steps is not None:
         steps = left.steps
         key = "remaining.steps_of_lengths" if steps.of_lengths else "remaining.steps"
-        return said(key, step_deg=steps.step_deg, scatter_mm=steps.scatter_mm)
+        return message(key, step_deg=steps.step_deg, scatter_mm=steps.scatter_mm)
     return _noise_left(left)
 
 
-def _noise_left(left: Left) -> Sentence:
+def _noise_left(left: Remainder) -> Message:
     if not left.more_than_stated:
-        return said(_AS_STATED)
+        return message(_AS_STATED)
     key = "remaining.repeats" if left.explained_by_repeats else "remaining.like_noise"
-    return said(key, times=left.noise_scale)
+    return message(key, times=left.noise_scale)
 
 
-def _of_calibration(left: Left) -> Sentence:
+def _of_calibration(left: Remainder) -> Message:
     """Return how the calibration points fit."""
     if left.more_than_stated and not left.explained_by_repeats:
-        return said("remaining.calibration_too", times=left.noise_scale)
-    return said("remaining.calibration_fits")
+        return message("remaining.calibration_too", times=left.noise_scale)
+    return message("remaining.calibration_fits")
 
 
-def noise_of(left: Left) -> Noise:
+def noise_of(left: Remainder) -> Noise:
     """Return what the readings say of their own noise."""
     degrees = left.tails.degrees_of_freedom
-    stated = said("noise.stated" if left.steps is None else "noise.stated_and_steps")
-    sentence = said("noise.normal", times=left.noise_scale, stated=stated)
+    stated = message("noise.stated" if left.steps is None else "noise.stated_and_steps")
+    sentence = message("noise.normal", times=left.noise_scale, stated=stated)
     if degrees is not None:
         key = "noise.heavy_tails" if left.structure else "noise.heavy_tails_alone"
-        sentence = said(key, times=left.noise_scale, stated=stated, degrees=degrees)
+        sentence = message(key, times=left.noise_scale, stated=stated, degrees=degrees)
     return Noise(left.noise_scale, degrees, sentence)

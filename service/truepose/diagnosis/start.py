@@ -4,21 +4,57 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from truepose.diagnosis.circumstances import scene_of
-from truepose.diagnosis.readings.angle_steps import AngleSteps, telling_steps, with_steps
-from truepose.diagnosis.readings.gathered import gathered
-from truepose.diagnosis.readings.single_readings import swapped_labels
-from truepose.domain.measurement.campaign import Campaign, PointReadings
-from truepose.domain.results.identification import Status
-from truepose.domain.sentences import Text, together
+from truepose.diagnosis.angle_steps import AngleSteps, telling_steps, with_steps
+from truepose.diagnosis.reading_faults import gathered, swapped_labels
+from truepose.domain.arrays import FloatArray
+from truepose.domain.campaign import Campaign, PointReadings
+from truepose.domain.identification import Status
 from truepose.effects.causes import Scene
+from truepose.effects.names import joint_name
+from truepose.effects.placing.tool_certificate import NAME as CERTIFICATE
+from truepose.effects.placing.tool_certificate import certificate_specs
 from truepose.effects.ports import Trait
 from truepose.effects.registry import effects_with
-from truepose.effects.tool.tool_certificate import NAME as CERTIFICATE
-from truepose.effects.tool.tool_certificate import certificate_specs
 from truepose.identification.fit.robust import RobustFit, counted_fit, robust_fit
+from truepose.identification.model.evaluation import State, rows_of
 from truepose.identification.problem.build import Problem, automatic_effects, build
 from truepose.identification.verdict import status as verdict
+from truepose.messages.message import Text, together
+
+
+def scene_of(problem: Problem, fit: RobustFit) -> Scene:
+    """Return the scene of a fitted problem."""
+    fixed = [block.targets.stops.time_s for block in fit.blocks if block.table == "reference"]
+    times = [time_s for time_s in fixed if time_s is not None]
+    return scene_at(problem, fit.results[0].state, np.concatenate(times) if times else np.zeros(0))
+
+
+def scene_at(problem: Problem, state: State, reference_s: FloatArray) -> Scene:
+    """Return the scene of a model evaluated at its readings; fixed nests were read at `reference_s`, (r,)."""
+    rows, structure = rows_of(state), state.structure
+    spring = dict(zip(structure.names, state.values.tolist(), strict=True))
+    x, y, z = structure.gravity_m_s2.tolist()
+    return Scene(
+        setting=problem.setting,
+        stops=state.targets.stops,
+        nest=state.targets.nest,
+        chain=state.chain,
+        torque_n_mm=rows.torque_n_mm,
+        turn_rad=rows.turn_rad,
+        softness_rad_per_n_mm=np.array([
+            spring.get(joint_name("c", joint), 0.0) for joint in range(structure.robot.n_joints)
+        ]),
+        present=frozenset(structure.names),
+        effects=structure.effects,
+        reference_s=reference_s,
+        origin_s=structure.origin_s,
+        gravity_m_s2=(x, y, z),
+        legs=problem.quantity == "length",
+        initialisation=state.targets.initialisation,
+        placement=state.targets.placement,
+        instrument_mm=structure.instrument_mm,
+    )
+
 
 NUISANCE = effects_with(Trait.NUISANCE)  # a diagnosis needs them, no model keeps them
 _UNUSABLE = (Status.WRONG_NOMINAL_MODEL, Status.OUTLIERS_DOMINATE, Status.TOO_FEW_DATA)

@@ -9,9 +9,14 @@ TrueposeError
 └── RecordRefusedError        what was to be kept could not be; nothing of it was
 """
 
+from truepose.messages.catalogue import english
+from truepose.messages.message import Text
+
 
 class TrueposeError(Exception):
     """Base of every error that the service raises on purpose; its text is one sentence for the user.
+
+    The text may be a message of the catalogues: whoever reads it has it in their language, a log in English.
 
     Examples
     --------
@@ -22,6 +27,13 @@ class TrueposeError(Exception):
     ...     print(error)
     no-such-folder: there is no such campaign folder.
     """
+
+    def __init__(self, text: Text = "") -> None:
+        super().__init__(text)
+        self.text: Text = text
+
+    def __str__(self) -> str:
+        return english(self.text)
 
 
 class ConfigurationError(TrueposeError):
@@ -46,3 +58,8 @@ class InstalledCauseError(TrueposeError):
 
 class RecordRefusedError(TrueposeError):
     """What was to be kept could not be, and nothing of it was; it may be kept later."""
+
+
+def text_of(error: BaseException) -> Text:
+    """Return what an error says; that of another package, such as a driver, in its own words."""
+    return error.text if isinstance(error, TrueposeError) else str(error)

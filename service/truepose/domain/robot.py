@@ -1,8 +1,14 @@
 """The robot as its maker describes it."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
 
 from truepose.domain.arrays import FloatArray
+
+_LEAST_HEIGHT_MM: Final = 50.0  # of a triangle of fixed nests; below it they are as good as on a line
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,6 +93,13 @@ class FixedNest:
 
     centre_mm: tuple[float, float, float]
     standard_uncertainty_mm: float
+
+
+def span_triangle(nests: Sequence[FixedNest]) -> bool:
+    """Whether fixed nests, three or more, place a frame: they do not lie on a line, nor nearly."""
+    points = np.array([nest.centre_mm for nest in nests])
+    spread = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)
+    return bool(spread[1] >= _LEAST_HEIGHT_MM)
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,11 +11,11 @@ from typing import Literal, NamedTuple, Protocol, TypeAlias
 import numpy as np
 
 from truepose.domain.arrays import FloatArray, IntArray
-from truepose.domain.measurement.campaign import Stops
-from truepose.domain.results.causes import Detail, Shape
-from truepose.domain.sentences import Text, said
+from truepose.domain.campaign import Stops
+from truepose.domain.diagnosis import Detail, Shape
 from truepose.effects.ports import Effect, ParameterSpec, Setting
 from truepose.kinematics.chain import Chain
+from truepose.messages.message import Text, message
 
 FEWEST_TOGETHER = 3  # joints that share a cause; fewer are named one by one
 _SMALLEST_TURN_RAD = np.deg2rad(5.0)
@@ -94,12 +94,12 @@ class Limits(NamedTuple):
 
 
 # What gives, gives way: a passive part that moved against its load would add energy.
-SPRING = Limits(0.0, np.inf, said("limits.spring"))
+SPRING = Limits(0.0, np.inf, message("limits.spring"))
 _CLEARLY = 2.0  # standard uncertainties beyond a limit
 
 
 @dataclass(frozen=True, slots=True)
-class Shown:
+class Description:
     """A fitted cause in its own words and units (angles in deg)."""
 
     subject: str
@@ -127,28 +127,22 @@ class Fitted(NamedTuple):
     covariance: FloatArray  # (k, k)
 
 
-class Cause(Effect, Protocol):
-    """An effect that a diagnosis looks for."""
-
-    def unseen(self, scene: Scene) -> Text | None:
-        """Return why these data cannot show it, and what would; None where they can."""
-        ...
-
-    def candidates(self, scene: Scene) -> tuple[Candidate, ...]:
-        """Return the ways in which it may be present, none where the model already has it."""
-        ...
-
-    def shown(self, subject: str, fitted: Fitted, scene: Scene) -> Shown:
-        """Put fitted parameters into words."""
-        ...
-
-
-# The error of one joint, the shift of the tool over time or temperature, its shift for each nest or mounting,
-# or else what readings show against what the cause foretells.
+# The error of one joint, whose number follows the first underscore of its parameters' names; the shift of the
+# tool over time or temperature; its shift for each nest or mounting; or else what readings show against what
+# the cause foretells.
 Drawn: TypeAlias = Literal["joint", "shift", "level", "agreement"]
+OF_SUBJECT = "{subject}"  # where a cause acts on what it is named of
 
 
-class CellRow(NamedTuple):
+class ErrorSignature(NamedTuple):
+    """A place, a variable, a shape."""
+
+    where: str
+    over: str
+    shape: Shape
+
+
+class Signature(NamedTuple):
     """Where a cause acts, over what, in which shape; `{subject}` and `{variant}` are the candidate's."""
 
     where: str
@@ -161,13 +155,31 @@ class CellRow(NamedTuple):
     at: str = "joint"  # what its subject is one of, where the subject is the place
     drawn: Drawn = "agreement"  # which curve shows it over the readings
 
+    def of(self, subject: str, variant: float = 0.0) -> ErrorSignature:
+        """Return the signature of one subject; of any where the subject is ""."""
+        told = {"subject": subject or self.at, "variant": variant}
+        return ErrorSignature(self.where.format(**told), self.over.format(**told), self.shape)
 
-@dataclass(frozen=True, slots=True)
-class NamedCause:
-    """A cause with the cell in which it acts: what another package brings for a diagnosis to look for."""
 
-    cause: Cause
-    cell: CellRow
+class Cause(Effect, Protocol):
+    """An effect that a diagnosis looks for."""
+
+    @property
+    def signature(self) -> Signature | None:
+        """Where it acts, over what, in which shape; None where each of its subjects says it itself."""
+        ...
+
+    def unseen(self, scene: Scene) -> Text | None:
+        """Return why these data cannot show it, and what would; None where they can."""
+        ...
+
+    def candidates(self, scene: Scene) -> tuple[Candidate, ...]:
+        """Return the ways in which it may be present, none where the model already has it."""
+        ...
+
+    def describe(self, subject: str, fitted: Fitted, scene: Scene) -> Description:
+        """Put fitted parameters into words."""
+        ...
 
 
 def norm_with_uncertainty(vector: FloatArray, covariance: FloatArray) -> tuple[float, float]:
@@ -207,4 +219,4 @@ def varied(column: FloatArray | IntArray | None) -> bool:
 
 def without_turning(scene: Scene) -> Text | None:
     """Return why nothing of joints that turn can be seen, None where one does."""
-    return None if scene.turning else said("unseen.no_joint_turns")
+    return None if scene.turning else message("unseen.no_joint_turns")

@@ -7,34 +7,31 @@ fails later, while it works, is refused in one sentence with its name.
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from importlib.metadata import EntryPoint, entry_points
-from typing import Any, ParamSpec, TypeVar, get_args
+from typing import Any, ParamSpec, TypeGuard, TypeVar, get_args
 
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
+from truepose.domain.campaign import Stops
 from truepose.domain.errors import ConfigurationError, InstalledCauseError, TrueposeError
-from truepose.domain.results.identification import NotIdentifiable
-from truepose.domain.sentences import Text
-from truepose.effects.causes import Candidate, Cause, Fitted, NamedCause, Scene, Shown
+from truepose.domain.identification import NotIdentifiable
+from truepose.effects.causes import Candidate, Cause, Description, Fitted, Scene, Signature
 from truepose.effects.ports import (
-    Automatic,
-    Drifting,
     Effect,
-    LeavesOpen,
     Need,
     ParameterSpec,
     Port,
     Rows,
     Setting,
-    Summed,
     Term,
     Trait,
 )
 from truepose.effects.unnamed.kinds import Kind
+from truepose.messages.message import Text
 
 GROUP = "truepose.causes"
 _OF_EFFECTS = ("specs", "terms")
-_OF_CAUSES = ("unseen", "candidates", "shown")
+_OF_CAUSES = ("unseen", "candidates", "describe")
 
 P = ParamSpec("P")
 T = TypeVar("T")
@@ -45,7 +42,7 @@ class Installed:
     """What other packages bring, by name; `broken` says why an entry cannot be used."""
 
     effects: Mapping[str, Effect]  # causes among them
-    causes: Mapping[str, NamedCause]
+    causes: Mapping[str, Cause]
     kinds: Mapping[str, Kind]
     broken: Mapping[str, str]
 
@@ -53,7 +50,7 @@ class Installed:
 def load_installed(entries: Iterable[EntryPoint]) -> Installed:
     """Load entries; never raises for a single one."""
     effects: dict[str, Effect] = {}
-    causes: dict[str, NamedCause] = {}
+    causes: dict[str, Cause] = {}
     kinds: dict[str, Kind] = {}
     broken: dict[str, str] = {}
     for entry in entries:
@@ -63,9 +60,8 @@ def load_installed(entries: Iterable[EntryPoint]) -> Installed:
             match _loaded(entry):
                 case Kind() as kind:
                     kinds[entry.name] = _guarded_kind(kind)
-                case NamedCause(cause, cell):
-                    effects[entry.name] = guarded = _GuardedCause(cause)
-                    causes[entry.name] = NamedCause(guarded, cell)
+                case cause if _is_cause(cause):
+                    effects[entry.name] = causes[entry.name] = _GuardedCause(cause)
                 case effect:
                     effects[entry.name] = _GuardedEffect(effect)
         except ConfigurationError as error:
@@ -73,18 +69,21 @@ def load_installed(entries: Iterable[EntryPoint]) -> Installed:
     return Installed(effects, causes, kinds, broken)
 
 
-def _loaded(entry: EntryPoint) -> Kind | NamedCause | Effect:
+def _loaded(entry: EntryPoint) -> Kind | Effect:
     """Return what an entry names; raises ConfigurationError where it cannot be loaded or is nothing known."""
     try:
-        found: Kind | NamedCause | Effect = entry.load()
+        found: Kind | Effect = entry.load()
     except (Exception, SystemExit) as error:  # whatever foreign code does while it is imported
         told = f"loading {entry.value} failed with {type(error).__name__}: {error}"
         raise ConfigurationError(told) from error
     if isinstance(found, Kind):
         return _checked_kind(found, entry.name)
-    effect = found.cause if isinstance(found, NamedCause) else found
-    _check_effect(effect, entry.name, _OF_EFFECTS + (_OF_CAUSES if effect is not found else ()))
+    _check_effect(found, entry.name, _OF_EFFECTS + (_OF_CAUSES if _is_cause(found) else ()))
     return found
+
+
+def _is_cause(effect: Effect) -> TypeGuard[Cause]:
+    return isinstance(getattr(effect, "signature", None), Signature)
 
 
 def _checked_kind(kind: Kind, name: str) -> Kind:
@@ -98,8 +97,8 @@ def _check_effect(effect: object, name: str, methods: tuple[str, ...]) -> None:
     lacking = [one for one in methods if not callable(getattr(effect, one, None))]
     if lacking:
         raise ConfigurationError(
-            f"its entry point is a {type(effect).__name__} without {', '.join(lacking)}: no effect, "
-            "no NamedCause and no Kind"
+            f"its entry point is a {type(effect).__name__} without {', '.join(lacking)}: no effect "
+            "and no Kind"
         )
     _check_name(getattr(effect, "name", None), name)
     unknown = set(getattr(effect, "needs", ())) - set(get_args(Need))
@@ -136,10 +135,6 @@ class _GuardedEffect:
         self.name = effect.name
         self.needs = effect.needs
         self.traits: frozenset[Trait] = frozenset(getattr(effect, "traits", ()))
-        self._drifting: Drifting | None = _able(effect, "goes_on")
-        self._automatic: Automatic | None = _able(effect, "automatic")
-        self._leaves_open: LeavesOpen | None = _able(effect, "left_open")
-        self._summed: Summed | None = _able(effect, "sums")
 
     def specs(self, setting: Setting) -> tuple[ParameterSpec, ...]:
         return _asked(self.name, lambda: tuple(self._effect.specs(setting)))
@@ -148,27 +143,31 @@ class _GuardedEffect:
         return _asked(self.name, lambda: list(self._effect.terms(names, rows)))
 
     def goes_on(self, names: tuple[str, ...]) -> bool:
-        drifting = self._drifting
-        return drifting is not None and _asked(self.name, lambda: bool(drifting.goes_on(names)))
+        return bool(self._able("goes_on", False, names))
 
     def automatic(self, setting: Setting) -> bool:
-        automatic = self._automatic
-        return automatic is not None and _asked(self.name, lambda: bool(automatic.automatic(setting)))
+        return bool(self._able("automatic", False, setting))
 
     def left_open(self, names: tuple[str, ...], setting: Setting) -> list[NotIdentifiable]:
-        leaves = self._leaves_open
-        return [] if leaves is None else _asked(self.name, lambda: list(leaves.left_open(names, setting)))
+        return _asked(self.name, list, self._able("left_open", (), names, setting))
+
+    def unmodelled(self, setting: Setting, stops: Stops) -> bool:
+        return bool(self._able("unmodelled", False, setting, stops))
+
+    def softness(
+        self, names: tuple[str, ...], values: FloatArray, joint: int, load_n_mm: FloatArray | None
+    ) -> FloatArray | float:
+        found: FloatArray | float = self._able("softness", 0.0, names, values, joint, load_n_mm)
+        return found
 
     def sums(self, names: tuple[str, ...], values: FloatArray, rows: Rows) -> dict[Port, FloatArray]:
-        summed = self._summed
-        if summed is None:
-            return _added_up(self.terms(names, rows), values, len(rows.nest))
-        return _asked(self.name, lambda: dict(summed.sums(names, values, rows)))
+        summed: dict[Port, FloatArray] | None = self._able("sums", None, names, values, rows)
+        return _added_up(self.terms(names, rows), values, len(rows.nest)) if summed is None else summed
 
-
-def _able(effect: Effect, method: str) -> Any:
-    """Return the effect where it has a method, on itself or through a wrapper of its own; else None."""
-    return effect if callable(getattr(effect, method, None)) else None
+    def _able(self, ability: str, without: Any, *told: Any) -> Any:
+        """Ask the effect by one of its methods, which a wrapper of its own may answer for; else `without`."""
+        method = getattr(self._effect, ability, None)
+        return _asked(self.name, method, *told) if callable(method) else without
 
 
 def _added_up(terms: Iterable[Term], values: FloatArray, n: int) -> dict[Port, FloatArray]:
@@ -184,6 +183,7 @@ class _GuardedCause(_GuardedEffect):
     def __init__(self, cause: Cause) -> None:
         super().__init__(cause)
         self._cause = cause
+        self.signature = cause.signature
 
     def unseen(self, scene: Scene) -> Text | None:
         return _asked(self.name, self._cause.unseen, scene)
@@ -191,8 +191,8 @@ class _GuardedCause(_GuardedEffect):
     def candidates(self, scene: Scene) -> tuple[Candidate, ...]:
         return _asked(self.name, lambda: tuple(self._cause.candidates(scene)))
 
-    def shown(self, subject: str, fitted: Fitted, scene: Scene) -> Shown:
-        return _asked(self.name, self._cause.shown, subject, fitted, scene)
+    def describe(self, subject: str, fitted: Fitted, scene: Scene) -> Description:
+        return _asked(self.name, self._cause.describe, subject, fitted, scene)
 
 
 def _guarded_kind(kind: Kind) -> Kind:

@@ -1,12 +1,12 @@
-"""Ports: the places at which an effect acts on the kinematic chain."""
+"""Ports: the places at which an effect acts on the kinematic chain, and what an effect is."""
 
 from collections.abc import Callable
 from enum import StrEnum
 from typing import Literal, NamedTuple, Protocol, runtime_checkable
 
 from truepose.domain.arrays import FloatArray, IntArray
-from truepose.domain.measurement.campaign import Stops
-from truepose.domain.results.identification import NotIdentifiable, Unit
+from truepose.domain.campaign import Stops
+from truepose.domain.identification import NotIdentifiable, Unit
 from truepose.domain.robot import Robot
 from truepose.kinematics.chain import Chain
 
@@ -130,6 +130,11 @@ class Trait(StrEnum):
     ON_FIXED_NESTS = "on fixed nests"  # it moves readings of fixed nests too, or stands for these
     STEADY = "steady"  # its terms follow from the stop alone: no load, no frame of the arm changes them
     OF_READINGS = "of readings"  # it lies in single readings, not in the robot
+    ZEROS = "zeros"  # the zeros of the joints, and nothing else
+    WAVES = "waves"  # its parameters are waves of a joint's angle, as `effects.waves` names them
+    AGEING = "ageing"  # it grows over the years, in a robot or in what measures it
+    OF_MATERIAL = "of material"  # lengths follow the temperature, and do so as well in years to come
+    SCALE = "scale"  # one factor on all lengths that the instrument reads
 
 
 class Effect(Protocol):
@@ -198,3 +203,40 @@ class LeavesOpen(Protocol):
     def left_open(self, names: tuple[str, ...], setting: Setting) -> list[NotIdentifiable]:
         """Return what it leaves open beside the parameters `names` of a whole model, and why."""
         ...
+
+
+@runtime_checkable
+class Discrepancy(Protocol):
+    """An effect of joints whose parameters stand, as random functions, for what a model leaves out."""
+
+    def unmodelled(self, setting: Setting, stops: Stops) -> bool:
+        """Return whether such stops may show it where a model has no parameter of it."""
+        ...
+
+
+@runtime_checkable
+class Compliant(Protocol):
+    """An effect by which joints yield to their load."""
+
+    def softness(
+        self, names: tuple[str, ...], values: FloatArray, joint: int, load_n_mm: FloatArray | None
+    ) -> FloatArray | float:
+        """Return how far a joint (0-based) turns more per torque at its loads, shape (n,) [rad/(N mm)].
+
+        By those of the parameters (p,) that are its own; a load of None is not known.
+        """
+        ...
+
+
+class WithoutParameters:
+    """What such effects have in common: they need nothing and move nothing that the arm reaches."""
+
+    needs: frozenset[Need] = NOTHING
+
+    def specs(self, setting: Setting) -> tuple[ParameterSpec, ...]:
+        """Return none."""
+        return ()
+
+    def terms(self, names: tuple[str, ...], rows: Rows) -> list[Term]:
+        """Return none."""
+        return []

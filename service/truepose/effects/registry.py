@@ -3,32 +3,30 @@
 from collections.abc import Mapping, Sequence
 from functools import cache
 
+from truepose.domain.campaign import Stops
 from truepose.domain.errors import ConfigurationError, UnknownEffectError
-from truepose.domain.results.identification import NotIdentifiable
-from truepose.effects.base.base_compliance import BaseCompliance
-from truepose.effects.base.base_drift import BaseDrift
-from truepose.effects.base.base_frame import Base
-from truepose.effects.base.base_shift import BaseShift
+from truepose.domain.identification import NotIdentifiable
+from truepose.effects.arm.axis_parallelism import AxisParallelism
+from truepose.effects.arm.backlash import Backlash
+from truepose.effects.arm.compliance import Compliance
+from truepose.effects.arm.compliance_nonlinear import ComplianceNonlinear
+from truepose.effects.arm.geometry import Geometry, JointOffset
+from truepose.effects.arm.joint_coupling import JointCoupling
+from truepose.effects.arm.joint_gain import JointGain
+from truepose.effects.arm.joint_harmonics import JointHarmonics
+from truepose.effects.arm.link_bending import LinkBending
+from truepose.effects.arm.link_mass import LinkMasses
+from truepose.effects.arm.thermal_growth import ThermalGrowth
 from truepose.effects.causes import Cause
 from truepose.effects.installed import INSTALLED
-from truepose.effects.instruments.ballbar_zero import BallbarZero
-from truepose.effects.instruments.fixed_nests import Reference
-from truepose.effects.instruments.fixture_shift import FixtureShift
-from truepose.effects.instruments.instrument_drift import InstrumentDrift
-from truepose.effects.instruments.instrument_scale import InstrumentScale
-from truepose.effects.joints.backlash import Backlash
-from truepose.effects.joints.compliance import Compliance
-from truepose.effects.joints.compliance_nonlinear import ComplianceNonlinear
-from truepose.effects.joints.joint_coupling import JointCoupling
-from truepose.effects.joints.joint_gain import JointGain
-from truepose.effects.joints.joint_harmonics import JointHarmonics
-from truepose.effects.links.axis_parallelism import AxisParallelism
-from truepose.effects.links.geometry import Geometry, JointOffset
-from truepose.effects.links.link_bending import LinkBending
-from truepose.effects.links.link_mass import LinkMasses
-from truepose.effects.links.thermal_growth import ThermalGrowth
+from truepose.effects.placing.base_frame import Base
+from truepose.effects.placing.fixed_nests import Reference
+from truepose.effects.placing.tool_certificate import ToolCertificate
+from truepose.effects.placing.tool_nests import Tool
 from truepose.effects.ports import (
     Automatic,
+    Compliant,
+    Discrepancy,
     Drifting,
     Effect,
     LeavesOpen,
@@ -40,13 +38,17 @@ from truepose.effects.ports import (
 )
 from truepose.effects.readings.label_swap import LabelSwap
 from truepose.effects.readings.outliers import Outliers
-from truepose.effects.tool.nest_offset import NestOffset
-from truepose.effects.tool.payload import Payload
-from truepose.effects.tool.tool_certificate import ToolCertificate
-from truepose.effects.tool.tool_nests import Tool
-from truepose.effects.tool.tool_reseating import ToolReseating
-from truepose.effects.unnamed.cause import Unnamed
-from truepose.effects.unnamed.table import OWN
+from truepose.effects.setup.ballbar_zero import BallbarZero
+from truepose.effects.setup.base_compliance import BaseCompliance
+from truepose.effects.setup.base_drift import BaseDrift
+from truepose.effects.setup.base_shift import BaseShift
+from truepose.effects.setup.fixture_shift import FixtureShift
+from truepose.effects.setup.instrument_drift import InstrumentDrift
+from truepose.effects.setup.instrument_scale import InstrumentScale
+from truepose.effects.setup.nest_offset import NestOffset
+from truepose.effects.setup.payload import Payload
+from truepose.effects.setup.tool_reseating import ToolReseating
+from truepose.effects.unnamed.cause import OWN, Unnamed
 
 _CAUSES: tuple[Cause, ...] = (
     AxisParallelism(),
@@ -88,7 +90,7 @@ EFFECTS = {effect.name: effect for effect in _EFFECTS} | {
     name: effect for name, effect in INSTALLED.effects.items() if name not in _OWN
 }
 CAUSES = {cause.name: cause for cause in _CAUSES} | {
-    name: brought.cause for name, brought in INSTALLED.causes.items() if name not in _OWN
+    name: cause for name, cause in INSTALLED.causes.items() if name not in _OWN
 }
 _SHADOWED = (INSTALLED.effects.keys() & _OWN) | (INSTALLED.kinds.keys() & OWN.keys())
 _UNUSABLE = {**INSTALLED.broken, **dict.fromkeys(_SHADOWED, "truepose has one of that name itself")}
@@ -136,6 +138,18 @@ def _traits() -> Mapping[str, frozenset[Trait]]:
 def summed_effects() -> Mapping[str, Summed]:
     """Return the effects that add up their own terms, by name."""
     return {name: effect for name, effect in EFFECTS.items() if isinstance(effect, Summed)}
+
+
+@cache
+def compliant_effects() -> Mapping[str, Compliant]:
+    """Return the effects by which joints yield to their load, by name."""
+    return {name: effect for name, effect in EFFECTS.items() if isinstance(effect, Compliant)}
+
+
+def unmodelled_in(setting: Setting, stops: Stops) -> tuple[str, ...]:
+    """Return the names of the effects that may be what a model leaves out at such stops."""
+    possible = ((name, effect) for name, effect in EFFECTS.items() if isinstance(effect, Discrepancy))
+    return tuple(name for name, effect in possible if effect.unmodelled(setting, stops))
 
 
 def automatic_in(setting: Setting) -> tuple[str, ...]:

@@ -14,8 +14,8 @@ from pathlib import Path
 from typing import Final
 from xml.parsers import expat
 
+from truepose.exchange.document import read_bytes
 from truepose.exchange.errors import UnreadableFileError
-from truepose.exchange.input_file import read_bytes
 
 _LARGEST_BYTES: Final = 64 << 20  # a test of 1000 readings a second for ten minutes is 20 MB of text
 _TEXTS: Final[Mapping[str, str]] = {

@@ -8,16 +8,13 @@ import numpy as np
 
 from truepose.domain.arrays import FloatArray
 from truepose.domain.robot import Robot
-from truepose.effects.instruments.instrument_scale import NAME as SCALE
-from truepose.effects.joints.joint_harmonics import NAME as WAVES
-from truepose.effects.joints.joint_harmonics import joint_of_wave, order_of_wave
-from truepose.effects.links.thermal_growth import NAME as GROWTH
 from truepose.effects.names import joint_of, joint_subject
 from truepose.effects.ports import Trait
 from truepose.effects.registry import effects_with
-from truepose.fleet.campaigns import Fleet
+from truepose.effects.waves import joint_of_wave, order_of_wave
+from truepose.fleet.campaigns import GROWTH, SCALE, WAVES, Fleet
 
-JOINT_ZERO: Final = "joint_offset"
+(JOINT_ZERO,) = effects_with(Trait.ZEROS)
 _ZERO: Final = "theta"
 _GROWN: Final = 1e-4  # of all lengths: five kelvin
 

@@ -23,10 +23,8 @@ from truepose.domain.arrays import BoolArray, FloatArray, IntArray
 from truepose.domain.robot import Robot
 from truepose.fleet.campaigns import Fleet
 from truepose.fleet.causes import AgeingCause, instrument_cause, robot_causes
-from truepose.fleet.components import Estimated, estimate
-from truepose.fleet.misfit.birge import birge_ratios
-from truepose.fleet.misfit.unlike import Unlike, most_unlike, resembled, unlike
-from truepose.fleet.mixed_model import Equations, Posterior
+from truepose.fleet.mixed_model import Equations, Estimate, Posterior, estimate
+from truepose.fleet.outlying_campaigns import OutlyingCampaign, birge_ratios, most_unlike, resembled, unlike
 from truepose.fleet.trials import (
     Change,
     InstrumentDays,
@@ -52,7 +50,7 @@ _MOST: Final = 40  # changes; a fleet with more has another trouble
 
 
 @dataclass(frozen=True, slots=True)
-class Named:
+class RealChange:
     """A change that is beyond chance."""
 
     trial: Trial
@@ -88,11 +86,11 @@ class Account:
     """What the campaigns of a fleet say."""
 
     fleet: Fleet  # with its information as it counts
-    estimated: Estimated  # with the named changes in the model
+    estimated: Estimate  # with the named changes in the model
     birge_ratio: float  # of variances, of the middle robot; 1: campaigns scatter as their readings say
-    named: tuple[Named, ...]
+    named: tuple[RealChange, ...]
     tries: Tries
-    unlike: tuple[Unlike, ...] = ()  # campaigns that were left out; places as they were given
+    unlike: tuple[OutlyingCampaign, ...] = ()  # campaigns that were left out; places as they were given
 
     @property
     def tried(self) -> int:
@@ -145,14 +143,14 @@ class _Sought:
         self,
         plain: Fleet,
         ratios: FloatArray,
-        estimated: Estimated,
+        estimated: Estimate,
         causes: Sequence[AgeingCause],
         level: float,
     ) -> None:
         self._plain, self.ratios = plain, ratios  # with information as readings say, and over what it counts
         self.estimated, self._causes, self._level = estimated, causes, level
         self.found: list[Trial] = []
-        self.unlike: list[Unlike] = []
+        self.unlike: list[OutlyingCampaign] = []
         self._dropped: set[tuple[str | float, ...]] = set()
         self._kept = np.arange(len(self.fleet.day))
         self.trials = tuple(_trials(estimated.posterior, causes))
@@ -252,7 +250,7 @@ class _Sought:
         tried = sum(one.change.scope == scope for one in self.trials)
         return chance * tried * _SCOPES <= self._level
 
-    def _leave_out(self, others: Sequence[Unlike]) -> None:
+    def _leave_out(self, others: Sequence[OutlyingCampaign]) -> None:
         self.unlike += [replace(one, place=int(self._kept[one.place])) for one in others]
         kept = np.delete(np.arange(len(self._kept)), [one.place for one in others])
         self._kept = self._kept[kept]
@@ -355,7 +353,9 @@ def _beyond_chance(trials: Sequence[Trial], level: float) -> Trial | None:
     return max(beyond, key=lambda one: one.ratio, default=None)
 
 
-def _named(estimated: Estimated, found: Sequence[Trial], number: int, causes: Sequence[AgeingCause]) -> Named:
+def _named(
+    estimated: Estimate, found: Sequence[Trial], number: int, causes: Sequence[AgeingCause]
+) -> RealChange:
     posterior = estimated.posterior
     place = posterior.equations.of_change(number)
     amount = posterior.shared[place]
@@ -365,11 +365,13 @@ def _named(estimated: Estimated, found: Sequence[Trial], number: int, causes: Se
     size = float(np.sqrt(max(amount @ directions.T @ motion @ directions @ amount, 0.0)))
     slope = directions.T @ motion @ directions @ amount / max(size, 1e-300)
     spread = float(np.sqrt(slope @ covariance @ slope))
-    return Named(found[number], amount, covariance, size, spread, _rivals(estimated, found, number, causes))
+    return RealChange(
+        found[number], amount, covariance, size, spread, _rivals(estimated, found, number, causes)
+    )
 
 
 def _rivals(
-    estimated: Estimated, found: Sequence[Trial], number: int, causes: Sequence[AgeingCause]
+    estimated: Estimate, found: Sequence[Trial], number: int, causes: Sequence[AgeingCause]
 ) -> tuple[Trial, ...]:
     """Return what else explains a change nearly as well, the others staying in the model."""
     others = [one.change.named for k, one in enumerate(found) if k != number]

@@ -152,12 +152,12 @@ class Score:
             common -= posterior.gain[robot].T @ mine
         self.information = information - common.T @ posterior.covariance @ common
 
-    def of(self, directions: FloatArray) -> "Seen":
+    def of(self, directions: FloatArray) -> "Evidence":
         """Return what is seen of a change along directions (P + 1, q)."""
         return seen_of(directions.T @ self.score, directions.T @ self.information @ directions)
 
 
-class Seen(NamedTuple):
+class Evidence(NamedTuple):
     """A change as far as it is seen."""
 
     squares: FloatArray  # (q,) scores over their standard deviations, squared
@@ -197,14 +197,14 @@ class Seen(NamedTuple):
         )
 
 
-def seen_of(score: FloatArray, information: FloatArray) -> Seen:
+def seen_of(score: FloatArray, information: FloatArray) -> Evidence:
     """Return what a score (q,) and its information (q, q) say along the directions that are seen."""
     values, vectors = np.linalg.eigh(information)
     seen = values > max(_SEEN * float(values[-1]), 1e-300)
-    return Seen((vectors[:, seen].T @ score) ** 2 / values[seen], values[seen])
+    return Evidence((vectors[:, seen].T @ score) ** 2 / values[seen], values[seen])
 
 
-def excess_of(seen: Sequence[Seen]) -> float:
+def excess_of(seen: Sequence[Evidence]) -> float:
     """Return by which the scores of one cause scatter beyond what is stated, 1 where they do not.
 
     The median over many robots and shapes against that of chi-square: a few robots that age do not move it.

@@ -6,8 +6,8 @@ from dataclasses import replace
 import numpy as np
 
 from truepose.domain.arrays import distinct_values
-from truepose.domain.measurement.campaign import Campaign
-from truepose.domain.results.identification import (
+from truepose.domain.campaign import Campaign, sites
+from truepose.domain.identification import (
     Counts,
     Identification,
     Model,
@@ -15,38 +15,33 @@ from truepose.domain.results.identification import (
     PureError,
     Status,
 )
-from truepose.domain.sentences import Text, together
 from truepose.effects.ports import Trait
 from truepose.effects.registry import chosen_effects, effects_with
-from truepose.identification.fit.considered import considered
-from truepose.identification.fit.cross_validation import held_out_residuals
+from truepose.identification.fit.assessment import considered, held_out_residuals
+from truepose.identification.fit.inadequacy import shortfall
 from truepose.identification.fit.robust import RobustFit, fit, robust_fit
-from truepose.identification.fit.shortfall import shortfall
 from truepose.identification.fit.solver import posterior_covariance
-from truepose.identification.model.parameters.structure import NOMINAL_EFFECTS
-from truepose.identification.model.stops import sites
+from truepose.identification.model.structure import NOMINAL_EFFECTS
 from truepose.identification.model_of_fit import Fits, model_of
-from truepose.identification.observations.believed import QUANTITY as BELIEF
-from truepose.identification.problem.belief import Belief, with_belief
+from truepose.identification.observations.joint_priors import QUANTITY as BELIEF
 from truepose.identification.problem.build import (
+    JointPrior,
     Problem,
     automatic_effects,
     build,
+    with_belief,
 )
 from truepose.identification.verdict import status as verdict
 from truepose.identification.verdict.identifiability import not_identifiable
-from truepose.identification.verdict.judge import Judged, judge
-from truepose.identification.verdict.lengths_by_positions import judged_by_positions
-from truepose.identification.verdict.outliers import outliers
-from truepose.identification.verdict.pure_error import pure_error
-from truepose.identification.verdict.reach import WithinReach, within_reach
-from truepose.identification.verdict.relative import relative_errors
-from truepose.identification.verdict.turns import turn_errors
+from truepose.identification.verdict.judge import Assessment, judge, pure_error
+from truepose.identification.verdict.outliers import ReachableCampaign, outliers, within_reach
+from truepose.identification.verdict.pose_errors import judged_by_positions, relative_errors, turn_errors
+from truepose.messages.message import Text, message, together
 from truepose.version import __version__
 
 _MOVED_RAD = np.deg2rad(0.5)  # a joint that stays within this has not moved
 
-Progress = Callable[[float, str], None]
+Progress = Callable[[float, Text], None]
 
 
 def identify(
@@ -54,7 +49,7 @@ def identify(
     effects: tuple[str, ...] | list[str] | None = None,
     progress: Progress | None = None,
     *,
-    believed: Belief | None = None,
+    believed: JointPrior | None = None,
 ) -> Identification:
     """Identify the robot of a campaign.
 
@@ -81,7 +76,7 @@ def identify(
     """
     tell = progress or _silent
     chosen = automatic_effects(campaign) if effects is None else chosen_effects(effects)
-    tell(0.05, "placing the nominal robot")
+    tell(0.05, message("job.doing.placing"))
     too_few = verdict.too_few_data(campaign, chosen)
     if too_few:
         return _unfitted(campaign, chosen, Status.TOO_FEW_DATA, too_few)
@@ -92,14 +87,14 @@ def identify(
     collapsed = verdict.before_fitting(campaign, problem)
     if collapsed:
         return _unfitted(campaign, chosen, Status.WRONG_NOMINAL_MODEL, collapsed)
-    tell(0.2, "identifying")
+    tell(0.2, message("job.doing.identifying"))
     identified = robust_fit(problem.structure, problem.blocks, problem.start)
     nominal = nominal_fit(problem, identified)
-    tell(0.5, "judging the model on configurations it has not seen")
+    tell(0.5, message("job.doing.cross_validating"))
     return _with_set_aside(_answer(campaign, problem, identified, nominal, tell), reached)
 
 
-def _with_set_aside(answer: Identification, reached: WithinReach) -> Identification:
+def _with_set_aside(answer: Identification, reached: ReachableCampaign) -> Identification:
     """Return the answer with the readings that took no part in it, by their rows in the table."""
     outliers = reached.with_rows_of_table(answer.outliers)
     return replace(
@@ -110,7 +105,7 @@ def _with_set_aside(answer: Identification, reached: WithinReach) -> Identificat
     )
 
 
-def _silent(_fraction: float, _doing: str) -> None:
+def _silent(_fraction: float, _doing: Text) -> None:
     return None
 
 
@@ -141,16 +136,16 @@ def _answer(
     held_out = validation or crossed
     model = replace(draft, shortfall=shortfall(identified, problem.setting))
     model = model if held_out is None else replace(model, discrepancy_mm=held_out.discrepancy_mm())
-    tell(0.9, "naming what the data leave open")
+    tell(0.9, message("job.doing.open"))
     gross = outliers(identified)
-    status, message = verdict.outcome(campaign, problem, identified)
+    status, sentence = verdict.outcome(campaign, problem, identified)
     # Where nothing fits, the covariance speaks of the misfit, not of what the configurations can see.
     trusted = status in (Status.CONVERGED, Status.NOT_CONVERGED)
     named = _not_identifiable(problem, identified) if trusted else ()
     kept = ~identified.gross[0]
     return Identification(
         status=status,
-        message=message,
+        message=sentence,
         effects=tuple(name for name in problem.structure.effects if name not in effects_with(Trait.NUISANCE)),
         counts=_counts(problem, identified, len(gross)),
         parameters=model.parameters,
@@ -182,19 +177,19 @@ def _counts(problem: Problem, identified: RobustFit, outliers_found: int) -> Cou
     )
 
 
-def _calibration(identified: RobustFit, nominal: RobustFit) -> Judged:
+def _calibration(identified: RobustFit, nominal: RobustFit) -> Assessment:
     """Return the readings of the fits against these, with the uncertainties as stated."""
     block, result = identified.blocks[0], identified.results[0]
     stated = block.weighted(block.weights, 0.0)
-    return Judged(stated, nominal.results[0], result, np.zeros(len(block.weights)))
+    return Assessment(stated, nominal.results[0], result, np.zeros(len(block.weights)))
 
 
-def _validation(campaign: Campaign, model: Model) -> Judged | None:
+def _validation(campaign: Campaign, model: Model) -> Assessment | None:
     readings = campaign.held_out
     return None if readings is None else judge(model, readings, campaign.scatter_mm)
 
 
-def _crossed(calibration: Judged, identified: RobustFit, nominal: RobustFit) -> Judged | None:
+def _crossed(calibration: Assessment, identified: RobustFit, nominal: RobustFit) -> Assessment | None:
     """Return the readings of the fits, each against fits that never saw its configuration."""
     if len(distinct_values(sites(calibration.stops))) < 2:
         return None  # revisits of one place: nothing is left to predict it from
@@ -220,13 +215,13 @@ def _not_identifiable(problem: Problem, identified: RobustFit) -> tuple[NotIdent
     return not_identifiable(problem.structure, covariance, jacobian, problem.setting, moved)
 
 
-def _unfitted(campaign: Campaign, effects: tuple[str, ...], status: Status, message: Text) -> Identification:
+def _unfitted(campaign: Campaign, effects: tuple[str, ...], status: Status, sentence: Text) -> Identification:
     readings = campaign.readings
     observations = 0 if readings is None else readings.observed_mm.size
     configurations = 0 if readings is None else len(distinct_values(readings.stops.config))
     return Identification(
         status=status,
-        message=message,
+        message=sentence,
         effects=effects,
         counts=Counts(configurations, observations, 0, 0),
         parameters=(),

@@ -5,16 +5,19 @@ from dataclasses import dataclass
 import numpy as np
 
 from truepose.domain.arrays import FloatArray, distinct_values
-from truepose.domain.measurement.campaign import Campaign
-from truepose.domain.results.identification import Anchor, Model, NestCentre, Parameter
+from truepose.domain.campaign import Campaign, sites
+from truepose.domain.identification import Anchor, Model, NestCentre, Parameter
 from truepose.domain.robot import FramePlacement
 from truepose.identification.fit.robust import RobustFit
-from truepose.identification.model.parameters.anchors import LEG_OFFSET, anchor_name
-from truepose.identification.model.parameters.counterparts import TARGET_OWNER
-from truepose.identification.model.parameters.structure import Structure, base_axes
-from truepose.identification.model.stops import sites
-from truepose.identification.model.validity.missing import spanned
-from truepose.identification.model.validity.zone import measured_zone
+from truepose.identification.model.structure import (
+    LEG_OFFSET,
+    TARGET_OWNER,
+    Structure,
+    anchor_name,
+    base_axes,
+)
+from truepose.identification.model.unknown_conditions import spanned
+from truepose.identification.model.validity import measured_zone
 from truepose.kinematics.frames import angles_xyz, placement_of
 
 

@@ -28,15 +28,15 @@ from typing import Final, Literal
 import numpy as np
 
 from truepose.domain.arrays import FloatArray, IntArray
+from truepose.domain.campaign import Campaign
 from truepose.domain.errors import ConfigurationError
-from truepose.domain.measurement.campaign import Campaign
-from truepose.domain.results.identification import Unit
+from truepose.domain.identification import Unit
 from truepose.effects.registry import chosen_effects
 from truepose.identification.fit.robust import RobustFit, robust_fit
 from truepose.identification.fit.solver import solve
-from truepose.identification.observations.blocks import Block, Joint, linearise_blocks
+from truepose.identification.observations.blocks import Block, StackedBlocks, linearise_blocks
 from truepose.identification.problem.build import automatic_effects, build
-from truepose.identification.verdict.reach import within_reach
+from truepose.identification.verdict.outliers import within_reach
 
 Way = Literal["noise", "configurations"]
 FEWEST: Final = 10  # draws, and configurations, below which a spread says nothing
@@ -112,7 +112,7 @@ class Resampling:
         noise = rng.standard_normal(len(self.fitted.solution.final.residual))
         means = structure.prior_means + structure.prior_widths * rng.standard_normal(len(structure.specs))
 
-        def moved(values: FloatArray, previous: Joint | None) -> Joint:
+        def moved(values: FloatArray, previous: StackedBlocks | None) -> StackedBlocks:
             point = linearise_blocks(structure, blocks, values, previous)
             return replace(point, residual=point.residual + noise)
 

@@ -13,19 +13,19 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from truepose.domain.arrays import FloatArray, IntArray, distinct_values
-from truepose.domain.errors import ConfigurationError, UnderdeterminedError
-from truepose.domain.measurement.campaign import (
+from truepose.domain.campaign import (
     Campaign,
     CupSetups,
     FixtureLengths,
     LegReadings,
     PointReadings,
 )
-from truepose.domain.results.identification import Anchor, Identification
+from truepose.domain.errors import ConfigurationError, UnderdeterminedError
+from truepose.domain.identification import Anchor, Identification
 from truepose.identification.identify import identify
 from truepose.identification.observations.fixture import TOOL_PLACEMENT
 from truepose.identification.problem.setting import known_placement
-from truepose.identification.verdict.lengths_by_positions import judged_by_positions
+from truepose.identification.verdict.pose_errors import judged_by_positions
 from truepose.kinematics.chain import Chain, forward, nominal_values
 from truepose.kinematics.frames import rigid_alignment
 from truepose.kinematics.pose_device import Fixtures, Pose, base_triangle, fourth_cup, least_squares_pose

@@ -178,6 +178,12 @@ def cross(first: FloatArray, second: FloatArray) -> FloatArray:
     return np.asarray(result.transpose(*range(1, result.ndim), 0))
 
 
+def directions(vectors: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return unit vectors and lengths of vectors (n, 3); what has no length has no direction: zeros."""
+    length = np.linalg.norm(vectors, axis=1)
+    return vectors / np.where(length > 0.0, length, 1.0)[:, None], length
+
+
 def turned(rotation: FloatArray, vectors: FloatArray) -> FloatArray:
     """Return vectors (n, 3), or one (3,), turned by rotations (n, 3, 3), shape (n, 3)."""
     columns, components = rotation.T, vectors.T

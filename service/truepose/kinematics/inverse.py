@@ -1,7 +1,9 @@
 """Inverse kinematics of the nominal robot: every way in which the arm reaches a pose.
 
 Closed forms for six axes with a spherical wrist (`inverse_spherical`) and for three parallel axes without one
-(`inverse_parallel`); other arms by iteration from many starts (`inverse_search`).
+(`inverse_parallel`). For other arms a search: damped Gauss-Newton from many starts at once, which are a
+Halton sequence, the same every time, so that the same pose gives the same answer. An arm with more than six
+joints reaches a pose in infinitely many ways, of which some are returned.
 
 Branches are numbered `4 * back + 2 * down + flip`. *Front*: the wrist lies on that side of axis 1 to which
 frame 1 points, of three parallel axes to which the arm is stretched at zero; *up*: the elbow is above the
@@ -19,10 +21,114 @@ from truepose.domain.arrays import BoolArray, FloatArray, IntArray
 from truepose.domain.errors import ConfigurationError
 from truepose.domain.robot import JointRange, Robot
 from truepose.kinematics import inverse_parallel, inverse_spherical
-from truepose.kinematics.chain import nominal_values
-from truepose.kinematics.frames import rotation_x
-from truepose.kinematics.inverse_parts import ALL, STRUCTURE_RAD, Ratio, Wanted, Which, rounded, within_reach
-from truepose.kinematics.inverse_search import BRANCHES, searched_branches
+from truepose.kinematics.chain import Chain, nominal_chain, nominal_values
+from truepose.kinematics.frames import cross, rotation_x, vector_from_rotation
+from truepose.kinematics.inverse_parts import (
+    ALL,
+    STRUCTURE_RAD,
+    Branches,
+    Poses,
+    Ratio,
+    rounded,
+    within_reach,
+)
+
+BRANCHES: Final = 8
+_STARTS: Final = 64
+_PASSES: Final = 40
+_LEVER_MM: Final = 300.0  # weighs turns against shifts: about the arm's own size
+_DAMPING: Final = 1e-3  # of the squared lever per joint; keeps steps short near singularities
+_LONGEST_STEP_RAD: Final = 0.5
+_ARRIVED_MM: Final = 1e-7  # with turns at the lever; hundred times the rounding of the chain
+_SAME_RAD: Final = 1e-4  # two solutions closer than this are one
+_AT_ONCE: Final = 64  # poses that are searched together; a few megabytes
+_PRIMES: Final = (2, 3, 5, 7, 11, 13, 17, 19, 23, 29)
+
+
+def searched_branches(robot: Robot, pose: FloatArray) -> FloatArray:
+    """Return up to eight different joint angles per pose (n, 4, 4), NaN rows after them, shape (n, 8, J)."""
+    found = np.full((len(pose), BRANCHES, robot.n_joints), np.nan)
+    for first in range(0, len(pose), _AT_ONCE):
+        part = pose[first : first + _AT_ONCE]
+        joints, arrived = _search(robot, part)
+        for row in range(len(part)):
+            for place, angles in enumerate(_different(joints[row][arrived[row]])):
+                found[first + row, place] = angles
+    return found
+
+
+def _search(robot: Robot, wanted: FloatArray) -> tuple[FloatArray, BoolArray]:
+    """Where each start of each pose ended, wrapped, (n, starts, J), and whether it arrived, (n, starts)."""
+    starts = _starts(robot.n_joints)
+    joints = np.tile(starts, (len(wanted), 1))
+    goal = np.repeat(wanted, len(starts), axis=0)
+    left = np.arange(len(joints))
+    for _ in range(_PASSES):
+        chain = nominal_chain(robot, joints[left])
+        error = _error(chain, goal[left])
+        under_way = np.linalg.norm(error, axis=1) >= _ARRIVED_MM
+        step = _step(chain, error, _signs(robot))
+        longest = np.abs(step).max(axis=1, keepdims=True)
+        joints[left] += step * np.minimum(1.0, _LONGEST_STEP_RAD / np.maximum(longest, 1e-300))
+        left = left[under_way]
+        if not len(left):
+            break
+    arrived = np.linalg.norm(_error(nominal_chain(robot, joints), goal), axis=1) < _ARRIVED_MM
+    wrapped = -(np.mod(np.pi - joints, 2 * np.pi) - np.pi)
+    shape = (len(wanted), len(starts))
+    return wrapped.reshape(*shape, robot.n_joints), arrived.reshape(shape)
+
+
+def _starts(joints: int) -> FloatArray:
+    """Evenly spread angles, shape (starts, J)."""
+    index = np.arange(1, _STARTS + 1)
+    columns = [_radical_inverse(index, _PRIMES[joint % len(_PRIMES)]) for joint in range(joints)]
+    return (2.0 * np.stack(columns, axis=1) - 1.0) * np.pi
+
+
+def _radical_inverse(index: IntArray, base: int) -> FloatArray:
+    value, share, rest = np.zeros(len(index)), 1.0 / base, index.copy()
+    while rest.any():
+        value += share * (rest % base)
+        rest //= base
+        share /= base
+    return value
+
+
+def _error(chain: Chain, wanted: FloatArray) -> FloatArray:
+    """Shift [mm] and turn [mm at the lever] that are left to go to poses (n, 4, 4), shape (n, 6)."""
+    turn = vector_from_rotation(wanted[:, :3, :3] @ np.swapaxes(chain.end_rotation, 1, 2))
+    return np.concatenate([wanted[:, :3, 3] - chain.end_origin, _LEVER_MM * turn], axis=1)
+
+
+def _signs(robot: Robot) -> FloatArray:
+    return np.array([row.sign for row in robot.joints], dtype=float)
+
+
+def _step(chain: Chain, error: FloatArray, signs: FloatArray) -> FloatArray:
+    shift = cross(chain.z, chain.end_origin - chain.origin)
+    jacobian = np.moveaxis(np.concatenate([shift, _LEVER_MM * chain.z], axis=2), 0, 2) * signs
+    damping = _DAMPING * np.minimum(1.0, np.linalg.norm(error, axis=1) / _LEVER_MM) * _LEVER_MM**2
+    transposed = np.swapaxes(jacobian, 1, 2)
+    normal = transposed @ jacobian
+    # damping vanishes with the error, so that the last steps are Newton's; 1e-9 keeps singular ones solvable
+    normal += (damping + 1e-9 * _LEVER_MM**2)[:, None, None] * np.eye(jacobian.shape[2])
+    return np.asarray(np.linalg.solve(normal, transposed @ error[:, :, None])[:, :, 0])
+
+
+def _different(joints: FloatArray) -> list[FloatArray]:
+    """Return the first of every group of joint angles (m, J) that are the same."""
+    kept: list[FloatArray] = []
+    for row in joints:
+        if len(kept) < BRANCHES and not any(_same(row, other) for other in kept):
+            kept.append(row)
+    return kept
+
+
+def _same(first: FloatArray, second: FloatArray) -> bool:
+    apart: BoolArray = np.abs(np.mod(first - second + np.pi, 2 * np.pi) - np.pi) > _SAME_RAD
+    return not bool(apart.any())
+
 
 BRANCH_NAMES: Final = tuple(
     "/".join(words) for words in product(("front", "back"), ("up", "down"), ("no flip", "flip"))
@@ -34,7 +140,9 @@ class _Form(Protocol):
 
     def fits(self, robot: Robot) -> bool: ...
 
-    def angles(self, robot: Robot, wanted: Wanted, which: Which, ratio: Ratio) -> tuple[FloatArray, ...]: ...
+    def angles(
+        self, robot: Robot, wanted: Poses, which: Branches, ratio: Ratio
+    ) -> tuple[FloatArray, ...]: ...
 
     def branches(self, robot: Robot, theta: FloatArray) -> tuple[BoolArray, BoolArray, BoolArray]: ...
 
@@ -109,7 +217,7 @@ def one_branch(robot: Robot, pose: FloatArray, branch: IntArray) -> FloatArray:
     form = _form_of(robot)
     if form is None:
         raise ConfigurationError(f"{robot.name} has no numbered branches: its inverse has no closed form.")
-    which = Which(*((branch >> bit & 1)[None, None, None] for bit in (2, 1, 0)))
+    which = Branches(*((branch >> bit & 1)[None, None, None] for bit in (2, 1, 0)))
     return np.asarray(_closed_form(form, robot, pose, which, reach_out=True)[:, 0])
 
 
@@ -160,7 +268,9 @@ def brought_within(joints_rad: FloatArray, limits: tuple[JointRange, ...]) -> tu
     return turned, within
 
 
-def _closed_form(form: _Form, robot: Robot, pose: FloatArray, which: Which, *, reach_out: bool) -> FloatArray:
+def _closed_form(
+    form: _Form, robot: Robot, pose: FloatArray, which: Branches, *, reach_out: bool
+) -> FloatArray:
     """Angles of some branches of n poses, shape (n, branches, 6)."""
     with np.errstate(divide="ignore", invalid="ignore"):  # NaN is the answer where there is no branch
         theta = form.angles(robot, _wanted(robot, pose), which, within_reach if reach_out else rounded)
@@ -171,7 +281,7 @@ def _closed_form(form: _Form, robot: Robot, pose: FloatArray, which: Which, *, r
     )
 
 
-def _wanted(robot: Robot, pose: FloatArray) -> Wanted:
+def _wanted(robot: Robot, pose: FloatArray) -> Poses:
     """Return what n poses ask of the joints."""
     first = robot.joints[0]
     before_1 = rotation_x(first.alpha_rad)
@@ -179,7 +289,7 @@ def _wanted(robot: Robot, pose: FloatArray) -> Wanted:
     wrist = before_1.T @ (pose[:, :3, 3] - robot.joints[5].d_mm * pose[:, :3, 2]).T
     wrist -= before_1.T @ np.array([[first.a_mm], [0.0], [0.0]])
     wrist[2] -= first.d_mm
-    return Wanted(x_axis, z_axis, wrist)
+    return Poses(x_axis, z_axis, wrist)
 
 
 def _controller_angles(robot: Robot, theta_rad: FloatArray) -> FloatArray:

@@ -31,10 +31,10 @@ from truepose.kinematics.inverse_parts import (
     LOCKED,
     STRUCTURE_MM,
     STRUCTURE_RAD,
+    Branches,
+    Poses,
     Ratio,
     Vector,
-    Wanted,
-    Which,
     column,
     column_angle,
     positive_side,
@@ -60,7 +60,7 @@ def fits(robot: Robot) -> bool:
     return bool(right and parallel and meet and arm)
 
 
-def angles(robot: Robot, wanted: Wanted, which: Which, ratio: Ratio) -> tuple[FloatArray, ...]:
+def angles(robot: Robot, wanted: Poses, which: Branches, ratio: Ratio) -> tuple[FloatArray, ...]:
     """Return theta_1 .. theta_6 of some branches, shapes that come together to (2, 2, 2, n)."""
     turned_over = _stretched_mm(robot) < 0.0
     theta_1 = column_angle(robot, wanted.wrist_mm, which._replace(back=which.back ^ turned_over), ratio)
@@ -164,7 +164,7 @@ def _axis_5(robot: Robot, last: _Last, theta_6: FloatArray) -> Vector:
 
 
 def _plane_angles(
-    robot: Robot, wrist: Vector, axis_5: Vector, which: Which, ratio: Ratio
+    robot: Robot, wrist: Vector, axis_5: Vector, which: Branches, ratio: Ratio
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return theta_2 .. theta_4: a triangle in the plane across axis 2, and the direction of axis 5 in it."""
     upper, elbow, forearm, last = robot.joints[1:5]

@@ -20,7 +20,7 @@ Vector: TypeAlias = tuple[FloatArray, FloatArray, FloatArray]  # components
 Ratio: TypeAlias = Callable[[FloatArray], FloatArray]  # what to do with cosines and sines beyond 1
 
 
-class Which(NamedTuple):
+class Branches(NamedTuple):
     """Branches, 0 or 1 each; of shapes that come together to (back, down, flip, poses)."""
 
     back: IntArray
@@ -28,7 +28,7 @@ class Which(NamedTuple):
     flip: IntArray
 
 
-class Wanted(NamedTuple):
+class Poses(NamedTuple):
     """Poses of the last frame in front of joint 1, row 1 of the table taken off."""
 
     x_axis: FloatArray  # (3, n)
@@ -36,7 +36,7 @@ class Wanted(NamedTuple):
     wrist_mm: FloatArray  # (3, n) where axis 5 meets axis 6, from the origin of frame 1
 
 
-ALL: Final = Which(*(np.arange(2).reshape(shape) for shape in ((2, 1, 1, 1), (1, 2, 1, 1), (1, 1, 2, 1))))
+ALL: Final = Branches(*(np.arange(2).reshape(shape) for shape in ((2, 1, 1, 1), (1, 2, 1, 1), (1, 1, 2, 1))))
 
 
 def column(planes: FloatArray) -> Vector:
@@ -54,7 +54,7 @@ def turned_back(vector: Vector, alpha_rad: float, theta_rad: FloatArray | float)
     return cosine * x + sine * y, cosine * y - sine * x, z
 
 
-def column_angle(robot: Robot, wrist: FloatArray, which: Which, ratio: Ratio) -> FloatArray:
+def column_angle(robot: Robot, wrist: FloatArray, which: Branches, ratio: Ratio) -> FloatArray:
     """Return theta_1, shape (2, 1, 1, n)."""
     upper, elbow, forearm = robot.joints[1:4]
     along_axis_2 = upper.d_mm + np.cos(elbow.alpha_rad) * elbow.d_mm

@@ -21,10 +21,10 @@ from truepose.kinematics.inverse_parts import (
     LOCKED,
     STRUCTURE_MM,
     STRUCTURE_RAD,
+    Branches,
+    Poses,
     Ratio,
     Vector,
-    Wanted,
-    Which,
     column,
     column_angle,
     positive_side,
@@ -44,7 +44,7 @@ def fits(robot: Robot) -> bool:
     return bool(right and parallel and meet and arm)
 
 
-def angles(robot: Robot, wanted: Wanted, which: Which, ratio: Ratio) -> tuple[FloatArray, ...]:
+def angles(robot: Robot, wanted: Poses, which: Branches, ratio: Ratio) -> tuple[FloatArray, ...]:
     """Return theta_1 .. theta_6 of some branches, shapes that come together to (2, 2, 2, n)."""
     theta_1 = column_angle(robot, wanted.wrist_mm, which, ratio)
     theta_2, theta_3 = _arm_angles(robot, column(wanted.wrist_mm), theta_1, which, ratio)
@@ -73,7 +73,7 @@ def _before_wrist(robot: Robot, vector: Vector, arm: tuple[FloatArray, FloatArra
 
 
 def _arm_angles(
-    robot: Robot, wrist: Vector, theta_1: FloatArray, which: Which, ratio: Ratio
+    robot: Robot, wrist: Vector, theta_1: FloatArray, which: Branches, ratio: Ratio
 ) -> tuple[FloatArray, FloatArray]:
     """Return theta_2 and theta_3, shape (2, 2, 1, n)."""
     upper, elbow = robot.joints[1:3]
@@ -99,7 +99,7 @@ def _zero_bend(robot: Robot) -> float:
     return -1.0 if np.sin(robot.joints[2].theta_offset_rad + _forearm(robot)[1]) < 0.0 else 1.0
 
 
-def _wrist_angles(robot: Robot, which: Which, x_axis: Vector, z_axis: Vector) -> Vector:
+def _wrist_angles(robot: Robot, which: Branches, x_axis: Vector, z_axis: Vector) -> Vector:
     """Return theta_4 .. theta_6, shape (2, 2, 2, n), from axes as the frame sees them that joint 4 turns."""
     s_5, s_6 = (float(np.sin(row.alpha_rad)) for row in robot.joints[4:])
     side = positive_side(robot) * np.where(which.flip, -1.0, 1.0)  # sign of sin(theta_5)

@@ -7,19 +7,24 @@ from typing import TYPE_CHECKING, Literal, get_args, overload
 
 import numpy as np
 
+from truepose.domain import campaign as domain
 from truepose.domain.errors import ConfigurationError
-from truepose.domain.measurement import campaign as domain
 from truepose.effects.registry import unusable_causes
-from truepose.exchange.campaigns.arrays import campaign_from_arrays
-from truepose.exchange.campaigns.folder import campaign_files, write_campaign
-from truepose.exchange.campaigns.path import read_campaign_at
+from truepose.exchange.campaigns.folder import campaign_files, campaign_from_arrays, write_campaign
+from truepose.exchange.campaigns.zip_file import read_campaign_at
 from truepose.exchange.tables.table import Arrays
-from truepose.notebook.given.robots import RobotGiven, known_robot, robot_keys, with_limits_of
-from truepose.notebook.given.tables import Table, columns_of
-from truepose.notebook.given.things import read_if_path
-from truepose.notebook.shown import html
-from truepose.notebook.shown.frames import frame_of_text
-from truepose.words.catalogue import english
+from truepose.messages.catalogue import english
+from truepose.notebook import display
+from truepose.notebook.display import frame_of_text
+from truepose.notebook.inputs import (
+    RobotGiven,
+    Table,
+    columns_of,
+    known_robot,
+    read_if_path,
+    robot_keys,
+    with_limits_of,
+)
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -50,7 +55,7 @@ class Campaign:
 
     Attributes
     ----------
-    data : truepose.domain.measurement.campaign.Campaign
+    data : truepose.domain.campaign.Campaign
         The tables as arrays, angles in rad: `data.calibration.position_mm` has the shape (n, 3),
         `data.calibration.stops.joints_rad` (n, J).
 
@@ -104,7 +109,7 @@ class Campaign:
         return f"Campaign of {robot.name}: {size}; {', '.join(self._counts())}"
 
     def _repr_html_(self) -> str:
-        return html.page(html.paragraphs((repr(self), *self.data.notes, *self.remarks)))
+        return display.page(display.paragraphs((repr(self), *self.data.notes, *self.remarks)))
 
 
 @overload

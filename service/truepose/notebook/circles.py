@@ -4,24 +4,19 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import numpy as np
-
+from truepose.domain.campaign import PointReadings
 from truepose.domain.errors import ConfigurationError
-from truepose.domain.measurement.campaign import PointReadings
 from truepose.domain.robot import Robot
 from truepose.exchange.json_text import Json
-from truepose.exchange.results.circles import circle_document
+from truepose.exchange.results.circles_and_spheres import circle_document
 from truepose.exchange.tables.files import held_out_readings
-from truepose.judgement.circle.judged import CircleTest, circle_test
-from truepose.notebook.given.robots import known_robot
-from truepose.notebook.given.tables import TableOrFile, named_data
+from truepose.messages.catalogue import IN_ENGLISH, english
+from truepose.notebook import display
+from truepose.notebook.display import counted, frame
+from truepose.notebook.inputs import TableOrFile, known_robot, named_data
 from truepose.notebook.model import Model
-from truepose.notebook.shown import html
-from truepose.notebook.shown.frames import frame
-from truepose.notebook.shown.wording import counted
-from truepose.reports.circles.report import write_circle_report
-from truepose.reports.circles.sentences import circle_heads, circle_rows, circle_test_sentences
-from truepose.words.catalogue import IN_ENGLISH, english
+from truepose.reports.circles import CircleReport, circle_table, circle_test_sentences
+from truepose.validation.circle_test import CircleTest, circle_test
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -35,7 +30,7 @@ class CircleErrors:
 
     Attributes
     ----------
-    answer : truepose.judgement.circle.judged.CircleTest
+    answer : truepose.validation.circle_test.CircleTest
         Circles with their errors [mm, rad], and the sweeps that give none.
     robot : str
     remarks : tuple of str
@@ -62,44 +57,30 @@ class CircleErrors:
         return circle_document(self.answer, self.robot).printed()
 
     def to_frame(self) -> "DataFrame":
-        """Return the errors at all stops [mm], one row per stop, joint and nest.
+        """Return the errors at all stops [mm, deg], one row per stop, joint and nest.
 
         Raises MissingExtraError where pandas is not installed.
         """
         return frame([
-            {
-                "joint": one.joint,
-                "nest": one.nest,
-                "config": config,
-                "angle_deg": angle,
-                "tangential_mm": tangential,
-                "radial_mm": radial,
-                "axial_mm": axial,
-            }
-            for one in self.answer.circles
-            for config, angle, tangential, radial, axial in zip(
-                one.config.tolist(),
-                np.degrees(one.errors.angle_rad).tolist(),
-                one.errors.tangential_mm.tolist(),
-                one.errors.radial_mm.tolist(),
-                one.errors.axial_mm.tolist(),
-                strict=True,
-            )
+            {"joint": one.joint, "nest": one.nest, **dict(zip(columns, row, strict=True))}
+            for one in circle_document(self.answer, self.robot).circles
+            for columns in [one.stops.model_dump()]
+            for row in zip(*columns.values(), strict=True)
         ])
 
     def report(self, file: str | Path) -> None:
         """Write the report, as `truepose circles --report` does; raises UnwritableReportError."""
-        write_circle_report(Path(file), self.answer, self.robot)
+        CircleReport(self.answer, self.robot).write(Path(file))
 
     def __repr__(self) -> str:
         found = counted(len(self.answer.circles), "circle")
         return f"Circle test of {self.robot}: {found}, {len(self.answer.withheld)} withheld"
 
     def _repr_html_(self) -> str:
-        rows = circle_rows(self.answer)
-        return html.page(
-            html.table("Circle test", circle_heads(IN_ENGLISH), rows, numbers_from=2),
-            html.paragraphs((*map(english, circle_test_sentences(self.answer)), *self.remarks)),
+        shown = circle_table(self.answer, IN_ENGLISH)
+        return display.page(
+            display.table("Circle test", shown.heads, shown.rows, numbers_from=2),
+            display.paragraphs((*map(english, circle_test_sentences(self.answer)), *self.remarks)),
         )
 
 

@@ -10,19 +10,19 @@ from truepose.correction import Corrections as Found
 from truepose.correction import Summary, joined
 from truepose.domain.arrays import BoolArray, FloatArray
 from truepose.domain.errors import ConfigurationError
-from truepose.domain.sentences import Sentence
-from truepose.exchange.corrections.asked import Asked
-from truepose.exchange.corrections.files import corrected_rows, reason_to_withhold, table_cautions
+from truepose.exchange.corrections import corrected_rows, reason_to_withhold, table_cautions
 from truepose.exchange.models.acceptance import require_plausible
-from truepose.exchange.programs.understood import Meant
+from truepose.exchange.programs.correction_request import CorrectionRequest
+from truepose.exchange.programs.program import Meant
 from truepose.exchange.tables.targets import CorrectionWriter
 from truepose.kinematics.inverse import BRANCH_NAMES
-from truepose.notebook.given.tables import TableOrFile, named_data
+from truepose.messages.catalogue import english
+from truepose.messages.message import Message
+from truepose.notebook import display
+from truepose.notebook.display import frame
+from truepose.notebook.inputs import TableOrFile, named_data
 from truepose.notebook.model import Model, model_given
-from truepose.notebook.shown import html
-from truepose.notebook.shown.frames import frame
-from truepose.reports.corrections import correction_sentences
-from truepose.words.catalogue import english
+from truepose.reports.correction import correction_sentences
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -107,7 +107,7 @@ class Corrections:
             )
         ]
         head = ("target", "status", *(f"q{k}, deg" for k in joints), "u, mm")
-        return html.page(html.paragraphs(self.remarks), html.first_rows(head, rows))
+        return display.page(display.paragraphs(self.remarks), display.first_rows(head, rows))
 
 
 def correct(
@@ -162,9 +162,9 @@ def correct(
     require_plausible(data, "model", max_shift_mm)
     names: list[str] = []
     parts: list[Found] = []
-    cautions: tuple[Sentence, ...] = ()
+    cautions: tuple[Message, ...] = ()
     summary = Summary()
-    for part, rows in corrected_rows(data, *named_data(targets, "targets"), Asked(Meant(frame))):
+    for part, rows in corrected_rows(data, *named_data(targets, "targets"), CorrectionRequest(Meant(frame))):
         if not parts:
             cautions = table_cautions(data, part, rows, Meant(frame))
         names += rows.names

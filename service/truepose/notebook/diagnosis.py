@@ -8,18 +8,17 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from truepose.diagnosis.diagnose import diagnose as diagnose_campaign
+from truepose.domain import diagnosis as domain
 from truepose.domain.errors import ConfigurationError
-from truepose.domain.results import diagnosis as domain
-from truepose.domain.results.identification import NominalAndIdentified
+from truepose.domain.identification import NominalAndIdentified
 from truepose.exchange.json_text import Json
-from truepose.exchange.results.diagnosis import diagnosis_document
+from truepose.exchange.results.diagnosis import FindingDocument, diagnosis_document
+from truepose.messages.catalogue import english
+from truepose.notebook import display
 from truepose.notebook.campaign import Campaign, campaign_given
-from truepose.notebook.given.things import Progress, effects_given
+from truepose.notebook.display import STATISTICS, change_of, counted, finding_texts, frame, rows_of
+from truepose.notebook.inputs import Progress, effects_given
 from truepose.notebook.model import Model
-from truepose.notebook.shown import html
-from truepose.notebook.shown.frames import frame
-from truepose.notebook.shown.wording import STATISTICS, change_of, counted, finding_texts, rows_of
-from truepose.words.catalogue import english
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -37,7 +36,7 @@ class Diagnosis:
 
     Attributes
     ----------
-    answer : truepose.domain.results.diagnosis.Diagnosis
+    answer : truepose.domain.diagnosis.Diagnosis
         Everything that was found; `answer.findings` with their curves, the most important first.
 
     Examples
@@ -101,7 +100,7 @@ class Diagnosis:
         return self._errors() if finding is None else self._curve(finding)
 
     def _errors(self) -> "Figure | None":
-        from truepose.reports.figures.histograms.comparison import plain_comparison
+        from truepose.reports.figures.histograms import plain_comparison
 
         errors, after = self.answer.errors, self.answer.after
         if errors is None or after is None or not len(errors.config):
@@ -111,7 +110,7 @@ class Diagnosis:
         return plain_comparison(before_mm, after_mm, after.noise_mm)
 
     def _curve(self, number: int) -> "Figure | None":
-        from truepose.reports.figures.curves.residuals import plain_residual_curve
+        from truepose.reports.figures.residuals import plain_residual_curve
 
         findings = self.answer.all_findings
         if not 1 <= number <= len(findings):
@@ -138,21 +137,21 @@ class Diagnosis:
         rest = english(self.answer.remaining.sentence)
         left = () if rest in self.message else (rest,)
         findings = [finding_texts(number, f) for number, f in enumerate(self.answer.all_findings, start=1)]
-        return html.page(
-            html.paragraphs((self.message,)),
-            html.table("Findings", head, findings, numbers_from=3) if findings else html.paragraphs(()),
-            html.table(f"{self.answer.quantity.capitalize()} errors, mm", STATISTICS, errors, numbers_from=2),
-            html.paragraphs(left),
+        return display.page(
+            display.paragraphs((self.message,)),
+            display.table("Findings", head, findings, numbers_from=3) if findings else display.paragraphs(()),
+            display.table(
+                f"{self.answer.quantity.capitalize()} errors, mm", STATISTICS, errors, numbers_from=2
+            ),
+            display.paragraphs(left),
         )
 
 
 def _row(finding: domain.Finding) -> dict[str, object]:
-    gain = finding.gain
-    return {name: getattr(finding, name) for name in _COLUMNS} | {
-        "sentence": english(finding.sentence),
-        "confidence": finding.confidence.value,
-        "rms_before_mm": None if gain is None else gain.rms_before_mm,
-        "rms_after_mm": None if gain is None else gain.rms_after_mm,
+    told = FindingDocument.of(finding).printed()
+    gain = ("rms_before_mm", "rms_after_mm")
+    return {name: told[name] for name in _COLUMNS} | {
+        name: getattr(finding.gain, name, None) for name in gain
     }
 
 

@@ -9,23 +9,22 @@ from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
+from truepose.domain.campaign import Campaign as Measured
 from truepose.domain.errors import ConfigurationError
-from truepose.domain.measurement.campaign import Campaign as Measured
+from truepose.exchange.results.fleet import shared
 from truepose.fleet import campaigns as measured
-from truepose.fleet.changes import Account, Named, account_of
-from truepose.fleet.components import uncertainties
-from truepose.fleet.course import along
-from truepose.fleet.forecast import passing
-from truepose.fleet.information import information_of
-from truepose.fleet.misfit.unlike import Unlike
-from truepose.fleet.pooled import of_a_new_robot
+from truepose.fleet.campaigns import information_of
+from truepose.fleet.changes import Account, RealChange, account_of
+from truepose.fleet.outlying_campaigns import OutlyingCampaign
+from truepose.fleet.predicted_accuracy import of_a_new_robot
+from truepose.fleet.trend import along, passing
 from truepose.fleet.trials import Change
-from truepose.identification.problem.belief import Belief
+from truepose.identification.problem.build import JointPrior
+from truepose.messages.message import message
+from truepose.notebook import display
 from truepose.notebook.campaign import Campaign, campaign_given
-from truepose.notebook.given.things import Progress
-from truepose.notebook.shown import html
-from truepose.notebook.shown.frames import frame
-from truepose.notebook.shown.wording import counted
+from truepose.notebook.display import counted, frame
+from truepose.notebook.inputs import Progress
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -97,28 +96,16 @@ class Fleet:
     def to_frame(self) -> "DataFrame":
         """Return one row a parameter: the type's value, how robots differ, and how well that is known.
 
-        In the units of the parameters: mm, rad, rad/(N*mm).
+        In the units that files use: mm, deg, rad/(N*mm).
         """
-        fleet, posterior = self.account.fleet, self.account.estimated.posterior
-        p = len(fleet.specs)
-        variances = self.account.estimated.variances.robot
-        between = fleet.widths * np.sqrt(variances)
-        known = fleet.widths * uncertainties(self.account.estimated) / (2.0 * np.sqrt(variances))
-        return frame({
-            "name": list(fleet.names),
-            "effect": list(fleet.owners),
-            "value": fleet.means + fleet.widths * posterior.shared[:p],
-            "between_robots": between,
-            "between_robots_u": known,
-            "unit": [spec.unit for spec in fleet.specs],
-        })
+        return frame([one.printed() for one in shared(self.account)])
 
     @cached_property
-    def belief(self) -> Belief:
+    def belief(self) -> JointPrior:
         """What is believed of a further robot of the type: `tp.identify(campaign, fleet=fleet)` takes it."""
         return of_a_new_robot(self.account)
 
-    def believed_of(self, campaign: Measured) -> Belief:
+    def believed_of(self, campaign: Measured) -> JointPrior:
         """Return what is believed of the robot of a further campaign.
 
         Raises ConfigurationError where the robot is of another type, or the fleet has the campaign.
@@ -145,8 +132,8 @@ class Fleet:
     def _repr_html_(self) -> str:
         rows = [tuple(str(value) for value in _row(one).values()) for one in self.account.named]
         shown = [(*row[:4], *row[4:6], row[7]) for row in rows]
-        table = html.table("Changes beyond chance", _HEAD, shown, numbers_from=4)
-        return html.page(html.paragraphs((repr(self),)), *([table] if shown else []))
+        table = display.table("Changes beyond chance", _HEAD, shown, numbers_from=4)
+        return display.page(display.paragraphs((repr(self),)), *([table] if shown else []))
 
 
 def fleet_of(campaigns: Iterable[Visit], progress: Progress | None = None) -> Fleet:
@@ -184,11 +171,11 @@ def fleet_of(campaigns: Iterable[Visit], progress: Progress | None = None) -> Fl
     told = []
     for number, (robot, instrument, day, data) in enumerate(visits):
         if progress is not None:
-            progress(0.9 * number / len(visits), "identifying")
-        told.append(measured.Measured(robot, instrument, _days(day), information_of(data)))
+            progress(0.9 * number / len(visits), message("job.doing.identifying"))
+        told.append(measured.FleetCampaign(robot, instrument, _days(day), information_of(data)))
     together = measured.fleet_of(told)
     if progress is not None:
-        progress(0.9, "comparing")
+        progress(0.9, message("job.doing.comparing"))
     return Fleet(account_of(together, held[-1].robot), held)
 
 
@@ -210,7 +197,7 @@ def _days(day: date | float) -> float:
     return float(day.toordinal()) if isinstance(day, date) else float(day)
 
 
-def _row(named: Named) -> dict[str, object]:
+def _row(named: RealChange) -> dict[str, object]:
     change = named.change
     return {
         "what": _what(change),
@@ -226,7 +213,7 @@ def _row(named: Named) -> dict[str, object]:
     }
 
 
-def _unlike(one: Unlike) -> str:
+def _unlike(one: OutlyingCampaign) -> str:
     fits = f"fits {one.resembles}" if one.resembles else "fits no robot of the fleet"
     return f"the campaign of {one.robot} on day {one.day:g} is unlike its others, {fits}, and is left out"
 

@@ -5,19 +5,18 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from truepose.domain.measurement import campaign as measured
-from truepose.domain.results import identification as domain
+from truepose.domain import campaign as measured
+from truepose.domain import identification as domain
 from truepose.exchange.json_text import Json
 from truepose.exchange.results.identification import identification_document
 from truepose.identification import identify as identify_campaign
+from truepose.messages.catalogue import english
+from truepose.notebook import display
 from truepose.notebook.campaign import Campaign, campaign_given
+from truepose.notebook.display import STATISTICS, change, counted, frame, parameter_table, rows_of
 from truepose.notebook.fleets import Fleet
-from truepose.notebook.given.things import Progress, effects_given
+from truepose.notebook.inputs import Progress, effects_given
 from truepose.notebook.model import Model
-from truepose.notebook.shown import html
-from truepose.notebook.shown.frames import frame
-from truepose.notebook.shown.wording import STATISTICS, change, counted, parameter_table, rows_of
-from truepose.words.catalogue import english
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -30,9 +29,9 @@ class Identification:
 
     Attributes
     ----------
-    answer : truepose.domain.results.identification.Identification
+    answer : truepose.domain.identification.Identification
         Everything that was found, in mm and rad.
-    campaign : truepose.domain.measurement.campaign.Campaign
+    campaign : truepose.domain.campaign.Campaign
         What it was found from.
 
     Examples
@@ -84,8 +83,8 @@ class Identification:
         Held-out readings where there are any, else those of the calibration; None without a model. The figure
         is of matplotlib and belongs to no window: change and save it as any other.
         """
-        from truepose.reports.figures.histograms.errors import plain_histogram
-        from truepose.reports.uncertainty.judged import judged, shown_noise_mm
+        from truepose.reports.figures.histograms import plain_histogram
+        from truepose.reports.identification.judged_figures import judged, shown_noise_mm
 
         shown = judged(self.answer, self.campaign)
         return None if shown is None else plain_histogram(shown, shown_noise_mm(self.answer))
@@ -125,11 +124,13 @@ class Identification:
             f"Not told apart: {', '.join(group.parameters)}: {english(group.reason)}."
             for group in self.answer.not_identifiable
         ]
-        return html.page(
-            html.paragraphs((f"{self._title}: {self._configurations()}", self.message)),
-            html.table(f"{self.answer.quantity.capitalize()} errors, mm", STATISTICS, errors, numbers_from=2),
+        return display.page(
+            display.paragraphs((f"{self._title}: {self._configurations()}", self.message)),
+            display.table(
+                f"{self.answer.quantity.capitalize()} errors, mm", STATISTICS, errors, numbers_from=2
+            ),
             parameter_table(self.answer.parameters),
-            html.paragraphs(left_open),
+            display.paragraphs(left_open),
         )
 
 

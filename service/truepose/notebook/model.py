@@ -1,17 +1,19 @@
-"""An identified model in a notebook."""
+"""An identified model in a notebook, and models written for other programs."""
 
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from truepose.domain.results import identification as domain
+from truepose.domain import identification as domain
 from truepose.exchange.json_text import Json
 from truepose.exchange.models.document import model_document
+from truepose.exchange.models.exports import Format
+from truepose.exchange.models.exports import export as export_model
 from truepose.exchange.models.file import read_model_file, write_model
-from truepose.notebook.given.things import path_of, read_if_path
-from truepose.notebook.shown import html
-from truepose.notebook.shown.frames import frame
-from truepose.notebook.shown.wording import counted, parameter_table
+from truepose.messages.catalogue import english
+from truepose.notebook import display
+from truepose.notebook.display import counted, frame, parameter_table
+from truepose.notebook.inputs import path_of, read_if_path
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -23,7 +25,7 @@ class Model:
 
     Attributes
     ----------
-    data : truepose.domain.results.identification.Model
+    data : truepose.domain.identification.Model
         Parameters in mm, rad, N·mm; `data.covariance` has the shape (P, P).
 
     Examples
@@ -60,7 +62,7 @@ class Model:
         return f"Model of {self.data.robot.name}: {effects}; {count}"
 
     def _repr_html_(self) -> str:
-        return html.page(html.paragraphs([repr(self)]), parameter_table(self.data.parameters))
+        return display.page(display.paragraphs([repr(self)]), parameter_table(self.data.parameters))
 
 
 def read_model(file: str | Path, *, accept_edited: bool = False) -> Model:
@@ -106,3 +108,53 @@ def model_given(given: Model | str | Path) -> Model:
     """Return a model, read first where a path is given; raises ConfigurationError, InputFileError."""
     advice = "give a model file, or the .model of tp.identify(...), None where nothing could be fitted"
     return read_if_path(given, Model, read_model, advice)
+
+
+def export(
+    model: Model | str | Path, form: Format, file: str | Path, *, fitted: bool = False
+) -> tuple[str, ...]:
+    """Write a model for another program, and say what is lost.
+
+    Parameters
+    ----------
+    model : Model or path
+    form : {"urdf", "ros", "dhm", "controller"}
+        URDF; `calibrated_kinematics.yaml` of ROS for arms of Universal Robots; the DH-Modified table, as CSV
+        where the file ends in `.csv`; joint zeros, base and tool that a controller can take.
+    file : path
+    fitted : bool
+        Fit the table to the full model over the measured zone, so that what the format lacks (springs) is in
+        it as far as it can be.
+
+    Returns
+    -------
+    tuple of str
+        What the file does not hold, and how far it is off the full model.
+
+    Raises
+    ------
+    ConfigurationError
+        The format cannot hold this robot, there is no such format, or the model does not know its zone.
+    InputFileError
+        The model file cannot be read.
+    OSError
+        The file cannot be written.
+
+    Examples
+    --------
+    >>> import tempfile, pathlib
+    >>> import truepose as tp
+    >>> model = tp.identify(tp.read_campaign("docs/examples/campaign")).model
+    >>> urdf = pathlib.Path(tempfile.mkdtemp(), "robot.urdf")
+    >>> tp.export(model, "urdf", urdf, fitted=True)[0]
+    'Not in the file: compliance (parameters: 5).'
+    >>> tp.export(model, "ros", urdf.with_suffix(".yaml"))
+    Traceback (most recent call last):
+    ...
+    truepose.domain.errors.UnsuitableModelError: ABB IRB 120, simulated has not the axes of ... as URDF.
+    """
+    path = path_of(file, "file", "give its path")
+    as_csv = path.suffix.lower() == ".csv"
+    exported = export_model(model_given(model).data, form, fitted=fitted, as_csv=as_csv)
+    exported.write(path)
+    return tuple(map(english, exported.remarks))

@@ -9,21 +9,20 @@ import numpy as np
 
 from truepose.domain.arrays import FloatArray, IntArray
 from truepose.domain.errors import ConfigurationError
-from truepose.domain.measurement.session import SessionPlan
-from truepose.exchange.cells.given import cell_given
-from truepose.exchange.tables.stops import NO_REPEAT, joint_names
-from truepose.notebook.given.things import path_of
-from truepose.notebook.shown import html
-from truepose.notebook.shown.frames import frame
-from truepose.notebook.shown.wording import counted
-from truepose.planning.promise.curve import CurvePoint
-from truepose.planning.promise.plan import PromisedPlan
-from truepose.planning.promise.subjects import of_cell
-from truepose.planning.promise.tracker import promised_session
-from truepose.planning.tracker.session_plans import plan_session
-from truepose.planning.work_volume.cell_space import space_to_measure
+from truepose.domain.session import SessionPlan
+from truepose.exchange.cells.file import cell_given
+from truepose.exchange.tables.fields import NO_REPEAT, joint_names
+from truepose.messages.catalogue import english
+from truepose.notebook import display
+from truepose.notebook.display import counted, frame
+from truepose.notebook.inputs import path_of
+from truepose.planning.prediction.errors import CurvePoint
+from truepose.planning.prediction.plan import PromisedPlan
+from truepose.planning.prediction.subjects import of_cell
+from truepose.planning.prediction.tracker import promised_session
+from truepose.planning.tracker.plans import plan_session
+from truepose.planning.workspace.space import space_to_measure
 from truepose.reports.plans import promise_sentence
-from truepose.words.catalogue import english
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -67,7 +66,7 @@ class Plan:
 
         The figure is of matplotlib and belongs to no window: change and save it as any other.
         """
-        from truepose.reports.figures.curves.promise import plain_promise_curve
+        from truepose.reports.figures.curves import plain_promise_curve
 
         return None if self.promise is None else plain_promise_curve(self.promise)
 
@@ -102,8 +101,8 @@ class Plan:
             )
         ]
         sentences = [] if self.promise is None else [english(promise_sentence(self.promise))]
-        return html.page(
-            html.paragraphs([repr(self), *sentences]), html.first_rows(("config", *names, "nest"), rows)
+        return display.page(
+            display.paragraphs([repr(self), *sentences]), display.first_rows(("config", *names, "nest"), rows)
         )
 
 

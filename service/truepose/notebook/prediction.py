@@ -9,14 +9,13 @@ import numpy as np
 from truepose.domain.arrays import FloatArray, IntArray
 from truepose.exchange.tables.files import points_to_predict, write_predictions
 from truepose.identification import predict as predict_positions
-from truepose.judgement.cautions import prediction_cautions
-from truepose.notebook.given.tables import TableOrFile, named_data
+from truepose.messages.catalogue import english
+from truepose.notebook import display
+from truepose.notebook.display import counted, frame
+from truepose.notebook.inputs import TableOrFile, named_data
 from truepose.notebook.model import Model, model_given
-from truepose.notebook.shown import html
-from truepose.notebook.shown.frames import frame
-from truepose.notebook.shown.wording import counted
-from truepose.reports.wording.rounding import millimetres
-from truepose.words.catalogue import english
+from truepose.reports.rounding import millimetres
+from truepose.validation.cautions import prediction_cautions
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -83,10 +82,10 @@ class Predictions:
             (str(config), str(nest), *(f"{number:.4f}" for number in row))
             for config, nest, row in zip(self.config, self.nest, numbers, strict=True)
         ]
-        return html.page(
-            html.paragraphs([repr(self)]),
-            html.first_rows(("config", "nest", "x, mm", "y", "z", "u"), rows),
-            html.paragraphs(self.remarks),
+        return display.page(
+            display.paragraphs([repr(self)]),
+            display.first_rows(("config", "nest", "x, mm", "y", "z", "u"), rows),
+            display.paragraphs(self.remarks),
         )
 
 

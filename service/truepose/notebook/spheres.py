@@ -5,24 +5,18 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from truepose.domain.campaign import Campaign as CampaignData
 from truepose.domain.errors import ConfigurationError
-from truepose.domain.measurement.campaign import Campaign as CampaignData
 from truepose.exchange.json_text import Json
-from truepose.exchange.results.spheres import sphere_document
-from truepose.judgement.sphere.judged import NOMINAL, SphereTest, sphere_test
+from truepose.exchange.results.circles_and_spheres import sphere_document
+from truepose.messages.catalogue import IN_ENGLISH, english
+from truepose.notebook import display
 from truepose.notebook.campaign import Campaign, campaign_given
+from truepose.notebook.display import counted, frame
 from truepose.notebook.model import Model, model_given
-from truepose.notebook.shown import html
-from truepose.notebook.shown.frames import frame
-from truepose.notebook.shown.wording import counted
-from truepose.reports.spheres.report import write_sphere_report
-from truepose.reports.spheres.sentences import (
-    WORDS_OF_ROW,
-    sphere_heads,
-    sphere_rows,
-    sphere_test_sentences,
-)
-from truepose.words.catalogue import IN_ENGLISH, english
+from truepose.reports.spheres import SphereReport, sphere_table, sphere_test_sentences
+from truepose.reports.traceability import ReportConditions
+from truepose.validation.sphere_test import NOMINAL, SphereTest, sphere_test
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -34,7 +28,7 @@ class SphereErrors:
 
     Attributes
     ----------
-    answer : truepose.judgement.sphere.judged.SphereTest
+    answer : truepose.validation.sphere_test.SphereTest
         Errors and figures [mm], for each ball, model and centre.
 
     Examples
@@ -81,8 +75,8 @@ class SphereErrors:
 
     def report(self, file: str | Path) -> None:
         """Write the report, as `truepose sphere --report` does; raises UnwritableReportError."""
-        simulated = bool(self.campaign.simulated)
-        write_sphere_report(Path(file), self.answer, self.campaign.robot.name, simulated=simulated)
+        stated = ReportConditions(simulated=bool(self.campaign.simulated))
+        SphereReport(self.answer, self.campaign.robot.name, conditions=stated).write(Path(file))
 
     def __repr__(self) -> str:
         lengths = sum(len(sphere.config) for sphere in self.answer.spheres)
@@ -90,10 +84,10 @@ class SphereErrors:
         return f"Sphere test of {self.campaign.robot.name}: {counted(lengths, 'length')}; {rms}"
 
     def _repr_html_(self) -> str:
-        rows = sphere_rows(self.answer, IN_ENGLISH)
-        return html.page(
-            html.table("Sphere test", sphere_heads(IN_ENGLISH), rows, numbers_from=WORDS_OF_ROW),
-            html.paragraphs(map(english, sphere_test_sentences(self.answer, IN_ENGLISH))),
+        shown = sphere_table(self.answer, IN_ENGLISH)
+        return display.page(
+            display.table("Sphere test", shown.heads, shown.rows, numbers_from=shown.names),
+            display.paragraphs(map(english, sphere_test_sentences(self.answer, IN_ENGLISH))),
         )
 
 

@@ -8,26 +8,24 @@ from typing import TYPE_CHECKING, Literal
 
 from markupsafe import Markup
 
+from truepose.domain import identification as results
+from truepose.domain import validation as domain
+from truepose.domain.campaign import Readings
 from truepose.domain.errors import ConfigurationError
-from truepose.domain.measurement.campaign import Readings
-from truepose.domain.results import identification as results
-from truepose.domain.results import validation as domain
 from truepose.exchange.json_text import Json
-from truepose.exchange.results.iso9283 import pose_test_document
-from truepose.exchange.results.statistics import statistics_document
-from truepose.exchange.results.validation import validation_document
+from truepose.exchange.results.document import statistics_document
+from truepose.exchange.results.validation import pose_test_document, validation_document
 from truepose.exchange.tables.files import held_out_readings
 from truepose.identification import judge
-from truepose.judgement.cautions import pose_test_caution, validation_cautions
-from truepose.judgement.iso9283.judged import PoseTest, pose_test
-from truepose.judgement.validation import validate as validate_model
-from truepose.notebook.given.tables import TableOrFile, named_data
+from truepose.messages.catalogue import english
+from truepose.notebook import display
+from truepose.notebook.display import STATISTICS, change, counted, frame, rows_of
+from truepose.notebook.inputs import TableOrFile, named_data
 from truepose.notebook.model import Model, model_given
-from truepose.notebook.shown import html
-from truepose.notebook.shown.frames import frame
-from truepose.notebook.shown.wording import STATISTICS, change, counted, rows_of
-from truepose.reports.validation.pose_test_rows import pose_test_rows, withheld_sentences
-from truepose.words.catalogue import english
+from truepose.reports.pose_test import pose_test_table, withheld_sentences
+from truepose.validation.cautions import pose_test_caution, validation_cautions
+from truepose.validation.iso9283.pose_test import PoseTest, pose_test
+from truepose.validation.validate import validate as validate_model
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -40,11 +38,11 @@ class Validation:
 
     Attributes
     ----------
-    answer : truepose.domain.results.validation.Validation
+    answer : truepose.domain.validation.Validation
         Statistics of the errors [mm].
     remarks : tuple of str
         What was ignored in the table, and what the judgement does not contain.
-    pose_test : truepose.judgement.iso9283.judged.PoseTest or None
+    pose_test : truepose.validation.iso9283.pose_test.PoseTest or None
         Figures of ISO 9283, where they were asked for.
 
     Examples
@@ -102,9 +100,8 @@ class Validation:
         ConfigurationError
             There are no pairs of points.
         """
-        from truepose.reports.figures.histograms.distances import plain_distance_histogram
-        from truepose.reports.figures.histograms.errors import plain_histogram
-        from truepose.reports.figures.place_errors import plain_place_errors
+        from truepose.reports.figures.curves import plain_place_errors
+        from truepose.reports.figures.histograms import plain_distance_histogram, plain_histogram
 
         if what == "places" and self.answer.places is not None:
             return plain_place_errors(self.answer.places)
@@ -137,23 +134,19 @@ class Validation:
 
     def _repr_html_(self) -> str:
         rows = [row for name, pair in self._blocks() for row in rows_of(name, "nominal", "identified", pair)]
-        return html.page(
-            html.paragraphs((self._outcome(),)),
-            html.table("Errors, mm", STATISTICS, rows, numbers_from=2),
+        return display.page(
+            display.paragraphs((self._outcome(),)),
+            display.table("Errors, mm", STATISTICS, rows, numbers_from=2),
             *self._pose_figures(),
-            html.paragraphs(self.remarks),
+            display.paragraphs(self.remarks),
         )
 
     def _pose_figures(self) -> Iterator[Markup]:
         if self.pose_test is None:
             return
-        head = ("figure", "pose", "commanded by", "unit", "value", "u")
-        rows = [
-            (row.name, row.subject, row.commanded_by, row.unit, row.value, row.u)
-            for row in pose_test_rows(self.pose_test)
-        ]
-        yield html.table("ISO 9283:1998", head, rows, numbers_from=4)
-        yield html.paragraphs((
+        figures = pose_test_table(self.pose_test).of_columns(0, 2, 3, 6, 4, 5)
+        yield display.table("ISO 9283:1998", figures.heads, figures.rows, numbers_from=4)
+        yield display.paragraphs((
             *withheld_sentences(self.pose_test),
             english(pose_test_caution(self.pose_test)),
         ))

@@ -11,16 +11,15 @@ from datetime import date
 from enum import StrEnum
 from typing import Any, Final, TypeAlias
 
-from truepose.domain.cell.certificates import Paper
-from truepose.domain.sentences import Sentence, Value, said
-from truepose.storage.plant.certificates import StatedPaper
-from truepose.storage.plant.looking_over import RobotMeasured
-from truepose.storage.plant.newest import NewestTold, ToldSeen
-from truepose.storage.plant.telling import ToldKind
+from truepose.domain.cell import Paper
+from truepose.messages.message import Message, Value, message
+from truepose.storage.plant.certificates import CertificateRecord
+from truepose.storage.plant.overview import NewestTold, ResultFacts, RobotMeasured
+from truepose.storage.plant.result_projections import ToldKind
 
 _SAME_MM: Final = 0.0005  # what a page does not show
 _ERRORS: Final[tuple[ToldKind, ...]] = ("validation", "identification")
-_Results: TypeAlias = Mapping[ToldKind, ToldSeen]
+_Results: TypeAlias = Mapping[ToldKind, ResultFacts]
 _Cause: TypeAlias = Mapping[str, Any]
 
 
@@ -34,12 +33,12 @@ class What(StrEnum):
 
 
 @dataclass(frozen=True, slots=True)
-class Changed:
+class RecordedChange:
     """One change, and the record that says so."""
 
     what: What
-    sentence: Sentence
-    record: ToldSeen
+    sentence: Message
+    record: ResultFacts
     before_mm: float | None = None  # of an error; None: there is none to compare with
     after_mm: float | None = None
 
@@ -54,7 +53,7 @@ class RobotChanged:
     """A robot, and what changed of it."""
 
     serial_number: str
-    changes: tuple[Changed, ...]
+    changes: tuple[RecordedChange, ...]
 
     @property
     def worsening_mm(self) -> float:
@@ -90,7 +89,7 @@ class RobotsChanged:
         return self._found
 
 
-def _changes(before: _Results, now: _Results, upto: str) -> Iterator[Changed]:
+def _changes(before: _Results, now: _Results, upto: str) -> Iterator[RecordedChange]:
     new = {
         kind: found
         for kind, found in now.items()
@@ -102,10 +101,10 @@ def _changes(before: _Results, now: _Results, upto: str) -> Iterator[Changed]:
     if "diagnosis" in new:
         yield from _of_causes(before.get("diagnosis"), new["diagnosis"])
     if "model" in new:
-        yield Changed(What.MODEL, _of_model(before.get("model"), new["model"]), new["model"])
+        yield RecordedChange(What.MODEL, _of_model(before.get("model"), new["model"]), new["model"])
 
 
-def _of_error(before: ToldSeen | None, now: ToldSeen) -> Iterator[Changed]:
+def _of_error(before: ResultFacts | None, now: ResultFacts) -> Iterator[RecordedChange]:
     """Yield how an error changed, where what is compared is alike: means, or largest errors."""
     after_mm = now.figure_mm
     if after_mm is None:
@@ -113,33 +112,33 @@ def _of_error(before: ToldSeen | None, now: ToldSeen) -> Iterator[Changed]:
     named = _error_named(now)
     of: dict[str, Value] = {"what": named, "record": _record(now), "day": now.measured_on}
     if before is None or before.figure_mm is None or _error_named(before) != named:
-        sentence = said("plant.changed.first", **of, after_mm=after_mm)
-        yield Changed(What.ERROR, sentence, now, after_mm=after_mm)
+        sentence = message("plant.changed.first", **of, after_mm=after_mm)
+        yield RecordedChange(What.ERROR, sentence, now, after_mm=after_mm)
         return
     grown_mm = after_mm - before.figure_mm
     if abs(grown_mm) >= _SAME_MM:
         key = "plant.changed.rose" if grown_mm > 0.0 else "plant.changed.fell"
         figures = {"before_mm": before.figure_mm, "after_mm": after_mm}
-        sentence = said(key, **of, **figures, day_before=before.measured_on)
-        yield Changed(What.ERROR, sentence, now, **figures)
+        sentence = message(key, **of, **figures, day_before=before.measured_on)
+        yield RecordedChange(What.ERROR, sentence, now, **figures)
 
 
-def _error_named(found: ToldSeen) -> Sentence:
+def _error_named(found: ResultFacts) -> Message:
     """Return which error a result tells."""
     if found.kind == "identification":
-        return said("plant.changed.error.identified")
+        return message("plant.changed.error.identified")
     is_mean = found.document.get("promised") or found.limit_mm is None
-    return said("plant.changed.error.validated" if is_mean else "plant.changed.error.largest")
+    return message("plant.changed.error.validated" if is_mean else "plant.changed.error.largest")
 
 
-def _record(found: ToldSeen) -> Sentence:
+def _record(found: ResultFacts) -> Message:
     is_validation = found.kind == "validation"
-    return said(
+    return message(
         "plant.record.validation" if is_validation else "plant.record.identification", number=found.record_id
     )
 
 
-def _of_causes(before: ToldSeen | None, now: ToldSeen) -> Iterator[Changed]:
+def _of_causes(before: ResultFacts | None, now: ResultFacts) -> Iterator[RecordedChange]:
     """Yield which causes a diagnosis names that the one before did not, and which it names no more."""
     known, found = ({} if one is None else _causes(one) for one in (before, now))
     of: dict[str, Value] = {"number": now.record_id, "day": now.measured_on}
@@ -147,49 +146,53 @@ def _of_causes(before: ToldSeen | None, now: ToldSeen) -> Iterator[Changed]:
     gone = tuple(_cause_said(cause) for key, cause in known.items() if key not in found)
     if before is None:
         if named:
-            yield Changed(What.CAUSE_NAMED, said("plant.changed.causes.first", **of, causes=named), now)
+            yield RecordedChange(
+                What.CAUSE_NAMED, message("plant.changed.causes.first", **of, causes=named), now
+            )
         return
     of["day_before"] = before.measured_on
     if named:
-        yield Changed(What.CAUSE_NAMED, said("plant.changed.causes.named", **of, causes=named), now)
+        yield RecordedChange(What.CAUSE_NAMED, message("plant.changed.causes.named", **of, causes=named), now)
     if gone:
-        yield Changed(What.CAUSE_GONE, said("plant.changed.causes.gone", **of, causes=gone), now)
+        yield RecordedChange(What.CAUSE_GONE, message("plant.changed.causes.gone", **of, causes=gone), now)
 
 
-def _causes(found: ToldSeen) -> dict[tuple[str, str], _Cause]:
+def _causes(found: ResultFacts) -> dict[tuple[str, str], _Cause]:
     return {(cause["effect"], cause["subject"]): cause for cause in found.document.get("causes", ())}
 
 
-def _cause_said(cause: _Cause) -> Sentence:
+def _cause_said(cause: _Cause) -> Message:
     effect, subject = cause["effect"], cause["subject"]
     named = (
-        said("fleet.cause", effect=effect, subject=subject) if subject else said("plant.cause", effect=effect)
+        message("fleet.cause", effect=effect, subject=subject)
+        if subject
+        else message("plant.cause", effect=effect)
     )
-    worth_mm = cause.get("worth_mm")  # none of what earlier versions read
-    return named if worth_mm is None else said("plant.changed.cause", cause=named, worth_mm=worth_mm)
+    worth_mm = cause.get("worth_mm")
+    return named if worth_mm is None else message("plant.changed.cause", cause=named, worth_mm=worth_mm)
 
 
-def _of_model(before: ToldSeen | None, now: ToldSeen) -> Sentence:
+def _of_model(before: ResultFacts | None, now: ResultFacts) -> Message:
     of: dict[str, Value] = {"number": now.record_id, "day": now.measured_on}
     accepted_by = now.document.get("accepted_by")
     if accepted_by:
-        return said("plant.changed.model.accepted", **of, person=accepted_by)
+        return message("plant.changed.model.accepted", **of, person=accepted_by)
     if before is None:
-        return said("plant.changed.model.first", **of)
+        return message("plant.changed.model.first", **of)
     of |= {"number_before": before.record_id, "day_before": before.measured_on}
-    return said("plant.changed.model.replaced", **of)
+    return message("plant.changed.model.replaced", **of)
 
 
 @dataclass(frozen=True, slots=True)
 class CertificateEnded:
     """A certificate that ended, and what that concerns."""
 
-    stated: StatedPaper
-    sentence: Sentence
+    stated: CertificateRecord
+    sentence: Message
 
 
 def certificates_ended(
-    papers: Iterable[StatedPaper], robots: Iterable[RobotMeasured], since: date, today: date
+    papers: Iterable[CertificateRecord], robots: Iterable[RobotMeasured], since: date, today: date
 ) -> list[CertificateEnded]:
     """Return the certificates that count and ended since a day, the first to end first."""
     measured = Counter(robot.instrument_serial_number for robot in robots)
@@ -200,8 +203,8 @@ def certificates_ended(
     ]
 
 
-def _ended(paper: Paper, robots: int) -> Sentence:
+def _ended(paper: Paper, robots: int) -> Message:
     of: dict[str, Value] = {"certificate": paper.certificate, "of": paper.of, "expires": paper.expires}
     if not paper.serial_number:
-        return said("plant.changed.certificate.unnumbered", **of)
-    return said("plant.changed.certificate", **of, serial=paper.serial_number, robots=robots)
+        return message("plant.changed.certificate.unnumbered", **of)
+    return message("plant.changed.certificate", **of, serial=paper.serial_number, robots=robots)

@@ -1,20 +1,138 @@
-"""Visits every cell again and again, each in a loop of its own: one that is silent holds up no other."""
+"""Collects from cells: one visit after another, each verified and kept page by page.
+
+However a visit ends, what was kept of it is whole, and the next one goes on behind it.
+"""
 
 import asyncio
 import contextlib
 import logging
 from collections.abc import AsyncIterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
-from truepose.exchange.cells.of_plant import PlantCell
-from truepose.plant.asking import AskedCell
-from truepose.plant.visit import Shelves, visit
-from truepose.storage.errors import CollectedMeanwhileError, StorageError, StorageUnavailableError
-from truepose.storage.plant.records import Outcome, Visit
-from truepose.storage.plant.visits import VisitRepository
+from truepose.exchange.cells.plant import PlantCell
+from truepose.plant.cell_client import CellClient, CellHead, clock_seen
+from truepose.plant.errors import CellAnswerError, CellSilentError
+from truepose.plant.verification import verified
+from truepose.storage.errors import (
+    AnotherChainError,
+    CollectedMeanwhileError,
+    ConflictError,
+    StorageUnavailableError,
+    TamperedRecordError,
+    UnreadableRowError,
+)
+from truepose.storage.plant.cells import VisitRepository
+from truepose.storage.plant.deployments import HandDownRepository
+from truepose.storage.plant.journal import Collected, JournalRepository, Reached
+from truepose.storage.plant.records import Branch, ClockSeen, HandDownState, Outcome, Visit
 
 _LOG: Final = logging.getLogger(__name__)
+_TIMES_ASKED: Final = 3  # for the time: one answer may come late
+_LINKS: Final = 500  # a page
+
+
+@dataclass(frozen=True, slots=True)
+class Shelves:
+    """What a visit writes into."""
+
+    journal: JournalRepository
+    hand_downs: HandDownRepository
+
+
+async def visit(name: str, cell: CellClient, shelves: Shelves) -> Visit:
+    """Visit a cell and return what came of it; nothing is raised for what a cell can do wrong.
+
+    Raises StorageError where the plant itself cannot keep what it collects, or has collected meanwhile.
+    """
+    begun = Visit(Outcome.WHOLE)
+    reached = await shelves.journal.reached(name)
+    try:
+        head, clock = await _greeted(cell, reached)
+        begun = replace(begun, clock=clock, newest=head.newest, version=head.version, schema=head.schema)
+        known = await shelves.journal.collected(reached)
+        begun = replace(begun, head=known.head.text)
+        if head.newest < known.position or head.head != known.head.text:
+            return await _another_chain(name, cell, known, shelves, begun)
+        return await _collected(name, cell, known, shelves, begun)
+    except CellAnswerError as error:
+        return _so_far(shelves, reached.branch, begun, Outcome.UNREACHABLE, error)
+    except (TamperedRecordError, UnreadableRowError) as error:
+        return _so_far(shelves, reached.branch, begun, Outcome.REFUSED, error)
+    except CollectedMeanwhileError:
+        raise
+    except ConflictError as error:
+        _LOG.warning("a page of %s was refused", name, exc_info=True)
+        unfit = ConflictError(f"{name} sends records that cannot be kept here: {error}")
+        return _so_far(shelves, reached.branch, begun, Outcome.REFUSED, unfit)
+
+
+async def _greeted(cell: CellClient, reached: Reached) -> tuple[CellHead, ClockSeen]:
+    heads = [await cell.head(reached.position) for _ in range(_TIMES_ASKED)]
+    return heads[-1], clock_seen([head.clock for head in heads])
+
+
+async def _collected(name: str, cell: CellClient, known: Collected, shelves: Shelves, begun: Visit) -> Visit:
+    position, heads, newest = known.position, known.heads, begun.newest or 0
+    while position < newest:
+        page = await cell.links(position, _LINKS)
+        links, heads = await asyncio.to_thread(verified, page.lines, position, heads)
+        if not links:
+            raise CellAnswerError(f"{name} has {newest} links and sends none above {position}.")
+        await shelves.journal.keep(known.branch, links, begun.clock)
+        position, newest = links[-1].link, page.newest
+    waits = await _handed_down(name, cell, shelves.hand_downs)
+    collected, head = position - known.position, Collected(known.branch, position, heads).head
+    return replace(begun, sentence=waits, collected=collected, newest=newest, head=head.text)
+
+
+async def _handed_down(name: str, cell: CellClient, hand_downs: HandDownRepository) -> str:
+    """Hand down what waits, and return why some of it still does; empty: nothing does."""
+    waits = ""
+    for record in await hand_downs.waiting(name):
+        try:
+            handed = await cell.hand_down(record, f"hand-down-{record.id}-{record.recorded_at}")
+        except CellAnswerError as error:
+            waits = waits or f"All is collected, and hand-down {record.id} waits: {error}"
+            if isinstance(error, CellSilentError):
+                break
+            continue
+        state = HandDownState.REFUSED if handed.number is None else HandDownState.DELIVERED
+        await hand_downs.note(record.id, state, handed.sentence, handed.number)
+    return waits
+
+
+def _so_far(shelves: Shelves, branch: Branch, begun: Visit, outcome: Outcome, error: Exception) -> Visit:
+    head = shelves.journal.head(branch)
+    return replace(begun, outcome=outcome, sentence=str(error), head=None if head is None else head.text)
+
+
+async def _another_chain(
+    name: str, cell: CellClient, known: Collected, shelves: Shelves, begun: Visit
+) -> Visit:
+    """State that a cell shows another chain, and up to where the two are one."""
+    common = await _last_in_common(
+        cell, known.branch, min(known.position, begun.newest or 0), shelves.journal
+    )
+    error = AnotherChainError(
+        f"{name} shows another chain than the one collected from it: {known.position} links were collected, "
+        f"and only the first {common} are there as they were. Where a copy was put back or a disk exchanged, "
+        "accept the other chain; else look which database the cell has open. Nothing is collected until then."
+    )
+    return replace(begun, outcome=Outcome.ANOTHER_CHAIN, sentence=str(error), fork=common)
+
+
+async def _last_in_common(cell: CellClient, branch: Branch, most: int, journal: JournalRepository) -> int:
+    """Return the last link up to which both chains are one: the two part once and never meet again."""
+    common, parted = 0, most + 1
+    while parted - common > 1:
+        middle = (common + parted) // 2
+        there = await cell.head(middle)
+        same = there.head == (await journal.head_at(branch, middle)).text
+        common, parted = (middle, parted) if same else (common, middle)
+    return common
+
+
 _TWICE: Final = 2.0  # as long, after each visit that came to nothing
 _LONGEST_S: Final = 300.0
 _APART_S: Final = 0.05
@@ -46,7 +164,7 @@ class Collector:
     ) -> None:
         self.cells = tuple(cells)
         self.has_ended = False  # no cell is visited any more
-        self._asked = {cell.name: AskedCell(cell) for cell in cells}
+        self._asked = {cell.name: CellClient(cell) for cell in cells}
         self._shelves = shelves
         self._visits = visits
         self._pace = pace
@@ -74,7 +192,6 @@ class Collector:
     async def follow(self) -> None:
         """Visit every cell, which was entered, until cancelled."""
         try:
-            await self._catch_up()
             async with asyncio.TaskGroup() as group:
                 for place, cell in enumerate(self.cells):
                     first_s = place * self._pace.apart_s(len(self.cells))
@@ -83,16 +200,6 @@ class Collector:
             self.has_ended = True
             for asked in self._asked.values():
                 await asked.close()
-
-    async def _catch_up(self) -> None:
-        while True:
-            try:
-                return await self._shelves.journal.catch_up()
-            except StorageError as error:  # the plant's own disk
-                _LOG.warning("what was collected before was not looked into: %s", error)
-            except Exception:
-                _LOG.exception("what was collected before was not looked into")
-            await asyncio.sleep(self._pace.every_s)
 
     async def _follow(self, name: str, first_s: float) -> None:
         await asyncio.sleep(first_s)

@@ -13,11 +13,10 @@ from datetime import date, timedelta
 from enum import StrEnum
 from typing import Final
 
-from truepose.domain.sentences import Sentence, Value, said
-from truepose.storage.files.foreseen import Compared, Foreseen
-from truepose.storage.plant.looking_over import RobotMeasured
-from truepose.storage.plant.newest import ToldSeen
-from truepose.storage.plant.telling import FAILED, ToldKind
+from truepose.messages.message import Message, Value, message
+from truepose.storage.caches import Compared, Foreseen
+from truepose.storage.plant.overview import ResultFacts, RobotMeasured
+from truepose.storage.plant.result_projections import FAILED, ToldKind
 
 _MONTH_DAYS: Final = 30.0  # a quick check each month
 _AHEAD: Final = timedelta(days=1)  # of the plant's day, in another time zone
@@ -54,7 +53,7 @@ class DueAfter:
 class Evidence:
     """What is on record beside the days on which robots were measured."""
 
-    told: Mapping[str, Mapping[ToldKind, ToldSeen]] = field(default_factory=dict)  # by robot
+    told: Mapping[str, Mapping[ToldKind, ResultFacts]] = field(default_factory=dict)  # by robot
     expires: Mapping[str, str] = field(default_factory=dict)  # last day of an instrument's certificate
     compared: Sequence[Compared] = ()  # the newest comparison of each type
 
@@ -64,14 +63,14 @@ class Reason:
     """One reason to measure a robot."""
 
     why: Why
-    sentence: Sentence
+    sentence: Message
     weight: float = 0.0  # among reasons of the same kind, the greatest first
-    record: ToldSeen | None = None  # that says so
+    record: ResultFacts | None = None  # that says so
     compared: Compared | None = None  # that says so
 
 
 @dataclass(frozen=True, slots=True)
-class StandingRobot:
+class RobotStatus:
     """A robot, and what speaks for measuring it, the most urgent first; nothing: it is not due."""
 
     measured: RobotMeasured
@@ -85,7 +84,7 @@ def latest_day(today: date) -> date:
 
 def standing_robots(
     robots: Iterable[RobotMeasured], evidence: Evidence, due: DueAfter, today: date
-) -> list[StandingRobot]:
+) -> list[RobotStatus]:
     """Return how robots stand on a day, those first that are to be measured first."""
     foreseen = {
         one.robot: _Foretold(compared, one) for compared in evidence.compared for one in compared.foreseen
@@ -106,7 +105,7 @@ class _Foretold:
 
 def _standing(
     robot: RobotMeasured, evidence: Evidence, due: DueAfter, today: date, foretold: _Foretold | None
-) -> StandingRobot:
+) -> RobotStatus:
     told = evidence.told.get(robot.serial_number, {})
     found = (
         *_of_days(robot, due.of(robot.robot), today),
@@ -116,10 +115,10 @@ def _standing(
         *_of_diagnosis(told, robot.last_measured_on),
         *([] if foretold is None else _of_forecast(robot, foretold, due.of(robot.robot), today)),
     )
-    return StandingRobot(robot, tuple(sorted(found, key=lambda reason: [*Why].index(reason.why))))
+    return RobotStatus(robot, tuple(sorted(found, key=lambda reason: [*Why].index(reason.why))))
 
 
-def _urgency(robot: StandingRobot) -> tuple[int, float, str]:
+def _urgency(robot: RobotStatus) -> tuple[int, float, str]:
     if not robot.reasons:
         return len(Why), 0.0, robot.measured.serial_number
     first = robot.reasons[0]
@@ -129,25 +128,25 @@ def _urgency(robot: StandingRobot) -> tuple[int, float, str]:
 def _of_days(robot: RobotMeasured, due_days: float, today: date) -> Iterator[Reason]:
     last = robot.last_measured_on
     if not last:
-        yield Reason(Why.UNMEASURED, said("plant.why.unmeasured"))
+        yield Reason(Why.UNMEASURED, message("plant.why.unmeasured"))
         return
     day = _day(last)
     days = None if day is None else (today - day).days
     if days is None or days < -_AHEAD.days:
-        yield Reason(Why.DOUBTFUL, said("plant.why.doubtful", day=last, cell=robot.cell))
+        yield Reason(Why.DOUBTFUL, message("plant.why.doubtful", day=last, cell=robot.cell))
     elif days > due_days:
-        sentence = said("plant.why.overdue", day=last, days=days, due=due_days)
+        sentence = message("plant.why.overdue", day=last, days=days, due=due_days)
         yield Reason(Why.OVERDUE, sentence, days / due_days)
 
 
 def _of_certificate(robot: RobotMeasured, expires: str) -> Iterator[Reason]:
     if expires and expires < robot.last_measured_on:
         instrument, day = robot.instrument_serial_number, robot.last_measured_on
-        sentence = said("plant.why.uncertified", day=day, instrument=instrument, expires=expires)
+        sentence = message("plant.why.uncertified", day=day, instrument=instrument, expires=expires)
         yield Reason(Why.UNCERTIFIED, sentence)
 
 
-def _of_validation(told: Mapping[ToldKind, ToldSeen]) -> Iterator[Reason]:
+def _of_validation(told: Mapping[ToldKind, ResultFacts]) -> Iterator[Reason]:
     """Yield that the last validation failed; a model that was made after it answers it."""
     found, model = told.get("validation"), told.get("model")
     if found is None or found.verdict != FAILED:
@@ -156,26 +155,26 @@ def _of_validation(told: Mapping[ToldKind, ToldSeen]) -> Iterator[Reason]:
         yield Reason(Why.FAILED, _failed(found), _times_allowed(found), found)
 
 
-def _failed(found: ToldSeen) -> Sentence:
+def _failed(found: ResultFacts) -> Message:
     """Return that a validation failed, with the figures that it has."""
     of: dict[str, Value] = {"number": found.record_id, "day": found.measured_on}
     if found.figure_mm is None:
-        return said("plant.why.failed_beyond_measure", **of)
+        return message("plant.why.failed_beyond_measure", **of)
     if found.limit_mm is None:
-        return said("plant.why.failed", **of, figure=found.figure_mm)
+        return message("plant.why.failed", **of, figure=found.figure_mm)
     if found.document.get("promised"):
-        return said("plant.why.broken_promise", **of, figure=found.figure_mm, promised=found.limit_mm)
-    return said("plant.why.beyond_limit", **of, figure=found.figure_mm, limit=found.limit_mm)
+        return message("plant.why.broken_promise", **of, figure=found.figure_mm, promised=found.limit_mm)
+    return message("plant.why.beyond_limit", **of, figure=found.figure_mm, limit=found.limit_mm)
 
 
-def _times_allowed(found: ToldSeen) -> float:
+def _times_allowed(found: ResultFacts) -> float:
     """Return by how many times an error exceeds what is allowed; 1 where nobody said what is."""
     if found.figure_mm is None:
         return math.inf  # no finite number was kept: it is beyond every limit
     return found.figure_mm / found.limit_mm if found.limit_mm else 1.0
 
 
-def _of_change(told: Mapping[ToldKind, ToldSeen]) -> Iterator[Reason]:
+def _of_change(told: Mapping[ToldKind, ResultFacts]) -> Iterator[Reason]:
     """Yield that a robot carries another tool, or stands elsewhere, than when its model was made."""
     model, now = told.get("model"), told.get("campaign")
     if model is None or now is None or not now.is_later_than(model):
@@ -184,24 +183,24 @@ def _of_change(told: Mapping[ToldKind, ToldSeen]) -> Iterator[Reason]:
     before_base, base = model.document.get("base"), now.document.get("base")
     values: dict[str, Value] = {"number": model.record_id, "day": now.measured_on}
     if before_tool and tool and before_tool != tool:
-        sentence = said("plant.why.another_tool", **values, before=before_tool, tool=tool)
+        sentence = message("plant.why.another_tool", **values, before=before_tool, tool=tool)
         yield Reason(Why.CHANGED, sentence, record=model)
     elif before_base and base and before_base != base:
-        yield Reason(Why.CHANGED, said("plant.why.another_base", **values), record=model)
+        yield Reason(Why.CHANGED, message("plant.why.another_base", **values), record=model)
 
 
-def _of_diagnosis(told: Mapping[ToldKind, ToldSeen], last_measured_on: str) -> Iterator[Reason]:
+def _of_diagnosis(told: Mapping[ToldKind, ResultFacts], last_measured_on: str) -> Iterator[Reason]:
     """Yield what the last diagnosis leaves open; a later measurement answers it."""
     found = told.get("diagnosis")
     if found is None or found.measured_on < last_measured_on:
         return
     values: dict[str, Value] = {"number": found.record_id, "day": found.measured_on}
     if found.verdict == _UNEXPLAINED and found.figure_mm is not None:
-        sentence = said("plant.why.unexplained", **values, figure=found.figure_mm)
+        sentence = message("plant.why.unexplained", **values, figure=found.figure_mm)
         yield Reason(Why.UNEXPLAINED, sentence, found.figure_mm, found)
     asks = int(found.document.get("asks", 0))
     if asks:
-        yield Reason(Why.ASKED, said("plant.why.asked", **values, count=asks), float(asks), found)
+        yield Reason(Why.ASKED, message("plant.why.asked", **values, count=asks), float(asks), found)
 
 
 def _of_forecast(robot: RobotMeasured, foretold: _Foretold, due_days: float, today: date) -> Iterator[Reason]:
@@ -218,28 +217,28 @@ def _of_forecast(robot: RobotMeasured, foretold: _Foretold, due_days: float, tod
         yield Reason(Why.WORSENING, _passes(foretold, next_due, today), weight, compared=foretold.by)
 
 
-def _beyond(foretold: _Foretold) -> Sentence:
+def _beyond(foretold: _Foretold) -> Message:
     found, limit_mm = foretold.of, foretold.by.limit_mm
     of: dict[str, Value] = {"cause": _cause_of(found), "since": found.since}
-    return said("plant.why.beyond", **of, size_mm=found.size_mm, limit_mm=limit_mm)
+    return message("plant.why.beyond", **of, size_mm=found.size_mm, limit_mm=limit_mm)
 
 
-def _passes(foretold: _Foretold, next_due: date, today: date) -> Sentence:
+def _passes(foretold: _Foretold, next_due: date, today: date) -> Message:
     """Return when a limit is passed, or since when it is."""
     found = foretold.of
     of: dict[str, Value] = {"cause": _cause_of(found), "since": found.since, "rate_mm": found.rate_mm or 0.0}
     of["limit_mm"] = foretold.by.limit_mm
     if found.day is not None and found.day <= today.isoformat():
-        return said("plant.why.passed", **of, day=found.day)
+        return message("plant.why.passed", **of, day=found.day)
     of |= {"earliest": found.earliest or "", "due": next_due.isoformat()}
     if found.day is None:
-        return said("plant.why.may_pass", **of)
-    return said("plant.why.passes", **of, day=found.day)
+        return message("plant.why.may_pass", **of)
+    return message("plant.why.passes", **of, day=found.day)
 
 
-def _cause_of(found: Foreseen) -> Sentence:
+def _cause_of(found: Foreseen) -> Message:
     of = {"effect": found.effect, "subject": found.subject}
-    return said("fleet.wave", **of, order=found.order) if found.order else said("fleet.cause", **of)
+    return message("fleet.wave", **of, order=found.order) if found.order else message("fleet.cause", **of)
 
 
 def _day(day: str) -> date | None:

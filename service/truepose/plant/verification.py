@@ -9,9 +9,8 @@ from collections.abc import Iterable, Mapping
 from typing import Any, Final
 
 from truepose.storage.errors import TamperedRecordError, UnreadableRowError
-from truepose.storage.integrity.chain import GENESIS, TABLE_NOW, linked_hash, stream_of
-from truepose.storage.leaving.decided import LEAVING
-from truepose.storage.leaving.typed_rows import WHOLE_NUMBERS, untyped
+from truepose.storage.integrity.hash_chain import GENESIS, linked_hash, stream_of
+from truepose.storage.plant.outbox import LEAVING, WHOLE_NUMBERS, untyped
 from truepose.storage.plant.records import CollectedLink
 
 _HASH_BYTES: Final = 32
@@ -100,15 +99,14 @@ def _hash(line: Mapping[str, Any]) -> bytes:
 
 
 def _require_own(link: CollectedLink, before: bytes) -> None:
-    table = TABLE_NOW.get(link.record, link.record)
     if link.row is None:
-        if table in LEAVING:
+        if link.record in LEAVING:
             raise TamperedRecordError(
                 f"The cell keeps back {_named(link)}, which leaves every cell. Have 'truepose verify' look "
                 "through the cell's database."
             )
         return
-    if not link.verified and table not in _TOLD:
+    if not link.verified and link.record not in _TOLD:
         raise TamperedRecordError(f"The cell tells {_named(link)} otherwise than it was written.")
     names, values = tuple(link.row), tuple(link.row.values())
     is_of_link = stream_of(link.record, names, values) == link.stream and link.row.get("id") == link.record_id

@@ -1,23 +1,16 @@
 """Templates to a file: everything a page needs goes into it, and user text is escaped."""
 
 import functools
-from pathlib import Path
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
-from truepose.reports.causes_found.ruled_out import ruled_out_rows
-from truepose.reports.paper import PAPER, write_report_text
-from truepose.reports.traceability.imprint import css_string
-from truepose.reports.wording.rounding import millimetres, p_value, uncertainty_mm
+from truepose.messages.catalogue import IN_ENGLISH, Catalogue
+from truepose.messages.templates import in_units
+from truepose.reports.paper import PAPER
+from truepose.reports.rounding import millimetres, p_value, uncertainty_mm
+from truepose.reports.traceability import css_string
 from truepose.version import __version__
-from truepose.words.catalogue import IN_ENGLISH, Catalogue
-from truepose.words.templates import in_units
-
-
-def write_page(path: Path, template: str, **context: object) -> None:
-    """Render a template into a file, HTML or PDF by its name; raises as `write_report_text` does."""
-    write_report_text(path, rendered(template, **context))
 
 
 def content_of(page: str) -> Markup:
@@ -57,8 +50,8 @@ def _environment() -> Environment:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters.update(mm=millimetres, u=uncertainty_mm, p=p_value, capitalize_first=_capitalized)
-    environment.filters.update(joined=ruled_out_rows, called=_called, css_string=css_string)
+    environment.filters.update(mm=millimetres, u=uncertainty_mm, p=p_value, capitalize_first=capitalized)
+    environment.filters.update(called=_called, css_string=css_string)
     return environment
 
 
@@ -66,6 +59,6 @@ def _called(effect: str, words: Catalogue) -> str:
     return words.effect(effect)
 
 
-def _capitalized(text: str) -> str:
+def capitalized(text: str) -> str:
     """Return the text with a capital first letter; jinja's own would make small letters of all others."""
     return text[:1].upper() + text[1:]

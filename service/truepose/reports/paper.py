@@ -1,4 +1,9 @@
-"""A page of a report as a PDF: in the colours of paper, tagged, and with nothing fetched from anywhere."""
+"""A report as a file: written, or printed as a PDF in the colours of paper, tagged, with nothing fetched.
+
+ReportsError
+├── UnwritableReportError   the file cannot be written
+└── NoPdfError              the machine lacks what a PDF is made with
+"""
 
 import contextlib
 import io
@@ -8,7 +13,20 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Final
 
-from truepose.reports.errors import NoPdfError, UnwritableReportError
+from truepose.domain.errors import TrueposeError
+
+
+class ReportsError(TrueposeError):
+    """Base of every error of this package."""
+
+
+class UnwritableReportError(ReportsError):
+    """The report cannot be written where it should go."""
+
+
+class NoPdfError(ReportsError):
+    """The machine lacks what a PDF is made with."""
+
 
 # What the screen's variables are on paper, for the printer of a browser and for ours.
 PAPER: Final = {

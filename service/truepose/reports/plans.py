@@ -3,15 +3,14 @@
 from collections.abc import Iterator
 from typing import Final
 
-from rich.table import Table
-
-from truepose.domain.results.identification import NotIdentifiable
-from truepose.domain.sentences import Sentence, said
-from truepose.planning.promise.curve import STEP, gains_mm
-from truepose.planning.promise.plan import PromisedPlan
-from truepose.reports.wording.rounding import fixed
-from truepose.words.catalogue import Catalogue
-from truepose.words.units import Printed
+from truepose.domain.identification import NotIdentifiable
+from truepose.messages.catalogue import Catalogue
+from truepose.messages.message import Message, message
+from truepose.messages.units import ConvertibleNumber
+from truepose.planning.prediction.errors import STEP, gains_mm
+from truepose.planning.prediction.plan import PromisedPlan
+from truepose.reports.rounding import fixed
+from truepose.reports.tables import Table, heads_of
 
 _MOST_SAID: Final = 3  # combinations that are left open; a plan of a few configurations leaves dozens
 _MOST_NAMED: Final = 8  # parameters of one of them; documents have all
@@ -30,23 +29,23 @@ _HEADS: Final = (
 )
 
 
-def plan_sentences(plan: PromisedPlan, minutes: float) -> Iterator[Sentence]:
+def plan_sentences(plan: PromisedPlan, minutes: float) -> Iterator[Message]:
     """Yield what a plan promises, what more would bring, what it leaves open, what it rests on."""
     yield promise_sentence(plan)
     if plan.measured:
-        yield said("plans.measured", measured=plan.measured, new=len(plan.joints_rad))
+        yield message("plans.measured", measured=plan.measured, new=len(plan.joints_rad))
     yield from _worth_of_more(plan)
     yield from _left_open(plan)
     if len(plan.joints_rad):
-        yield said("plans.minutes", minutes=minutes)
+        yield message("plans.minutes", minutes=minutes)
     yield from _assumptions(plan)
 
 
-def promise_sentence(plan: PromisedPlan) -> Sentence:
+def promise_sentence(plan: PromisedPlan) -> Message:
     """Return what a plan promises."""
     promised = plan.promised
     low, high = promised.interval_90_mm
-    return said(
+    return message(
         "plans.promise",
         n=promised.n,
         mean_mm=promised.mean_mm,
@@ -57,77 +56,63 @@ def promise_sentence(plan: PromisedPlan) -> Sentence:
     )
 
 
-def _worth_of_more(plan: PromisedPlan) -> Iterator[Sentence]:
+def _worth_of_more(plan: PromisedPlan) -> Iterator[Message]:
     after = next((point for point in plan.curve if point.n >= plan.total + STEP), None)
     if after is None:
-        yield said("plans.all", n=plan.curve[-1].n)
+        yield message("plans.all", n=plan.curve[-1].n)
         return
     gain_um = 1e3 * (plan.promised.mean_mm - after.mean_mm) * STEP / (after.n - plan.total)
     if plan.total >= plan.advised:
         enough = plan.measured == plan.total
-        yield said("plans.enough" if enough else "plans.knee", n=plan.advised, gain_um=gain_um)
+        yield message("plans.enough" if enough else "plans.knee", n=plan.advised, gain_um=gain_um)
     else:
-        yield said("plans.more", n=plan.advised, gain_um=gain_um)
+        yield message("plans.more", n=plan.advised, gain_um=gain_um)
 
 
-def _left_open(plan: PromisedPlan) -> Iterator[Sentence]:
+def _left_open(plan: PromisedPlan) -> Iterator[Message]:
     for group in plan.left_open[:_MOST_SAID]:
         yield _open(group)
     more = len(plan.left_open) - _MOST_SAID
     if more > 0:
-        yield said("plans.open.more", more=more)
+        yield message("plans.open.more", more=more)
 
 
-def _open(group: NotIdentifiable) -> Sentence:
+def _open(group: NotIdentifiable) -> Message:
     first, more = ", ".join(group.parameters[:_MOST_NAMED]), len(group.parameters) - _MOST_NAMED
     if more > 0:
-        return said("plans.open.many", parameters=first, more=more, reason=group.reason)
-    return said("plans.open", parameters=first, reason=group.reason)
+        return message("plans.open.many", parameters=first, more=more, reason=group.reason)
+    return message("plans.open", parameters=first, reason=group.reason)
 
 
-def _assumptions(plan: PromisedPlan) -> Iterator[Sentence]:
+def _assumptions(plan: PromisedPlan) -> Iterator[Message]:
     assumed = plan.assumptions
     key, kept_out = _KEYS[plan.poses is not None, plan.targets is not None]
-    yield said(key, reading_um=1e3 * assumed.reading_mm, repeatability_um=1e3 * assumed.repeatability_mm)
+    yield message(key, reading_um=1e3 * assumed.reading_mm, repeatability_um=1e3 * assumed.repeatability_mm)
     if assumed.kept_out:
-        yield said(kept_out, volumes=", ".join(assumed.kept_out))
+        yield message(kept_out, volumes=", ".join(assumed.kept_out))
     lack = assumed.discrepancy
     if lack.per_axis_mm > 0.0:
-        yield said("plans.discrepancy", discrepancy_mm=lack.per_axis_mm, percent=100.0 * lack.known_to)
+        yield message("plans.discrepancy", discrepancy_mm=lack.per_axis_mm, percent=100.0 * lack.known_to)
     else:
-        yield said("plans.complete")
+        yield message("plans.complete")
 
 
 def curve_table(plan: PromisedPlan, words: Catalogue) -> Table:
     """Return the curve, one row for each number of configurations; a star marks the one planned."""
-    table = Table()
-    for head in curve_head(words):
-        table.add_column(head, justify="right")
-    for row in curve_rows(plan):
-        table.add_row(*row)
-    return table
-
-
-def curve_head(words: Catalogue) -> tuple[str, ...]:
-    """Return what stands above the columns of `curve_rows`."""
-    return tuple(words.say(head) for head in _HEADS)
-
-
-def curve_rows(plan: PromisedPlan) -> Iterator[tuple[str, ...]]:
-    """Yield number, mean, interval, worst and gain of each point; a star marks the number planned."""
     gained = ("", *(fixed(1e3 * gain, 1, "um") for gain in gains_mm(plan.curve)))
-    for point, gain in zip(plan.curve, gained, strict=True):
-        low, high = point.interval_90_mm
-        mark = "*" if point.n == plan.total else ""
-        yield (
-            f"{mark}{point.n}",
+    rows = [
+        (
+            f"{'*' if point.n == plan.total else ''}{point.n}",
             fixed(point.mean_mm, 4, "mm"),
-            _between(low, high),
+            _between(*point.interval_90_mm),
             fixed(point.worst_mm, 4, "mm"),
             gain,
         )
+        for point, gain in zip(plan.curve, gained, strict=True)
+    ]
+    return Table(heads_of(words, *_HEADS), rows)
 
 
 def _between(low_mm: float, high_mm: float) -> str:
     ends = (low_mm, high_mm)
-    return Printed(lambda shown: " - ".join(shown.formatted(end, ".4f") for end in ends), "mm")
+    return ConvertibleNumber(lambda shown: " - ".join(shown.formatted(end, ".4f") for end in ends), "mm")

@@ -5,7 +5,8 @@ from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
 
-from truepose.reports.pages import write_page
+from truepose.reports.pages import rendered
+from truepose.reports.paper import write_report_text
 
 
 class Verdict(StrEnum):
@@ -93,8 +94,7 @@ def write_table_report(
     UnwritableReportError
         The file cannot be written.
     """
-    write_page(
-        path,
+    page = rendered(
         "table.html",
         title=title,
         sections=tuple(sections),
@@ -103,6 +103,7 @@ def write_table_report(
         sentence=verdict_sentence(sections),
         good=_all_passed(sections),
     )
+    write_report_text(path, page)
 
 
 def verdict_sentence(sections: Sequence[Section]) -> str:

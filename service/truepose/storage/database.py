@@ -4,7 +4,7 @@ Every write runs on one thread over one connection; what is asked for while a co
 next transaction, and one of them that fails has a transaction of its own. `write` returns once the commit is
 on the disk. Readers see the last commit and cannot write. The library's calls block, so both sides live on
 threads, off the event loop. Where a write is refused, further ones are refused at once until a trial has
-shown that writing works again. What differs from engine to engine is behind `connection.holding`.
+shown that writing works again. What differs from engine to engine is behind `engine.backend`.
 """
 
 import asyncio
@@ -21,10 +21,21 @@ from typing import Any, Final, TypeVar
 from sqlalchemy import Connection
 from sqlalchemy.engine import Transaction
 
-from truepose.storage.connection.commits import Commits
-from truepose.storage.connection.engines import holding
-from truepose.storage.connection.holding import READERS, InDoubtError
-from truepose.storage.connection.plain import plain
+from truepose.storage.engine.address import is_server, parsed_url
+from truepose.storage.engine.backend import READERS, Alone, Condition, DatabaseBackend, InDoubtError
+from truepose.storage.engine.group_commit import (
+    CommitTimes,
+    GroupFailedError,
+    GroupWrite,
+    One,
+    Outcome,
+    PendingWrite,
+    alone,
+    run,
+)
+from truepose.storage.engine.plain import plain
+from truepose.storage.engine.reading import require_library
+from truepose.storage.engine.sqlite import SQLiteFile
 from truepose.storage.errors import (
     DamagedDatabaseError,
     ServerAwayError,
@@ -32,12 +43,10 @@ from truepose.storage.errors import (
     StorageUnavailableError,
     damaged,
 )
-from truepose.storage.integrity.condition import Condition
-from truepose.storage.integrity.head import Head, newest_head
-from truepose.storage.integrity.linking import linking
-from truepose.storage.integrity.seal import Left
+from truepose.storage.integrity.database_identity import Left
+from truepose.storage.integrity.hash_chain import linking
+from truepose.storage.integrity.head_hash import Head, newest_head
 from truepose.storage.integrity.verification import stream_findings
-from truepose.storage.together import End, NotTogetherError, One, Together, Wanted, alone, run
 
 T = TypeVar("T")
 _LOG: Final = logging.getLogger(__name__)
@@ -46,28 +55,38 @@ _IN_DOUBT: Final = "The connection to {} ended during a commit; whether that was
 _TRIAL_S: Final = 0.25  # between two trials whether writing works again
 
 
+def backend_of(url: str, condition: Condition, alone: Alone) -> DatabaseBackend:
+    """Return the database of a URL, not opened yet; raises DatabaseAddressError."""
+    if not is_server(parsed_url(url)):
+        return SQLiteFile(url, condition, alone)
+    require_library()
+    from truepose.storage.engine.postgresql import ServerDatabase
+
+    return ServerDatabase(url, condition, alone)
+
+
 class Database:
     """An open database; nothing else in the process writes to it."""
 
     def __init__(self, url: str) -> None:
         self.condition = Condition()
-        self.commits = Commits()
+        self.commits = CommitTimes()
         self._commit = asyncio.Event()
-        self._wanted: deque[Wanted] = deque()
+        self._wanted: deque[PendingWrite] = deque()
         self._handed_over = False  # what waits: the writer is going to look
         self._doubtful: _Doubtful | None = None
         self._trial: asyncio.Task[None] | None = None
         self._refused: type[StorageUnavailableError] = StorageUnavailableError  # while there is trouble
         self._reading = threading.BoundedSemaphore(READERS)  # all of them taken: nobody reads
-        self.held = holding(url, self.condition, self._nobody_reads)
+        self.backend = backend_of(url, self.condition, self._nobody_reads)
         self._writer = ThreadPoolExecutor(1, thread_name_prefix="storage-writer")
         self._readers = ThreadPoolExecutor(READERS, thread_name_prefix="storage-reader")
         try:
-            self.schema = self._writer.submit(self.held.open).result()
+            self.schema = self._writer.submit(self.backend.open).result()
         except BaseException:
             self._shut()
             raise
-        self.file = self.held.file  # what lies beside the database is named after it
+        self.file = self.backend.file  # what lies beside the database is named after it
 
     async def write(self, work: Callable[[Connection], T]) -> T:
         """Run `work` in a transaction and return its result once that is committed.
@@ -78,7 +97,7 @@ class Database:
         result: T = await self.write_together(alone(work), None)
         return result
 
-    async def write_together(self, work: Together[One], one: One) -> Any:
+    async def write_together(self, work: GroupWrite[One], one: One) -> Any:
         """Keep `one` by `work`, which keeps all that are given to it meanwhile in one go.
 
         Returns or raises the end that `work` says for it, once that is committed: what it refuses it says
@@ -94,7 +113,7 @@ class Database:
 
     async def write_a_trial(self) -> None:
         """Write a few bytes that nobody reads, to see that it works; raises StorageUnavailableError."""
-        await self.write(self.held.write_a_little)
+        await self.write(self.backend.write_a_little)
 
     async def write_new(self, work: Callable[[Connection], T]) -> T:
         """Write what begins something new; refused like a full disk where only the reserve is left."""
@@ -104,7 +123,7 @@ class Database:
 
     async def keep_reserve(self) -> None:
         """Take room for a full disk where there is some, and take it back once there is some again."""
-        await self.on_writer(lambda _plain: self.held.keep_reserve())
+        await self.on_writer(lambda _plain: self.backend.keep_reserve())
 
     async def writable(self) -> None:
         """Return once writing works; at once where nothing was refused."""
@@ -124,8 +143,8 @@ class Database:
         def looked_after() -> T:
             try:
                 self._make_ready()
-                return work(self.held.plain)
-            except self.held.refused as error:
+                return work(self.backend.plain)
+            except self.backend.refused as error:
                 raise self._noted(error) from error
 
         try:
@@ -144,7 +163,7 @@ class Database:
         for finding in found:
             self.condition.note_damage(finding, finding)
         if found:
-            raise damaged(self.held.where, found[0])
+            raise damaged(self.backend.where, found[0])
 
     async def head(self) -> Head:
         """Return the head of the chain, which reports print; 'truepose verify --head' takes it."""
@@ -160,15 +179,15 @@ class Database:
         self._commit.set()
         self._commit = asyncio.Event()
 
-    def _write_in_turn(self, work: Together[One], one: One) -> "asyncio.Future[Any]":
+    def _write_in_turn(self, work: GroupWrite[One], one: One) -> "asyncio.Future[Any]":
         done = asyncio.get_running_loop().create_future()
-        self._wanted.append(Wanted(work, one, done))
+        self._wanted.append(PendingWrite(work, one, done))
         if not self._handed_over:
             self._handed_over = True
             self._writer.submit(self._write_wanted)
         return done
 
-    def _announce(self, ended: Sequence[tuple[Wanted, End]]) -> None:
+    def _announce(self, ended: Sequence[tuple[PendingWrite, Outcome]]) -> None:
         """Tell each how its write ended, unless it waits no more, and everybody that there was a commit."""
         if any(failure is None for _, (_, failure) in ended):
             self.wake()
@@ -194,7 +213,7 @@ class Database:
             while self.condition.trouble is not None:
                 await asyncio.sleep(_TRIAL_S)
                 try:
-                    await self._write_in_turn(alone(self.held.write_a_little), None)
+                    await self._write_in_turn(alone(self.backend.write_a_little), None)
                 except StorageUnavailableError as error:
                     self._note_trouble(error)
                 else:
@@ -211,32 +230,32 @@ class Database:
         for _ in range(0, len(self._wanted), _MOST_TOGETHER):
             self._write_these([self._wanted.popleft() for _ in range(min(len(self._wanted), _MOST_TOGETHER))])
 
-    def _write_these(self, together: Sequence[Wanted]) -> None:
+    def _write_these(self, together: Sequence[PendingWrite]) -> None:
         """Write together what does not fail, then what does, each alone: in a transaction of its own."""
-        failing: list[Wanted] = []
+        failing: list[PendingWrite] = []
         while together:
             try:
                 self._write_all(together)
                 break
-            except NotTogetherError as error:
+            except GroupFailedError as error:
                 failing += error.failed
                 together = [wanted for wanted in together if wanted not in error.failed]
         for wanted in failing:
             self._write_all([wanted])
 
-    def _write_all(self, together: Sequence[Wanted]) -> None:
+    def _write_all(self, together: Sequence[PendingWrite]) -> None:
         try:
             self._tell(together, self._write(lambda connection: run(connection, together)))
-        except NotTogetherError:
+        except GroupFailedError:
             raise
         except _DoubtError as doubt:
             self._wait_for_certainty(_Doubtful(together, doubt.result, doubt.newest))
         except Exception as error:
             self._tell(together, [(None, error)] * len(together))
 
-    def _tell(self, together: Sequence[Wanted], ends: Sequence[End]) -> None:
+    def _tell(self, together: Sequence[PendingWrite], ends: Sequence[Outcome]) -> None:
         """Tell whoever waits how it ended; each loop is woken once."""
-        of_loops: dict[asyncio.AbstractEventLoop, list[tuple[Wanted, End]]] = {}
+        of_loops: dict[asyncio.AbstractEventLoop, list[tuple[PendingWrite, Outcome]]] = {}
         for wanted, end in zip(together, ends, strict=True):
             of_loops.setdefault(wanted.done.get_loop(), []).append((wanted, end))
         for loop, ended in of_loops.items():
@@ -246,8 +265,8 @@ class Database:
     def _write(self, work: Callable[[Connection], T]) -> T:
         try:
             return self._committed(work)
-        except self.held.refused as error:
-            if self.held.make_room(error):
+        except self.backend.refused as error:
+            if self.backend.make_room(error):
                 return self._write(work)  # in the room that is free now
             raise self._noted(error) from error
 
@@ -255,11 +274,11 @@ class Database:
         self._make_ready()
         begun_s = time.perf_counter()
         transaction = self._begun()
-        connection = self.held.connection
+        connection = self.backend.connection
         links = linking(connection)
         try:
             result = work(connection)
-            self.held.commit(transaction, links.write(plain(connection)))
+            self.backend.commit(transaction, links.write(plain(connection)))
         except InDoubtError as doubt:
             raise _DoubtError(result, doubt.newest) from doubt
         except BaseException:
@@ -272,38 +291,38 @@ class Database:
     def _begun(self) -> Transaction:
         """Begin a transaction, over a new connection where the one before has ended while it lay idle."""
         try:
-            return self.held.connection.begin()
-        except self.held.refused as error:
-            if not self.held.ended(error):
+            return self.backend.connection.begin()
+        except self.backend.refused as error:
+            if not self.backend.ended(error):
                 raise
         self._make_ready()
-        return self.held.connection.begin()
+        return self.backend.connection.begin()
 
     def _make_ready(self) -> None:
-        self.held.make_ready()
+        self.backend.make_ready()
         if self._doubtful is not None:
-            self._tell_certainty(self._doubtful, self.held.has(self._doubtful.newest))
-        self.held.require_ours()
+            self._tell_certainty(self._doubtful, self.backend.has(self._doubtful.newest))
+        self.backend.require_ours()
 
     def _wait_for_certainty(self, doubtful: "_Doubtful") -> None:
         """Answer nobody of a commit that may have been made, and refuse others until that is known."""
         self._doubtful = doubtful
-        error = ServerAwayError(_IN_DOUBT.format(self.held.where))
+        error = ServerAwayError(_IN_DOUBT.format(self.backend.where))
         self._note_trouble(error)
         doubtful.together[0].done.get_loop().call_soon_threadsafe(self._try_again_after, error)
 
     def _tell_certainty(self, doubtful: "_Doubtful", made: bool) -> None:
         self._doubtful = None
-        refused = ServerAwayError(f"The connection to {self.held.where} ended; nothing was kept.")
+        refused = ServerAwayError(f"The connection to {self.backend.where} ended; nothing was kept.")
         _LOG.warning("the commit during which the connection ended was %s", "made" if made else "not made")
         self._tell(doubtful.together, doubtful.ends if made else [(None, refused)] * len(doubtful.ends))
 
     def _leave(self) -> None:
         """Leave the database as it should be left; what is still in doubt stays so."""
         if self._doubtful is not None:
-            unknown = ServerAwayError(_IN_DOUBT.format(self.held.where))
+            unknown = ServerAwayError(_IN_DOUBT.format(self.backend.where))
             self._tell(self._doubtful.together, [(None, unknown)] * len(self._doubtful.ends))
-        self.held.close()
+        self.backend.close()
 
     @contextlib.contextmanager
     def _nobody_reads(self) -> Iterator[None]:
@@ -319,15 +338,15 @@ class Database:
 
     def _read(self, work: Callable[[Connection], T], *, again: bool = True) -> T:
         try:
-            with self._reading, self.held.readers.begin() as connection:
+            with self._reading, self.backend.readers.begin() as connection:
                 return work(connection)
-        except self.held.refused as error:
-            if again and self.held.ended(error):  # while it lay idle, perhaps; another one may do
+        except self.backend.refused as error:
+            if again and self.backend.ended(error):  # while it lay idle, perhaps; another one may do
                 return self._read(work, again=False)
             raise self._noted(error) from error
 
     def _noted(self, error: Exception) -> StorageError:
-        found = self.held.translated(error)
+        found = self.backend.translated(error)
         if isinstance(found, DamagedDatabaseError):
             self.condition.note_damage("pages", str(found))
         return found
@@ -349,8 +368,8 @@ class Database:
 class _Doubtful:
     """Writes of a commit that may have been made."""
 
-    together: Sequence[Wanted]
-    ends: Sequence[End]  # if it was
+    together: Sequence[PendingWrite]
+    ends: Sequence[Outcome]  # if it was
     newest: Left  # link that the database has if it was
 
 

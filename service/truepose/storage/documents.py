@@ -1,11 +1,16 @@
-"""Frozen dataclasses as JSON documents and back, guided by their type hints.
+"""Frozen dataclasses as JSON documents and back, guided by their type hints; long columns beside them.
 
 Storage keeps whole nouns (plans, readings, results) in one column each, under their own field
 names. JSON has no word for NaN and infinity: they become null and "inf". A field that an older
-document lacks takes its default, so nouns may grow. Nouns with long columns: `storage.columns`.
+document lacks takes its default, so nouns may grow.
+
+Nouns with long columns are packed as blocks of NumPy's own format (NEP 1), one after the other. The first
+holds the document in UTF-8, in which `{"column": 2}` stands in the place of the array that is the second
+block after it.
 """
 
 import dataclasses
+import io
 import json
 import math
 import types
@@ -16,7 +21,7 @@ from typing import Any, Final, Literal, TypeAlias, TypeVar, Union, cast, get_arg
 
 import numpy as np
 
-from truepose.domain.sentences import Sentence, Value
+from truepose.messages.message import Message, Text, Value
 from truepose.storage.errors import DamagedDatabaseError
 
 T = TypeVar("T")
@@ -101,8 +106,8 @@ def _decode(hint: Any, document: Any) -> Any:
 
 
 def _decode_plain(kind: Any, document: Any) -> Any:
-    if kind is Sentence:
-        return _sentence(document)
+    if kind is Message:
+        return _message(document)
     if dataclasses.is_dataclass(kind):
         hints = get_type_hints(kind)
         return cast(Any, kind)(**{name: _decode(hints[name], entry) for name, entry in document.items()})
@@ -122,20 +127,27 @@ def _decode_union(hints: tuple[Any, ...], document: Any) -> Any:
     if document is None and types.NoneType in hints:
         return None
     concrete = [hint for hint in hints if hint is not types.NoneType]
-    if Sentence in concrete and isinstance(document, dict):
-        return _sentence(document)
+    if Message in concrete and isinstance(document, dict):
+        return _message(document)
     # A union of plain scalars (dict values) is already what JSON gave.
     return _decode(concrete[0], document) if len(concrete) == 1 else document
 
 
-def _sentence(document: Any) -> Sentence:
-    return Sentence(document["key"], tuple((name, _value(value)) for name, value in document["values"]))
+def text_from(document: Any) -> Text:
+    """Return a message, or somebody's own words, that a document holds."""
+    return _message(document) if isinstance(document, dict) else cast(str, document)
+
+
+def _message(document: Any) -> Message:
+    return Message(document["key"], tuple((name, _value(value)) for name, value in document["values"]))
 
 
 def _value(document: Any) -> Value:
     if isinstance(document, list):
         return tuple(map(_value, document))
-    return _sentence(document) if isinstance(document, dict) else cast(Value, document)
+    if document is None:
+        return math.nan
+    return _message(document) if isinstance(document, dict) else cast(Value, document)
 
 
 def _decode_tuple(hints: tuple[Any, ...], document: Any) -> tuple[Any, ...]:
@@ -151,3 +163,50 @@ def _decode_array(hint: Any, document: Any) -> Any:
     entries = np.array(document, dtype=object)
     entries[entries == None] = np.nan  # noqa: E711 - elementwise on an object array
     return entries.astype(dtype)
+
+
+_BLOCK: Final = b"\x93NUMPY"  # begins one
+_COLUMN: Final = "column"
+
+
+def is_packed(data: bytes) -> bool:
+    """Whether `data` are such blocks."""
+    return data.startswith(_BLOCK)
+
+
+def pack(value: object) -> bytes:
+    """Return a frozen dataclass with its arrays; raises TypeError for a type that has no JSON form."""
+    columns: list[Array] = []
+
+    def beside(values: Array) -> dict[str, int]:
+        columns.append(values)
+        return {_COLUMN: len(columns)}
+
+    text = json.dumps(to_document(value, beside)).encode()
+    stream = io.BytesIO()
+    for block in (np.frombuffer(text, dtype=np.uint8), *columns):
+        np.save(stream, block, allow_pickle=False)
+    return stream.getvalue()
+
+
+def unpack(kind: type[T], data: bytes) -> T:
+    """Return the dataclass `kind` that `data` hold; raises DamagedDatabaseError where they do not."""
+    try:
+        blocks = _blocks(data)
+        document = json.loads(blocks[0].tobytes(), object_hook=lambda entry: _entry(entry, blocks))
+    except (EOFError, LookupError, ValueError) as error:
+        raise DamagedDatabaseError(
+            f"A stored {kind.__name__} cannot be read ({error}); 'truepose verify' says what else is damaged."
+        ) from error
+    return from_document(kind, document)
+
+
+def _blocks(data: bytes) -> list[Array]:
+    stream, blocks = io.BytesIO(data), []
+    while stream.tell() < len(data):
+        blocks.append(np.load(stream, allow_pickle=False))
+    return blocks
+
+
+def _entry(entry: dict[str, Any], blocks: list[Array]) -> Any:
+    return blocks[entry[_COLUMN]] if entry.keys() == {_COLUMN} else entry

@@ -24,6 +24,7 @@ StorageError
 """
 
 from truepose.domain.errors import RecordRefusedError, TrueposeError
+from truepose.messages.message import Text
 
 
 class StorageError(TrueposeError):
@@ -103,8 +104,8 @@ class NotFoundError(StorageError):
 class NotInPlantError(NotFoundError):
     """There is no cell of that name in a plant, or nothing of that serial number was measured there."""
 
-    def __init__(self, sentence: str) -> None:
-        Exception.__init__(self, sentence)
+    def __init__(self, sentence: Text) -> None:
+        StorageError.__init__(self, sentence)
 
 
 class ConflictError(StorageError):

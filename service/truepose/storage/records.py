@@ -4,19 +4,20 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any, Literal
 
-from truepose.domain.cell.description import Cell
-from truepose.domain.measurement.ledger import LedgerEntry
-from truepose.domain.measurement.session import (
+from truepose.domain.cell import Cell
+from truepose.domain.correction import FileCorrection
+from truepose.domain.diagnosis import Diagnosis
+from truepose.domain.identification import Identification, Model
+from truepose.domain.ledger import LedgerEntry
+from truepose.domain.session import (
     FixedNestTaken,
     PlannedStop,
     PointTaken,
     SessionRole,
     SessionState,
 )
-from truepose.domain.results.corrections import FileCorrection
-from truepose.domain.results.diagnosis import Diagnosis
-from truepose.domain.results.identification import Identification, Model
-from truepose.domain.results.validation import Validation
+from truepose.domain.validation import Validation
+from truepose.messages.message import Text
 
 ReadingKind = Literal["point", "fixed_nest"]
 
@@ -43,7 +44,7 @@ class SessionRecord:
     name: str
     role: SessionRole
     state: SessionState
-    reason: str  # of the present state
+    reason: Text  # of the present state
     person: str | None  # who brought it there
     state_since: str
     planned: int
@@ -77,7 +78,7 @@ class StateChange:
 
     recorded_at: str
     state: SessionState
-    reason: str
+    reason: Text
     person: str | None
 
 
@@ -111,7 +112,7 @@ class LedgerRecord:
 class ActAnswer:
     """What was answered to an act, and the number of the entry that was kept; None where nothing was."""
 
-    sentence: str
+    sentence: Text
     entry: int | None
 
 
@@ -196,11 +197,11 @@ class JobRecord:
     kind: JobKind
     request: dict[str, Any]
     state: JobState
-    message: str
+    message: Text
     state_since: str
     fraction: float
     result_id: int | None
-    code: str | None  # of the error that it failed with; None: it did not, or in an earlier version
+    code: str | None  # of the error that it failed with; None: it did not
 
 
 @dataclass(frozen=True, slots=True)

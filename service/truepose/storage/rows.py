@@ -1,17 +1,24 @@
-"""Inserting a record with its link in the chain: the one way that every repository shares."""
+"""How a record is added: its row with its link in the chain, its event, once for each Idempotency-Key.
+
+An event is written in the transaction of the record that it tells of: neither exists without the other.
+"""
 
 import functools
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from datetime import UTC, datetime
+from functools import cache
 from typing import Any
 
-from sqlalchemy import Connection, Row, Select, Table, insert, literal_column, select
+from sqlalchemy import Connection, Row, Select, Table, bindparam, insert, select
 from sqlalchemy.sql.dml import ReturningInsert
 
-from truepose.storage.connection.plain import plain
-from truepose.storage.dialects import as_kept, newest_number
-from truepose.storage.integrity.chain import ROWID
-from truepose.storage.integrity.linking import linking
+from truepose.storage.database import Database
+from truepose.storage.engine.dialects import as_kept, newest_number
+from truepose.storage.engine.plain import plain
+from truepose.storage.errors import KeyReusedError
+from truepose.storage.integrity.hash_chain import linking
+from truepose.storage.records import EventRecord, Page, RequestKey
+from truepose.storage.tables import events, readings, request_keys
 
 
 def add_row(connection: Connection, table: Table, **values: Any) -> int:
@@ -24,7 +31,7 @@ def add_row(connection: Connection, table: Table, **values: Any) -> int:
 
 
 def add_rows(connection: Connection, table: Table, rows: Sequence[Mapping[str, Any]]) -> list[int]:
-    """Append records with the same columns to `table`, which has `id`, and return their numbers."""
+    """Append records with the same columns to `table` and return their numbers."""
     if not rows:
         return []
     newest, stamp = connection.scalar(_newest(table)) or 0, _stamp()
@@ -55,12 +62,110 @@ def _newest(table: Table) -> Select[Any]:
 @functools.cache
 def _adding(table: Table) -> ReturningInsert[Any]:
     """Return the statement that adds a record, and gives back its number and every value as it is kept."""
-    number = table.c.get("id", literal_column(ROWID)).label("number")
-    return insert(table).returning(
-        number, *(as_kept(column).label(f"kept_{column.name}") for column in table.c)
-    )
+    kept = (as_kept(column).label(f"kept_{column.name}") for column in table.c)
+    return insert(table).returning(table.c.id.label("number"), *kept)
 
 
 @functools.cache
 def _names(table: Table) -> tuple[str, ...]:
     return tuple(column.name for column in table.c)
+
+
+def once(
+    connection: Connection, key: RequestKey | None, resource: str, create: Callable[[Connection], int]
+) -> int:
+    """Return the number that `create` gives, or gave when `key` was first seen; one transaction.
+
+    Raises KeyReusedError where the key came with another request before.
+    """
+    known = None if key is None else answered(connection, key, resource)
+    if known is not None:
+        return known
+    number = create(connection)
+    if key is not None:
+        add_row(
+            connection,
+            request_keys,
+            key=key.key,
+            fingerprint=key.fingerprint,
+            resource=resource,
+            resource_id=number,
+        )
+    return number
+
+
+def answered(connection: Connection, key: RequestKey, resource: str) -> int | None:
+    """Return the number that a request with this key got, None where it is new; raises KeyReusedError."""
+    query = select(request_keys).where(request_keys.c.key == key.key)
+    known = connection.execute(query).one_or_none()
+    if known is None:
+        return None
+    if (known.fingerprint, known.resource) != (key.fingerprint, resource):
+        raise KeyReusedError(
+            f"The Idempotency-Key '{key.key}' was used for another request; take a new key for a new request."
+        )
+    return int(known.resource_id)
+
+
+def add_event(
+    connection: Connection,
+    kind: str,
+    document: dict[str, Any],
+    *,
+    session_id: int | None = None,
+    job_id: int | None = None,
+    reading_id: int | None = None,
+) -> None:
+    """Append an event inside the caller's transaction; one of a reading says nothing but that."""
+    of = {"session_id": session_id, "job_id": job_id, "reading_id": reading_id}
+    add_row(connection, events, kind=kind, document=document, **of)
+
+
+class EventRepository:
+    """Reads events; they are written by the repositories of what happened."""
+
+    def __init__(self, database: Database) -> None:
+        self._database = database
+
+    async def after(
+        self, page: Page, *, session_id: int | None = None, job_id: int | None = None
+    ) -> list[EventRecord]:
+        """Return the events that follow number `page.after`, oldest first."""
+        wanted = {"session_id": session_id, "job_id": job_id}
+        asked = {name: number for name, number in wanted.items() if number is not None}
+        query = _following(frozenset(asked))
+        given = {"after": page.after, "most": page.limit} | {f"of_{name}": of for name, of in asked.items()}
+        return await self._database.read(lambda c: [_event(row) for row in c.execute(query, given)])
+
+    async def newest(self) -> int:
+        """Return the number of the newest event, 0 before the first."""
+        query = select(events.c.id).order_by(events.c.id.desc()).limit(1)
+        return int(await self._database.read(lambda c: c.scalar(query)) or 0)
+
+
+@cache  # asked at every commit by everybody who follows: making it takes longer than its answer
+def _following(of: frozenset[str]) -> Select[Any]:
+    """Return the query for events that follow `after`, of one session or job where those are named."""
+    reading = (
+        readings.c.kind.label("reading_kind"),
+        readings.c.supersedes,
+        readings.c.document.label("reading"),
+    )
+    told = events.outerjoin(readings, readings.c.id == events.c.reading_id)
+    query = select(events, *reading).select_from(told).where(events.c.id > bindparam("after"))
+    query = query.order_by(events.c.id)
+    for name in sorted(of):
+        query = query.where(events.c[name] == bindparam(f"of_{name}"))
+    return query.limit(bindparam("most"))
+
+
+def _event(row: Row[Any]) -> EventRecord:
+    document = row.document
+    if row.reading_id is not None:
+        document = {
+            "reading_id": row.reading_id,
+            "kind": row.reading_kind,
+            "supersedes": row.supersedes,
+            "reading": row.reading,
+        }
+    return EventRecord(row.id, row.recorded_at, row.kind, row.session_id, row.job_id, document)

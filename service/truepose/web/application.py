@@ -4,79 +4,102 @@ from typing import Final
 
 from starlette.routing import BaseRoute
 
-from truepose.web import events, jobs, pages
-from truepose.web.again import routes as again
-from truepose.web.calibration import (
+from truepose.web.api import (
+    authority,
     campaigns,
+    cells,
+    chain,
+    closings,
     corrections,
+    devices,
     diagnoses,
     drafts,
+    events,
+    hand_downs,
+    health,
     identifications,
+    jobs,
     models,
-    robots,
-    spaces,
-    validations,
-)
-from truepose.web.door.hosts import AllowedHosts
-from truepose.web.door.proxies import Proxies
-from truepose.web.healthiness import routes as health
-from truepose.web.leaving import chain, hand_downs
-from truepose.web.measurement import (
-    cells,
-    closings,
-    contact_sessions,
-    devices,
-    guides,
+    people,
     promises,
     readings,
+    robots,
     series,
-    session_spaces,
-    sessions,
+    sign_ins,
+    simulated_faults,
+    simulated_hands,
+    spaces,
+    watch_links,
 )
-from truepose.web.measurement.ballbar import live as ballbar_live
-from truepose.web.measurement.ballbar import sessions as ballbar_sessions
-from truepose.web.measurement.simulated import faults as simulated_faults
-from truepose.web.measurement.simulated import hands as simulated_hands
-from truepose.web.observation import routes as metrics
-from truepose.web.people import acts, authority, people, sign_ins, watching
-from truepose.web.people.pages import router as pages_of_people
-from truepose.web.served import Application, OpenContext, application_of
+from truepose.web.api import repeat_session as repeat_session_api
+from truepose.web.api.sessions import commands, following, sessions
+from truepose.web.api.sessions import spaces as session_spaces
+from truepose.web.asgi import Application, OpenContext, application_of
+from truepose.web.middleware.hosts import AllowedHosts, Proxies
+from truepose.web.pages import (
+    campaign,
+    cell,
+    correction,
+    diagnosis,
+    identification,
+    plan,
+    reference,
+    repeat_session,
+    reports,
+    robot,
+    work,
+)
+from truepose.web.pages import people as people_pages
+from truepose.web.pages import sessions as session_pages
 from truepose.web.tablet import routes as tablet
 
 _RESOURCES: Final = (
-    cells,
-    devices,
-    robots,
-    sessions,
-    again,
-    closings,
-    session_spaces,
-    promises,
-    ballbar_sessions,
-    ballbar_live,
-    contact_sessions,
-    guides,
-    simulated_hands,
-    simulated_faults,
-    readings,
-    series,
-    jobs,
-    identifications,
-    validations,
-    diagnoses,
-    models,
-    corrections,
-    campaigns,
-    spaces,
-    sign_ins,
-    people,
-    acts,
-    authority,
-    watching,
-    drafts,
-    events,
-    chain,
-    hand_downs,
+    health.router,
+    cells.router,
+    devices.router,
+    robots.router,
+    sessions.router,
+    commands.router,
+    following.router,
+    repeat_session_api.router,
+    closings.router,
+    session_spaces.router,
+    promises.router,
+    simulated_hands.router,
+    simulated_faults.router,
+    readings.router,
+    series.router,
+    jobs.router,
+    identifications.router,
+    identifications.validations_router,
+    diagnoses.router,
+    models.router,
+    corrections.router,
+    campaigns.router,
+    spaces.router,
+    sign_ins.router,
+    people.router,
+    authority.router,
+    watch_links.router,
+    drafts.router,
+    events.router,
+    chain.router,
+    hand_downs.router,
+)
+_PAGES: Final = (
+    diagnosis,
+    plan,
+    session_pages,
+    correction,
+    reports,
+    campaign,
+    cell,
+    work,
+    identification,
+    repeat_session,
+    robot,
+    reference,
+    people_pages,
 )
 
 
@@ -92,6 +115,6 @@ def create_application(
 
 def _routes() -> list[BaseRoute]:
     """Return all routes; they keep nothing of an application, so that every one of a process has the same."""
-    of_api = [resource.router for resource in _RESOURCES]
-    routers = (health.router, metrics.router, *of_api, pages.router, pages_of_people, tablet.router)
+    of_pages = [page.router for page in _PAGES]
+    routers = (*_RESOURCES, *of_pages, watch_links.pages, tablet.router)
     return [route for router in routers for route in router.routes]

@@ -13,38 +13,34 @@ from typing import TYPE_CHECKING, Annotated, cast
 from fastapi import Depends, Request
 
 if TYPE_CHECKING:
-    from truepose.analysis.campaigns.stored import CampaignDesk
-    from truepose.analysis.drafts import DraftDesk
-    from truepose.analysis.drawing import DrawingDesk
-    from truepose.analysis.jobs import JobDesk
-    from truepose.analysis.promising import PromiseDesk
-    from truepose.domain.cell.description import Cell
-    from truepose.operation.ballbar.sessions import BallbarSessions
-    from truepose.operation.closing import ClosingDesk
-    from truepose.operation.contacts.sessions import ContactSessions
-    from truepose.operation.devices import Rack
-    from truepose.operation.guided.sessions import GuidedSessions
-    from truepose.operation.lookout.watch import Lookout
-    from truepose.operation.people.desk import PeopleDesk
-    from truepose.operation.sessions import SessionDesk
-    from truepose.operation.simulated_faults import FaultsDesk
-    from truepose.operation.simulated_hands import HandsDesk
-    from truepose.operation.tracker.sessions import TrackerSessions
-    from truepose.storage.calibration.campaigns import CampaignRepository
-    from truepose.storage.calibration.corrections import CorrectionRepository
-    from truepose.storage.calibration.diagnoses import DiagnosisRepository
-    from truepose.storage.calibration.jobs import JobRepository
-    from truepose.storage.calibration.reports import ReportRepository
-    from truepose.storage.calibration.results import ResultRepository
+    from truepose.analysis.campaigns.records import CampaignDesk
+    from truepose.analysis.drafts import DraftService
+    from truepose.analysis.jobs import JobService
+    from truepose.analysis.page_services import AccuracyService, Renderer
+    from truepose.domain.cell import Cell
+    from truepose.health import Lookout
+    from truepose.people.accounts import PeopleDesk
+    from truepose.sessions.ballbar.service import BallbarSessions
+    from truepose.sessions.closing import ClosingDesk
+    from truepose.sessions.contact.service import ContactSessions
+    from truepose.sessions.devices import Rack
+    from truepose.sessions.guide.service import GuidedSessions
+    from truepose.sessions.service import SessionDesk
+    from truepose.sessions.simulated import FaultsDesk, HandsDesk
+    from truepose.sessions.tracker.service import TrackerSessions
     from truepose.storage.database import Database
-    from truepose.storage.events import EventRepository
-    from truepose.storage.measurement.closings import ClosingRepository
-    from truepose.storage.measurement.series import SeriesRepository
-    from truepose.storage.measurement.sessions import SessionRepository
-    from truepose.storage.measurement.tracker_readings import ReadingRepository
-    from truepose.storage.records import SessionRecord
-    from truepose.storage.work.lineage import Lineages
-    from truepose.storage.work.listing import WorkList
+    from truepose.storage.ledger.additions import ClosingRepository
+    from truepose.storage.ledger.series import SeriesRepository
+    from truepose.storage.ledger.sessions import SessionRepository
+    from truepose.storage.ledger.tracker_readings import ReadingRepository
+    from truepose.storage.results.campaigns import CampaignRepository
+    from truepose.storage.results.corrections import CorrectionRepository
+    from truepose.storage.results.diagnoses import DiagnosisRepository
+    from truepose.storage.results.jobs import JobRepository
+    from truepose.storage.results.lineage import Lineages, WorkList
+    from truepose.storage.results.models import ResultRepository
+    from truepose.storage.results.reports import ReportRepository
+    from truepose.storage.rows import EventRepository
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,18 +84,14 @@ class Context:
     hands_desk: HandsDesk
     faults_desk: FaultsDesk
     closing_desk: ClosingDesk
-    drawing_desk: DrawingDesk
-    promise_desk: PromiseDesk
-    job_desk: JobDesk
+    drawing_desk: Renderer
+    promise_desk: AccuracyService
+    job_desk: JobService
     campaign_desk: CampaignDesk
     people: PeopleDesk
-    draft_desk: DraftDesk
+    draft_desk: DraftService
     stopping: asyncio.Event  # set when the service ends: streams end with it
     fault: Callable[[], str | None]  # why the simulated cell does not run any more
-
-    def asked_sessions(self, record: SessionRecord) -> TrackerSessions | ContactSessions:
-        """Return what runs sessions like this one; those with the ballbar have routes of their own."""
-        return self.contact_sessions if self.contact_sessions.owns(record) else self.tracker_sessions
 
     @property
     def simulated(self) -> bool:

@@ -1,12 +1,12 @@
-"""Errors as problem documents (RFC 9457): a status, one sentence, and nothing else to parse."""
+"""Errors as problem documents (RFC 9457), or as a page where somebody looks by a browser."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from http import HTTPStatus
 from typing import Any, Final
 
 from fastapi import FastAPI, Request
 from fastapi.exceptions import RequestValidationError
-from fastapi.responses import JSONResponse, Response
+from fastapi.responses import HTMLResponse, JSONResponse, Response
 from pydantic import BaseModel, Field
 from starlette.exceptions import HTTPException
 from starlette.requests import ClientDisconnect
@@ -21,19 +21,12 @@ from truepose.analysis.errors import (
     RoleError,
     SessionsDifferError,
 )
-from truepose.domain.errors import RecordRefusedError, TrueposeError, UnsuitableModelError
-from truepose.domain.people.names import NAME_PATTERN
+from truepose.domain.errors import RecordRefusedError, TrueposeError, UnsuitableModelError, text_of
+from truepose.domain.people import NAME_PATTERN
 from truepose.exchange.errors import InputFileError, UnknownRobotError
-from truepose.operation.errors import (
-    CellChangedError,
-    CertificateError,
-    DeviceInUseError,
-    MissingDeviceError,
-    NoBallbarError,
-    RealCellError,
-    UnknownDeviceError,
-)
-from truepose.operation.people.errors import (
+from truepose.messages.error_codes import code_named, code_of, explained
+from truepose.messages.message import Text
+from truepose.people.errors import (
     AccountRefusedError,
     FreshSignInNeededError,
     NotAllowedError,
@@ -43,21 +36,43 @@ from truepose.operation.people.errors import (
     UnknownPersonError,
 )
 from truepose.planning.errors import WorkSpaceError
-from truepose.sequencing.errors import (
+from truepose.sessions.errors import (
+    CellChangedError,
+    CertificateError,
+    DeviceInUseError,
+    MissingDeviceError,
+    NoBallbarError,
     NotNowError,
     PersonMissingError,
     PersonUnknownError,
     PersonUnreadableError,
     PlanRefusedError,
+    RealCellError,
+    UnknownDeviceError,
     WatchingTabletError,
 )
 from truepose.storage.errors import ConflictError, NotFoundError, StorageUnavailableError
-from truepose.web.requests.queries import UNKNOWN_PARAMETER
-from truepose.web.schemas.base import ANOTHER_PERSON, KEY, VISIBLE
-from truepose.web.visiting.refusals import refused_page, wants_a_page
-from truepose.words.catalogue import ENGLISH, catalogue
-from truepose.words.error_codes import code_named, code_of, explained
+from truepose.web.middleware.language import in_words, reader_words
+from truepose.web.pages.rendering import visit_of
+from truepose.web.schemas import ANOTHER_PERSON, KEY, VISIBLE
 from truepose_drivers.errors import DeviceRefusedError, DriverError
+
+_HTML = "text/html"
+_API = "/api/"
+
+
+def wants_a_page(request: Request) -> bool:
+    """Whether somebody looks by a browser, and not at what is for programs."""
+    return _HTML in request.headers.get("accept", "") and not request.url.path.startswith(_API)
+
+
+def refused_page(request: Request, status: HTTPStatus, sentence: Text, code: str) -> HTMLResponse:
+    """Return the page of a code with the sentence of what happened here."""
+    visit = visit_of(request, request.app.state.context)
+    return visit.page(
+        "errors/error.html", status, told=explained(code, visit.words), sentence=visit.words.spoken(sentence)
+    )
+
 
 _IN_WORDS: Final = {  # of patterns
     VISIBLE: "Nobody could see it; give it at least one visible character",
@@ -75,6 +90,7 @@ _KINDS: Final[Mapping[type[Exception], str]] = {  # of problems that somebody ca
     SomebodyElseActsError: "authority",
 }
 MEDIA_TYPE: Final = "application/problem+json"
+UNKNOWN_PARAMETER: Final = "unknown_parameter"  # the type of the fault
 _OF_FAULT: Final = {UNKNOWN_PARAMETER: "UnknownParameter", "json_invalid": "UnreadableRequest"}
 _METHODS: Final = ("DELETE", "GET", "PATCH", "POST", "PUT")
 
@@ -118,19 +134,6 @@ _STATUS: Mapping[type[Exception], HTTPStatus] = {
     BusyError: HTTPStatus.SERVICE_UNAVAILABLE,
     DriverError: HTTPStatus.SERVICE_UNAVAILABLE,
     TrueposeError: HTTPStatus.UNPROCESSABLE_ENTITY,
-}
-_MEANING: Mapping[int, str] = {
-    400: "The request cannot be read.",
-    401: "Nobody is signed in, or name and secret do not go together.",
-    403: "Whoever asks may not, or has to show once more who they are.",
-    404: "There is no such thing.",
-    408: "The body did not arrive in time.",
-    409: "Not in the present state.",
-    413: "The body is too large.",
-    415: "The body has a type that is not understood here.",
-    422: "The request is readable and wrong; the sentence names the field.",
-    429: "It was tried too often; `Retry-After` says when to try again.",
-    503: "A device or the disk does not answer, or too many ask at once.",
 }
 
 
@@ -176,19 +179,19 @@ class Problem(BaseModel):
 def problem_response(
     request: Request,
     status: int,
-    detail: str,
+    detail: Text,
     headers: Mapping[str, str] | None = None,
     kind: str | None = None,
     code: str | None = None,
 ) -> JSONResponse:
     """Return a problem document; its kind and code are those of the status unless others are given."""
     title, code = _title(status), code or code_named(_OF_STATUS[status])
-    told = explained(code, catalogue(ENGLISH))
+    told = explained(code, reader_words())
     body = Problem(
         type=f"urn:truepose:problem:{kind or title.lower().replace(' ', '-')}",
         title=title,
         status=status,
-        detail=detail,
+        detail=in_words(detail),
         instance=request.url.path,
         code=code,
         meaning=told.data,
@@ -200,15 +203,6 @@ def problem_response(
 
 def _title(status: int) -> str:
     return _TITLES.get(status) or HTTPStatus(status).phrase
-
-
-def problems(*statuses: int) -> dict[int | str, dict[str, Any]]:
-    """Return what a route lists under `responses` for the problems it may answer with."""
-    schema = {"$ref": "#/components/schemas/Problem"}
-    return {
-        status: {"description": _MEANING[status], "content": {MEDIA_TYPE: {"schema": schema}}}
-        for status in statuses
-    }
 
 
 def status_of(error: Exception) -> HTTPStatus:
@@ -229,12 +223,12 @@ def install(app: FastAPI) -> None:
 async def _on_refusal(request: Request, error: Exception) -> Response:
     status = status_of(error)
     if wants_a_page(request):
-        return refused_page(request, status, str(error), code_of(error))
+        return refused_page(request, status, text_of(error), code_of(error))
     headers = None
     if isinstance(error, BusyError | TooManyGuessesError):
         headers = {"Retry-After": str(error.retry_after_s)}
     kind = next((kind for of, kind in _KINDS.items() if isinstance(error, of)), None)
-    return problem_response(request, status, str(error), headers, kind, code_of(error))
+    return problem_response(request, status, text_of(error), headers, kind, code_of(error))
 
 
 async def _on_nobody(request: Request, error: Exception) -> JSONResponse:
@@ -284,18 +278,41 @@ async def _on_invalid(request: Request, error: Exception) -> JSONResponse:
         sentence = f"{faults[0]['msg']}; whoever acts signs in."
         return problem_response(request, HTTPStatus.FORBIDDEN, sentence, kind=_NAME, code=code)
     code = code_named(_OF_FAULT.get(faults[0]["type"], "InvalidRequest"))
-    return problem_response(request, HTTPStatus.UNPROCESSABLE_ENTITY, _sentence(faults), kind=kind, code=code)
+    sentence = _sentence(faults, error.body)
+    return problem_response(request, HTTPStatus.UNPROCESSABLE_ENTITY, sentence, kind=kind, code=code)
 
 
-def _sentence(faults: Any) -> str:
+def _sentence(faults: Any, body: Any) -> str:
     """Return one sentence on the first fault: where, what, and how many more there are."""
     first = faults[0]
-    where = ".".join(str(part) for part in first["loc"] if part != "body") or "the body"
+    where = _place(first["loc"], body) or "the body"
     if first["type"] == "json_invalid":
         return f"The body is not JSON: {first['ctx']['error']} at character {first['loc'][-1]}."
     what = _IN_WORDS.get(first.get("ctx", {}).get("pattern"), first["msg"])
     more = f" ({len(faults) - 1} more like this.)" if len(faults) > 1 else ""
     return f"{where}: {_lowered(what)}.{more}"
+
+
+def _place(loc: Sequence[str | int], body: Any) -> str:
+    """Return where in a body a fault is; without what tells the forms of a body apart, which nobody sent."""
+    if loc[0] != "body":
+        return ".".join(map(str, loc))
+    if body is None:  # read by a route itself
+        return ".".join(map(str, loc[1:]))
+    found: list[str] = []
+    for n, part in enumerate(loc[1:], start=2):
+        is_there = _has(body, part)
+        is_missing = n == len(loc) and isinstance(body, dict)
+        if is_there or is_missing:
+            found.append(str(part))
+        body = body[part] if is_there else body
+    return ".".join(found)
+
+
+def _has(body: Any, part: str | int) -> bool:
+    if isinstance(body, list):
+        return isinstance(part, int) and part < len(body)
+    return isinstance(body, dict) and part in body
 
 
 def _lowered(text: str) -> str:

@@ -6,8 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from truepose_simulators.cell.curves import draw_curves
-from truepose_simulators.cell.everyday import draw_everyday
+from truepose_simulators.cell.drawn_effects import draw_curves, draw_everyday
 from truepose_simulators.cell.planted import PlantedEffects
 from truepose_simulators.physics.arm import Arm, CarriedMass
 from truepose_simulators.physics.effects import Effect, PlantedChange, Site

@@ -16,12 +16,12 @@ from typing import Any
 import numpy as np
 
 from truepose_simulators.cell.robot import JointMotion, SpeedLimits
+from truepose_simulators.cell.simulated_operator import Detail
 from truepose_simulators.cell.true_cell import Cell
 from truepose_simulators.errors import JournalError, SimulatorError
-from truepose_simulators.person.hands import Detail
 from truepose_simulators.physics.effects import PlantedChange
 from truepose_simulators.physics.rigid import FloatArray
-from truepose_simulators.scenarios.input_file import read_file
+from truepose_simulators.scenarios.table import read_file
 
 _FORMAT = 1
 

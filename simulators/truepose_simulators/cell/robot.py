@@ -6,8 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from truepose_simulators.errors import SimulatorError
-from truepose_simulators.physics.arm import Arm
-from truepose_simulators.physics.chain import place_bodies
+from truepose_simulators.physics.arm import Arm, place_bodies
 from truepose_simulators.physics.rigid import FloatArray
 
 # A joint target crosses the wire with at most five decimals of a degree, 9e-8 rad.

@@ -5,17 +5,17 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from truepose_simulators.cell.air import Air
 from truepose_simulators.cell.building import Chances, adapted, draw_effects, draw_nests, draw_plant
-from truepose_simulators.cell.clock import CellClock
+from truepose_simulators.cell.environment import Air, CellClock
 from truepose_simulators.cell.planted import PlantedEffects
 from truepose_simulators.cell.robot import JointMotion, Robot, SpeedLimits, check_range
+from truepose_simulators.cell.simulated_operator import equip
 from truepose_simulators.errors import ArmStoppedError
 from truepose_simulators.faults.kinds import ArmStopped, TrackerBlinded, WrongCup
 from truepose_simulators.faults.scripted import Faults
 from truepose_simulators.faults.times import Fault
 from truepose_simulators.instruments.gauges.loop import LoopGauge, LoopSetup, Tool, loop_gauges
-from truepose_simulators.instruments.tracker.device import (
+from truepose_simulators.instruments.tracker import (
     HOME_MM,
     Target,
     Tracker,
@@ -23,11 +23,10 @@ from truepose_simulators.instruments.tracker.device import (
     returns_beam,
     seen_from,
 )
-from truepose_simulators.person.equipment import equip
 from truepose_simulators.physics.effects import Conditions, PlantedChange
 from truepose_simulators.physics.effects.ports import NestNumbers
-from truepose_simulators.physics.equilibrium import Rest, find_rest
 from truepose_simulators.physics.identified import IdentifiedModel, realise
+from truepose_simulators.physics.plant import Rest, find_rest
 from truepose_simulators.physics.rigid import FloatArray, apply, small_motion
 from truepose_simulators.scenarios.scenario import Scenario
 

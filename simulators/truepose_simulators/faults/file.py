@@ -1,15 +1,29 @@
-"""A file of faults: nothing but `[[fault]]` tables (docs/faults.md). A mistake is named with its line."""
+"""Faults as tables with a `kind`, and a file of nothing but `[[fault]]` tables (docs/faults.md)."""
 
 import re
 import tomllib
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, Final
 
 from truepose_simulators.errors import ScenarioError
-from truepose_simulators.faults.table import read_fault
+from truepose_simulators.faults.kinds import KINDS
 from truepose_simulators.faults.times import Fault
-from truepose_simulators.scenarios.input_file import read_text
+from truepose_simulators.scenarios.table import read_table, read_text
+
+
+def read_fault(table: object, where: str) -> Fault:
+    """Build a fault from a table; raises ScenarioError."""
+    kind = table.get("kind") if isinstance(table, Mapping) else None
+    if not isinstance(table, Mapping) or not isinstance(kind, str) or kind not in KINDS:
+        raise ScenarioError(f'{where}: key "kind" must be one of {", ".join(KINDS)}')
+    rest = {key: value for key, value in table.items() if key != "kind"}
+    try:
+        return read_table(KINDS[kind], rest, where)
+    except ScenarioError as error:
+        text = str(error)
+        raise ScenarioError(text if text.startswith(where) else f"{where}: {text}") from error
+
 
 _HEADER: Final = re.compile(r"\s*\[\[\s*fault\s*\]\]")
 _NAMED: Final = re.compile(r'key "(\w+)"')

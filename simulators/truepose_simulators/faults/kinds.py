@@ -1,14 +1,78 @@
-"""What may go wrong in a cell, by the names that files and requests have for it (docs/faults.md)."""
+"""What may go wrong in a cell and on its wires, by the names of files and requests (docs/faults.md)."""
 
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
+from typing import TypeAlias
 
 from truepose_simulators.errors import ScenarioError
-from truepose_simulators.faults import links, wire
 from truepose_simulators.faults.times import AtConnection, AtMove, AtReading, Fault, Lasting
 from truepose_simulators.physics.arm import Vector
+
+_WITH_LINK = ("tracker", "robot", "ballbar", "pose_tracker", "clock")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LinkFault(Lasting):
+    """Something about all connections of `device`, its further ports included."""
+
+    device: str
+
+    def __post_init__(self) -> None:
+        Lasting.__post_init__(self)
+        if self.device not in _WITH_LINK:
+            raise ScenarioError(f'key "device" must be one of {", ".join(_WITH_LINK)}, not {self.device!r}')
+
+
+class LinkCut(LinkFault):
+    """Connections break, and new ones are hung up on."""
+
+
+class LinkHalfOpen(LinkFault):
+    """Connections stay, and every word on them is lost, either way."""
+
+
+class BallbarFrozen(Lasting):
+    """The ballbar's electronics hang: value and count stay as they were."""
+
+
+class BallbarInches(Lasting):
+    """Somebody switched the gauge to inches, where its protocol has them."""
+
+
+class BallbarKeyPressed(Lasting):
+    """Somebody presses the key that sends a value, before each question to the gauge."""
+
+
+class LineStalls(Lasting):
+    """The lines of counter and robot stall for 50 ms in the middle of every answer."""
+
+
+class LineDoublesDigits(Lasting):
+    """The gauge's line delivers the first digit of every value twice."""
+
+
+class CameraFrozen(Lasting):
+    """The camera hangs: it answers, and states the same frame again and again."""
+
+
+class TrackerUnitsChanged(AtReading):
+    """Another program sets inches during a measurement; announced where asked for."""
+
+
+class TrackerRepeatsResult(AtReading):
+    """A measurement is answered with the result of the one before."""
+
+
+class TrackerStaleResult(AtReading):
+    """The result of the measurement before comes once more, just before the next one is accepted."""
+
+
+WireFault: TypeAlias = (
+    BallbarFrozen | BallbarInches | BallbarKeyPressed | LineStalls | LineDoublesDigits | CameraFrozen
+)
+
 
 _WITH_SERIAL = ("tracker", "robot", "ballbar", "pose_tracker")
 _LONGEST_SERIAL = 12  # the ballbar's own report has room for so many
@@ -145,21 +209,21 @@ KINDS: Mapping[str, type[Fault]] = MappingProxyType({
     "ballbar_zero_jumps": BallbarZeroJumps,
     "wrong_cup": WrongCup,
     "identity_changed": IdentityChanged,
-    "ballbar_frozen": wire.BallbarFrozen,
-    "ballbar_inches": wire.BallbarInches,
-    "ballbar_key_pressed": wire.BallbarKeyPressed,
-    "camera_frozen": wire.CameraFrozen,
-    "line_stalls": wire.LineStalls,
-    "line_doubles_digits": wire.LineDoublesDigits,
-    "tracker_units_changed": wire.TrackerUnitsChanged,
-    "tracker_repeats_result": wire.TrackerRepeatsResult,
-    "tracker_stale_result": wire.TrackerStaleResult,
+    "ballbar_frozen": BallbarFrozen,
+    "ballbar_inches": BallbarInches,
+    "ballbar_key_pressed": BallbarKeyPressed,
+    "camera_frozen": CameraFrozen,
+    "line_stalls": LineStalls,
+    "line_doubles_digits": LineDoublesDigits,
+    "tracker_units_changed": TrackerUnitsChanged,
+    "tracker_repeats_result": TrackerRepeatsResult,
+    "tracker_stale_result": TrackerStaleResult,
     "robot_refuses": RobotRefuses,
     "robot_hangs": RobotHangs,
     "emergency_stop": EmergencyStop,
     "protective_stop": ProtectiveStop,
-    "link_cut": links.LinkCut,
-    "link_half_open": links.LinkHalfOpen,
+    "link_cut": LinkCut,
+    "link_half_open": LinkHalfOpen,
 })
 
 

@@ -37,7 +37,7 @@ S = TypeVar("S", bound=Striking)
 
 
 @dataclass(slots=True)
-class Given:
+class ScriptedFault:
     """A fault that was given to a cell, and what has become of it."""
 
     number: int
@@ -100,14 +100,14 @@ class Faults:
 
     def __init__(self, now_s: Callable[[], float] = lambda: 0.0) -> None:
         self._now_s = now_s
-        self.given: list[Given] = []
+        self.given: list[ScriptedFault] = []
         self._counts = dict.fromkeys(EVENTS, 0)
         self._measured_at: object = None
 
     def add(self, fault: Fault) -> int:
         """Script a failure and return its number; its counts start now."""
         number = len(self.given) + 1
-        self.given.append(Given(number, fault, self._now_s(), dict(self._counts)))
+        self.given.append(ScriptedFault(number, fault, self._now_s(), dict(self._counts)))
         return number
 
     def end(self, number: int) -> None:
@@ -140,7 +140,7 @@ class Faults:
         """Return what befalls the hands that connect two balls now."""
         return self._next(AtConnection)
 
-    def holding(self, kind: type[L], time_s: float) -> Iterator[tuple[L, Given]]:
+    def holding(self, kind: type[L], time_s: float) -> Iterator[tuple[L, ScriptedFault]]:
         """Yield the faults of this kind that hold at a cell time."""
         for given in self.given:
             if isinstance(given.fault, kind) and given.began_s() <= time_s < given.over_s():
@@ -217,7 +217,7 @@ class Faults:
         return None
 
 
-def _drifted_mm(given: Given, time_s: float) -> Vector:
+def _drifted_mm(given: ScriptedFault, time_s: float) -> Vector:
     if not isinstance(given.fault, TrackerDrifts):
         return _ZERO
     hours = max(0.0, min(time_s, given.over_s()) - given.began_s()) / _S_PER_H

@@ -4,8 +4,8 @@ import asyncio
 from collections.abc import Awaitable, Callable
 from typing import Any, Protocol, TypeAlias
 
-from truepose_simulators.cell.clock import CellClock
-from truepose_simulators.faults.links import LinkCut, LinkFault, LinkHalfOpen
+from truepose_simulators.cell.environment import CellClock
+from truepose_simulators.faults.kinds import LinkCut, LinkFault, LinkHalfOpen
 from truepose_simulators.faults.scripted import Faults
 
 Ends: TypeAlias = tuple[asyncio.StreamReader, asyncio.StreamWriter]
@@ -26,7 +26,7 @@ class Cable(Protocol):
         ...
 
 
-class Plugged:
+class IntactCable:
     """A cable that nothing happens to."""
 
     async def connect(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> Ends | None:
@@ -53,7 +53,7 @@ class FaultyCable:
             await self.in_vain()
             return None
         connection = Connection(self, writer.transport.abort)
-        return Hearing(reader, connection), Speaking(writer, reader, connection)
+        return CableReader(reader, connection), CableWriter(writer, reader, connection)
 
     @property
     def passes(self) -> bool:
@@ -112,7 +112,7 @@ class Connection:
         return self._cable.cuts > self._cuts or (self._lost and not self._cable.mute)
 
 
-class Hearing(asyncio.StreamReader):
+class CableReader(asyncio.StreamReader):
     """What a server hears of a client over a cable."""
 
     def __init__(self, heard: asyncio.StreamReader, connection: Connection) -> None:
@@ -150,7 +150,7 @@ class Hearing(asyncio.StreamReader):
         return data
 
 
-class Speaking(asyncio.StreamWriter):
+class CableWriter(asyncio.StreamWriter):
     """What a server says to a client over a cable."""
 
     def __init__(

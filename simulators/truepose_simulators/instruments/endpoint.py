@@ -1,14 +1,16 @@
-"""A listening socket with its connections; no meaning."""
+"""A listening socket with its connections, one that answers lines, and what bad lines make of an answer."""
 
 import asyncio
 import contextlib
 import json
+import re
 from collections.abc import Awaitable, Callable
 from dataclasses import asdict, dataclass
-from typing import Protocol
+from typing import Final, Protocol
 
+from truepose_drivers.framing import JsonLineError, LineReader, Refusal, encode_refusal
 from truepose_simulators.errors import EndpointUnavailableError
-from truepose_simulators.instruments.cable import Cable, Plugged
+from truepose_simulators.instruments.cable import Cable, IntactCable
 
 # What a client may send ahead of being read; also the longest line of a protocol of lines.
 _BUFFER_BYTES = 1 << 16
@@ -30,7 +32,7 @@ class Address:
         return json.dumps(asdict(self))
 
 
-class Announced(Protocol):
+class InstrumentAddress(Protocol):
     """Where a client finds an instrument, or is found by it."""
 
     device: str
@@ -53,7 +55,7 @@ class Endpoint:
     ) -> None:
         self.device = device
         self.protocol = protocol
-        self.cable: Cable = Plugged()
+        self.cable: Cable = IntactCable()
         self._serve = serve
         self._buffer_bytes = buffer_bytes
         self._server: asyncio.Server | None = None
@@ -106,3 +108,54 @@ class Endpoint:
 
 def _reason(error: Exception) -> str:
     return error.strerror or str(error) if isinstance(error, OSError) else "no such port"
+
+
+_CHUNK_BYTES = 4096
+
+
+def line_endpoint(name: str, answer: Callable[[bytes], Awaitable[bytes]]) -> Endpoint:
+    """Build the endpoint of a device that is called as its protocol is."""
+
+    async def serve(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        lines = LineReader()
+        while data := await reader.read(_CHUNK_BYTES):
+            lines.receive_data(data)
+            try:
+                while (line := lines.next_message()) is not None:
+                    writer.write(await answer(line))
+            except JsonLineError as error:  # no end of line in sight: nothing can be read any more
+                writer.write(encode_refusal(Refusal(str(error))))
+                return
+            await writer.drain()
+
+    return Endpoint(name, name, serve)
+
+
+_STALL_S: Final = 0.05  # wall time: a line knows no other
+_FIRST_DIGIT: Final = re.compile(rb"([+-])(\d)")
+
+
+class Writer(Protocol):
+    """What is needed of a stream."""
+
+    def write(self, data: bytes) -> None:
+        """Hand over `data`."""
+        ...
+
+    async def drain(self) -> None:
+        """Wait until it is gone."""
+        ...
+
+
+async def write_with_stall(writer: Writer, data: bytes) -> None:
+    """Write `data` in two halves, with a stall between them."""
+    half = len(data) // 2
+    writer.write(data[:half])
+    await writer.drain()
+    await asyncio.sleep(_STALL_S)
+    writer.write(data[half:])
+
+
+def with_doubled_digit(data: bytes) -> bytes:
+    """Return `data` with the first digit behind each sign twice."""
+    return _FIRST_DIGIT.sub(rb"\1\2\2", data)

@@ -1,9 +1,13 @@
-"""What the tool meets in a closed loop: spheres, wires, flat faces, balls that a sensor looks at.
+"""What the tool meets in a closed loop, and how far a gauge is pushed in by it.
+
+A probe's tip sits at its own centre when the gauge reads 0, and gives way along the probe's axis; what it
+touches keeps it outside. None where nothing is touched at any travel.
 
 Everything is put into the frame of what stands still, or of what the tool carries, by rigid motions; what is
 read then is a coordinate or a length there.
 """
 
+import math
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -12,7 +16,48 @@ import numpy as np
 from truepose_simulators.physics.rigid import FloatArray, inverse, motion, move
 
 
-class Met(Protocol):
+def probe_on_sphere_mm(tip_mm: FloatArray, axis: FloatArray, centre_mm: FloatArray, radii_mm: float) -> float:
+    """Return how far a tip gives way to a sphere; `radii_mm` is of sphere and tip together.
+
+    The tip at travel s is at tip - s axis. It leaves the sphere backwards, hence the larger root of
+    |tip - s axis - centre| = radii. Not touched: minus infinity.
+    """
+    off = tip_mm - centre_mm
+    along = float(axis @ off)
+    inside = along**2 - float(off @ off) + radii_mm**2
+    return along + math.sqrt(inside) if inside >= 0.0 else -math.inf
+
+
+def probe_on_plane_mm(
+    tip_mm: FloatArray, axis: FloatArray, point_mm: FloatArray, normal: FloatArray, radius_mm: float
+) -> float:
+    """Return how far a tip gives way to a plane, whose normal points away from it; a probe along it: none."""
+    height = float((tip_mm - point_mm) @ normal) - radius_mm
+    against = float(axis @ normal)
+    return height / against if against < 0.0 else -math.inf
+
+
+def ball_on_gauge_mm(
+    ball_mm: FloatArray, rest_mm: FloatArray, direction: FloatArray, face_mm: float
+) -> float:
+    """Return how far a ball pushes a fixed gauge whose flat face, of radius `face_mm`, is at rest there."""
+    off = ball_mm - rest_mm
+    along = float(off @ direction)
+    beside = float(np.linalg.norm(off - along * direction))
+    return along if beside <= face_mm else -math.inf
+
+
+def wire_mm(end_mm: FloatArray, drum_mm: FloatArray, zero_mm: float) -> float:
+    """Return how far a wire is drawn out beyond the length at which it reads 0."""
+    return float(np.linalg.norm(end_mm - drum_mm)) - zero_mm
+
+
+def seen_mm(sensor_mm: FloatArray, rotation: FloatArray, ball_mm: FloatArray, axis: int) -> float:
+    """Return where a fixed ball is along one axis of a sensor in the tool; `rotation` is the tool's."""
+    return float(rotation[:, axis] @ (ball_mm - sensor_mm))
+
+
+class Contact(Protocol):
     """What a reading is taken against."""
 
     def read_mm(self, last_frame: FloatArray, nest_mm: FloatArray) -> FloatArray:
@@ -24,7 +69,7 @@ class Met(Protocol):
 
 
 @dataclass(frozen=True, slots=True)
-class Round:
+class Sphere:
     """A sphere that is touched, or the place where a wire ends."""
 
     centre_mm: FloatArray  # (3,) world
@@ -38,7 +83,7 @@ class Round:
 
 
 @dataclass(frozen=True, slots=True)
-class Flat:
+class Plane:
     """A plane, or the flat face of a gauge: z of its frame is what is read."""
 
     frame: FloatArray  # (4, 4) in the world
@@ -51,7 +96,7 @@ class Flat:
 
 
 @dataclass(frozen=True, slots=True)
-class Seen:
+class BallAtSensor:
     """A ball that three axes of a sensor look at, which sits in the nest."""
 
     centre_mm: FloatArray  # (3,) world
@@ -64,7 +109,7 @@ class Seen:
 
 
 @dataclass(frozen=True, slots=True)
-class Ranged:
+class PlaneAtSensor:
     """A plane that a sensor in the nest looks at, along the z axis of the sensor."""
 
     frame: FloatArray  # (4, 4) of the plane in the world

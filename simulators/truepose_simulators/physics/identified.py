@@ -4,20 +4,71 @@ The model's parameters are taken at their word; what they do to the arm is compu
 screws and forces, not by the program that identified them.
 """
 
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from truepose_simulators.physics.arm import Vector
-from truepose_simulators.physics.effects import Effect, ModelArm, Stated, realise_effect
-from truepose_simulators.physics.effects.base.base import placed_base
-from truepose_simulators.physics.effects.joints.compliance import springs
-from truepose_simulators.physics.effects.links.geometry import identified_links
-from truepose_simulators.physics.effects.tool.tool import placed_nests
+from truepose_simulators.physics.effects import Effect, ModelArm, realise_effect
+from truepose_simulators.physics.effects.compliance import springs
+from truepose_simulators.physics.effects.effect import COMPONENTS, IdentifiedEffect
 from truepose_simulators.physics.plant import Plant
-from truepose_simulators.physics.rigid import FloatArray, to_six
-from truepose_simulators.physics.table_arm import ArmTable, draw_arm, zero_frames
+from truepose_simulators.physics.rigid import FloatArray, placed, to_six
+from truepose_simulators.physics.table_arm import (
+    ArmTable,
+    RowErrors,
+    TableRow,
+    draw_arm,
+    link_motion,
+    zero_frames,
+)
+
+
+def placed_base(start: FloatArray, stated: IdentifiedEffect) -> FloatArray:
+    """Return the base in the world, shape (4, 4), from its start and `base_x`..`base_rz` [mm, rad].
+
+    The identified angles turn the started orientation about the axes of the world, the identified shift moves
+    the started origin; neither acts on the other.
+    """
+    six = np.zeros(6)
+    for (component,), value in stated.matching(r"base_(r?[xyz])", "base_x to base_rz"):
+        six[COMPONENTS.index(component)] = value
+    base = placed(six[:3] + start[:3, 3], six[3:])
+    base[:3, :3] = base[:3, :3] @ start[:3, :3]
+    return base
+
+
+_FIELDS = {"alpha": "alpha_rad", "a": "a_mm", "beta": "beta_rad", "theta": "theta_rad", "d": "d_mm"}
+_FORM = "alpha_<joint>, a_, beta_, theta_, d_"
+
+
+def identified_links(rows: Sequence[TableRow], stated: Sequence[IdentifiedEffect]) -> FloatArray:
+    """Motions of all links in the seats of their joints, shape (J, 6) [mm, rad].
+
+    Several effects may speak of one row, such as geometry and axis parallelism: their errors add up before
+    the row is moved.
+    """
+    errors = [RowErrors()] * len(rows)
+    for effect in stated:
+        for (quantity, joint), value in effect.matching(r"(alpha|a|beta|theta|d)_([0-9]+)", _FORM):
+            index, field = effect.index(joint, len(rows), "joint"), _FIELDS[quantity]
+            errors[index] = replace(errors[index], **{field: getattr(errors[index], field) + value})
+    return np.array([link_motion(row, error) for row, error in zip(rows, errors, strict=True)])
+
+
+def placed_nests(start_mm: FloatArray, stated: IdentifiedEffect) -> FloatArray:
+    """Nests in the last frame, shape (m, 3), from their start and `nest_<nest>_x`.. [mm].
+
+    `tool_rx`.. say how a measured orientation lies in the last frame; they move no nest.
+    """
+    nests = start_mm.copy()
+    form = "nest_<nest>_x, _y, _z, tool_rx, _ry, _rz"
+    for (nest, axis), value in stated.matching(r"(?:nest_([0-9]+)_([xyz])|tool_r[xyz])", form):
+        if nest is not None:
+            nests[stated.index(nest, len(nests), "nest"), "xyz".index(axis)] += value
+    return nests
+
 
 _ROWS = frozenset({"geometry", "geometry_dhm", "joint_offset", "axis_parallelism"})
 _PLACES = frozenset({"base", "tool"})
@@ -69,5 +120,5 @@ def _effects(model: IdentifiedModel, site: ModelArm) -> Iterator[Effect]:
             yield from realise_effect(_stated(model, name), site)
 
 
-def _stated(model: IdentifiedModel, effect: str) -> Stated:
-    return Stated(effect, model.parameters.get(effect, {}))
+def _stated(model: IdentifiedModel, effect: str) -> IdentifiedEffect:
+    return IdentifiedEffect(effect, model.parameters.get(effect, {}))

@@ -5,8 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from truepose_simulators.physics.arm import CarriedMass, Vector
-from truepose_simulators.physics.chain import Bodies
+from truepose_simulators.physics.arm import Bodies, CarriedMass, Vector
 from truepose_simulators.physics.rigid import FloatArray, apply, move
 
 # 1 kg in 1 m/s2 weighs 1 N; levers are in mm, so torques come out in N mm.

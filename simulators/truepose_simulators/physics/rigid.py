@@ -1,6 +1,7 @@
-"""Rigid motions as 4x4 matrices, any number at once.
+"""Rigid motions as 4x4 matrices, any number at once, and the one that brings points onto others best.
 
-Source: K. M. Lynch, F. C. Park, Modern Robotics, 2017, chapters 3.2 (rotations) and 3.3 (screws).
+Source: K. M. Lynch, F. C. Park, Modern Robotics, 2017, chapters 3.2 (rotations) and 3.3 (screws); W. Kabsch,
+Acta Cryst. A 32, 1976, 922-923 (registration).
 """
 
 import numpy as np
@@ -108,3 +109,12 @@ def placed(translation_mm: FloatArray, angles_rad: FloatArray) -> FloatArray:
     """Trans RotX RotY RotZ, in that order, from shapes (..., 3) [mm] and (..., 3) [rad]."""
     x, y, z = (rotation(angles_rad * axis) for axis in np.eye(3))
     return motion(translation_mm, x @ y @ z)
+
+
+def register(from_mm: FloatArray, onto_mm: FloatArray) -> FloatArray:
+    """Return the motion, shape (4, 4), of points (m, 3) onto others in the least squares sense."""
+    centre_from, centre_onto = from_mm.mean(axis=0), onto_mm.mean(axis=0)
+    u, _, vt = np.linalg.svd((onto_mm - centre_onto).T @ (from_mm - centre_from))
+    handed = np.diag([1.0, 1.0, float(np.sign(np.linalg.det(u @ vt)))])
+    turned = u @ handed @ vt
+    return motion(centre_onto - turned @ centre_from, turned)

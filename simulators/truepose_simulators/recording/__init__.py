@@ -1,9 +1,8 @@
 """Campaigns recorded from the simulated cell without a wire, for studies that need very many of them."""
 
-from truepose_simulators.recording.campaign import Points, Recording, References, record
+from truepose_simulators.recording.campaign import Points, Readings, Recording, References, record
 from truepose_simulators.recording.files import write_campaign
 from truepose_simulators.recording.plan import NoStopsError, Stops, Wishes
-from truepose_simulators.recording.replaying.registered_tracker import Readings
 
 __all__ = [
     "NoStopsError",

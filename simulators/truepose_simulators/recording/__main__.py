@@ -6,19 +6,21 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from truepose_simulators.cell.clock import CellClock
+from truepose_simulators.cell.environment import CellClock
 from truepose_simulators.cell.true_cell import Cell
 from truepose_simulators.errors import ReplayError, SimulatorError
-from truepose_simulators.recording.ballbars.campaign import BallbarWishes, record_ballbar
-from truepose_simulators.recording.ballbars.files import write_ballbar_campaign
+from truepose_simulators.recording.ballbars.campaign import (
+    BallbarWishes,
+    record_ballbar,
+    write_ballbar_campaign,
+)
 from truepose_simulators.recording.ballbars.plan import read_plan
 from truepose_simulators.recording.campaign import record
+from truepose_simulators.recording.closed_loop_campaign import LoopWishes, record_loop, write_loop
+from truepose_simulators.recording.closed_loops import LOOPS
 from truepose_simulators.recording.files import write_campaign
-from truepose_simulators.recording.loops.campaign import LoopWishes, record_loop
-from truepose_simulators.recording.loops.files import write_loop
-from truepose_simulators.recording.loops.loops import LOOPS
 from truepose_simulators.recording.plan import APPROACHES, Wishes
-from truepose_simulators.recording.replaying.replay import replay, write_replay
+from truepose_simulators.recording.replay import replay, write_replay
 from truepose_simulators.scenarios.file import load_scenario, shipped_scenarios
 from truepose_simulators.scenarios.model_file import load_model
 from truepose_simulators.scenarios.scenario import Scenario

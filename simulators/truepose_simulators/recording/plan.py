@@ -7,7 +7,7 @@ import numpy as np
 from truepose_simulators.cell.robot import nominal_flange
 from truepose_simulators.cell.true_cell import Cell
 from truepose_simulators.errors import ScenarioError, SimulatorError
-from truepose_simulators.instruments.tracker.device import cosine_to_beam
+from truepose_simulators.instruments.tracker import cosine_to_beam
 from truepose_simulators.physics.effects.ports import NestNumbers
 from truepose_simulators.physics.rigid import FloatArray, apply, move
 from truepose_simulators.recording.nominal_tables import papers_of_cell

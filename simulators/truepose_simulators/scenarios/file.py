@@ -8,38 +8,34 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from truepose_simulators.cell.air import AirSetup
 from truepose_simulators.cell.building import nominal_site
-from truepose_simulators.cell.curves import CurveSizes
-from truepose_simulators.cell.everyday import EverydaySizes
+from truepose_simulators.cell.drawn_effects import CurveSizes, EverydaySizes
+from truepose_simulators.cell.environment import AirSetup
+from truepose_simulators.cell.fixture import HandsSetup
 from truepose_simulators.cell.robot import TargetOutOfRangeError, check_range
 from truepose_simulators.errors import ScenarioError
-from truepose_simulators.faults.table import read_fault
+from truepose_simulators.faults.file import read_fault
 from truepose_simulators.faults.times import Fault
-from truepose_simulators.instruments.ballbars.accuracy import BallbarSetup
-from truepose_simulators.instruments.camera.accuracy import CameraSetup
+from truepose_simulators.instruments.accuracy import BallbarSetup, CameraSetup, ProbeSetup, TrackerSetup
 from truepose_simulators.instruments.gauges.loop import LoopSetup
-from truepose_simulators.instruments.tracker.accuracy import ProbeSetup, TrackerSetup
-from truepose_simulators.person.fixture import HandsSetup
 from truepose_simulators.physics.arm import Arm
 from truepose_simulators.physics.effects import PlantedChange, plant_effect
 from truepose_simulators.physics.plant import PlantSizes
 from truepose_simulators.physics.robots import ARMS
-from truepose_simulators.scenarios.input_file import read_text
 from truepose_simulators.scenarios.scenario import (
     ArmSetup,
-    GivenLink,
-    GivenMotion,
+    ConfiguredLink,
+    ConfiguredMotion,
     Scenario,
     TableSetup,
     ToolSetup,
 )
-from truepose_simulators.scenarios.table import convert, read_table
+from truepose_simulators.scenarios.table import convert, read_table, read_text
 
 _SHIPPED = Path(__file__).parent
 _TABLES: Mapping[str, type] = {
     "errors": PlantSizes,
-    "base": GivenMotion,
+    "base": ConfiguredMotion,
     "arm": ArmSetup,
     "tool": ToolSetup,
     "table": TableSetup,
@@ -200,8 +196,8 @@ def _read(cls: type[T], table: object, where: str) -> T:
         raise ScenarioError(text if text.startswith(where) else f"{where}: {text}") from error
 
 
-def _link(table: object, where: str, arm: Arm) -> GivenLink:
-    link = _read(GivenLink, table, where)
+def _link(table: object, where: str, arm: Arm) -> ConfiguredLink:
+    link = _read(ConfiguredLink, table, where)
     if not 1 <= link.joint <= arm.n_joints:
         raise ScenarioError(f'{where}: key "joint" must be 1 to {arm.n_joints}, not {link.joint}')
     return link

@@ -19,8 +19,7 @@ from truepose_simulators.physics.arm import Vector
 from truepose_simulators.physics.identified import IdentifiedModel
 from truepose_simulators.physics.rigid import FloatArray, placed
 from truepose_simulators.physics.table_arm import ArmTable, FrameMass, TableRow
-from truepose_simulators.scenarios.input_file import read_text
-from truepose_simulators.scenarios.table import convert, read_table
+from truepose_simulators.scenarios.table import convert, read_table, read_text
 
 _FORMAT = "truepose-model"
 _VERSION = 1

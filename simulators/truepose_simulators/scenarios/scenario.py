@@ -2,17 +2,14 @@
 
 from dataclasses import dataclass, field, replace
 
-from truepose_simulators.cell.air import AirSetup
-from truepose_simulators.cell.curves import CurveSizes
-from truepose_simulators.cell.everyday import EverydaySizes
+from truepose_simulators.cell.drawn_effects import CurveSizes, EverydaySizes
+from truepose_simulators.cell.environment import AirSetup
+from truepose_simulators.cell.fixture import HandsSetup
 from truepose_simulators.errors import ScenarioError
 from truepose_simulators.faults.kinds import check_nest
 from truepose_simulators.faults.times import Fault
-from truepose_simulators.instruments.ballbars.accuracy import BallbarSetup
-from truepose_simulators.instruments.camera.accuracy import CameraSetup
+from truepose_simulators.instruments.accuracy import BallbarSetup, CameraSetup, ProbeSetup, TrackerSetup
 from truepose_simulators.instruments.gauges.loop import LoopSetup
-from truepose_simulators.instruments.tracker.accuracy import ProbeSetup, TrackerSetup
-from truepose_simulators.person.fixture import HandsSetup
 from truepose_simulators.physics.arm import Vector
 from truepose_simulators.physics.effects import PlantedChange
 from truepose_simulators.physics.plant import PlantSizes
@@ -22,7 +19,7 @@ _HIGHEST_PORT = 65_535
 
 
 @dataclass(frozen=True, slots=True)
-class GivenMotion:
+class ConfiguredMotion:
     """A rigid motion that is stated instead of drawn."""
 
     translation_mm: Vector = (0.0, 0.0, 0.0)
@@ -30,7 +27,7 @@ class GivenMotion:
 
 
 @dataclass(frozen=True, slots=True)
-class GivenLink:
+class ConfiguredLink:
     """Errors of one link that are stated instead of drawn; seat axes of its joint."""
 
     joint: int
@@ -104,8 +101,8 @@ class Scenario:
     robot: str
     noise: bool = True  # False: no reading noise, no scatter, no two-face error
     errors: PlantSizes = field(default_factory=PlantSizes)
-    base: GivenMotion | None = None
-    links: tuple[GivenLink, ...] = ()
+    base: ConfiguredMotion | None = None
+    links: tuple[ConfiguredLink, ...] = ()
     arm: ArmSetup = field(default_factory=ArmSetup)
     tool: ToolSetup = field(default_factory=ToolSetup)
     table: TableSetup = field(default_factory=TableSetup)

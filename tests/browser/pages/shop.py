@@ -8,6 +8,7 @@ from urllib.parse import quote
 import httpx
 from fastapi.responses import HTMLResponse
 
+from tests.helpers.storage.demo_database import write_demo
 from tests.helpers.web.performing import perform_here
 from tests.helpers.web.routes import paths_answering, routes_alone
 from tests.integration.web.ballbar_bench import BALLBAR, WANTED
@@ -16,7 +17,6 @@ from tests.integration.web.contact_bench import WIRE
 from tests.integration.web.listening import listening
 from truepose.analysis.workers.uploads import Uploads
 from truepose.app import create_app
-from truepose.demo.night.earlier import earlier_schemas, write_earlier
 from truepose.settings import Settings
 
 TARGETS = "target,x_mm,y_mm,z_mm,qw,qx,qy,qz\n1,350,0,400,0,0,1,0\n2,350,50,400,0,0,1,0\n"
@@ -48,13 +48,13 @@ def pages():
 def open_shop(folder):
     """Serve what a demo left, a ballbar session, a correction and readings of one's own; yields where."""
     file = folder / "truepose.sqlite3"
-    write_earlier(earlier_schemas()[-1], file)
+    write_demo(file)
     (folder / "cell.toml").write_text(CELL + BALLBAR)
     where = Settings(database_url=f"sqlite:///{file}", cell_file=folder / "cell.toml")
     application = create_app(where, Bench().registry(), perform_here)
     with listening(application) as url, httpx.Client(base_url=url, timeout=60, trust_env=False) as client:
-        for kind, wanted in (("ballbar-", WANTED), ("contact-", WIRE), ("", session_request(12))):
-            client.post(f"/api/v1/{kind}sessions", json=wanted).raise_for_status()
+        for wanted in (WANTED, WIRE, session_request(12)):
+            client.post("/api/v1/sessions", json=wanted).raise_for_status()
         application.state.context.campaign_desk.uploads = Uploads(perform_here)
         client.post("/api/v1/drafts", json={"example": True}).raise_for_status()
         sent = client.post("/api/v1/models/1/corrections", files={"file": ("targets.csv", TARGETS)})

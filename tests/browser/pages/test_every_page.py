@@ -11,8 +11,6 @@ from tests.browser.pages.house import OF_LINKS, SIGNED_IN, open_house
 from tests.browser.pages.looks import LOOKS, Traffic, sticking_out, too_small, violations
 from tests.browser.pages.shop import open_shop, pages
 from tests.browser.windows import without_complaint
-from tests.helpers.kept_sentences import KEPT
-from truepose.words.catalogue import catalogue
 
 TABLET, PHONE = {"width": 1180, "height": 820}, {"width": 390, "height": 844}
 HEAVIEST = 400_000  # bytes
@@ -112,19 +110,3 @@ def test_a_part_that_is_not_drawn_is_asked_for_again_and_a_refusal_is_said(chrom
         page.goto(address)
 
         expect(page.locator("[data-drawing] [role=status]")).to_have_text("Its readings are gone.")
-
-
-@pytest.mark.parametrize("language", ["de", "ja"])
-def test_a_tablet_hears_what_the_service_keeps_as_its_pages_do(chromium, shop, language):
-    hear = """async ([language, texts]) => {
-      const { Stored } = await import("/static/stored.js");
-      const stored = await Stored.load(language);
-      return texts.map((text) => stored.pieces(text).map((piece) => [piece.text, piece.lang]));
-    }"""
-    with opened(chromium, shop, shop + "/errors") as (page, _):
-        heard = page.evaluate(hear, [language, list(KEPT)])
-
-    for text, pieces in zip(KEPT, heard, strict=True):
-        expected = [list(piece) for piece in catalogue(language).heard(text)]
-        assert [lang for _, lang in pieces] == [lang for _, lang in expected], text
-        assert ["".join(one.split()) for one, _ in pieces] == ["".join(one.split()) for one, _ in expected]

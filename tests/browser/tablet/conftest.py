@@ -1,18 +1,26 @@
 """A fake desk behind a real socket, and tablets that look at it."""
 
 import contextlib
+import socket
 
 import pytest
 
 from tests.browser.tablet.bench.fake_desk import FakeDesk
+from tests.browser.tablet.bench.kept_files import KeptFiles
 from tests.browser.tablet.bench.wire import wire_to
 from tests.browser.windows import PORTRAIT, without_complaint
 from tests.integration.web.listening import listening
-from truepose.web.door.hosts import AllowedHosts
-from truepose.web.door.middleware import Door
-from truepose.web.door.proxies import Proxies
+from truepose.web.middleware.hosts import AllowedHosts, Proxies
+from truepose.web.middleware.security import SecurityMiddleware
 
 _UNREACHED = "Failed to load resource"  # Chromium's own word where nobody answers
+
+
+@pytest.fixture(scope="session")
+def door():
+    """One port for the desks of many tests: a browser keeps the files that it has from there."""
+    with socket.create_server(("127.0.0.1", 0)) as door:
+        yield door
 
 
 @pytest.fixture
@@ -20,14 +28,14 @@ def desk():
     return FakeDesk()
 
 
-def served(desk):
+def served(desk, door):
     """Serve a desk as the service does, within a context that gives its URL."""
-    return listening(Door(desk.application(), AllowedHosts(), Proxies()))
+    return listening(KeptFiles(SecurityMiddleware(desk.application(), AllowedHosts(), Proxies())), door)
 
 
 @pytest.fixture
-def url(desk):
-    with served(desk) as url:
+def url(desk, door):
+    with served(desk, door) as url:
         yield url
 
 

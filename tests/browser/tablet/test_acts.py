@@ -52,7 +52,7 @@ def test_a_skip_needs_a_reason(desk, tablet):
 
 def test_where_nothing_shows_that_the_ballbar_is_off_one_says_how_one_knows(desk, tablet):
     desk.sample = {**sample("no_signal", None), "reason_needed": True}
-    desk.show(step=step("detach"), acts=["confirm", "retry", "back", "pause", "abort", "stop"])
+    desk.show(step=step("detach"), commands=["confirm", "retry", "back", "pause", "abort", "stop"])
 
     tablet.locator("#actions [data-act=confirm]").click()
     do = tablet.get_by_role("button", name="It is off, out of the arm\u2019s way")
@@ -132,7 +132,7 @@ def test_a_key_that_is_held_confirms_a_motion_and_a_key_that_is_pressed_does_not
 
 
 def test_a_motion_cannot_be_confirmed_where_the_service_does_not_offer_it(desk, tablet):
-    desk.show(step=move(), ballbar_attached=True, acts=["pause", "stop", "abort"])
+    desk.show(step=move(), ballbar_attached=True, commands=["pause", "stop", "abort"])
 
     expect(tablet.locator("#actions button")).to_be_disabled()
     expect(tablet.locator("#panel")).to_contain_text("still attached")

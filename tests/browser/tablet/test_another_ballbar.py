@@ -16,7 +16,9 @@ FOREIGN = {
 
 def ask(desk, **changed):
     desk.show(
-        state="awaiting_confirmation", acts=["confirm", "abort"], ballbar_in_question={**FOREIGN, **changed}
+        state="awaiting_confirmation",
+        commands=["confirm", "abort"],
+        ballbar_in_question={**FOREIGN, **changed},
     )
 
 
@@ -65,10 +67,10 @@ def test_a_motion_is_confirmed_without_a_number(desk, tablet):
 
 
 def test_a_confirmation_names_the_question_that_was_read(desk, tablet):
-    desk.show(state="awaiting_confirmation", acts=["confirm"], prompt_id=57)
+    desk.show(state="awaiting_confirmation", commands=["confirm"], prompt={"id": 57})
     tablet.get_by_role("button", name="I have looked").click()
     acted(tablet, desk)
-    desk.show(step=move(), state="running", acts=["confirm"], prompt_id=None, ballbar_attached=False)
+    desk.show(step=move(), state="running", commands=["confirm"], prompt=None, ballbar_attached=False)
     tablet.get_by_role("button", name="Hold").hover()
 
     hold_long_enough(tablet)

@@ -134,12 +134,12 @@ def test_taps_outlive_the_page(desk, chromium, url):
         page.goto(f"{url}/operator/3")
         page.get_by_role("button", name="Store now").wait_for()
         page.locator("#link[data-state=up]").wait_for()
-        page.context.route("**/acts", lambda route: route.abort())
+        page.context.route("**/commands", lambda route: route.abort())
         page.get_by_role("button", name="Pause").click()
         page.wait_for_timeout(200)
         assert desk.arrived == []
 
-        page.context.unroute("**/acts")
+        page.context.unroute("**/commands")
         page.reload()
 
         assert settled(page, desk, 1) == ["pause"]
@@ -180,12 +180,12 @@ def test_a_confirmation_of_a_motion_that_went_unheard_is_never_sent_again(desk, 
         page.goto(f"{url}/operator/3")
         desk.show(step=move(), ballbar_attached=False)
         page.locator("body[data-screen=move]").wait_for()
-        page.context.route("**/acts", lambda route: route.abort())
+        page.context.route("**/commands", lambda route: route.abort())
 
         page.get_by_role("button", name="Hold").hover()
         hold_long_enough(page)
         expect(page.locator("#said")).to_contain_text("not sent again")
-        page.context.unroute("**/acts")
+        page.context.unroute("**/commands")
         page.reload()
         page.locator("#link[data-state=up]").wait_for()
         page.wait_for_timeout(1500)
@@ -233,7 +233,7 @@ def test_the_page_comes_back_by_itself_with_what_is_true_then(desk, wired):
 
 
 def test_what_could_not_be_read_is_read_again(desk, chromium, url):
-    missing = {"v1/simulated-hands", "3/scene", "3/steps", "common/fr.json"}
+    missing = {"v1/simulated-hands", "3/scene", "3/plan", "common/fr.json"}
     with a_tablet(chromium, url, may_fail=True) as page:
         for path in missing:
             page.route(f"**/{path}", lambda route: route.abort(), times=2)
@@ -275,7 +275,10 @@ def test_no_is_an_answer(desk, chromium, url):
 
 def test_a_tablet_that_slept_starts_afresh(desk, tablet):
     tablet.locator("#link[data-state=up]").wait_for()
-    with tablet.expect_request("**/live?*"), tablet.expect_response(lambda r: r.url.endswith("-sessions/3")):
+    with (
+        tablet.expect_request("**/live?*"),
+        tablet.expect_response(lambda r: r.url.endswith("/sessions/3/situation")),
+    ):
         # What a browser says when the lid is opened; a test has no lid.
         tablet.evaluate("document.dispatchEvent(new Event('visibilitychange'))")
 

@@ -58,7 +58,9 @@ def test_a_new_session_is_planned_with_what_was_chosen(desk, page, url):
     page.get_by_role("button", name="Plan the session").click()
 
     page.wait_for_url("**/operator/3")
-    assert desk.planned == [{"name": "left arm", "placement_count": 2, "base_points": 4, "poses": 12}]
+    assert desk.planned == [
+        {"kind": "ballbar", "name": "left arm", "placement_count": 2, "base_points": 4, "poses": 12}
+    ]
 
 
 def test_planning_is_waited_for_and_seen_to_go_on(desk, page, url):
@@ -99,11 +101,11 @@ def test_a_request_to_plan_that_broke_is_repeated_with_its_key(desk, chromium, u
         page.goto(f"{url}/operator")
         page.get_by_label("Name").fill("left arm")
         broken = []
-        page.route("**/ballbar-sessions", lambda route: (broken.append(route.request.headers), route.abort()))
+        page.route("**/api/v1/sessions", lambda route: (broken.append(route.request.headers), route.abort()))
         page.get_by_role("button", name="Plan the session").click()
         while not broken:
             page.wait_for_timeout(20)
-        page.unroute("**/ballbar-sessions")
+        page.unroute("**/api/v1/sessions")
 
         page.wait_for_url("**/operator/3")
 

@@ -3,8 +3,8 @@
 import math
 
 from truepose.domain.robot import JointRange
-from truepose.sequencing.engine.motion.plausible_robot import WatchfulRobot
-from truepose_drivers.arms.joint_counting import JointCounting
+from truepose.sessions.engine.robot import WatchfulRobot
+from truepose_drivers.arm_options import JointCounting
 from truepose_drivers.contract.bench import RobotBench
 from truepose_drivers.fanuc_mappdk.driver import PLUGIN, MappdkRobot
 from truepose_drivers.fanuc_mappdk.protocol import (

@@ -4,20 +4,22 @@ import json
 import math
 
 from truepose.domain.robot import JointRange
-from truepose.sequencing.engine.motion.plausible_robot import WatchfulRobot
-from truepose_drivers.arms.joint_counting import JointCounting
+from truepose.sessions.engine.robot import WatchfulRobot
+from truepose_drivers.arm_options import JointCounting
 from truepose_drivers.contract.bench import RobotBench, messages
 from truepose_drivers.fanuc_rmi.driver import PLUGIN, RmiRobot
-from truepose_drivers.fanuc_rmi.protocol.messages import (
+from truepose_drivers.fanuc_rmi.protocol import (
+    PacketReader,
     Status,
+    decode,
     decode_axes,
     decode_status,
+    encode,
     encode_axes,
     encode_status,
     handed_over,
     reply,
 )
-from truepose_drivers.fanuc_rmi.protocol.packets import PacketReader, decode, encode
 
 _RANGES_DEG = ((-170, 170), (-60, 140), (-194, 194), (-190, 190), (-120, 120), (-360, 360))
 _RANGES = tuple(JointRange(math.radians(low), math.radians(high)) for low, high in _RANGES_DEG)

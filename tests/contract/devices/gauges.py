@@ -4,7 +4,7 @@ import math
 from dataclasses import replace
 
 from tests.contract.devices.usb_plug import UsbPlug
-from truepose.sequencing.ballbar.measuring.live import live_state
+from truepose.sessions.ballbar.live import live_state
 from truepose_drivers.ballbar_bridge.driver import PLUGIN as BRIDGE
 from truepose_drivers.ballbar_bridge.driver import BridgedBallbar
 from truepose_drivers.ballbar_bridge.protocol import BridgeReading, Hello, decode
@@ -21,6 +21,7 @@ from truepose_drivers.ballbar_hid.protocol import (
 )
 from truepose_drivers.contract.bench import BallbarBench, messages
 from truepose_drivers.contract.wire import Silence
+from truepose_drivers.framing import LineReader
 from truepose_drivers.heidenhain_nd.driver import PLUGIN as ND
 from truepose_drivers.heidenhain_nd.driver import HeidenhainCounter
 from truepose_drivers.heidenhain_nd.protocol import (
@@ -28,7 +29,7 @@ from truepose_drivers.heidenhain_nd.protocol import (
     COUNTS_PER_MM,
     MM_PER_INCH,
     Lamps,
-    Refused,
+    Refusal,
     ReplyReader,
     RequestReader,
     encode_reply,
@@ -37,8 +38,7 @@ from truepose_drivers.heidenhain_nd.protocol import (
     printed_line,
     value_line,
 )
-from truepose_drivers.json_lines import LineReader
-from truepose_drivers.line_gauges.value_form import Value
+from truepose_drivers.line_gauges.protocol import Value
 from truepose_drivers.mitutoyo_usb_itn.driver import PLUGIN as USB_ITN
 from truepose_drivers.mitutoyo_usb_itn.driver import UsbItnGauge
 from truepose_drivers.mitutoyo_usb_itn.protocol import DeviceInfo, encode
@@ -93,7 +93,7 @@ class Counter(Gauge):
         counts = self.true_mm / MM_PER_INCH * COUNTS_PER_INCH if self.inch else self.true_mm * COUNTS_PER_MM
         return {
             "A0000": identity_lines("ND-287", "349797-04", "2001-05-04"),
-            "A0301": (Refused(),),
+            "A0301": (Refusal(),),
             "A0200": (value_line(round(counts)),),
             "A0800": (lamps_line(Lamps(inch=self.inch, inside=True)),),
         }[code]

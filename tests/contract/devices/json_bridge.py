@@ -3,10 +3,9 @@
 from dataclasses import replace
 
 from truepose_drivers.contract.bench import PoseTrackerBench, TrackerBench, messages
-from truepose_drivers.json_bridge.driver import PLUGIN, BridgedTracker
+from truepose_drivers.framing import LineReader
+from truepose_drivers.json_bridge.driver import PLUGIN, BridgedTracker, point_of, pose_of
 from truepose_drivers.json_bridge.protocol import Answer, decode_question, decode_reply, encode_reply
-from truepose_drivers.json_bridge.readings import point_of, pose_of
-from truepose_drivers.json_lines import LineReader
 
 MM_PER_INCH = 25.4
 

@@ -4,18 +4,20 @@ import math
 import struct
 
 from truepose.domain.robot import JointRange
-from truepose.sequencing.engine.motion.plausible_robot import WatchfulRobot
+from truepose.sessions.engine.robot import WatchfulRobot
 from truepose_drivers.contract.bench import RobotBench, messages
 from truepose_drivers.kuka_variable_proxy.driver import PLUGIN, KukaRobot
-from truepose_drivers.kuka_variable_proxy.protocol.frames import (
+from truepose_drivers.kuka_variable_proxy.protocol import (
     NUMBERS,
     Answer,
     AnswerReader,
     Mode,
     RequestReader,
+    decode_axes,
+    decode_text,
     encode_answer,
+    encode_axes,
 )
-from truepose_drivers.kuka_variable_proxy.protocol.variables import decode_axes, decode_text, encode_axes
 
 _RANGES_DEG = ((-170, 170), (-190, 45), (-120, 156), (-185, 185), (-120, 120), (-350, 350))
 _RANGES = tuple(JointRange(math.radians(low), math.radians(high)) for low, high in _RANGES_DEG)

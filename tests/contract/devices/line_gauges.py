@@ -5,9 +5,8 @@ from truepose_drivers.contract.bench import messages
 from truepose_drivers.keyence_gt2 import protocol as keyence
 from truepose_drivers.keyence_gt2.driver import PLUGIN as KEYENCE
 from truepose_drivers.keyence_gt2.driver import KeyenceUnit
-from truepose_drivers.line_gauges.dialogue import LineGauges
-from truepose_drivers.line_gauges.settings import GaugeSettings
-from truepose_drivers.line_gauges.value_form import Value
+from truepose_drivers.line_gauges.dialogue import GaugeSettings, LineGauges
+from truepose_drivers.line_gauges.protocol import Value
 from truepose_drivers.mitutoyo_eh import protocol as eh
 from truepose_drivers.mitutoyo_eh.driver import PLUGIN as MITUTOYO_EH
 from truepose_drivers.mitutoyo_eh.driver import EhCounter
@@ -76,7 +75,7 @@ class MitutoyoCounter(Box):
     dialect = EhCounter
 
     def say(self, value):
-        return eh.encode(eh.Counted(1, value), eh.ENDS["CR LF"])
+        return eh.encode(eh.CounterValue(1, value), eh.ENDS["CR LF"])
 
 
 class KeyenceAmplifiers(Box):

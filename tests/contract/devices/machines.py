@@ -4,7 +4,7 @@ import json
 import math
 
 from truepose.domain.robot import JointRange
-from truepose.sequencing.engine.motion.plausible_robot import WatchfulRobot
+from truepose.sessions.engine.robot import WatchfulRobot
 from truepose_drivers.abb_open_abb.driver import PLUGIN as OPEN_ABB
 from truepose_drivers.abb_open_abb.driver import OpenAbbRobot
 from truepose_drivers.abb_open_abb.protocol import (
@@ -25,8 +25,8 @@ from truepose_drivers.cell_hands.driver import CellHands
 from truepose_drivers.cell_hands.protocol import decode_answer as decode_deed
 from truepose_drivers.contract.bench import Bench, RobotBench, messages
 from truepose_drivers.errors import DeviceRefusedError
+from truepose_drivers.framing import LineReader
 from truepose_drivers.guard import guarded
-from truepose_drivers.json_lines import LineReader
 
 _RANGES_DEG = ((-165, 165), (-110, 110), (-110, 70), (-160, 160), (-120, 120), (-400, 400))
 _RANGES = tuple(JointRange(math.radians(low), math.radians(high)) for low, high in _RANGES_DEG)

@@ -4,18 +4,18 @@ import math
 
 from truepose_drivers.contract.bench import RobotBench, messages
 from truepose_drivers.universal_robots.driver import PLUGIN, Ports, UniversalRobot
-from truepose_drivers.universal_robots.protocol.dashboard import GREETING
-from truepose_drivers.universal_robots.protocol.motion import INPUTS, OUTPUTS, robot_state
-from truepose_drivers.universal_robots.protocol.packets import (
+from truepose_drivers.universal_robots.protocol import (
+    GREETING,
     Kind,
     PacketReader,
+    Recipe,
     controller_version,
     encode,
     recipe_reply,
     text_message,
     verdict,
 )
-from truepose_drivers.universal_robots.protocol.recipes import Recipe
+from truepose_drivers.universal_robots.script import INPUTS, OUTPUTS, robot_state
 
 _PERIOD_S = 0.008
 _STATES, _FOREIGN_STATES = Recipe(1, OUTPUTS), Recipe(2, OUTPUTS)

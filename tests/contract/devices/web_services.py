@@ -1,24 +1,25 @@
 """Model of an ABB controller's web services on a hostile wire."""
 
+from truepose_drivers.abb_rws import protocol
 from truepose_drivers.abb_rws.driver import PLUGIN, RwsRobot
-from truepose_drivers.abb_rws.protocol import resources
-from truepose_drivers.abb_rws.protocol.digest import Challenge, challenge_header
-from truepose_drivers.abb_rws.protocol.http import (
+from truepose_drivers.abb_rws.http import (
+    Challenge,
     HttpResponse,
     RequestReader,
     ResponseReader,
+    challenge_header,
     encode_response,
 )
-from truepose_drivers.abb_rws.protocol.rapid import number_text
+from truepose_drivers.abb_rws.protocol import number_text
 from truepose_drivers.contract.bench import RobotBench, messages
 from truepose_drivers.contract.wire import HangUp
 
 _RANGES_DEG = ((-165, 165), (-110, 110), (-110, 70), (-160, 160), (-120, 120), (-400, 400))
 _CHALLENGE = ("www-authenticate", challenge_header(Challenge("validusers@robapi.abb", "6f6e6365")))
 _OTHERS = {
-    resources.CONTROLLER_STATE: {"_type": "pnl-ctrlstate", "ctrlstate": "motoron"},
-    resources.ROBOT_TYPE: {"_type": "sys-robottype", "robot-type": "IRB 120-3/0.6"},
-    resources.SYSTEM: {"_type": "sys-system-li", "rwversion": "6.08.01.00"},
+    protocol.CONTROLLER_STATE: {"_type": "pnl-ctrlstate", "ctrlstate": "motoron"},
+    protocol.ROBOT_TYPE: {"_type": "sys-robottype", "robot-type": "IRB 120-3/0.6"},
+    protocol.SYSTEM: {"_type": "sys-system-li", "rwversion": "6.08.01.00"},
 }
 
 
@@ -54,11 +55,11 @@ class WebServices(RobotBench):
             return HttpResponse(401, (_CHALLENGE,))
         told = {
             **_OTHERS,
-            resources.IDENTITY: {"_type": "ctrl-identity-info", "ctrl-id": self.serial},
-            resources.JOINT_TARGET: self._joints(),
+            protocol.IDENTITY: {"_type": "ctrl-identity-info", "ctrl-id": self.serial},
+            protocol.JOINT_TARGET: self._joints(),
         }
         state = told.get(request.path)
-        return HttpResponse(404) if state is None else _json(resources.encode_states(request.path, [state]))
+        return HttpResponse(404) if state is None else _json(protocol.encode_states(request.path, [state]))
 
     def _joints(self):
         angles = enumerate(self.joints_deg, start=1)
@@ -70,7 +71,7 @@ class WebServices(RobotBench):
     def special(self, name, wiring, rng):
         joints = self._joints()
         bad = {
-            "other_resource": _state(_OTHERS[resources.CONTROLLER_STATE]),
+            "other_resource": _state(_OTHERS[protocol.CONTROLLER_STATE]),
             "page": HttpResponse(200, (("content-type", "text/html"),), b"<html>Please log in</html>"),
             "nan": _state(joints | {"rax_2": "nan"}),
             "huge_angle": _state(joints | {"rax_2": "90000"}),
@@ -82,7 +83,7 @@ class WebServices(RobotBench):
 
 
 def _state(state):
-    return _json(resources.encode_states(resources.JOINT_TARGET, [state]))
+    return _json(protocol.encode_states(protocol.JOINT_TARGET, [state]))
 
 
 def _json(body):

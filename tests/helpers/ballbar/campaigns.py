@@ -7,7 +7,7 @@ import numpy as np
 
 from tests.helpers.domain.robots import IRB_120
 from tests.helpers.identification.synthetic import NESTS, configurations
-from truepose.domain.measurement.campaign import (
+from truepose.domain.campaign import (
     Campaign,
     CupReadings,
     CupSetups,

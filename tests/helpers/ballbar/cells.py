@@ -2,11 +2,10 @@
 
 import numpy as np
 
-from truepose.domain.cell.description import Cell
+from truepose.domain.cell import Cell
 from truepose.domain.robot import FramePlacement
-from truepose.exchange.robots.shipped import load_robot_with_tool
-from truepose.planning.ballbar.clear_ways.bodies import BallbarCell
-from truepose.planning.ballbar.fixture import base_fixture
+from truepose.exchange.robots.named import load_robot_with_tool
+from truepose.planning.ballbar.bodies import BallbarCell, base_fixture
 
 LR_MATE = "fanuc-lr-mate-200ic"
 IRB_120 = "abb-irb-120"

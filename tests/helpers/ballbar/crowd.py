@@ -13,16 +13,17 @@ import contextlib
 import random
 from collections import Counter
 
-from tests.unit.service.sequencing.ballbar.fakes import Bench, turns
-from tests.unit.service.sequencing.ballbar.sessions import LEGS, joints, make_plan, make_sphere_plan
-from truepose.domain.measurement.ballbar import BallbarPlan, StepKind
-from truepose.domain.measurement.ledger import EntryKind, LedgerEntry
-from truepose.domain.measurement.session import SessionState
-from truepose.sequencing.ballbar.acts import Answer
-from truepose.sequencing.ballbar.plan import step_ids
-from truepose.sequencing.ballbar.state_so_far import READINGS
-from truepose.sequencing.engine.acts import Act, ActName
-from truepose.sequencing.errors import SequencingError
+from tests.unit.service.sessions.ballbar.fakes import Bench, turns
+from tests.unit.service.sessions.ballbar.sessions import LEGS, joints, make_plan, make_sphere_plan
+from truepose.domain.ballbar import BallbarPlan, StepKind
+from truepose.domain.ledger import EntryKind, LedgerEntry
+from truepose.domain.session import SessionState
+from truepose.messages.catalogue import english
+from truepose.sessions.ballbar import step_ids
+from truepose.sessions.ballbar.commands import Answer
+from truepose.sessions.ballbar.state import READINGS
+from truepose.sessions.engine.commands import Act, ActName
+from truepose.sessions.errors import SessionError
 from truepose_drivers.errors import ConnectionLostError, NoReplyError, TargetRefusedError
 
 DEEDS = 14  # of a person in each session
@@ -199,9 +200,9 @@ class Crowd:
         stops = stops and not any(entry.key == act.key for entry in bench.disk.entries)
         guard.stops_open += stops
         try:
-            with contextlib.suppress(SequencingError):
+            with contextlib.suppress(SessionError):
                 outcome = await bench.send(act)
-                if outcome.sentence.startswith("Stored"):
+                if english(outcome.sentence).startswith("Stored"):
                     guard.acknowledged[outcome.entry] = act.key
         finally:
             guard.stops_open -= stops

@@ -7,12 +7,11 @@ import numpy as np
 from tests.helpers.ballbar.cells import ballbar_cell, fixture_before_the_arm
 from tests.helpers.ballbar.nominal_poses import reachable
 from tests.helpers.ballbar.true_session import READING_U_MM, TrueArm
-from truepose.domain.cell.artefacts import BallbarKit
-from truepose.domain.measurement.ballbar import BallbarPlan, PlannedPlacement
-from truepose.judgement.ball_pairs.accounts import Accounts, begin
-from truepose.judgement.ball_pairs.early import judge_early
-from truepose.planning.ballbar.lengths.beforehand import Beforehand
-from truepose.planning.ballbar.setups import setups
+from truepose.domain.ballbar import BallbarPlan, PlannedPlacement
+from truepose.domain.cell import BallbarKit
+from truepose.planning.ballbar.length_forecast import SessionForecast
+from truepose.planning.ballbar.poses import setups
+from truepose.validation.early_connection_check import Accounts, begin, judge_early
 
 KIT = BallbarKit()
 _SIDES = ((1, 2), (1, 3), (2, 3))
@@ -34,7 +33,7 @@ class EarlySession:
 
     arm: TrueArm
     plan: BallbarPlan
-    beforehand: Beforehand
+    beforehand: SessionForecast
     rng: np.random.Generator
     accounts: Accounts
 
@@ -42,7 +41,7 @@ class EarlySession:
     def of(seed, poses=12):
         arm = TrueArm.drawn(ballbar_cell(), seed, angle_rad=0.7e-3, length_mm=0.12)
         plan = plan_of(arm.cell, poses)
-        beforehand = Beforehand(arm.cell, plan, KIT)
+        beforehand = SessionForecast(arm.cell, plan, KIT)
         session = EarlySession(
             arm, plan, beforehand, np.random.default_rng(seed), begin(beforehand.kinds(), KIT)
         )

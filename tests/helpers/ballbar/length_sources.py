@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from truepose_simulators.errors import SimulatorError
 from truepose_simulators.faults.scripted import Faults
-from truepose_simulators.instruments.ballbars.length_source import Electronics
+from truepose_simulators.instruments.gauges.length_source import Electronics
 
 
 @dataclass(frozen=True)

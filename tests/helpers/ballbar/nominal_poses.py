@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from truepose.planning.ballbar.clear_ways.bodies import chain_of, nest_places
+from truepose.planning.ballbar.bodies import chain_of, nest_places
 from truepose.planning.ballbar.poses import planned, reach
 
 

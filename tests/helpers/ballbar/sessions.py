@@ -1,6 +1,6 @@
 """Dull ballbar sessions: a plan of a few poses and what happened in them."""
 
-from truepose.domain.measurement.ballbar import (
+from truepose.domain.ballbar import (
     ArrivalTaken,
     BallbarPlan,
     LengthTaken,
@@ -8,7 +8,7 @@ from truepose.domain.measurement.ballbar import (
     PlannedPose,
     PlannedSetup,
 )
-from truepose.domain.measurement.ledger import EntryKind, LedgerEntry
+from truepose.domain.ledger import EntryKind, LedgerEntry
 from truepose.domain.robot import FramePlacement
 
 LEGS = ((1, 1), (1, 2), (2, 2), (2, 3), (3, 3), (3, 1))

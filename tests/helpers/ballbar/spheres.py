@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from tests.helpers.domain.robots import IRB_120
-from truepose.domain.measurement.campaign import Campaign, CupSetups, LegReadings, Stops
+from truepose.domain.campaign import Campaign, CupSetups, LegReadings, Stops
 from truepose.domain.robot import FramePlacement, Nest
 from truepose.kinematics.chain import nominal_chain
 

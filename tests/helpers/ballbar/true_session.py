@@ -6,8 +6,8 @@ from itertools import combinations
 import numpy as np
 
 from tests.helpers.ballbar.sessions import make_length
-from truepose.analysis.ballbar.assembly import Counting, LegKept, SetupKept, SideKept, Standing
-from truepose.domain.measurement.ballbar import ArrivalTaken, BallbarPlan
+from truepose.analysis.campaigns.ballbar import Counting, LegKept, RestPose, SetupKept, SideKept
+from truepose.domain.ballbar import ArrivalTaken, BallbarPlan
 from truepose.kinematics.chain import forward, nominal_values
 
 READING_U_MM = 0.0016  # of a reading with its zero, as the kit states them
@@ -17,7 +17,7 @@ READING_U_MM = 0.0016  # of a reading with its zero, as the kit states them
 class TrueArm:
     """The arm as it is, and where its cups came to be clamped."""
 
-    cell: object  # truepose.planning.ballbar.clear_ways.bodies.BallbarCell
+    cell: object  # truepose.planning.ballbar.bodies.BallbarCell
     errors: np.ndarray  # (4, J): alpha [rad], a [mm], theta [rad], d [mm]
 
     @staticmethod
@@ -83,7 +83,7 @@ def measured_session(arm, plan: BallbarPlan, configs, *, placements=(1,), seed=0
                     length = taken(true_mm, 2 + pose.config)
                     at = arrival(pose.joints_rad)
                     legs.append(LegKept(placement.number, pose.config, 1, leg, length, at, pose.config))
-    standing = Standing(legs[-1].placement, legs[-1].arrival.commanded_rad) if legs else None
+    standing = RestPose(legs[-1].placement, legs[-1].arrival.commanded_rad) if legs else None
     return Counting(tuple(legs), tuple(sides), tuple(setups), standing=standing)
 
 

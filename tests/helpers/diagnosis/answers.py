@@ -3,13 +3,14 @@
 import numpy as np
 
 from tests.helpers.domain.builders import make_model, make_parameter, make_statistics
-from truepose.domain.results.causes import Cause, Detail, Spectrum
-from truepose.domain.results.diagnosis import (
+from truepose.domain.diagnosis import (
+    Cause,
     Confidence,
     Curve,
     CurvePoints,
     Dependence,
     Described,
+    Detail,
     Diagnosis,
     Finding,
     Gain,
@@ -18,6 +19,7 @@ from truepose.domain.results.diagnosis import (
     Noise,
     Remaining,
     RuledOut,
+    Spectrum,
     Verdict,
     Worth,
 )

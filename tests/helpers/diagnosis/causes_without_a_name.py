@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from truepose.domain.results.diagnosis import Verdict
-from truepose.words.catalogue import english
+from truepose.domain.diagnosis import Verdict
+from truepose.messages.catalogue import english
 from truepose_simulators.physics.effects.effect import Deflection
 from truepose_simulators.physics.rigid import move
 

@@ -4,10 +4,11 @@ import numpy as np
 
 from tests.helpers.diagnosis import answers as diagnoses
 from tests.helpers.domain.builders import make_model, make_parameter
-from truepose.domain.results.causes import Cause, Detail
-from truepose.domain.results.diagnosis import (
+from truepose.domain.diagnosis import (
+    Cause,
     Confidence,
     Dependence,
+    Detail,
     Gain,
     HeldOutErrors,
     NextMeasurement,
@@ -16,7 +17,7 @@ from truepose.domain.results.diagnosis import (
     RuledOut,
     Verdict,
 )
-from truepose.domain.results.identification import Statistics
+from truepose.domain.identification import Statistics
 
 NOISE_MM = 0.02
 NOTHING_LEFT = Remaining(False, (), "What is left looks like the stated noise.")

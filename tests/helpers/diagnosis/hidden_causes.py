@@ -1,7 +1,7 @@
 """Campaigns of a simulated cell with something hidden in it that nothing planted by name can be."""
 
 from truepose.exchange.campaigns.folder import read_campaign
-from truepose_simulators.cell.clock import CellClock
+from truepose_simulators.cell.environment import CellClock
 from truepose_simulators.cell.true_cell import Cell
 from truepose_simulators.recording.campaign import record_in
 from truepose_simulators.recording.files import write_campaign

@@ -7,8 +7,8 @@ import numpy as np
 
 from tests.helpers.domain.robots import IRB_120
 from tests.helpers.identification.synthetic import nominal_campaign
-from truepose.diagnosis.circumstances import scene_at
-from truepose.domain.measurement.campaign import FixedNestReadings
+from truepose.diagnosis.start import scene_at
+from truepose.domain.campaign import FixedNestReadings
 from truepose.domain.robot import FixedNest
 from truepose.identification.model.evaluation import evaluate
 from truepose.identification.problem.build import build

@@ -7,12 +7,10 @@ import numpy as np
 
 from tests.helpers.diagnosis.point_scenes import telling_campaign
 from tests.helpers.identification.synthetic import NOISE_MM
-from truepose.diagnosis.circumstances import scene_of
-from truepose.diagnosis.evidence.remaining import prepared_families
-from truepose.diagnosis.evidence.structure_left import left_by
+from truepose.diagnosis.evidence.residual_structure import left_by, prepared_families
 from truepose.diagnosis.screening.candidates import pooled
-from truepose.diagnosis.screening.selection import Selected, chosen, refitted, select
-from truepose.diagnosis.start import Start, started
+from truepose.diagnosis.screening.selection import Selection, chosen, refitted, select
+from truepose.diagnosis.start import Start, scene_of, started
 from truepose.effects.ports import ParameterSpec
 from truepose.effects.registry import CAUSES
 from truepose.identification.model.evaluation import Targets, evaluate
@@ -62,7 +60,7 @@ def make_selected(start, picked, rivals=()):
     fit = refitted(start.fit, start.fit, picks) if picks else start.fit
     scene = scene_of(start.problem, fit)
     tried = tuple(candidate for one in rivals for candidate in proposed(scene, *one))
-    return Selected(fit, picks, pooled(fit, (*picks, *tried)), full=False)
+    return Selection(fit, picks, pooled(fit, (*picks, *tried)), full=False)
 
 
 def select_from(start, propose):

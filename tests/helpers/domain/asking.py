@@ -1,6 +1,11 @@
 """What persons ask of a session under way; each returns the sentence of the answer."""
 
-from truepose.sequencing.engine.acts import Act, ActName
+from truepose.sessions.engine.commands import Act, ActName
+
+
+def question(runner):
+    """What is asked now; empty where nothing is."""
+    return "" if runner.prompt is None else runner.prompt.message
 
 
 async def confirm(runner, person, accepted_serial="", prompt_id=None):

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from truepose.domain.measurement.campaign import (
+from truepose.domain.campaign import (
     NO_AXIS,
     Campaign,
     ContactReadings,
@@ -17,8 +17,8 @@ from truepose.domain.measurement.campaign import (
     Stops,
     TargetDistances,
 )
-from truepose.domain.measurement.targets import Target, TargetKind
-from truepose.domain.results.identification import (
+from truepose.domain.contacts import Target, TargetKind
+from truepose.domain.identification import (
     Counts,
     Identification,
     Model,

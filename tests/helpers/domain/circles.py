@@ -4,7 +4,7 @@ import csv
 
 import numpy as np
 
-from truepose.domain.measurement.campaign import PointReadings, Stops
+from truepose.domain.campaign import PointReadings, Stops
 from truepose.kinematics.chain import nominal_chain
 
 NEST_MM = (-114.4, -46.2, 124.5)  # thesis of A. Nubiola, 2014, section 2.4.1

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from truepose.judgement.iso9283.visits import CommandedPose, Visits
+from truepose.validation.iso9283.visits import CommandedPose, Visits
 
 CORNERS = ((0.0, 0.0, 0.0), (160.0, 160.0, -160.0), (-160.0, 160.0, -160.0), (-160.0, -160.0, 160.0))
 COMMANDED = tuple(

@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from tests.unit.service.sequencing.tracker.fakes import FIXED_NESTS, TRACKER_AT
+from tests.unit.service.sessions.tracker.fakes import FIXED_NESTS, TRACKER_AT
 from truepose.kinematics.frames import rotation_xyz
-from truepose.sequencing.tracker.world_frame.registration import nest_mean, register
+from truepose.sessions.tracker.registration import nest_mean, register
 
 ROTATION = rotation_xyz(0.003, -0.002, 2.1)
 SPREAD_MM = (0.010, 0.022, 0.022)

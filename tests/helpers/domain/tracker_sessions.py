@@ -1,9 +1,9 @@
 """Dull sessions and readings."""
 
-from truepose.domain.cell.description import Cell, DeviceEntry
-from truepose.domain.measurement.ledger import EntryKind, LedgerEntry
-from truepose.domain.measurement.session import FixedNestTaken, PlannedStop, PointTaken, SessionPlan, stop_id
+from truepose.domain.cell import Cell, DeviceEntry
+from truepose.domain.ledger import EntryKind, LedgerEntry
 from truepose.domain.robot import FixedNest, JointRow, Nest, Robot
+from truepose.domain.session import FixedNestTaken, PlannedStop, PointTaken, SessionPlan, stop_id
 from truepose.storage.records import SessionSetup
 
 

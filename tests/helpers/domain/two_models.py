@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from tests.helpers.domain.builders import make_model
-from truepose.domain.measurement.campaign import PointReadings, Stops
+from truepose.domain.campaign import PointReadings, Stops
 from truepose.identification import predict
 
 

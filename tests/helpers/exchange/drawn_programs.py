@@ -15,9 +15,8 @@ from tests.helpers.exchange import drawn_languages as languages
 from tests.helpers.exchange.drawn_joints import drawn_joints, erring_model
 from truepose.exchange.programs.corrected import corrected_program
 from truepose.exchange.programs.formats import read_program
-from truepose.exchange.programs.program import AT_THE_ORIGIN
-from truepose.exchange.programs.understood import Understood
-from truepose.exchange.robots.shipped import load_robot
+from truepose.exchange.programs.program import AT_THE_ORIGIN, ProgramOptions
+from truepose.exchange.robots.named import load_robot
 from truepose.kinematics.inverse import branch_of
 
 _SAME = np.radians(0.03)  # a file has three decimals, and a singular wrist enlarges them
@@ -60,7 +59,7 @@ def tried(language, n, seed, size=1.0, *, hard=True):
 def _try(count, language, model, own, number):
     data = language.write(model.robot, own)
     program = read_program(data, language.name, angles="zyx")
-    answer = corrected_program(model, program, Understood(branch=number, defined=_FRAMES))
+    answer = corrected_program(model, program, ProgramOptions(branch=number, defined=_FRAMES))
     judged = np.array([name.startswith(language.judged) for name in answer.names], dtype=bool)
     solved = np.flatnonzero(answer.found.solved & judged)
     rows = _places(program, [answer.corrected[row] for row in solved], len(own))

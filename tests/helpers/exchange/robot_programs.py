@@ -3,7 +3,7 @@
 import re
 
 from truepose.exchange.programs.formats import read_program
-from truepose.words.catalogue import english
+from truepose.messages.catalogue import english
 
 RAPID = r"""%%%
   VERSION:1

@@ -3,7 +3,7 @@
 import numpy as np
 
 from tests.helpers.fleet.linear import drawn
-from truepose.fleet.least import least_of_robots
+from truepose.fleet.minimum_detectable_change import least_of_robots
 
 ZERO, SCALE = np.eye(4)[0], np.eye(4)[3]
 

@@ -5,8 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from truepose.effects.ports import ParameterSpec
-from truepose.fleet.campaigns import Fleet, Measured, fleet_of
-from truepose.fleet.information import Information
+from truepose.fleet.campaigns import Fleet, FleetCampaign, Information, fleet_of
 
 SCALE = ParameterSpec("scale", "1", 0.0, 1e-4)
 
@@ -37,7 +36,7 @@ class Linear:
     def fleet(self) -> Fleet:
         rows = zip(self.jacobians, self.reads, self.robot, self.instrument, self.day, strict=True)
         return fleet_of([
-            Measured(f"robot {i}", f"tracker {k}", day, told(jacobian, read, self.specs))
+            FleetCampaign(f"robot {i}", f"tracker {k}", day, told(jacobian, read, self.specs))
             for jacobian, read, i, k, day in rows
         ])
 

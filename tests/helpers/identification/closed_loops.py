@@ -6,8 +6,8 @@ import numpy as np
 
 from tests.helpers.domain.robots import IRB_120
 from tests.helpers.identification.synthetic import NESTS, configurations
-from truepose.domain.measurement.campaign import NO_AXIS, Campaign, ContactReadings, Stops, TargetDistances
-from truepose.domain.measurement.targets import SEEN_ALONG_AXES, Target, TargetKind
+from truepose.domain.campaign import NO_AXIS, Campaign, ContactReadings, Stops, TargetDistances
+from truepose.domain.contacts import SEEN_ALONG_AXES, Target, TargetKind
 from truepose.domain.robot import FramePlacement, Nest
 from truepose.kinematics.chain import forward, nominal_values
 from truepose.kinematics.frames import rotation_xyz

@@ -5,8 +5,8 @@ import numpy as np
 from tests.helpers.domain.robots import IRB_120
 from tests.helpers.identification.models import model_of
 from tests.helpers.identification.synthetic import NESTS, configurations
-from truepose.domain.measurement.campaign import PointReadings, Stops
-from truepose.domain.results.identification import NestCentre, Parameter
+from truepose.domain.campaign import PointReadings, Stops
+from truepose.domain.identification import NestCentre, Parameter
 from truepose.domain.robot import FramePlacement
 from truepose.kinematics.chain import nominal_chain
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from tests.helpers.identification.synthetic import configurations, measured, nominal_campaign
-from truepose.domain.measurement.campaign import Stops
+from truepose.domain.campaign import Stops
 from truepose.identification.model.evaluation import Targets, evaluate
 from truepose.identification.model.prediction import predict
 from truepose.identification.problem.build import build

@@ -6,8 +6,8 @@ from dataclasses import replace
 import numpy as np
 
 from tests.helpers.domain.robots import IRB_120, SEVEN_AXES
-from truepose.domain.measurement.campaign import Stops
-from truepose.domain.results.identification import Model, NestCentre, Parameter
+from truepose.domain.campaign import Stops
+from truepose.domain.identification import Model, NestCentre, Parameter
 from truepose.domain.robot import FramePlacement, LinkMass
 
 COMPONENTS = ("x", "y", "z", "rx", "ry", "rz")

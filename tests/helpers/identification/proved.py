@@ -7,8 +7,8 @@ import numpy as np
 from tests.helpers.domain.robots import IRB_120
 from tests.helpers.identification.models import model_of, plain_parameters
 from tests.helpers.identification.synthetic import configurations
-from truepose.correction.proof.pairs import pairs_of
-from truepose.domain.measurement.campaign import PointReadings, Stops
+from truepose.correction.proof import pairs_of
+from truepose.domain.campaign import PointReadings, Stops
 from truepose.identification.model.estimates import structure_of, values_of
 from truepose.identification.model.evaluation import Targets, evaluate
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from tests.helpers.domain.robots import IRB_120
-from truepose.domain.measurement.campaign import Campaign, LegReadings, PointReadings, Stops
+from truepose.domain.campaign import Campaign, LegReadings, PointReadings, Stops
 from truepose.domain.robot import FramePlacement, Nest
 from truepose.identification.model.evaluation import Targets, evaluate
 from truepose.identification.problem.build import Problem, automatic_effects, build

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from tests.helpers.identification.synthetic import configurations
-from truepose.identification.model.validity.zone import measured_zone
+from truepose.identification.model.validity import measured_zone
 
 
 def zoned(model, n=60):

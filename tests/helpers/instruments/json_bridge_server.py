@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from truepose_drivers.json_bridge.protocol import Answer, Failed, decode_question, encode_reply
+from truepose_drivers.json_bridge.protocol import Answer, Failure, decode_question, encode_reply
 from truepose_simulators.errors import BeamError
 from truepose_simulators.faults.kinds import BeamBroken, TrackerCut
 from truepose_simulators.instruments.endpoint import Endpoint
-from truepose_simulators.instruments.tracker.probe import Probe
+from truepose_simulators.instruments.leica_emscon.probe import Probe
 from truepose_simulators.physics.rigid import to_quaternion
 
 WORDS = {"version": 1, "manufacturer": "FARO", "model": "Vantage", "firmware": "6.1"}
@@ -41,7 +41,7 @@ class Bridge:
         except BeamError as error:
             failed = {"find_reflector": "reflector_not_found", "measure_pose": "artefact_not_seen"}
             kind = failed.get(question.ask, "beam_broken")
-            return Failed(question.number, kind, f"{error}: clear the line of sight, then repeat")
+            return Failure(question.number, kind, f"{error}: clear the line of sight, then repeat")
         return Answer(question.number, "390001", values)
 
     async def _hello(self, details):

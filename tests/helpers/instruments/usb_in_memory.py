@@ -3,8 +3,8 @@
 import asyncio
 
 from truepose_drivers.errors import ConnectFailedError, ConnectionLostError, DeviceRefusedError
-from truepose_drivers.usb.protocol.control import Setup
-from truepose_simulators.instruments.ballbars.usb_gadget import StallError, UsbGadget
+from truepose_drivers.usb.protocol import Setup
+from truepose_simulators.instruments.gauges.usbip import StallError, UsbGadget
 
 
 class UsbInMemory:

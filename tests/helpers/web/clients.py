@@ -8,6 +8,7 @@ import httpx
 from truepose.app import create_app
 
 ENDED = {"succeeded", "failed"}
+ANSWERS = {"confirm", "resume"}
 
 
 def client_of(app, peer="127.0.0.1"):
@@ -39,12 +40,26 @@ async def made(client, accepted):
     return job["result_url"]
 
 
+def prompt_id(session):
+    """Return the number of what is asked, as an answer names it; None where nothing is."""
+    return (session.get("prompt") or {}).get("id")
+
+
+async def command(client, path, name, key=None, **said):
+    """Ask something of a session as Ada would, naming the question that is open where it may be an answer."""
+    body = {"command": name, "person": "Ada", **said}
+    if name in ANSWERS and "prompt_id" not in said:
+        body["prompt_id"] = prompt_id((await client.get(f"{path}/situation")).json())
+    headers = {} if key is None else {"Idempotency-Key": key}
+    return await client.post(f"{path}/commands", json=body, headers=headers)
+
+
 async def measured(client, wanted):
     """Plan a session, have Ada confirm it, and return its path and number once it has finished."""
     path = await made(client, await client.post("/api/v1/sessions", json=wanted))
-    await client.post(f"{path}/start")
+    await command(client, path, "start")
     await until(client, path, lambda session: session["state"] == "awaiting_confirmation")
-    await client.post(f"{path}/confirm", json={"person": "Ada"})
+    await command(client, path, "confirm")
     session = await until(client, path, lambda session: session["state"] in {"finished", "faulted"})
     assert session["state"] == "finished", session["reason"]
     return path, session["id"]

@@ -6,10 +6,10 @@ That a process can be started, bounded, ended and told of is tested in `tests/in
 
 import asyncio
 
-from truepose.analysis.workers.pipe import LENGTH_BYTES, Finished, packed, unpacked
+from truepose.analysis.workers.pipe import LENGTH_BYTES, TaskAnswer, packed, unpacked
 from truepose.analysis.workers.process import TaskRefusedError
 from truepose.domain.errors import TrueposeError
-from truepose.words.error_codes import code_of
+from truepose.messages.error_codes import code_of
 
 
 async def perform_here(task, told):
@@ -19,7 +19,7 @@ async def perform_here(task, told):
 
 def _performed(task):
     try:
-        return _travelled(Finished(task.perform(lambda fraction, doing: None))).answer
+        return _travelled(TaskAnswer(task.perform(lambda fraction, doing: None))).answer
     except TrueposeError as error:
         raise TaskRefusedError(str(error), code_of(error)) from error
 

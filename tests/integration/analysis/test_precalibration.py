@@ -7,9 +7,9 @@ import pytest
 
 from tests.helpers.ballbar.cells import ballbar_cell, domain_cell, fixture_before_the_arm
 from tests.helpers.ballbar.true_session import TrueArm, measured_session
-from truepose.analysis.ballbar.precalibration import precalibrate
+from truepose.analysis.ballbar_plans import precalibrate
 from truepose.analysis.errors import NothingMeasuredError
-from truepose.domain.cell.artefacts import BallbarKit
+from truepose.domain.cell import BallbarKit
 from truepose.planning.ballbar.plan import plan_at
 from truepose.storage.records import SessionSetup
 

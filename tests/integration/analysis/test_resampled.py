@@ -5,10 +5,10 @@ import pytest
 
 from tests.helpers.archive import ThisProcess
 from tests.helpers.identification.synthetic import measured, nominal_campaign
-from truepose.analysis import resampled as home
-from truepose.analysis.cluster.cluster import Cluster
-from truepose.analysis.cluster.processes import Processes
-from truepose.analysis.resampled import resampled
+from truepose.analysis import resampling as home
+from truepose.analysis.cluster.tasks import Cluster
+from truepose.analysis.cluster.workers import Processes
+from truepose.analysis.resampling import resampled
 
 
 @pytest.fixture(autouse=True)

@@ -8,8 +8,8 @@ import socket
 import pytest
 import uvicorn
 
-from truepose.app.connections.census import Census, Limits, looked_after
-from truepose.app.connections.protocol import WatchedProtocol
+from truepose.app.connections import Census, Limits, looked_after
+from truepose.app.http_protocol import WatchedProtocol
 
 TIGHT = Limits(
     connections=64,

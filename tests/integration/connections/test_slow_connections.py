@@ -9,7 +9,7 @@ from dataclasses import replace
 import pytest
 
 from tests.integration.connections.conftest import TIGHT, connected, served, until_closed
-from truepose.app.connections.census import Limits
+from truepose.app.connections import Limits
 
 GET = b"GET /3 HTTP/1.1\r\nHost: localhost\r\n\r\n"
 

@@ -5,33 +5,30 @@ from dataclasses import replace
 import pytest
 
 from tests.contract.benches import in_memory
-from tests.unit.service.sequencing.tracker.fakes import ListLedger
-from tests.unit.service.sequencing.tracker.operators import PatientOperator
+from tests.unit.service.sessions.tracker.fakes import ListLedger
+from tests.unit.service.sessions.tracker.operators import PatientOperator
 from truepose.analysis.campaigns.contacts import contact_campaign, judged_by_contacts, taken_of
 from truepose.analysis.errors import NothingMeasuredError, SessionsDifferError
-from truepose.domain.measurement.contacts import ContactPlan, ContactTaken
-from truepose.domain.measurement.session import SessionState
-from truepose.domain.measurement.targets import Target, TargetKind
+from truepose.domain.contacts import ContactPlan, ContactTaken, Target, TargetKind
+from truepose.domain.session import SessionState
 from truepose.exchange.campaigns.zip_file import read_campaign_zip, write_campaign_zip
-from truepose.exchange.cells.given import cell_given
+from truepose.exchange.cells.file import cell_given
 from truepose.planning.contacts.plan import plan_of
 from truepose.planning.contacts.wish import ContactWish
-from truepose.sequencing.contacts.cell import ContactCell, GaugeBox
-from truepose.sequencing.contacts.runner import ContactRunner
+from truepose.sessions.contact.measuring import ContactCell, GaugeBox
+from truepose.sessions.contact.runner import ContactRunner
 from truepose.storage.records import SessionSetup
 from truepose_drivers.abb_open_abb.driver import OpenAbbRobot
 from truepose_drivers.cell_clock.driver import CellClock
 from truepose_drivers.keyence_gt2.driver import KeyenceUnit
-from truepose_drivers.line_gauges.dialogue import LineGauges
-from truepose_drivers.line_gauges.settings import GaugeSettings
+from truepose_drivers.line_gauges.dialogue import GaugeSettings, LineGauges
 from truepose_drivers.transports.memory import MemoryLink
-from truepose_simulators.cell.clock import CellClock as SimulatedClock
+from truepose_simulators.cell.environment import CellClock as SimulatedClock
 from truepose_simulators.cell.true_cell import Cell
-from truepose_simulators.instruments.ballbars.length_source import Electronics
-from truepose_simulators.instruments.cell_clock import clock_endpoint
-from truepose_simulators.instruments.gauges.keyence_gt2 import keyence_gt2_endpoint
-from truepose_simulators.instruments.robot.open_abb import MotionProgram
-from truepose_simulators.instruments.robot.open_abb_server import robot_endpoint
+from truepose_simulators.instruments.cell_endpoints import clock_endpoint
+from truepose_simulators.instruments.gauges.length_source import Electronics
+from truepose_simulators.instruments.gauges.text_boxes import keyence_gt2_endpoint
+from truepose_simulators.instruments.robot.open_abb import MotionProgram, robot_endpoint
 from truepose_simulators.scenarios.file import load_scenario
 
 LR_MATE = cell_given("lrmate-tilted")

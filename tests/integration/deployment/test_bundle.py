@@ -1,7 +1,9 @@
-"""The npm that bundles the pages' packages: the machine's, or one that the build brings, on each system."""
+"""What a build makes: packages of the pages, by an npm of the machine or its own, and the translations."""
 
 import importlib.util
+import shutil
 import sys
+from gettext import GNUTranslations
 
 import pytest
 
@@ -14,7 +16,7 @@ CLI = ("lib", "node_modules", "npm", "bin", "npm-cli.js")
 def bundling(monkeypatch):
     """The hook of the build, and the commands that it runs in the place of running them."""
     pytest.importorskip("hatchling")
-    spec = importlib.util.spec_from_file_location("bundle", CHECKOUT / "service" / "packages" / "bundle.py")
+    spec = importlib.util.spec_from_file_location("build_hook", CHECKOUT / "service" / "build_hook.py")
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     module.ran = []
@@ -51,3 +53,16 @@ def test_npm_is_run_by_the_path_at_which_it_was_found(bundling, monkeypatch, tmp
     bundling._npm(["ci"], str(tmp_path))
 
     assert bundling.ran == [[str(npm), "ci"]]
+
+
+def test_a_build_leaves_the_translations_that_the_service_reads(bundling, monkeypatch, tmp_path):
+    source = tmp_path / "fr" / "LC_MESSAGES" / "pages.po"
+    source.parent.mkdir(parents=True)
+    source.write_text('msgid "greeting"\nmsgstr "Salut"\n', encoding="utf-8")
+    shutil.copy(bundling._MESSAGES / "translations.py", tmp_path)
+    monkeypatch.setattr(bundling, "_MESSAGES", tmp_path)
+
+    bundling.compile_translations()
+
+    with source.with_suffix(".mo").open("rb") as compiled:
+        assert GNUTranslations(compiled).gettext("greeting") == "Salut"

@@ -9,8 +9,8 @@ from importlib.resources import files
 
 import pytest
 
-from truepose.app import service_manager
-from truepose.cli.cells import serve_command
+from truepose.app import server
+from truepose.cli.services import serve_command
 
 UNIT = files("truepose").joinpath("app", "deployment", "truepose.service").read_text(encoding="utf-8")
 
@@ -49,16 +49,16 @@ def manager(tmp_path, monkeypatch):
 
 
 def test_the_service_manager_is_told(manager):
-    service_manager.tell("READY=1")
+    server.tell("READY=1")
 
     assert manager.recv(100) == b"READY=1"
 
 
 def test_where_there_is_none_nobody_is_told(monkeypatch, tmp_path):
     monkeypatch.delenv("NOTIFY_SOCKET", raising=False)
-    service_manager.tell("READY=1")
+    server.tell("READY=1")
     monkeypatch.setenv("NOTIFY_SOCKET", str(tmp_path / "gone"))
-    service_manager.tell("READY=1")
+    server.tell("READY=1")
 
     assert [*tmp_path.iterdir()] == []
 
@@ -66,7 +66,7 @@ def test_where_there_is_none_nobody_is_told(monkeypatch, tmp_path):
 async def test_a_watchdog_hears_that_the_loop_turns(manager, monkeypatch):
     monkeypatch.setenv("WATCHDOG_USEC", "30000")
 
-    telling = asyncio.create_task(service_manager.keep_telling())
+    telling = asyncio.create_task(server.keep_telling())
     async with asyncio.timeout(30):
         for _ in range(3):
             assert await asyncio.get_running_loop().sock_recv(manager, 100) == b"WATCHDOG=1"
@@ -76,7 +76,7 @@ async def test_a_watchdog_hears_that_the_loop_turns(manager, monkeypatch):
 async def test_without_a_watchdog_there_is_nothing_to_tell(monkeypatch):
     monkeypatch.delenv("WATCHDOG_USEC", raising=False)
 
-    telling = asyncio.create_task(service_manager.keep_telling())
+    telling = asyncio.create_task(server.keep_telling())
     await asyncio.wait({telling}, timeout=60)
 
     assert telling.done() and telling.exception() is None

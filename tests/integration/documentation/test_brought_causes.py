@@ -1,5 +1,6 @@
 """The example package of causes, as if it were installed: found, used, and harmless where it is broken."""
 
+import json
 import os
 import subprocess
 import sys
@@ -14,11 +15,16 @@ import pytest
 
 from tests.helpers.checkout import SOURCES
 from tests.helpers.diagnosis.point_scenes import telling_campaign, telling_scene
+from tests.integration.documentation.hose_pull import tension
 from truepose.diagnosis.diagnose import diagnose
-from truepose.effects.causes import NamedCause
+from truepose.domain.campaign import Campaign, PointReadings, Stops
+from truepose.effects.causes import Signature
 from truepose.effects.installed import GROUP, load_installed
+from truepose.effects.unnamed.cause import KINDS
 from truepose.effects.unnamed.kinds import Kind
-from truepose.effects.unnamed.table import KINDS
+from truepose.exchange.campaigns.folder import write_campaign
+from truepose.exchange.robots.named import load_robot_with_tool
+from truepose.kinematics.chain import nominal_chain
 
 _CHECKOUT = Path(__file__).parents[3]
 _PACKAGE = _CHECKOUT / "docs" / "examples" / "acme_causes"
@@ -54,10 +60,11 @@ def test_the_package_brings_a_named_cause_and_a_kind_of_cell(tmp_path):
     folder = installed(tmp_path / "site", _ENTRIES)
     asked = (
         "from truepose.effects.registry import CAUSES, unusable_causes; "
-        "from truepose.effects.unnamed.table import KINDS; from truepose.effects.cells import cell_of; "
+        "from truepose.effects.unnamed.cause import KINDS; "
+        "from truepose.effects.signatures import signature_of; "
         "from truepose.effects.causes import Candidate; "
         "print('friction_windup' in CAUSES, 'daily' in KINDS, unusable_causes(), "
-        "*cell_of(Candidate('friction_windup', 'joint 3', ())))"
+        "*signature_of(Candidate('friction_windup', 'joint 3', ())))"
     )
 
     done = truepose("-c", asked, beside=(folder, _PACKAGE))
@@ -78,6 +85,43 @@ def test_what_a_package_brings_can_be_asked_for_by_name(tmp_path):
     assert "There is no effect 'friction_windup'" in without.stderr
 
 
+def pulled_campaign(folder, pull, n=60):
+    """A robot whose joint 5 a hose turns by `pull` of the angle beyond its slack; written as a folder."""
+    shipped = load_robot_with_tool("abb-irb-120")
+    rng = np.random.default_rng(0)
+    joints, nest = rng.uniform(-1.2, 1.2, (n, 6)), rng.integers(1, 4, n)
+    reached = joints.copy()
+    reached[:, 4] += pull * tension(joints)
+    centres = np.array([one.centre_mm for one in shipped.nests])
+    places = nominal_chain(shipped.robot, reached).points(centres[nest - 1]) + rng.normal(0.0, 0.01, (n, 3))
+    readings = PointReadings(Stops(np.arange(1, n + 1), joints), nest, places, np.full(n, 0.01))
+    campaign = Campaign(shipped.robot, base_nominal=None, nests=shipped.nests, calibration=readings)
+    write_campaign(campaign, folder)
+
+
+def test_one_file_and_one_registration_take_an_effect_to_identification_diagnosis_and_report(tmp_path):
+    """The file is `hose_pull.py`, the registration its entry point; nothing else knows of it."""
+    pulled_campaign(tmp_path / "campaign", pull=1.5e-3)
+    beside = (installed(tmp_path / "site", {"hose_pull": "hose_pull:EFFECT"}), Path(__file__).parent)
+    report = tmp_path / "diagnosis.html"
+    asked = ("-m", "truepose", "identify", tmp_path / "campaign", "--json")
+    wanted = ("-m", "truepose", "diagnose", tmp_path / "campaign", "--json", "--report", report)
+
+    identified = truepose(*asked, "--effects", "base,geometry,hose_pull", beside=beside)
+    diagnosed = truepose(*wanted, beside=beside)
+
+    assert (identified.returncode, diagnosed.returncode) == (0, 0), identified.stderr + diagnosed.stderr
+    pull = next(p for p in json.loads(identified.stdout)["parameters"] if p["name"] == "pull_5")
+    (finding,) = json.loads(diagnosed.stdout)["findings"]
+    assert pull["value"] == pytest.approx(1.5e-3, abs=4.0 * pull["standard_uncertainty"])
+    assert (finding["effect"], finding["subject"]) == ("hose_pull", "joint 5")
+    assert finding["amplitude"] == pytest.approx(1.5e-3, abs=4.0 * finding["amplitude_standard_uncertainty"])
+    assert (finding["where"], finding["over"], finding["shape"]) == ("joint 5", "angle of joint 4", "curve")
+    page = report.read_text(encoding="utf-8")
+    assert "hose pull" in page
+    assert "A hose pulls at joint 5 where joint 4 turns far." in page
+
+
 def test_a_broken_package_costs_one_sentence_and_nothing_else(tmp_path):
     modules = {"acme": "raise RuntimeError('no licence')"}
     folder = installed(tmp_path / "site", {"acme": "acme:BROUGHT"}, modules)
@@ -94,15 +138,17 @@ def test_a_broken_package_costs_one_sentence_and_nothing_else(tmp_path):
 
 def test_a_name_that_truepose_has_stays_its_own(tmp_path):
     mine = (
-        "from truepose.effects.joints.backlash import Backlash\n"
-        "from truepose.effects.causes import CellRow, NamedCause\n"
-        "BROUGHT = NamedCause(Backlash(), CellRow('readings', 'time', 'jump'))\n"
+        "from truepose.effects.arm.backlash import Backlash\n"
+        "from truepose.effects.causes import Signature\n"
+        "class Mine(Backlash):\n    signature = Signature('readings', 'time', 'jump')\n"
+        "BROUGHT = Mine()\n"
     )
     folder = installed(tmp_path / "site", {"backlash": "mine:BROUGHT"}, {"mine": mine})
     asked = (
         "from truepose.effects.registry import CAUSES, unusable_causes; "
-        "from truepose.effects.cells import cell_of; from truepose.effects.causes import Candidate; "
-        "print(type(CAUSES['backlash']).__name__, cell_of(Candidate('backlash', 'joint 3', ())).over, "
+        "from truepose.effects.signatures import signature_of; "
+        "from truepose.effects.causes import Candidate; "
+        "print(type(CAUSES['backlash']).__name__, signature_of(Candidate('backlash', 'joint 3', ())).over, "
         "*unusable_causes())"
     )
 
@@ -176,6 +222,8 @@ def test_both_entries_of_the_example_are_what_the_table_says(monkeypatch):
     monkeypatch.syspath_prepend(str(_PACKAGE))
     brought = [import_module(value.split(":")[0]).BROUGHT for value in _ENTRIES.values()]
 
-    assert [type(one) for one in brought] == [NamedCause, Kind]
+    windup, kind = brought
+    assert isinstance(windup.signature, Signature)
+    assert isinstance(kind, Kind)
     for name in ("friction_windup", "daily"):
         del sys.modules[name]

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from truepose.exchange.campaigns.description import KEYS, ROLES
-from truepose.exchange.tables.legs import leg_columns
+from truepose.exchange.tables.ballbar import leg_columns
 from truepose.exchange.tables.points import point_columns
 
 _PAGE = (Path(__file__).parents[3] / "docs" / "campaign-keys.md").read_text(encoding="utf-8")

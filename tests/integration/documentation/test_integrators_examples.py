@@ -11,12 +11,11 @@ import numpy as np
 import pytest
 
 from tests.helpers.diagnosis.point_scenes import telling_scene
-from truepose.domain.measurement.campaign import Campaign, PointReadings, Stops
+from truepose.domain.campaign import Campaign, PointReadings, Stops
 from truepose.effects.causes import Fitted
 from truepose.effects.registry import EFFECTS
 from truepose.exchange.cells.file import read_cell
-from truepose.exchange.robots.files import read_robot_file
-from truepose.exchange.robots.shipped import load_robot_with_tool
+from truepose.exchange.robots.named import load_robot_with_tool, read_robot_file
 from truepose.identification import identify
 from truepose.identification.model.derivatives import position_jacobian
 from truepose.identification.model.evaluation import Targets, evaluate
@@ -223,7 +222,7 @@ def test_the_example_is_a_cause_that_a_diagnosis_can_look_for(with_friction):
     one_sided = replace(scene.stops, direction=np.ones_like(scene.stops.direction))
 
     candidates = cause.candidates(scene)
-    shown = cause.shown("joint 3", Fitted(("friction_3",), np.array([1e-8]), np.array([[1e-18]])), scene)
+    shown = cause.describe("joint 3", Fitted(("friction_3",), np.array([1e-8]), np.array([[1e-18]])), scene)
 
     assert [c.subject for c in candidates] == ["joint 2", "joint 3", "joint 4", "joint 5", "joint 6"]
     assert "from the other" in cause.unseen(replace(scene, stops=one_sided))

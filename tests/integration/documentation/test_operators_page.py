@@ -1,30 +1,24 @@
 """What the operator's page quotes is what the program says."""
 
-import ast
 import re
 from pathlib import Path
 
 import pytest
 
+from truepose.messages.catalogue import ENGLISH
+from truepose.messages.translations import translations
+
 _CHECKOUT = Path(__file__).parents[3]
 _PAGE = (_CHECKOUT / "docs" / "operator.md").read_text(encoding="utf-8")
+_BLANK = re.compile(r"\{[^}\s]*(?P<unit>[^}]*)\}")  # with the word for its unit, where it has one
 _QUOTES = re.findall(r"^\| “(.+?)” \|", _PAGE, flags=re.MULTILINE)
-
-
-def _texts(tree):
-    """String literals of a module; what is filled in stands as an ellipsis."""
-    for node in ast.walk(tree):
-        if isinstance(node, ast.JoinedStr):
-            yield "".join(part.value if isinstance(part, ast.Constant) else "…" for part in node.values)
-        elif isinstance(node, ast.Constant) and isinstance(node.value, str):
-            yield node.value
 
 
 @pytest.fixture(scope="module")
 def said():
-    """Everything that the service may say, one text after the other."""
-    modules = (_CHECKOUT / "service").rglob("*.py")
-    return "\n".join(text for path in modules for text in _texts(ast.parse(path.read_text(encoding="utf-8"))))
+    """Everything that sessions may say, one text after the other; what is filled in stands as an ellipsis."""
+    texts = translations(ENGLISH, "sessions").texts()
+    return "\n".join(_BLANK.sub(r"…\g<unit>", text) for text in texts.values())
 
 
 def test_the_page_quotes_what_sessions_ask():

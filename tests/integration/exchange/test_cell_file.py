@@ -6,8 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from truepose.domain.cell.artefacts import Artefact, BallbarKit, Bars
-from truepose.domain.cell.description import CertifiedLength, PlantedEffect, SimulatedCell
+from truepose.domain.cell import Artefact, BallbarKit, Bars, CertifiedLength, PlantedEffect, SimulatedCell
 from truepose.exchange.cells.file import read_cell, simulated_cell
 from truepose.exchange.errors import (
     BadValueError,

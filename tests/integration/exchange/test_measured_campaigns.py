@@ -9,7 +9,7 @@ from tests.helpers.domain.builders import make_campaign, make_points
 from truepose.exchange.campaigns.folder import campaign_files, read_campaign, write_campaign
 from truepose.exchange.campaigns.zip_file import read_campaign_zip, write_campaign_zip
 from truepose.exchange.errors import MissingFileError
-from truepose.words.catalogue import english
+from truepose.messages.catalogue import english
 
 # Rows of calibration, validation, legs and validation_legs, as the folders' README files state them.
 ROWS = {

@@ -16,19 +16,19 @@ from tests.helpers.web.clients import client_of
 from tests.integration.web.bench import CELL, Bench
 from truepose.app import create_app
 from truepose.app.plants import open_plant as opened_plant
-from truepose.domain.cell.description import DeviceEntry
-from truepose.exchange.cells.of_plant import PlantCell
+from truepose.domain.cell import DeviceEntry
+from truepose.exchange.cells.plant import PlantCell
 from truepose.plant import collector
-from truepose.plant.asking import AskedCell
-from truepose.plant.visit import Shelves, visit
+from truepose.plant.cell_client import CellClient
+from truepose.plant.collector import Shelves, visit
 from truepose.settings import PlantSettings, Settings
 from truepose.storage.database import Database
-from truepose.storage.measurement.ledger import LedgerRepository
-from truepose.storage.measurement.sessions import SessionRepository
-from truepose.storage.plant.hand_downs import HandDownRepository
+from truepose.storage.ledger.entries import LedgerRepository
+from truepose.storage.ledger.sessions import SessionRepository
+from truepose.storage.plant.cells import VisitRepository
+from truepose.storage.plant.deployments import HandDownRepository
 from truepose.storage.plant.journal import JournalRepository
-from truepose.storage.plant.looking import PlantLooks
-from truepose.storage.plant.visits import VisitRepository
+from truepose.storage.plant.queries import PlantQueries
 from truepose.web.plant.application import create_plant_application
 
 _NUMBERS = itertools.count()
@@ -86,10 +86,10 @@ class Plant:
         self.journal = JournalRepository(self.database)
         self.hand_downs = HandDownRepository(self.database)
         self.visits = VisitRepository(self.database)
-        self.looks = PlantLooks(self.database)
+        self.looks = PlantQueries(self.database)
 
     async def visit(self, cell, name="left arm", transport=None, wall_time=None):
-        asked = AskedCell(PlantCell(name, "http://localhost"), wall_time, transport or cell.transport)
+        asked = CellClient(PlantCell(name, "http://localhost"), wall_time, transport or cell.transport)
         await self.journal.enter(name)
         try:
             found = await visit(name, asked, Shelves(self.journal, self.hand_downs))
@@ -173,7 +173,7 @@ def cells_file(tmp_path):
 @pytest.fixture
 def served_plant(cells_file, cell, monkeypatch):
     """Return what serves a plant on a database, which reaches the cell without a network."""
-    monkeypatch.setattr(collector, "AskedCell", lambda of: AskedCell(of, transport=cell.transport))
+    monkeypatch.setattr(collector, "CellClient", lambda of: CellClient(of, transport=cell.transport))
 
     @contextlib.asynccontextmanager
     async def served(url, every_s=3600.0, workers=None, **differing):

@@ -9,17 +9,15 @@ import httpx
 import pytest
 from sqlalchemy import select
 
-from truepose.exchange.cells.of_plant import PlantCell
-from truepose.plant import asking, collector
-from truepose.plant.asking import AskedCell
-from truepose.plant.collector import Collector, Pace, collecting
+from truepose.exchange.cells.plant import PlantCell
+from truepose.plant import cell_client, collector
+from truepose.plant.cell_client import CellClient
+from truepose.plant.collector import Collector, Pace, Shelves, collecting
 from truepose.plant.errors import CellAnswerError, CellSilentError
-from truepose.plant.visit import Shelves
-from truepose.storage.errors import ConflictError, NotInPlantError
-from truepose.storage.integrity.chain import GENESIS, linked_hash
-from truepose.storage.integrity.head import head_of
-from truepose.storage.plant import journal
-from truepose.storage.plant.newest import PlantTold
+from truepose.storage.errors import NotInPlantError
+from truepose.storage.integrity.hash_chain import GENESIS, linked_hash
+from truepose.storage.integrity.head_hash import head_of
+from truepose.storage.plant.overview import PlantResults
 from truepose.storage.plant.records import (
     CollectedLink,
     HandDown,
@@ -29,11 +27,11 @@ from truepose.storage.plant.records import (
     Outcome,
     Visit,
 )
-from truepose.storage.tables.of_plants import plant_told
+from truepose.storage.plant.tables import plant_told
 
 GOOD = {
     "version": "1",
-    "schema": "0014",
+    "schema": "0001",
     "newest": 0,
     "head": head_of(0, {}).text,
     "time": datetime(2026, 5, 4, tzinfo=UTC).isoformat(),
@@ -45,7 +43,7 @@ def answering(status, body):
 
 
 def asked(status=200, body=b"", cell=None):
-    return AskedCell(cell or PlantCell("left arm", "http://localhost"), transport=answering(status, body))
+    return CellClient(cell or PlantCell("left arm", "http://localhost"), transport=answering(status, body))
 
 
 async def until(holds):
@@ -111,14 +109,14 @@ async def test_a_head_that_cannot_be_read_is_said(wrong):
 async def test_why_nobody_answers_is_said_as_the_system_says_it():
     with socket.socket() as taken:
         taken.bind(("127.0.0.1", 0))  # and listens to nobody
-        cell = AskedCell(PlantCell("left arm", f"http://127.0.0.1:{taken.getsockname()[1]}"))
+        cell = CellClient(PlantCell("left arm", f"http://127.0.0.1:{taken.getsockname()[1]}"))
 
         with pytest.raises(CellSilentError, match=r"\(Connection refused\)"):
             await cell.head()
 
 
 async def test_a_certificate_that_cannot_be_read_is_said_with_its_file(tmp_path):
-    cell = AskedCell(PlantCell("left arm", "https://localhost", certificate=tmp_path / "left.pem"))
+    cell = CellClient(PlantCell("left arm", "https://localhost", certificate=tmp_path / "left.pem"))
 
     with pytest.raises(CellAnswerError, match=r"certificate file .*left\.pem cannot be used \(No such file"):
         await cell.head()
@@ -131,12 +129,12 @@ async def byte_by_byte():
 
 
 async def test_an_answer_that_comes_byte_by_byte_is_not_waited_for(monkeypatch):
-    monkeypatch.setattr(asking, "_ANSWER_S", 0.05)
-    cell = AskedCell(
+    monkeypatch.setattr(cell_client, "_ANSWER_S", 0.05)
+    cell = CellClient(
         PlantCell("left arm", "http://localhost"),
         transport=httpx.MockTransport(lambda request: httpx.Response(200, content=byte_by_byte())),
     )
-    monkeypatch.setattr(asking, "_SLOWEST", float("inf"))
+    monkeypatch.setattr(cell_client, "_SLOWEST", float("inf"))
 
     with pytest.raises(CellSilentError, match=r"http://localhost \(its answer comes with"):
         await cell.head()
@@ -200,7 +198,7 @@ async def test_a_token_as_an_editor_of_windows_saves_it_is_used(tmp_path):
         sent.append(request.headers["authorization"])
         return httpx.Response(200, json=GOOD)
 
-    cell = AskedCell(PlantCell("left arm", "http://localhost", file), transport=httpx.MockTransport(answer))
+    cell = CellClient(PlantCell("left arm", "http://localhost", file), transport=httpx.MockTransport(answer))
     await cell.head()
     await cell.close()
 
@@ -332,7 +330,7 @@ async def test_a_day_that_is_none_is_a_day_that_nobody_said(plant):
     (shown,) = await plant.looks.life_of_robot("120-1")
 
     assert (shown.name, shown.measured_on) == ("May", "")
-    assert await PlantTold(plant.database).of_robot("120-1") == []
+    assert await PlantResults(plant.database).of_robot("120-1") == []
 
 
 async def test_a_cell_that_falls_silent_is_not_asked_for_each_hand_down_that_waits(plant):
@@ -349,25 +347,3 @@ async def test_a_cell_that_falls_silent_is_not_asked_for_each_hand_down_that_wai
     found = await plant.visit(None, transport=cell_with(1, silent))
 
     assert (found.outcome, found.collected, len(asked_for)) == (Outcome.WHOLE, 1, 1)
-
-
-async def test_a_record_that_cannot_be_told_again_keeps_no_other_from_it(plant, monkeypatch):
-    def told_again(connection, branch, links):
-        if 2 in links:
-            raise ConflictError("The records do not allow that.")
-        true(connection, branch, links)
-
-    true = journal.tell_again
-    row = json.dumps({"id": 1, "recorded_at": "2026", "campaign_id": 1, "document": '{"status": "ok"}'})
-    await plant.journal.enter("left arm")
-    branch = (await plant.journal.reached("left arm")).branch
-    with monkeypatch.context() as patched:
-        patched.setattr(journal, "project", lambda *_: None)  # by a version that did not look into them
-        links = [CollectedLink(link, 0, "identifications", link, bytes(32), row) for link in (1, 2, 3)]
-        await plant.journal.keep(branch, links, None)
-    monkeypatch.setattr(journal, "tell_again", told_again)
-
-    await plant.journal.catch_up()
-
-    told = await plant.database.read(lambda c: [*c.scalars(select(plant_told.c.link))])
-    assert sorted(told) == [1, 3]

@@ -2,7 +2,7 @@
 
 import pytest
 
-from truepose.exchange.cells.of_plant import PlantCell, read_plant_file
+from truepose.exchange.cells.plant import PlantCell, read_plant_file
 from truepose.exchange.errors import InputFileError
 
 WHOLE = """

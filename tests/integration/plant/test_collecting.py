@@ -8,13 +8,12 @@ import httpx
 import pytest
 
 from tests.integration.plant.conftest import restored_from_an_older_copy
-from truepose.plant import visit as visiting
+from truepose.plant import collector as visiting
 from truepose.storage.errors import ConflictError, TamperedRecordError
-from truepose.storage.integrity.chain import GENESIS, linked_hash
+from truepose.storage.integrity.hash_chain import GENESIS, linked_hash
 from truepose.storage.integrity.verification import verify
-from truepose.storage.leaving.handed_down import HandedDownRepository
-from truepose.storage.plant import journal, visits
-from truepose.storage.plant.hand_downs import HandDownRepository
+from truepose.storage.plant import cells, journal
+from truepose.storage.plant.deployments import HandDownRepository, HandedDownRepository
 from truepose.storage.plant.records import (
     CollectedLink,
     HandDown,
@@ -24,7 +23,7 @@ from truepose.storage.plant.records import (
     Visit,
 )
 from truepose.storage.records import Page
-from truepose.web.leaving import chain
+from truepose.web.api import chain
 
 
 class Killed(Exception):  # noqa: N818  # the process is gone; nothing here catches it
@@ -284,7 +283,7 @@ async def test_a_visit_that_finds_the_same_is_remembered_and_not_kept(plant, cel
     await cell.measure()
     await plant.visit(cell)
     for day in range(1, 8):
-        monkeypatch.setattr(visits, "_now", lambda now=f"2026-05-1{day}": now)
+        monkeypatch.setattr(cells, "_now", lambda now=f"2026-05-1{day}": now)
         await plant.visit(cell)
 
     (kept,) = await plant.visits.of("left arm", 10)

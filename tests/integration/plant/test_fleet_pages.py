@@ -13,18 +13,18 @@ from tests.helpers.archive import ThisProcess
 from tests.integration.plant.test_plant_pages import lay, page, service
 from tests.studies.fleet.archive import FIRST
 from tests.studies.fleet.simulated import draw_fleet, record_robot
-from truepose.analysis.archive.campaigns import in_database
-from truepose.analysis.cluster import chosen
-from truepose.analysis.cluster.cluster import Cluster
+from truepose.analysis.archive import in_database
+from truepose.analysis.cluster import workers
+from truepose.analysis.cluster.tasks import Cluster
 from truepose.analysis.errors import ClusterError
-from truepose.analysis.fleets.desk import FleetDesk
-from truepose.analysis.fleets.told import tell
+from truepose.analysis.fleets.campaigns import tell
+from truepose.analysis.fleets.service import FleetService
 from truepose.analysis.workers.tasks import stored_campaign
-from truepose.exchange.tables.visits import Stated
-from truepose.storage.columns import pack
-from truepose.storage.leaving.typed_rows import typed
-from truepose.storage.plant.campaigns import CollectedCampaigns
-from truepose.storage.tables.of_plants import plant_journal, plant_results, plant_robots, plant_told
+from truepose.exchange.tables.files import Stated
+from truepose.storage.documents import pack
+from truepose.storage.plant.outbox import typed
+from truepose.storage.plant.overview import CollectedCampaigns
+from truepose.storage.plant.tables import plant_journal, plant_results, plant_robots, plant_told
 
 __all__ = ["service"]  # a fixture
 WHOLE = "/fleet?whole=true"
@@ -87,7 +87,7 @@ def address(request, tmp_path, empty_database):
 
 
 async def test_robots_are_compared_from_what_was_collected(address, served_plant, campaigns, monkeypatch):
-    monkeypatch.setattr(chosen, "workers", lambda *_: contextlib.nullcontext(Cluster(ThisProcess())))
+    monkeypatch.setattr(workers, "workers", lambda *_: contextlib.nullcontext(Cluster(ThisProcess())))
     async with served_plant(address) as service:
         await collect(service, campaigns)
         await lay(service, (plant_robots, {"serial_number": "A-0", "robot": "ABB IRB 120"}))
@@ -161,10 +161,12 @@ class Here:
 
 
 async def test_what_came_before_workers_were_lost_is_kept(service, campaigns, monkeypatch):
-    monkeypatch.setattr(chosen, "workers", lambda *_: contextlib.nullcontext(Cluster(LostAfterOne())))
+    monkeypatch.setattr(workers, "workers", lambda *_: contextlib.nullcontext(Cluster(LostAfterOne())))
     await collect(service, campaigns)
     database = service.here.database
-    desk = FleetDesk(CollectedCampaigns(database), FleetDesk.folder(database.file), Here(), "dask://away:1")
+    desk = FleetService(
+        CollectedCampaigns(database), FleetService.folder(database.file), Here(), "dask://away:1"
+    )
 
     with pytest.raises(ClusterError, match="The workers are gone"):
         await desk.told(await desk.campaigns())

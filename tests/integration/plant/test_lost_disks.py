@@ -9,15 +9,15 @@ import pytest
 from tests.helpers.web.clients import client_of
 from tests.integration.plant.conftest import Plant
 from truepose.app.plants import open_plant as served_by
-from truepose.plant import visit as visiting
+from truepose.plant import collector as visiting
 from truepose.settings import PlantSettings, Settings
 from truepose.storage.backup import schedule
-from truepose.storage.backup.addressed import back_up_at, restore_at
 from truepose.storage.backup.plan import BackupPlan
-from truepose.storage.integrity.arrival import verify_left, verify_left_at
-from truepose.storage.leaving.handed_down import HandedDownRepository
-from truepose.storage.plant import lines
-from truepose.storage.plant.lines import JournalLines
+from truepose.storage.backup.schedule import back_up_at, restore_at
+from truepose.storage.integrity.verification import verify_left, verify_left_at
+from truepose.storage.plant import journal
+from truepose.storage.plant.deployments import HandedDownRepository
+from truepose.storage.plant.journal import JournalLines
 from truepose.storage.plant.records import HandDown, HandDownKind, Outcome
 from truepose.storage.records import Page
 from truepose.web.plant.application import create_plant_application
@@ -113,7 +113,7 @@ async def test_a_plant_makes_copies_while_it_serves_and_says_how_old_the_newest_
 @pytest.fixture
 def small_pages(monkeypatch):
     monkeypatch.setattr(visiting, "_LINKS", 4)
-    monkeypatch.setattr(lines, "_MOST_CHARACTERS", 500)
+    monkeypatch.setattr(journal, "_MOST_CHARACTERS", 500)
 
 
 async def read(plant, *wanted):

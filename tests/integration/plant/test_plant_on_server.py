@@ -7,12 +7,12 @@ import shutil
 
 import pytest
 
-from tests.helpers.web.clients import client_of, until
+from tests.helpers.web.clients import client_of, command, until
 from tests.integration.plant.conftest import Plant, all_collected, restored_from_an_older_copy
 from tests.integration.web.bench import session_request
 from truepose.storage.plant.records import Outcome
+from truepose.storage.plant.tables import plant_results
 from truepose.storage.rows import add_row
-from truepose.storage.tables.of_plants import plant_results
 
 PAGES = ("/", "/robots/120-1", "/robots/none", "/instruments/T-7")
 LOOKED_UP = (
@@ -123,9 +123,9 @@ async def test_another_chain_is_accepted_on_a_server(open_cell, plant, tmp_path)
 async def test_a_session_of_a_cell_on_a_server_is_measured_and_collected(open_cell, plant, on_server):
     async with open_cell(url=on_server()) as cell, client_of(cell.app) as client:
         path = (await client.post("/api/v1/sessions", json=session_request(2))).headers["Location"]
-        await client.post(f"{path}/start")
+        await command(client, path, "start")
         await until(client, path, lambda session: session["state"] == "awaiting_confirmation")
-        await client.post(f"{path}/confirm", json={"person": "Ada"})
+        await command(client, path, "confirm")
         await until(client, path, lambda session: session["state"] == "finished")
         found = await plant.visit(cell)
         head = (await cell.database.head()).text

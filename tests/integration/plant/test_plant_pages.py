@@ -9,18 +9,18 @@ from datetime import UTC, datetime, timedelta
 import pytest
 
 from tests.integration.plant.conftest import all_collected
-from truepose.domain.people.accounts import MACHINE, Role
-from truepose.storage.files.foreseen import Compared, Foreseen, to_bytes
+from truepose.domain.people import MACHINE, Role
+from truepose.messages.catalogue import LANGUAGES
+from truepose.storage.caches import Compared, Foreseen, to_bytes
 from truepose.storage.plant.records import ClockSeen, Outcome, Visit
-from truepose.storage.rows import add_row
-from truepose.storage.tables.of_plants import (
+from truepose.storage.plant.tables import (
     plant_days,
     plant_instruments,
     plant_results,
     plant_robots,
     plant_told,
 )
-from truepose.words.catalogue import LANGUAGES
+from truepose.storage.rows import add_row
 
 TODAY = datetime.now(UTC).date()
 

@@ -1,88 +1,33 @@
-"""What results tell is kept beside them, also of what a plant of an earlier version collected."""
+"""What results tell is kept beside them."""
 
-import asyncio
 import dataclasses
 from datetime import date
 
 import pytest
-from alembic import command
-from sqlalchemy import create_engine, event, select
+from sqlalchemy import select
 
 from tests.helpers.diagnosis.answers import make_diagnosis
 from tests.helpers.domain.tracker_sessions import make_plan, make_setup
+from tests.helpers.storage.demo_database import write_demo
 from tests.integration.web.bench import CELL
-from truepose.demo.night.earlier import write_earlier
-from truepose.domain.cell.artefacts import Artefact
-from truepose.domain.cell.description import DeviceEntry
-from truepose.storage.calibration.campaigns import CampaignRepository, NewCampaign
-from truepose.storage.calibration.diagnoses import DiagnosisRepository
-from truepose.storage.calibration.jobs import JobRepository
-from truepose.storage.connection.migrating import migration_config
-from truepose.storage.integrity.verification import verify
-from truepose.storage.measurement.sessions import SessionRepository
-from truepose.storage.plant import journal
+from truepose.domain.cell import Artefact, DeviceEntry
+from truepose.storage.ledger.sessions import SessionRepository
 from truepose.storage.plant.certificates import PlantCertificates
-from truepose.storage.plant.newest import PlantTold
+from truepose.storage.plant.overview import PlantResults
+from truepose.storage.plant.tables import plant_robots, plant_told
 from truepose.storage.records import CampaignSummary, JobKind
+from truepose.storage.results.campaigns import CampaignRepository, NewCampaign
+from truepose.storage.results.diagnoses import DiagnosisRepository
+from truepose.storage.results.jobs import JobRepository
 from truepose.storage.rows import add_row
-from truepose.storage.tables.of_plants import plant_robots, plant_told
 
 DAY = date(2026, 5, 4)
-
-
-def one_version_back(file):
-    engine = create_engine(f"sqlite:///{file}")
-    event.listen(engine, "connect", lambda connection, _: connection.execute("PRAGMA foreign_keys=ON"))
-    config = migration_config()
-    with engine.begin() as connection:
-        config.attributes["connection"] = connection
-        command.downgrade(config, "0013")
-    engine.dispose()
-
-
-async def told(plant):
-    columns = [column for column in plant_told.c if column.name not in {"id", "recorded_at"}]
-    query = select(*columns).order_by(plant_told.c.link)
-    return await plant.database.read(lambda c: [tuple(row) for row in c.execute(query)])
-
-
-async def test_what_an_earlier_version_collected_tells_the_same(open_cell, open_plant, tmp_path, monkeypatch):
-    monkeypatch.setattr(journal, "_RECORDS_AT_ONCE", 2)
-    (tmp_path / "cell").mkdir()
-    (tmp_path / "cell" / "cell.toml").write_text(CELL)
-    write_earlier("0013", tmp_path / "cell" / "truepose.sqlite3")
-    async with open_cell() as cell:
-        with open_plant() as plant:
-            await plant.visit(cell)
-            at_once = await told(plant)
-        one_version_back(tmp_path / "plant.sqlite3")
-        with open_plant() as plant:
-            before = await told(plant)
-            ended = asyncio.create_task(plant.journal.catch_up())
-            while plant.journal.catching_up is None or not plant.journal.catching_up.done:
-                await asyncio.sleep(0)
-            ended.cancel()
-        with open_plant() as plant:
-            begun = await told(plant)
-            for _ in range(2):
-                await plant.journal.catch_up()
-            later = await told(plant)
-            await cell.measure()
-            await plant.visit(cell)
-            further = await told(plant)
-
-    kinds = ["session", "session", "campaign", "identification", "model", "validation", "diagnosis", "model"]
-    assert sorted(row[1] for row in at_once) == sorted(kinds)
-    assert (before, begun, later) == ([], at_once[: len(begun)], at_once)
-    assert 0 < len(begun) < len(at_once)
-    assert [row[1] for row in further[len(later) :]] == ["session"]
-    assert verify(tmp_path / "plant.sqlite3").findings == ()
 
 
 async def test_results_tell_their_figures_and_what_the_robot_carried(open_cell, plant, tmp_path):
     (tmp_path / "cell").mkdir()
     (tmp_path / "cell" / "cell.toml").write_text(CELL)
-    write_earlier("0013", tmp_path / "cell" / "truepose.sqlite3")
+    write_demo(tmp_path / "cell" / "truepose.sqlite3")
     async with open_cell() as cell:
         await plant.visit(cell)
 
@@ -117,7 +62,7 @@ async def test_what_was_brought_with_a_serial_number_stands_in_the_life_of_its_r
 
 
 async def test_the_newest_of_a_robot_is_the_one_that_was_measured_last(plant, cell):
-    told = PlantTold(plant.database)
+    told = PlantResults(plant.database)
     await plant.journal.enter("left arm")
 
     async def came(link, kind, day, robot="120-1"):
@@ -137,7 +82,7 @@ async def test_the_newest_of_a_robot_is_the_one_that_was_measured_last(plant, ce
     ]
 
     assert found == [{"model": 1}, *[{"model": 1, "validation": 2}] * 3, *[{"model": 5, "validation": 2}] * 2]
-    anew = (await PlantTold(plant.database).newest(DAY))["120-1"]
+    anew = (await PlantResults(plant.database).newest(DAY))["120-1"]
     assert {kind: one.record_id for kind, one in anew.items()} == found[-1]
 
 
@@ -189,7 +134,7 @@ async def test_what_was_known_before_a_day_is_told_from_what_is_known_now(open_p
     ]
     with open_plant() as plant:
         await plant.journal.enter("left arm")
-        told = PlantTold(plant.database)
+        told = PlantResults(plant.database)
 
         async def lay(*rows):
             for row in rows:

@@ -14,16 +14,15 @@ from tests.helpers.web.clients import served
 from tests.integration.web.bench import CELL, Bench
 from truepose.settings import Settings
 from truepose.storage.backup import copying
-from truepose.storage.backup.copying import back_up
-from truepose.storage.backup.drafts import drafts_beside, restore_drafts
+from truepose.storage.backup.copying import back_up, drafts_beside, restore_drafts
 from truepose.storage.backup.restoring import lay_ready, put_ready_in_place, restore
-from truepose.storage.connection.sqlite.library import LIBRARY
 from truepose.storage.database import Database
+from truepose.storage.drafts import DraftFolder
+from truepose.storage.engine.sqlite_connections import LIBRARY
 from truepose.storage.errors import BackupError, DatabaseAddressError, DatabaseInUseError, DatabaseUsedError
-from truepose.storage.files.drafts import DraftFolder
-from truepose.storage.integrity.arrival import verify_left
-from truepose.storage.measurement.ledger import LedgerRepository
-from truepose.storage.measurement.sessions import SessionRepository
+from truepose.storage.integrity.verification import verify_left
+from truepose.storage.ledger.entries import LedgerRepository
+from truepose.storage.ledger.sessions import SessionRepository
 
 pytestmark = pytest.mark.engine("sqlite")  # of a server's: server/test_copies.py
 

@@ -5,9 +5,9 @@ import pytest
 from tests.helpers.domain.tracker_sessions import make_plan, make_setup
 from truepose.storage.backup.plan import BackupPlan
 from truepose.storage.backup.schedule import BackupSchedule
-from truepose.storage.files.drafts import DraftFolder
-from truepose.storage.integrity.arrival import verify_left
-from truepose.storage.measurement.sessions import SessionRepository
+from truepose.storage.drafts import DraftFolder
+from truepose.storage.integrity.verification import verify_left
+from truepose.storage.ledger.sessions import SessionRepository
 
 DAY_S = 86400.0
 
@@ -27,7 +27,7 @@ def day():
 
 @pytest.fixture
 def schedule(database, tmp_path, day):
-    return BackupSchedule(database.held.url, BackupPlan(tmp_path / "copies", DAY_S, keep=2), day)
+    return BackupSchedule(database.backend.url, BackupPlan(tmp_path / "copies", DAY_S, keep=2), day)
 
 
 def copies(schedule):

@@ -8,15 +8,15 @@ from sqlalchemy import text
 
 from tests.helpers.ballbar.sessions import LEGS, make_ballbar_plan, measured, moved, skipped
 from tests.helpers.domain.tracker_sessions import make_plan, make_setup
-from truepose.domain.measurement.ballbar import PoseForecast, PreCalibration, Suspicion
-from truepose.domain.measurement.ledger import Control, EntryKind, LedgerEntry
-from truepose.domain.measurement.session import SessionState
-from truepose.storage.connection.reading import opened_at
+from truepose.domain.ballbar import PoseForecast, PreCalibration, Suspicion
+from truepose.domain.ledger import EntryKind, LedgerEntry
+from truepose.domain.session import SessionState
+from truepose.storage.engine.reading import opened_at
 from truepose.storage.errors import ConflictError, KeyReusedError
-from truepose.storage.events import EventRepository
-from truepose.storage.measurement.ledger import LedgerRepository
-from truepose.storage.measurement.sessions import SessionRepository
+from truepose.storage.ledger.entries import LedgerRepository
+from truepose.storage.ledger.sessions import SessionRepository
 from truepose.storage.records import ActAnswer, Page, RequestKey
+from truepose.storage.rows import EventRepository
 
 
 @pytest.fixture
@@ -110,11 +110,11 @@ async def test_what_is_written_is_on_disk_when_its_number_is_known(ledger, sessi
     number = await ledger.append(session_id, measured("placement-1/pose-1/leg-1-1"))
 
     # Another connection sees committed transactions only.
-    with closing(opened_at(database.held.url)) as other:
+    with closing(opened_at(database.backend.url)) as other:
         assert other.execute("SELECT id FROM session_entries").fetchall() == [(number,)]
 
 
-@pytest.mark.parametrize("table", ["session_entries", "ballbar_answers"])
+@pytest.mark.parametrize("table", ["session_entries", "act_answers"])
 @pytest.mark.parametrize("change", ["UPDATE {} SET session_id = 1", "DELETE FROM {}"])
 async def test_nothing_that_happened_is_changed(ledger, session_id, database, table, change):
     number = await ledger.append(session_id, measured("placement-1/pose-1/leg-1-1"))
@@ -170,32 +170,6 @@ async def test_a_state_is_entered_with_the_entry_that_says_so(ledger, sessions, 
     record = await sessions.get(session_id)
     assert (record.state, record.reason, record.person) == (SessionState.RUNNING, "started", "Ada")
     assert await ledger.newest(session_id) == 1
-
-
-@pytest.mark.parametrize(
-    ("before", "now"),
-    [
-        ("paused: Lunch: an hour.", {"entered": SessionState.PAUSED, "text": "Lunch: an hour."}),
-        ("hand_over", {"control": Control.HAND_OVER}),
-        ("zero_lost", {"control": Control.ZERO_LOST}),
-        (
-            "awaiting_confirmation: The service was started anew.",
-            {
-                "entered": SessionState.AWAITING_CONFIRMATION,
-                "control": Control.RESTARTED,
-                "text": "The service was started anew.",
-            },
-        ),
-        ("The ballbar B1 answers again.", {"text": "The ballbar B1 answers again."}),
-    ],
-)
-async def test_a_line_whose_text_said_what_it_means_is_read_as_one_of_today(ledger, session_id, before, now):
-    await ledger.append(session_id, LedgerEntry("", EntryKind.CONTROL, 5.0, text=before))
-
-    (record,) = await ledger.whole(session_id)
-
-    assert record.entry == LedgerEntry("", EntryKind.CONTROL, 5.0, **now)
-    assert record.entry.told == before
 
 
 async def test_a_reason_that_begins_like_a_state_is_none(ledger, session_id):

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from tests.helpers.domain.tracker_sessions import make_setup
-from tests.unit.service.sequencing.ballbar.sessions import Story, found, make_plan, make_pose
-from truepose.domain.measurement.ledger import EntryKind
-from truepose.sequencing.ballbar.plan import step_ids
-from truepose.storage.measurement.ledger import LedgerRepository
-from truepose.storage.measurement.sessions import SessionRepository
+from tests.unit.service.sessions.ballbar.sessions import Story, found, make_plan, make_pose
+from truepose.domain.ledger import EntryKind
+from truepose.sessions.ballbar import step_ids
+from truepose.storage.ledger.entries import LedgerRepository
+from truepose.storage.ledger.sessions import SessionRepository
 
 PLAN = make_plan((1, 2, 3, 12), precalibrate_after=2)
 

@@ -6,16 +6,13 @@ import textwrap
 from contextlib import closing
 
 import pytest
-from alembic import command
-from alembic.script import ScriptDirectory
-from sqlalchemy import create_engine, inspect, make_url, text
+from sqlalchemy import text
 
-from truepose.storage.connection.address import shown_address
-from truepose.storage.connection.migrating import migration_config
-from truepose.storage.connection.reading import opened_at
-from truepose.storage.connection.schema import newest_revision, revisions
-from truepose.storage.connection.sqlite.library import LIBRARY
 from truepose.storage.database import Database
+from truepose.storage.engine.address import shown_address
+from truepose.storage.engine.reading import opened_at
+from truepose.storage.engine.schema import newest_revision
+from truepose.storage.engine.sqlite_connections import LIBRARY
 from truepose.storage.errors import (
     DatabaseAddressError,
     DatabaseInUseError,
@@ -28,8 +25,8 @@ from truepose.storage.tables import metadata
 WRITES_UNTIL_KILLED = textwrap.dedent("""
     import asyncio, sys
     from truepose.storage.database import Database
-    from truepose.storage.measurement.ledger import LedgerRepository
-    from truepose.storage.measurement.sessions import SessionRepository
+    from truepose.storage.ledger.entries import LedgerRepository
+    from truepose.storage.ledger.sessions import SessionRepository
     from tests.helpers.domain.tracker_sessions import make_plan, make_point, make_setup, point_taken
 
     async def main():
@@ -119,7 +116,7 @@ def _opened_and_closed(url):
 
 def test_a_newer_schema_is_refused_with_a_sentence(database_url):
     opened = Database(database_url)
-    opened._writer.submit(lambda: opened.held.plain.execute(NEWER)).result()
+    opened._writer.submit(lambda: opened.backend.plain.execute(NEWER)).result()
     opened.close()
 
     with pytest.raises(NewerSchemaError, match="has schema 9999, this version of truepose knows up to"):
@@ -192,29 +189,6 @@ def test_a_folder_that_cannot_be_made_is_named(tmp_path):
         Database(f"sqlite:///{tmp_path}/file/truepose.sqlite3")
 
 
-def test_every_migration_goes_up_and_down_again(database_url):
-    url = make_url(database_url.replace("postgresql:", "postgresql+psycopg:"))
-    engine = create_engine(url.difference_update_query(["fsync"]))
-    config = migration_config()
-    with engine.begin() as connection:
-        config.attributes["connection"] = connection
-        for _ in range(2):
-            for step in ("0001", "0002", "0003", "0004", newest_revision()):
-                command.upgrade(config, step)
-            for step in ("0004", "0003", "0002", "0001", "base"):
-                command.downgrade(config, step)
-        left = set(inspect(connection).get_table_names())
-    engine.dispose()
-
-    assert left == {"alembic_version"}
-
-
-def test_the_names_of_the_files_tell_every_schema_in_its_order():
-    steps = ScriptDirectory.from_config(migration_config()).walk_revisions()  # the newest first
-
-    assert [step.revision for step in steps] == list(reversed(revisions()))
-
-
 @pytest.mark.engine("sqlite")
 def test_every_table_is_append_only(database):
     with LIBRARY.connect(database.file) as connection:
@@ -230,7 +204,7 @@ def test_every_table_is_append_only(database):
 
 def test_a_database_of_the_newest_schema_is_opened_without_migrations(database_url, monkeypatch):
     Database(database_url).close()
-    monkeypatch.setattr("truepose.storage.connection.migrating.upgrade", None)
+    monkeypatch.setattr("truepose.storage.engine.schema.upgrade", None)
 
     again = Database(database_url)
     again.close()

@@ -8,15 +8,15 @@ import sys
 import pytest
 
 from tests.helpers.domain.tracker_sessions import make_plan, make_point, make_setup, point_taken
-from truepose.storage.connection.sqlite.library import LIBRARY
 from truepose.storage.database import Database
+from truepose.storage.engine.backend import Condition
+from truepose.storage.engine.sqlite_connections import LIBRARY
 from truepose.storage.errors import DamagedDatabaseError, DatabaseAddressError
-from truepose.storage.integrity.arrival import verify_left
-from truepose.storage.integrity.condition import Condition
 from truepose.storage.integrity.guard import Guard
-from truepose.storage.measurement.ledger import LedgerRepository
-from truepose.storage.measurement.sessions import SessionRepository
-from truepose.storage.measurement.tracker_readings import ReadingRepository
+from truepose.storage.integrity.verification import verify_left
+from truepose.storage.ledger.entries import LedgerRepository
+from truepose.storage.ledger.sessions import SessionRepository
+from truepose.storage.ledger.tracker_readings import ReadingRepository
 
 pytestmark = pytest.mark.engine("sqlite")  # a server's: server/test_tampering.py
 UNPROTECTED = "DROP TRIGGER readings_no_update; DROP TRIGGER readings_no_delete;"
@@ -104,13 +104,14 @@ async def test_what_was_changed_is_found_also_without_the_seal(left, script):
     assert verify_left(left).findings
 
 
-@pytest.mark.parametrize("script", TAMPERED.values(), ids=TAMPERED.keys())
-async def test_what_is_changed_while_the_service_runs_is_found(database, script):
+# What is wrong with records is found as above, in a process of its own; here, that it is begun at all.
+@pytest.mark.parametrize("what", ["a reading that is 1 mm longer", "a trigger dropped", "a link taken out"])
+async def test_what_is_changed_while_the_service_runs_is_found(database, what):
     await fill(database)
     guarding = asyncio.create_task(Guard(database, 0.0).follow())
     await whole(database)
 
-    tamper(database.file, script)
+    tamper(database.file, TAMPERED[what])
     async with asyncio.timeout(60):
         while database.condition.fault is None:
             await asyncio.sleep(0.05)

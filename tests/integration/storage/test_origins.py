@@ -8,18 +8,15 @@ from tests.helpers.ballbar.sessions import make_ballbar_plan, measured
 from tests.helpers.diagnosis.answers import make_diagnosis
 from tests.helpers.domain.builders import make_identification, make_model
 from tests.helpers.domain.tracker_sessions import make_plan, make_setup
-from truepose.domain.cell.description import SimulatedCell
-from truepose.domain.measurement.ledger import EntryKind, LedgerEntry
-from truepose.storage.calibration.campaigns import CampaignRepository, NewCampaign
-from truepose.storage.calibration.diagnoses import DiagnosisRepository
-from truepose.storage.calibration.jobs import JobRepository
-from truepose.storage.calibration.results import ResultRepository
-from truepose.storage.documents import to_document
-from truepose.storage.measurement.ledger import LedgerRepository
-from truepose.storage.measurement.sessions import SessionRepository
+from truepose.domain.cell import SimulatedCell
+from truepose.domain.ledger import EntryKind, LedgerEntry
+from truepose.storage.ledger.entries import LedgerRepository
+from truepose.storage.ledger.sessions import SessionRepository
 from truepose.storage.records import CampaignSummary, JobKind, Page
-from truepose.storage.rows import add_row
-from truepose.storage.tables import diagnoses
+from truepose.storage.results.campaigns import CampaignRepository, NewCampaign
+from truepose.storage.results.diagnoses import DiagnosisRepository
+from truepose.storage.results.jobs import JobRepository
+from truepose.storage.results.models import ResultRepository
 
 REAL = make_setup()
 SIMULATED = replace(REAL, cell=replace(REAL.cell, simulated=SimulatedCell("irb120-tilted", 0)))
@@ -79,14 +76,6 @@ async def test_results_and_diagnoses_are_simulated_as_the_campaign_that_they_are
     ]
 
 
-async def test_uploads_stored_by_an_earlier_version_say_it_by_their_note(records):
-    await records.campaign(notes=("By hand.", "SIMULATED: no robot took part."))
-    await records.campaign(notes=("SIMULATED load of 3 kg",))
-    await records.campaign(notes=("SIMULATED: by whoever wrote it",), simulated=False)
-
-    assert [entry.simulated for entry in await records.campaigns.page(Page())] == [True, False, False]
-
-
 async def test_a_ballbar_session_is_dated_by_its_last_length(database, records):
     ledger = LedgerRepository(database)
     number = await records.sessions.add("first", REAL, make_ballbar_plan())
@@ -104,21 +93,5 @@ async def test_an_upload_has_the_day_that_somebody_stated_or_none(records):
 
     for number in (silent, dated):
         await records.diagnosis(number)
-
-    assert [entry.measured_at for entry in await records.diagnoses.page(Page())] == [None, "2025-11-03"]
-
-
-async def test_the_moment_of_an_upload_that_an_earlier_version_kept_is_no_day_of_its_readings(
-    database, records
-):
-    campaign_id = await records.campaign()
-    came_at = (await records.campaigns.get(campaign_id)).recorded_at
-    job = await records.jobs.add(JobKind.DIAGNOSIS, {})
-    row = {"job_id": job, "campaign_id": campaign_id, "robot_serial_number": ""}
-    told = to_document(replace(make_diagnosis(), model=None))
-
-    for measured_at in (came_at, "2025-11-03"):
-        documents = {"measured_at": measured_at, "summary": told, "document": told}
-        await database.write(lambda c, more=documents: add_row(c, diagnoses, **row, **more))
 
     assert [entry.measured_at for entry in await records.diagnoses.page(Page())] == [None, "2025-11-03"]

@@ -2,14 +2,15 @@
 
 import pytest
 
-from tests.integration.storage.migration.test_migration_of_models import ask, migrate
-from truepose.domain.people.accounts import Person, Role
-from truepose.storage.calibration.jobs import JobRepository
-from truepose.storage.database import Database
-from truepose.storage.integrity.verification import verify
-from truepose.storage.people.acts import ActRepository, PersonsAct
-from truepose.storage.people.credentials import CredentialKind, CredentialRepository, NewCredential
-from truepose.storage.records import JobKind, Page
+from truepose.domain.people import Person, Role
+from truepose.storage.people import (
+    ActRepository,
+    CredentialKind,
+    CredentialRepository,
+    NewCredential,
+    PersonsAct,
+)
+from truepose.storage.records import Page
 
 
 async def test_nobody_is_entered_at_first(database):
@@ -59,21 +60,3 @@ async def test_acts_are_found_by_what_stands_in_them(acts):
     assert [record.id for record in await acts.newest(3, 5)] == [2, 1]
     assert await acts.count("sessions/1") == 1
     assert await acts.count("100%") == 0
-
-
-async def test_on_the_way_down_people_go_and_what_stays_is_whole(tmp_path):
-    file = tmp_path / "truepose.sqlite3"
-    database = Database(f"sqlite:///{file}")
-    await CredentialRepository(database).enter("Ada", Role.OPERATOR, "Grace")
-    await JobRepository(database).add(JobKind.VALIDATION, {})
-    database.close()
-
-    migrate(file, "0011", up=False)
-
-    assert ask(file, "SELECT DISTINCT record FROM links ORDER BY 1") == [
-        ("events",),
-        ("job_states",),
-        ("jobs",),
-    ]
-    migrate(file, "head", up=True)
-    assert verify(file).findings == ()

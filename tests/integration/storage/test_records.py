@@ -18,18 +18,18 @@ from tests.helpers.domain.tracker_sessions import (
     make_setup,
     point_taken,
 )
-from truepose.domain.measurement.ledger import EntryKind, LedgerEntry
-from truepose.domain.measurement.session import PlannedStop, Progress, SessionState, StopSkipped
+from truepose.domain.ledger import EntryKind, LedgerEntry
+from truepose.domain.session import PlannedStop, Progress, SessionState, StopSkipped
 from truepose.storage import tables
-from truepose.storage.calibration.jobs import JobRepository
-from truepose.storage.calibration.results import ResultRepository
 from truepose.storage.errors import ConflictError, KeyReusedError, NotFoundError
-from truepose.storage.events import EventRepository
-from truepose.storage.measurement.added_stops import AddedStopsRepository
-from truepose.storage.measurement.ledger import LedgerRepository
-from truepose.storage.measurement.sessions import SessionRepository
-from truepose.storage.measurement.tracker_readings import ReadingRepository
+from truepose.storage.ledger.additions import AddedStopsRepository
+from truepose.storage.ledger.entries import LedgerRepository
+from truepose.storage.ledger.sessions import SessionRepository
+from truepose.storage.ledger.tracker_readings import ReadingRepository
 from truepose.storage.records import AddedStops, JobKind, JobState, Page, RequestKey
+from truepose.storage.results.jobs import JobRepository
+from truepose.storage.results.models import ResultRepository
+from truepose.storage.rows import EventRepository
 
 
 @pytest.fixture

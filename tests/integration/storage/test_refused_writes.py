@@ -10,10 +10,10 @@ import textwrap
 import pytest
 
 from tests.helpers.domain.tracker_sessions import make_plan, make_setup
-from truepose.storage.connection.sqlite.library import LIBRARY
 from truepose.storage.database import Database
+from truepose.storage.engine.sqlite_connections import LIBRARY
 from truepose.storage.errors import ConflictError, StorageUnavailableError
-from truepose.storage.measurement.sessions import SessionRepository
+from truepose.storage.ledger.sessions import SessionRepository
 from truepose.storage.records import Page
 
 pytestmark = pytest.mark.engine("sqlite")  # a server's refusals: server/test_refusals.py
@@ -30,7 +30,7 @@ async def names(database):
 @pytest.fixture
 def impatient(database):
     """The same database, whose writer does not wait for a lock."""
-    database._writer.submit(lambda: database.held.plain.execute("PRAGMA busy_timeout=0")).result()
+    database._writer.submit(lambda: database.backend.plain.execute("PRAGMA busy_timeout=0")).result()
     return database
 
 
@@ -59,15 +59,15 @@ async def test_a_lock_that_others_hold_refuses_until_it_is_gone(impatient, locke
 
 async def test_a_full_disk_refuses_until_there_is_room(database):
     full = database._writer.submit(
-        lambda: database.held.plain.execute("PRAGMA page_count").fetchone()[0]
+        lambda: database.backend.plain.execute("PRAGMA page_count").fetchone()[0]
     ).result()
-    database._writer.submit(lambda: database.held.plain.execute(f"PRAGMA max_page_count={full}")).result()
+    database._writer.submit(lambda: database.backend.plain.execute(f"PRAGMA max_page_count={full}")).result()
     with pytest.raises(StorageUnavailableError, match="full"):
         for _ in range(50):
             await add(database, "too many")
     kept = await names(database)
 
-    database._writer.submit(lambda: database.held.plain.execute(f"PRAGMA max_page_count={2**31}")).result()
+    database._writer.submit(lambda: database.backend.plain.execute(f"PRAGMA max_page_count={2**31}")).result()
     await asyncio.wait_for(database.writable(), 10)
     await add(database, "last")
 
@@ -213,7 +213,7 @@ FILLS = textwrap.dedent("""
     import asyncio, resource, sys
     from truepose.storage.database import Database
     from truepose.storage.errors import StorageUnavailableError
-    from truepose.storage.measurement.sessions import SessionRepository
+    from truepose.storage.ledger.sessions import SessionRepository
     from tests.helpers.domain.tracker_sessions import make_plan, make_setup
 
     async def main():

@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import pytest
 
-from truepose.storage.calibration.reports import ReportRecord, ReportRepository, ReportSubject
 from truepose.storage.errors import NotFoundError
+from truepose.storage.results.reports import ReportRecord, ReportRepository, ReportSubject
 
 SUBJECT = ReportSubject("validation", 7)
 FIRST = ReportRecord("", SUBJECT, 1, "en", "aa", "<h1>first</h1>")

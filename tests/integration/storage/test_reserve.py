@@ -6,11 +6,11 @@ from types import SimpleNamespace
 import pytest
 
 from tests.helpers.domain.tracker_sessions import make_plan, make_point, make_setup, point_taken
-from truepose.storage.connection.sqlite import reserve
 from truepose.storage.database import Database
+from truepose.storage.engine import sqlite
 from truepose.storage.errors import StorageUnavailableError
-from truepose.storage.measurement.ledger import LedgerRepository
-from truepose.storage.measurement.sessions import SessionRepository
+from truepose.storage.ledger.entries import LedgerRepository
+from truepose.storage.ledger.sessions import SessionRepository
 from truepose.storage.records import Page
 
 pytestmark = pytest.mark.engine("sqlite")  # a server has its own disk: server/test_refusals.py
@@ -21,13 +21,13 @@ MIB = 2**20
 def disk(database, monkeypatch):
     """A disk with so much room beside the reserve; the database is as large as it may get without it."""
     room = SimpleNamespace(free=1000 * MIB)
-    monkeypatch.setattr(reserve.shutil, "disk_usage", lambda folder: room)
-    release = database.held.reserve.release
+    monkeypatch.setattr(sqlite.shutil, "disk_usage", lambda folder: room)
+    release = database.backend.reserve.release
 
     def fill():
         room.free = 0
         pages = "PRAGMA page_count"
-        full = database._writer.submit(lambda: database.held.plain.execute(pages).fetchone()[0]).result()
+        full = database._writer.submit(lambda: database.backend.plain.execute(pages).fetchone()[0]).result()
         set_most(database, full)
 
     def make_room():
@@ -35,16 +35,16 @@ def disk(database, monkeypatch):
         set_most(database, 2**31)
 
     def released():  # as on a disk: what the reserve held is there for others
-        if database.held.reserve.file.exists():
-            database.held.plain.execute(f"PRAGMA max_page_count={2**31}")
+        if database.backend.reserve.file.exists():
+            database.backend.plain.execute(f"PRAGMA max_page_count={2**31}")
         release()
 
-    monkeypatch.setattr(database.held.reserve, "release", released)
+    monkeypatch.setattr(database.backend.reserve, "release", released)
     return SimpleNamespace(fill=fill, make_room=make_room)
 
 
 def set_most(database, pages):
-    database._writer.submit(lambda: database.held.plain.execute(f"PRAGMA max_page_count={pages}")).result()
+    database._writer.submit(lambda: database.backend.plain.execute(f"PRAGMA max_page_count={pages}")).result()
 
 
 async def begun(database):
@@ -61,12 +61,12 @@ async def measure(database, session, count):
 async def test_a_full_disk_takes_the_readings_of_what_is_under_way(database, disk):
     session = await begun(database)
     await database.keep_reserve()
-    assert database.held.reserve.file.stat().st_size == 16 * MIB
+    assert database.backend.reserve.file.stat().st_size == 16 * MIB
 
     disk.fill()
     await measure(database, session, 40)
 
-    assert not database.held.reserve.file.exists()
+    assert not database.backend.reserve.file.exists()
     assert database.condition.trouble is None
     assert "The disk is full" in database.condition.fault
     assert await database.read(lambda c: c.exec_driver_sql("SELECT count(*) FROM readings").scalar()) == 40
@@ -88,7 +88,7 @@ async def test_nothing_new_begins_until_there_is_room(database, disk):
     await database.keep_reserve()
     await begun(database)
     assert database.condition.fault is None
-    assert database.held.reserve.file.exists()
+    assert database.backend.reserve.file.exists()
     assert len(await SessionRepository(database).page(Page())) == 2
 
 
@@ -105,20 +105,20 @@ async def test_without_a_reserve_a_full_disk_refuses_as_ever(database, disk):
 
 
 async def test_a_disk_with_little_room_is_left_to_others(database, monkeypatch):
-    monkeypatch.setattr(reserve.shutil, "disk_usage", lambda folder: SimpleNamespace(free=40 * MIB))
+    monkeypatch.setattr(sqlite.shutil, "disk_usage", lambda folder: SimpleNamespace(free=40 * MIB))
 
     await database.keep_reserve()
 
-    assert not database.held.reserve.file.exists()
+    assert not database.backend.reserve.file.exists()
     assert database.condition.fault is None
 
 
 async def test_a_service_that_ends_leaves_no_reserve(database_url, monkeypatch):
-    monkeypatch.setattr(reserve.shutil, "disk_usage", lambda folder: SimpleNamespace(free=1000 * MIB))
+    monkeypatch.setattr(sqlite.shutil, "disk_usage", lambda folder: SimpleNamespace(free=1000 * MIB))
     database = Database(database_url)
     await database.keep_reserve()
-    assert database.held.reserve.file.exists()
+    assert database.backend.reserve.file.exists()
 
     database.close()
 
-    assert not database.held.reserve.file.exists()
+    assert not database.backend.reserve.file.exists()

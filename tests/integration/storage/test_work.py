@@ -5,11 +5,10 @@ import sqlite3
 
 import pytest
 
-from truepose.demo.night.earlier import earlier_schemas, write_earlier
+from tests.helpers.storage.demo_database import write_demo
 from truepose.storage.database import Database
-from truepose.storage.work.items import WorkKind
-from truepose.storage.work.lineage import Lineages
-from truepose.storage.work.listing import WorkList
+from truepose.storage.results.items import WorkKind
+from truepose.storage.results.lineage import Lineages, WorkList
 
 _EVERY = tuple(WorkKind)
 
@@ -18,7 +17,7 @@ _EVERY = tuple(WorkKind)
 def left(tmp_path_factory):
     """The file that a demo run left: two sessions, a campaign, and a result of each kind."""
     file = tmp_path_factory.mktemp("left") / "truepose.sqlite3"
-    write_earlier(earlier_schemas()[-1], file)
+    write_demo(file)
     Database(f"sqlite:///{file}").close()  # brings it to the present schema
     return file
 

@@ -1,5 +1,7 @@
 """A ballbar session on the bench: a plan that harms nobody, and a tablet that presses buttons."""
 
+from tests.helpers.web.clients import ANSWERS, prompt_id
+
 BALLBAR = """
 [ballbar]
 base_points = 3
@@ -12,7 +14,7 @@ driver = "fake_ballbar"
 name = "hands"
 driver = "fake_hands"
 """
-SESSIONS = "/api/v1/ballbar-sessions"
+SESSIONS = "/api/v1/sessions"
 PLACEMENT = {
     "x_mm": 350.0,
     "y_mm": 0.0,
@@ -28,7 +30,7 @@ PLACEMENT = {
         for k in (1, 2)
     ],
 }
-WANTED = {"name": "six legs", "placements": [PLACEMENT]}
+WANTED = {"kind": "ballbar", "name": "six legs", "placements": [PLACEMENT]}
 # Good before the LR Mate. The service then chooses only poses: to look for a place takes ten seconds.
 PLACE = {"x_mm": 360.0, "y_mm": -463.0, "z_mm": 362.0, "rx_deg": -49.4, "ry_deg": -29.8, "rz_deg": 80.3}
 
@@ -51,12 +53,14 @@ class Tablet:
 
     async def press(self, act, key=None, **said):
         self._keys += 1
-        body = {"act": act, "person": "Ada", "tablet": self._name, **said}
+        body = {"command": act, "person": "Ada", "tablet": self._name, **said}
+        if act in ANSWERS and "prompt_id" not in said:
+            body["prompt_id"] = prompt_id(await self.see())
         key = key or f"{self._name}-{self._keys}"
-        return await self._client.post(f"{self.path}/acts", json=body, headers={"Idempotency-Key": key})
+        return await self._client.post(f"{self.path}/commands", json=body, headers={"Idempotency-Key": key})
 
     async def see(self):
-        return (await self._client.get(self.path)).json()
+        return (await self._client.get(f"{self.path}/situation")).json()
 
     async def ledger(self, **page):
         return (await self._client.get(f"{self.path}/ledger", params=page)).json()["entries"]

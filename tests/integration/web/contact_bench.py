@@ -2,6 +2,7 @@
 
 GAUGE = '[[device]]\nname = "wire"\ndriver = "fake_gauge"\nserial_number = "W-1"\n'
 WIRE = {
+    "kind": "contact",
     "name": "one wire",
     "targets": [{"kind": "wire", "place_mm": [600, -400, 0], "zero_mm": 600, "zero_is_certified": False}],
     "nest": 2,

@@ -9,9 +9,9 @@ import uvicorn
 
 
 @contextlib.contextmanager
-def listening(app):
-    """Serve `app` and yield its URL."""
-    with socket.create_server(("127.0.0.1", 0)) as listener:
+def listening(app, door=None):
+    """Serve `app` and yield its URL, at a port of its own or at a `door` that others listen at in turn."""
+    with socket.create_server(("127.0.0.1", 0)) if door is None else door.dup() as listener:
         server = uvicorn.Server(uvicorn.Config(app, log_config=None, timeout_graceful_shutdown=1))
         thread = threading.Thread(target=lambda: asyncio.run(_serve(server, listener)))
         thread.start()

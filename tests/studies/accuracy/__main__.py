@@ -19,7 +19,7 @@ import numpy as np
 from tests.studies.accuracy.measured_cell import CellMeasurement, measure_cell
 from tests.studies.report_command import campaigns_folder, shown, status_of, without_data
 from truepose.demo.truth_comparison import true_errors
-from truepose.domain.results.identification import Identification
+from truepose.domain.identification import Identification
 from truepose.exchange.campaigns.folder import read_campaign
 from truepose.identification import identify, predict
 from truepose.reports.table_report import Row, Section, Verdict, write_table_report

@@ -13,31 +13,30 @@ from typing import cast
 import numpy as np
 
 from tests.helpers.domain import asking
+from tests.helpers.domain.asking import question
 from truepose.analysis.campaigns.assembly import point_readings
 from truepose.app.simulation import running_simulation
-from truepose.correction.proof.pairs import plan_proof
-from truepose.correction.proof.verdict import Proof, proof_of
-from truepose.demo.cell.truth import CellEndpoint, cell_endpoint
+from truepose.correction.proof import Proof, plan_proof, proof_of
 from truepose.demo.errors import ServiceFailedError
+from truepose.demo.truth import CellEndpoint, cell_endpoint
 from truepose.domain.arrays import FloatArray
-from truepose.domain.cell.description import Cell, SimulatedCell
-from truepose.domain.measurement.campaign import Campaign, PointReadings
-from truepose.domain.measurement.ledger import LedgerEntry
-from truepose.domain.measurement.session import (
+from truepose.domain.campaign import Campaign, PointReadings
+from truepose.domain.cell import Cell, SimulatedCell
+from truepose.domain.identification import Identification
+from truepose.domain.ledger import LedgerEntry
+from truepose.domain.robot import Nest, WorldRegistration
+from truepose.domain.session import (
     PointTaken,
     Registration,
     SessionPlan,
     SessionState,
 )
-from truepose.domain.results.identification import Identification
-from truepose.domain.robot import Nest, WorldRegistration
 from truepose.exchange.cells.file import simulated_cell
 from truepose.identification import identify
-from truepose.planning.tracker.session_plans import plan_calibration, plan_validation
-from truepose.planning.work_volume.cell_space import space_of_cell
-from truepose.planning.work_volume.work_space import WorkSpace
-from truepose.sequencing.tracker.cell import SessionCell
-from truepose.sequencing.tracker.runner import TrackerRunner
+from truepose.planning.tracker.plans import plan_calibration, plan_validation
+from truepose.planning.workspace.space import WorkSpace, space_of_cell
+from truepose.sessions.tracker.cell import SessionCell
+from truepose.sessions.tracker.runner import TrackerRunner
 from truepose.web.context import Endpoint
 from truepose_drivers.api import Clock, PointTracker, RobotController
 from truepose_drivers.registry import load_registry
@@ -168,7 +167,7 @@ async def _session(cell: SessionCell, plan: SessionPlan) -> tuple[PointReadings,
     running = asyncio.create_task(runner.run())
     while not running.done():
         await asyncio.sleep(_LOOK_S)
-        if runner.state is SessionState.AWAITING_CONFIRMATION and runner.question:
+        if runner.state is SessionState.AWAITING_CONFIRMATION and question(runner):
             await asking.confirm(runner, _PERSON)
     if running.result() is not SessionState.FINISHED or ledger.registration is None:
         raise ServiceFailedError(f"A session of the accuracy report ended as {running.result().value}.")

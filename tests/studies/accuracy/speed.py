@@ -9,7 +9,7 @@ import numpy as np
 
 from tests.studies.bench.ours import campaign
 from truepose.identification.fit.robust import fit
-from truepose.identification.observations.positions import position_block
+from truepose.identification.observations.poses import position_block
 from truepose.identification.problem.build import automatic_effects, build
 
 _SIZES: Final = (50, 1000, 10000)

@@ -7,11 +7,10 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Final
 
-from truepose.analysis.archive.campaigns import Archived, sha256
-from truepose.analysis.archive.outcome import Key, ToAnalyse, analyse
-from truepose.analysis.cluster.alike import program
-from truepose.analysis.cluster.cluster import Cluster, Places
-from truepose.analysis.cluster.parts import Done, Part
+from truepose.analysis.archive import ArchivedCampaign, sha256
+from truepose.analysis.archive_outcomes import Key, ToAnalyse, analyse
+from truepose.analysis.cluster.arithmetic import program
+from truepose.analysis.cluster.tasks import Cluster, Part, PartAnswer, Places
 
 _RATIO: Final = 1.8
 _OVERHEAD_MS: Final = 10.0
@@ -93,7 +92,9 @@ class Compared:
         )
 
 
-def compared(campaigns: Sequence[Archived], one: Places, two: Places, part: int, tell: Tell) -> Compared:
+def compared(
+    campaigns: Sequence[ArchivedCampaign], one: Places, two: Places, part: int, tell: Tell
+) -> Compared:
     """Compute every campaign on both sides, `part` at a time, first on the one and then on the other."""
     sides = Side(1), Side(2)
     clusters = Cluster(one), Cluster(two)
@@ -107,7 +108,7 @@ def compared(campaigns: Sequence[Archived], one: Places, two: Places, part: int,
     return Compared(*sides, list(_alone_ms(clusters[0], campaigns[:_ALONE])))
 
 
-def parts_of(campaigns: Sequence[Archived]) -> Iterator[Part[ToAnalyse]]:
+def parts_of(campaigns: Sequence[ArchivedCampaign]) -> Iterator[Part[ToAnalyse]]:
     """Yield what is sent of each campaign."""
     for campaign in campaigns:
         content = campaign.load()
@@ -115,10 +116,10 @@ def parts_of(campaigns: Sequence[Archived]) -> Iterator[Part[ToAnalyse]]:
         yield Part(campaign.name, ToAnalyse(key, content))
 
 
-def _run(cluster: Cluster, campaigns: Sequence[Archived], side: Side) -> None:
+def _run(cluster: Cluster, campaigns: Sequence[ArchivedCampaign], side: Side) -> None:
     began_s, here_s = time.perf_counter(), time.process_time()
     for outcome in cluster.outcomes(analyse, parts_of(campaigns)):
-        if not isinstance(outcome, Done):
+        if not isinstance(outcome, PartAnswer):
             raise SystemExit(f"{outcome.name}: {outcome.why}")
         side.compute_s += outcome.compute_s
         side.bits[outcome.name] = bits_of(outcome.answer)
@@ -126,11 +127,11 @@ def _run(cluster: Cluster, campaigns: Sequence[Archived], side: Side) -> None:
     side.here_s += time.process_time() - here_s
 
 
-def _alone_ms(cluster: Cluster, campaigns: Sequence[Archived]) -> Iterator[float]:
+def _alone_ms(cluster: Cluster, campaigns: Sequence[ArchivedCampaign]) -> Iterator[float]:
     for part in parts_of(campaigns):
         began_s = time.perf_counter()
         (outcome,) = cluster.outcomes(analyse, [part])
-        if isinstance(outcome, Done):
+        if isinstance(outcome, PartAnswer):
             yield 1e3 * (time.perf_counter() - began_s - outcome.compute_s)
 
 

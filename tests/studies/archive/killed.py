@@ -7,12 +7,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from tests.studies.archive.compared import Tell, bits_of, parts_of
-from truepose.analysis.archive.campaigns import Archived
-from truepose.analysis.archive.outcome import analyse
-from truepose.analysis.cluster.cluster import Cluster
-from truepose.analysis.cluster.dask_clusters import of_this_computer
-from truepose.analysis.cluster.dask_places import DaskPlaces
-from truepose.analysis.cluster.parts import Done
+from truepose.analysis.archive import ArchivedCampaign
+from truepose.analysis.archive_outcomes import analyse
+from truepose.analysis.cluster.dask_workers import DaskPlaces, of_this_computer
+from truepose.analysis.cluster.tasks import Cluster, PartAnswer
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,14 +36,14 @@ class Killed:
         )
 
 
-def killed_in_the_middle(campaigns: Sequence[Archived], bits: dict[str, str], tell: Tell) -> Killed:
+def killed_in_the_middle(campaigns: Sequence[ArchivedCampaign], bits: dict[str, str], tell: Tell) -> Killed:
     """Kill a worker once a third of the results are there, and count what comes nevertheless."""
     found: dict[str, str] = {}
     kills = 0
     began_s = time.perf_counter()
     with of_this_computer(2) as places:
         for outcome in Cluster(places).outcomes(analyse, parts_of(campaigns)):
-            if isinstance(outcome, Done):
+            if isinstance(outcome, PartAnswer):
                 found[outcome.name] = bits_of(outcome.answer)
             if not kills and 3 * len(found) >= len(campaigns):
                 tell(f"killing process {_kill_one(places)}")

@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
-from truepose.domain.measurement.ballbar import Leg, PoseForecast
+from truepose.domain.ballbar import Leg, PoseForecast
 from truepose.kinematics.frames import rotation_from_vector
 from truepose.kinematics.pose_device import (
     Assembly,

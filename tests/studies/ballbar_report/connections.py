@@ -9,10 +9,10 @@ import numpy as np
 
 from tests.studies.ballbar_report.coded_stops import READING_U_MM, ZERO_U_MM, CodedStop, StopMaker
 from truepose.domain.arrays import FloatArray
-from truepose.domain.measurement.ballbar import Leg, PoseForecast, Suspicion
+from truepose.domain.ballbar import Leg, PoseForecast, Suspicion
 from truepose.exchange.cells.file import simulated_cell
-from truepose.judgement.ball_pairs.judge import judge_leg, judge_pose
 from truepose.kinematics.pose_device import base_triangle
+from truepose.validation.connection_check import judge_leg, judge_pose
 
 _NOMINAL_MM: Final = 300.0
 _RANGE_MM: Final = 1.0

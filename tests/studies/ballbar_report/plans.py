@@ -6,7 +6,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from truepose.domain.measurement.ballbar import BallbarPlan, PlannedPlacement, PlannedPose
+from truepose.domain.ballbar import BallbarPlan, PlannedPlacement, PlannedPose
 from truepose.exchange.cells.file import simulated_cell
 from truepose.exchange.json_text import render_json
 from truepose.planning.ballbar.plan import ballbar_plan

@@ -12,7 +12,7 @@ from tests.studies.ballbar_report.session import Session, record_session, withou
 from tests.studies.diagnosis_report.recorder import Recorder, running_recorder
 from truepose.domain.arrays import FloatArray
 from truepose.domain.errors import TrueposeError
-from truepose.domain.results.identification import Anchor, Model
+from truepose.domain.identification import Anchor, Model
 from truepose.identification import identify, predict
 from truepose.identification.model.estimates import identified_anchors
 from truepose.identification.thesis_procedure import THESIS_EFFECTS, positions_from_legs

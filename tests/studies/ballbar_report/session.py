@@ -10,7 +10,7 @@ import numpy as np
 from tests.studies.diagnosis_report.recorder import Recorder
 from truepose.demo.errors import TruthUnknownError
 from truepose.domain.arrays import FloatArray
-from truepose.domain.measurement.campaign import Campaign, FixtureLengths, PointReadings
+from truepose.domain.campaign import Campaign, FixtureLengths, PointReadings
 from truepose.domain.robot import Nest
 from truepose.exchange.campaigns.folder import DESCRIPTION, read_campaign
 from truepose.identification.observations.fixture import TOOL_PLACEMENT

@@ -10,7 +10,7 @@ from tests.studies.ballbar_report.connections import SlipCounts, count_slips
 from tests.studies.ballbar_report.plans import KINDS, made_plan, plan_path
 from tests.studies.ballbar_report.robot_sections import SCENARIOS, TILTED
 from tests.studies.ballbar_report.robots import Outcome, Robot, compare_robots
-from truepose.demo.cell.client import Told
+from truepose.demo.client import Told
 
 _TOGETHER: Final = 8  # robots for one start of a recorder
 _STOPS_TOGETHER: Final = 100

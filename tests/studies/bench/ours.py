@@ -13,21 +13,21 @@ from scipy.spatial.distance import pdist
 
 from tests.studies.bench.timing import Timing, timed
 from truepose.correction import Goals, correct
-from truepose.correction.starts import attain_branch
-from truepose.domain.measurement.campaign import Campaign, PointReadings, Stops
-from truepose.domain.results.identification import Model, Parameter
+from truepose.correction.branches import attain_branch
+from truepose.domain.campaign import Campaign, PointReadings, Stops
+from truepose.domain.identification import Model, Parameter
 from truepose.domain.robot import FramePlacement
 from truepose.exchange.campaigns.folder import write_campaign
-from truepose.exchange.robots.shipped import load_robot_with_tool
+from truepose.exchange.robots.named import load_robot_with_tool
 from truepose.identification import identify
 from truepose.identification.fit.robust import fit
 from truepose.identification.model.estimates import identified_estimate, structure_of, values_of
 from truepose.identification.model.evaluation import Targets, evaluate
 from truepose.identification.problem.build import automatic_effects, build
-from truepose.judgement.pairs import pair_errors
 from truepose.kinematics.chain import nominal_chain
 from truepose.kinematics.inverse import all_branches, branch_of
-from truepose.planning.choice_by_exchange import choose_by_exchange
+from truepose.planning.exchange_algorithm import choose_by_exchange
+from truepose.validation.distance_errors import pair_errors
 
 _NOISE_MM: Final = 0.015
 _LOOP: Final = "s = 0\nfor i in range(10**7):\n    s += i * i"

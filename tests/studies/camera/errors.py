@@ -6,17 +6,17 @@ import numpy as np
 
 from tests.studies.camera.setups import RIGID, Setup, true_nests_mm
 from truepose.domain.arrays import FloatArray, IntArray
-from truepose.domain.measurement.campaign import Stops
-from truepose.domain.results.identification import Model
-from truepose.effects.tool.tool_certificate import NAME as CERTIFICATE
-from truepose.effects.tool.tool_certificate import certificate_specs
+from truepose.domain.campaign import Stops
+from truepose.domain.identification import Model
+from truepose.effects.placing.tool_certificate import NAME as CERTIFICATE
+from truepose.effects.placing.tool_certificate import certificate_specs
 from truepose.identification import predict
 from truepose.identification.model.derivatives import position_jacobian
 from truepose.identification.model.evaluation import Targets, evaluate
 from truepose.identification.problem.build import automatic_effects, build
-from truepose.planning.promise.spread import mean_norms
-from truepose.planning.tracker.session_plans import nominal_campaign
-from truepose.planning.work_volume.candidates import Candidates
+from truepose.planning.prediction.errors import mean_norms
+from truepose.planning.tracker.plans import nominal_campaign
+from truepose.planning.workspace.candidates import Candidates
 
 _NESTS = 3
 _TRACKER_MM = 0.0156  # per axis, in this work space

@@ -11,19 +11,18 @@ from typing import Final
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
-from truepose.domain.cell.description import Camera
-from truepose.domain.cell.description import Cell as CellFile
-from truepose.domain.measurement.campaign import Campaign, PointReadings, Stops
+from truepose.domain.campaign import Campaign, PointReadings, Stops
+from truepose.domain.cell import Camera
+from truepose.domain.cell import Cell as CellFile
 from truepose.exchange.cells.file import simulated_cell
 from truepose.kinematics.frames import quaternion_from_rotation
-from truepose.planning.tracker.session_plans import plan_calibration
-from truepose.planning.work_volume.candidates import Candidates, draw_candidates
-from truepose.planning.work_volume.cell_space import space_to_measure
-from truepose.planning.work_volume.work_space import WorkSpace
-from truepose_simulators.cell.clock import CellClock
+from truepose.planning.tracker.plans import plan_calibration
+from truepose.planning.workspace.candidates import Candidates, draw_candidates
+from truepose.planning.workspace.space import WorkSpace, space_to_measure
+from truepose_simulators.cell.environment import CellClock
 from truepose_simulators.cell.true_cell import Cell
-from truepose_simulators.instruments.camera.device import Camera as SimulatedCamera
-from truepose_simulators.physics.registration import register
+from truepose_simulators.instruments.camera import Camera as SimulatedCamera
+from truepose_simulators.physics.rigid import register
 from truepose_simulators.scenarios.file import load_scenario
 
 TRACKER, FLAT, SPATIAL = "irb120-tilted", "irb120-camera", "irb120-camera-spatial"

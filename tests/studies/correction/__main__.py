@@ -16,8 +16,8 @@ import numpy as np
 
 from truepose.correction import Goals, correct
 from truepose.diagnosis.diagnose import diagnose
-from truepose.domain.measurement.campaign import Campaign, Stops
-from truepose.domain.results.identification import Model
+from truepose.domain.campaign import Campaign, Stops
+from truepose.domain.identification import Model
 from truepose.exchange.campaigns.folder import read_campaign
 from truepose.identification import identify
 from truepose.identification.model.estimates import nominal_estimate

@@ -17,8 +17,8 @@ import numpy as np
 from tests.studies.diagnosis_report.recorder import Recorder, running_recorder
 from truepose.diagnosis.diagnose import diagnose
 from truepose.domain.arrays import FloatArray
-from truepose.domain.measurement.campaign import Campaign
-from truepose.domain.results.diagnosis import Diagnosis, Finding
+from truepose.domain.campaign import Campaign
+from truepose.domain.diagnosis import Diagnosis, Finding
 from truepose.exchange.campaigns.folder import read_campaign
 from truepose.reports.table_report import Row, Section, Verdict
 

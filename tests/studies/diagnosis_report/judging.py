@@ -4,10 +4,9 @@ import math
 from dataclasses import dataclass, replace
 
 from tests.studies.diagnosis_report.planted.planting import Planted
-from truepose.domain.results.causes import Cause
-from truepose.domain.results.diagnosis import Diagnosis, Finding, Verdict
+from truepose.domain.diagnosis import Cause, Diagnosis, Finding, Verdict
 from truepose.effects.causes import Candidate
-from truepose.effects.cells import cell_of
+from truepose.effects.signatures import signature_of
 from truepose.effects.unnamed.cause import NAME as UNNAMED
 
 _SAME_ORDER = 0.5  # orders of gears and encoders are whole numbers
@@ -100,7 +99,7 @@ def _tells(finding: Finding, planted: tuple[Planted, ...]) -> bool:
     if finding.effect != UNNAMED:
         return False
     causes = (cause for effect in planted for cause in effect.right)
-    cells = [cell_of(Candidate(cause.effect, cause.subject, ())) for cause in causes]
+    cells = [signature_of(Candidate(cause.effect, cause.subject, ())) for cause in causes]
     return any(finding.where == cell.where or finding.over == cell.over for cell in cells)
 
 

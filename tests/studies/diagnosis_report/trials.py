@@ -14,8 +14,8 @@ from tests.studies.diagnosis_report.errors import NothingHappenedError
 from tests.studies.diagnosis_report.judging import Outcome, failed, judge
 from tests.studies.diagnosis_report.planted.planting import Planted, scenario_text
 from tests.studies.diagnosis_report.recorder import Recorder, running_recorder
-from truepose.domain.measurement.campaign import Campaign
-from truepose.domain.results.diagnosis import Diagnosis
+from truepose.domain.campaign import Campaign
+from truepose.domain.diagnosis import Diagnosis
 from truepose.exchange.campaigns.folder import read_campaign
 from truepose.kinematics.chain import forward, nominal_values
 

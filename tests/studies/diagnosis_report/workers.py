@@ -12,13 +12,12 @@ import numpy as np
 
 from tests.studies.diagnosis_report.judging import Outcome
 from tests.studies.diagnosis_report.trials import Trial, run_trials
-from truepose.analysis.cluster.cluster import Cluster
-from truepose.analysis.cluster.parts import Done, Part, in_order
+from truepose.analysis.cluster.tasks import Cluster, Part, PartAnswer, in_order
 from truepose.analysis.errors import PartFailedError
-from truepose.demo.cell.client import Told
+from truepose.demo.client import Told
 from truepose.diagnosis.diagnose import diagnose
-from truepose.domain.measurement.campaign import Campaign
-from truepose.domain.results.diagnosis import Diagnosis
+from truepose.domain.campaign import Campaign
+from truepose.domain.diagnosis import Diagnosis
 
 # A campaign keeps one core busy; numpy's own threads on top of one process a core only get in the way.
 _THREADS: Final = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
@@ -44,7 +43,7 @@ def outcomes_of(trials: Sequence[Trial], cluster: Cluster, told: Told) -> list[O
     """Run the trials, those of one cell of the table together, and tell how many are done."""
     outcomes: list[Outcome] = []
     for done in in_order(cluster.outcomes(_run_cell, map(_part, _cells(trials)))):
-        if not isinstance(done, Done):
+        if not isinstance(done, PartAnswer):
             raise PartFailedError(f"{done.name}: {done.why}")
         outcomes += done.answer
         told(len(outcomes), len(trials), done.answer[0].label)

@@ -14,22 +14,29 @@ from typing import Literal
 import numpy as np
 
 from tests.studies.drawn_campaigns.drawing import Drawn, drawn_campaign
+from truepose.correction import Summary, correct, likely_mistake, meant_by_joints
+from truepose.correction.reduced_models import controller_values
 from truepose.diagnosis.diagnose import diagnose
+from truepose.domain.campaign import Campaign
 from truepose.domain.errors import TrueposeError
-from truepose.domain.measurement.campaign import Campaign
-from truepose.domain.results.identification import Model
+from truepose.domain.identification import Model
 from truepose.exchange.campaigns.folder import campaign_files, campaign_from
 from truepose.exchange.models.file import model_from_text, model_text
+from truepose.exchange.results.circles_and_spheres import circle_document, sphere_document
+from truepose.exchange.results.corrections import correction_document
 from truepose.exchange.results.diagnosis import diagnosis_document
 from truepose.exchange.results.identification import identification_document
 from truepose.exchange.results.plans import plan_document
 from truepose.exchange.results.validation import validation_document
 from truepose.identification import identify, predict
-from truepose.judgement.cautions import prediction_cautions, validation_cautions
-from truepose.judgement.validation import validate
-from truepose.planning.promise.subjects import of_campaign
-from truepose.planning.promise.tracker import promised_session
+from truepose.planning.prediction.subjects import of_campaign
+from truepose.planning.prediction.tracker import promised_session
 from truepose.reports.plans import plan_sentences
+from truepose.validation.cautions import prediction_cautions, validation_cautions
+from truepose.validation.circle_test import circle_test
+from truepose.validation.model_comparison import compare_models, largest_shift
+from truepose.validation.sphere_test import sphere_test
+from truepose.validation.validate import validate
 
 _PLANNED_JOINTS = (
     6  # an arm of fewer shows a tracker hardly anything: its plans are refused after long searches
@@ -44,6 +51,7 @@ KEYS = {
         "robot", "verdict", "findings", "before", "after", "remaining", "next_measurements", "held_out",
     },
     "validate": {"position", "pass"},
+    "correct": {"targets", "corrected", "statuses", "mean_u_mm", "largest_u_mm", "largest_move_deg"},
     "plan": {"configurations_deg", "predicted", "open", "observability", "minutes"},
 }  # fmt: skip
 
@@ -78,13 +86,25 @@ def _questions(drawn: Drawn) -> Iterator[Asked]:
     (campaign,) = read
     yield _ended("identify", lambda: models.append(_identified(campaign, drawn.effects)))
     yield _ended("diagnose", lambda: models.append(_diagnosed(campaign, drawn.effects)))
+    yield from _tests(campaign)
     for model in filter(None, models):
         yield _ended("model", lambda model=model: _kept(model))
         yield _ended("predict", lambda model=model: _predicted(model, campaign))
+        yield _ended("correct", lambda model=model: _corrected(model, campaign))
+        yield _ended("controller", lambda model=model: controller_values(model))
+        yield _ended("compare", lambda model=model: compare_models(model, model, campaign.readings))
         if campaign.held_out is not None:
             yield _ended("validate", lambda model=model: _validated(model, campaign))
     if models and models[0] is not None and campaign.robot.n_joints >= _PLANNED_JOINTS:
         yield _ended("plan", lambda: _planned(models[0], campaign))
+
+
+def _tests(campaign: Campaign) -> Iterator[Asked]:
+    """Ask of the readings alone what tests of joints and of lengths ask."""
+    if campaign.calibration is not None:
+        yield _ended("circles", lambda: circle_document(circle_test(campaign.calibration), "").printed())
+    if campaign.legs is not None:
+        yield _ended("sphere", lambda: sphere_document(sphere_test(campaign), "").printed())
 
 
 def _ended(question: str, ask: Callable[[], object]) -> Asked:
@@ -133,6 +153,15 @@ def _predicted(model: Model, campaign: Campaign) -> None:
     list(prediction_cautions(model, stops))
     if not np.isfinite(position).all() or not (uncertainty >= 0.0).all():
         raise _NoAnswerError("a prediction is not finite")
+
+
+def _corrected(model: Model, campaign: Campaign) -> None:
+    stops = campaign.readings.stops
+    goals, summary = meant_by_joints(model, stops), Summary()
+    summary.add(list(map(str, stops.config)), correct(model, goals))
+    likely_mistake(model, goals, in_base=False)
+    largest_shift(model)
+    _checked("correct", correction_document(summary.totals))
 
 
 def _validated(model: Model, campaign: Campaign) -> None:

@@ -11,8 +11,8 @@ from tests.helpers.diagnosis.point_scenes import telling_campaign
 from tests.helpers.domain.robots import IRB_120, SEVEN_AXES
 from tests.helpers.identification.closed_loops import contact_campaign, with_distance
 from tests.helpers.identification.synthetic import leg_campaign, nominal_campaign
-from truepose.domain.measurement.campaign import Campaign
-from truepose.domain.measurement.targets import CENTRES, TargetKind
+from truepose.domain.campaign import Campaign
+from truepose.domain.contacts import CENTRES, TargetKind
 from truepose.domain.robot import Nest, Robot
 from truepose.effects.ports import Trait
 from truepose.effects.registry import EFFECTS, effects_with

@@ -12,16 +12,18 @@ from tests.studies.ballbar_report.plans import plan_document
 from tests.studies.camera.setups import FLAT, TRACKER, measured, planned, setup
 from tests.studies.loops.held_out import Truth
 from tests.studies.loops.recorded import truth_of
-from truepose.domain.measurement.campaign import Campaign
+from truepose.domain.campaign import Campaign
 from truepose.exchange.campaigns.folder import read_campaign
 from truepose.exchange.cells.file import simulated_cell
 from truepose.planning.ballbar.plan import ballbar_plan
 from truepose_simulators.recording import Wishes, record
-from truepose_simulators.recording.ballbars.campaign import BallbarWishes, record_ballbar
-from truepose_simulators.recording.ballbars.files import write_ballbar_campaign
+from truepose_simulators.recording.ballbars.campaign import (
+    BallbarWishes,
+    record_ballbar,
+    write_ballbar_campaign,
+)
 from truepose_simulators.recording.ballbars.plan import read_plan
-from truepose_simulators.recording.loops.campaign import LoopWishes, record_loop
-from truepose_simulators.recording.loops.files import write_loop
+from truepose_simulators.recording.closed_loop_campaign import LoopWishes, record_loop, write_loop
 from truepose_simulators.scenarios.file import load_scenario
 
 _POSES: Final = 36  # of tracker and camera, as in the thesis

@@ -16,7 +16,7 @@ import numpy as np
 from tests.studies.fleet.held import Held, held
 from tests.studies.fleet.newcomers import NewRobot, Promises, newcomers, promised
 from tests.studies.fleet.simulated import FleetTruth, draw_fleet, identified_fleet
-from truepose.fleet.campaigns import Measured, fleet_of
+from truepose.fleet.campaigns import FleetCampaign, fleet_of
 from truepose.fleet.changes import account_of
 
 _WITHOUT_FROM = 100  # seeds of fleets in which nothing ages
@@ -70,7 +70,9 @@ def _studied(
     return found, newcomers(account, truth, said, options.new), [said.figures]
 
 
-def _identified(options: argparse.Namespace, seed: int, ageing: int) -> tuple[FleetTruth, list[Measured]]:
+def _identified(
+    options: argparse.Namespace, seed: int, ageing: int
+) -> tuple[FleetTruth, list[FleetCampaign]]:
     kept = options.out / f"fleet-{seed}-{options.robots}-{options.configurations}-{ageing}.pickle"
     if kept.is_file():
         return pickle.loads(kept.read_bytes())

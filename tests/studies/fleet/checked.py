@@ -20,20 +20,17 @@ from tests.studies.fleet.simulated import FleetTruth, RobotTruth, draw_fleet, id
 from tests.studies.promise.tracker import recorded_stops
 from truepose.domain.arrays import FloatArray
 from truepose.exchange.cells.file import simulated_cell
-from truepose.fleet.answer.check import asked_of
-from truepose.fleet.answer.grown import grown
-from truepose.fleet.campaigns import fleet_of
+from truepose.fleet.campaigns import effects_of_robot, fleet_of, information_of
 from truepose.fleet.causes import AgeingCause
 from truepose.fleet.changes import Account, account_of
-from truepose.fleet.information import effects_of_robot, information_of
-from truepose.fleet.pooled import of_robot_now
-from truepose.fleet.quick_check import LEVEL, QuickCheck, quick_check
-from truepose.identification.problem.belief import Belief
-from truepose.planning.promise.knowledge import ArmKnowledge, Knowns
-from truepose.planning.promise.subjects import APPROACH_RAD
-from truepose.planning.work_volume.candidates import draw_candidates
-from truepose.planning.work_volume.cell_space import space_to_measure
-from truepose_simulators.cell.clock import CellClock
+from truepose.fleet.interim_check import LEVEL, InterimCheck, asked_of, grown, quick_check
+from truepose.fleet.predicted_accuracy import of_robot_now
+from truepose.identification.problem.build import JointPrior
+from truepose.planning.prediction.knowledge import ArmKnowledge, Knowns
+from truepose.planning.prediction.subjects import APPROACH_RAD
+from truepose.planning.workspace.candidates import draw_candidates
+from truepose.planning.workspace.space import space_to_measure
+from truepose_simulators.cell.environment import CellClock
 from truepose_simulators.cell.true_cell import Cell
 from truepose_simulators.physics.effects import PlantedChange
 
@@ -57,9 +54,9 @@ class Planned:
     fleet: FleetTruth
     robot: RobotTruth
     account: Account
-    belief: Belief
+    belief: JointPrior
     causes: tuple[AgeingCause, ...]
-    check: QuickCheck
+    check: InterimCheck
     size_mm: tuple[FloatArray, ...]  # of each cause (q,): what a stated width of each direction moves
 
     def planted(self, cause: AgeingCause, size_mm: FloatArray, by_mm: float, phase: float) -> PlantedChange:

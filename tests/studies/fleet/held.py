@@ -6,8 +6,8 @@ from typing import Final
 import numpy as np
 
 from tests.studies.fleet.simulated import DAYS_A_MONTH, MONTHS, SCALE_DRIFT, Ageing, FleetTruth
-from truepose.fleet.changes import Account, Named
-from truepose.fleet.forecast import passing
+from truepose.fleet.changes import Account, RealChange
+from truepose.fleet.trend import passing
 
 LIMIT_MM: Final = 0.1
 _PHASE_RAD: Final = np.radians(40.0)  # of waves that grow
@@ -47,7 +47,7 @@ def held(truth: FleetTruth, account: Account) -> Held:
     )
 
 
-def _is_right(truth: FleetTruth, named: Named) -> bool:
+def _is_right(truth: FleetTruth, named: RealChange) -> bool:
     change, cause = named.change, named.change.cause
     if change.kind != "linear" or change.since != 0.0:
         return False
@@ -61,7 +61,7 @@ def _is_right(truth: FleetTruth, named: Named) -> bool:
     )
 
 
-def _covered(truth: FleetTruth, account: Account, named: Named) -> bool:
+def _covered(truth: FleetTruth, account: Account, named: RealChange) -> bool:
     found = passing(account.fleet, named, LIMIT_MM)
     if found is None:
         return False
@@ -70,7 +70,7 @@ def _covered(truth: FleetTruth, account: Account, named: Named) -> bool:
     return found.earliest <= true <= found.latest
 
 
-def _true_size_mm(truth: FleetTruth, account: Account, named: Named) -> float:
+def _true_size_mm(truth: FleetTruth, account: Account, named: RealChange) -> float:
     fleet, directions = account.fleet, named.change.cause.directions
     if named.change.scope == "instrument":
         amount = np.array([SCALE_DRIFT / 1e-4])
@@ -88,7 +88,7 @@ def _parts(worn: Ageing) -> np.ndarray:
     return angle * np.array([np.cos(_PHASE_RAD), np.sin(_PHASE_RAD)]) if worn.order else np.array([angle])
 
 
-def _said(named: Named) -> str:
+def _said(named: RealChange) -> str:
     change, cause = named.change, named.change.cause
     rivals = [f"{one.change.of} {one.change.cause.subject} {one.change.kind}" for one in named.rivals[:3]]
     since = f"{change.kind} since day {change.since:g}"

@@ -7,20 +7,25 @@ import numpy as np
 
 from tests.studies.fleet.simulated import FleetTruth, RobotTruth, draw_new, new_cell, record_robot
 from tests.studies.promise.tracker import predicted_mm, recorded, true_mm
-from truepose.domain.measurement.campaign import Campaign
+from truepose.domain.campaign import Campaign
 from truepose.exchange.cells.file import simulated_cell
 from truepose.fleet.causes import robot_causes
 from truepose.fleet.changes import Account
-from truepose.fleet.pooled import of_a_new_robot, of_robot_now
-from truepose.fleet.promise import Promise, as_stated, promise
-from truepose.fleet.quick_check import quick_check
+from truepose.fleet.interim_check import quick_check
+from truepose.fleet.predicted_accuracy import (
+    PredictedAccuracy,
+    as_stated,
+    of_a_new_robot,
+    of_robot_now,
+    promise,
+)
 from truepose.identification import identify
-from truepose.identification.problem.belief import Belief
-from truepose.planning.promise.knowledge import Knowns
-from truepose.planning.promise.subjects import APPROACH_RAD
-from truepose.planning.promise.volume import VolumeSample, WorkVolume, sample
-from truepose.planning.work_volume.candidates import draw_candidates
-from truepose.planning.work_volume.cell_space import space_to_measure
+from truepose.identification.problem.build import JointPrior
+from truepose.planning.prediction.knowledge import Knowns
+from truepose.planning.prediction.plan import VolumeSample, WorkVolume, sample
+from truepose.planning.prediction.subjects import APPROACH_RAD
+from truepose.planning.workspace.candidates import draw_candidates
+from truepose.planning.workspace.space import space_to_measure
 
 _PLACES: Final = 300
 _GROWN_MM: Final = 0.05
@@ -42,8 +47,8 @@ class Promises:
 class Beforehand:
     """What is known before a new robot of a fleet's type is measured."""
 
-    belief: Belief
-    promise: Promise
+    belief: JointPrior
+    promise: PredictedAccuracy
     figures: Promises
     places: VolumeSample
 
@@ -87,7 +92,7 @@ def _newcomer(robot: RobotTruth, seed: int, said: Beforehand) -> NewRobot:
     few, many = (recorded(cell, plan) for plan in (said.promise.pooled, said.promise.alone))
     true = true_mm(cell, said.places)
 
-    def mean_error(campaign: Campaign, believed: Belief | None) -> float:
+    def mean_error(campaign: Campaign, believed: JointPrior | None) -> float:
         model = identify(campaign, believed=believed).model
         if model is None:
             raise AssertionError("nothing could be identified of a new robot")

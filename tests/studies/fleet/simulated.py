@@ -14,14 +14,13 @@ from typing import Final
 
 import numpy as np
 
-from truepose.domain.measurement.campaign import Campaign, Stops
+from truepose.domain.campaign import Campaign, Stops
 from truepose.exchange.campaigns.folder import read_campaign
-from truepose.fleet.campaigns import Measured
-from truepose.fleet.information import information_of
-from truepose_simulators.cell.clock import CellClock
+from truepose.fleet.campaigns import FleetCampaign, information_of
+from truepose_simulators.cell.environment import CellClock
 from truepose_simulators.cell.true_cell import Cell
 from truepose_simulators.physics.effects import PlantedChange
-from truepose_simulators.physics.effects.joints.backlash import MEASURED_GAPS_DEG
+from truepose_simulators.physics.effects.backlash import MEASURED_GAPS_DEG
 from truepose_simulators.physics.plant import draw_motions
 from truepose_simulators.physics.rigid import FloatArray
 from truepose_simulators.physics.robots import ARMS
@@ -29,7 +28,7 @@ from truepose_simulators.recording import Wishes, write_campaign
 from truepose_simulators.recording.campaign import record_in
 from truepose_simulators.recording.plan import plan_stops
 from truepose_simulators.scenarios.file import load_scenario
-from truepose_simulators.scenarios.scenario import GivenLink, Scenario
+from truepose_simulators.scenarios.scenario import ConfiguredLink, Scenario
 
 MONTHS: Final = 5  # of which each has a campaign, beside the one at the beginning
 DAYS_A_MONTH: Final = 30.0
@@ -87,7 +86,7 @@ class RobotTruth:
     """One robot."""
 
     number: int
-    links: tuple[GivenLink, ...]
+    links: tuple[ConfiguredLink, ...]
     changes: tuple[PlantedChange, ...]
     ageing: Ageing | None = None
 
@@ -150,7 +149,7 @@ def draw_robot(
     motions = draw_motions(_ARM, load_scenario("irb120-tilted").errors, rng)
     compliance = of.compliance * _varied(rng, 6)
     links = tuple(
-        GivenLink(k + 1, tuple(motions[k + 1, :3]), tuple(motions[k + 1, 3:]), float(compliance[k]))
+        ConfiguredLink(k + 1, tuple(motions[k + 1, :3]), tuple(motions[k + 1, 3:]), float(compliance[k]))
         for k in range(6)
     )
     waves = [
@@ -181,14 +180,14 @@ def draw_new(seed: int, count: int) -> tuple[RobotTruth, ...]:
     return tuple(draw_robot(of, 100 + k, rng) for k in range(count))
 
 
-def identified_fleet(fleet: FleetTruth, configurations: int) -> list[Measured]:
+def identified_fleet(fleet: FleetTruth, configurations: int) -> list[FleetCampaign]:
     """Return what a campaign of every robot in every month tells; each meets both trackers in turn."""
     each = (
         record_robot(robot, month, TRACKERS[(robot.number + month) % 2], fleet, configurations)
         for robot in fleet.robots
         for month in range(MONTHS + 1)
     )
-    return [Measured(one.robot, one.instrument, one.day, information_of(one.campaign)) for one in each]
+    return [FleetCampaign(one.robot, one.instrument, one.day, information_of(one.campaign)) for one in each]
 
 
 def record_robot(

@@ -83,8 +83,10 @@ async def _session_under_way(url):
     stops = [{"config": k, "joints_deg": q, "nest": 1} for k, q in enumerate(joints, 1)]
     wanted = {"name": "crowded", "role": "calibration", "plan": {"method": "given", "stops": stops}}
     (await _asked(url, "POST", "/api/v1/sessions", json=wanted))[0].raise_for_status()
-    (await _asked(url, "POST", f"{_SESSION}/start"))[0].raise_for_status()
-    (await _asked(url, "POST", f"{_SESSION}/confirm", json=_PERSON))[0].raise_for_status()
+    for command in ("start", "confirm"):
+        found = (await _asked(url, "GET", f"{_SESSION}/situation"))[0].json()
+        said = {"command": command, "prompt_id": (found["prompt"] or {}).get("id"), **_PERSON}
+        (await _asked(url, "POST", f"{_SESSION}/commands", json=said))[0].raise_for_status()
 
 
 async def _health(url, asked):
@@ -135,9 +137,9 @@ async def crowded(folder, name, archive, *, silent, slow, uploads, asked, second
         async with httpx.AsyncClient(base_url=url, timeout=300.0, trust_env=False) as sender:
             sending = asyncio.gather(*(_sent(sender, archive) for _ in range(uploads)))
             waits = await _health(url, asked)
-            paused, pause_s = await _asked(url, "POST", f"{_SESSION}/pause")
+            paused, pause_s = await _asked(url, "POST", f"{_SESSION}/commands", json={"command": "pause"})
             waits += await _health(url, asked // 2)
-            aborted, abort_s = await _asked(url, "POST", f"{_SESSION}/abort")
+            aborted, abort_s = await _asked(url, "POST", f"{_SESSION}/commands", json={"command": "abort"})
             answers, kept = tuple(sorted(await sending)), await around
         memory.cancel()
         states = await _states(url)

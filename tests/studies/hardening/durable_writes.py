@@ -17,10 +17,10 @@ from unittest import mock
 from tests.helpers.domain.tracker_sessions import make_plan, make_point, make_setup, point_taken
 from tests.helpers.postgresql.server import own_server, programs
 from tests.studies.running import from_command_line
-from truepose.storage.connection.sqlite.library import VERSION
 from truepose.storage.database import Database
-from truepose.storage.measurement.ledger import LedgerRepository
-from truepose.storage.measurement.sessions import SessionRepository
+from truepose.storage.engine.sqlite_connections import VERSION
+from truepose.storage.ledger.entries import LedgerRepository
+from truepose.storage.ledger.sessions import SessionRepository
 
 WRITERS = 16
 

@@ -15,10 +15,10 @@ from tests.helpers.domain.tracker_sessions import make_plan, make_point, make_se
 from tests.studies.running import from_command_line
 from truepose.storage.database import Database
 from truepose.storage.errors import StorageUnavailableError
-from truepose.storage.integrity.arrival import verify_left
 from truepose.storage.integrity.guard import Guard
-from truepose.storage.measurement.ledger import LedgerRepository
-from truepose.storage.measurement.sessions import SessionRepository
+from truepose.storage.integrity.verification import verify_left
+from truepose.storage.ledger.entries import LedgerRepository
+from truepose.storage.ledger.sessions import SessionRepository
 
 _LARGEST = 256 * 2**20  # of a file system that is filled
 _BLOCK = 64 * 1024

@@ -27,7 +27,7 @@ from tests.studies.plant_kills.__main__ import WITHOUT_INSTRUMENTS
 from tests.studies.plant_kills.compared import kept_readings, read_acknowledged
 from tests.studies.plant_kills.delivering import Acknowledged, Sender, deliver
 from tests.studies.plant_kills.services import KilledService, ServedCell
-from truepose.storage.integrity.arrival import verify_left_at
+from truepose.storage.integrity.verification import verify_left_at
 
 _LARGEST = 256 * 2**20  # of a file system that is filled
 _BLOCK = 64 * 1024

@@ -19,7 +19,7 @@ import httpx
 import numpy as np
 
 from tests.helpers.identification.synthetic import nominal_campaign
-from truepose.demo.cell.processes import SimulatedService, running_service
+from truepose.demo.processes import SimulatedService, running_service
 from truepose.exchange.campaigns.folder import campaign_files
 
 ROWS = 1_000_000

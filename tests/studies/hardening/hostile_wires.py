@@ -13,7 +13,7 @@ from dataclasses import asdict
 from pathlib import Path
 
 from truepose_drivers.contract import codec_fuzz, hostile, link_faults
-from truepose_drivers.contract.benches import find_benches
+from truepose_drivers.contract.bench import find_benches
 
 _EVERY = "tests.contract.devices.every:BENCHES"
 _OF_CODECS = ("inputs", "read", "refused", "waiting", "foreign", "cpu_s")

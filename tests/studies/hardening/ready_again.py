@@ -22,8 +22,8 @@ from tests.studies.interruptions.killed_service import KilledService
 from tests.studies.running import from_command_line
 from truepose.storage.database import Database
 from truepose.storage.documents import to_document
-from truepose.storage.integrity.chain import linked_hash
-from truepose.storage.measurement.sessions import SessionRepository
+from truepose.storage.integrity.hash_chain import linked_hash
+from truepose.storage.ledger.sessions import SessionRepository
 
 _AT_A_TIME = 20_000
 _ADDRESS = 'host = "127.0.0.1"\nport = 9'

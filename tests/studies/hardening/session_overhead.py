@@ -17,13 +17,13 @@ import numpy as np
 
 from tests.helpers.ballbar.cells import domain_cell
 from tests.studies.running import from_command_line
-from tests.unit.service.sequencing.tracker.fakes import FakeCell, make_plan
-from tests.unit.service.sequencing.tracker.operators import PatientOperator
-from truepose.domain.measurement.session import SessionPlan, SessionState
-from truepose.sequencing.tracker.runner import TrackerRunner
+from tests.unit.service.sessions.tracker.fakes import FakeCell, make_plan
+from tests.unit.service.sessions.tracker.operators import PatientOperator
+from truepose.domain.session import SessionPlan, SessionState
+from truepose.sessions.tracker.runner import TrackerRunner
 from truepose.storage.database import Database
-from truepose.storage.measurement.ledger import LedgerRepository
-from truepose.storage.measurement.sessions import SessionRepository
+from truepose.storage.ledger.entries import LedgerRepository
+from truepose.storage.ledger.sessions import SessionRepository
 from truepose.storage.records import SessionSetup
 
 _SHORT: Final = 10

@@ -18,13 +18,13 @@ from pathlib import Path
 from tests.helpers.ballbar.sessions import make_ballbar_plan, measured
 from tests.helpers.domain.tracker_sessions import make_plan, make_point, make_setup, point_taken
 from tests.studies.running import from_command_line
-from truepose.storage.connection.sqlite.library import LIBRARY
 from truepose.storage.database import Database
+from truepose.storage.engine.sqlite_connections import LIBRARY
 from truepose.storage.errors import StorageError
-from truepose.storage.integrity.arrival import verify_left
 from truepose.storage.integrity.guard import Guard
-from truepose.storage.measurement.ledger import LedgerRepository
-from truepose.storage.measurement.sessions import SessionRepository
+from truepose.storage.integrity.verification import verify_left
+from truepose.storage.ledger.entries import LedgerRepository
+from truepose.storage.ledger.sessions import SessionRepository
 from truepose.storage.tables import metadata
 
 _ENOUGH = 100_000  # rows: pages that point at each other have no end

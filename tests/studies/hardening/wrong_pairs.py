@@ -27,9 +27,9 @@ from tests.studies.hardening.wrong_pairs_session import (
     whole_session,
 )
 from truepose.exchange.cells.file import simulated_cell
-from truepose.judgement.ball_pairs.early import refuted_stops
 from truepose.planning.ballbar.plan import ballbar_plan
 from truepose.storage.records import SessionSetup
+from truepose.validation.early_connection_check import refuted_stops
 
 SCENARIOS = ("irb120-tilted", "lrmate-tilted", "irb120-everyday", "lrmate-everyday")
 POSES = (6, 8, 10, 24, 64)

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from truepose.domain.cell.artefacts import BallbarKit
-from truepose_simulators.cell.clock import CellClock
+from truepose.domain.cell import BallbarKit
+from truepose_simulators.cell.environment import CellClock
 from truepose_simulators.cell.true_cell import Cell
 from truepose_simulators.scenarios.file import load_scenario
 

@@ -7,13 +7,12 @@ import numpy as np
 
 from tests.helpers.ballbar.sessions import make_length
 from tests.studies.hardening.wrong_pairs_cell import KIT, NOMINAL_MM, RANGE_MM, Gauge, in_range
-from truepose.analysis.ballbar.assembly import Counting, LegKept, SetupKept, SideKept, Standing
-from truepose.analysis.ballbar.precalibration import precalibrate
-from truepose.domain.measurement.ballbar import ArrivalTaken, Leg, PlannedPose, PoseForecast
-from truepose.judgement.ball_pairs.accounts import begin
-from truepose.judgement.ball_pairs.early import judge_early
-from truepose.judgement.ball_pairs.judge import judge_leg, judge_pose
-from truepose.planning.ballbar.lengths.beforehand import known_beforehand
+from truepose.analysis.ballbar_plans import precalibrate
+from truepose.analysis.campaigns.ballbar import Counting, LegKept, RestPose, SetupKept, SideKept
+from truepose.domain.ballbar import ArrivalTaken, Leg, PlannedPose, PoseForecast
+from truepose.planning.ballbar.length_forecast import known_beforehand
+from truepose.validation.connection_check import judge_leg, judge_pose
+from truepose.validation.early_connection_check import begin, judge_early
 
 _NOISE = {"reading_u_mm": KIT.reading_u_mm, "zero_u_mm": KIT.zero_u_mm}
 _FOLLOWS = 0.5  # having taken B for A, takes A for B
@@ -82,7 +81,7 @@ class Site:
         sides = [SideKept(number, points, _taken(mm)) for (number, points), mm in self.sides.items()]
         last = poses[next(reversed(kept))]
         return Counting(tuple(legs), tuple(sides), tuple(setups),
-                        standing=Standing(last.placement, last.joints_rad))  # fmt: skip
+                        standing=RestPose(last.placement, last.joints_rad))  # fmt: skip
 
     def precalibrated(self, kept, poses):
         """The pre-calibration of the service."""

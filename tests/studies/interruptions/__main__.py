@@ -23,7 +23,7 @@ import numpy as np
 
 from tests.studies.interruptions.killed_service import KilledService, standing_cell
 from tests.studies.interruptions.ledger_check import Entry, Faults, faults
-from truepose.demo.cell.person_at_tablet import PersonAtTablet
+from truepose.demo.simulated_operator import SimulatedOperator
 
 _ALIVE_S: Final = (0.02, 2.0)  # how long the service lives between a start and a kill
 _PAGE: Final = 1000
@@ -103,10 +103,10 @@ class _Session:
 
     async def run(self, kills: int, wanted: Mapping[str, Any], seed: int) -> None:
         session = {"name": "interrupted", "seed": seed + self._tally.sessions, **wanted}
-        created = await self._http.post("/api/v1/ballbar-sessions", json=session)
+        created = await self._http.post("/api/v1/sessions", json={"kind": "ballbar", **session})
         created.raise_for_status()
         self._tally.sessions += 1
-        person = PersonAtTablet(self._http, created.json()["id"], f"tablet-{self._tally.sessions}")
+        person = SimulatedOperator(self._http, created.json()["id"], f"tablet-{self._tally.sessions}")
         walking = asyncio.create_task(person.walk())
         before: list[Entry] = []
         try:
@@ -120,13 +120,13 @@ class _Session:
             self._tally.entries += len(before)
         await person.act("abort")
 
-    async def _interrupted(self, person: PersonAtTablet, before: Sequence[Entry]) -> list[Entry]:
+    async def _interrupted(self, person: SimulatedOperator, before: Sequence[Entry]) -> list[Entry]:
         """Kill the service, start it again, and check what it says; returns its ledger."""
         person.hands_free.clear()
         await self._service.kill()
         self._tally.kills += 1
         self._tally.ready_s.append(await self._service.start())
-        now = (await self._http.get(person.path)).json()
+        now = (await self._http.get(f"{person.path}/situation")).json()
         after = await self._entries(person.path)
         self._tally.add(faults(person.ledger, before, after))
         self._judge_restart(person.seen, now, after)

@@ -4,7 +4,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 
-from truepose.demo.cell.person_at_tablet import OwnLedger
+from truepose.demo.simulated_operator import OwnLedger
 
 Entry: TypeAlias = dict[str, Any]  # as the service sends it
 

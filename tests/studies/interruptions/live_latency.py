@@ -21,7 +21,7 @@ import httpx
 import numpy as np
 
 from tests.studies.interruptions.killed_service import KilledService, standing_cell
-from truepose.demo.cell.person_at_tablet import PersonAtTablet
+from truepose.demo.simulated_operator import SimulatedOperator
 
 LIMIT_MS: Final = 150.0  # at the 95th percentile
 _ANSWER_S: Final = 120.0
@@ -43,12 +43,12 @@ async def measure(seconds: float, tablets: int, folder: Path, scenario: str) -> 
             await service.kill()
 
 
-async def _begun(http: httpx.AsyncClient) -> PersonAtTablet:
+async def _begun(http: httpx.AsyncClient) -> SimulatedOperator:
     """Return a session that has begun, its ballbar on the calibrator."""
     wanted = {"name": "latency", "poses": 1}
-    created = await http.post("/api/v1/ballbar-sessions", json=wanted)
+    created = await http.post("/api/v1/sessions", json={"kind": "ballbar", **wanted})
     created.raise_for_status()
-    person = PersonAtTablet(http, created.json()["id"])
+    person = SimulatedOperator(http, created.json()["id"])
     await person.act("start")
     await person.hands("calibrator", bars="tool")
     return person

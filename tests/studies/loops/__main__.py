@@ -17,10 +17,10 @@ from tests.studies.loops.held_out import HeldOut
 from tests.studies.loops.planned import attained, planned
 from tests.studies.loops.recorded import TRACKER, calibrated
 from tests.studies.report_command import shown, status_of
-from truepose.domain.results.identification import NotIdentifiable
+from truepose.domain.identification import NotIdentifiable
+from truepose.messages.catalogue import english
 from truepose.reports.table_report import Row, Section, Verdict, write_table_report
-from truepose.words.catalogue import english
-from truepose_simulators.recording.loops.loops import LOOPS
+from truepose_simulators.recording.closed_loops import LOOPS
 
 _ALL: Final = (*LOOPS, TRACKER)
 _KEPT: Final = (0.8, 1.2)  # of the promise, over all arms

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from truepose.domain.arrays import FloatArray, IntArray
-from truepose.domain.measurement.campaign import Campaign, Stops
-from truepose.domain.results.identification import Identification
+from truepose.domain.campaign import Campaign, Stops
+from truepose.domain.identification import Identification
 from truepose.identification import identify
 from truepose.identification.model.derivatives import place_jacobian
 from truepose.identification.model.estimates import Estimate, identified_estimate, nominal_estimate

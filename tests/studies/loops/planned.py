@@ -8,18 +8,16 @@ import numpy as np
 
 from tests.studies.loops.held_out import HeldOut, held_out
 from tests.studies.loops.recorded import truth_of
-from truepose.domain.measurement.campaign import TargetDistances
-from truepose.domain.measurement.targets import Target, TargetKind
+from truepose.domain.campaign import TargetDistances
+from truepose.domain.contacts import Target, TargetKind
 from truepose.exchange.campaigns.folder import read_campaign
 from truepose.exchange.cells.file import simulated_cell
-from truepose.planning.loops.plan import promised_loop
-from truepose.planning.loops.stands import LoopWish
-from truepose.planning.promise.plan import PromisedPlan
-from truepose.planning.work_volume.cell_space import space_to_measure
-from truepose_simulators.recording.loops.campaign import LoopWishes, record_loop
-from truepose_simulators.recording.loops.files import write_loop
-from truepose_simulators.recording.loops.loops import LOOPS, Loop
-from truepose_simulators.recording.loops.stops import Stands
+from truepose.planning.contacts.loop_prediction import promised_loop
+from truepose.planning.contacts.loop_stands import LoopWish
+from truepose.planning.prediction.plan import PromisedPlan
+from truepose.planning.workspace.space import space_to_measure
+from truepose_simulators.recording.closed_loop_campaign import LoopWishes, record_loop, write_loop
+from truepose_simulators.recording.closed_loops import LOOPS, Loop, LoopConfigurations
 from truepose_simulators.scenarios.file import load_scenario
 
 _APPROACH_RAD: Final = -0.0872664626
@@ -60,7 +58,7 @@ def attained(scenario: str, seed: int, kind: str, plan: PromisedPlan) -> HeldOut
     if plan.nest is None or plan.targets is None:
         raise SystemExit("this is no plan of a closed loop")
     first = np.array([numbers[0] - 1 for numbers in plan.targets])
-    stands = Stands(np.degrees(plan.joints_rad).round(5), plan.nest, first)
+    stands = LoopConfigurations(np.degrees(plan.joints_rad).round(5), plan.nest, first)
     recording = record_loop(load_scenario(scenario), seed, LoopWishes(kind, validation=10), stands)
     with tempfile.TemporaryDirectory() as folder:
         write_loop(recording, Path(folder))

@@ -7,13 +7,12 @@ from typing import Final
 import numpy as np
 
 from tests.studies.loops.held_out import HeldOut, Truth, held_out
-from truepose.domain.measurement.campaign import Stops
+from truepose.domain.campaign import Stops
 from truepose.exchange.campaigns.folder import read_campaign
 from truepose_simulators.cell.true_cell import Cell
 from truepose_simulators.recording import Stops as RecordedStops
 from truepose_simulators.recording import Wishes, record, write_campaign
-from truepose_simulators.recording.loops.campaign import LoopWishes, record_loop
-from truepose_simulators.recording.loops.files import write_loop
+from truepose_simulators.recording.closed_loop_campaign import LoopWishes, record_loop, write_loop
 from truepose_simulators.scenarios.file import load_scenario
 from truepose_simulators.scenarios.scenario import Scenario
 

@@ -12,14 +12,14 @@ from collections import Counter
 from dataclasses import dataclass, field
 from typing import Final
 
-from tests.unit.service.sequencing.ballbar.fakes import Bench
-from tests.unit.service.sequencing.ballbar.sessions import make_plan
-from truepose.domain.measurement.ballbar import StepKind
-from truepose.domain.measurement.session import SessionState
-from truepose.sequencing.ballbar.state_so_far import READINGS
-from truepose.sequencing.engine.acts import ActName
-from truepose.sequencing.engine.states import has_ended
-from truepose.sequencing.errors import ReasonMissingError, SequencingError
+from tests.unit.service.sessions.ballbar.fakes import Bench
+from tests.unit.service.sessions.ballbar.sessions import make_plan
+from truepose.domain.ballbar import StepKind
+from truepose.domain.session import SessionState
+from truepose.sessions.ballbar.state import READINGS
+from truepose.sessions.engine.commands import ActName
+from truepose.sessions.engine.states import has_ended
+from truepose.sessions.errors import ReasonMissingError, SessionError
 from truepose_drivers.errors import ConnectionLostError, NoReplyError
 
 _PLAN: Final = make_plan((1, 2), precalibrate_after=1, stable_s=0.1, settle_s=0.0)
@@ -146,7 +146,7 @@ class _Person:
             self._seen.refused += attached
             if self._rng.random() < 0.5:
                 await self._say_where_it_lies()
-        except SequencingError:
+        except SessionError:
             self._seen.refused += attached
 
     async def _say_where_it_lies(self) -> None:
@@ -159,5 +159,5 @@ class _Person:
         self._bench.bar.out_of_range_mm = None
 
     async def _press(self, name: ActName, **said: str) -> None:
-        with contextlib.suppress(SequencingError):
+        with contextlib.suppress(SessionError):
             await self._bench.press(name, **said)

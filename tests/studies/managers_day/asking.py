@@ -8,7 +8,7 @@ from tests.studies.managers_day.cells import CellAtWork, measure_as_planned
 from tests.studies.managers_day.day import Day
 from tests.studies.managers_day.plants import METROLOGIST
 from tests.studies.managers_day.programs import until
-from truepose.demo.cell.client import PERSON, ServiceClient
+from truepose.demo.client import PERSON, ServiceClient
 
 _NEW_SEED: Final = 7
 _NEXT: Final = "To be measured next"

@@ -12,7 +12,7 @@ import httpx
 from tests.helpers.ports import free_port
 from tests.studies.managers_day.cable import Cable
 from tests.studies.managers_day.programs import Running, answered, truepose
-from truepose.demo.cell.client import PERSON, ServiceClient
+from truepose.demo.client import PERSON, ServiceClient
 from truepose.demo.errors import SessionHaltedError
 
 ADMINISTRATOR: Final = "Ada Byron"

@@ -16,8 +16,8 @@ from typing import Any, TypeAlias
 import psycopg
 
 from tests.studies.plant_kills.delivering import reading
-from truepose.storage.connection.address import database_file
-from truepose.storage.integrity.arrival import verify_left_at
+from truepose.storage.engine.address import database_file
+from truepose.storage.integrity.verification import verify_left_at
 
 Link: TypeAlias = tuple[int, int, str, int, bytes]  # link, stream, record, number of the record, hash
 _CHAIN = "SELECT id, stream, record, record_id, hash FROM links ORDER BY id"

@@ -8,7 +8,7 @@ from typing import Final
 import httpx
 
 from tests.studies.plant_kills.delivering import Acknowledged
-from truepose.demo.cell.person_at_tablet import PersonAtTablet
+from truepose.demo.simulated_operator import SimulatedOperator
 
 _ANSWER_S: Final = 300.0
 _AGAIN_S: Final = 0.2
@@ -39,7 +39,7 @@ async def _begun(http: httpx.AsyncClient, seed: int, unharmed: asyncio.Lock) -> 
     wanted = {"name": "killed", "seed": seed, "poses": 4, "placements": [_PLACE]}
     async with unharmed:
         try:
-            created = await http.post("/api/v1/ballbar-sessions", json=wanted)
+            created = await http.post("/api/v1/sessions", json={"kind": "ballbar", **wanted})
         except httpx.TransportError:
             await asyncio.sleep(_AGAIN_S)
             return None
@@ -57,7 +57,7 @@ async def _walked(
     acknowledged: Acknowledged,
     ended: asyncio.Event,
 ) -> None:
-    person = PersonAtTablet(http, session, tablet)
+    person = SimulatedOperator(http, session, tablet)
     walking = asyncio.create_task(person.walk())
     ending = asyncio.create_task(ended.wait())
     await asyncio.wait({walking, ending}, return_when=asyncio.FIRST_COMPLETED)

@@ -13,12 +13,10 @@ import numpy as np
 
 from tests.studies.archive.compared import bits_of, parts_of
 from tests.studies.archive.recorded import recorded_archive
-from truepose.analysis.archive.campaigns import Archived
-from truepose.analysis.archive.outcome import analyse
-from truepose.analysis.cluster.cluster import Cluster
-from truepose.analysis.cluster.dask_clusters import of_this_computer
-from truepose.analysis.cluster.dask_places import DaskPlaces
-from truepose.analysis.cluster.parts import Done
+from truepose.analysis.archive import ArchivedCampaign
+from truepose.analysis.archive_outcomes import analyse
+from truepose.analysis.cluster.dask_workers import DaskPlaces, of_this_computer
+from truepose.analysis.cluster.tasks import Cluster, PartAnswer
 from truepose.analysis.errors import ClusterError
 
 _CAMPAIGNS: Final = 3
@@ -29,7 +27,7 @@ _PATIENCE_S: Final = 120.0
 class Workers:
     """Computes the same parts again and again, and compares the bits with those before anybody was killed."""
 
-    def __init__(self, places: DaskPlaces, campaigns: list[Archived]) -> None:
+    def __init__(self, places: DaskPlaces, campaigns: list[ArchivedCampaign]) -> None:
         self._places, self._campaigns = places, campaigns
         self._bits: dict[str, str] = {}
         self._usual_s = 1.0  # that a round takes
@@ -61,7 +59,7 @@ class Workers:
     def _compute(self) -> None:
         came = 0
         for outcome in Cluster(self._places).outcomes(analyse, parts_of(self._campaigns)):
-            if isinstance(outcome, Done):
+            if isinstance(outcome, PartAnswer):
                 came += 1
                 bits = bits_of(outcome.answer)
                 self.other_bits += bits != self._bits.setdefault(outcome.name, bits)

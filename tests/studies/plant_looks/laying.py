@@ -12,8 +12,8 @@ import psycopg
 from sqlalchemy import Table
 
 from tests.studies.plant_looks.rows import Laid, Row, rows
-from truepose.storage.connection.address import database_file
 from truepose.storage.database import Database
+from truepose.storage.engine.address import database_file
 
 _TOGETHER: Final = 20_000
 

@@ -7,9 +7,9 @@ from datetime import UTC, datetime
 from typing import Any, Final
 
 from truepose.storage.database import Database
-from truepose.storage.plant.looking import PlantLooks
-from truepose.storage.plant.looking_over import PlantOverview
-from truepose.storage.plant.visits import VisitRepository
+from truepose.storage.plant.cells import VisitRepository
+from truepose.storage.plant.overview import PlantOverview
+from truepose.storage.plant.queries import PlantQueries
 from truepose.storage.records import Page
 
 _TIMES: Final = 30
@@ -28,7 +28,7 @@ async def looked_up(url: str, robots: int) -> dict[str, tuple[float, float]]:
 
 def _asked(database: Database, robot: str) -> dict[str, Callable[[], Awaitable[Any]]]:
     today = datetime.now(UTC).date()
-    looks, visits, overview = PlantLooks(database), VisitRepository(database), PlantOverview(database)
+    looks, visits, overview = PlantQueries(database), VisitRepository(database), PlantOverview(database)
     return {
         "all robots with their last day": lambda: overview.robots(today),
         "500 robots": lambda: looks.robots(Page(limit=500), today),

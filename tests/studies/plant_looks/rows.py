@@ -13,9 +13,8 @@ from typing import Any, Final
 
 from sqlalchemy import Table
 
-from truepose.storage.integrity.chain import GENESIS, linked_hash, stream_of
-from truepose.storage.tables import links
-from truepose.storage.tables.of_plants import (
+from truepose.storage.integrity.hash_chain import GENESIS, linked_hash, stream_of
+from truepose.storage.plant.tables import (
     plant_branches,
     plant_cells,
     plant_days,
@@ -26,6 +25,7 @@ from truepose.storage.tables.of_plants import (
     plant_sessions,
     plant_told,
 )
+from truepose.storage.tables import links
 
 CELLS: Final = 40
 _INSTRUMENTS: Final = 3

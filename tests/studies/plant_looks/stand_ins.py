@@ -9,8 +9,8 @@ from typing import Any, Final
 from urllib.parse import parse_qs, urlsplit
 
 from tests.studies.plant_looks.rows import CellChain
-from truepose.storage.integrity.chain import GENESIS, linked_hash
-from truepose.storage.integrity.head import head_of
+from truepose.storage.integrity.hash_chain import GENESIS, linked_hash
+from truepose.storage.integrity.head_hash import head_of
 
 _NEW: Final = 20  # readings that the plant has not collected
 _FIRST_NEW: Final = 10**9  # number of a reading that no cell has yet

@@ -15,13 +15,15 @@ from truepose.exchange.cells.file import simulated_cell
 from truepose.identification.model.estimates import identified_anchors
 from truepose.kinematics.frames import rigid_alignment
 from truepose.planning.ballbar.plan import ballbar_cell
-from truepose.planning.ballbar.setups import setups
-from truepose.planning.promise.ballbar import promised_ballbar_session, work_space_of
-from truepose.planning.promise.plan import BallbarPoses, PromisedPlan
-from truepose.planning.promise.volume import WorkVolume, sample
+from truepose.planning.ballbar.poses import setups
+from truepose.planning.prediction.ballbar import promised_ballbar_session, work_space_of
+from truepose.planning.prediction.plan import BallbarPoses, PromisedPlan, WorkVolume, sample
 from truepose_simulators.recording import Wishes
-from truepose_simulators.recording.ballbars.campaign import BallbarWishes, record_ballbar
-from truepose_simulators.recording.ballbars.files import write_ballbar_campaign
+from truepose_simulators.recording.ballbars.campaign import (
+    BallbarWishes,
+    record_ballbar,
+    write_ballbar_campaign,
+)
 from truepose_simulators.recording.ballbars.plan import plan_from
 from truepose_simulators.recording.ballbars.readings import Cups
 from truepose_simulators.scenarios.file import load_scenario

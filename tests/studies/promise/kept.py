@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
-from truepose.planning.promise.plan import PromisedPlan
+from truepose.planning.prediction.plan import PromisedPlan
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,18 +9,17 @@ import numpy as np
 
 from tests.studies.promise.kept import Kept, kept
 from truepose.domain.arrays import FloatArray, IntArray
-from truepose.domain.measurement.campaign import Campaign, Stops
-from truepose.domain.results.identification import Model
+from truepose.domain.campaign import Campaign, Stops
+from truepose.domain.identification import Model
 from truepose.exchange.campaigns.folder import read_campaign
 from truepose.exchange.cells.file import simulated_cell
 from truepose.identification import identify, predict
-from truepose.planning.promise.knowledge import Knowns
-from truepose.planning.promise.plan import PromisedPlan
-from truepose.planning.promise.subjects import of_campaign
-from truepose.planning.promise.tracker import promised_session
-from truepose.planning.promise.volume import VolumeSample, WorkVolume, sample
-from truepose.planning.work_volume.cell_space import space_to_measure
-from truepose_simulators.cell.clock import CellClock
+from truepose.planning.prediction.knowledge import Knowns
+from truepose.planning.prediction.plan import PromisedPlan, VolumeSample, WorkVolume, sample
+from truepose.planning.prediction.subjects import of_campaign
+from truepose.planning.prediction.tracker import promised_session
+from truepose.planning.workspace.space import space_to_measure
+from truepose_simulators.cell.environment import CellClock
 from truepose_simulators.cell.true_cell import Cell
 from truepose_simulators.recording import Stops as RecordedStops
 from truepose_simulators.recording import Wishes, write_campaign

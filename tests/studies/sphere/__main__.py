@@ -22,16 +22,15 @@ from tests.studies.sphere.calibrated_arms import (
     calibrated,
     sphere_campaign,
 )
-from truepose.domain.measurement.ballbar import BallbarPlan, SphereWish
-from truepose.domain.results.identification import Model
+from truepose.domain.ballbar import BallbarPlan, SphereWish
+from truepose.domain.identification import Model
 from truepose.domain.robot import FramePlacement
-from truepose.exchange.robots.shipped import load_robot
-from truepose.judgement.sphere.errors import SphereFigures
-from truepose.judgement.sphere.judged import NOMINAL, sphere_test
-from truepose.planning.ballbar.clear_ways.bodies import BallbarCell
-from truepose.planning.ballbar.fixture import base_fixture
+from truepose.exchange.robots.named import load_robot
+from truepose.planning.ballbar.bodies import BallbarCell, base_fixture
 from truepose.planning.ballbar.sphere import plan_sphere
 from truepose.reports.table_report import Row, Section, Verdict, write_table_report
+from truepose.validation.sphere_errors import SphereFigures
+from truepose.validation.sphere_test import NOMINAL, sphere_test
 
 _FRAME: Final = FramePlacement(350.0, -150.0, 150.0, 0.0, -0.5236, 1.0472)
 _ROBOT: Final = "abb-irb-120"  # whose ranges are those of the thesis

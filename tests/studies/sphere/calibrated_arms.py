@@ -11,9 +11,9 @@ from typing import Final
 
 import numpy as np
 
-from truepose.domain.measurement.ballbar import BallbarPlan
-from truepose.domain.measurement.campaign import Campaign, CupSetups, LegReadings, PointReadings, Stops
-from truepose.domain.results.identification import Model
+from truepose.domain.ballbar import BallbarPlan
+from truepose.domain.campaign import Campaign, CupSetups, LegReadings, PointReadings, Stops
+from truepose.domain.identification import Model
 from truepose.exchange.campaigns.folder import read_campaign
 from truepose.identification import identify
 from truepose_simulators.cell.true_cell import Cell

@@ -9,8 +9,8 @@ from typing import Any
 
 from tests.studies.taken_up.onlooked_cell import standing
 from tests.studies.taken_up.service_here import ServiceHere
-from truepose.demo.cell.person_at_tablet import PersonAtTablet
-from truepose.storage.connection.sqlite.library import LIBRARY
+from truepose.demo.simulated_operator import SimulatedOperator
+from truepose.storage.engine.sqlite_connections import LIBRARY
 
 _STEPS_BETWEEN = 4
 _ENDED = {"finished", "aborted", "failed"}
@@ -47,9 +47,11 @@ async def begin(
         service = ServiceHere(folder, scenario, addresses)
         await service.start()
         try:
-            created = await service.http.post("/api/v1/ballbar-sessions", json={"name": "six legs", **wanted})
+            created = await service.http.post(
+                "/api/v1/sessions", json={"kind": "ballbar", "name": "six legs", **wanted}
+            )
             created.raise_for_status()
-            person = PersonAtTablet(service.http, created.json()["id"])
+            person = SimulatedOperator(service.http, created.json()["id"])
             for step in (await _every_few_steps(service, person.path))[:most]:
                 session = await person.walk(until=step)
                 if session["state"] in _ENDED:
@@ -61,7 +63,7 @@ async def begin(
 
 
 async def _every_few_steps(service: ServiceHere, path: str) -> list[str]:
-    steps = (await service.http.get(f"{path}/steps")).json()["steps"]
+    steps = (await service.http.get(f"{path}/plan")).json()["steps"]
     return [step["id"] for step in steps[::_STEPS_BETWEEN]]
 
 

@@ -5,7 +5,7 @@ import json
 from pathlib import Path
 from typing import Any
 
-from truepose.storage.connection.sqlite.library import LIBRARY
+from truepose.storage.engine.sqlite_connections import LIBRARY
 
 _NAMES = ("number", "step_id", "kind", "key", "document")
 

@@ -9,19 +9,17 @@ from collections.abc import AsyncIterator, Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TypeAlias
 
-from truepose_simulators.cell.clock import CellClock
+from truepose_simulators.cell.environment import CellClock
 from truepose_simulators.cell.journal import RememberedCell
 from truepose_simulators.cell.robot import JointMotion, SpeedLimits
-from truepose_simulators.instruments.ballbars.ballbar_hid import HidBallbarGadget
-from truepose_simulators.instruments.ballbars.device import OnCalibrator, Seat, Span
-from truepose_simulators.instruments.ballbars.length_source import Electronics
-from truepose_simulators.instruments.ballbars.nd28x import nd28x_endpoint
-from truepose_simulators.instruments.ballbars.usbip import usbip_endpoint
-from truepose_simulators.instruments.cell_clock import clock_endpoint
+from truepose_simulators.instruments.cell_endpoints import clock_endpoint, hands_endpoint
 from truepose_simulators.instruments.endpoint import Address, Endpoint
-from truepose_simulators.instruments.hands_endpoint import hands_endpoint
-from truepose_simulators.instruments.robot.open_abb import MotionProgram
-from truepose_simulators.instruments.robot.open_abb_server import robot_endpoint
+from truepose_simulators.instruments.gauges.ballbar import OnCalibrator, Seat, Span
+from truepose_simulators.instruments.gauges.ballbar_hid import HidBallbarGadget
+from truepose_simulators.instruments.gauges.length_source import Electronics
+from truepose_simulators.instruments.gauges.nd28x import nd28x_endpoint
+from truepose_simulators.instruments.gauges.usbip import usbip_endpoint
+from truepose_simulators.instruments.robot.open_abb import MotionProgram, robot_endpoint
 from truepose_simulators.physics.rigid import FloatArray
 from truepose_simulators.scenarios.file import load_scenario
 

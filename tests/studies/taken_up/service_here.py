@@ -10,7 +10,7 @@ import httpx
 from tests.studies.taken_up.cell_text import cell_text
 from tests.studies.taken_up.ledger_on_disk import lines
 from truepose.app.composition import open_context
-from truepose.app.joined import program_version
+from truepose.app.startup import program_version
 from truepose.settings import Settings
 from truepose.web.application import create_application
 from truepose_simulators.instruments.endpoint import Address

@@ -15,12 +15,12 @@ import pytest
 from tests.helpers.commands import TRUEPOSE, installed
 from tests.helpers.commands import typed as truepose
 from tests.helpers.identification.synthetic import configurations, measured, nominal_campaign
-from truepose.domain.measurement.campaign import PointReadings, Stops
+from truepose.domain.campaign import PointReadings, Stops
 from truepose.exchange.campaigns.folder import write_campaign
 from truepose.exchange.models.file import read_model
 from truepose.exchange.tables.points import point_text
 from truepose.identification import predict
-from truepose.judgement.iso9283.plan import Cube, plan_poses
+from truepose.validation.iso9283.plan import Cube, plan_poses
 from truepose.version import __version__ as truepose_version
 
 COMMANDS = ("demo", "serve", "simulate", "identify", "diagnose", "predict", "validate", "nightly")

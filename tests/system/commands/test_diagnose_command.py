@@ -8,7 +8,7 @@ import pytest
 from tests.helpers.commands import installed
 from tests.helpers.commands import typed as truepose
 from tests.helpers.identification.synthetic import measured, nominal_campaign
-from truepose.domain.measurement.campaign import Campaign
+from truepose.domain.campaign import Campaign
 from truepose.exchange.campaigns.folder import write_campaign
 
 KEYS = {

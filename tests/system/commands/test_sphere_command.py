@@ -9,7 +9,7 @@ import pytest
 from tests.helpers.ballbar.spheres import NESTS_MM, longer, sphere_campaign
 from tests.helpers.commands import installed, typed
 from tests.helpers.identification.models import IRB_120, model_of, parameters_of
-from truepose.domain.results.identification import NestCentre
+from truepose.domain.identification import NestCentre
 from truepose.exchange.campaigns.folder import write_campaign
 from truepose.exchange.models.file import write_model
 

@@ -7,7 +7,7 @@ import pytest
 
 from tests.helpers.ballbar.campaigns import LENGTH_U_MM, ballbar_campaign, places
 from truepose.diagnosis.diagnose import diagnose
-from truepose.domain.results.diagnosis import Verdict
+from truepose.domain.diagnosis import Verdict
 
 BUMP_MM = np.array([1.1, -0.7, 0.5])
 STOPS = 68  # of each placement: more gaps than are tried, every second one

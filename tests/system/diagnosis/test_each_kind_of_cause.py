@@ -11,7 +11,7 @@ from tests.helpers.diagnosis.found_causes import assert_found, case
 from tests.studies.diagnosis_report.planted.cases import FOR_INFORMATION, REALISTIC
 from tests.studies.diagnosis_report.study import trial_of
 from tests.studies.diagnosis_report.trials import Trial
-from truepose.domain.results.diagnosis import Verdict
+from truepose.domain.diagnosis import Verdict
 
 # Two at once name twice as many causes for little more than one costs.
 TOGETHER = (

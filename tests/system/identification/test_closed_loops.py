@@ -7,8 +7,8 @@ import pytest
 
 from tests.studies.loops.recorded import calibrated
 from truepose.diagnosis.diagnose import diagnose
-from truepose.domain.results.diagnosis import Verdict
-from truepose.domain.results.identification import Status
+from truepose.domain.diagnosis import Verdict
+from truepose.domain.identification import Status
 from truepose.exchange.campaigns.folder import read_campaign
 from truepose.identification import identify
 from truepose_simulators.recording.__main__ import main

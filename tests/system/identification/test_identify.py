@@ -16,14 +16,14 @@ from tests.helpers.identification.synthetic import (
     shifted,
     with_joints,
 )
+from truepose.domain.campaign import Campaign
 from truepose.domain.errors import ConfigurationError, UnknownEffectError
-from truepose.domain.measurement.campaign import Campaign
-from truepose.domain.results.identification import Status
+from truepose.domain.identification import Status
 from truepose.domain.robot import FramePlacement, Nest, WorldRegistration
 from truepose.identification import identify, predict
 from truepose.identification.problem.build import automatic_effects, build
 from truepose.kinematics.frames import rotation_xyz
-from truepose.words.catalogue import english
+from truepose.messages.catalogue import english
 
 
 def names_of(answer):

@@ -2,10 +2,10 @@
 
 import pytest
 
-from truepose.domain.results.identification import Status
+from truepose.domain.identification import Status
 from truepose.exchange.campaigns.folder import read_campaign
 from truepose.identification import identify
-from truepose.words.catalogue import english
+from truepose.messages.catalogue import english
 
 # README of each folder: RMS on the same split, level 2 or 3. Within 3 per cent: another prior and another
 # weighting of orientations than the baseline's move these figures by that much.

@@ -14,9 +14,9 @@ from tests.helpers.identification.synthetic import (
     measured,
     nominal_campaign,
 )
+from truepose.domain.campaign import LegReadings
 from truepose.domain.errors import ConfigurationError
-from truepose.domain.measurement.campaign import LegReadings
-from truepose.domain.results.identification import Status
+from truepose.domain.identification import Status
 from truepose.domain.robot import FramePlacement, Nest, Robot
 from truepose.exchange.models.file import model_from_text, model_text
 from truepose.identification import identify, judge, predict

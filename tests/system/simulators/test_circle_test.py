@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from tests.helpers.domain.circles import points_of, there_and_back, turned
-from truepose.judgement.circle.judged import circle_test
-from truepose_simulators.cell.clock import CellClock
+from truepose.validation.circle_test import circle_test
+from truepose_simulators.cell.environment import CellClock
 from truepose_simulators.cell.true_cell import Cell
 from truepose_simulators.recording import Wishes
 from truepose_simulators.recording.campaign import record_at

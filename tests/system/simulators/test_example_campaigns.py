@@ -8,8 +8,7 @@ import pytest
 
 from truepose_simulators.physics.arm import CarriedMass
 from truepose_simulators.physics.effects import Conditions
-from truepose_simulators.physics.equilibrium import find_rest
-from truepose_simulators.physics.plant import Plant
+from truepose_simulators.physics.plant import Plant, find_rest
 from truepose_simulators.physics.rigid import cross_matrix
 from truepose_simulators.physics.robots import ARMS
 

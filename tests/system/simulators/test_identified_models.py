@@ -24,7 +24,7 @@ from tests.helpers.identification.models import (
     stops_and_nests,
 )
 from tests.helpers.identification.replays import went_mm
-from truepose.domain.results.identification import Unit
+from truepose.domain.identification import Unit
 from truepose.effects.registry import EFFECTS
 from truepose.exchange.models.file import write_model
 from truepose.identification import predict

@@ -7,7 +7,7 @@ import pytest
 
 from truepose.app.errors import ScenarioRefusedError
 from truepose.app.simulation import running_simulation
-from truepose.domain.cell.description import PlantedEffect, SimulatedCell
+from truepose.domain.cell import PlantedEffect, SimulatedCell
 
 
 async def ask(endpoint, **request):

@@ -12,13 +12,13 @@ import pytest
 
 from tests.helpers.commands import installed, typed
 from tests.system.session_bench import bench
-from tests.unit.service.sequencing.tracker.operators import PatientOperator
-from truepose.domain.measurement.campaign import Stops
+from tests.unit.service.sessions.tracker.operators import PatientOperator
+from truepose.domain.campaign import Stops
 from truepose.exchange.models.file import read_model
 from truepose.exchange.tables.files import read_points_to_predict
 from truepose.identification import predict
-from truepose.planning.tracker.session_plans import plan_validation
-from truepose.sequencing.tracker.runner import TrackerRunner
+from truepose.planning.tracker.plans import plan_validation
+from truepose.sessions.tracker.runner import TrackerRunner
 from truepose_simulators.recording.__main__ import main
 
 GEARED = """extends = "irb120-clean"

@@ -8,11 +8,11 @@ from dataclasses import replace
 import pytest
 
 from tests.helpers.instruments.sockets import connections_to
-from truepose_simulators.cell.clock import CellClock
+from truepose_simulators.cell.environment import CellClock
 from truepose_simulators.cell.true_cell import Cell
 from truepose_simulators.faults.kinds import TrackerCut
-from truepose_simulators.instruments.tracker.accuracy import ProbeSetup, TrackerSetup
-from truepose_simulators.instruments.tracker.leica_emscon import tracker_endpoint
+from truepose_simulators.instruments.accuracy import ProbeSetup, TrackerSetup
+from truepose_simulators.instruments.leica_emscon.server import tracker_endpoint
 from truepose_simulators.scenarios.file import load_scenario
 
 # Replies cross the loopback in well under a millisecond; nothing here waits for this long unless it fails.

@@ -12,10 +12,9 @@ from truepose_drivers.abb_open_abb.driver import OpenAbbRobot, TimeOuts
 from truepose_drivers.api import MotionLimits
 from truepose_drivers.monotonic_clock import MonotonicClock
 from truepose_drivers.transports.tcp import TcpLink
-from truepose_simulators.cell.clock import CellClock
+from truepose_simulators.cell.environment import CellClock
 from truepose_simulators.cell.true_cell import Cell
-from truepose_simulators.instruments.robot.open_abb import MotionProgram
-from truepose_simulators.instruments.robot.open_abb_server import robot_endpoint
+from truepose_simulators.instruments.robot.open_abb import MotionProgram, robot_endpoint
 from truepose_simulators.scenarios.file import load_scenario
 from truepose_simulators.scenarios.scenario import ArmSetup
 

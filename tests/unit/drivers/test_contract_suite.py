@@ -9,14 +9,12 @@ import pytest
 
 from truepose_drivers.api import BallbarReading, DeviceIdentity, DriverPlugin
 from truepose_drivers.contract import codec_fuzz, hostile, link_faults
-from truepose_drivers.contract.bench import BallbarBench, messages
-from truepose_drivers.contract.benches import find_benches
-from truepose_drivers.contract.case import reason_absent, run, unknown_absences
+from truepose_drivers.contract.bench import BallbarBench, find_benches, messages
+from truepose_drivers.contract.case import ContractBrokenError, reason_absent, run, unknown_absences
 from truepose_drivers.contract.cases import CASES
-from truepose_drivers.contract.table import Row, table
-from truepose_drivers.contract.trial import ContractBrokenError
+from truepose_drivers.contract.suite import Row, table
 from truepose_drivers.errors import ConfigurationError, RemoteProtocolError
-from truepose_drivers.json_lines import LineReader
+from truepose_drivers.framing import LineReader
 
 NAMED = {case.name: case for case in CASES}
 CARELESS = DriverPlugin("careless", "ballbar", "lines", {}, lambda options, clock: CarelessGauge(None, clock))
@@ -226,4 +224,4 @@ def test_nothing_of_the_product_imports_pytest():
         if "import pytest" in path.read_text(encoding="utf-8")
     ]
 
-    assert {path.name for path in sources} == {"asking.py", "plugin.py", "test_contract.py"}
+    assert {path.name for path in sources} == {"suite.py", "plugin.py", "test_contract.py"}

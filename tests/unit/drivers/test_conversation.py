@@ -6,7 +6,7 @@ from collections import deque
 import pytest
 
 from truepose_drivers.errors import ConnectionLostError, DeviceRefusedError, NoReplyError, RemoteProtocolError
-from truepose_drivers.json_lines import LineReader
+from truepose_drivers.framing import LineReader
 from truepose_drivers.transports.conversation import Conversation, Turns
 
 pytestmark = pytest.mark.simulated_time

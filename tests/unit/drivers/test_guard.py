@@ -8,7 +8,6 @@ from dataclasses import replace
 
 import pytest
 
-from truepose_drivers.abilities import ABILITIES
 from truepose_drivers.api import (
     BallbarReading,
     DeviceIdentity,
@@ -27,6 +26,7 @@ from truepose_drivers.errors import (
     RemoteProtocolError,
 )
 from truepose_drivers.guard import guarded
+from truepose_drivers.plausibility import ABILITIES
 
 pytestmark = pytest.mark.simulated_time
 

@@ -11,7 +11,7 @@ import pytest
 
 from tests.helpers.machine import KILLING_SIGNALS
 from truepose.processes import asked_to_end, in_own_group, interrupt_this_process, kill_group
-from truepose_simulators import ending
+from truepose_simulators import __main__
 
 BREAK = getattr(signal, "SIGBREAK", None) or signal.SIGUSR1
 SYSTEMS = ("as it is", "as Windows is")
@@ -63,13 +63,14 @@ async def test_once_nobody_listens_any_more_a_process_is_ended_by_the_system(sys
 
 async def test_a_simulated_cell_hears_whoever_asks_it_to_end(system, handlers):
     for number in asking(system):
-        asked = ending.asked_to_end()
+        asked = __main__.asked_to_end()
         signal.raise_signal(number)
         await asyncio.wait_for(asked.wait(), 10)
         assert asked.is_set()
 
 
-def test_a_thread_interrupts_its_process_where_a_kill_would_end_it_on_the_spot(monkeypatch):
+def test_a_thread_interrupts_its_process_where_a_kill_would_end_it_on_the_spot(handlers, monkeypatch):
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # which a shell's background process has not
     monkeypatch.setattr(sys, "platform", "win32")
     monkeypatch.setattr(os, "kill", lambda pid, number: pytest.fail("ended on the spot"))
 

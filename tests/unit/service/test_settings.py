@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from truepose.settings import Settings
-from truepose.storage.connection.folder import data_folder
+from truepose.storage.engine.files import data_folder
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from tests.unit.simulators.model_documents import model_document
-from truepose_simulators.cell.clock import CellClock
+from truepose_simulators.cell.environment import CellClock
 from truepose_simulators.cell.true_cell import Cell
 from truepose_simulators.scenarios.file import load_scenario
 from truepose_simulators.scenarios.model_file import load_model

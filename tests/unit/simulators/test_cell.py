@@ -5,11 +5,11 @@ import pytest
 
 from truepose_simulators.cell.robot import SpeedLimits, TargetOutOfRangeError
 from truepose_simulators.faults.kinds import FixedNestMoved, SmrMissing, TrackerBlinded
-from truepose_simulators.instruments.tracker.device import seen_from
+from truepose_simulators.instruments.tracker import seen_from
 from truepose_simulators.physics.effects import PlantedChange
-from truepose_simulators.physics.equilibrium import NoEquilibriumError
+from truepose_simulators.physics.plant import NoEquilibriumError
 from truepose_simulators.physics.rigid import move
-from truepose_simulators.scenarios.scenario import ArmSetup, GivenLink, TableSetup, ToolSetup
+from truepose_simulators.scenarios.scenario import ArmSetup, ConfiguredLink, TableSetup, ToolSetup
 
 LIMITS = SpeedLimits(500.0, 0.349)
 
@@ -209,7 +209,7 @@ def test_stated_errors_take_the_place_of_drawn_ones(make_cell):
 
 
 def test_an_arm_of_rubber_is_refused_before_anybody_connects(make_cell):
-    soft = tuple(GivenLink(joint, compliance_rad_per_n_mm=1e-3) for joint in range(1, 7))
+    soft = tuple(ConfiguredLink(joint, compliance_rad_per_n_mm=1e-3) for joint in range(1, 7))
 
     with pytest.raises(NoEquilibriumError, match="too soft"):
         make_cell(links=soft)

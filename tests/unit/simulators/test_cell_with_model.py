@@ -7,7 +7,7 @@ import pytest
 
 from tests.unit.simulators.model_documents import model_document, robot_document
 from truepose_simulators.__main__ import main
-from truepose_simulators.cell.clock import CellClock
+from truepose_simulators.cell.environment import CellClock
 from truepose_simulators.cell.true_cell import Cell
 from truepose_simulators.errors import ScenarioError
 from truepose_simulators.instruments.robot.open_abb import MotionProgram

@@ -1,6 +1,6 @@
 import pytest
 
-from truepose_simulators.cell.clock import CellClock
+from truepose_simulators.cell.environment import CellClock
 
 
 class Wall:

@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
-from truepose_simulators.cell.clock import CellClock
-from truepose_simulators.cell.curves import CurveSizes, draw_curves
+from truepose_simulators.cell.drawn_effects import CurveSizes, draw_curves
+from truepose_simulators.cell.environment import CellClock
 from truepose_simulators.cell.true_cell import Cell
 from truepose_simulators.errors import ScenarioError
 from truepose_simulators.physics.robots import ARMS

@@ -3,7 +3,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from truepose_simulators.cell.everyday import EverydaySizes
+from truepose_simulators.cell.drawn_effects import EverydaySizes
 from truepose_simulators.errors import ScenarioError
 from truepose_simulators.physics.effects import EFFECTS, PlantedChange
 

@@ -7,10 +7,10 @@ import pytest
 from tests.helpers.machine import DEVICE_FILES, NAMED_PIPES
 from truepose_simulators.errors import ModelError, ReplayError, ScenarioError
 from truepose_simulators.recording.ballbars.plan import read_plan
-from truepose_simulators.recording.replaying.measured_table import read_table
+from truepose_simulators.recording.measured_campaign import read_table
 from truepose_simulators.scenarios.file import load_scenario
-from truepose_simulators.scenarios.input_file import read_file, read_text
 from truepose_simulators.scenarios.model_file import load_model
+from truepose_simulators.scenarios.table import read_file, read_text
 
 
 @NAMED_PIPES

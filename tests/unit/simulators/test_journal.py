@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pytest
 
-from truepose_simulators.cell.clock import CellClock
+from truepose_simulators.cell.environment import CellClock
 from truepose_simulators.cell.journal import RememberedCell
 from truepose_simulators.cell.robot import SpeedLimits, TargetOutOfRangeError
 from truepose_simulators.errors import HandsError, JournalError

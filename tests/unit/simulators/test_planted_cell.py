@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from truepose_simulators.errors import ScenarioError
-from truepose_simulators.instruments.tracker.accuracy import TrackerSetup, noise_mm
-from truepose_simulators.instruments.tracker.device import seen_from
+from truepose_simulators.instruments.accuracy import TrackerSetup, noise_mm
+from truepose_simulators.instruments.tracker import seen_from
 from truepose_simulators.physics.effects import PlantedChange
-from truepose_simulators.physics.equilibrium import NoEquilibriumError
+from truepose_simulators.physics.plant import NoEquilibriumError
 from truepose_simulators.physics.rigid import move
 
 HOUR_S = 3600.0

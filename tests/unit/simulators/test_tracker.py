@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from truepose_simulators.errors import BeamBrokenError, NoTargetError
-from truepose_simulators.instruments.tracker.device import HOME_MM, Target, Tracker, TrackerSetup
+from truepose_simulators.instruments.tracker import HOME_MM, Target, Tracker, TrackerSetup
 
 AT_2_M = np.array([1200.0, -1600.0, 0.0])
 BEAM = AT_2_M / 2000.0

@@ -5,7 +5,7 @@ import time
 
 import pytest
 
-from truepose_drivers.contract.simulated_time import SimulatedTimeLoop
+from truepose_drivers.contract.case import SimulatedTimeLoop
 
 
 def run(coroutine):

@@ -17,7 +17,7 @@ from truepose_drivers.errors import (
     ReflectorNotFoundError,
     RemoteProtocolError,
 )
-from truepose_drivers.line_gauges.text_lines import TextLines
+from truepose_drivers.line_gauges.protocol import TextLines
 from truepose_drivers.monotonic_clock import MonotonicClock
 from truepose_drivers.transports.conversation import Conversation
 from truepose_drivers.transports.link import Link, introduction

@@ -3,8 +3,7 @@
 import asyncio
 from typing import Final
 
-from truepose_drivers.contract.case import LINKED, case
-from truepose_drivers.contract.trial import Trial, broken, now_s
+from truepose_drivers.contract.case import LINKED, Trial, broken, case, now_s
 from truepose_drivers.contract.wire import Piece, Silence
 from truepose_drivers.errors import ConnectFailedError, DriverError, LinkError
 

@@ -8,18 +8,21 @@ A side of the wire feeds a `FrameReader` and decodes its frames (`decode_request
 """
 
 from truepose_drivers.leica_emscon.protocol.commands import LIST_COMMANDS, Command
-from truepose_drivers.leica_emscon.protocol.events import SystemStatusChange
 from truepose_drivers.leica_emscon.protocol.exchanges import EXCHANGES, Exchange, exchange
-from truepose_drivers.leica_emscon.protocol.framing import (
+from truepose_drivers.leica_emscon.protocol.layouts import (
     LONGEST_PACKET_BYTES,
     SHORTEST_PACKET_BYTES,
     Frame,
     FrameReader,
+    Layout,
     PacketError,
     PacketType,
+    Record,
+    Value,
 )
-from truepose_drivers.leica_emscon.protocol.layouts import Layout, Record, Value
 from truepose_drivers.leica_emscon.protocol.packets import (
+    ELEMENTS,
+    RESULTS,
     Answer,
     ErrorReport,
     FromServer,
@@ -31,12 +34,12 @@ from truepose_drivers.leica_emscon.protocol.packets import (
     decode_request,
     encode,
 )
-from truepose_drivers.leica_emscon.protocol.results import ELEMENTS, RESULTS
 from truepose_drivers.leica_emscon.protocol.statuses import (
     MeasurementStatus,
     MeasurementStatusInfo,
     ResultStatus,
     RotationStatus,
+    SystemStatusChange,
 )
 
 DEFAULT_PORT = 700

@@ -1,18 +1,54 @@
-"""From sessions to a campaign: pure, no storage, no clock."""
+"""From sessions to a campaign, and how much it holds: pure, no storage, no clock."""
 
 import math
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Sequence, Sized
 from dataclasses import dataclass, replace
+from typing import Final
 
 import numpy as np
 
 from truepose.analysis.errors import NothingMeasuredError, SessionsDifferError
 from truepose.domain.arrays import FloatArray, IntArray
-from truepose.domain.measurement.campaign import Campaign, FixedNestReadings, PointReadings, Stops
-from truepose.domain.measurement.session import FixedNestTaken, PointTaken, Registration
+from truepose.domain.campaign import Campaign, FixedNestReadings, PointReadings, Stops
 from truepose.domain.robot import WorldRegistration
-from truepose.storage.records import SessionSetup
+from truepose.domain.session import FixedNestTaken, PointTaken, Registration
+from truepose.messages.catalogue import english
+from truepose.messages.message import message
+from truepose.storage.records import CampaignSummary, SessionSetup
+
+_MOST_SENTENCES: Final = 100
+
+
+def summary_of(campaign: Campaign) -> CampaignSummary:
+    """Return how much a campaign holds."""
+    return CampaignSummary(
+        calibration_points=_rows(campaign.calibration),
+        validation_points=_rows(campaign.validation),
+        calibration_legs=_rows(campaign.legs),
+        validation_legs=_rows(campaign.validation_legs),
+        calibration_contacts=_rows(campaign.contacts),
+        validation_contacts=_rows(campaign.validation_contacts),
+        reference_readings=_rows(campaign.reference),
+        ignored=_first(tuple(map(english, campaign.ignored))),
+        notes=_first(campaign.notes),
+        simulated=campaign.simulated,
+        measured_on=None if campaign.measured_on is None else campaign.measured_on.isoformat(),
+        robot_serial_number=campaign.robot_serial_number or None,
+        instrument_serial_number=campaign.instrument_serial_number or None,
+    )
+
+
+def _first(sentences: tuple[str, ...]) -> tuple[str, ...]:
+    """Return as many sentences as a list of campaigns can show; the archive keeps all of them."""
+    if len(sentences) <= _MOST_SENTENCES:
+        return sentences
+    more = len(sentences) - _MOST_SENTENCES
+    return (*sentences[:_MOST_SENTENCES], f"There are {more} more like these in the archive.")
+
+
+def _rows(table: Sized | None) -> int:
+    return 0 if table is None else len(table)
 
 
 @dataclass(frozen=True, slots=True)
@@ -156,7 +192,7 @@ def _tracker_position(registration: Registration | None) -> tuple[float, float, 
 
 def _check_measured(session: MeasuredSession) -> None:
     if not session.points:
-        raise NothingMeasuredError(f"Session {session.id} has no reading of a tool nest; run it first.")
+        raise NothingMeasuredError(message("refused.no_nest_reading", session=session.id))
 
 
 def _check_same_setup(calibration: MeasuredSession, validation: MeasuredSession) -> None:
@@ -169,8 +205,7 @@ def _check_same_setup(calibration: MeasuredSession, validation: MeasuredSession)
     ):
         if getattr(calibration.setup.cell, name) != getattr(validation.setup.cell, name):
             raise SessionsDifferError(
-                f"Sessions {calibration.id} and {validation.id} differ in their {word}; "
-                "a campaign is one robot in one set-up."
+                message("refused.sessions_differ", first=calibration.id, second=validation.id, what=word)
             )
 
 
@@ -204,7 +239,7 @@ def _trackers(sessions: Sequence[MeasuredSession]) -> Iterator[str]:
     """Say which trackers measured, and what that means where there were several."""
     counts = Counter(point.instrument_serial for session in sessions for point in session.points)
     if set(counts) <= {""}:
-        return  # it tells no serial number, or is one of before that was kept
+        return  # they tell no serial number
     if len(counts) == 1:
         (serial,) = counts
         yield f"Tracker: {_tracker_paper(serial, sessions)}"

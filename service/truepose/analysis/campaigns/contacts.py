@@ -6,9 +6,10 @@ from dataclasses import replace
 import numpy as np
 
 from truepose.analysis.errors import NothingMeasuredError, SessionsDifferError
-from truepose.domain.measurement.campaign import NO_AXIS, Campaign, ContactReadings, Stops, TargetDistances
-from truepose.domain.measurement.contacts import ContactPlan, ContactTaken, TargetDistance
-from truepose.domain.measurement.ledger import EntryKind, LedgerEntry
+from truepose.domain.campaign import NO_AXIS, Campaign, ContactReadings, Stops, TargetDistances
+from truepose.domain.contacts import ContactPlan, ContactTaken, TargetDistance
+from truepose.domain.ledger import EntryKind, LedgerEntry
+from truepose.messages.message import message
 from truepose.storage.records import SessionSetup
 
 
@@ -26,7 +27,7 @@ def contact_campaign(
     Raises NothingMeasuredError where nothing was.
     """
     if not taken:
-        raise NothingMeasuredError(f"{name} has no reading; run it first.")
+        raise NothingMeasuredError(message("refused.no_reading", name=name))
     cell = setup.cell
     return Campaign(
         robot=cell.robot,
@@ -51,11 +52,9 @@ def judged_by_contacts(
     Raises NothingMeasuredError, SessionsDifferError.
     """
     if plans[0].targets != plans[1].targets or plans[0].nest != plans[1].nest:
-        raise SessionsDifferError(
-            f"{name} reads other targets, or with another nest: nobody knows how the two stand to each other."
-        )
+        raise SessionsDifferError(message("refused.other_targets", name=name))
     if not taken:
-        raise NothingMeasuredError(f"{name} has no reading; run it first.")
+        raise NothingMeasuredError(message("refused.no_reading", name=name))
     notes = (*campaign.notes, f"Validation contacts are those of {name}.")
     return replace(campaign, validation_contacts=contact_readings(taken), notes=notes)
 

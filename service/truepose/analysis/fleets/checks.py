@@ -1,22 +1,19 @@
 """Quick checks of robots of a fleet, planned and judged, and what a new robot needs."""
 
+from truepose.domain.campaign import Campaign
 from truepose.domain.errors import ConfigurationError
-from truepose.domain.measurement.campaign import Campaign
-from truepose.fleet.answer.check import check_of
-from truepose.fleet.answer.grown import Grown, grown
+from truepose.fleet.campaigns import effects_of_robot, information_of
 from truepose.fleet.changes import Account
-from truepose.fleet.information import effects_of_robot, information_of
-from truepose.fleet.pooled import of_a_new_robot
-from truepose.fleet.promise import Promise, promise
-from truepose.fleet.quick_check import QuickCheck
+from truepose.fleet.interim_check import CauseGrowth, InterimCheck, check_of, grown
+from truepose.fleet.predicted_accuracy import PredictedAccuracy, of_a_new_robot, promise
 from truepose.identification import identify
-from truepose.planning.promise.subjects import Subject, of_campaign
-from truepose.words.catalogue import english
+from truepose.messages.catalogue import english
+from truepose.planning.prediction.subjects import Subject, of_campaign
 
 _NAMED = 3  # robots in a sentence
 
 
-def promise_from(account: Account, robot: str, campaign: Campaign) -> Promise:
+def promise_from(account: Account, robot: str, campaign: Campaign) -> PredictedAccuracy:
     """Say what few readings of a new robot promise with what its type says, where another was measured.
 
     Raises
@@ -30,7 +27,7 @@ def promise_from(account: Account, robot: str, campaign: Campaign) -> Promise:
     return promise(subject.space, of_a_new_robot(account), campaign, knowns=subject.knowns)
 
 
-def check_from(account: Account, robot: str, campaign: Campaign, grown_mm: float) -> QuickCheck:
+def check_from(account: Account, robot: str, campaign: Campaign, grown_mm: float) -> InterimCheck:
     """Choose the configurations where a robot was measured last, before the same instrument.
 
     Raises
@@ -42,7 +39,7 @@ def check_from(account: Account, robot: str, campaign: Campaign, grown_mm: float
     return check_of(account, robot, subject.space, subject.knowns, grown_mm)
 
 
-def grown_in(account: Account, campaign: Campaign, asked_mm: float) -> tuple[str, tuple[Grown, ...]]:
+def grown_in(account: Account, campaign: Campaign, asked_mm: float) -> tuple[str, tuple[CauseGrowth, ...]]:
     """Judge a check that was measured: of which robot, and what of it has grown since its last campaign.
 
     Raises

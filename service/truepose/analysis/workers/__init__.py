@@ -1,1 +1,1 @@
-"""Work in a process of its own: tasks, messages, turns."""
+"""Work in a process of its own: tasks, messages, the queue of jobs."""

@@ -9,30 +9,32 @@ import struct
 from dataclasses import dataclass
 from typing import IO, Any, BinaryIO
 
+from truepose.messages.message import Text
+
 _LENGTH = struct.Struct(">Q")
 LENGTH_BYTES = _LENGTH.size
 
 
 @dataclass(frozen=True, slots=True)
-class Progressed:
+class TaskProgress:
     """The worker is so far: fraction from 0 to 1."""
 
     fraction: float
-    doing: str
+    doing: Text
 
 
 @dataclass(frozen=True, slots=True)
-class Finished:
+class TaskAnswer:
     """The worker's answer."""
 
     answer: Any
 
 
 @dataclass(frozen=True, slots=True)
-class Refused:
+class TaskRefusal:
     """The task cannot be done, and the sentence that says why."""
 
-    sentence: str
+    sentence: Text
     code: str = ""  # of the error, where it has one
 
 

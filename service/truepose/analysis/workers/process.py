@@ -1,30 +1,63 @@
-"""A worker process as the service sees it: started, listened to, killed with all its children."""
+"""A worker process as the service sees it: waited for in turn, started, listened to, killed."""
 
 import asyncio
+import contextlib
 import logging
 import os
 import signal
 import sys
 from collections import deque
-from collections.abc import Awaitable, Callable
+from collections.abc import AsyncIterator, Awaitable, Callable
 from typing import Any, Protocol, cast
 
-from truepose.analysis.errors import AnalysisError, WorkerDiedError
+from truepose.analysis.errors import AnalysisError, BusyError, WorkerDiedError
 from truepose.analysis.workers.pipe import (
     LENGTH_BYTES,
-    Finished,
-    Progressed,
-    Refused,
+    TaskAnswer,
+    TaskProgress,
+    TaskRefusal,
     body_length,
     packed,
     unpacked,
 )
 from truepose.analysis.workers.tasks import Answer, Task
+from truepose.messages.message import Message, Text, message
 from truepose.processes import in_own_group, kill_group
 from truepose.start import ONE_THREAD
 
+
+class Turns:
+    """Lets `at_once` in, lets `waiting` wait for at most `patience_s`, and sends all others away."""
+
+    def __init__(self, *, at_once: int, waiting: int, patience_s: float) -> None:
+        self._most = at_once + waiting
+        self._patience_s = patience_s
+        self._places = asyncio.Semaphore(at_once)
+        self._present = 0
+
+    @contextlib.asynccontextmanager
+    async def taken(self) -> AsyncIterator[None]:
+        """Wait for a turn and hold it; raises BusyError."""
+        if self._present >= self._most:
+            raise BusyError(message("refused.busy"))
+        self._present += 1
+        try:
+            async with contextlib.AsyncExitStack() as held:
+                await self._wait(held)
+                yield
+        finally:
+            self._present -= 1
+
+    async def _wait(self, held: contextlib.AsyncExitStack) -> None:
+        try:
+            async with asyncio.timeout(self._patience_s):
+                await held.enter_async_context(self._places)
+        except TimeoutError as error:
+            raise BusyError(message("refused.busy")) from error
+
+
 _LOG = logging.getLogger(__name__)
-Told = Callable[[float, str], Awaitable[None]]
+Told = Callable[[float, Text], Awaitable[None]]
 _COMMAND = (sys.executable, "-m", "truepose.analysis.workers.worker")
 _MODEST_BYTES = 2 * 2**30  # where the system does not say how much memory there is
 _DYING_S = 2.0
@@ -42,7 +75,7 @@ class Perform(Protocol):
 class TaskRefusedError(AnalysisError):
     """The worker answered with a sentence instead of a result."""
 
-    def __init__(self, sentence: str, code: str = "") -> None:
+    def __init__(self, sentence: Text, code: str = "") -> None:
         super().__init__(sentence)
         self.code = code  # of the error in the worker; none: it has that of this one
 
@@ -74,10 +107,7 @@ async def perform_in_worker(
             **in_own_group(),
         )
     except OSError as error:
-        raise WorkerDiedError(
-            f"No worker process could be started ({error}); nothing was stored. Free memory or processes of "
-            "this computer, then start the job again."
-        ) from error
+        raise WorkerDiedError(message("job.no_process", why=str(error))) from error
     _LOG.info("worker %d has begun: %s", process.pid, type(task).__name__)
     log: deque[str] = deque(maxlen=_LOG_LINES)
     listening = asyncio.create_task(_keep_log(process, log))
@@ -96,17 +126,17 @@ async def perform_in_worker(
 
 async def _converse(process: asyncio.subprocess.Process, task: Task, told: Told) -> Answer:
     if process.stdin is None or process.stdout is None:
-        raise WorkerDiedError("The worker process has no pipe.")
+        raise WorkerDiedError(message("job.no_pipe"))
     # Off the loop: an archive of a large campaign takes its time.
     process.stdin.write(await asyncio.to_thread(packed, task))
     await process.stdin.drain()
     while True:
         match await _next(process.stdout):
-            case Progressed(fraction, doing):
+            case TaskProgress(fraction, doing):
                 await told(fraction, doing)
-            case Finished(answer):
+            case TaskAnswer(answer):
                 return cast(Answer, answer)
-            case Refused(sentence, code):
+            case TaskRefusal(sentence, code):
                 raise TaskRefusedError(sentence, code)
 
 
@@ -131,10 +161,11 @@ async def _keep_log(process: asyncio.subprocess.Process, log: deque[str]) -> Non
         _LOG.info("worker %d: %s", process.pid, log[-1])
 
 
-def _obituary(process: asyncio.subprocess.Process, log: deque[str]) -> str:
+def _obituary(process: asyncio.subprocess.Process, log: deque[str]) -> Message:
     status = process.returncode or 0
-    how = (
-        f"was ended by signal {signal.Signals(-status).name}" if status < 0 else f"ended with status {status}"
-    )
-    last = f"; it last said: {log[-1]}" if log else ""
-    return f"The worker process {how} before it answered{last}. Start the job again; nothing was stored."
+    how = message("job.worker.status", status=status)
+    if status < 0:
+        how = message("job.worker.signal", signal=signal.Signals(-status).name)
+    if not log:
+        return message("job.worker.died", how=how)
+    return message("job.worker.died.said", how=how, last=log[-1])

@@ -14,15 +14,15 @@ from dataclasses import dataclass
 from typing import Any, Final
 
 from truepose.analysis.errors import BusyError
-from truepose.analysis.workers.durations import REMEMBERED, Outlook, expected_s, outlook
-from truepose.analysis.workers.places import Places
 from truepose.analysis.workers.process import Perform, Told
+from truepose.analysis.workers.scheduling import REMEMBERED, Outlook, Places, expected_s, outlook
 from truepose.analysis.workers.tasks import Task
 from truepose.domain.errors import RecordRefusedError, TrueposeError
-from truepose.storage.calibration.jobs import JobRepository
+from truepose.messages.error_codes import code_of
+from truepose.messages.message import Text, message
 from truepose.storage.errors import ConflictError
 from truepose.storage.records import JobKind, JobState, RequestKey
-from truepose.words.error_codes import code_of
+from truepose.storage.results.jobs import JobRepository
 
 _MOST_WAITING: Final = 200  # each a few kilobytes; more are a script that has run away
 _TRIES: Final = 240  # to keep a result while other records are taken: a minute at least
@@ -42,12 +42,12 @@ class Work:
 
 
 @dataclass(frozen=True, slots=True)
-class Foreseen:
+class JobForecast:
     """What is known of a job that has not ended."""
 
     ahead_count: int  # jobs that are given a place before it
     outlook: Outlook | None  # None: it waits
-    refused: str | None = None  # why its next state, or its result, waits in memory
+    refused: Text | None = None  # why its next state, or its result, waits in memory
 
 
 @dataclass(slots=True)
@@ -57,7 +57,7 @@ class _Job:
     told: float = 0.0
     told_at_s: float = 0.0
     fraction: float = 0.0  # that was shown; less is never shown again
-    refused: str | None = None  # by storage; None: what it wrote is on record
+    refused: Text | None = None  # by storage; None: what it wrote is on record
 
 
 class JobQueue:
@@ -77,12 +77,12 @@ class JobQueue:
         """Whether a job waits or runs."""
         return job_id in self._running
 
-    def foreseen(self, job_id: int) -> Foreseen | None:
+    def foreseen(self, job_id: int) -> JobForecast | None:
         """Return what is known of a job under way; None where it is not."""
         job = self._known.get(job_id)
         if job is None:
             return None
-        return Foreseen(self._places.ahead(job_id), self._outlook(job), job.refused)
+        return JobForecast(self._places.ahead(job_id), self._outlook(job), job.refused)
 
     async def add(self, work: Work, key: RequestKey | None, sender: str = "") -> int:
         """Queue a job and return its number; that of a request that was sent twice is the first one's.
@@ -93,7 +93,7 @@ class JobQueue:
             Too many wait already.
         """
         if len(self._running) >= _MOST_WAITING:
-            raise BusyError(f"{_MOST_WAITING} jobs wait already; nothing was stored, ask again later.")
+            raise BusyError(message("refused.many_jobs", most=_MOST_WAITING))
         request = {**work.request, "work_count": work.work_count}
         earlier = await self._jobs.taken(work.kind, REMEMBERED)
         job_id = await self._jobs.add(work.kind, request, key)
@@ -136,7 +136,7 @@ class JobQueue:
     async def _end_of(self, job_id: int, job: _Job, work: Work, began_s: float) -> None:
         """See a job to its end; raises ConflictError where somebody else has put one on record."""
         try:
-            starting = (job_id, JobState.RUNNING, "A worker process is starting.")
+            starting = (job_id, JobState.RUNNING, message("job.starting"))
             await self._kept(job_id, job, lambda: self._jobs.change_state(*starting))
             answer = await self._perform(await work.load(), self._told(job_id, job, began_s))
             await self._kept(job_id, job, lambda: work.store(job_id, answer), _TRIES)
@@ -157,13 +157,13 @@ class JobQueue:
                     raise
                 if job.refused is None:
                     _LOG.warning("what is to be kept of job %d waits in memory: %s", job_id, error)
-                job.refused = str(error)
+                job.refused = error.text
             await self._jobs.writable()
             await asyncio.sleep(_AGAIN_S)
         job.refused = None
 
     def _told(self, job_id: int, job: _Job, began_s: float) -> Told:
-        async def told(fraction: float, doing: str) -> None:
+        async def told(fraction: float, doing: Text) -> None:
             job.told = min(max(fraction, 0.0), 1.0)
             job.told_at_s = self._now_s() - began_s
             with contextlib.suppress(RecordRefusedError):  # the next one says more
@@ -179,8 +179,8 @@ class JobQueue:
         return Outlook(job.fraction, now.remaining_s)
 
 
-def _said(job_id: int, error: Exception) -> str:
+def _said(job_id: int, error: Exception) -> Text:
     if isinstance(error, TrueposeError):
-        return str(error)
+        return error.text
     _LOG.error("job %d failed", job_id, exc_info=error)
-    return f"The program failed ({type(error).__name__}: {error}); its log has the details."
+    return message("job.program_failed", kind=type(error).__name__, why=str(error))

@@ -8,29 +8,48 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from truepose.analysis.ballbar.assembly import Counting
+from truepose.analysis.campaigns.ballbar import Counting
 from truepose.analysis.errors import NothingMeasuredError
 from truepose.analysis.pose_requests import PoseRequest
-from truepose.analysis.workers.bringing import BroughtRead, ReadBroughtTask
-from truepose.analysis.workers.correcting import CheckFileTask, CorrectFileTask, FileChecked, FileCorrected
-from truepose.analysis.workers.drawing import DrawTask
-from truepose.analysis.workers.outlook import Outlook, OutlookTask
-from truepose.analysis.workers.promising import PromiseTask
-from truepose.domain.measurement.ballbar import BallbarPlan, PreCalibration, SphereWish
-from truepose.domain.measurement.campaign import Campaign, Readings
-from truepose.domain.measurement.contacts import ContactPlan
-from truepose.domain.measurement.session import SessionPlan, Turn
-from truepose.domain.results.diagnosis import Diagnosis
-from truepose.domain.results.identification import Identification, Model
-from truepose.domain.results.validation import Validation
+from truepose.analysis.workers.accuracy_tasks import Outlook, OutlookTask, PromiseTask
+from truepose.analysis.workers.file_tasks import (
+    BroughtRead,
+    CheckFileTask,
+    CorrectFileTask,
+    FileChecked,
+    FileCorrected,
+    ReadBroughtTask,
+)
+from truepose.domain.ballbar import BallbarPlan, PreCalibration, SphereWish
+from truepose.domain.campaign import Campaign, Readings
+from truepose.domain.contacts import ContactPlan
+from truepose.domain.diagnosis import Diagnosis
+from truepose.domain.identification import Identification, Model
 from truepose.domain.robot import FramePlacement
-from truepose.storage.columns import is_packed, pack, unpack
+from truepose.domain.session import SessionPlan, Turn
+from truepose.domain.validation import Validation
+from truepose.messages.message import Text, message
+from truepose.storage.documents import is_packed, pack, unpack
 from truepose.storage.records import CampaignSummary, SessionSetup
 
 if TYPE_CHECKING:
     from truepose.planning.contacts.wish import ContactWish
 
-Report: TypeAlias = Callable[[float, str], None]  # fraction from 0 to 1, what is being done
+
+@dataclass(frozen=True, slots=True)
+class DrawTask:
+    """Call a function of a module with one argument that can travel; its answer travels back."""
+
+    draw: Callable[[Any], str | bytes]
+    of: object
+
+    def perform(self, report: Callable[[float, Text], None]) -> str | bytes:
+        """Return what is drawn; raises TrueposeError."""
+        report(0.0, message("job.doing.drawing"))
+        return self.draw(self.of)
+
+
+Report: TypeAlias = Callable[[float, Text], None]  # fraction from 0 to 1, what is being done
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,7 +63,7 @@ class IdentifyTask:
         """Return the identification; raises TrueposeError."""
         from truepose.identification import identify
 
-        report(0.0, "reading the campaign")
+        report(0.0, message("job.doing.reading"))
         return identify(stored_campaign(self.campaign), self.effects, progress=report)
 
 
@@ -58,11 +77,11 @@ class ValidateTask:
 
     def perform(self, report: Report) -> Validation:
         """Return the validation; raises TrueposeError."""
-        from truepose.judgement.validation import validate
+        from truepose.validation.validate import validate
 
-        report(0.0, "reading the campaign")
+        report(0.0, message("job.doing.reading"))
         readings = held_out(stored_campaign(self.campaign))
-        report(0.5, f"predicting {len(readings)} readings")
+        report(0.5, message("job.doing.predicting", readings=len(readings)))
         return validate(self.model, readings, limit_mm=self.limit_mm)
 
 
@@ -77,7 +96,7 @@ class DiagnoseTask:
         """Return the diagnosis; raises TrueposeError."""
         from truepose.diagnosis.diagnose import diagnose
 
-        report(0.0, "reading the campaign")
+        report(0.0, message("job.doing.reading"))
         return diagnose(stored_campaign(self.campaign), self.effects, progress=report)
 
 
@@ -103,11 +122,11 @@ class PlanTask:
 
     def perform(self, report: Report) -> SessionPlan:
         """Return the plan; raises TrueposeError."""
-        from truepose.correction.proof.pairs import plan_proof
-        from truepose.planning.tracker.session_plans import plan_session
-        from truepose.planning.work_volume.cell_space import space_to_measure
+        from truepose.correction.proof import plan_proof
+        from truepose.planning.tracker.plans import plan_session
+        from truepose.planning.workspace.space import space_to_measure
 
-        report(0.0, f"choosing {self.n_configurations} configurations")
+        report(0.0, message("job.doing.configurations", configurations=self.n_configurations))
         space = space_to_measure(self.setup.cell, self.template.approach_offset_rad)
         if self.proved is not None:
             return plan_proof(space, self.template, self.proved, self.n_configurations, self.seed)
@@ -134,10 +153,10 @@ class CirclePlanTask:
 
     def perform(self, report: Report) -> SessionPlan:
         """Return the plan; raises TrueposeError."""
-        from truepose.planning.tracker.circle_sessions import plan_circles
-        from truepose.planning.work_volume.cell_space import space_to_measure
+        from truepose.planning.tracker.circles import plan_circles
+        from truepose.planning.workspace.space import space_to_measure
 
-        report(0.0, "turning one joint at a time")
+        report(0.0, message("job.doing.circles"))
         return plan_circles(space_to_measure(self.setup.cell, None), self.template, self.turns)
 
 
@@ -159,7 +178,7 @@ class PosePlanTask(PoseRequest):
         """Return the plan; raises TrueposeError."""
         from truepose.analysis.pose_plans import plan_pose_session
 
-        report(0.0, "placing five poses")
+        report(0.0, message("job.doing.five_poses"))
         return plan_pose_session(self)
 
 
@@ -178,7 +197,7 @@ class RepeatTask:
 
     def perform(self, report: Report) -> SessionPlan | BallbarPlan | ContactPlan:
         """Return the plan."""
-        report(0.0, "taking over the plan")
+        report(0.0, message("job.doing.taking_over"))
         return self.plan
 
 
@@ -206,9 +225,9 @@ class BallbarPlanTask:
 
     def perform(self, report: Report) -> BallbarPlan:
         """Return the plan; raises TrueposeError."""
-        from truepose.analysis.ballbar.plans import plan_ballbar_session
+        from truepose.analysis.ballbar_plans import plan_ballbar_session
 
-        report(0.0, "choosing placements and poses")
+        report(0.0, message("job.doing.placements"))
         return plan_ballbar_session(
             self.setup.cell,
             self.frames,
@@ -240,7 +259,7 @@ class ContactPlanTask:
         """Return the plan; raises TrueposeError."""
         from truepose.planning.contacts.plan import plan_of
 
-        report(0.0, f"choosing {self.wish.stops} stops")
+        report(0.0, message("job.doing.stops", stops=self.wish.stops))
         return plan_of(self.setup.cell, self.wish)
 
 
@@ -254,9 +273,9 @@ class PrecalibrateTask:
 
     def perform(self, report: Report) -> PreCalibration:
         """Return what was found; raises TrueposeError."""
-        from truepose.analysis.ballbar.precalibration import precalibrate
+        from truepose.analysis.ballbar_plans import precalibrate
 
-        report(0.0, "identifying with the legs so far")
+        report(0.0, message("job.doing.legs"))
         return precalibrate(self.setup, self.plan, self.counting)
 
 
@@ -278,7 +297,7 @@ class ReadCampaignTask:
 
     def perform(self, report: Report) -> CampaignRead:
         """Return how much it holds; raises TrueposeError."""
-        from truepose.analysis.campaigns.summary import summary_of
+        from truepose.analysis.campaigns.assembly import summary_of
         from truepose.exchange.campaigns.zip_file import read_campaign_zip
 
         campaign = read_campaign_zip(self.archive, self.name)
@@ -320,7 +339,7 @@ Answer: TypeAlias = (
 
 
 def stored_campaign(content: bytes) -> Campaign:
-    """Return a campaign from what the storage keeps; one from before schema 0009 is the zip of its folder."""
+    """Return a campaign from what the storage keeps, or from the zip of a folder."""
     if is_packed(content):
         return unpack(Campaign, content)
     from truepose.exchange.campaigns.zip_file import read_campaign_zip
@@ -337,10 +356,7 @@ def held_out(campaign: Campaign) -> Readings:
     for readings in (campaign.held_out, *others):
         if readings is not None:
             return readings
-    raise NothingMeasuredError(
-        "The campaign has no validation readings; give one with a 'validation', 'validation_legs' or "
-        "'validation_contacts' file."
-    )
+    raise NothingMeasuredError(message("refused.campaign_without_validation"))
 
 
 def judging_or_own(campaign: Campaign) -> Readings:

@@ -9,11 +9,16 @@ import functools
 from contextlib import AbstractAsyncContextManager
 from typing import Final, cast
 
-from truepose.analysis.workers.bringing import BroughtRead, ReadBroughtTask
-from truepose.analysis.workers.correcting import CheckFileTask, FileChecked, TargetsFile
-from truepose.analysis.workers.process import Perform, TaskRefusedError, perform_in_worker
+from truepose.analysis.workers.file_tasks import (
+    BroughtRead,
+    CheckFileTask,
+    FileChecked,
+    ReadBroughtTask,
+    TargetsFile,
+)
+from truepose.analysis.workers.process import Perform, TaskRefusedError, Turns, perform_in_worker
 from truepose.analysis.workers.tasks import Answer, CampaignRead, ReadCampaignTask
-from truepose.analysis.workers.turns import Turns
+from truepose.messages.message import Text, message
 
 # Four times what the largest campaign takes that the limits of `exchange` let pass.
 READING_BYTES: Final = 1024 * 2**20
@@ -29,7 +34,7 @@ class Uploads:
 
     def __init__(self, perform: Perform = read_in_worker, patience_s: float = _PATIENCE_S) -> None:
         self._perform = perform
-        self._turns = Turns("uploads", at_once=_AT_ONCE, waiting=_WAITING, patience_s=patience_s)
+        self._turns = Turns(at_once=_AT_ONCE, waiting=_WAITING, patience_s=patience_s)
         self._reading = asyncio.Lock()
 
     def turn(self) -> AbstractAsyncContextManager[None]:
@@ -46,29 +51,26 @@ class Uploads:
         WorkerDiedError
             Reading it ended the worker.
         """
-        return cast(CampaignRead, await self._read(ReadCampaignTask(archive, name), name, "campaign"))
+        return cast(CampaignRead, await self._read(ReadCampaignTask(archive, name), "campaign"))
 
     async def check(self, file: TargetsFile) -> FileChecked:
         """Return what a file of targets holds, if it can be read; cancelling and errors as of `read`."""
-        return cast(FileChecked, await self._read(CheckFileTask(file), file.name, "program"))
+        return cast(FileChecked, await self._read(CheckFileTask(file), "program"))
 
     async def look(self, task: ReadBroughtTask) -> BroughtRead:
         """Return what was understood of files that were brought; cancelling and errors as of `read`."""
-        return cast(BroughtRead, await self._read(task, "What was brought", "campaign"))
+        return cast(BroughtRead, await self._read(task, "campaign"))
 
-    async def _read(
-        self, task: ReadCampaignTask | CheckFileTask | ReadBroughtTask, name: str, kind: str
-    ) -> Answer:
+    async def _read(self, task: ReadCampaignTask | CheckFileTask | ReadBroughtTask, kind: str) -> Answer:
         async with self._reading:
             try:
                 async with asyncio.timeout(_READING_S):
                     return await self._perform(task, _nobody)
             except TimeoutError as error:
                 raise TaskRefusedError(
-                    f"{name} was not read within {_READING_S:.0f} s, which no {kind} takes; "
-                    "nothing was stored."
+                    message("refused.slow_read", seconds=round(_READING_S), kind=kind)
                 ) from error
 
 
-async def _nobody(fraction: float, doing: str) -> None:
+async def _nobody(fraction: float, doing: Text) -> None:
     """Take progress that nobody follows."""

@@ -9,10 +9,18 @@ import threading
 import traceback
 from typing import BinaryIO, Final
 
-from truepose.analysis.workers.pipe import Finished, Progressed, Refused, claimed_output, packed, receive
+from truepose.analysis.workers.pipe import (
+    TaskAnswer,
+    TaskProgress,
+    TaskRefusal,
+    claimed_output,
+    packed,
+    receive,
+)
 from truepose.analysis.workers.tasks import Task
 from truepose.domain.errors import TrueposeError
-from truepose.words.error_codes import code_of
+from truepose.messages.error_codes import code_of
+from truepose.messages.message import message
 
 _POLITENESS: Final = 5  # of the processor: a session under way comes first
 
@@ -27,22 +35,17 @@ def main() -> int:
     return 0
 
 
-def _performed(task: Task, answers: BinaryIO) -> Finished | Refused:
+def _performed(task: Task, answers: BinaryIO) -> TaskAnswer | TaskRefusal:
     try:
-        return Finished(task.perform(lambda fraction, doing: _send(answers, Progressed(fraction, doing))))
+        return TaskAnswer(task.perform(lambda fraction, doing: _send(answers, TaskProgress(fraction, doing))))
     except TrueposeError as error:
-        return Refused(str(error), code_of(error))
+        return TaskRefusal(error.text, code_of(error))
     except MemoryError:
-        return Refused(
-            f"The task needs more than the {int(sys.argv[1]) // 2**20} MB of memory that it is given; "
-            "nothing was stored, try it with fewer rows."
-        )
+        return TaskRefusal(message("job.memory", megabytes=int(sys.argv[1]) // 2**20))
     except Exception as error:
         # The traceback goes to the service's log; the sentence to whoever asked.
         traceback.print_exc()
-        return Refused(
-            f"The program failed at this task ({type(error).__name__}: {error}); please report it."
-        )
+        return TaskRefusal(message("job.task_failed", kind=type(error).__name__, why=str(error)))
 
 
 def _keep_within(memory_bytes: int) -> None:

@@ -22,7 +22,7 @@ _MAD_TO_SIGMA: Final = 1.4826  # of a normal distribution
 _LEAST_SHARE: Final = 0.05
 
 
-class Measured(BaseModel, frozen=True):
+class NightFigure(BaseModel, frozen=True):
     """A figure of one night."""
 
     case: str
@@ -38,7 +38,7 @@ class Night(BaseModel, frozen=True):
     version: str
     label: str  # of whoever ran it, e.g. a commit; may be empty
     seed: int
-    figures: tuple[Measured, ...]
+    figures: tuple[NightFigure, ...]
 
     @property
     def name(self) -> str:
@@ -46,21 +46,21 @@ class Night(BaseModel, frozen=True):
         mark = f", {self.label}" if self.label else ""
         return f"{self.began.date().isoformat()} (truepose {self.version}{mark})"
 
-    def measured(self, case: str, figure: str) -> Measured | None:
+    def measured(self, case: str, figure: str) -> NightFigure | None:
         """Return one figure; None where the night did not have it."""
         return self._by_name.get((case, figure))
 
     @cached_property
-    def _by_name(self) -> dict[tuple[str, str], Measured]:
+    def _by_name(self) -> dict[tuple[str, str], NightFigure]:
         return {(one.case, one.figure): one for one in self.figures}
 
 
 @dataclass(frozen=True, slots=True)
-class Course:
+class FigureHistory:
     """A figure through the nights, the oldest first, tonight last; None where a night did not have it."""
 
     nights: tuple[Night, ...]
-    measured: tuple[Measured | None, ...]
+    measured: tuple[NightFigure | None, ...]
 
     @property
     def first_bad(self) -> Night | None:
@@ -94,10 +94,10 @@ class Course:
         return abs(tonight.value - median) > far
 
 
-def course(nights: Sequence[Night], case: str, figure: str) -> Course:
+def course(nights: Sequence[Night], case: str, figure: str) -> FigureHistory:
     """Return a figure through the nights that are compared."""
     compared = tuple(nights[-COMPARED_NIGHTS - 1 :])
-    return Course(compared, tuple(night.measured(case, figure) for night in compared))
+    return FigureHistory(compared, tuple(night.measured(case, figure) for night in compared))
 
 
 def read_history(file: Path) -> list[Night]:

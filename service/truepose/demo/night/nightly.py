@@ -6,15 +6,38 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Final
 
-from truepose.demo.cell.opened import DATABASE
 from truepose.demo.errors import UnknownCaseError
-from truepose.demo.night.cases import night_cases
-from truepose.demo.night.check import NightCase
+from truepose.demo.night.bad_lines import bad_lines
+from truepose.demo.night.calibrated_cells import calibrated_cells
+from truepose.demo.night.check import NightCase, NightRequest
+from truepose.demo.night.faulty_sessions import FaultySession, KilledService
 from truepose.demo.night.history import HISTORY, append_night, read_history
-from truepose.demo.night.request import NightRequest
+from truepose.demo.night.planted_causes import planted_causes
 from truepose.demo.night.results import CaseOutcome, NightRun, print_night, write_night
+from truepose.demo.night.trackerless_cells import BallbarCell, loop_cells
+from truepose.demo.processes import DATABASE
 from truepose.demo.progress import RunProgress, shown_progress
 from truepose.domain.errors import TrueposeError
+
+# Accuracy is compared between nights: only the program may change in between, not the robot.
+_SAME_CELLS = 0
+
+
+def night_cases(seed: int, benches: tuple[str, ...] = ()) -> list[NightCase]:
+    """Return the cases of a night; `seed` draws what is to be another every night.
+
+    `benches` are those of drivers beside the installed ones (`MODULE:NAME`); raises UnknownCaseError.
+    """
+    return [
+        *calibrated_cells(_SAME_CELLS),
+        *(BallbarCell(scenario, _SAME_CELLS) for scenario in ("irb120-tilted", "lrmate-tilted")),
+        *loop_cells(_SAME_CELLS),
+        *planted_causes(seed),
+        *(FaultySession(scenario, seed) for scenario in ("irb120-clean", "lrmate-fanuc", "ur10-clean")),
+        KilledService(seed),
+        *bad_lines(seed, benches),
+    ]
+
 
 _FAILED: Final = 1
 _SERVICE_FAILED: Final = 3

@@ -10,13 +10,12 @@ from xml.etree import ElementTree
 from rich.console import Console
 from rich.table import Table
 
-from truepose.demo.night.check import Check, NightCase
-from truepose.demo.night.history import Course, Measured, Night, course
-from truepose.demo.night.request import NightRequest
+from truepose.demo.demo import RESULT
+from truepose.demo.night.check import Check, NightCase, NightRequest
+from truepose.demo.night.history import FigureHistory, Night, NightFigure, course
 from truepose.demo.report import REPORT
-from truepose.demo.result import RESULT
 from truepose.exchange.json_text import Json, render_json
-from truepose.reports import Row, Section, Trend, Verdict, write_table_report
+from truepose.reports.table_report import Row, Section, Trend, Verdict, write_table_report
 from truepose.version import __version__
 
 JUNIT: Final = "junit.xml"
@@ -70,11 +69,11 @@ class NightRun:
         return self.request.again(outcome.case.name)
 
 
-def _remembered(outcome: CaseOutcome) -> Iterator[Measured]:
+def _remembered(outcome: CaseOutcome) -> Iterator[NightFigure]:
     name = outcome.case.name
-    yield Measured(case=name, figure=_TIME, passed=outcome.error is None, value=outcome.wall_s)
+    yield NightFigure(case=name, figure=_TIME, passed=outcome.error is None, value=outcome.wall_s)
     for one in outcome.checks:
-        yield Measured(case=name, figure=one.figure, passed=one.passed, value=one.value)
+        yield NightFigure(case=name, figure=one.figure, passed=one.passed, value=one.value)
 
 
 def write_night(night: NightRun, out: Path) -> None:
@@ -151,7 +150,7 @@ def _section(outcome: CaseOutcome, night: NightRun, nights: Sequence[Night]) -> 
     return Section(name, (*rows, Row(_TIME, "", f"{outcome.wall_s:.1f} s", Verdict.NO_TARGET, took)), note)
 
 
-def _trend(seen: Course) -> Trend | None:
+def _trend(seen: FigureHistory) -> Trend | None:
     if sum(one is not None for one in seen.measured) < 2:
         return None
     values = tuple(None if one is None else one.value for one in seen.measured)
@@ -159,7 +158,7 @@ def _trend(seen: Course) -> Trend | None:
     return Trend(values, passed, _said(seen))
 
 
-def _said(seen: Course) -> str:
+def _said(seen: FigureHistory) -> str:
     if seen.first_bad is not None:
         return f"first bad night: {seen.first_bad.name}"
     if seen.unusual and seen.usual is not None:
@@ -192,7 +191,7 @@ def _case(outcome: CaseOutcome, night: NightRun, nights: Sequence[Night]) -> dic
     }
 
 
-def _check(check: Check, seen: Course) -> dict[str, Json]:
+def _check(check: Check, seen: FigureHistory) -> dict[str, Json]:
     return {
         "figure": check.figure,
         "target": check.target,

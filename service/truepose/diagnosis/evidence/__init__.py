@@ -1,1 +1,1 @@
-"""What held-out readings say: folds, gains, the structure that is left, functions of cells without a name."""
+"""What findings are worth: sensitivities, errors on readings left out, and structure of the residuals."""

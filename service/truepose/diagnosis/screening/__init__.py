@@ -1,1 +1,1 @@
-"""What each candidate cause would explain beyond the fitted model, and which are taken: linear algebra."""
+"""Which causes the residuals ask for: candidates, tests of them, and the choice."""

@@ -1,19 +1,21 @@
 """The pool: all candidates with their columns, linearised at one fit, and what fitting some of them leaves.
 
+Columns are the whitened derivatives of parameters that the fitted model does not have. Causes propose
+parameters (`candidate_columns`); smooth families are given as terms (`term_columns`).
+
 Everything that is asked of it is linear: a pick is fitted beside the present model by its products, and so is
 the model itself without some of its readings.
 """
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
 
-from truepose.diagnosis.screening.columns import candidate_columns
 from truepose.diagnosis.screening.normal_equations import (
-    Normal,
+    NormalEquations,
     Products,
     Sums,
     normal_of,
@@ -21,10 +23,99 @@ from truepose.diagnosis.screening.normal_equations import (
 )
 from truepose.domain.arrays import BoolArray, FloatArray, IntArray
 from truepose.effects.causes import Candidate
+from truepose.effects.ports import ParameterSpec, Term
 from truepose.identification.fit.robust import RobustFit
+from truepose.identification.model.derivatives import candidate_terms, trial_derivatives, tried
+from truepose.identification.model.evaluation import State
+
+_LARGEST = 6_000_000  # numbers in one chunk of derivatives: what stays near the processor
 
 
-class Alike(NamedTuple):
+def candidate_columns(fit: RobustFit, candidates: Sequence[Candidate]) -> FloatArray:
+    """Return whitened derivatives of all parameters of the candidates, shape (K, m)."""
+    columns = np.empty((sum(len(one.specs) for one in candidates), len(fit.solution.final.residual)))
+    first = 0
+    for chunk in _chunks(candidates, _chunk_size(fit)):
+        specs = _specs(chunk)
+        last = first + len(specs)
+        _fill(columns[first:last], fit, specs, [_terms(result.state, chunk) for result in fit.results])
+        first = last
+    return columns
+
+
+def candidate_motions(fit: RobustFit, candidates: Sequence[Candidate]) -> Iterator[FloatArray]:
+    """Yield how each reading of the first block moves per unit of each candidate's parameters, (k, n, d)."""
+    block, state = fit.blocks[0], fit.results[0].state
+    for chunk in _chunks(candidates, _chunk_size(fit)):
+        specs = _specs(chunk)
+        motions = trial_derivatives(block.derivatives(tried(state, specs, _terms(state, chunk))), state)
+        yield from np.split(motions, np.cumsum([len(candidate.specs) for candidate in chunk])[:-1])
+
+
+def _chunks(candidates: Sequence[Candidate], size: int) -> Iterator[list[Candidate]]:
+    """Yield runs of candidates of at most so many parameters, never less than one."""
+    chunk, count = list[Candidate](), 0
+    for candidate in candidates:
+        if chunk and count + len(candidate.specs) > size:
+            yield chunk
+            chunk, count = [], 0
+        chunk.append(candidate)
+        count += len(candidate.specs)
+    if chunk:
+        yield chunk
+
+
+def _chunk_size(fit: RobustFit) -> int:
+    rows = max(len(block.weights) for block in fit.blocks)
+    return max(12, _LARGEST // (3 * max(rows, 1)))
+
+
+def _specs(candidates: Sequence[Candidate]) -> tuple[ParameterSpec, ...]:
+    return tuple(spec for candidate in candidates for spec in candidate.specs)
+
+
+def _terms(state: State, candidates: Sequence[Candidate]) -> tuple[Term, ...]:
+    """Return how the parameters of all candidates act, numbered from 0."""
+    found: list[Term] = []
+    first = 0
+    for effect, names in _runs(candidates):
+        found += candidate_terms(state, effect, names, first)
+        first += len(names)
+    return tuple(found)
+
+
+def _runs(candidates: Sequence[Candidate]) -> list[tuple[str, tuple[str, ...]]]:
+    """Names of successive candidates of one effect, together."""
+    runs: list[tuple[str, list[str]]] = []
+    for candidate in candidates:
+        if not runs or runs[-1][0] != candidate.effect:
+            runs.append((candidate.effect, []))
+        runs[-1][1].extend(candidate.names)
+    return [(effect, tuple(names)) for effect, names in runs]
+
+
+def term_columns(fit: RobustFit, terms: Sequence[tuple[Term, ...]], count: int) -> FloatArray:
+    """Return whitened derivatives of `count` parameters by their terms in each block, shape (count, m)."""
+    specs = tuple(ParameterSpec(f"trial_{k}", "1", 0.0, 1.0) for k in range(count))
+    columns = np.empty((count, len(fit.solution.final.residual)))
+    _fill(columns, fit, specs, terms)
+    return columns
+
+
+def _fill(
+    columns: FloatArray, fit: RobustFit, specs: tuple[ParameterSpec, ...], terms: Sequence[tuple[Term, ...]]
+) -> None:
+    """Write the whitened derivatives of parameters by their terms in each block, block beside block."""
+    first = 0
+    for block, result, acting in zip(fit.blocks, fit.results, terms, strict=True):
+        derivatives = block.derivatives(tried(result.state, specs, acting))
+        white = result.whitening.apply(trial_derivatives(derivatives, result.state))
+        width = white.shape[1] * white.shape[2]
+        columns[:, first : first + width] = white.reshape(len(specs), width)
+        first += width
+
+
+class EqualCandidates(NamedTuple):
     """Candidates of one number of parameters, scaled to columns of length 1."""
 
     here: IntArray  # (C,) which candidates
@@ -44,9 +135,9 @@ class Pool:
     products: Products  # of all K columns
     starts: tuple[int, ...]  # first column of each candidate
     grams: tuple[FloatArray, ...]  # (k, k) products among the columns of each candidate
-    alike: tuple[Alike, ...]  # of those that are no functions
+    alike: tuple[EqualCandidates, ...]  # of those that are no functions
     functions: tuple[int, ...]  # which candidates are
-    normal: Normal
+    normal: NormalEquations
     fit: RobustFit
 
     def own(self, index: int) -> slice:
@@ -145,7 +236,7 @@ def _assembled(
     products: Products,
     grams: tuple[FloatArray, ...],
     counted: tuple[FloatArray, FloatArray],
-    model: tuple[Normal, RobustFit],
+    model: tuple[NormalEquations, RobustFit],
 ) -> Pool:
     sizes = np.array([len(candidate.specs) for candidate in candidates], dtype=int)
     starts = np.cumsum(sizes) - sizes
@@ -178,9 +269,9 @@ def _counted(candidates: Sequence[Candidate]) -> tuple[FloatArray, FloatArray]:
 
 def _alike(
     here: IntArray, count: int, starts: IntArray, widths: FloatArray, grams: Sequence[FloatArray]
-) -> Alike:
+) -> EqualCandidates:
     rows = starts[here][:, None] + np.arange(count)
     gram = np.stack([grams[index] for index in here.tolist()])
     scale = np.sqrt(np.maximum(np.einsum("cii->ci", gram), 1e-300))
     belief = 1.0 / (widths[rows] * scale) ** 2
-    return Alike(here, rows, scale, gram / (scale[:, :, None] * scale[:, None, :]), belief)
+    return EqualCandidates(here, rows, scale, gram / (scale[:, :, None] * scale[:, None, :]), belief)

@@ -14,9 +14,41 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.linalg import cholesky, solve_triangular
 
-from truepose.diagnosis.screening.counted import counted_rows, design_effect
 from truepose.domain.arrays import BoolArray, FloatArray, IntArray
+from truepose.domain.campaign import sites
 from truepose.identification.fit.robust import RobustFit
+from truepose.identification.observations.blocks import Block, BlockResult
+
+
+def counted_rows(fit: RobustFit) -> BoolArray:
+    """Return which of the stacked components are of readings that count, shape (m,)."""
+    return np.concatenate([
+        np.repeat(block.counts, result.residual.shape[1])
+        for block, result in zip(fit.blocks, fit.results, strict=True)
+    ])
+
+
+def design_effect(block: Block, result: BlockResult) -> float:
+    """How many readings of a stop are worth one: 1 + (m - 1) of their correlation.
+
+    What a model lacks moves all nests that are read at one stop together; so does a stop that is revisited.
+    """
+    vectors = result.whitening.apply(result.residual)
+    if result.direction is not None:
+        vectors = vectors * result.direction
+    kept = block.counts
+    _, stop = np.unique(sites(block.targets.stops)[kept], return_inverse=True)
+    vectors = vectors[kept]
+    sizes = np.bincount(stop)
+    sums = np.stack([np.bincount(stop, component) for component in vectors.T], axis=1)
+    squares = float((vectors**2).sum())
+    pairs = float((sizes * (sizes - 1)).sum())
+    if pairs == 0.0 or squares == 0.0:
+        return 1.0
+    correlation = (float((sums**2).sum()) - squares) / pairs / (squares / len(vectors))
+    usual = pairs / len(vectors)  # other readings of the same stop that a reading has on average
+    return float(1.0 + usual * np.clip(correlation, 0.0, 1.0))
+
 
 _ROUNDING = 1e-13  # added to the unit diagonal: a direction that only rounding supports
 
@@ -90,7 +122,7 @@ class Projection:
 
 
 @dataclass(frozen=True, slots=True)
-class Normal:
+class NormalEquations:
     """Normal equations of a fit, whose parameters may be left out again."""
 
     names: tuple[str, ...]
@@ -124,7 +156,7 @@ class Normal:
         sums = Sums(max(square, 1e-300), max(self.observations, 1.0), self.observations, self.alike)
         return Projection(kept, root, scale, removed, of_residual, sums)
 
-    def beside(self, effects: Products, widths: FloatArray, names: tuple[str, ...]) -> "Normal":
+    def beside(self, effects: Products, widths: FloatArray, names: tuple[str, ...]) -> "NormalEquations":
         """Return the normal equations with further parameters, at zero, whose priors have these widths."""
         across = effects.with_jacobian
         zeros = np.zeros(len(widths))
@@ -139,13 +171,13 @@ class Normal:
         )
 
 
-def normal_of(fit: RobustFit, rows: BoolArray | None = None) -> Normal:
+def normal_of(fit: RobustFit, rows: BoolArray | None = None) -> NormalEquations:
     """Return the normal equations of a fit, of some of its stacked observations (m,) alone where asked."""
     final, structure = fit.solution.final, fit.structure
     jacobian, residual, counted = final.jacobian, final.residual, counted_rows(fit)
     if rows is not None:
         jacobian, residual, counted = jacobian[:, rows], residual[rows], counted[rows]
-    return Normal(
+    return NormalEquations(
         names=structure.names,
         values=fit.values,
         deviation=structure.prior_means - fit.values,

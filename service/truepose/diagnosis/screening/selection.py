@@ -4,16 +4,54 @@ Within one linearisation the picks are fitted together, and each must be worth i
 others (`chosen`). Then everything is fitted again, gross readings included, and screened anew.
 """
 
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
 from truepose.diagnosis.screening.candidates import Pool, View, pooled
-from truepose.diagnosis.screening.explained import Screened, screen
+from truepose.diagnosis.screening.significance import Screening, screen
 from truepose.effects.causes import Candidate
+from truepose.effects.ports import Trait
+from truepose.effects.registry import effects_with
+from truepose.effects.signatures import plural_of
 from truepose.identification.fit.robust import RobustFit, settled
+
+Group = tuple[str, tuple[Candidate, ...]]  # subject and picks
+
+_MANY = 3  # joints that share a cause from this number on
+_ORDERS_APART = 2  # waves of one joint that are told one by one; more are told together
+
+
+def grouped(picks: Sequence[Candidate]) -> tuple[Group, ...]:
+    """Return subjects and their picks, in the order in which they were found."""
+    groups: dict[tuple[str, str, float], list[Candidate]] = {}
+    for pick in picks:
+        groups.setdefault((pick.effect, _subject(pick, picks), _apart(pick, picks)), []).append(pick)
+    return tuple((key[1], tuple(group)) for key, group in groups.items())
+
+
+def names_of(picks: Iterable[Candidate]) -> tuple[str, ...]:
+    """Return the names of all parameters of some picks."""
+    return tuple(name for pick in picks for name in pick.names)
+
+
+def _subject(pick: Candidate, picks: Sequence[Candidate]) -> str:
+    plural = plural_of(pick.effect)
+    if not plural:
+        return pick.subject
+    subjects = {other.subject for other in picks if other.effect == pick.effect}
+    return plural if plural in subjects or len(subjects) >= _MANY else pick.subject
+
+
+def _apart(pick: Candidate, picks: Sequence[Candidate]) -> float:
+    """Tell waves of one joint apart by their order while they are few."""
+    if pick.effect not in effects_with(Trait.WAVES):
+        return 0.0
+    same = [other for other in picks if (other.effect, other.subject) == (pick.effect, pick.subject)]
+    return pick.variant if len(same) <= _ORDERS_APART else 0.0
+
 
 LEVEL = 0.004  # chance that noise alone gives any name, over everything tried
 _MOST_REFITS = 6  # each may add several picks; one or two are usual
@@ -26,7 +64,7 @@ Propose = Callable[[RobustFit], tuple[Candidate, ...]]
 
 
 @dataclass(frozen=True, slots=True)
-class Selected:
+class Selection:
     """The extended model: picks in the order in which they were found."""
 
     fit: RobustFit
@@ -45,7 +83,7 @@ class Choice:
     full: bool  # more was there, but the readings do not carry more parameters
 
 
-def select(choice: Choice, propose: Propose, tell: Callable[[float], None]) -> Selected:
+def select(choice: Choice, propose: Propose, tell: Callable[[float], None]) -> Selection:
     """Extend a fitted model by what the data show.
 
     Parameters
@@ -78,7 +116,7 @@ def select(choice: Choice, propose: Propose, tell: Callable[[float], None]) -> S
             if not any(candidate.same_as(other) for candidate in choice.picks for other in kept):
                 break
         choice = chosen(pool)
-    return Selected(fit, tuple(picks), pool, choice.full)
+    return Selection(fit, tuple(picks), pool, choice.full)
 
 
 def _differ(kept: Sequence[Candidate], picks: Sequence[Candidate]) -> bool:
@@ -125,7 +163,7 @@ def _fitted(view: View) -> list[int]:
     return [k for k, candidate in enumerate(view.pool.all) if not view.fitted.isdisjoint(candidate.names)]
 
 
-def _parts_or_whole(view: View, screened: Screened, best: int) -> dict[int, Candidate]:
+def _parts_or_whole(view: View, screened: Screening, best: int) -> dict[int, Candidate]:
     """Return a few single parts of a function where they are the better story, else what was best."""
     whole = view.pool.all[best]
     if not whole.function:
@@ -148,12 +186,12 @@ def _is_part(candidate: Candidate, function: Candidate, taken: Collection[Candid
     return same and not candidate.function and candidate not in taken
 
 
-def _sized(candidate: Candidate, screened: Screened, index: int) -> Candidate:
+def _sized(candidate: Candidate, screened: Screening, index: int) -> Candidate:
     """Return a candidate as large as the data ask for, where they tell it."""
     return candidate.sized(float(screened.width[index])) if candidate.function else candidate
 
 
-def best_of(screened: Screened) -> int | None:
+def best_of(screened: Screening) -> int | None:
     """Return the candidate with the best score among those beyond chance; None where there is none."""
     beyond = (screened.p_value <= LEVEL) & (screened.score > 0.0)
     if not beyond.any():
@@ -208,8 +246,8 @@ def _judged(index: int, pick: Candidate, pool: Pool, gone: tuple[str, ...] = ())
 
 
 def reselected(
-    start: RobustFit, selected: Selected, kept: tuple[Candidate, ...], propose: Propose
-) -> Selected:
+    start: RobustFit, selected: Selection, kept: tuple[Candidate, ...], propose: Propose
+) -> Selection:
     """Return the selection with some of its picks only, as far as they are worth it, fitted again."""
     resized = 0
     while True:
@@ -218,6 +256,6 @@ def reselected(
         worth = tuple(_worth(kept, pool))
         settled_down = resized == _MOST_REFITS or not _differ(worth, kept)
         if len(worth) == len(kept) and settled_down:
-            return Selected(fit, kept, pool, selected.full)
+            return Selection(fit, kept, pool, selected.full)
         resized += len(worth) == len(kept)
         kept = worth

@@ -1,1 +1,1 @@
-"""Effects of single readings: labels that were swapped, readings that belong to no model."""
+"""What is wrong with single readings: found by the diagnosis itself, without parameters."""

@@ -7,11 +7,10 @@ the readings of the two nests that are swapped as the one value of what was fitt
 import numpy as np
 
 from truepose.domain.arrays import distinct_values
-from truepose.domain.results.causes import Detail
-from truepose.domain.sentences import Text, said
-from truepose.effects.causes import Candidate, Fitted, Scene, Shown
-from truepose.effects.ports import Trait
-from truepose.effects.without_parameters import WithoutParameters
+from truepose.domain.diagnosis import Detail
+from truepose.effects.causes import Candidate, Description, Fitted, Scene, Signature
+from truepose.effects.ports import Trait, WithoutParameters
+from truepose.messages.message import Text, message
 
 NAME = "label_swap"
 _SEVERAL = 2
@@ -27,23 +26,26 @@ class LabelSwap(WithoutParameters):
 
     name = NAME
     traits = frozenset({Trait.SEARCHED, Trait.OF_READINGS})
+    signature = Signature("readings", "constant", "group", "share of the readings")
 
     def unseen(self, scene: Scene) -> Text | None:
         """Need several nests."""
         if len(distinct_values(scene.nest)) < _SEVERAL:
-            return said("unseen.one_nest")
+            return message("unseen.one_nest")
         return None
 
     def candidates(self, scene: Scene) -> tuple[Candidate, ...]:
         """Return none: readings are tried one by one against the other nests."""
         return ()
 
-    def shown(self, subject: str, fitted: Fitted, scene: Scene) -> Shown:
+    def describe(self, subject: str, fitted: Fitted, scene: Scene) -> Description:
         """Say how many of the readings of two nests are swapped."""
         share, uncertainty = float(fitted.values[0]), float(np.sqrt(fitted.covariance[0, 0]))
         first, second = (int(part.split()[1]) for part in subject.split(", "))
         readings = int(np.isin(scene.nest, (first, second)).sum())
         swapped = round(share * readings)
-        sentence = said("causes.label_swap", first=first, second=second, swapped=swapped, readings=readings)
+        sentence = message(
+            "causes.label_swap", first=first, second=second, swapped=swapped, readings=readings
+        )
         details = (Detail("readings", float(swapped), "1", 0.0),)
-        return Shown(subject, share, "1", uncertainty, sentence, details)
+        return Description(subject, share, "1", uncertainty, sentence, details)

@@ -6,11 +6,10 @@ as the one value of what was fitted.
 
 import numpy as np
 
-from truepose.domain.results.causes import Detail
-from truepose.domain.sentences import Text, said
-from truepose.effects.causes import Candidate, Fitted, Scene, Shown
-from truepose.effects.ports import Trait
-from truepose.effects.without_parameters import WithoutParameters
+from truepose.domain.diagnosis import Detail
+from truepose.effects.causes import Candidate, Description, Fitted, Scene, Signature
+from truepose.effects.ports import Trait, WithoutParameters
+from truepose.messages.message import Text, message
 
 NAME = "outliers"
 _FEWEST = 10  # readings among which one can stand out
@@ -21,21 +20,23 @@ class Outliers(WithoutParameters):
 
     name = NAME
     traits = frozenset({Trait.SEARCHED, Trait.OF_READINGS})
+    signature = Signature("readings", "constant", "group", "share of the readings")
 
     def unseen(self, scene: Scene) -> Text | None:
         """Need readings enough for one to stand out."""
         if len(scene.stops) < _FEWEST:
-            return said("unseen.few_for_outliers")
+            return message("unseen.few_for_outliers")
         return None
 
     def candidates(self, scene: Scene) -> tuple[Candidate, ...]:
         """Return none: readings are judged one by one."""
         return ()
 
-    def shown(self, subject: str, fitted: Fitted, scene: Scene) -> Shown:
+    def describe(self, subject: str, fitted: Fitted, scene: Scene) -> Description:
         """Say how many readings are bad."""
         share, uncertainty = float(fitted.values[0]), float(np.sqrt(fitted.covariance[0, 0]))
         bad, all_readings = round(share * len(scene.stops)), len(scene.stops)
-        key = "causes.outliers.one" if bad == 1 else "causes.outliers.several"
-        sentence = said(key, bad=bad, readings=all_readings)
-        return Shown(subject, share, "1", uncertainty, sentence, (Detail("readings", float(bad), "1", 0.0),))
+        sentence = message("causes.outliers", n=bad, readings=all_readings)
+        return Description(
+            subject, share, "1", uncertainty, sentence, (Detail("readings", float(bad), "1", 0.0),)
+        )

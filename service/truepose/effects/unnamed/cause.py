@@ -1,4 +1,4 @@
-"""The cause that stands for every cell without a trade name.
+"""The cause that stands for every cell without a trade name, and the table of these cells.
 
 A library of names is never complete. Beside the named causes stand plain cells, so that a joint's zero that
 jumped is not taken for the base, nor an instrument that was kicked for the robot.
@@ -9,12 +9,24 @@ from typing import NamedTuple
 
 import numpy as np
 
-from truepose.domain.results.causes import Detail
-from truepose.domain.sentences import Text, said, together
-from truepose.effects.causes import Candidate, Fitted, Scene, Shown, norm_with_uncertainty
+from truepose.domain.diagnosis import Detail
+from truepose.effects.causes import Candidate, Description, Fitted, Scene, norm_with_uncertainty
+from truepose.effects.installed import INSTALLED
 from truepose.effects.ports import NOTHING, Need, ParameterSpec, Rows, Setting, Term, Trait
+from truepose.effects.unnamed import (
+    over_angles,
+    over_load,
+    over_sight,
+    over_time,
+)
 from truepose.effects.unnamed.kinds import Key, Kind, Part, Place, Size, key_of
-from truepose.effects.unnamed.table import KINDS
+from truepose.messages.message import Text, message, together
+
+OWN: dict[str, Kind] = {
+    kind.name: kind for part in (over_time, over_angles, over_load, over_sight) for kind in part.KINDS
+}
+KINDS: dict[str, Kind] = OWN | {name: kind for name, kind in INSTALLED.kinds.items() if name not in OWN}
+
 
 NAME = "unnamed"
 _TOLD_AS = {"rad": "deg", "rad/h": "deg/h", "rad/K": "deg/K"}
@@ -26,6 +38,7 @@ class Unnamed:
 
     name = NAME
     traits = frozenset({Trait.SEARCHED})
+    signature = None  # the subject of each cell is its signature
     needs: frozenset[Need] = NOTHING  # in general; `needs_of` tells those of single cells
 
     def specs(self, setting: Setting) -> tuple[ParameterSpec, ...]:
@@ -62,18 +75,18 @@ class Unnamed:
             if candidate.names[0] not in scene.present
         )
 
-    def shown(self, subject: str, fitted: Fitted, scene: Scene) -> Shown:
+    def describe(self, subject: str, fitted: Fitted, scene: Scene) -> Description:
         """Describe a cell; of several variants, the largest."""
         cells = _cells(fitted)
         largest = max(cells, key=lambda cell: abs(cell.sizes[0].amplitude))
         kind, first = KINDS[largest.key.kind], largest.sizes[0]
         beside = largest.sizes[1].amplitude if len(largest.sizes) > 1 else 0.0
-        several = said("causes.unnamed.several", cells=len(cells), shape=kind.shape)
+        several = message("causes.unnamed.several", cells=len(cells), shape=kind.shape)
         more = several if len(cells) > 1 else ""
         sentence = kind.sentence(largest.key, Size(abs(first.amplitude), beside), scene)
         details = tuple(detail for cell in cells for detail in cell.details(scene, several=len(cells) > 1))
         size = first.amplitude, first.unit, first.uncertainty
-        return Shown(subject, *size, together(sentence, more), details, kind.limits)
+        return Description(subject, *size, together(sentence, more), details, kind.limits)
 
 
 class _Amplitude(NamedTuple):

@@ -9,11 +9,11 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from truepose.domain.arrays import FloatArray
-from truepose.domain.results.causes import Shape
-from truepose.domain.results.identification import Unit
-from truepose.domain.sentences import Text
+from truepose.domain.diagnosis import Shape
+from truepose.domain.identification import Unit
 from truepose.effects.causes import Limits, Scene
 from truepose.effects.ports import NOTHING, Need, Port, Rows
+from truepose.messages.message import Text
 
 _PREFIX = "cell"
 ALONE = (0,)  # the place of what a cell has one of: the tool, the instrument

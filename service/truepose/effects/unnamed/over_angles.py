@@ -3,15 +3,15 @@
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
-from truepose.domain.sentences import Sentence, said
+from truepose.effects.arm.geometry import is_parallel_to_previous
+from truepose.effects.arm.joint_coupling import WRIST_JOINTS
 from truepose.effects.causes import Scene
-from truepose.effects.joints.joint_coupling import WRIST_JOINTS
-from truepose.effects.joints.joint_harmonics import periods
-from truepose.effects.links.geometry import is_parallel_to_previous
+from truepose.effects.motions import COMPONENTS
 from truepose.effects.names import joint_subject
 from truepose.effects.ports import Port, PortKind, Rows, motion_port
-from truepose.effects.shapes.rigid_motion import COMPONENTS
 from truepose.effects.unnamed.kinds import STEADY, Key, Kind, Moves, Part, Place, Size, Variants
+from truepose.effects.waves import periods
+from truepose.messages.message import Message, message
 
 _WAVE_RAD = np.deg2rad(0.05)  # belief, as of waves of a joint's own angle
 _SHARE = 2e-3  # belief, as of couplings within the wrist
@@ -102,12 +102,12 @@ def _summed(rows: Rows, first: int) -> FloatArray:
     return np.asarray(rows.turn_rad[:, first - 1] + same_way * rows.turn_rad[:, first])
 
 
-def _periods(key: Key) -> Sentence:
+def _periods(key: Key) -> Message:
     return periods(float(key.variant))
 
 
-def _of_wobble(key: Key, size: Size, _scene: Scene) -> Sentence:
-    return said(
+def _of_wobble(key: Key, size: Size, _scene: Scene) -> Message:
+    return message(
         "causes.wobble",
         joint=_joint(key.place),
         tilt_deg=size.amplitude,
@@ -116,9 +116,9 @@ def _of_wobble(key: Key, size: Size, _scene: Scene) -> Sentence:
     )
 
 
-def _of_cross_wave(key: Key, size: Size, _scene: Scene) -> Sentence:
+def _of_cross_wave(key: Key, size: Size, _scene: Scene) -> Message:
     moved, source = map(joint_subject, _indices(key))
-    return said(
+    return message(
         "causes.cross_wave",
         joint=moved,
         source=source,
@@ -127,10 +127,10 @@ def _of_cross_wave(key: Key, size: Size, _scene: Scene) -> Sentence:
     )
 
 
-def _of_share(key: Key, size: Size, scene: Scene) -> Sentence:
+def _of_share(key: Key, size: Size, scene: Scene) -> Message:
     moved, source = _indices(key)
     way_deg = float(np.rad2deg(size.amplitude * float(np.ptp(scene.turn_rad[:, source]))))
-    return said(
+    return message(
         "causes.moves_along",
         joint=joint_subject(moved),
         source=joint_subject(source),
@@ -139,9 +139,9 @@ def _of_share(key: Key, size: Size, scene: Scene) -> Sentence:
     )
 
 
-def _of_pair(key: Key, size: Size, _scene: Scene) -> Sentence:
+def _of_pair(key: Key, size: Size, _scene: Scene) -> Message:
     _, first = key.place
-    return said(
+    return message(
         "causes.pair_wave",
         joint=_joint(key.place),
         first=first,

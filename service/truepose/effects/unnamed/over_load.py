@@ -1,22 +1,22 @@
-"""What follows loads without a name: bearings that tilt, a flange that gives, friction that grows."""
+"""What follows loads and moves without a name: bearings that tilt, friction that grows, joints that lag."""
 
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
-from truepose.domain.sentences import Sentence, said
+from truepose.effects.arm.backlash import from_both_sides
+from truepose.effects.arm.compliance import known_torque
 from truepose.effects.causes import SPRING, Limits, Scene
-from truepose.effects.joints.backlash import from_both_sides
-from truepose.effects.joints.compliance import known_torque
 from truepose.effects.names import joint_subject
 from truepose.effects.ports import Port, PortKind, Rows, motion_port
 from truepose.effects.unnamed.kinds import ALONE, STEADY, Key, Kind, Moves, Part, Place, Size, Variants, once
 from truepose.kinematics.chain import Chain
 from truepose.kinematics.gravity import gravity_moments
+from truepose.messages.message import Message, message
 
 # Belief: a bearing stands moments across its axis several times better than its gear does those about it.
 _TILT = 1e-6  # rad/(N mm)
 _RUB = 1e-6  # rad/(N mm), belief: friction that holds a joint off as far as its gearbox winds up
-_FRICTION = Limits(0.0, np.inf, said("limits.friction"))
+_FRICTION = Limits(0.0, np.inf, message("limits.friction"))
 _SHIFT = 2e-3  # mm/N, belief: what shifts visibly by hand
 _FIRST_BEARING = 2  # what the first one carries tilts with the base
 _FIRST_TURN = 3  # components 3..5 of a motion
@@ -97,35 +97,35 @@ def _rubs(key: Key, rows: Rows) -> Moves:
     return [(port, -way * np.abs(known_torque(rows, joint)))]
 
 
-def _of_tilt(key: Key, size: Size, scene: Scene) -> Sentence:
+def _of_tilt(key: Key, size: Size, scene: Scene) -> Message:
     masses = scene.setting.robot.masses
     moments = gravity_moments(scene.chain, masses, np.array(scene.gravity_m_s2))
     most_deg = float(np.rad2deg(size.amplitude * _largest(_across(scene.chain, key.place[0], moments))))
     joint = joint_subject(key.place[0] - 1)
-    return said("causes.bearing_tilts", joint=joint, compliance=size.amplitude, most_deg=most_deg)
+    return message("causes.bearing_tilts", joint=joint, compliance=size.amplitude, most_deg=most_deg)
 
 
-def _of_mount(key: Key, size: Size, scene: Scene) -> Sentence:
+def _of_mount(key: Key, size: Size, scene: Scene) -> Message:
     robot = scene.setting.robot
     moments = gravity_moments(scene.chain, robot.masses, np.array(scene.gravity_m_s2))
     soft = list(_SOFT_ABOUT[key.variant])
     largest = _largest(_across(scene.chain, robot.n_joints, moments)[:, soft])
-    return said(
+    return message(
         "causes.flange_gives",
-        about=said("causes.flange_gives.about", axis=key.variant) if len(soft) == 1 else "",
+        about=message("causes.flange_gives.about", axis=key.variant) if len(soft) == 1 else "",
         compliance=size.amplitude,
         most_deg=float(np.rad2deg(size.amplitude * largest)),
     )
 
 
-def _of_rub(key: Key, size: Size, scene: Scene) -> Sentence:
+def _of_rub(key: Key, size: Size, scene: Scene) -> Message:
     joint = key.place[0] - 1
     largest = 0.0 if scene.torque_n_mm is None else float(np.nanmax(np.abs(scene.torque_n_mm[:, joint])))
     most_deg = float(np.rad2deg(size.amplitude * largest))
-    return said("causes.friction", joint=joint_subject(joint), most_deg=most_deg)
+    return message("causes.friction", joint=joint_subject(joint), most_deg=most_deg)
 
 
-KINDS = (
+_OF_LOADS = (
     Kind(
         "tilt", "line", (Part("tilt", "rad/(N*mm)", _TILT),), lambda place: f"link {place[0]}",
         once("load"), _bearings, lambda _scene: STEADY, _tilts, _of_tilt, limits=SPRING,
@@ -140,3 +140,39 @@ KINDS = (
         limits=_FRICTION, needs=frozenset({"torque", "direction"}),
     ),
 )  # fmt: skip
+
+
+_SHARE = 1e-3  # belief: 0.05 deg after 50 deg, five times what an operator sees creeping
+_SMALLEST_MOVE_RAD = np.deg2rad(5.0)  # root mean square; over less, a share of a move is nothing
+
+
+def _moving(scene: Scene) -> list[Place]:
+    if scene.stops.move_rad is None:
+        return []
+    usual = np.sqrt(np.mean(np.nan_to_num(scene.stops.move_rad) ** 2, axis=0))
+    return [(joint,) for joint in (np.flatnonzero(usual >= _SMALLEST_MOVE_RAD) + 1).tolist()]
+
+
+def _lags(key: Key, rows: Rows) -> Moves:
+    joint = key.place[0] - 1
+    port = Port(PortKind.THETA, joint)
+    if rows.stops.move_rad is None:
+        return [(port, np.zeros(len(rows.stops)))]
+    return [(port, -rows.robot.joints[joint].sign * np.nan_to_num(rows.stops.move_rad[:, joint]))]
+
+
+def _of_lag(key: Key, size: Size, scene: Scene) -> Message:
+    joint, moves = key.place[0] - 1, scene.stops.move_rad
+    largest = 0.0 if moves is None else float(np.nanmax(np.abs(moves[:, joint])))
+    most_deg = float(np.rad2deg(size.amplitude * largest))
+    return message("causes.lag", joint=joint_subject(joint), share=size.amplitude, most_deg=most_deg)
+
+
+_OF_MOVES = (
+    Kind(
+        "lag", "line", (Part("share", "1", _SHARE),), lambda place: joint_subject(place[0] - 1),
+        once("last move"), _moving, lambda _scene: STEADY, _lags, _of_lag, needs=frozenset({"move"}),
+    ),
+)  # fmt: skip
+
+KINDS = _OF_LOADS + _OF_MOVES

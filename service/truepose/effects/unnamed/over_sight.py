@@ -9,12 +9,12 @@ from collections.abc import Callable
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
-from truepose.domain.sentences import Sentence, said
 from truepose.effects.causes import Scene
-from truepose.effects.joints.joint_harmonics import periods
 from truepose.effects.ports import Port, PortKind, Rows
 from truepose.effects.unnamed.kinds import ALONE, Key, Kind, Moves, Part, Place, Size, Variants, once
+from truepose.effects.waves import periods
 from truepose.kinematics.frames import cross
+from truepose.messages.message import Message, message
 
 _WIDTH_RAD = 5e-5  # belief: five times what makers of trackers state
 _WAVE = (Part("sin", "rad", _WIDTH_RAD), Part("cos", "rad", _WIDTH_RAD))
@@ -61,10 +61,10 @@ def _orders(_scene: Scene) -> Variants:
     return [("1", 1.0), ("2", 2.0)]
 
 
-def _of(angle: str) -> Callable[[Key, Size, Scene], Sentence]:
-    def sentence(key: Key, size: Size, _scene: Scene) -> Sentence:
+def _of(angle: str) -> Callable[[Key, Size, Scene], Message]:
+    def sentence(key: Key, size: Size, _scene: Scene) -> Message:
         order = periods(float(key.variant))
-        return said("causes.circle", angle=angle, periods=order, amplitude_deg=size.amplitude)
+        return message("causes.circle", angle=angle, periods=order, amplitude_deg=size.amplitude)
 
     return sentence
 

@@ -9,25 +9,22 @@ sit wrong in the world.
 """
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from datetime import date
+from typing import Final
 
 import numpy as np
 
-from truepose.domain.measurement.campaign import Campaign
+from truepose.domain.campaign import Campaign
 from truepose.domain.robot import FixedNest, Nest, Robot, WorldRegistration
-from truepose.domain.sentences import Sentence, said
-from truepose.exchange.campaigns.origin import read_day, read_simulated
-from truepose.exchange.document import Node
-from truepose.exchange.errors import MissingEntryError, NewerVersionError, WrongUnitError
-from truepose.exchange.json_text import Json
-from truepose.exchange.keys import (
+from truepose.exchange.document import (
     TEXT,
     TRUTH,
     VECTOR,
     Form,
     Key,
+    Node,
     degrees,
     each,
     number,
@@ -35,15 +32,42 @@ from truepose.exchange.keys import (
     read_keys,
     written_keys,
 )
-from truepose.exchange.models.covariance import covariance_document, read_covariance
+from truepose.exchange.errors import MissingEntryError, NewerVersionError, WrongUnitError
+from truepose.exchange.json_text import Json
 from truepose.exchange.robots.document import (
     GRAVITY,
     PLACEMENT,
     arm_keys,
+    covariance_document,
     joints_document,
+    read_covariance,
     read_direction,
     read_joints,
 )
+from truepose.messages.message import Message, message
+
+_NOTED: Final = "SIMULATED:"
+
+
+def read_simulated(root: Node, notes: Iterable[str]) -> bool | None:
+    """Return what the description says; older archives of this program say it in a note. None: nothing."""
+    said = root.optional("simulated")
+    if said is not None:
+        return said.truth()
+    return True if any(note.startswith(_NOTED) for note in notes) else None
+
+
+def read_day(node: Node) -> date:
+    """Return the day here."""
+    text = node.text()
+    try:
+        day = date.fromisoformat(text)
+    except ValueError:
+        node.fail(f"{text!r} is no day; one as 2026-03-03 is required")
+    if day.isoformat() != text:  # of other ways to write a day, such as weeks
+        node.fail(f"{text!r} is no day as 2026-03-03")
+    return day
+
 
 FORMAT = 1
 ROLES = (
@@ -230,16 +254,16 @@ def _plain_name(node: Node) -> str:
     return name
 
 
-def _ignored(root: Node) -> Iterator[Sentence]:
+def _ignored(root: Node) -> Iterator[Message]:
     """Say which keys are kept but not understood; a key of many rows once."""
     for node in root.unlisted(KEYS):
-        yield said("ignored.key", name=node.name)
+        yield message("ignored.key", name=node.name)
     in_rows = {key: None for row in root.key("dhm_nominal").items() for key in row.entries()}
     for key in in_rows:
         if key not in _JOINT_KEYS:
-            yield said("ignored.joint_key", name=key)
+            yield message("ignored.joint_key", name=key)
     for node in root.key("files").unlisted(ROLES):
-        yield said("ignored.role", role=str(node.path[-1]))
+        yield message("ignored.role", role=str(node.path[-1]))
 
 
 def description_document(campaign: Campaign, files: dict[str, str]) -> dict[str, Json]:

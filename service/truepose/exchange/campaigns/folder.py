@@ -1,28 +1,24 @@
-"""Campaign folder, format 1, in and out."""
+"""Campaign folder, format 1, in and out; the same of tables that a program has in memory."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
+from typing import Final
 
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
-from truepose.domain.measurement.campaign import Campaign, PointReadings
-from truepose.domain.sentences import Sentence, said
-from truepose.exchange.campaigns.description import Description, description_document, read_description
-from truepose.exchange.document import json_document
-from truepose.exchange.errors import MissingFileError, UnreadableFileError
-from truepose.exchange.input_file import GREATEST_BYTES, read_bytes
-from truepose.exchange.json_text import render_json
-from truepose.exchange.tables.contacts import (
-    contact_text,
-    distance_text,
-    read_contact_table,
-    read_distance_table,
-    read_target_table,
-    target_text,
+from truepose.domain.campaign import Campaign, PointReadings
+from truepose.exchange.campaigns.description import (
+    FORMAT,
+    Description,
+    description_document,
+    read_description,
 )
-from truepose.exchange.tables.legs import (
+from truepose.exchange.document import GREATEST_BYTES, Node, json_document, read_bytes
+from truepose.exchange.errors import MissingFileError, UnreadableFileError
+from truepose.exchange.json_text import render_json
+from truepose.exchange.tables.ballbar import (
     cup_text,
     fixture_text,
     leg_text,
@@ -32,6 +28,14 @@ from truepose.exchange.tables.legs import (
     read_setup_table,
     setup_text,
 )
+from truepose.exchange.tables.contacts import (
+    contact_text,
+    distance_text,
+    read_contact_table,
+    read_distance_table,
+    read_target_table,
+    target_text,
+)
 from truepose.exchange.tables.points import (
     in_files,
     point_text,
@@ -39,7 +43,8 @@ from truepose.exchange.tables.points import (
     read_reference_table,
     reference_text,
 )
-from truepose.exchange.tables.table import TableData
+from truepose.exchange.tables.table import Arrays, TableData
+from truepose.messages.message import Message, message
 
 DESCRIPTION = "campaign.json"
 GREATEST_DESCRIPTION_BYTES = 4 * 2**20  # a thousand notes of a page each
@@ -102,7 +107,7 @@ def with_tables(description: Description, load: LoadTable) -> Campaign:
     campaign = description.campaign
     joints, nests = campaign.robot.n_joints, range(1, len(campaign.nests) + 1)
     tracker, fixed = campaign.tracker_position_mm, len(campaign.fixed_nests)
-    readers: dict[str, Callable[[str, TableData], tuple[object, tuple[Sentence, ...]]]] = {
+    readers: dict[str, Callable[[str, TableData], tuple[object, tuple[Message, ...]]]] = {
         "calibration": lambda file, data: read_point_table(file, data, joints, nests, tracker),
         "validation": lambda file, data: read_point_table(file, data, joints, nests, tracker),
         "reference": lambda file, data: read_reference_table(file, data, fixed),
@@ -118,7 +123,7 @@ def with_tables(description: Description, load: LoadTable) -> Campaign:
         ),
         "target_distances": lambda file, data: read_distance_table(file, data, campaign.targets),
     }
-    ignored: dict[Sentence, list[str]] = {}
+    ignored: dict[Message, list[str]] = {}
     # Targets come first, which other tables name.
     for role in sorted(
         description.files, key=lambda role: role != "targets"
@@ -133,14 +138,14 @@ def with_tables(description: Description, load: LoadTable) -> Campaign:
     )
 
 
-def _judged_by_themselves(description: Description, campaign: Campaign) -> Iterator[Sentence]:
+def _judged_by_themselves(description: Description, campaign: Campaign) -> Iterator[Message]:
     """Say how many validation readings are calibration readings too: a copied file proves nothing."""
     if campaign.calibration is None or campaign.validation is None:
         return
     identifying = {row.tobytes() for row in _readings(campaign.calibration)}
     shared = sum(row.tobytes() in identifying for row in _readings(campaign.validation))
     if shared:
-        yield said(
+        yield message(
             "ignored.judge_nothing",
             validation=description.files["validation"],
             shared=shared,
@@ -173,3 +178,25 @@ def campaign_files(campaign: Campaign) -> dict[str, str]:
     texts = {f"{role}.csv": text for role, text in tables.items() if isinstance(text, str)}
     files = {name.removesuffix(".csv"): name for name in texts}
     return {DESCRIPTION: render_json(description_document(campaign, files)) + "\n", **texts}
+
+
+_NAME: Final = "campaign"  # where errors place a key
+
+
+def campaign_from_arrays(keys: Mapping[str, object], tables: Mapping[str, Arrays]) -> Campaign:
+    """Return the campaign, checked as one from a folder is.
+
+    Parameters
+    ----------
+    keys : mapping
+        Those of `campaign.json` but `format` and `files`, with lists and plain numbers.
+    tables : mapping of str to mapping of str to ndarray
+        By role, such as `calibration`: columns of shape (n,) by their names in the file format.
+
+    Raises
+    ------
+    InputFileError
+        With the key, or with role, row and column.
+    """
+    document = {**keys, "format": FORMAT, "files": {role: role for role in tables}}
+    return with_tables(read_description(Node(_NAME, document, (), lambda path: None)), tables.__getitem__)

@@ -1,4 +1,4 @@
-"""A campaign folder as one zip file; nothing is ever unpacked to disk.
+"""A campaign folder as one zip file, never unpacked to disk; a campaign wherever it lies.
 
 Limits: 200,000 rows of seven joints with everything that the format knows are 100 MB of text, so 128 MB for a
 file and 256 MB for all are generous, and an archive that expands beyond them was not made by measuring. What
@@ -12,18 +12,19 @@ import struct
 import zipfile
 import zlib
 from collections.abc import Callable, Iterator, Mapping
-from pathlib import PurePosixPath
+from pathlib import Path, PurePosixPath
 from typing import Any, Final, TypeVar
 
-from truepose.domain.measurement.campaign import Campaign
+from truepose.domain.campaign import Campaign
 from truepose.exchange.campaigns.folder import (
     DESCRIPTION,
     GREATEST_DESCRIPTION_BYTES,
     campaign_files,
     campaign_from,
+    read_campaign,
 )
+from truepose.exchange.document import GREATEST_BYTES, read_bytes
 from truepose.exchange.errors import MissingFileError, UnreadableFileError, UnsafeArchiveError
-from truepose.exchange.input_file import GREATEST_BYTES
 
 T = TypeVar("T")
 _TOTAL_LIMIT_BYTES = 256 * 2**20
@@ -196,3 +197,10 @@ def _content(archive: zipfile.ZipFile, member: zipfile.ZipInfo, name: str) -> by
     if len(content) > limit:
         raise UnsafeArchiveError(f"member {member.filename!r} exceeds {limit // 2**20} MB", file=name)
     return content
+
+
+def read_campaign_at(path: Path) -> Campaign:
+    """Read a campaign folder or the zip of one; raises InputFileError."""
+    if path.suffix.lower() == ".zip" and not path.is_dir():
+        return read_campaign_zip(read_bytes(path), path.name)
+    return read_campaign(path)

@@ -11,12 +11,11 @@ from typing import Final
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
-from truepose.domain.cell.description import Camera, Cell, Vector
+from truepose.domain.cell import Camera, Cell, Vector
 from truepose.domain.robot import Nest
 from truepose.exchange.cells.sections import read_cone, refuse_unlisted
-from truepose.exchange.document import Node
-from truepose.exchange.keys import TRUTH, VECTOR, Form, Key, number, read_keys
-from truepose.kinematics.artefact import centre, normal, pose_uncertainty
+from truepose.exchange.document import TRUTH, VECTOR, Form, Key, Node, number, read_keys
+from truepose.kinematics.poses import centre, normal, pose_uncertainty
 
 _FEWEST_NESTS: Final = 3
 _LEAST_SPREAD_MM: Final = 10.0  # across their longest line; below it they tell no turn about it

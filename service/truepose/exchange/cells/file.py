@@ -1,12 +1,13 @@
-"""Cell files: TOML, described in docs/cell-file.md with an example."""
+"""Cell files: TOML, described in docs/cell-file.md with an example; a cell by whatever name it is given."""
 
-from collections.abc import Mapping
+import json
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from importlib.resources import files
 from pathlib import Path
 from typing import Final
 
-from truepose.domain.cell.description import Cell, CellLimits, Conditions, SimulatedCell
+from truepose.domain.cell import Cell, CellLimits, Conditions, Detail, SimulatedCell
 from truepose.domain.robot import FramePlacement, LinkMass, Nest, Robot
 from truepose.exchange.cells.camera import before_camera
 from truepose.exchange.cells.sections import (
@@ -23,13 +24,29 @@ from truepose.exchange.cells.sections import (
     read_tracker,
     refuse_unlisted,
 )
-from truepose.exchange.document import Node, toml_document
+from truepose.exchange.document import TEXT, Form, Key, Node, each, read_bytes, read_keys, toml_document
 from truepose.exchange.errors import MissingEntryError, UnknownRobotError
-from truepose.exchange.input_file import read_bytes
-from truepose.exchange.keys import TEXT, Form, Key, each, read_keys
 from truepose.exchange.robots.document import PLACEMENT, read_nest
-from truepose.exchange.robots.files import ENDINGS, is_robot_file, read_robot_file
-from truepose.exchange.robots.shipped import RobotWithTool, load_robot_with_tool
+from truepose.exchange.robots.named import (
+    ENDINGS,
+    RobotWithTool,
+    is_robot_file,
+    list_robots,
+    load_robot_with_tool,
+    read_robot_file,
+)
+
+
+def scenario_text(base: str, kind: str, tables: Iterable[Mapping[str, Detail]]) -> str:
+    """Return a scenario that is `base` (shipped, or a file) with further tables of a kind, e.g. `effect`."""
+    lines = [f"extends = {json.dumps(base)}"]
+    for table in tables:
+        lines += [
+            f"[[{kind}]]",
+            *(f"{json.dumps(key)} = {json.dumps(value)}" for key, value in table.items()),
+        ]
+    return "\n".join([*lines, ""])
+
 
 _KEYS = frozenset({
     "name", "robot", "robot_serial_number", "base_in_world", "tool", "tool_nest", "world", "fixed_nest",
@@ -218,3 +235,30 @@ def _with_tool_mass(robot: Robot, tool: Node | None) -> Robot:
     carried = LinkMass(robot.n_joints, mass, centre)
     others = tuple(link for link in robot.masses if link.frame != robot.n_joints)
     return replace(robot, masses=(*others, carried))
+
+
+_OF_ROBOTS = "dhm_nominal"  # a key that robot files have, and cell files have not
+
+
+def cell_given(given: str) -> Cell:
+    """Return the cell of a cell file (TOML), or that of a robot, its file or a scenario on the usual table.
+
+    Raises
+    ------
+    UnknownRobotError
+        It is neither a file nor a name that is known.
+    InputFileError
+        The file cannot be used.
+    """
+    path = Path(given)
+    if path.suffix.lower() == ".toml":
+        described = _OF_ROBOTS in toml_document(path.name, read_bytes(path)).entries()
+        return cell_on_usual_table(given) if described else read_cell(path)
+    if given in list_robots() or is_robot_file(given):
+        return cell_on_usual_table(given)
+    if given.startswith(SCENARIO_PREFIXES):
+        return simulated_cell(given, 0)
+    raise UnknownRobotError(
+        f"{given!r} is no campaign folder, no file of a cell or robot, and no robot; the shipped robots are "
+        f"{', '.join(list_robots())}."
+    )

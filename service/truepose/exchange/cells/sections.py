@@ -5,8 +5,10 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from datetime import date
 from typing import Any, Final, TypeVar
 
-from truepose.domain.cell.artefacts import Artefact, BallbarKit, Bars
-from truepose.domain.cell.description import (
+from truepose.domain.cell import (
+    Artefact,
+    BallbarKit,
+    Bars,
     CellLimits,
     CertifiedLength,
     Conditions,
@@ -15,14 +17,13 @@ from truepose.domain.cell.description import (
     PlantedEffect,
     SimulatedCell,
 )
-from truepose.domain.people.names import announced_as, fault_of_name, tidy_name
+from truepose.domain.people import announced_as, fault_of_name, tidy_name
 from truepose.domain.robot import FixedNest, JointRange, Robot
-from truepose.exchange.cells.keep_outs import KEY as KEEP_OUT
-from truepose.exchange.cells.keep_outs import read_keep_outs
-from truepose.exchange.cells.named import read_by_name
-from truepose.exchange.document import Node
-from truepose.exchange.keys import NUMBER, TEXT, VECTOR, Form, Key, each, number, read_keys, whole
+from truepose.exchange.cells.volumes import KEY as KEEP_OUT
+from truepose.exchange.cells.volumes import read_by_name, read_keep_outs
+from truepose.exchange.document import NUMBER, TEXT, VECTOR, Form, Key, Node, each, number, read_keys, whole
 from truepose.exchange.robots.document import ranges_of
+from truepose.messages.catalogue import english
 
 T = TypeVar("T")
 
@@ -216,7 +217,7 @@ def read_people(node: Node) -> tuple[str, ...]:
         name = tidy_name(entry.text())
         fault = fault_of_name(name)
         if fault is not None:
-            entry.fail(f"this name {fault}; a name is what a person can read")
+            entry.fail(f"this name {english(fault)}; a name is what a person can read")
         if announced_as(name, people) is not None:
             entry.fail(f"{name} is announced twice; keep one")
         people.append(name)

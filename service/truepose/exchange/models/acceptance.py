@@ -1,4 +1,4 @@
-"""What is accepted of a model file before anything is computed with it.
+"""What is accepted of a model file before anything is computed with it, and before a cell takes it.
 
 A file that was edited is refused. A model that moves the tool beyond a limit, or has values far from their
 priors, is refused where a robot will follow it; where nothing but figures comes of it, a file as truepose
@@ -6,27 +6,32 @@ wrote it is only remarked on, since a validation is how one finds out. The limit
 as truepose wrote it: its shift was identified from readings, and is stated.
 """
 
+import json
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
-from truepose.domain.cell.description import MODEL_SHIFT_MM
-from truepose.domain.results.identification import Model
-from truepose.domain.robot import Robot
-from truepose.domain.sentences import Sentence, said
-from truepose.exchange.errors import ImplausibleModelError
+import numpy as np
+
+from truepose.domain.cell import MODEL_SHIFT_MM, Cell
+from truepose.domain.errors import UnsuitableModelError
+from truepose.domain.identification import Model
+from truepose.domain.robot import JointRow, Robot
+from truepose.exchange.errors import ImplausibleModelError, InputFileError
 from truepose.exchange.models.digest import Integrity
 from truepose.exchange.models.document import file_factor, file_unit
-from truepose.exchange.models.file import ModelFile, read_model_file
-from truepose.exchange.robots.known_limits import with_known_limits
-from truepose.judgement.largest_shift import (
+from truepose.exchange.models.file import ModelFile, model_file_from_text, read_model_file
+from truepose.exchange.robots.named import with_known_limits
+from truepose.messages.message import Message, message
+from truepose.validation.model_comparison import (
     FLANGE,
     FarValue,
     LargestShift,
     far_values,
     largest_shift,
+    placed_at,
 )
 
 _MOST_NAMED: Final = 3
@@ -57,7 +62,7 @@ class CheckedModel:
     model: Model
     integrity: Integrity
     shift: LargestShift
-    remarks: tuple[Sentence, ...]
+    remarks: tuple[Message, ...]
 
     @property
     def document(self) -> dict[str, str | float]:
@@ -113,14 +118,14 @@ def _plausibility(model: Model, usual_mm: float, max_shift_mm: float | None) -> 
     return _Plausibility(shift, far_values(model), limit_mm, stated=max_shift_mm is not None)
 
 
-def _remarks(found: ModelFile, seen: _Plausibility) -> Iterator[Sentence]:
+def _remarks(found: ModelFile, seen: _Plausibility) -> Iterator[Message]:
     if found.integrity in _NAMES:
-        yield said(_NAMES[found.integrity])
+        yield message(_NAMES[found.integrity])
     if seen.far and not seen.stated:
-        yield said("model_file.far")
+        yield message("model_file.far")
     if seen.shift.shift_mm > MODEL_SHIFT_MM:
         key = "model_file.shift" if seen.shift.shift_mm > seen.limit_mm else "model_file.usual_shift"
-        yield said(key, shift_mm=seen.shift.shift_mm, limit_mm=MODEL_SHIFT_MM)
+        yield message(key, shift_mm=seen.shift.shift_mm, limit_mm=MODEL_SHIFT_MM)
 
 
 def _refusal(robot: Robot, seen: _Plausibility) -> str:
@@ -151,3 +156,110 @@ def _named(far: FarValue) -> str:
     one, factor = far.parameter, file_factor(far.parameter.unit)
     value, width = one.value * factor, one.prior_width * factor
     return f"{one.name} = {value:.4g} {file_unit(one.unit)} (prior {width:.3g})"
+
+
+_ROUNDING: Final = 1e-6  # of a file, in mm and rad
+_SAME_NEST_MM: Final = 0.1  # two artefacts of one drawing differ by less, two tools by more
+_THEN: Final = "Mount that tool and describe it in the cell file, or identify here."
+
+
+@dataclass(frozen=True, slots=True)
+class HandedModel:
+    """A model of the robot and tool of a cell, and what whoever accepts it must know."""
+
+    model: Model
+    integrity: Integrity
+    shift: LargestShift  # from the nominal robot as the cell file has it
+    far: tuple[FarValue, ...]
+    limit_mm: float
+
+    @property
+    def needs_confirmation(self) -> bool:
+        """Whether it is accepted only by who confirms the shift."""
+        return self.shift.shift_mm > self.limit_mm or bool(self.far)
+
+
+def fitting_model(document: Mapping[str, Any], cell: Cell) -> HandedModel:
+    """Return the model of a document as it is downloaded.
+
+    Raises
+    ------
+    UnsuitableModelError
+        It is no model, was edited, or is of another robot, or of another tool, than this cell has.
+    """
+    found = _read(document)
+    model = found.model
+    if model.robot.name != cell.robot.name or not _same_table(model.robot, cell.robot):
+        raise UnsuitableModelError(
+            f"The model is of {model.robot.name}; this cell has {cell.robot.name} "
+            f"({cell.robot_key}), whose table of joints is another one. Hand down a model of that."
+        )
+    known = [nest.centre_mm for nest in cell.nests]
+    apart_mm = _apart_mm([nest.centre_mm for nest in model.nests], known)
+    if apart_mm > _SAME_NEST_MM:
+        raise UnsuitableModelError(
+            f"The model was made with another tool, whose nests lie up to {apart_mm:.3g} mm elsewhere. "
+            f"{_THEN}"
+        )
+    here = placed_at(model, cell.base_nominal, nests_known=bool(known) and None not in known)
+    limits = cell.limits
+    space = limits.calibration or cell.robot.calibration_ranges or limits.joints or cell.robot.joint_limits
+    return HandedModel(
+        model, found.integrity, largest_shift(here, space), far_values(here), limits.model_shift_mm
+    )
+
+
+def accepted_model(document: Mapping[str, Any], cell: Cell, accepted_shift_mm: float | None = None) -> Model:
+    """Return the model of a document that somebody accepts, with the shift that they confirm.
+
+    Raises
+    ------
+    UnsuitableModelError
+        As `fitting_model`; or the shift is beyond the cell's limit, or values are far from their priors, and
+        the shift was not confirmed.
+    """
+    handed = fitting_model(document, cell)
+    confirmed = accepted_shift_mm is not None and handed.shift.shift_mm <= accepted_shift_mm
+    if handed.needs_confirmation and not confirmed:
+        far = f", with values {far_sentence(handed.far)}" if handed.far else ""
+        raise UnsuitableModelError(
+            f"The model moves the tool by up to {shift_sentence(handed.shift)}{far}; this cell accepts up to "
+            f"{handed.limit_mm:g} mm. Whoever accepts it confirms that shift (accepted_shift_mm)."
+        )
+    return handed.model
+
+
+def _read(document: Mapping[str, Any]) -> ModelFile:
+    try:
+        return model_file_from_text(json.dumps(document).encode(), "handed-down model")
+    except InputFileError as error:
+        raise UnsuitableModelError(
+            f"What was handed down cannot be read as a model: {error} Hand down a model as it is downloaded."
+        ) from error
+
+
+def _same_table(one: Robot, other: Robot) -> bool:
+    return one.n_joints == other.n_joints and bool(
+        np.allclose(_table(one.joints), _table(other.joints), rtol=0.0, atol=_ROUNDING)
+    )
+
+
+def _table(joints: Iterable[JointRow]) -> list[tuple[float, ...]]:
+    return [
+        (row.alpha_rad, row.a_mm, row.theta_offset_rad, row.d_mm, row.beta_rad, row.sign) for row in joints
+    ]
+
+
+def _apart_mm(
+    centres_mm: list[tuple[float, float, float]], known_mm: list[tuple[float, float, float] | None]
+) -> float:
+    """Return how far nests lie apart at most; a cell that does not know its nests refuses none."""
+    if any(centre is None for centre in known_mm) or not known_mm:
+        return 0.0
+    if len(centres_mm) != len(known_mm):
+        raise UnsuitableModelError(
+            f"The model was made with a tool of {len(centres_mm)} nests; this cell's has {len(known_mm)}. "
+            f"{_THEN}"
+        )
+    differences = np.asarray(centres_mm, dtype=float) - np.asarray(known_mm, dtype=float)
+    return float(np.linalg.norm(differences, axis=1).max())

@@ -12,8 +12,8 @@ from typing import Final, get_args
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
-from truepose.domain.measurement.targets import Target, TargetKind
-from truepose.domain.results.identification import (
+from truepose.domain.contacts import Target, TargetKind
+from truepose.domain.identification import (
     Anchor,
     MeasuredZone,
     Model,
@@ -23,10 +23,7 @@ from truepose.domain.results.identification import (
     Unit,
 )
 from truepose.domain.robot import JointRange, Robot
-from truepose.exchange.document import Node
-from truepose.exchange.errors import NewerVersionError, UnreadableFileError
-from truepose.exchange.json_text import Json, number_or_null
-from truepose.exchange.keys import (
+from truepose.exchange.document import (
     NUMBER,
     TEXT,
     TRUTH,
@@ -34,6 +31,7 @@ from truepose.exchange.keys import (
     VECTOR,
     Form,
     Key,
+    Node,
     each,
     number,
     or_null,
@@ -42,11 +40,12 @@ from truepose.exchange.keys import (
     whole,
     written_keys,
 )
-from truepose.exchange.models.covariance import covariance_document, read_covariance
+from truepose.exchange.errors import NewerVersionError, UnreadableFileError
+from truepose.exchange.json_text import Json, number_or_null
 from truepose.exchange.models.digest import KEY as DIGEST
 from truepose.exchange.models.digest import digest_of
-from truepose.exchange.robots.document import GRAVITY, PLACEMENT, ROBOT
-from truepose.identification.model.validity.zone import DIRECTIONS
+from truepose.exchange.robots.document import GRAVITY, PLACEMENT, ROBOT, covariance_document, read_covariance
+from truepose.identification.model.validity import DIRECTIONS
 
 FORMAT = "truepose-model"
 VERSION = 1

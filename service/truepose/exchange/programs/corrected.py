@@ -25,33 +25,39 @@ from truepose.correction import (
     tool_nests_mm,
 )
 from truepose.domain.arrays import FloatArray, IntArray
-from truepose.domain.measurement.campaign import Stops
-from truepose.domain.results.corrections import LeftAlone
-from truepose.domain.results.identification import Model
-from truepose.domain.sentences import Sentence, said
-from truepose.exchange.programs.approaches import approach_directions, befores
-from truepose.exchange.programs.branches import branch_of_words
-from truepose.exchange.programs.controllers.reading_back import Controller
-from truepose.exchange.programs.coupled_joints import can_be_coupled, from_horizontal, uncoupled
+from truepose.domain.campaign import Stops
+from truepose.domain.correction import LeftAlone
+from truepose.domain.identification import Model
+from truepose.exchange.programs.correction_request import branch_of_words
 from truepose.exchange.programs.formats import format_of
-from truepose.exchange.programs.lists.target_rows import nest_frame
+from truepose.exchange.programs.joints_reached import (
+    Controller,
+    approach_directions,
+    befores,
+    can_be_coupled,
+    from_horizontal,
+    uncoupled,
+)
+from truepose.exchange.programs.languages.json_list import nest_frame
 from truepose.exchange.programs.program import (
     AT_THE_ORIGIN,
     Configuration,
     Frame,
+    Meant,
     Pose,
     Program,
+    ProgramOptions,
     ProgramTarget,
     Value,
 )
 from truepose.exchange.programs.rewriting import rewritten
-from truepose.exchange.programs.understood import Meant, Understood
-from truepose.judgement.cautions import prediction_cautions
 from truepose.kinematics.chain import nominal_chain
 from truepose.kinematics.frames import poses_of, quaternion_from_rotation, rotation_from_quaternion
+from truepose.messages.message import Message, message
+from truepose.validation.cautions import prediction_cautions
 
 _COUNTS_FROM_THE_HORIZONTAL: Final = "FANUC LS"
-_COUPLED: Final = said("left.from_the_horizontal")
+_COUPLED: Final = message("left.from_the_horizontal")
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,7 +69,7 @@ class CorrectedProgram:
     goals: Goals  # of these, in the world
     found: Corrections
     left_alone: tuple[LeftAlone, ...]  # also targets whose frames the file does not declare
-    cautions: tuple[Sentence, ...]  # what the predictions do not contain
+    cautions: tuple[Message, ...]  # what the predictions do not contain
     data: bytes
 
     @property
@@ -77,17 +83,19 @@ class CorrectedProgram:
         return tuple(self.program.targets[index].name for index in self.corrected)
 
 
-_AS_IT_IS: Final = Understood()
+_AS_IT_IS: Final = ProgramOptions()
 
 
-def corrected_program(model: Model, program: Program, understood: Understood = _AS_IT_IS) -> CorrectedProgram:
+def corrected_program(
+    model: Model, program: Program, understood: ProgramOptions = _AS_IT_IS
+) -> CorrectedProgram:
     """Correct every target of a program as far as that can be done by changing its numbers.
 
     Parameters
     ----------
     model : Model
     program : Program
-    understood : Understood, optional
+    understood : ProgramOptions, optional
 
     Returns
     -------
@@ -120,7 +128,7 @@ def corrected_program(model: Model, program: Program, understood: Understood = _
     goals, found = run.found(rows)
     values = _values(model, program, rows, found, coupled=coupled)
     data, missed = run.read_back(written, known, rows, found, values)
-    reasons |= dict.fromkeys(missed, said("left.not_arriving"))
+    reasons |= dict.fromkeys(missed, message("left.not_arriving"))
     kept = np.array([place for place, index in enumerate(rows) if index not in missed], dtype=np.int64)
     left = tuple(
         LeftAlone(program.targets[index].line, program.targets[index].name, reason)
@@ -160,7 +168,7 @@ def _with_frames(program: Program, defined: Mapping[str, Pose]) -> Program:
 class _Run:
     """A program, and the controller that runs it."""
 
-    def __init__(self, model: Model, program: Program, understood: Understood) -> None:
+    def __init__(self, model: Model, program: Program, understood: ProgramOptions) -> None:
         self._model, self._program, self._understood = model, program, understood
         self._rule = format_of(program.name).rule
         self._controller = Controller(model.robot, self._rule)
@@ -169,25 +177,25 @@ class _Run:
         self._befores = befores(program)
         self._own: dict[int, FloatArray] = {}  # joints that the controller takes to the file as it is
 
-    def reason_against(self, target: ProgramTarget) -> Sentence | None:
+    def reason_against(self, target: ProgramTarget) -> Message | None:
         """Say why a target cannot be corrected, by what the file says of it; None where it can."""
         if self._rule.moves_external(target.external):
-            return said("left.external")
+            return message("left.external")
         if isinstance(target.value, Configuration):
             return None
         reason = _reason_against_frames(target)
         if reason is not None:
             return reason
         if self._rule.counts_turns(target.branch):
-            return said("left.turns", words=target.branch)
+            return message("left.turns", words=target.branch)
         branch = _branch(target, self._understood)
         if not self._controller.can_tell(target, branch):
-            return said("left.branch_unknown")
+            return message("left.branch_unknown")
         if self._many and target.near_rad is None and branch_of_words(target.branch) is None:
-            return said("left.many_branches", words=self._many)
+            return message("left.many_branches", words=self._many)
         return None
 
-    def started(self, rows: Sequence[int]) -> dict[int, Sentence | None]:
+    def started(self, rows: Sequence[int]) -> dict[int, Message | None]:
         """Find the joints that the controller takes as the file is; return what contradicts itself."""
         targets = [self._program.targets[index] for index in rows]
         flange = _own_flanges(self._model, targets, self._understood.meant)
@@ -212,7 +220,7 @@ class _Run:
         arrives = self._arriving(list(reached), [targets[p] for p in places], flange[places], self._own)
         contradicted = [index for index, there in zip(reached, arrives, strict=True) if not there]
         return {
-            index: said("left.contradicts")
+            index: message("left.contradicts")
             for index in (*contradicted, *(index for index in rows if index not in self._own))
         }
 
@@ -288,13 +296,13 @@ class _Run:
         return "; ".join(postures) if len(postures) > 1 else ""
 
 
-def _reason_against_frames(target: ProgramTarget) -> Sentence | None:
+def _reason_against_frames(target: ProgramTarget) -> Message | None:
     if target.tool is None or target.work_object is None:
-        return said("left.tool_unsaid") if target.tool is None else said("left.object_unsaid")
+        return message("left.tool_unsaid") if target.tool is None else message("left.object_unsaid")
     if target.tool.pose is None:
-        return said("left.tool_undeclared", frame=target.tool.shown)
+        return message("left.tool_undeclared", frame=target.tool.shown)
     if target.work_object.pose is None:
-        return said("left.object_undeclared", frame=target.work_object.shown)
+        return message("left.object_undeclared", frame=target.work_object.shown)
     return None
 
 
@@ -314,7 +322,7 @@ def _own_flanges(model: Model, targets: Sequence[ProgramTarget], meant: Meant) -
     return flange_in_base(model, _goals(model, targets, near, meant))
 
 
-def _branch(target: ProgramTarget, understood: Understood) -> int:
+def _branch(target: ProgramTarget, understood: ProgramOptions) -> int:
     told = branch_of_words(target.branch)
     found = understood.branch if told is None else told
     return ANY_BRANCH if found is None else found

@@ -1,16 +1,17 @@
-"""A program while it is read: what its targets are, and what is done with each of them.
+"""A program while it is read: what its targets are, what is done with each, which frames hold where.
 
 A target is corrected if the program moves to it, or if nothing in the file says what is done with it. It
 is left alone if the program changes it, if it only serves to compute other places or an arc, or if it is
 used with several tools or work objects, because one set of numbers cannot be right for all of them.
+
+What is set in a branch holds only there; what is set in a loop may also hold when it begins again.
 """
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Final
+from typing import Final, TypeAlias
 
-from truepose.domain.results.corrections import LeftAlone
-from truepose.domain.sentences import Sentence, Text, said
+from truepose.domain.correction import LeftAlone
 from truepose.exchange.programs.program import (
     Configuration,
     Frame,
@@ -19,18 +20,19 @@ from truepose.exchange.programs.program import (
     Pose,
     Program,
     ProgramTarget,
+    Source,
     Value,
 )
-from truepose.exchange.programs.source import Source
 from truepose.exchange.programs.tokens import Tokens, shown
+from truepose.messages.message import Message, Text, message
 
-COMPUTED: Final = said("left.computed")
-ELSEWHERE: Final = said("left.elsewhere")
-CHOSEN: Final = said("left.chosen")
-HOLDS_WORK: Final = said("left.holds_work")
-DISPLACED: Final = said("left.displaced")
-RELATIVE: Final = said("left.relative")
-ARC: Final = said("left.arc")
+COMPUTED: Final = message("left.computed")
+ELSEWHERE: Final = message("left.elsewhere")
+CHOSEN: Final = message("left.chosen")
+HOLDS_WORK: Final = message("left.holds_work")
+DISPLACED: Final = message("left.displaced")
+RELATIVE: Final = message("left.relative")
+ARC: Final = message("left.arc")
 _MOST_NAMES: Final = 3  # that a sentence lists
 
 
@@ -122,7 +124,7 @@ class Draft:
             self._fates[target].uses.append(use)
 
     def leave(
-        self, line: int, what: str, reason: Sentence, serving: Sequence[int] = (), *, moves: bool = True
+        self, line: int, what: str, reason: Message, serving: Sequence[int] = (), *, moves: bool = True
     ) -> None:
         """Leave something alone, for which the targets `serving` are used; `moves` the robot or not."""
         self._left.append((LeftAlone(line, what, reason), tuple(serving)))
@@ -133,7 +135,7 @@ class Draft:
 
     def hand_over(self, line: int, what: str, targets: Sequence[int]) -> None:
         """Say that targets are handed to something that is not in the file, or not followed."""
-        reason = said("left.not_seen")
+        reason = message("left.not_seen")
         self._left.append((LeftAlone(line, what, reason), tuple(targets)))
         self.interrupt()
 
@@ -164,20 +166,20 @@ class Draft:
         """Say why a target is left alone; None where it is corrected, empty where its uses say why."""
         fate = self._fates[target]
         if fate.changed_line is not None:
-            return said("left.changed", place=self.source.place(fate.changed_line))
+            return message("left.changed", place=self.source.place(fate.changed_line))
         if fate.serves and not fate.uses:
             return ""
         return None if isinstance(self._targets[target].value, Configuration) else self._two_frames(fate)
 
-    def _two_frames(self, fate: _Fate) -> Sentence | None:
+    def _two_frames(self, fate: _Fate) -> Message | None:
         for use in fate.uses[1:]:
             first = fate.uses[0]
             if _names(use) != _names(first):
-                return said("left.two_frames", first=self._used(first), second=self._used(use))
+                return message("left.two_frames", first=self._used(first), second=self._used(use))
         return None
 
-    def _used(self, use: Use) -> Sentence:
-        return said("left.used_with", frames=_frames(use), place=self.source.place(use.line))
+    def _used(self, use: Use) -> Message:
+        return message("left.used_with", frames=_frames(use), place=self.source.place(use.line))
 
     def _with_frames(self, target: int) -> ProgramTarget:
         found = self._targets[target]
@@ -202,7 +204,7 @@ class Draft:
         entries = [
             (LeftAlone(self._targets[target].line, self._targets[target].name, reason), ())
             for target in own
-            if isinstance(reason := self._reason_against(target), Sentence)
+            if isinstance(reason := self._reason_against(target), Message)
         ]
         for entry, serving in sorted([*entries, *self._left], key=lambda pair: pair[0].line):
             names = list(dict.fromkeys(self._targets[t].name for t in serving if t in index_of))
@@ -215,24 +217,82 @@ class Draft:
         return None if self.source.is_own(line) else file, number
 
 
-def _also_corrected(reason: Sentence, names: Sequence[str]) -> Sentence:
+def _also_corrected(reason: Message, names: Sequence[str]) -> Message:
     """Say which targets that serve for something are corrected themselves."""
     if not names:
         return reason
     listed = ", ".join(names[:_MOST_NAMES])
     if len(names) > _MOST_NAMES:
-        return said("left.also_corrected_more", reason=reason, names=listed, more=len(names) - _MOST_NAMES)
-    return said("left.also_corrected", reason=reason, names=listed)
+        return message("left.also_corrected_more", reason=reason, names=listed, more=len(names) - _MOST_NAMES)
+    return message("left.also_corrected", reason=reason, names=listed)
 
 
 def _names(use: Use) -> tuple[str, ...]:
     return tuple(frame.name.casefold() for frame in (use.tool, use.work_object) if frame is not None)
 
 
-def _frames(use: Use) -> Sentence:
+def _frames(use: Use) -> Message:
     match [frame.shown for frame in (use.tool, use.work_object) if frame is not None]:
         case [tool, frame]:
-            return said("left.frame_in_frame", tool=tool, frame=frame)
+            return message("left.frame_in_frame", tool=tool, frame=frame)
         case [frame]:
-            return said("left.frame_named", frame=frame)
-    return said("left.frames_unknown")
+            return message("left.frame_named", frame=frame)
+    return message("left.frames_unknown")
+
+
+InUse: TypeAlias = Frame | Message | None  # a reason where nothing in it can be corrected, None if not known
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """What a line does to frames: enters (1) or leaves (-1) a branch, and sets which of them."""
+
+    deeper: int
+    sets: frozenset[str] = frozenset()
+
+
+def set_within(steps: Sequence[Step], at: int) -> set[str]:
+    """Return what is set between the line that enters a branch and the one that leaves it."""
+    depth, found = 0, set[str]()
+    for step in steps[at:]:
+        depth += step.deeper
+        found |= step.sets
+        if depth == 0:
+            break
+    return found
+
+
+class FramesInUse:
+    """Which tool and base hold at a place in the text."""
+
+    def __init__(self) -> None:
+        self._held: dict[str, tuple[InUse, int]] = {}  # and the depth of branches at which it was set
+        self._depth = 0
+
+    def of(self, which: str) -> InUse:
+        """Return the tool or the base that holds now; None where it is not known."""
+        return self._held.get(which, (None, 0))[0]
+
+    def put(self, which: str, frame: InUse) -> None:
+        """Say that a tool or base holds from here."""
+        self._held[which] = (frame, self._depth)
+
+    def begin_loop(self, sets: set[str]) -> None:
+        """Enter a loop in which frames are set: as it begins they may hold already, or not yet."""
+        self.branch(1)
+        for which in sets:
+            self.put(which, None)
+
+    def begin_routine(self) -> None:
+        """Forget all: who calls a routine may have set anything."""
+        self._held.clear()
+        self._depth = 0
+
+    def branch(self, deeper: int) -> None:
+        """Enter (1), leave (-1) or change (0) a branch; behind it nobody knows what was set in it."""
+        floor = self._depth + min(deeper, 0)
+        left = self._depth if deeper < 1 else self._depth + 1
+        for which, (_, depth) in list(self._held.items()):
+            if depth >= left and depth > 0:
+                self._held[which] = (None, floor)
+        self._depth = max(self._depth + deeper, 0)

@@ -7,18 +7,19 @@ from pathlib import PurePath
 from typing import Final
 
 from truepose.exchange.errors import UnreadableFileError
-from truepose.exchange.programs.controllers.confdata import Confdata
-from truepose.exchange.programs.controllers.nearest import Nearest
-from truepose.exchange.programs.controllers.rule import Rule
-from truepose.exchange.programs.controllers.stated_branch import StatedBranch
-from truepose.exchange.programs.controllers.status_and_turn import StatusAndTurn
+from truepose.exchange.programs.controllers import Confdata, Nearest, Rule, StatedBranch, StatusAndTurn
 from truepose.exchange.programs.draft import Draft
-from truepose.exchange.programs.languages import fanuc_ls, inform, ur_script, val3
-from truepose.exchange.programs.languages.krl import motions as krl
-from truepose.exchange.programs.languages.rapid import motions as rapid
-from truepose.exchange.programs.lists import gcode, json_list
-from truepose.exchange.programs.program import Program
-from truepose.exchange.programs.source import Source
+from truepose.exchange.programs.languages import (
+    fanuc_ls,
+    gcode,
+    inform,
+    json_list,
+    krl,
+    rapid,
+    ur_script,
+    val3,
+)
+from truepose.exchange.programs.program import Program, Source
 
 _FULL: Final = "5e-7 mm, 5e-10 deg"
 _SINGLE: Final = f"{_FULL}; the controller itself keeps 7 digits"

@@ -4,6 +4,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from math import hypot, isfinite
 from typing import Final, TypeAlias
 
+from truepose.exchange.programs.forms import near_quaternion, normalised
 from truepose.exchange.programs.program import (
     Configuration,
     Number,
@@ -14,7 +15,6 @@ from truepose.exchange.programs.program import (
     Value,
     Written,
 )
-from truepose.exchange.programs.rotations import near_quaternion, normalised
 
 _SAME: Final = 1e-12  # mm, rad or part of a quaternion: what conversions there and back may lose
 _MOST_OFF_UNIT: Final = 1e-6  # of a norm: what a computation may lose

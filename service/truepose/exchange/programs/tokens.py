@@ -6,8 +6,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Final, Literal, NamedTuple, TypeAlias
 
-from truepose.exchange.programs.program import Number
-from truepose.exchange.programs.source import Source
+from truepose.exchange.programs.program import Number, Source
 
 Kind: TypeAlias = Literal["word", "number", "string", "sign", "end"]
 _KINDS: Final[Mapping[str, Kind]] = {

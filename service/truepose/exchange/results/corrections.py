@@ -1,21 +1,32 @@
-"""What a table of corrected targets came to, as a document."""
+"""What a table of corrected targets came to, and what a proof move says, as documents."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from operator import itemgetter
+from typing import Annotated
 
 from pydantic import Field
 
-from truepose.domain.results.corrections import CorrectionTotals, LeftAlone
+from truepose.correction.proof import Proof
+from truepose.domain.correction import CorrectionTotals, LeftAlone
 from truepose.exchange.json_text import Json
-from truepose.exchange.outgoing import Quantity
-from truepose.exchange.results.document_base import Document, Spoken
+from truepose.exchange.results.document import (
+    Document,
+    Integers,
+    Quantity,
+    Rows,
+    Spoken,
+    StatisticsDocument,
+    Taken,
+    in_degrees,
+)
 
 
 class FailedTarget(Document):
     """A target that was not corrected, and why."""
 
-    target: str
-    status: str = Field(examples=["out_of_reach"])
+    target: Annotated[str, Taken("", itemgetter(0))]
+    status: Annotated[str, Taken("", itemgetter(1))] = Field(examples=["out_of_reach"])
 
 
 class LeftAloneDocument(Document):
@@ -27,21 +38,34 @@ class LeftAloneDocument(Document):
     file: str | None = Field(description="Null: of the program itself.")
 
 
+def _where_known(name: str, convert: Callable[[float], float]) -> Taken:
+    """Return what is known of a measured zone where there is one."""
+    return Taken("", lambda totals: convert(getattr(totals, name)) if totals.zone_known else None)
+
+
 class CorrectionDocument(Document):
     """Counts and extremes of a table of targets; errors are the model's, uncertainties those of the robot."""
 
     targets: int
-    corrected: int
+    corrected: Annotated[int, Taken("solved")]
     statuses: dict[str, int] = Field(examples=[{"ok": 998, "out_of_reach": 2}])
-    not_corrected: list[FailedTarget] = Field(description="The first hundred.")
+    not_corrected: Annotated[list[FailedTarget], Taken("failed")] = Field(description="The first hundred.")
     largest_error_mm: Quantity
-    mean_u_mm: Quantity = Field(description="Standard, per axis.")
-    largest_u_mm: Quantity
+    mean_u_mm: Annotated[Quantity, Taken("mean_uncertainty_mm")] = Field(description="Standard, per axis.")
+    largest_u_mm: Annotated[Quantity, Taken("largest_uncertainty_mm")]
     far_moved: int = Field(description="Corrected ones at which a joint turns by more than 5 deg.")
-    largest_move_deg: Quantity = Field(description="Of a joint, from the controller's own answer.")
-    outside: int | None = Field(description="Corrected ones outside the measured zone; null: it is unknown.")
-    farthest_outside_mm: Quantity | None = Field(description="Of the last frame.")
-    farthest_outside_deg: Quantity | None = Field(description="Of a joint.")
+    largest_move_deg: Annotated[Quantity, in_degrees("largest_move_rad")] = Field(
+        description="Of a joint, from the controller's own answer."
+    )
+    outside: Annotated[int | None, _where_known("outside", int)] = Field(
+        description="Corrected ones outside the measured zone; null: it is unknown."
+    )
+    farthest_outside_mm: Annotated[Quantity, _where_known("farthest_outside_mm", float)] = Field(
+        description="Of the last frame."
+    )
+    farthest_outside_deg: Annotated[Quantity, _where_known("farthest_outside_rad", math.degrees)] = Field(
+        description="Of a joint."
+    )
     left_alone: list[LeftAloneDocument] = Field(
         description="What moves the robot of a program and is not corrected by changing numbers."
     )
@@ -54,18 +78,46 @@ def correction_document(totals: CorrectionTotals, left_alone: Sequence[LeftAlone
 
 def correction_of(totals: CorrectionTotals, left_alone: Sequence[LeftAlone] = ()) -> CorrectionDocument:
     """Return the document of a correction."""
-    return CorrectionDocument(
-        targets=totals.targets,
-        corrected=totals.solved,
-        statuses=dict(totals.statuses),
-        not_corrected=[FailedTarget(target=name, status=status) for name, status in totals.failed],
-        largest_error_mm=totals.largest_error_mm,
-        mean_u_mm=totals.mean_uncertainty_mm,
-        largest_u_mm=totals.largest_uncertainty_mm,
-        far_moved=totals.far_moved,
-        largest_move_deg=math.degrees(totals.largest_move_rad),
-        outside=totals.outside if totals.zone_known else None,
-        farthest_outside_mm=totals.farthest_outside_mm if totals.zone_known else None,
-        farthest_outside_deg=math.degrees(totals.farthest_outside_rad) if totals.zone_known else None,
-        left_alone=[LeftAloneDocument.of(left) for left in left_alone],
+    return CorrectionDocument.of(totals, left_alone=list(left_alone))
+
+
+class ProofErrorsDocument(Document):
+    """From each target to where its nest was read, target by target; x y z in the world."""
+
+    config: Integers = Field(description="Of the uncorrected stop.")
+    nest: Integers
+    target_mm: Rows
+    before_mm: Rows
+    after_mm: Rows
+
+
+class ProofDocument(Document):
+    """The same targets without and with correction, as they were measured."""
+
+    targets: Annotated[int, Taken("before.n")] = Field(examples=[30])
+    before: StatisticsDocument = Field(
+        description="Without correction: from the target to where the nest was read."
     )
+    after: StatisticsDocument = Field(description="With correction.")
+    before_relative: StatisticsDocument | None = Field(
+        description="After the best rigid alignment of the targets; null of fewer than four, or on a line."
+    )
+    after_relative: StatisticsDocument | None
+    gain: Quantity = Field(description="Mean error without over mean error with correction.", examples=[12.4])
+    gain_interval_95: list[Quantity] = Field(min_length=2, max_length=2, examples=[[10.1, 15.2]])
+    promised_mean_mm: Annotated[Quantity, Taken("promised_mm")] = Field(
+        description="Mean error that model, arm and readings let expect."
+    )
+    keeps_promise: bool
+    proved: bool = Field(description="The correction helps beyond chance and keeps its promise.")
+    foretold_share: Quantity = Field(
+        description="How much of the errors that the model foretells was there without correction; 1: all.",
+        examples=[0.98],
+    )
+    cautions: list[Spoken] = Field(description="What explains a correction that does not help.")
+    errors: ProofErrorsDocument
+
+
+def proof_document(proof: Proof) -> ProofDocument:
+    """Return the document of a proof."""
+    return ProofDocument.of(proof)

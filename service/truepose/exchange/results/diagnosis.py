@@ -7,12 +7,9 @@ from typing import Annotated
 
 from pydantic import AliasChoices, BeforeValidator, Field
 
-from truepose.domain.results.causes import Shape
-from truepose.domain.results.diagnosis import Confidence, Diagnosis, HeldOut, HeldOutErrors, Verdict
+from truepose.domain.diagnosis import Confidence, Diagnosis, HeldOut, HeldOutErrors, Shape, Verdict
 from truepose.exchange.json_text import Json
-from truepose.exchange.outgoing import Quantities, Quantity
-from truepose.exchange.results.document_base import Document, Spoken
-from truepose.exchange.results.statistics import StatisticsDocument
+from truepose.exchange.results.document import Document, Quantities, Quantity, Spoken, StatisticsDocument
 
 
 class CauseDocument(Document):

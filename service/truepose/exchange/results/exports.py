@@ -5,12 +5,12 @@ from typing import Any
 
 from pydantic import Field
 
-from truepose.correction.controller_values import ControllerValues
+from truepose.correction.reduced_models import ControllerValues
 from truepose.domain.robot import FramePlacement
-from truepose.exchange.exports.formats import Export
-from truepose.exchange.exports.subject import Subject
 from truepose.exchange.json_text import Json
-from truepose.exchange.results.document_base import Document, Spoken
+from truepose.exchange.models.exports import Export
+from truepose.exchange.models.rigid_arm import Subject
+from truepose.exchange.results.document import Document, Spoken
 from truepose.exchange.robots.document import PLACEMENT
 
 

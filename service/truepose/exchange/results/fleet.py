@@ -3,19 +3,20 @@
 import math
 from collections.abc import Iterator, Sequence
 from datetime import date
-from typing import Self
+from typing import Annotated, Self
 
 import numpy as np
 from pydantic import Field
 
 from truepose.domain.robot import Robot
-from truepose.domain.sentences import Sentence
 from truepose.exchange.models.document import file_factor, file_unit
-from truepose.exchange.outgoing import Quantity
-from truepose.exchange.results.document_base import Document, Spoken
-from truepose.fleet.answer.due import Due, Why, due
-from truepose.fleet.answer.grown import Grown
-from truepose.fleet.answer.sentences import (
+from truepose.exchange.results.document import Document, Quantity, Spoken, Taken, null_if_empty
+from truepose.fleet.changes import Account, RealChange
+from truepose.fleet.interim_check import CauseGrowth
+from truepose.fleet.minimum_detectable_change import least_of_instruments, least_of_robots
+from truepose.fleet.mixed_model import uncertainties
+from truepose.fleet.predicted_accuracy import PredictedAccuracy
+from truepose.fleet.sentences import (
     change_said,
     compared,
     day_of,
@@ -30,15 +31,13 @@ from truepose.fleet.answer.sentences import (
     told_of,
     why_said,
 )
-from truepose.fleet.causes import AgeingCause
-from truepose.fleet.changes import Account, Named
-from truepose.fleet.components import uncertainties
-from truepose.fleet.course import along
-from truepose.fleet.forecast import Passing, concerned, passing
-from truepose.fleet.least import Least, least_of_instruments, least_of_robots
-from truepose.fleet.promise import Promise
-from truepose.fleet.trials import Kind, Scope, Trial
-from truepose.words.catalogue import english
+from truepose.fleet.trend import LimitCrossing, Why, along, concerned, due, passing
+from truepose.fleet.trials import Kind, Scope
+from truepose.messages.message import Message
+
+
+def _date(day: float) -> date:
+    return date.fromordinal(int(day))
 
 
 class CauseDocument(Document):
@@ -46,45 +45,33 @@ class CauseDocument(Document):
 
     effect: str
     subject: str
-    waves_per_turn: float | None = Field(description="Null: it is no wave.")
-
-    @classmethod
-    def of_cause(cls, cause: AgeingCause) -> Self:
-        """Return a cause."""
-        return cls(effect=cause.effect, subject=cause.subject, waves_per_turn=cause.order or None)
+    waves_per_turn: Annotated[float | None, null_if_empty("order")] = Field(
+        description="Null: it is no wave."
+    )
 
 
 class RivalDocument(Document):
     """What explains a change as well, at odds of no worse than twenty to one."""
 
-    scope: Scope
-    what: str = Field(description="Serial number of a robot or an instrument; empty: the type.")
-    cause: CauseDocument
-    kind: Kind
-    since: date
-    sentence: Spoken
-
-    @classmethod
-    def of_trial(cls, trial: Trial) -> Self:
-        """Return a rival."""
-        change = trial.change
-        return cls(
-            scope=change.scope,
-            what=change.of,
-            cause=CauseDocument.of_cause(change.cause),
-            kind=change.kind,
-            since=_date(change.since),
-            sentence=english(change_said(change)),
-        )
+    scope: Annotated[Scope, Taken("change.scope")]
+    what: Annotated[str, Taken("change.of")] = Field(
+        description="Serial number of a robot or an instrument; empty: the type."
+    )
+    cause: Annotated[CauseDocument, Taken("change.cause")]
+    kind: Annotated[Kind, Taken("change.kind")]
+    since: Annotated[date, Taken("change.since", _date)]
+    sentence: Annotated[Spoken, Taken("change", change_said)]
 
 
 class PassingDocument(Document):
     """When a limit is passed if a change goes on as it did; null: not in the reach of a calendar."""
 
     limit_mm: float
-    day: str | None = Field(description="Half of the probability is before it.")
-    earliest: str | None = Field(description="5 %.")
-    latest: str | None = Field(description="95 %; null: perhaps never.")
+    day: Annotated[str | None, Taken("day", day_of)] = Field(
+        description="Half of the probability is before it."
+    )
+    earliest: Annotated[str | None, Taken("earliest", day_of)] = Field(description="5 %.")
+    latest: Annotated[str | None, Taken("latest", day_of)] = Field(description="95 %; null: perhaps never.")
     sentence: Spoken
 
 
@@ -100,24 +87,22 @@ class ChangeDocument(RivalDocument):
     """A change that is beyond chance."""
 
     size_mm: Quantity = Field(description="Root mean square of what it moves at the measured configurations.")
-    standard_uncertainty_mm: Quantity
-    chance: Quantity = Field(description="Of so much where nothing changes, of this one try.")
+    standard_uncertainty_mm: Annotated[Quantity, Taken("size_u_mm")]
+    chance: Annotated[Quantity, Taken("trial.chance")] = Field(
+        description="Of so much where nothing changes, of this one try."
+    )
     rivals: list[RivalDocument]
     passes: PassingDocument | None = Field(description="Null: it does not go on, as a step.")
     course: list[AlongDocument]
     sentences: list[Spoken]
 
     @classmethod
-    def of_named(cls, account: Account, named: Named, limit_mm: float) -> Self:
+    def of_named(cls, account: Account, named: RealChange, limit_mm: float) -> Self:
         """Return a change with everything that is said of it."""
         passes, told = passing(account.fleet, named, limit_mm), along(account, named)
         course = zip(told.day.tolist(), told.size_mm.tolist(), told.u_mm.tolist(), strict=True)
         return cls.of(
-            RivalDocument.of_trial(named.trial),
-            size_mm=named.size_mm,
-            standard_uncertainty_mm=named.size_u_mm,
-            chance=named.trial.chance,
-            rivals=[RivalDocument.of_trial(one) for one in named.rivals],
+            named,
             passes=None if passes is None else _passing(account, named, passes),
             course=[
                 AlongDocument(day=_date(day), size_mm=size, standard_uncertainty_mm=u)
@@ -132,19 +117,11 @@ class DueDocument(Document):
 
     robot: str
     why: Why
-    last_measured_on: date
-    instrument: str | None = Field(description="That tells its change from a rival; null: any.")
+    last_measured_on: Annotated[date, Taken("last_day", _date)]
+    instrument: Annotated[str | None, null_if_empty("instrument")] = Field(
+        description="That tells its change from a rival; null: any."
+    )
     sentence: Spoken
-
-    @classmethod
-    def of_due(cls, one: Due, limit_mm: float) -> Self:
-        """Return a robot."""
-        return cls.of(
-            one,
-            last_measured_on=_date(one.last_day),
-            instrument=one.instrument or None,
-            sentence=why_said(one, limit_mm),
-        )
 
 
 class SharedDocument(Document):
@@ -162,8 +139,12 @@ class LeastDocument(Document):
     """From which size on a cause that grows from the first campaign on would have been shown with 95 %."""
 
     cause: CauseDocument
-    size_mm: Quantity | None = Field(description="In every robot measured twice; null: in one at no size.")
-    best_mm: Quantity | None = Field(description="In the robot in which it shows best.")
+    size_mm: Annotated[Quantity, Taken("size_mm", np.max)] = Field(
+        description="In every robot measured twice; null: in one at no size."
+    )
+    best_mm: Annotated[Quantity, Taken("size_mm", np.min)] = Field(
+        description="In the robot in which it shows best."
+    )
 
 
 class LeastDriftDocument(Document):
@@ -171,36 +152,31 @@ class LeastDriftDocument(Document):
 
     instrument: str
     days: Quantity = Field(description="From its first campaign to its last, over which it drifts.")
-    size_mm: Quantity | None = Field(description="At what it measured; null: at no size.")
-    um_per_m: Quantity | None = Field(description="Of all lengths.")
+    size_mm: Quantity = Field(description="At what it measured; null: at no size.")
+    um_per_m: Quantity = Field(description="Of all lengths.")
 
 
 class NewRobotDocument(Document):
     """What a further robot of the type needs, before it is measured: mean errors over the work volume."""
 
-    configurations: int
-    mean_mm: Quantity = Field(description="Promised with what the type says.")
-    interval_90_mm: list[Quantity] = Field(description="Nine of ten robots have their mean within.")
-    without_type_mm: Quantity = Field(description="As many of the same parameters, without the type.")
-    needed_without_type: int | None = Field(description="For the same mean; null: more than 100.")
-    usual_configurations: int
-    usual_mm: Quantity = Field(description="Promised by the usual effects of a robot of no known type.")
-    sentence: Spoken
-
-    @classmethod
-    def of_promise(cls, found: Promise) -> Self:
-        """Return what is promised."""
-        return cls.of(
-            found,
-            configurations=found.pooled.n,
-            mean_mm=found.pooled.mean_mm,
-            interval_90_mm=list(found.pooled.interval_90_mm),
-            without_type_mm=found.same_mm,
-            needed_without_type=found.needed,
-            usual_configurations=found.alone.n,
-            usual_mm=found.alone.mean_mm,
-            sentence=new_robot_said(found),
-        )
+    configurations: Annotated[int, Taken("pooled.n")]
+    mean_mm: Annotated[Quantity, Taken("pooled.mean_mm")] = Field(
+        description="Promised with what the type says."
+    )
+    interval_90_mm: Annotated[list[Quantity], Taken("pooled.interval_90_mm")] = Field(
+        description="Nine of ten robots have their mean within."
+    )
+    without_type_mm: Annotated[Quantity, Taken("same_mm")] = Field(
+        description="As many of the same parameters, without the type."
+    )
+    needed_without_type: Annotated[int | None, Taken("needed")] = Field(
+        description="For the same mean; null: more than 100."
+    )
+    usual_configurations: Annotated[int, Taken("alone.n")]
+    usual_mm: Annotated[Quantity, Taken("alone.mean_mm")] = Field(
+        description="Promised by the usual effects of a robot of no known type."
+    )
+    sentence: Annotated[Spoken, Taken("", new_robot_said)]
 
 
 class GrownDocument(Document):
@@ -208,10 +184,16 @@ class GrownDocument(Document):
 
     cause: CauseDocument
     size_mm: Quantity
-    standard_uncertainty_mm: Quantity | None = Field(description="Null: the check does not see it.")
+    standard_uncertainty_mm: Annotated[Quantity, Taken("u_mm")] = Field(
+        description="Null: the check does not see it."
+    )
     chance: Quantity = Field(description="Of so much where it has not grown, of this one cause.")
-    told: bool = Field(description="Beyond chance, at a level of 5 % over all causes together.")
-    would_show_mm: Quantity | None = Field(description="From which size on, with 95 %; null: at none.")
+    told: Annotated[bool, Taken("is_told")] = Field(
+        description="Beyond chance, at a level of 5 % over all causes together."
+    )
+    would_show_mm: Annotated[Quantity, Taken("least_mm")] = Field(
+        description="From which size on, with 95 %; null: at none."
+    )
 
 
 class CheckedDocument(Document):
@@ -222,20 +204,9 @@ class CheckedDocument(Document):
     sentences: list[Spoken]
 
     @classmethod
-    def of_robot(cls, robot: str, found: Sequence[Grown]) -> Self:
+    def of_robot(cls, robot: str, found: Sequence[CauseGrowth]) -> Self:
         """Return what was found."""
-        causes = [
-            GrownDocument(
-                cause=CauseDocument.of_cause(one.cause),
-                size_mm=one.size_mm,
-                standard_uncertainty_mm=_finite(one.u_mm),
-                chance=one.chance,
-                told=one.is_told,
-                would_show_mm=_finite(one.least_mm),
-            )
-            for one in found
-        ]
-        return cls(robot=robot, causes=causes, sentences=list(map(english, grown_said(robot, found))))
+        return cls.of(robot=robot, causes=list(found), sentences=grown_said(robot, found))
 
 
 class LeftOutDocument(Document):
@@ -276,7 +247,7 @@ def fleet_document(
     left_out: Sequence[object] = (),
     *,
     simulated: bool = False,
-    new_robot: Promise | None = None,
+    new_robot: PredictedAccuracy | None = None,
     checked: CheckedDocument | None = None,
 ) -> FleetDocument:
     """Return the document of a fleet whose days are those of the calendar (`date.toordinal`)."""
@@ -292,10 +263,10 @@ def fleet_document(
         tried=account.tried,
         scatter=float(np.sqrt(account.birge_ratio)),
         changes=[ChangeDocument.of_named(account, one, limit_mm) for one in account.named],
-        would_show=[_least(one) for one in least_of_robots(account) if one.of],
+        would_show=[one for one in least_of_robots(account) if one.of],
         drifts_would_show=list(_least_drifts(account)),
-        next=[DueDocument.of_due(one, limit_mm) for one in due(account, limit_mm)],
-        new_robot=None if new_robot is None else NewRobotDocument.of_promise(new_robot),
+        next=[DueDocument.of(one, sentence=why_said(one, limit_mm)) for one in due(account, limit_mm)],
+        new_robot=new_robot,
         checked=checked,
         type=list(shared(account)),
         left_out=list(left_out),
@@ -309,27 +280,15 @@ def fleet_document(
     )
 
 
-def _next(account: Account, limit_mm: float) -> list[Sentence]:
+def _next(account: Account, limit_mm: float) -> list[Message]:
     return [next_said(one, limit_mm) for one in due(account, limit_mm)[:1]]
-
-
-def _least(one: Least) -> LeastDocument:
-    return LeastDocument(
-        cause=CauseDocument.of_cause(one.cause),
-        size_mm=_finite(float(one.size_mm.max())),
-        best_mm=_finite(float(one.size_mm.min())),
-    )
 
 
 def _least_drifts(account: Account) -> Iterator[LeastDriftDocument]:
     found = least_of_instruments(account)
     for name, size_mm, days in zip(found.of, found.size_mm.tolist(), found.days.tolist(), strict=True):
         um_per_m = drift_um_per_m(account.fleet, size_mm) if math.isfinite(size_mm) else None
-        yield LeastDriftDocument(instrument=name, days=days, size_mm=_finite(size_mm), um_per_m=um_per_m)
-
-
-def _finite(value: float) -> float | None:
-    return value if math.isfinite(value) else None
+        yield LeastDriftDocument(instrument=name, days=days, size_mm=size_mm, um_per_m=um_per_m)
 
 
 def shared(account: Account) -> list[SharedDocument]:
@@ -358,16 +317,6 @@ def shared(account: Account) -> list[SharedDocument]:
     ]
 
 
-def _passing(account: Account, named: Named, passes: Passing) -> PassingDocument:
+def _passing(account: Account, named: RealChange, passes: LimitCrossing) -> PassingDocument:
     last = float(account.fleet.day[concerned(account.fleet, named)].max())
-    return PassingDocument(
-        limit_mm=passes.limit_mm,
-        day=day_of(passes.day),
-        earliest=day_of(passes.earliest),
-        latest=day_of(passes.latest),
-        sentence=english(passing_said(passes, last)),
-    )
-
-
-def _date(day: float) -> date:
-    return date.fromordinal(int(day))
+    return PassingDocument.of(passes, sentence=passing_said(passes, last))

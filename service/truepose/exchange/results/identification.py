@@ -1,21 +1,28 @@
-"""Identifications as documents, whatever their status."""
+"""Identifications as documents, whatever their status, and a resampling of one."""
 
-from typing import Literal, Self
+from typing import Annotated, Literal, Self
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
-from truepose.domain.results.identification import (
+from truepose.domain.identification import (
     Identification,
     NominalAndIdentified,
-    Parameter,
     Status,
     TurnPair,
 )
 from truepose.exchange.json_text import Json
-from truepose.exchange.models.document import in_file_units
-from truepose.exchange.outgoing import Quantity
-from truepose.exchange.results.document_base import Document, Spoken
-from truepose.exchange.results.statistics import PairDocument, TurnPairDocument
+from truepose.exchange.results.document import (
+    UNIT,
+    Document,
+    PairDocument,
+    Quantities,
+    Quantity,
+    Spoken,
+    Taken,
+    TurnPairDocument,
+    in_file_unit,
+)
+from truepose.identification.resampling import Spread, Way
 
 
 class BlocksDocument(Document):
@@ -44,15 +51,12 @@ class ParameterDocument(Document):
 
     name: str = Field(examples=["a_3"])
     effect: str = Field(examples=["geometry"])
-    value: Quantity = Field(examples=[0.236])
-    unit: str = Field(examples=["mm"])
-    standard_uncertainty: Quantity = Field(examples=[0.011])
-    prior_width: Quantity = Field(description="What was expected of it beforehand.", examples=[0.5])
-
-    @model_validator(mode="before")
-    @classmethod
-    def _in_units_of_files(cls, parameter: object) -> object:
-        return in_file_units(parameter) if isinstance(parameter, Parameter) else parameter
+    value: Annotated[Quantity, in_file_unit("value")] = Field(examples=[0.236])
+    unit: Annotated[str, UNIT] = Field(examples=["mm"])
+    standard_uncertainty: Annotated[Quantity, in_file_unit("standard_uncertainty")] = Field(examples=[0.011])
+    prior_width: Annotated[Quantity, in_file_unit("prior_width")] = Field(
+        description="What was expected of it beforehand.", examples=[0.5]
+    )
 
 
 class NotIdentifiableDocument(Document):
@@ -138,3 +142,32 @@ def _blocks(identification: Identification) -> dict[str, NominalAndIdentified | 
 def identification_document(identification: Identification, robot_name: str) -> dict[str, Json]:
     """Return what `identify --json` prints: one document, whatever the status."""
     return IdentificationDocument.of_robot(identification, robot_name).printed()
+
+
+class SpreadDocument(Document):
+    """How a parameter scattered, in the unit that it names."""
+
+    name: str
+    effect: str
+    unit: Annotated[str, UNIT]
+    value: Annotated[Quantity, in_file_unit("value")]
+    standard_uncertainty: Annotated[Quantity, in_file_unit("standard_uncertainty")]
+    standard_deviation: Annotated[Quantity, in_file_unit("standard_deviation")]
+    bias: Annotated[Quantity, in_file_unit("bias")]
+    interval_95: Annotated[Quantities, in_file_unit("interval_95")]
+
+
+class ResamplingDocument(Document):
+    """What `truepose resample --json` prints."""
+
+    robot: str
+    by: Annotated[Way, Taken("way")]
+    seed: int
+    draws: int
+    not_converged: int
+    parameters: list[SpreadDocument]
+
+
+def resampling_document(spread: Spread, robot: str, seed: int) -> dict[str, Json]:
+    """Return the document of a resampling."""
+    return ResamplingDocument.of(spread, robot=robot, seed=seed).printed()

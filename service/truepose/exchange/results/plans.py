@@ -6,10 +6,9 @@ from typing import Literal
 import numpy as np
 from pydantic import Field
 
-from truepose.domain.sentences import Text
-from truepose.exchange.outgoing import Quantities, Quantity
-from truepose.exchange.results.document_base import Document, Spoken
-from truepose.planning.promise.plan import Assumptions, BallbarPoses, PromisedPlan
+from truepose.exchange.results.document import Document, Quantities, Quantity, Spoken
+from truepose.messages.message import Text
+from truepose.planning.prediction.plan import Assumptions, BallbarPoses, PromisedPlan
 
 
 class PromiseDocument(Document):

@@ -1,15 +1,27 @@
-"""Validations as documents."""
+"""Validations and tests of ISO 9283 as documents: angles in degrees."""
 
-from typing import Literal
+from collections.abc import Iterator
+from operator import itemgetter
+from typing import Annotated, Literal
 
-from pydantic import AliasChoices, Field, model_validator
+from pydantic import AliasChoices, Field
 
-from truepose.domain.results.identification import NominalAndIdentified
-from truepose.domain.results.validation import DecisionRule, ErrorsByPlace, Shell, Validation, Verdict
+from truepose.domain.validation import DecisionRule, Validation, Verdict
 from truepose.exchange.json_text import Json
-from truepose.exchange.outgoing import Quantity
-from truepose.exchange.results.document_base import Document
-from truepose.exchange.results.statistics import PairDocument, TurnPairDocument
+from truepose.exchange.results.document import (
+    UNIT,
+    Document,
+    PairDocument,
+    Quantities,
+    Quantity,
+    Spoken,
+    StatisticsDocument,
+    Taken,
+    TurnPairDocument,
+    in_file_unit,
+)
+from truepose.validation.cautions import pose_test_caution
+from truepose.validation.iso9283.pose_test import CommandedBy, PoseTest
 
 
 class HistogramDocument(Document):
@@ -38,21 +50,28 @@ class DistanceErrorsDocument(Document):
 class ZoneDocument(Document):
     """Where the readings lay that made the model; not `stated`: that judge it."""
 
-    x_mm: Quantity
-    y_mm: Quantity
-    z_mm: Quantity
-    radius_mm: Quantity
-    stated: bool
+    x_mm: Annotated[Quantity, Taken("zone_centre_mm", itemgetter(0))]
+    y_mm: Annotated[Quantity, Taken("zone_centre_mm", itemgetter(1))]
+    z_mm: Annotated[Quantity, Taken("zone_centre_mm", itemgetter(2))]
+    radius_mm: Annotated[Quantity, Taken("zone_radius_mm")]
+    stated: Annotated[bool, Taken("zone_stated")]
 
 
-class ShellDocument(PairDocument):
+class _PartDocument(PairDocument):
+    """Errors of some of the readings."""
+
+    nominal: Annotated[StatisticsDocument, Taken("errors.nominal")]
+    identified: Annotated[StatisticsDocument, Taken("errors.identified")]
+
+
+class ShellDocument(_PartDocument):
     """Errors of the readings at some distance from something."""
 
     from_mm: Quantity
     to_mm: Quantity
 
 
-class BranchDocument(PairDocument):
+class BranchDocument(_PartDocument):
     """Errors of the readings in one posture of the arm."""
 
     branch: str = Field(examples=["front/up/no flip"])
@@ -61,39 +80,12 @@ class BranchDocument(PairDocument):
 class PlacesDocument(Document):
     """Where errors are large; shells and branches without a reading are left out."""
 
-    zone: ZoneDocument
+    zone: Annotated[ZoneDocument, Taken("")]
     from_zone: list[ShellDocument] = Field(description="By distance from the middle of the zone.")
     from_axis: list[ShellDocument] = Field(description="By distance from the line of axis 1.")
     branches: list[BranchDocument] = Field(
         description="Empty where the arm has no closed inverse: its branches have no names then."
     )
-
-    @model_validator(mode="before")
-    @classmethod
-    def _flat(cls, places: object) -> object:
-        if not isinstance(places, ErrorsByPlace):
-            return places
-        x, y, z = places.zone_centre_mm
-        return {
-            "zone": {
-                "x_mm": x,
-                "y_mm": y,
-                "z_mm": z,
-                "radius_mm": places.zone_radius_mm,
-                "stated": places.zone_stated,
-            },
-            "from_zone": [_shell(shell) for shell in places.from_zone],
-            "from_axis": [_shell(shell) for shell in places.from_axis],
-            "branches": [_of_both(one.errors, branch=one.branch) for one in places.branches],
-        }
-
-
-def _shell(shell: Shell) -> dict[str, object]:
-    return _of_both(shell.errors, from_mm=shell.from_mm, to_mm=shell.to_mm)
-
-
-def _of_both(errors: NominalAndIdentified, **where: object) -> dict[str, object]:
-    return where | {"nominal": errors.nominal, "identified": errors.identified}
 
 
 class DecisionDocument(Document):
@@ -158,3 +150,99 @@ class ValidationDocument(Document):
 def validation_document(validation: Validation) -> dict[str, Json]:
     """Return what `validate --json` prints."""
     return ValidationDocument.of(validation).printed()
+
+
+class FigureDocument(Document):
+    """A figure of ISO 9283:1998; accuracies of components have a sign, repeatabilities are half widths."""
+
+    symbol: Literal["AP", "RP", "vAP", "AD", "RD", "dAP", "dRP"]
+    component: Literal["p", "l", "x", "y", "z", "a", "b", "c"] = Field(
+        description="p: position or distance, l: radius about the barycentre, a b c: angles about x y z."
+    )
+    subject: str = Field(examples=["P1", "P2-P4"])
+    commanded_by: CommandedBy | None = Field(
+        description="The model that puts the commanded pose; null where the figure does not depend on it."
+    )
+    value: Annotated[Quantity, in_file_unit("value")]
+    standard_uncertainty: Annotated[Quantity, in_file_unit("standard_uncertainty")]
+    unit: Annotated[str, UNIT] = Field(examples=["mm", "deg"])
+    visits: int
+    noise: Annotated[Quantity, in_file_unit("noise")] = Field(
+        description="What the instrument's stated scatter alone would show."
+    )
+    clause: str = Field(examples=["7.2.1"])
+
+
+class WithheldDocument(Document):
+    """A figure that the visits do not give, and why."""
+
+    symbol: str
+    subject: str
+    reason: Spoken
+
+
+class CommandedPoseDocument(Document):
+    """A pose, in the frame of the readings."""
+
+    name: str = Field(examples=["P1"])
+    position_mm: Quantities
+
+
+class DriftPointDocument(Document):
+    """One group of a test of drift; uncertainties are of scatter alone."""
+
+    hours: Quantity = Field(description="After the first group.")
+    visits: int
+    accuracy_mm: Quantity = Field(description="AP of the identified model.")
+    accuracy_uncertainty_mm: Quantity
+    repeatability_mm: Quantity
+    repeatability_uncertainty_mm: Quantity
+    moved_mm: Quantity = Field(description="Way of the barycentre from that of the first group.")
+    moved_uncertainty_mm: Quantity
+
+
+class DriftDocument(Document):
+    """What changed over the hours."""
+
+    hours: Quantity
+    settled: bool = Field(description="The rate of change of the last hour is below a tenth of the first.")
+    walk_mm: Quantity | None = Field(description="Largest way of the barycentre; null where withheld.")
+    curve: list[DriftPointDocument]
+
+
+class PoseTestDocument(Document):
+    """What `truepose validate --iso9283 --json` adds under `iso9283`."""
+
+    poses: int
+    cycles: int
+    nest: int = Field(description="Whose positions were taken.")
+    commanded: list[CommandedPoseDocument] = Field(description="As the identified model puts them.")
+    figures: Annotated[list[FigureDocument], Taken("", lambda test: list(_figures(test)))]
+    withheld: Annotated[list[WithheldDocument], Taken("identified.withheld")]
+    work_space: PairDocument | None = Field(
+        description="Errors at configurations that are no poses; null where none was measured."
+    )
+    claimed_mm: Quantity = Field(description="Mean error that the model itself lets expect of such.")
+    sentence: Annotated[Spoken, Taken("", pose_test_caution)]
+    drift: DriftDocument | None = Field(description="Group by group; null where the test is another one.")
+
+
+class AccuracyDocument(ValidationDocument):
+    """A validation, with the figures of ISO 9283 where its readings are visits of such a test."""
+
+    iso9283: PoseTestDocument | None = None
+
+
+def accuracy_document(validation: Validation, test: PoseTest | None) -> AccuracyDocument:
+    """Return both as one document."""
+    return AccuracyDocument.of(validation, iso9283=test)
+
+
+def pose_test_document(test: PoseTest) -> dict[str, Json]:
+    """Return the figures of a test, what is withheld, and what the test does not prove."""
+    return PoseTestDocument.of(test).printed()
+
+
+def _figures(test: PoseTest) -> Iterator[FigureDocument]:
+    for commanded_by, figure in test.figures():
+        yield FigureDocument.of(figure, commanded_by=commanded_by)

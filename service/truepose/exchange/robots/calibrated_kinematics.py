@@ -8,7 +8,9 @@ description takes it, which is what every other program then sees.
 Source: UniversalRobots/Universal_Robots_ROS2_Description, urdf/ur_macro.xacro and config/ur10e.
 """
 
+import hashlib
 import math
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Final
 
@@ -16,13 +18,17 @@ import numpy as np
 import yaml
 
 from truepose.domain.arrays import FloatArray
+from truepose.domain.errors import UnsuitableModelError
 from truepose.domain.robot import Robot
-from truepose.exchange.document import Node
+from truepose.exchange.document import Node, read_bytes
 from truepose.exchange.errors import UnreadableFileError
-from truepose.exchange.input_file import read_bytes
-from truepose.exchange.plausible import limits_of
+from truepose.exchange.models.rigid_arm import Subject, remarks
+from truepose.exchange.models.urdf import joint_origin, roll_pitch_yaw
+from truepose.exchange.quantities import limits_of
 from truepose.kinematics.frames import rotation_x, rotation_y, rotation_z
 from truepose.kinematics.joint_axes import JointAxis, table_of
+from truepose.messages.catalogue import english
+from truepose.messages.message import Message, message
 
 LINKS: Final = ("shoulder", "upper_arm", "forearm", "wrist_1", "wrist_2", "wrist_3")
 _MOST_BYTES: Final = 64 * 2**10  # a hundred times such a file; what is longer is none
@@ -99,3 +105,34 @@ def kinematics_document(origins: list[tuple[list[float], tuple[float, float, flo
         x, y, z = (_M_PER_MM * value for value in place_mm)
         kinematics[name] = {"x": x, "y": y, "z": z, "roll": roll, "pitch": pitch, "yaw": yaw}
     return yaml.safe_dump({"kinematics": kinematics | {"hash": marked}}, sort_keys=False)
+
+
+def kinematics_text(subject: Subject) -> str:
+    """Return the content of the file.
+
+    Raises
+    ------
+    UnsuitableModelError
+        The model is of another kind of arm.
+    """
+    if not is_of_that_structure(subject.model.robot):
+        raise UnsuitableModelError(
+            f"{subject.model.robot.name} has not the axes of an arm of Universal Robots, which this format "
+            "describes: export it as URDF."
+        )
+    frames = [joint_origin(row) for row in subject.arm.robot.joints]
+    origins = [(frame[:3, 3].tolist(), roll_pitch_yaw(frame[:3, :3])) for frame in frames]
+    comment = "".join(f"# {english(sentence)}\n" for sentence in kinematics_remarks(subject))
+    return comment + kinematics_document(origins, _hash(origins))
+
+
+def kinematics_remarks(subject: Subject) -> Iterator[Message]:
+    """Yield what the file does not hold."""
+    yield from remarks(subject)
+    yield message("exports.ros.arm_only")
+    yield message("exports.ros.hash")
+
+
+def _hash(origins: object) -> str:
+    """Return a mark that changes with the numbers; a controller's own is made otherwise."""
+    return "truepose_" + hashlib.sha256(repr(origins).encode()).hexdigest()[:16]

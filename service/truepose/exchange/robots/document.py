@@ -1,4 +1,4 @@
-"""The nominal robot, frames and nests as keys of a document; campaign, model and robot files share them.
+"""Robot, frames, nests and covariances as keys of a document; campaign, model and robot files share them.
 
 Documents say degrees; the domain says radians.
 """
@@ -7,16 +7,17 @@ import math
 from collections.abc import Sequence
 from typing import Final
 
+import numpy as np
+
+from truepose.domain.arrays import FloatArray
 from truepose.domain.robot import FramePlacement, JointRange, JointRow, LinkMass, Nest, Robot
-from truepose.exchange.document import Node
-from truepose.exchange.errors import WrongUnitError
-from truepose.exchange.json_text import Json
-from truepose.exchange.keys import (
+from truepose.exchange.document import (
     ANGLE,
     NUMBER,
     VECTOR,
     Form,
     Key,
+    Node,
     degrees,
     each,
     number,
@@ -25,6 +26,51 @@ from truepose.exchange.keys import (
     whole,
     written_keys,
 )
+from truepose.exchange.errors import WrongUnitError
+from truepose.exchange.json_text import Json, number_or_null
+
+# Relative to the standard deviations: far above the rounding of products, far below a typing error.
+_TOLERANCE = 1e-9
+_FEW_DIGITS = 1e-3  # of a variance: below 0 by more than other programs round to
+
+
+def read_covariance(node: Node, size: int) -> FloatArray:
+    """Read a covariance, shape (size, size); null entries are NaN.
+
+    Raises BadValueError for one that is not symmetric, or has a negative variance or a correlation above 1.
+    """
+    rows = [
+        [math.nan if entry.is_null else entry.number() for entry in row.items(size)]
+        for row in node.items(size)
+    ]
+    covariance: FloatArray = np.array(rows, float).reshape(size, size)
+    variances = np.nan_to_num(np.diag(covariance))
+    if np.any(variances < 0.0):
+        node.fail("a covariance must not have negative variances")
+    deviations = np.sqrt(variances)
+    scale = np.outer(deviations, deviations)
+    known = ~np.isnan(covariance) | ~np.isnan(covariance.T)
+    asymmetry = np.abs(covariance - covariance.T)
+    if np.any(known & ~(asymmetry <= _TOLERANCE * scale)):
+        node.fail("a covariance must be symmetric")
+    if np.any(np.abs(np.nan_to_num(covariance)) > (1.0 + _TOLERANCE) * scale):
+        node.fail("a covariance must not have correlations beyond 1")
+    if _least_variance(covariance, deviations) < -_FEW_DIGITS:
+        node.fail("a covariance must not have negative variances, of no combination of its parameters either")
+    return covariance
+
+
+def _least_variance(covariance: FloatArray, deviations: FloatArray) -> float:
+    """Return the least variance of any combination, in units of the standard deviations; 0 if unknown."""
+    known = deviations > 0.0
+    unit = covariance[np.ix_(known, known)] / np.outer(deviations[known], deviations[known])
+    return float(np.linalg.eigvalsh(unit)[0]) if unit.size and np.isfinite(unit).all() else 0.0
+
+
+def covariance_document(covariance: FloatArray) -> Json:
+    """Return the rows as lists, null for what is not finite."""
+    return [[number_or_null(entry) for entry in row] for row in covariance.tolist()]
+
 
 _UNIT_LENGTH_TOLERANCE = 1e-3  # directions are given with three decimals at least
 _ROUNDING = 1e-14  # of a unit vector in full precision, which is left as it is

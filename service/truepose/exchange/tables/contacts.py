@@ -6,9 +6,9 @@ from collections.abc import Collection, Sequence
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
-from truepose.domain.measurement.campaign import NO_AXIS, ContactReadings, TargetDistances
-from truepose.domain.measurement.targets import CENTRES, SEEN_ALONG_AXES, Target, TargetKind, Vector
-from truepose.domain.sentences import Sentence
+from truepose.domain.campaign import NO_AXIS, ContactReadings, TargetDistances
+from truepose.domain.contacts import CENTRES, SEEN_ALONG_AXES, Target, TargetKind
+from truepose.domain.session import Vector
 from truepose.exchange.errors import MissingEntryError
 from truepose.exchange.tables.fields import (
     LENGTH,
@@ -17,11 +17,14 @@ from truepose.exchange.tables.fields import (
     Field,
     columns_of,
     read_fields,
+    read_stops_of,
+    stop_cells,
+    stop_fields,
     table_text,
+    torque_names,
     written_fields,
 )
 from truepose.exchange.tables.points import UNCERTAINTY_FIELD, ignored_columns
-from truepose.exchange.tables.stops import read_stops_of, stop_cells, stop_fields, torque_names
 from truepose.exchange.tables.table import (
     POSITIVE,
     WHOLE,
@@ -32,8 +35,9 @@ from truepose.exchange.tables.table import (
     one_of,
     read_table,
 )
+from truepose.messages.message import Message
 
-Ignored = tuple[Sentence, ...]  # clauses that name a column each
+Ignored = tuple[Message, ...]  # clauses that name a column each
 Targets = Sequence[Target]
 _KINDS = tuple(kind.value for kind in TargetKind)
 _AXES = ("x", "y", "z")

@@ -1,4 +1,4 @@
-"""What tables hold, each described once: its columns, the array that they are, how cells are written.
+"""What tables hold, each described once: columns, arrays and cells; among them where the arm stood.
 
 Digits: positions and lengths carry 1e-5 mm, a fiftieth of the best length instrument's noise (0.0005 mm);
 angles 1e-9 deg, which moves the end of a 3 m arm by 5e-8 mm; torques 1e-6 N*m as robots report them.
@@ -6,6 +6,7 @@ Uncertainties carry eight significant digits, because a weight is relative. What
 at most so many digits therefore comes back equal, and a second round trip changes nothing.
 """
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Final, TypeAlias
@@ -13,7 +14,8 @@ from typing import Any, Final, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from truepose.exchange.tables.table import Column, Table
+from truepose.domain.campaign import Stops
+from truepose.exchange.tables.table import WHOLE, Column, Table, at_least, between
 
 WHOLE_NUMBER: Final = "d"
 ANGLE: Final = ".9f"
@@ -90,3 +92,93 @@ def table_text(columns: Mapping[str, Sequence[str]]) -> str:
     """Return CSV text of columns of equal length, in their order."""
     rows = zip(*columns.values(), strict=True)
     return "\n".join([",".join(columns), *map(",".join, rows), ""])
+
+
+NO_REPEAT = -1
+# Controllers report 0.01 deg, and an arm may stop as far off its target; two configurations of a plan lie
+# tens of degrees apart.
+SAME_JOINTS_DEG = 0.5
+
+
+def _n_mm(torque_n_m: Array) -> Array:
+    return torque_n_m * 1000.0
+
+
+def _n_m(torque_n_mm: Array) -> Array:
+    return torque_n_mm * 1e-3
+
+
+def joint_names(n_joints: int) -> list[str]:
+    """Return `q1_deg` to `qn_deg`."""
+    return [f"q{joint}_deg" for joint in range(1, n_joints + 1)]
+
+
+def torque_names(n_joints: int) -> list[str]:
+    """Return `tau1_Nm` to `taun_Nm`."""
+    return [f"tau{joint}_Nm" for joint in range(1, n_joints + 1)]
+
+
+def direction_names(n_joints: int) -> list[str]:
+    """Return `dir1` to `dirn`."""
+    return [f"dir{joint}" for joint in range(1, n_joints + 1)]
+
+
+def stop_fields(n_joints: int) -> list[Field]:
+    """Return what is known of a stop; an empty cell stands for unknown where that makes sense."""
+    signs = (WHOLE, between(-1, 1))
+    directions = [Column(n, required=False, rules=signs, blank=0.0) for n in direction_names(n_joints)]
+    torques = [Column(name, required=False, blank=math.nan) for name in torque_names(n_joints)]
+    earlier = Column("repeat_of", required=False, rules=(WHOLE, at_least(NO_REPEAT)), blank=NO_REPEAT)
+    return [
+        Field("config", Column("config", rules=(WHOLE, at_least(0)))),
+        joint_field(n_joints),
+        Field("direction", tuple(directions)),
+        Field("torque_n_mm", tuple(torques), ".6f", _n_mm, _n_m),
+        Field("time_s", Column("time_s", required=False, blank=math.nan), TIME),
+        Field("temperature_c", Column("temperature_C", required=False, blank=math.nan), TEMPERATURE),
+        Field("attachment", Column("attachment", required=False, rules=(WHOLE,))),
+        Field("group", Column("group", required=False, rules=(WHOLE,))),
+        Field("repeat_of", earlier, empty=NO_REPEAT),
+    ]
+
+
+def joint_field(n_joints: int) -> Field:
+    """Return the angles of the joints."""
+    columns = tuple(Column(name) for name in joint_names(n_joints))
+    return Field("joints_rad", columns, ANGLE, np.radians, np.degrees)
+
+
+def stop_cells(stops: Stops) -> Cells:
+    """Return the cells of stops."""
+    return written_fields(stops, stop_fields(stops.joints_rad.shape[1]))
+
+
+def read_stops_of(table: Table, n_joints: int, *, numbered_by: Sequence[str] = ()) -> Stops:
+    """Return the stops of a measured table read with `stop_columns`; a number is one place of the arm.
+
+    Raises BadValueError where it is two. `numbered_by` names the columns that number their stops apart.
+    """
+    _require_one_place_each(table, ("config", *numbered_by), joint_names(n_joints))
+    return stops_to_visit(table, n_joints)
+
+
+def stops_to_visit(table: Table, n_joints: int) -> Stops:
+    """Return the stops of a table whose numbers are nothing but names of its rows."""
+    return Stops(**read_fields(table, stop_fields(n_joints)))
+
+
+def _require_one_place_each(table: Table, number: Sequence[str], joints: Sequence[str]) -> None:
+    """Refuse two places of the arm under one number: their readings would share what one stop shares."""
+    _, first, which = np.unique(table.block(number), axis=0, return_index=True, return_inverse=True)
+    earlier = first[which.reshape(-1)]
+    joints_deg = table.block(joints)
+    away_deg = np.abs(joints_deg - joints_deg[earlier])
+    row = int(np.argmax(away_deg.max(axis=1) > SAME_JOINTS_DEG))
+    joint = int(np.argmax(away_deg[row]))
+    table.require(
+        away_deg.max(axis=1) <= SAME_JOINTS_DEG,
+        number[0],
+        f"configuration {table.whole(number[0])[row]} stands on {table.counted} {table.lines[earlier[row]]} "
+        f"with other joints ({joints[joint]} differs by {away_deg[row, joint]:.4g}); "
+        "number each place of the arm once",
+    )

@@ -1,19 +1,29 @@
-"""Tables on their own, outside a campaign: points to predict, points or legs to validate, predictions."""
+"""Tables on their own, outside a campaign: points to predict, readings to validate, visits."""
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from datetime import date
 from pathlib import Path
+from typing import Final
 
 import numpy as np
 
 from truepose.domain.arrays import FloatArray, IntArray
-from truepose.domain.measurement.campaign import Readings, Stops
-from truepose.domain.measurement.targets import Target
-from truepose.domain.sentences import Sentence
-from truepose.exchange.input_file import read_bytes
+from truepose.domain.campaign import Readings, Stops, each_nest
+from truepose.domain.contacts import Target
+from truepose.exchange.document import read_bytes
+from truepose.exchange.errors import BadValueError, MissingEntryError
+from truepose.exchange.tables.ballbar import leg_columns, read_leg_table
 from truepose.exchange.tables.contacts import contact_columns, read_contact_table
-from truepose.exchange.tables.fields import LENGTH, Field, columns_of, table_text
-from truepose.exchange.tables.legs import leg_columns, read_leg_table
+from truepose.exchange.tables.fields import (
+    LENGTH,
+    Field,
+    columns_of,
+    stop_fields,
+    stops_to_visit,
+    table_text,
+    torque_names,
+)
 from truepose.exchange.tables.points import (
     POSITION_FIELD,
     ignored_columns,
@@ -21,9 +31,70 @@ from truepose.exchange.tables.points import (
     point_columns,
     read_point_table,
 )
-from truepose.exchange.tables.stops import stop_fields, stops_to_visit, torque_names
+from truepose.exchange.tables.rows import MOST_ROWS, Numbered, numbered_rows, parts, read_header
 from truepose.exchange.tables.table import WHOLE, Column, TableData, column_names, one_of, read_table
-from truepose.identification.model.stops import each_nest
+from truepose.messages.message import Message
+
+_COLUMNS: Final = ("campaign", "robot", "instrument", "day")
+
+
+@dataclass(frozen=True, slots=True)
+class Stated:
+    """Which robot was measured, by what and on which day; empty or None: nobody said."""
+
+    robot: str = ""
+    instrument: str = ""
+    day: date | None = None
+
+    def or_else(self, other: "Stated") -> "Stated":
+        """Return this, and of `other` what this does not say."""
+        return Stated(self.robot or other.robot, self.instrument or other.instrument, self.day or other.day)
+
+
+NOT_STATED: Final = Stated()
+
+
+def read_visits(file: Path) -> Mapping[str, Stated]:
+    """Read `campaign, robot, instrument, day`; an empty cell says nothing.
+
+    Raises
+    ------
+    InputFileError
+        A column is missing, a day is none, or a campaign stands in two rows.
+    """
+    return visits_from(file.name, read_bytes(file))
+
+
+def visits_from(name: str, data: bytes) -> Mapping[str, Stated]:
+    """Read the content of a table called `name`; raises as `read_visits`."""
+    found: dict[str, Stated] = {}
+    for line, campaign, stated in _rows(name, numbered_rows(name, data)):
+        if campaign in found:
+            raise BadValueError(f"{campaign!r} stands in two rows", file=name, line=line, column="campaign")
+        found[campaign] = stated
+    return found
+
+
+def _rows(name: str, numbered: Iterator[Numbered]) -> Iterator[tuple[int, str, Stated]]:
+    header = read_header(name, numbered)
+    for column in _COLUMNS:
+        if column not in header:
+            raise MissingEntryError(f"column {column} is missing; it is required", file=name, line=1)
+    for part in parts(name, header, numbered, MOST_ROWS):
+        for line, row in part:
+            cells = dict(zip(header, (cell.strip() for cell in row), strict=True))
+            stated = Stated(cells["robot"], cells["instrument"], _day(name, line, cells["day"]))
+            yield line, cells["campaign"], stated
+
+
+def _day(name: str, line: int, text: str) -> date | None:
+    try:
+        return date.fromisoformat(text) if text else None
+    except ValueError as error:
+        raise BadValueError(
+            f"{text!r} is no day; one as 2026-03-03 is required", file=name, line=line, column="day"
+        ) from error
+
 
 _PREDICTED = (
     Field("config", Column("config")),
@@ -39,7 +110,7 @@ class PointsToPredict:
 
     stops: Stops
     nest: IntArray | None  # (n,)
-    ignored: tuple[Sentence, ...]  # one sentence for every column not understood
+    ignored: tuple[Message, ...]  # one sentence for every column not understood
 
     def of_each_nest(self, known: Sequence[int]) -> tuple[Stops, IntArray]:
         """Return the stop and the nest of every prediction that is wanted, in the order of the rows."""
@@ -51,7 +122,7 @@ class ValidationFile:
     """Readings of a table for `validate`."""
 
     readings: Readings
-    ignored: tuple[Sentence, ...]
+    ignored: tuple[Message, ...]
 
 
 def read_points_to_predict(file: Path, n_joints: int, nests: Collection[int]) -> PointsToPredict:
@@ -146,5 +217,5 @@ def write_predictions(
     file.write_text(text, encoding="utf-8", newline="\n")
 
 
-def _sentences(name: str, clauses: tuple[Sentence, ...]) -> tuple[Sentence, ...]:
+def _sentences(name: str, clauses: tuple[Message, ...]) -> tuple[Message, ...]:
     return tuple(in_files([name], clause) for clause in clauses)

@@ -6,25 +6,22 @@ from collections.abc import Collection, Sequence
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
-from truepose.domain.measurement.campaign import FixedNestReadings, PointReadings, Stops
-from truepose.domain.sentences import Sentence, said
+from truepose.domain.campaign import FixedNestReadings, PointReadings, Stops
 from truepose.exchange.errors import MissingEntryError
 from truepose.exchange.tables.fields import (
     LENGTH,
+    SAME_JOINTS_DEG,
     TIME,
     UNCERTAINTY,
     Field,
     columns_of,
     read_fields,
-    table_text,
-    written_fields,
-)
-from truepose.exchange.tables.stops import (
-    SAME_JOINTS_DEG,
     read_stops_of,
     stop_cells,
     stop_fields,
+    table_text,
     torque_names,
+    written_fields,
 )
 from truepose.exchange.tables.table import (
     POSITIVE,
@@ -37,6 +34,7 @@ from truepose.exchange.tables.table import (
     one_of,
     read_table,
 )
+from truepose.messages.message import Message, message
 
 POSITION = ("x_mm", "y_mm", "z_mm")
 QUATERNION = ("qw", "qx", "qy", "qz")
@@ -94,7 +92,7 @@ def point_groups(n_joints: int) -> list[tuple[str, ...]]:
 
 def read_point_table(
     file: str, data: TableData, n_joints: int, nests: Collection[int], tracker_position_mm: Vector | None
-) -> tuple[PointReadings, tuple[Sentence, ...]]:
+) -> tuple[PointReadings, tuple[Message, ...]]:
     """Read measured points; return them and one clause for every column ignored.
 
     Raises an InputFileError that names line and column.
@@ -118,7 +116,7 @@ def _reference_fields(rule: Rule) -> list[Field]:
 
 def read_reference_table(
     file: str, data: TableData, n_fixed_nests: int
-) -> tuple[FixedNestReadings, tuple[Sentence, ...]]:
+) -> tuple[FixedNestReadings, tuple[Message, ...]]:
     """Read looks at fixed nests; `n_fixed_nests` is 0 where none is certified and any number may be named."""
     among = one_of(range(1, n_fixed_nests + 1), "the fixed nests") if n_fixed_nests else at_least(1)
     fields = _reference_fields(among)
@@ -131,23 +129,23 @@ def reference_text(readings: FixedNestReadings) -> str:
     return table_text(written_fields(readings, _reference_fields(at_least(1))))
 
 
-def ignored_columns(table: Table) -> tuple[Sentence, ...]:
+def ignored_columns(table: Table) -> tuple[Message, ...]:
     """Return one clause for every column that the format does not know."""
-    return tuple(said("ignored.column", column=name) for name in table.unlisted)
+    return tuple(message("ignored.column", column=name) for name in table.unlisted)
 
 
-def in_files(files: Sequence[str], clause: Sentence) -> Sentence:
+def in_files(files: Sequence[str], clause: Message) -> Message:
     """Return the sentence of a clause on tables of these names."""
-    return said("ignored.in_files", files=", ".join(files), clause=clause)
+    return message("ignored.in_files", files=", ".join(files), clause=clause)
 
 
-def _superseded(table: Table) -> tuple[Sentence, ...]:
+def _superseded(table: Table) -> tuple[Message, ...]:
     if COVARIANCE[0] not in table or BEAM[0] not in table:
         return ()
-    return (said("ignored.beam", columns=BEAM, first=COVARIANCE[0], last=COVARIANCE[-1]),)
+    return (message("ignored.beam", columns=BEAM, first=COVARIANCE[0], last=COVARIANCE[-1]),)
 
 
-def _doubtful_repeats(stops: Stops) -> tuple[Sentence, ...]:
+def _doubtful_repeats(stops: Stops) -> tuple[Message, ...]:
     """Return a clause when a revisit names a configuration of other joints: it would be no pure error."""
     if stops.repeat_of is None:
         return ()
@@ -159,7 +157,7 @@ def _doubtful_repeats(stops: Stops) -> tuple[Sentence, ...]:
     if len(wrong) == 0:
         return ()
     row = int(wrong[0])
-    clause = said(
+    clause = message(
         "ignored.revisit",
         config=int(stops.config[row]),
         first=int(stops.repeat_of[row]),

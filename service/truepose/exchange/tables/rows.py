@@ -1,12 +1,39 @@
-"""Rows of a CSV text, within limits: nothing is held of it but the text itself and the rows at hand."""
+"""Rows of a CSV text, within limits, and texts of people in it, of which none is a formula.
+
+A spreadsheet computes a cell that begins with one of a few signs, whoever wrote it. Such a text is written
+with an apostrophe before it, as OWASP has it, and a number never is. What is read loses the apostrophe again
+exactly where one is written, so that every text comes back as it was.
+"""
 
 import csv
 import io
 import itertools
+import re
 from collections.abc import Iterator
 from typing import Final, TypeAlias
 
 from truepose.exchange.errors import UnreadableFileError
+
+_BEGINS_FORMULA: Final = re.compile(
+    "'*[=+\\-@\t\r\n\uff1d\uff0b\uff0d\uff20]"
+)  # the wide ones compute as well
+_NUMBER: Final = re.compile(r"\s*[+-]?(?:[0-9]+[.,]?[0-9]*|[.,][0-9]+)(?:[eE][+-]?[0-9]+)?\s*")
+
+
+def written_text(text: str) -> str:
+    """Return a text as a cell that no spreadsheet computes."""
+    return f"'{text}" if _is_formula(text) else text
+
+
+def read_text(cell: str) -> str:
+    """Return the text of a cell as `written_text` took it."""
+    return cell[1:] if cell[:1] == "'" and _is_formula(cell[1:]) else cell
+
+
+def _is_formula(text: str) -> bool:
+    """Whether a text begins one, also behind apostrophes that it has itself."""
+    return _BEGINS_FORMULA.match(text) is not None and _NUMBER.fullmatch(text.lstrip("'")) is None
+
 
 # A hundred times the largest campaign that was seen; beyond it a fit would take more memory than there is.
 MOST_ROWS: Final = 200_000

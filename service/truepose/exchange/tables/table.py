@@ -15,9 +15,8 @@ import numpy.typing as npt
 
 from truepose.domain.arrays import BoolArray, FloatArray, IntArray
 from truepose.exchange.errors import BadValueError, MissingEntryError, UnreadableFileError, WrongUnitError
-from truepose.exchange.plausible import limits_of
+from truepose.exchange.quantities import in_other_unit, limits_of, unit, unit_sentence
 from truepose.exchange.tables.rows import MOST_ROWS, numbered_rows, parts, read_header
-from truepose.exchange.unit_suffix import in_other_unit, unit, unit_sentence
 
 _NUMBER = r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
 _ONE_NUMBER = re.compile(_NUMBER)

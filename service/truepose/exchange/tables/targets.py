@@ -1,17 +1,28 @@
-"""Tables of targets to correct, and of what became of them; of any length, some thousand rows at a time."""
+"""Tables of targets to correct, of any length, of what became of them, and of planned configurations."""
 
 import math
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, Final, TextIO
 
 import numpy as np
 
 from truepose.correction import ANY_BRANCH, FLANGE, Corrections, Goals
 from truepose.domain.arrays import FloatArray, IntArray
-from truepose.domain.measurement.campaign import Stops
-from truepose.domain.sentences import Sentence
-from truepose.exchange.tables.fields import ANGLE, Field, columns_of, read_fields, table_text
+from truepose.domain.campaign import Stops
+from truepose.exchange.quantities import in_other_unit
+from truepose.exchange.tables.fields import (
+    ANGLE,
+    Field,
+    columns_of,
+    joint_names,
+    read_fields,
+    stop_cells,
+    stop_fields,
+    table_text,
+    torque_names,
+)
 from truepose.exchange.tables.points import (
     POSITION,
     POSITION_FIELD,
@@ -20,7 +31,7 @@ from truepose.exchange.tables.points import (
     in_files,
     unit_quaternions,
 )
-from truepose.exchange.tables.stops import joint_names, stop_fields, torque_names
+from truepose.exchange.tables.rows import read_text, written_text
 from truepose.exchange.tables.table import (
     WHOLE,
     Cells,
@@ -32,10 +43,10 @@ from truepose.exchange.tables.table import (
     one_of,
     table_parts,
 )
-from truepose.exchange.tables.texts import read_text, written_text
-from truepose.exchange.unit_suffix import in_other_unit
 from truepose.kinematics.frames import rotation_from_quaternion
 from truepose.kinematics.inverse import BRANCH_NAMES
+from truepose.messages.message import Message
+from truepose.planning.prediction.plan import BallbarPoses, PromisedPlan
 
 _MOST_ROWS: Final = 10_000_000
 _NAME: Final = "target"
@@ -55,7 +66,7 @@ class Targets:
     poses: Goals | None  # in the frame that the table is meant in; None: its rows are joints only
     branch: IntArray  # (n,) asked for, ANY_BRANCH where nobody asks
     own: Mapping[str, Cells]  # every column as it stood
-    ignored: tuple[Sentence, ...]  # one sentence for every column not understood
+    ignored: tuple[Message, ...]  # one sentence for every column not understood
     share: float  # of the table that has been read with them, 0 to 1
 
 
@@ -220,3 +231,41 @@ class CorrectionWriter:
         text = table_text(cells | kept)
         self._stream.write(text.partition("\n")[2] if self._begun else text)
         self._begun = True
+
+
+_NEST = Field("nest", Column("nest"))
+_PLACEMENT = Field("placement", Column("placement"))
+
+
+def write_plan(file: Path, plan: PromisedPlan) -> None:
+    """Write `config, q1_deg..` and the `nest` that faces the tracker, or `placement, legs` of a ballbar.
+
+    Stops of a closed loop say the `targets` that are read there as well.
+
+    Configurations are numbered on from those that were measured.
+    """
+    if plan.poses is None and plan.targets is None:
+        write_configurations(file, plan.joints_rad, plan.nest, plan.measured)
+        return
+    cells = _numbered(plan.joints_rad, plan.measured)
+    cells |= _NEST.cells(plan.nest) if plan.poses is None else _pose_cells(plan.poses)
+    if plan.targets is not None:
+        cells["targets"] = [" ".join(map(str, own)) for own in plan.targets]
+    file.write_text(table_text(cells), encoding="utf-8", newline="\n")
+
+
+def write_configurations(
+    file: Path, joints_rad: FloatArray, nest: IntArray | None, measured: int = 0
+) -> None:
+    """Write configurations (n, J) and the nest of each (n,), numbered on from those that were measured."""
+    cells = _numbered(joints_rad, measured) | _NEST.cells(nest)
+    file.write_text(table_text(cells), encoding="utf-8", newline="\n")
+
+
+def _numbered(joints_rad: FloatArray, measured: int) -> dict[str, list[str]]:
+    return stop_cells(Stops(measured + 1 + np.arange(len(joints_rad)), joints_rad))
+
+
+def _pose_cells(poses: BallbarPoses) -> dict[str, list[str]]:
+    legs = [" ".join(f"{base}-{nest}" for base, nest in own) for own in poses.legs]
+    return {**_PLACEMENT.cells(poses.placement), "legs": legs}

@@ -1,29 +1,34 @@
-r"""Robust fit: gross readings get no weight, and what the model lacks is added to the stated noise.
+r"""Robust fit: outliers get no weight, and model inadequacy is added to the stated noise.
 
 Rounds of solving alternate with three decisions.
 
-*Prior.* The stated widths hold what the data do not see. Where the data clearly ask for larger
-errors of the geometry than stated, its widths are scaled up together, never down.
+*Prior.* The stated widths hold what the data do not see. Where the data clearly ask for larger errors of the
+geometry than stated, its widths are scaled up together, never down.
 
-*Discrepancy.* Where the residuals of the readings kept are larger than their stated uncertainty
-(chi-square test at 0.1 %), a standard deviation per component is added to every reading such that
-the weighted sum of squares equals its degrees of freedom (REML with one variance component), or
-their median its expectation where that is less: heavy tails are no reason to doubt all readings.
+*Discrepancy.* Where the residuals of the readings kept are larger than their stated uncertainty (chi-square
+test at 0.1 %), a standard deviation per component is added to every reading such that the weighted sum of
+squares equals its degrees of freedom (REML with one variance component), or their median its expectation
+where that is less: heavy tails are no reason to doubt all readings.
 
-*Gross readings.* A reading whose squared normalised residual exceeds the chi-square quantile that
-noise would exceed in one campaign of a hundred (Bonferroni over all readings) gets no weight. The
-first rounds weigh softly (Cauchy), so that a start spoilt by gross readings does not decide.
+*Gross readings.* A reading whose squared normalised residual exceeds the chi-square quantile that noise would
+exceed in one campaign of a hundred (Bonferroni over all readings) gets no weight. The first rounds weigh
+softly (Cauchy), so that a start spoilt by gross readings does not decide.
 
-Readings of fixed nests are judged by one another (`looks`): a model that they contradict does not judge them.
+Readings of fixed nests are judged by one another (`observations.fixed_nests`): a model that they contradict
+does not judge them.
 
 References
 ----------
+T. R. Chandrupatla, A new hybrid quadratic/bisection algorithm for finding the zero of a nonlinear function
+without using derivatives, Adv. Eng. Software 28, 1997.
 D. J. C. MacKay, Neural Computation 4(3), 1992, 415-447 (evidence for the width of a prior).
 D. A. Harville, J. American Statistical Association 72, 1977, 320-338 (REML).
 P. J. Rousseeuw, A. M. Leroy, Robust Regression and Outlier Detection, 1987.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -31,19 +36,70 @@ from truepose.domain.arrays import BoolArray, FloatArray
 from truepose.effects.ports import Trait
 from truepose.effects.registry import effects_with
 from truepose.identification.distributions import chi2_limit, chi2_median
-from truepose.identification.fit.crossing import crossing
 from truepose.identification.fit.solver import Solution, solve
 from truepose.identification.model.derivatives import mean_variance
 from truepose.identification.model.estimates import Estimate
-from truepose.identification.model.parameters.structure import Structure
+from truepose.identification.model.structure import Structure
 from truepose.identification.observations.blocks import (
     FALSE_ALARM,
     Block,
     BlockResult,
-    Joint,
+    StackedBlocks,
     linearise_blocks,
     reweighed,
 )
+
+_TOLERANCE = 1e-6  # of the crossing
+_SMALLEST = 1e-12  # and, for one near zero, absolutely
+
+
+class _At(NamedTuple):
+    x: float
+    value: float
+
+
+def crossing(function: Callable[[float], float], low: float, high: float) -> float:
+    """Return where `function` is zero.
+
+    Parameters
+    ----------
+    function : callable
+        Continuous; of different signs at the two ends.
+    low, high : float
+
+    Returns
+    -------
+    float
+        Within a millionth of itself.
+    """
+    new, other = (_At(x, function(x)) for x in (high, low))
+    before = other
+    share = 0.5
+    while True:
+        x = new.x + share * (other.x - new.x)
+        latest = _At(x, function(x))
+        if (latest.value > 0.0) == (new.value > 0.0):
+            before = new
+        else:
+            before, other = other, new
+        new = latest
+        nearest = min(new, other, key=lambda at: abs(at.value))
+        smallest = (_TOLERANCE * abs(nearest.x) + _SMALLEST) / abs(other.x - new.x)
+        if nearest.value == 0.0 or smallest > 0.5:
+            return nearest.x
+        share = min(max(_next_share(new, other, before), smallest), 1.0 - smallest)
+
+
+def _next_share(new: _At, other: _At, before: _At) -> float:
+    """Return where to look next, from `new` (0) to `other` (1): on a parabola, or in the middle."""
+    xi = (new.x - other.x) / (before.x - other.x)
+    phi = (new.value - other.value) / (before.value - other.value)
+    if phi**2 >= xi or (1.0 - phi) ** 2 >= 1.0 - xi:
+        return 0.5
+    chord = new.value / (other.value - new.value) * before.value / (other.value - before.value)
+    bend = (before.x - new.x) / (other.x - new.x)
+    return chord + bend * new.value / (before.value - new.value) * other.value / (before.value - other.value)
+
 
 _SOFT_ROUNDS = 40
 _SETTLED = 1e-3  # relative change of the typical residual
@@ -62,7 +118,7 @@ class RobustFit:
 
     structure: Structure
     blocks: tuple[Block, ...]  # with final weights and discrepancies
-    solution: Solution[Joint]
+    solution: Solution[StackedBlocks]
     gross: tuple[BoolArray, ...]  # per block, (n,)
     chi2_per_dof: float  # of the readings kept, against the stated uncertainties alone
 
@@ -82,7 +138,7 @@ class RobustFit:
         return self.solution.final.results
 
 
-def fit(structure: Structure, blocks: tuple[Block, ...], start: FloatArray) -> Solution[Joint]:
+def fit(structure: Structure, blocks: tuple[Block, ...], start: FloatArray) -> Solution[StackedBlocks]:
     """Fit with the weights as they are."""
     return solve(
         lambda values, previous: linearise_blocks(structure, blocks, values, previous),
@@ -93,8 +149,8 @@ def fit(structure: Structure, blocks: tuple[Block, ...], start: FloatArray) -> S
 
 
 def _refit(
-    structure: Structure, blocks: tuple[Block, ...], start: FloatArray, point: Joint
-) -> Solution[Joint]:
+    structure: Structure, blocks: tuple[Block, ...], start: FloatArray, point: StackedBlocks
+) -> Solution[StackedBlocks]:
     """Fit from where the readings were predicted already; they weigh otherwise now."""
     return solve(
         lambda values, previous: linearise_blocks(structure, blocks, values, previous),
@@ -160,9 +216,9 @@ def settled(
 def _hard_rounds(
     structure: Structure,
     blocks: tuple[Block, ...],
-    solution: Solution[Joint],
+    solution: Solution[StackedBlocks],
     rounds: int = _HARD_ROUNDS,
-) -> tuple[tuple[Block, ...], tuple[BoolArray, ...], Solution[Joint]]:
+) -> tuple[tuple[Block, ...], tuple[BoolArray, ...], Solution[StackedBlocks]]:
     gross: tuple[BoolArray, ...] = ()
     seen: set[bytes] = set()
     for _ in range(rounds):
@@ -186,7 +242,7 @@ def _hard_rounds(
 
 def _soft_rounds(
     structure: Structure, blocks: tuple[Block, ...], start: FloatArray
-) -> tuple[Structure, tuple[Block, ...], Solution[Joint]]:
+) -> tuple[Structure, tuple[Block, ...], Solution[StackedBlocks]]:
     stated, typical = structure, np.inf
     held = frozenset[str]().union(*(block.held() for block in blocks))
     values, point = start, linearise_blocks(structure, blocks, start, None)
@@ -276,14 +332,14 @@ def _foretold(block: Block, result: BlockResult, covariance: FloatArray) -> Floa
     return variance
 
 
-def _with_discrepancy(blocks: tuple[Block, ...], solution: Solution[Joint]) -> tuple[Block, ...]:
+def _with_discrepancy(blocks: tuple[Block, ...], solution: Solution[StackedBlocks]) -> tuple[Block, ...]:
     return tuple(
         block.weighted(block.weights, _discrepancy(block, result, solution))
         for block, result in zip(blocks, solution.final.results, strict=True)
     )
 
 
-def _discrepancy(block: Block, result: BlockResult, solution: Solution[Joint]) -> float:
+def _discrepancy(block: Block, result: BlockResult, solution: Solution[StackedBlocks]) -> float:
     own = block.own_discrepancy()
     if own is not None:
         return own
@@ -334,7 +390,7 @@ def degrees_of_freedom(block: Block, result: BlockResult, covariance: FloatArray
     return float(max(kept - absorbed, 1.0))
 
 
-def _stated_chi2(blocks: tuple[Block, ...], solution: Solution[Joint]) -> float:
+def _stated_chi2(blocks: tuple[Block, ...], solution: Solution[StackedBlocks]) -> float:
     total, degrees = 0.0, 0.0
     for block, result in zip(blocks, solution.final.results, strict=True):
         if block.stated_sigma() == 0.0:

@@ -33,7 +33,7 @@ _INVISIBLE = 1e-3
 _NOTHING_TO_GAIN = 1e-2  # of cost: where a step promises less and fails, that tolerance is all that is left
 
 
-class Linearised(Protocol):
+class Linearisation(Protocol):
     """The problem at one point."""
 
     @property
@@ -51,7 +51,7 @@ class Linearised(Protocol):
         ...
 
 
-L = TypeVar("L", bound=Linearised)
+L = TypeVar("L", bound=Linearisation)
 
 
 @dataclass(frozen=True, slots=True)
@@ -123,13 +123,13 @@ def solve(
     return Solution(values, normal.inverse(), converged, iteration, current)
 
 
-def slope(point: Linearised, precision: FloatArray, deviation: FloatArray) -> FloatArray:
+def slope(point: Linearisation, precision: FloatArray, deviation: FloatArray) -> FloatArray:
     """Half the slope of the cost downhill, shape (P,): what the step is solved from."""
     downhill: FloatArray = point.jacobian @ point.residual - precision * deviation
     return downhill
 
 
-def _cost(point: Linearised, deviation: FloatArray, precision: FloatArray) -> float:
+def _cost(point: Linearisation, deviation: FloatArray, precision: FloatArray) -> float:
     return float(point.residual @ point.residual + deviation @ (precision * deviation))
 
 
@@ -148,7 +148,7 @@ def covariance_of(normal: FloatArray) -> FloatArray | None:
 class _Normal:
     """The normal equations at one point; its matrix is summed up once, whatever is asked of it."""
 
-    def __init__(self, point: Linearised, precision: FloatArray) -> None:
+    def __init__(self, point: Linearisation, precision: FloatArray) -> None:
         self._jacobian, self._precision = point.jacobian, precision
         self._matrix = point.jacobian @ point.jacobian.T + np.diag(precision)
 

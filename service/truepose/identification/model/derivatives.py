@@ -1,16 +1,22 @@
-"""Derivatives of predicted positions and orientations in the parameters of the model.
+"""Derivatives of predicted positions, orientations and lengths in the parameters, and trials.
+
+A port moves the tool nest p by its screw (`kinematics.chain`), the foot b of a length by the motion of its
+fixture. With e = (p - b) / |p - b| a length |p - b| changes by
+
+    e . (dp - db)    and what the instrument reads too much.
 
 They are taken at the torques in force and with the masses where they are: that a torque or a weight's lever
 itself changes with a parameter is left out (a hundredth of the derivative at most), not of the prediction.
 """
 
+from dataclasses import replace
+
 import numpy as np
 
-from truepose.domain.arrays import FloatArray
-from truepose.effects.joints.compliance_nonlinear import softening
-from truepose.effects.names import joint_name
-from truepose.effects.ports import Port, PortKind, motion_port
-from truepose.identification.model.evaluation import State, instrument_place
+from truepose.domain.arrays import FloatArray, distinct_values
+from truepose.effects.ports import ParameterSpec, Port, PortKind, Term, motion_port
+from truepose.effects.registry import compliant_effects, effect_named
+from truepose.identification.model.evaluation import State, instrument_place, rows_of, six_components
 from truepose.kinematics.chain import (
     alpha_gradient,
     beta_gradient,
@@ -33,11 +39,14 @@ def position_jacobian(state: State) -> FloatArray:
 
 
 def mean_variance(jacobian: FloatArray, covariance: FloatArray) -> FloatArray:
-    """Return the mean variance of d components, shape (n,), from (P, n, d) and that of the parameters."""
+    """Return the mean variance of d components, shape (n,), from (P, n, d) and that of the parameters.
+
+    Never below 0, which a covariance written with few digits may give; NaN where it is not known.
+    """
     parameters, n, d = jacobian.shape
     flat = jacobian.reshape(parameters, n * d)
     squares = np.einsum("pm,pm->m", flat, covariance @ flat)
-    return np.asarray(squares.reshape(n, d).mean(axis=1))
+    return np.asarray(np.maximum(squares.reshape(n, d).mean(axis=1), 0.0))
 
 
 def place_jacobian(state: State) -> FloatArray:
@@ -170,13 +179,15 @@ def _torque_gradients(state: State) -> dict[Port, FloatArray]:
 
 def softness_of(state: State, joint: int) -> FloatArray:
     """Return how far a joint (0-based) turns per torque at its load, shape (n,) [rad/(N mm)]; 0 if rigid."""
-    structure, values = state.structure, state.values
-    name = joint_name("c", joint)
-    linear = float(values[structure.index_of(name)]) if name in structure.names else 0.0
-    if state.torque_n_mm is None:
-        return np.full(len(state.targets), linear)
-    load = state.torque_n_mm[:, joint] + state.moved.get(Port(PortKind.TORQUE, joint), 0.0)
-    return linear + softening(structure.names, values, joint, np.nan_to_num(load, nan=0.0))
+    load = None
+    if state.torque_n_mm is not None:
+        load = state.torque_n_mm[:, joint] + state.moved.get(Port(PortKind.TORQUE, joint), 0.0)
+        load = np.nan_to_num(load, nan=0.0)
+    softness = np.zeros(len(state.targets))
+    for name, effect in compliant_effects().items():
+        if name in state.structure.effects:
+            softness += effect.softness(state.structure.names, state.values, joint, load)
+    return softness
 
 
 def rotation_jacobian(state: State) -> FloatArray:
@@ -217,3 +228,123 @@ def _rotation_axis(state: State, port: Port) -> FloatArray | None:
             rotation, _about = chain.body(body)
             axis = np.einsum("nij,nj->ni", rotation, axes[port.number % 6 - 3])
     return axis
+
+
+def moved_feet(state: State, feet_mm: FloatArray) -> FloatArray:
+    """Return where the base nest of each leg is once its fixture has moved, shape (n, 3) in and out."""
+    motion = _fixture_motion(state)
+    if motion is None:
+        return feet_mm
+    turn, _ = turned_axes(motion[:, 3:])
+    return np.asarray(np.einsum("nij,nj->ni", turn, feet_mm) + motion[:, :3])
+
+
+def foot_gradient(state: State, component: int) -> FloatArray:
+    """Return how the base nests move per component of the places that they had before, shape (n, 3)."""
+    motion = _fixture_motion(state)
+    if motion is None:
+        return np.broadcast_to(np.eye(3)[component], (len(state.targets), 3))
+    turn, _ = turned_axes(motion[:, 3:])
+    return turn[:, :, component]
+
+
+def excess_mm(state: State) -> FloatArray | float:
+    """Return what each length reads too much, shape (n,), 0 where no effect says so."""
+    return state.moved.get(Port(PortKind.LENGTH, 0), 0.0)
+
+
+def length_jacobian(state: State, feet_mm: FloatArray) -> FloatArray:
+    """Differentiate the lengths in the parameters of effects, shape (P, n) [mm per unit].
+
+    Parameters
+    ----------
+    state : State
+        At n legs.
+    feet_mm : ndarray, shape (n, 3)
+        Base nests before their fixtures moved.
+    """
+    feet = moved_feet(state, feet_mm)
+    arm = state.position_mm - feet
+    direction = arm / np.linalg.norm(arm, axis=1)[:, None]
+    jacobian = np.einsum("pni,ni->pn", position_jacobian(state), direction)
+    for term in state.terms:
+        if term.port.kind is PortKind.LENGTH:
+            jacobian[term.parameter] += term.weight
+        elif term.port.kind is PortKind.FIXTURE:
+            moved = _fixture_gradient(state, term.port.number, feet)
+            jacobian[term.parameter] -= term.weight * np.einsum("ni,ni->n", moved, direction)
+    return np.asarray(jacobian)
+
+
+def _fixture_motion(state: State) -> FloatArray | None:
+    """Motion of the fixture of each leg, shape (n, 6); None where none moves."""
+    placement = state.targets.placement
+    if placement is None or not any(port.kind is PortKind.FIXTURE for port in state.moved):
+        return None
+    motion = np.zeros((len(state.targets), 6))
+    for number in distinct_values(placement).tolist():
+        own = six_components(state.moved, PortKind.FIXTURE, 6 * (number - 1), len(state.targets))
+        if own is not None:
+            motion[placement == number] = own[placement == number]
+    return motion
+
+
+def _fixture_gradient(state: State, number: int, feet_mm: FloatArray) -> FloatArray:
+    """Return the motion of the base nests per component of a fixture's motion, shape (n, 3)."""
+    placement = state.targets.placement
+    if placement is None:
+        return np.zeros_like(feet_mm)
+    motion = _fixture_motion(state)
+    motion = np.zeros((len(feet_mm), 6)) if motion is None else motion
+    _, axes = turned_axes(motion[:, 3:])
+    index, component = divmod(number, 6)
+    if component < 3:
+        own = np.broadcast_to(np.eye(3)[component], feet_mm.shape)
+    else:
+        own = cross(axes[component - 3], feet_mm - motion[:, :3])
+    return np.where((placement == index + 1)[:, None], own, 0.0)
+
+
+_TRIAL = "trial"
+
+
+def candidate_terms(state: State, effect: str, names: tuple[str, ...], first: int) -> tuple[Term, ...]:
+    """Return the terms of parameters `names` of an effect, numbered from `first`."""
+    terms = effect_named(effect).terms(names, rows_of(state))
+    return tuple(Term(first + parameter, port, weight) for parameter, port, weight in terms)
+
+
+def tried(state: State, specs: tuple[ParameterSpec, ...], terms: tuple[Term, ...]) -> State:
+    """Return the state with further parameters at zero, and their terms alone.
+
+    Its derivatives are those of the further parameters (zero for the present ones).
+
+    Parameters
+    ----------
+    state : State
+    specs : tuple of ParameterSpec
+        The further parameters.
+    terms : tuple of Term
+        How they act; parameter 0 is the first of them.
+    """
+    present = len(state.structure.specs)
+    n = len(state.targets)
+    bodies = {term.port.number // 6 for term in terms if term.port.kind is PortKind.MOTION}
+    still = {body: np.zeros((n, 6)) for body in bodies - set(state.motions)}
+    instrument = state.instrument_motion
+    if instrument is None and any(term.port.kind is PortKind.INSTRUMENT for term in terms):
+        instrument = np.zeros((n, 6))
+    trial = tuple(Term(present + parameter, port, weight) for parameter, port, weight in terms)
+    return replace(
+        state,
+        structure=state.structure.extended(_TRIAL, specs),
+        values=np.concatenate([state.values, np.zeros(len(specs))]),
+        told=lambda: trial,
+        motions=state.motions | still,
+        instrument_motion=instrument,
+    )
+
+
+def trial_derivatives(derivatives: FloatArray, state: State) -> FloatArray:
+    """Return the part of the derivatives that belongs to the further parameters."""
+    return derivatives[len(state.structure.specs) :]

@@ -13,11 +13,16 @@ from typing import NamedTuple
 import numpy as np
 
 from truepose.domain.arrays import FloatArray, IntArray, Table
-from truepose.domain.measurement.campaign import Stops
+from truepose.domain.campaign import Stops
 from truepose.effects.ports import Port, PortKind, Rows, Term, known_frames
 from truepose.effects.registry import needs_of
-from truepose.identification.model.parameters.structure import Structure, base_axes
-from truepose.identification.model.parameters.terms import Acting, Told, with_added_loads
+from truepose.identification.model.structure import (
+    ActiveEffects,
+    Structure,
+    Told,
+    base_axes,
+    with_added_loads,
+)
 from truepose.kinematics.chain import Chain, LinkValues, forward, nominal_values
 from truepose.kinematics.frames import turned_axes
 from truepose.kinematics.gravity import gravity_torques
@@ -186,7 +191,7 @@ class _Prediction:
         self._nominal = nominal_values(structure.robot, targets.stops.joints_rad)
         unloaded = cache(partial(forward, self._nominal, structure.base_rotation, structure.base_origin_mm))
         self._targets, self._rows = targets, _rows(structure, targets, measured, unloaded)
-        self._acting = Acting(structure, values, self._rows)
+        self._acting = ActiveEffects(structure, values, self._rows)
 
     def under(self, load: Load | None) -> State:
         """Return the state under a load; None: torques as measured, or those of the arm with no errors."""
@@ -219,7 +224,7 @@ def _gravity(structure: Structure, chain: Chain) -> FloatArray | None:
     return gravity_torques(chain, structure.robot.masses, structure.gravity_m_s2)
 
 
-def _evaluate_loaded(acting: Acting, targets: Targets, nominal: LinkValues, rows: Rows) -> State:
+def _evaluate_loaded(acting: ActiveEffects, targets: Targets, nominal: LinkValues, rows: Rows) -> State:
     structure, values = acting.structure, acting.values
     told, moved = acting.under_load(rows)
     rotation, axes = base_axes(structure.base_rotation, _triple(moved, PortKind.BASE, 3))

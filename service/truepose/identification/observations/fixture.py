@@ -13,15 +13,14 @@ from typing import ClassVar, Self
 import numpy as np
 
 from truepose.domain.arrays import FloatArray, IntArray
-from truepose.domain.measurement.campaign import CupSetups, FixtureLengths, Stops
+from truepose.domain.campaign import CupSetups, FixtureLengths, Stops
 from truepose.domain.robot import Robot
 from truepose.effects.ports import PortKind
-from truepose.identification.model.derivatives import position_jacobian
+from truepose.identification.model.derivatives import excess_mm, position_jacobian
 from truepose.identification.model.evaluation import State, Targets, nest_centres
-from truepose.identification.model.lengths import excess_mm
-from truepose.identification.model.parameters.anchors import anchor_places, first_anchor
-from truepose.identification.model.parameters.structure import Structure
+from truepose.identification.model.structure import Structure, anchor_places, first_anchor
 from truepose.identification.observations.blocks import BlockResult, IndependentReadings
+from truepose.kinematics.frames import directions
 
 TOOL_PLACEMENT = 0  # number of the placement that stands for the tool
 BALL_NEST = 1  # tool nest that holds the setting ball
@@ -52,8 +51,7 @@ class SideBlock(IndependentReadings):
 
     def derivatives(self, state: State) -> FloatArray:
         """Return the changes of the predicted sides, shape (P, n, 1)."""
-        joined = self._joined(state)
-        direction = joined / np.linalg.norm(joined, axis=1)[:, None]
+        direction, _ = directions(self._joined(state))
         first, n_anchors = first_anchor(state.structure), len(state.structure.anchors)
         rows = np.arange(len(direction))
         jacobian = np.zeros((len(state.structure.names), len(direction)))

@@ -1,15 +1,28 @@
-"""From a campaign to a least-squares problem: structure, blocks of observations, start values.
+r"""From a campaign to a least-squares problem: structure, blocks of observations, start values.
 
 What answers for a kind of readings is imported where a campaign has them: most have one kind.
+
+Stated priors are widths, one a parameter. What robots of one type tell of parameters together, a belief, is a
+mean m and a full covariance S. In the stated widths w, about the stated means n, it is worth
+
+    S~^-1 = V l V'        S~ = S / (w w'),   y = S~^-1 (m - n) / w
+
+of which each direction's first unit is the stated prior itself; what it knows beyond that enters as one
+reading a direction, of sqrt(l - 1) v' p~ with the value that makes both together the belief. Directions of
+which a belief knows less than was stated (l < 1) keep the stated prior. The stated widths of these parameters
+therefore stay as they are (`identification.fit.robust` widens others where readings ask for it).
+
+Sources: as `identification.fit.solver`; A. Gelman et al., Bayesian Data Analysis, 3rd ed., 2013, section 14.8
+(a prior as further readings).
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
-from truepose.domain.errors import ConfigurationError
-from truepose.domain.measurement.campaign import (
+from truepose.domain.campaign import (
     Campaign,
     ContactReadings,
     LegReadings,
@@ -17,23 +30,25 @@ from truepose.domain.measurement.campaign import (
     Quantity,
     Stops,
 )
-from truepose.effects.base.base_frame import NAME as BASE
-from truepose.effects.ports import Setting, Trait
+from truepose.domain.errors import ConfigurationError
+from truepose.effects.placing.base_frame import NAME as BASE
+from truepose.effects.placing.tool_nests import NAME as TOOL
+from truepose.effects.ports import ParameterSpec, Setting, Trait
 from truepose.effects.registry import automatic_in, effects_with
-from truepose.effects.tool.tool_nests import NAME as TOOL
-from truepose.identification.model.parameters.structure import NOMINAL_EFFECTS, Structure
+from truepose.identification.model.structure import NOMINAL_EFFECTS, Structure
 from truepose.identification.observations.blocks import Block
-from truepose.identification.observations.positions import position_block
-from truepose.identification.problem.certified_nests import with_certified_nests
+from truepose.identification.observations.joint_priors import belief_block
+from truepose.identification.observations.poses import position_block
 from truepose.identification.problem.placement import Placement, place
 from truepose.identification.problem.setting import (
     known_placement,
     outline,
     setting_of,
+    started_structure,
     torque_source,
     unknown_nests,
+    with_certified_nests,
 )
-from truepose.identification.problem.start import started_structure
 from truepose.kinematics.chain import Chain, nominal_chain
 from truepose.kinematics.frames import (
     rotation_from_quaternion,
@@ -157,7 +172,7 @@ def _orientations(points: PointReadings, effects: tuple[str, ...]) -> tuple[Bloc
     """Return the block of measured orientations; without the tool's as a parameter they say nothing."""
     if points.quaternion is None or TOOL not in effects:
         return ()
-    from truepose.identification.observations.orientations import orientation_block
+    from truepose.identification.observations.poses import orientation_block
 
     block = orientation_block(points)
     return () if block is None else (block,)
@@ -194,3 +209,79 @@ def _length_problem(
     keep = [structure.index_of(name) for name in nominal.names]
     residual = blocks[0].result(nominal, start[keep], None).residual
     return Problem(structure, blocks, start, residual, setting)
+
+
+@dataclass(frozen=True, slots=True)
+class JointPrior:
+    """Parameters as they are believed to be before a robot is measured; internal units."""
+
+    specs: tuple[ParameterSpec, ...]  # as stated
+    owners: tuple[str, ...]  # effect of each
+    mean: FloatArray  # (Q,)
+    covariance: FloatArray  # (Q, Q)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the parameters."""
+        return tuple(spec.name for spec in self.specs)
+
+    def beyond_stated(self) -> tuple[FloatArray, FloatArray]:
+        """Return rows (Q, Q) and readings (Q,) of what it knows beyond the stated priors.
+
+        Rows are per unit of each parameter.
+
+        Raises
+        ------
+        ConfigurationError
+            The covariance is none: a variance in it is not positive.
+        """
+        widths = np.array([spec.prior_width for spec in self.specs])
+        means = np.array([spec.prior_mean for spec in self.specs])
+        spread, turns = np.linalg.eigh(self.covariance / np.outer(widths, widths))
+        if not np.all(np.isfinite(spread)) or spread[0] <= 0.0:
+            raise ConfigurationError("A belief has a covariance whose variances are all above 0.")
+        known, deviation = 1.0 / spread, turns.T @ ((self.mean - means) / widths)
+        root = np.sqrt(np.maximum(known - 1.0, 0.0))
+        told = np.divide(known * deviation, root, out=np.zeros_like(root), where=root > 0.0)
+        rows = root[:, None] * turns.T / widths
+        return rows, told + rows @ means
+
+
+def with_belief(problem: Problem, belief: JointPrior) -> Problem:
+    """Return the problem with what is believed of its parameters; those that it lacks are added.
+
+    Raises
+    ------
+    ConfigurationError
+        The covariance is none.
+    """
+    structure, start = problem.structure, problem.start
+    for effect in dict.fromkeys(belief.owners):
+        new = tuple(
+            spec
+            for spec, owner in zip(belief.specs, belief.owners, strict=True)
+            if owner == effect and spec.name not in structure.names
+        )
+        structure = structure.extended(effect, new)
+        start = np.append(start, [spec.prior_mean for spec in new])
+    rows, read = belief.beyond_stated()
+    telling = rows.any(axis=1)
+    rows, read = rows[telling], read[telling]
+    block = belief_block(
+        belief.names, (rows, read), (belief.mean, belief.covariance), structure.robot.n_joints
+    )
+    blocks = (*problem.blocks, block) if len(read) else problem.blocks
+    return replace(problem, structure=structure, start=start, blocks=blocks)
+
+
+def precision_of(structure: Structure, belief: JointPrior | None) -> FloatArray:
+    """Return what is known beforehand of a structure's parameters in their stated widths, shape (P, P)."""
+    precision = np.eye(len(structure.specs))
+    if belief is None:
+        return precision
+    rows, _ = belief.beyond_stated()
+    place: Callable[[str], int] = structure.index_of
+    at = np.array([place(name) for name in belief.names], dtype=np.int64)
+    white = rows * structure.prior_widths[at]
+    precision[np.ix_(at, at)] += white.T @ white
+    return precision

@@ -1,34 +1,230 @@
-"""Identification from closed loops: readings against targets whose places are parameters too."""
+"""Identification from closed loops: readings against targets whose places are parameters too.
 
-from dataclasses import replace
+Targets, unknown nests and the sensor's turn are found without a starting guess. For given nests every kind of
+target has a start that is linear in it; a coarse set of nests is tried where one is unknown, and what fits
+best is refined with a loss that far readings do not bend. A sensor's turn in the tool is what turns the
+places of the ball, as seen from it, onto its readings.
+"""
+
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from truepose.domain.arrays import FloatArray, distinct_values
+from truepose.domain.arrays import BoolArray, FloatArray, IntArray, distinct_values
+from truepose.domain.campaign import Campaign, ContactReadings
+from truepose.domain.contacts import SEEN_ALONG_AXES, Target, TargetKind
 from truepose.domain.errors import ConfigurationError
-from truepose.domain.measurement.campaign import Campaign, ContactReadings
-from truepose.domain.measurement.targets import Target
 from truepose.domain.robot import FramePlacement
-from truepose.effects.base.base_frame import NAME as BASE
+from truepose.effects.placing.base_frame import NAME as BASE
 from truepose.effects.ports import Setting
-from truepose.identification.model.parameters.counterparts import TARGET_OWNER, target_prefix
-from truepose.identification.model.parameters.structure import Structure
+from truepose.identification.model.structure import TARGET_OWNER, Structure, target_prefix
 from truepose.identification.observations.blocks import Block
-from truepose.identification.observations.contacts.block import contact_block
-from truepose.identification.observations.contacts.distances import distance_block
-from truepose.identification.observations.contacts.kinds import KINDS
-from truepose.identification.problem.certified_nests import with_certified_nests
-from truepose.identification.problem.contact_placement import (
-    ContactPlacement,
-    Contacts,
-    place_contacts,
-    spread_over_targets,
-)
+from truepose.identification.observations.contact_targets import KINDS, Probe, sensor_axes
+from truepose.identification.observations.contacts import contact_block, distance_block
+from truepose.identification.problem.legs import attachments
 from truepose.identification.problem.placement import Placement
-from truepose.identification.problem.setting import known_placement
-from truepose.identification.problem.start import started_structure
+from truepose.identification.problem.setting import known_placement, started_structure, with_certified_nests
 from truepose.kinematics.chain import forward, nominal_values
-from truepose.kinematics.frames import placement_rotation, placement_translation
+from truepose.kinematics.frames import (
+    placement_rotation,
+    placement_translation,
+    rotation_from_vector,
+    vector_from_rotation,
+)
+
+_REFINED = 4  # starts
+_SCALE_MM = 2.0  # residuals beyond this count linearly: the size of a nominal robot's errors
+_SUBSET = 400  # readings used for the search; plenty for some twenty unknowns
+
+
+@dataclass(frozen=True, slots=True)
+class ContactPlacement:
+    """Where the nominal robot puts targets and nests, and how it turns the sensor."""
+
+    targets: tuple[Target, ...]
+    values: tuple[FloatArray, ...]  # of the parameters of each
+    nests_mm: FloatArray  # (K, 3)
+    tool_rotation: FloatArray  # (3, 3) in the last frame
+
+
+@dataclass(frozen=True, slots=True)
+class Contacts:
+    """What was read, as the search looks at it."""
+
+    rotation: FloatArray  # (n, 3, 3) of the last frame in the world, nominal
+    origin_mm: FloatArray  # (n, 3)
+    nest: IntArray  # (n,) 1-based
+    target: IntArray  # (n,) index
+    axis: IntArray  # (n,)
+    reading_mm: FloatArray  # (n,)
+    nests_mm: FloatArray  # (K, 3)
+    nest_unknown: BoolArray  # (K,)
+    targets: tuple[Target, ...]
+
+    @property
+    def turning(self) -> bool:
+        """Whether how the sensor is turned shows in them."""
+        return any(target.kind in SEEN_ALONG_AXES for target in self.targets)
+
+    def answer(self, unknowns: "_Unknowns") -> ContactPlacement:
+        """Return what unknowns stand for."""
+        nests = self.nests_mm.copy()
+        nests[self.nest_unknown] = unknowns.nests_mm
+        return ContactPlacement(
+            unknowns.targets, unknowns.values, nests, rotation_from_vector(unknowns.turn[None])[0]
+        )
+
+    def probe(self, placement: ContactPlacement) -> Probe:
+        """Return where the tool was."""
+        nests = placement.nests_mm[self.nest - 1]
+        place = self.origin_mm + np.einsum("nij,nj->ni", self.rotation, nests)
+        return Probe(place, sensor_axes(self.rotation @ placement.tool_rotation, self.axis))
+
+    def residual(self, unknowns: "_Unknowns") -> FloatArray:
+        """Return what is left of the readings, shape (n,)."""
+        placement = self.answer(unknowns)
+        probe, left = self.probe(placement), self.reading_mm.copy()
+        for number, (target, own) in enumerate(zip(placement.targets, placement.values, strict=True)):
+            rows = np.flatnonzero(self.target == number)
+            left[rows] -= KINDS[target.kind].reading_mm(target, own, probe.taken(rows))
+        return left
+
+
+@dataclass(frozen=True, slots=True)
+class _Unknowns:
+    targets: tuple[Target, ...]
+    values: tuple[FloatArray, ...]
+    nests_mm: FloatArray  # (U, 3)
+    turn: FloatArray  # (3,) rotation vector
+
+    def packed(self, *, turning: bool) -> FloatArray:
+        return np.concatenate([*self.values, self.nests_mm.ravel(), self.turn if turning else np.zeros(0)])
+
+    def unpacked(self, packed: FloatArray) -> "_Unknowns":
+        ends = np.cumsum([len(own) for own in self.values])
+        *values, rest = np.split(packed, ends)
+        split = self.nests_mm.size
+        turn = rest[split:] if len(rest) > split else self.turn
+        return _Unknowns(self.targets, tuple(values), rest[:split].reshape(-1, 3), turn)
+
+
+def place_contacts(contacts: Contacts) -> ContactPlacement:
+    """Find targets, unknown nests and the turn of a sensor for the nominal robot.
+
+    Parameters
+    ----------
+    contacts : Contacts
+        n readings, and the nominal arm at each.
+
+    Returns
+    -------
+    ContactPlacement
+    """
+    starts = [_started(contacts, nests) for nests in _nests_to_try(contacts)]
+    starts.sort(key=lambda start: _typical(contacts, start))
+    ends = [_refined(contacts, start) for start in starts[:_REFINED]]
+    if contacts.turning:
+        ends += [_refined(contacts, _turned(contacts, end)) for end in ends]
+    return _centred(contacts.answer(min(ends, key=lambda end: _typical(contacts, end))))
+
+
+def _centred(found: ContactPlacement) -> ContactPlacement:
+    """Return what was found with each target where it was found, wherever it was looked for first."""
+    each = [
+        KINDS[target.kind].centred(target, values)
+        for target, values in zip(found.targets, found.values, strict=True)
+    ]
+    targets, values = zip(*each, strict=True)
+    return replace(found, targets=targets, values=values)
+
+
+def _nests_to_try(contacts: Contacts) -> list[FloatArray]:
+    """Return places of the unknown nests to begin with, shape (U, 3) each."""
+    unknown = int(contacts.nest_unknown.sum())
+    tried = [np.tile(nest, (unknown, 1)) for nest in attachments(unknown > 0)]
+    return [_at_one_place(contacts), *tried] if unknown else tried
+
+
+def _at_one_place(contacts: Contacts) -> FloatArray:
+    """Return the unknown nests of an arm that comes to each target at one place, shape (U, 3).
+
+    So it does with gauges of a few millimetres' travel, small spheres and sensors: o + R t is the same at all
+    stops of a target, which is linear in the nests t and these places.
+    """
+    n, numbers = len(contacts.nest), np.flatnonzero(contacts.nest_unknown)
+    known = np.where(contacts.nest_unknown[:, None], 0.0, contacts.nests_mm)[contacts.nest - 1]
+    of_nests = [np.where((contacts.nest == k + 1)[:, None, None], contacts.rotation, 0.0) for k in numbers]
+    of_places = [
+        np.where((contacts.target == k)[:, None, None], -np.eye(3), 0.0) for k in range(len(contacts.targets))
+    ]
+    design = np.concatenate([*of_nests, *of_places], axis=2).reshape(3 * n, -1)
+    right = -(contacts.origin_mm + np.einsum("nij,nj->ni", contacts.rotation, known)).reshape(-1)
+    found: FloatArray = np.linalg.lstsq(design, right, rcond=1e-9)[0]
+    return found[: 3 * len(numbers)].reshape(-1, 3)
+
+
+def _started(contacts: Contacts, unknown: FloatArray) -> _Unknowns:
+    start = _Unknowns(contacts.targets, (), unknown, np.zeros(3))
+    probe = contacts.probe(contacts.answer(start))
+    found = []
+    for number, target in enumerate(contacts.targets):
+        rows = np.flatnonzero(contacts.target == number)
+        found.append(KINDS[target.kind].started(target, probe.taken(rows), contacts.reading_mm[rows]))
+    return _Unknowns(tuple(t for t, _ in found), tuple(values for _, values in found), unknown, start.turn)
+
+
+def _typical(contacts: Contacts, unknowns: _Unknowns) -> float:
+    return float(np.median(np.abs(contacts.residual(unknowns))))
+
+
+def _refined(contacts: Contacts, start: _Unknowns) -> _Unknowns:
+    from scipy.optimize import least_squares  # its import takes longer than a campaign of points needs
+
+    def residual(packed: FloatArray) -> FloatArray:
+        return contacts.residual(start.unpacked(packed))
+
+    end = least_squares(
+        residual,
+        start.packed(turning=contacts.turning),
+        loss="soft_l1",
+        f_scale=_SCALE_MM,
+        max_nfev=60,
+        x_scale="jac",
+    )
+    return start.unpacked(np.asarray(end.x))
+
+
+def _turned(contacts: Contacts, unknowns: _Unknowns) -> _Unknowns:
+    """Return unknowns whose sensor is turned so that it sees the balls where it read them.
+
+    The best rotation between two sets of vectors: W. Kabsch, Acta Cryst. A 32, 1976, 922-923.
+    """
+    placement = contacts.answer(unknowns)
+    probe = contacts.probe(placement)
+    sums = np.zeros((3, 3))
+    for number, (target, centre) in enumerate(zip(placement.targets, placement.values, strict=True)):
+        if target.kind is TargetKind.BALL:
+            rows = np.flatnonzero(contacts.target == number)
+            arm = centre - probe.place_mm[rows]
+            seen = np.einsum("nji,nj->ni", contacts.rotation[rows], arm)
+            read = np.eye(3)[contacts.axis[rows]] * contacts.reading_mm[rows, None]
+            sums += seen.T @ read
+    left, _, right = np.linalg.svd(sums)
+    rotation = left @ np.diag([1.0, 1.0, np.linalg.det(left @ right)]) @ right
+    turn = vector_from_rotation(rotation[None])[0]
+    return _Unknowns(unknowns.targets, unknowns.values, unknowns.nests_mm, turn)
+
+
+def spread_over_targets(target: IntArray) -> IntArray:
+    """Return rows of every target, few enough to search with, shape (m,)."""
+    numbers = distinct_values(target)
+    most = max(30, _SUBSET // len(numbers))
+    chosen = []
+    for number in numbers.tolist():
+        rows = np.flatnonzero(target == number)
+        spread = np.linspace(0, len(rows) - 1, min(len(rows), most)).astype(np.int64)
+        chosen.append(rows[distinct_values(spread)])
+    return np.sort(np.concatenate(chosen))
 
 
 def contact_structure(

@@ -48,7 +48,7 @@ class Placement:
 
 
 @dataclass(frozen=True, slots=True)
-class Known:
+class PriorPlacement:
     """What is known of base and nests beforehand."""
 
     base: tuple[FloatArray, FloatArray] | None  # rotation (3, 3), origin (3,) [mm]
@@ -56,7 +56,7 @@ class Known:
     nest_unknown: BoolArray  # (K,)
 
 
-def place(chain: Chain, nest: IntArray, measured_mm: FloatArray, known: Known) -> Placement:
+def place(chain: Chain, nest: IntArray, measured_mm: FloatArray, known: PriorPlacement) -> Placement:
     """Find what is unknown of base and nests for the nominal robot.
 
     Parameters
@@ -99,7 +99,7 @@ def _robust_rounds(
     return rotation, weights
 
 
-def quick_typical_mm(chain: Chain, nest: IntArray, measured_mm: FloatArray, known: Known) -> float:
+def quick_typical_mm(chain: Chain, nest: IntArray, measured_mm: FloatArray, known: PriorPlacement) -> float:
     """Median residual of the least-squares placement, without robust weights: to compare hypotheses [mm]."""
     form = _Form(chain.rotation[-1], chain.origin[-1], nest, measured_mm, known)
     reduced = form.reduced(np.ones(len(nest)))
@@ -197,7 +197,12 @@ class _Form:
     """The readings as rows that are linear in free nests, base shift and Q: residual = (y, q, 1) . rows."""
 
     def __init__(
-        self, rotation: FloatArray, origin: FloatArray, nest: IntArray, measured: FloatArray, known: Known
+        self,
+        rotation: FloatArray,
+        origin: FloatArray,
+        nest: IntArray,
+        measured: FloatArray,
+        known: PriorPlacement,
     ) -> None:
         self._known, self._held = known, np.repeat(~known.nest_unknown, 3)
         self._nests = np.where(known.nest_unknown[:, None], 0.0, known.nests_mm)

@@ -5,17 +5,154 @@ joint); base and unknown nests are then found anew (`placement`), and the typica
 nominal robot is compared. A robot's own errors leave some millimetres, a wrong convention tens.
 """
 
-from collections.abc import Iterator
-from dataclasses import replace
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, replace
 from itertools import combinations
+from types import MappingProxyType
+from typing import Final
 
 import numpy as np
 
-from truepose.domain.arrays import FloatArray, distinct_values
+from truepose.domain.arrays import FloatArray, IntArray, distinct_values
 from truepose.domain.robot import Robot
-from truepose.identification.problem.placement import Known, quick_typical_mm
-from truepose.identification.verdict.changes import Change, Evidence, Meant, with_zero
+from truepose.effects.names import joint_subject
+from truepose.identification.problem.placement import PriorPlacement, quick_typical_mm
 from truepose.kinematics.chain import nominal_chain
+from truepose.messages.message import Message, message
+
+MM_PER_M: Final = 1e3
+MM_PER_INCH: Final = 25.4
+
+
+_OF_ALL_READINGS: Final = {
+    "radians": "convention.radians",
+    "metres": "convention.metres",
+    "inches": "convention.inches",
+    "radians_and_metres": "convention.radians_and_metres",
+    "left_handed": "convention.left_handed",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Evidence:
+    """Readings as the hypotheses see them."""
+
+    joints_rad: FloatArray  # (n, J)
+    nest: IntArray  # (n,)
+    position_mm: FloatArray  # (n, 3)
+
+
+@dataclass(frozen=True, slots=True)
+class Interpretation:
+    """A robot and readings as they are meant."""
+
+    robot: Robot
+    evidence: Evidence
+
+
+@dataclass(frozen=True, slots=True)
+class Change:
+    """One change of convention; joints count from 0, nests from 1."""
+
+    kind: str
+    first: int = 0
+    second: int = 0
+    amount: float = 0.0  # factor of a coupling; shift of a zero [rad]
+
+    @property
+    def sentence(self) -> Message:
+        """What it would change, in words."""
+        match self.kind:
+            case "nests":
+                return message("convention.nests", first=self.first, second=self.second)
+            case "columns":
+                return message("convention.columns", first=self.first + 1, second=self.second + 1)
+            case "other_way":
+                return message("convention.other_way", joint=joint_subject(self.first))
+            case "coupled":
+                key = "convention.coupled.subtract" if self.amount < 0 else "convention.coupled.add"
+                return message(key, joint=joint_subject(self.first), other=joint_subject(self.second))
+            case "zero":
+                return message("convention.zero", joint=joint_subject(self.first), shift=_angle(self.amount))
+        return message(_OF_ALL_READINGS[self.kind])
+
+    def applied(self, meant: Interpretation) -> Interpretation:
+        """Return robot and readings with this change."""
+        return _APPLIED[self.kind](self, meant)
+
+
+def _angle(shift_rad: float) -> Message:
+    """Return the angle in words; conventions differ by quarter turns, crashes and cables by any angle."""
+    found = float(np.rad2deg(shift_rad))
+    quarter = 90.0 * round(found / 90.0)
+    if abs(found - quarter) < 1.0:
+        return message("convention.quarter", quarter_deg=quarter, found_deg=found)
+    return message("convention.angle", found_deg=found)
+
+
+def _scaled(meant: Interpretation, size: float) -> Interpretation:
+    evidence = meant.evidence
+    return replace(meant, evidence=replace(evidence, position_mm=evidence.position_mm * size))
+
+
+def _radians(meant: Interpretation) -> Interpretation:
+    evidence = meant.evidence
+    return replace(meant, evidence=replace(evidence, joints_rad=np.rad2deg(evidence.joints_rad)))
+
+
+def _mirrored(meant: Interpretation) -> Interpretation:
+    evidence = meant.evidence
+    flipped = evidence.position_mm * np.array([1.0, -1.0, 1.0])
+    return replace(meant, evidence=replace(evidence, position_mm=flipped))
+
+
+def _nests(change: Change, meant: Interpretation) -> Interpretation:
+    nest = meant.evidence.nest.copy()
+    was = meant.evidence.nest
+    nest[was == change.first], nest[was == change.second] = change.second, change.first
+    return replace(meant, evidence=replace(meant.evidence, nest=nest))
+
+
+def _columns(change: Change, meant: Interpretation) -> Interpretation:
+    order = list(range(meant.evidence.joints_rad.shape[1]))
+    order[change.first], order[change.second] = order[change.second], order[change.first]
+    exchanged = meant.evidence.joints_rad[:, order]
+    return replace(meant, evidence=replace(meant.evidence, joints_rad=exchanged))
+
+
+def _coupled(change: Change, meant: Interpretation) -> Interpretation:
+    coupled = meant.evidence.joints_rad.copy()
+    coupled[:, change.first] += change.amount * coupled[:, change.second]
+    return replace(meant, evidence=replace(meant.evidence, joints_rad=coupled))
+
+
+def _other_way(change: Change, meant: Interpretation) -> Interpretation:
+    rows = list(meant.robot.joints)
+    rows[change.first] = replace(rows[change.first], sign=-rows[change.first].sign)
+    return replace(meant, robot=replace(meant.robot, joints=tuple(rows)))
+
+
+def with_zero(robot: Robot, joint: int, shift_rad: float) -> Robot:
+    """Return the robot with the zero of one joint (0-based) moved."""
+    rows = list(robot.joints)
+    rows[joint] = replace(rows[joint], theta_offset_rad=rows[joint].theta_offset_rad + shift_rad)
+    return replace(robot, joints=tuple(rows))
+
+
+_APPLIED: Final[Mapping[str, Callable[[Change, Interpretation], Interpretation]]] = MappingProxyType({
+    "radians": lambda _, meant: _radians(meant),
+    "metres": lambda _, meant: _scaled(meant, MM_PER_M),
+    "inches": lambda _, meant: _scaled(meant, MM_PER_INCH),
+    "radians_and_metres": lambda _, meant: _scaled(_radians(meant), MM_PER_M),
+    "left_handed": lambda _, meant: _mirrored(meant),
+    "nests": _nests,
+    "other_way": _other_way,
+    "coupled": _coupled,
+    "columns": _columns,
+    "zero": lambda change, meant: replace(meant, robot=with_zero(meant.robot, change.first, change.amount)),
+})
+KINDS: Final = tuple(_APPLIED)
+
 
 # A nominal robot is off by less than this share of its reach; beyond it something else is wrong.
 _PLAUSIBLE_SHARE = 0.006
@@ -36,7 +173,7 @@ def plausible_mm(robot: Robot) -> float:
 
 
 def change_that_fits(
-    robot: Robot, evidence: Evidence, known: Known, *, search_zeros: bool = True
+    robot: Robot, evidence: Evidence, known: PriorPlacement, *, search_zeros: bool = True
 ) -> Change | None:
     """Return the change that makes the nominal robot fit, None where none does."""
     free = replace(known, base=None)
@@ -44,7 +181,7 @@ def change_that_fits(
         nominal_chain(robot, evidence.joints_rad).origin[-1]
     ):
         return Change("metres")
-    meant = Meant(robot, thinned(evidence))
+    meant = Interpretation(robot, thinned(evidence))
     best, best_mm = None, min(_CLEARLY_BETTER * typical_mm(meant, free), plausible_mm(robot))
     for change in changes(meant, known):
         changed = change.applied(meant)
@@ -69,14 +206,14 @@ def thinned(evidence: Evidence) -> Evidence:
     return Evidence(evidence.joints_rad[rows], evidence.nest[rows], evidence.position_mm[rows])
 
 
-def typical_mm(meant: Meant, known: Known) -> float:
+def typical_mm(meant: Interpretation, known: PriorPlacement) -> float:
     """Median residual of the nominal robot where it is placed best."""
     evidence = meant.evidence
     chain = nominal_chain(meant.robot, evidence.joints_rad)
     return quick_typical_mm(chain, evidence.nest, evidence.position_mm, known)
 
 
-def may_leave(meant: Meant, known: Known, limit_mm: float) -> bool:
+def may_leave(meant: Interpretation, known: PriorPlacement, limit_mm: float) -> bool:
     """Whether the typical residual may be below a limit, wherever the robot is placed; no search is needed.
 
     Then half of the readings are nearer to where they are predicted than the limit, and every two of these
@@ -97,7 +234,7 @@ def _distances(points_mm: FloatArray) -> FloatArray:
     return np.asarray(np.sqrt(x * x + y * y + z * z))
 
 
-def changes(meant: Meant, known: Known) -> Iterator[Change]:
+def changes(meant: Interpretation, known: PriorPlacement) -> Iterator[Change]:
     """Yield the changes that are tried: of units, of joints, of labels."""
     for kind in ("radians", "metres", "inches", "radians_and_metres", "left_handed"):
         yield Change(kind)
@@ -105,7 +242,7 @@ def changes(meant: Meant, known: Known) -> Iterator[Change]:
     yield from _exchanged_nests(known)
 
 
-def _exchanged_nests(known: Known) -> Iterator[Change]:
+def _exchanged_nests(known: PriorPlacement) -> Iterator[Change]:
     """Two labels exchanged throughout; unknown nests have no place that could contradict a label."""
     certified = [int(number) + 1 for number in np.flatnonzero(~known.nest_unknown)]
     for first, second in combinations(certified, 2):
@@ -122,7 +259,7 @@ def _of_joints(n_joints: int) -> Iterator[Change]:
         yield Change("columns", joint - 1, joint)
 
 
-def _zero_that_fits(meant: Meant, known: Known, limit_mm: float) -> Change | None:
+def _zero_that_fits(meant: Interpretation, known: PriorPlacement, limit_mm: float) -> Change | None:
     """Try other zeros of one joint: coarse steps, then golden sections around each joint's best."""
     best: tuple[float, int, float] = (limit_mm, 0, 0.0)
     for joint in range(1, meant.robot.n_joints):
@@ -134,11 +271,11 @@ def _zero_that_fits(meant: Meant, known: Known, limit_mm: float) -> Change | Non
     return None if joint == 0 else Change("zero", joint, amount=shift)
 
 
-def _with_zero_mm(meant: Meant, known: Known, joint: int, shift_rad: float) -> float:
+def _with_zero_mm(meant: Interpretation, known: PriorPlacement, joint: int, shift_rad: float) -> float:
     return typical_mm(replace(meant, robot=with_zero(meant.robot, joint, shift_rad)), known)
 
 
-def _refined(meant: Meant, known: Known, joint: int, shift: float) -> float:
+def _refined(meant: Interpretation, known: PriorPlacement, joint: int, shift: float) -> float:
     golden = (np.sqrt(5.0) - 1.0) / 2.0
     low, high = shift - _ZERO_STEP_RAD, shift + _ZERO_STEP_RAD
     inner = [high - golden * (high - low), low + golden * (high - low)]

@@ -1,22 +1,76 @@
 """Which parameters, or combinations of them, the data do not determine, and why.
 
+*Size of a closed loop.* Contacts with targets of unknown place are the same for an arm whose lengths, tool,
+targets and zeros are all larger by a factor, but for readings of a known size, which are small. Source: J. M.
+Hollerbach, C. W. Wampler, Int. J. Robotics Research 15(6), 1996, 573-591 (a loop without a length has no
+scale).
+
 A direction is undetermined when its standard uncertainty exceeds half its stated prior width: the
-eigenvectors of the posterior covariance, scaled by the widths, with eigenvalues above one quarter.
-They span a space; a sparse basis of it (one pivot parameter each, found by column-pivoted QR) says
-which parameters are seen only together.
+eigenvectors of the posterior covariance, scaled by the widths, with eigenvalues above one quarter. They span
+a space; a sparse basis of it (one pivot parameter each, found by column-pivoted QR) says which parameters are
+seen only together.
 """
 
 import numpy as np
 
 from truepose.domain.arrays import BoolArray, FloatArray
-from truepose.domain.results.identification import NotIdentifiable
-from truepose.domain.sentences import Sentence, said
-from truepose.effects.base.base_frame import PARAMETERS as BASE
+from truepose.domain.identification import NotIdentifiable
+from truepose.effects.placing.base_frame import PARAMETERS as BASE
 from truepose.effects.ports import Setting, Trait
 from truepose.effects.registry import effects_with, left_open_by
-from truepose.identification.model.parameters.counterparts import certified_zeros
-from truepose.identification.model.parameters.structure import Structure
-from truepose.identification.verdict.size import size_left_open, without
+from truepose.identification.model.structure import Structure, certified_zeros
+from truepose.messages.message import Message, message
+
+_ALIKE = 0.9  # cosine between a direction that is left open and that of the size
+# Of the prior width, which lets arms be a thousandth too large: what is not known better than to two in ten
+# thousand is off by a tenth of a millimetre at half a metre, more than all the rest of a loop.
+_HARDLY_KNOWN = 0.2
+
+
+def size_direction(structure: Structure) -> FloatArray | None:
+    """Return how the parameters grow with the size of the arm, over their prior widths: a unit vector (P,).
+
+    None where nothing of a length is a parameter.
+    """
+    joints = structure.robot.joints
+    lengths = {f"a_{k}": row.a_mm for k, row in enumerate(joints, start=1)}
+    lengths |= {f"d_{k}": row.d_mm for k, row in enumerate(joints, start=1)}
+    grown = np.array([lengths.get(name, 0.0) for name in structure.names]) / structure.prior_widths
+    total = float(np.linalg.norm(grown))
+    return grown / total if total > 0.0 else None
+
+
+def size_left_open(structure: Structure, variances: FloatArray, directions: FloatArray) -> FloatArray | None:
+    """Return the direction of the size where it is hardly known, a unit vector (P,); else None.
+
+    Parameters
+    ----------
+    structure : Structure
+    variances : ndarray, shape (P,)
+        Of the posterior over the prior widths, along each of its own directions.
+    directions : ndarray, shape (P, P)
+        These directions in columns, orthonormal.
+    """
+    grown = size_direction(structure) if structure.targets else None
+    if grown is None:
+        return None
+    hardly = directions[:, variances > _HARDLY_KNOWN**2]
+    within = hardly @ (hardly.T @ grown)
+    length = float(np.linalg.norm(within))
+    return within / length if length > _ALIKE else None
+
+
+def without(space: FloatArray, direction: FloatArray) -> FloatArray:
+    """Return the directions of a space (P, k) in columns that are across another one (P,), (P, k - 1).
+
+    All k of them where the other one is not among them.
+    """
+    share = space.T @ direction
+    if float(np.linalg.norm(share)) < _ALIKE:
+        return space
+    across = np.linalg.svd(share[None], full_matrices=True)[2][1:]
+    return np.asarray(space @ across.T)
+
 
 UNDETERMINED = 0.5  # of the prior width: what is not known better, the data leave open
 _TOGETHER = 0.05  # share of the largest motion at which a parameter takes part in a combination
@@ -30,9 +84,9 @@ _TOOL_AND_LAST = {
 }
 _BASE_OF_CUPS = NotIdentifiable(
     BASE,
-    said("open.base_of_cups"),
+    message("open.base_of_cups"),
 )
-_BASE_OF_TARGETS = NotIdentifiable(BASE, said("open.base_of_targets"))
+_BASE_OF_TARGETS = NotIdentifiable(BASE, message("open.base_of_targets"))
 
 
 def not_identifiable(
@@ -113,7 +167,7 @@ def _by_data(
 
 
 def _of_size(direction: FloatArray, jacobian: FloatArray, structure: Structure) -> NotIdentifiable:
-    return NotIdentifiable(_members(direction, jacobian, structure), said("open.size"))
+    return NotIdentifiable(_members(direction, jacobian, structure), message("open.size"))
 
 
 def _sparse_basis(space: FloatArray) -> FloatArray:
@@ -143,30 +197,29 @@ def _members(direction: FloatArray, jacobian: FloatArray, structure: Structure) 
     return tuple(name for name, part in zip(structure.names, taking_part, strict=True) if part)
 
 
-def _reason(members: tuple[str, ...], structure: Structure, moved: BoolArray) -> Sentence:
+def _reason(members: tuple[str, ...], structure: Structure, moved: BoolArray) -> Message:
     still = [k + 1 for k in range(structure.robot.n_joints) if not moved[k]]
     joints_named = {int(name.split("*")[0].rsplit("_", 1)[1]) for name in members if _of_joint(name)}
     nests = sorted({name.split("_")[1] for name in members if name.startswith("nest_")})
     last = structure.robot.n_joints
     if {"length_offset", *(name for name in members if name.startswith("anchor_"))} & set(members):
-        return said("open.anchor")
+        return message("open.anchor")
     if any(name.startswith("target_") for name in members):
-        return said("open.target")
+        return message("open.target")
     if "scale" in members:
-        return said("open.scale")
+        return message("open.scale")
     if nests and {f"theta_{last}", f"d_{last}"} & set(members) and not set(still) & joints_named:
-        return said(_TOOL_AND_LAST[len(nests) == 1, f"theta_{last}" in members], joint=last)
+        return message(_TOOL_AND_LAST[len(nests) == 1, f"theta_{last}" in members], joint=last)
     if any("*" in name for name in members):
-        return said("open.products")
+        return message("open.products")
     standing = sorted({joint for joint in still if joint in joints_named or joint + 1 in joints_named})
     if standing:
-        key = "open.standing_joint" if len(standing) == 1 else "open.standing_joints"
-        return said(key, joints=tuple(standing))
+        return message("open.standing_joints", n=len(standing), joints=tuple(standing))
     if any(name.startswith("c_") for name in members) and len(members) > 1:
-        return said("open.springs_alike")
+        return message("open.springs_alike")
     if len(members) == 1:
-        return said("open.prior_holds_it")
-    return said("open.combination")
+        return message("open.prior_holds_it")
+    return message("open.combination")
 
 
 def _of_joint(name: str) -> bool:

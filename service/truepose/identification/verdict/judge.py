@@ -1,6 +1,12 @@
-"""A model against readings: the one judge, of any kind of observation, before and after identification.
+"""A model against readings: the one judge, of any kind of observation, and its statistics.
 
-Who identifies, validates, diagnoses or reports holds a model against readings here.
+*Pure error* is what repeat measurements say about repeatability and about the model. Readings of one nest in
+one configuration and its revisits differ by noise and scatter alone. Their variance needs no model; the
+model's residuals beyond it are lack of fit (N. R. Draper, H. Smith, Applied Regression Analysis, 3rd ed.,
+1998, section 2.1).
+
+Who identifies, validates, diagnoses or reports holds a model against readings here, the one place that asks
+of which kind they are. What answers for a kind is imported where it comes: most campaigns have one.
 """
 
 from dataclasses import dataclass, replace
@@ -8,10 +14,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from truepose.domain.arrays import BoolArray, FloatArray
-from truepose.domain.measurement.campaign import Readings, Stops
-from truepose.domain.measurement.last_moves import told_moves
-from truepose.domain.results.identification import Model, NominalAndIdentified
-from truepose.domain.sentences import Sentence
+from truepose.domain.campaign import LegReadings, PointReadings, Readings, Stops, sites, told_moves
+from truepose.domain.identification import Model, NominalAndIdentified, PureError, Statistics
+from truepose.identification.distributions import carlson_rg, f_exceeded
 from truepose.identification.model.derivatives import mean_variance, place_jacobian
 from truepose.identification.model.estimates import (
     Estimate,
@@ -19,18 +24,123 @@ from truepose.identification.model.estimates import (
     identified_estimate,
     nominal_estimate,
 )
-from truepose.identification.model.parameters.structure import Structure
-from truepose.identification.model.prediction import unknown_variance, unpredictable_at
-from truepose.identification.model.validity.shortfall import lacking_variance
+from truepose.identification.model.prediction import lacking_variance, unknown_variance, unpredictable_at
+from truepose.identification.model.structure import Structure
 from truepose.identification.observations.blocks import Block, BlockResult
-from truepose.identification.observations.observed import observed
-from truepose.identification.verdict.statistics import expected_noise_mm, mean_norm, statistics
+from truepose.identification.observations.poses import position_block
+from truepose.messages.message import Message
+
+
+def statistics(residual_mm: FloatArray, noise_mm: float) -> Statistics:
+    """Statistics of the norms of residuals.
+
+    Parameters
+    ----------
+    residual_mm : ndarray, shape (n, d)
+    noise_mm : float
+        Mean norm expected from the stated uncertainties alone.
+    """
+    norms = np.linalg.norm(residual_mm, axis=1)
+    return Statistics(
+        n=len(norms),
+        mean_mm=float(norms.mean()),
+        rms_mm=float(np.sqrt((norms**2).mean())),
+        sd_mm=float(norms.std(ddof=1)) if len(norms) > 1 else 0.0,
+        max_mm=float(norms.max()),
+        noise_mm=noise_mm,
+    )
+
+
+def expected_noise_mm(block: Block) -> float:
+    """Mean norm of the residuals that readings and the arm's scatter alone would give [mm]."""
+    return mean_norm(block.covariance() + block.scatter_mm**2 * np.eye(block.components))
+
+
+def mean_norm(covariance: FloatArray) -> float:
+    r"""Mean length of normal vectors, averaged over n covariances, shape (n, d, d) with d of 1 or 3.
+
+    E|x| = sqrt(8 / pi) R_G(l1, l2, l3) with the eigenvalues l of the covariance and Carlson's
+    completely symmetric integral of the second kind (NIST DLMF 19.16.3: R_G is the mean of
+    sqrt(u^T L u) over the unit sphere); of a single component sqrt(2 l / pi). NaN where one is not known.
+    """
+    if not np.isfinite(covariance).all():
+        return float("nan")
+    if covariance.shape[-1] == 1:
+        return float(np.sqrt(2.0 / np.pi) * np.sqrt(covariance[:, 0, 0]).mean())
+    eigenvalues = np.maximum(np.linalg.eigvalsh(covariance), 0.0)
+    return float(np.sqrt(8.0 / np.pi) * carlson_rg(eigenvalues).mean())
+
+
+_NOTHING_MM2 = 1e-12  # readings of a simulator without noise: there is no pure error to compare with
+
+
+def pure_error(block: Block, residual_mm: FloatArray, n_parameters: int) -> PureError | None:
+    """Compare lack of fit with pure error; None without revisits.
+
+    Parameters
+    ----------
+    block : Block
+    residual_mm : ndarray, shape (n, d)
+        Of the identified model.
+    n_parameters : int
+    """
+    repeat_of = block.targets.stops.repeat_of
+    if repeat_of is None or not np.any(repeat_of >= 0):
+        return None
+    site = sites(block.targets.stops)
+    kept = block.counts
+    keys = np.stack([site, *block.ends()], axis=1)[kept]
+    _, group, sizes = np.unique(keys, axis=0, return_inverse=True, return_counts=True)
+    residual = residual_mm[kept]
+    means = np.stack([np.bincount(group.ravel(), column) / sizes for column in residual.T], axis=1)
+    within = float(((residual - means[group.ravel()]) ** 2).sum())
+    pure_dof = block.components * int((sizes - 1).sum())
+    lack_dof = block.components * len(residual) - n_parameters - pure_dof
+    if pure_dof < 3 or lack_dof < 1 or within < _NOTHING_MM2:
+        return None
+    lack = float((residual**2).sum()) - within
+    ratio = (lack / lack_dof) / (within / pure_dof)
+    return PureError(
+        revisits=int((sizes - 1).sum()),
+        degrees_of_freedom=pure_dof,
+        repeatability_mm=float(np.sqrt(within / pure_dof)),
+        lack_of_fit_ratio=ratio,
+        p_value=f_exceeded(ratio, lack_dof, pure_dof),
+    )
+
+
+def observed(readings: Readings, scatter_mm: float, structure: Structure) -> Block:
+    """Return readings as observations of a model.
+
+    Parameters
+    ----------
+    readings : PointReadings, LegReadings or ContactReadings
+    scatter_mm : float
+        Of the arm per axis, beside what the readings state.
+    structure : Structure
+        Of the model that they are held against.
+
+    Raises
+    ------
+    ConfigurationError
+        A leg is from a cup, or a contact against a target, that the model does not know.
+    """
+    if isinstance(readings, PointReadings):
+        return position_block(readings, scatter_mm)
+    if isinstance(readings, LegReadings):
+        from truepose.identification.observations.legs import leg_block
+
+        return leg_block(readings, scatter_mm, structure.anchors)
+    from truepose.identification.observations.contacts import contact_block
+
+    return contact_block(readings, scatter_mm, structure.targets)
+
 
 USUAL = 25.0  # typical squares; readings as far out as those found gross say nothing of the model
 
 
 @dataclass(frozen=True, slots=True)
-class Judged:
+class Assessment:
     """n readings of d components against two models."""
 
     block: Block
@@ -95,7 +205,7 @@ class Judged:
         return residual_mm if along is None else residual_mm * along
 
 
-def judge_estimates(block: Block, nominal: Estimate, identified: Estimate) -> Judged:
+def judge_estimates(block: Block, nominal: Estimate, identified: Estimate) -> Assessment:
     """Hold two models against readings.
 
     Parameters
@@ -109,10 +219,10 @@ def judge_estimates(block: Block, nominal: Estimate, identified: Estimate) -> Ju
     Judged
     """
     before, after = (block.result(model.structure, model.values, None) for model in (nominal, identified))
-    return Judged(block, before, after, mean_variance(after.jacobian, identified.covariance))
+    return Assessment(block, before, after, mean_variance(after.jacobian, identified.covariance))
 
 
-def judge(model: Model, readings: Readings, scatter_mm: float) -> Judged:
+def judge(model: Model, readings: Readings, scatter_mm: float) -> Assessment:
     """Hold a model and its nominal robot against readings.
 
     What the model lacks, and what rows do not tell, adds to the variance of its predictions.
@@ -142,7 +252,7 @@ def judge(model: Model, readings: Readings, scatter_mm: float) -> Judged:
     return replace(found, variance=found.variance + lacking)
 
 
-def unpredictable_readings(model: Model, readings: Readings) -> tuple[Sentence, ...]:
+def unpredictable_readings(model: Model, readings: Readings) -> tuple[Message, ...]:
     """Return one sentence for every effect whose part in some of the readings is not known well."""
     structure = identified_estimate(model).structure
     return unpredictable_at(model, _observed(model, readings, 0.0, structure).targets)

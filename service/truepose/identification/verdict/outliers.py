@@ -1,12 +1,102 @@
-"""Why a reading was given no weight, in words that a person at the robot can act on."""
+"""Outliers: readings that no place of the arm can have given, and why a reading was given no weight.
+
+What no place of the arm can have given is set aside before anything is squared. Wherever the base stands: two
+tool nests are never further from each other than twice the arm's reach with its tool, and two lengths from
+one cup never differ by more. A reading beyond twice that is none of this arm.
+"""
+
+from dataclasses import dataclass, replace
+from typing import Final
 
 import numpy as np
 
-from truepose.domain.arrays import FloatArray
-from truepose.domain.results.identification import Outlier
-from truepose.domain.sentences import Sentence, said
+from truepose.domain.arrays import FloatArray, IntArray, distinct_values
+from truepose.domain.campaign import Campaign, Quantity, Readings
+from truepose.domain.identification import Outlier
 from truepose.identification.fit.robust import RobustFit
 from truepose.identification.model.evaluation import Targets, evaluate
+from truepose.identification.verdict.conventions import reach_mm
+from truepose.messages.message import Message, Text, message
+
+_FAR: Final = 4.0  # reaches; two are possible
+_TOOL_MM: Final = 2000.0  # no unknown nest is further from the last frame
+_BEYOND: Final[dict[Quantity, str]] = {
+    "position": "gross.beyond_reach.position",
+    "length": "gross.beyond_reach.length",
+}
+_ACCIDENTS: Final = 0.2  # share of the readings beyond which they are none: the table is of another robot
+
+
+@dataclass(frozen=True, slots=True)
+class ReachableCampaign:
+    """A campaign without the readings that were set aside."""
+
+    campaign: Campaign
+    outliers: tuple[Outlier, ...]
+    rows: IntArray  # (m,) where the readings that are left stand in their table
+
+    @property
+    def sentence(self) -> Text:
+        """What was set aside; empty where nothing was."""
+        n = len(self.outliers)
+        if n == 0:
+            return ""
+        configs = tuple(outlier.config for outlier in self.outliers[:5])
+        if n > len(configs):
+            return message("reach.set_aside.first", readings=n, configurations=configs)
+        return message("reach.set_aside", n=n, configurations=configs)
+
+    def with_rows_of_table(self, outliers: tuple[Outlier, ...]) -> tuple[Outlier, ...]:
+        """Return outliers of the readings that are left, and those set aside, by their rows in the table."""
+        placed = (replace(outlier, row=int(self.rows[outlier.row])) for outlier in outliers)
+        return tuple(sorted((*self.outliers, *placed), key=lambda outlier: outlier.row))
+
+
+def within_reach(campaign: Campaign) -> ReachableCampaign:
+    """Set aside the readings that identify and that the arm cannot have reached, where they are few."""
+    readings = campaign.readings
+    if readings is None:
+        return ReachableCampaign(campaign, (), np.zeros(0, dtype=np.int64))
+    reach = _with_tool_mm(campaign)
+    away_mm = _away_mm(readings)
+    beyond = ~(away_mm <= _FAR * reach)  # also what is no number
+    if beyond.mean() > _ACCIDENTS:
+        beyond = np.zeros(len(readings), dtype=bool)
+    rows = np.flatnonzero(~beyond)
+    if not beyond.any():
+        return ReachableCampaign(campaign, (), rows)
+    found = tuple(
+        _beyond_reach(readings, int(row), float(away_mm[row]), reach) for row in np.flatnonzero(beyond)
+    )
+    return ReachableCampaign(campaign.of_rows(rows), found, rows)
+
+
+def _with_tool_mm(campaign: Campaign) -> float:
+    nests = [np.zeros(3) if nest.centre_mm is None else np.array(nest.centre_mm) for nest in campaign.nests]
+    unknown = any(nest.centre_mm is None for nest in campaign.nests)
+    longest = max((float(np.abs(nest).sum()) for nest in nests), default=0.0)
+    return reach_mm(campaign.robot) + max(longest, _TOOL_MM if unknown else 0.0)
+
+
+def _away_mm(readings: Readings) -> FloatArray:
+    """Return how far each reading is from the middle one of all it can be compared with [mm], shape (n,)."""
+    away, seen_from = np.empty(len(readings)), readings.seen_from
+    for number in distinct_values(seen_from):
+        here = seen_from == number
+        seen = readings.observed_mm[here]
+        away[here] = np.abs(seen - np.nanmedian(seen, axis=0)).max(axis=1)
+    return away
+
+
+def _beyond_reach(readings: Readings, row: int, away_mm: float, reach: float) -> Outlier:
+    return Outlier(
+        row=row,
+        config=int(readings.stops.config[row]),
+        nest=int(readings.nest[row]),
+        residual_mm=away_mm,
+        reason=message(_BEYOND[readings.quantity], away_mm=away_mm, reach_mm=reach),
+    )
+
 
 _EXPLAINED = 0.2  # a rival explanation must leave less than this share of the residual
 
@@ -33,29 +123,29 @@ def _outlier(fit: RobustFit, number: int, row: int) -> Outlier:
     )
 
 
-def _turned(turn_rad: float) -> Sentence:
-    return said("gross.turned", turn_deg=float(np.rad2deg(turn_rad)))
+def _turned(turn_rad: float) -> Message:
+    return message("gross.turned", turn_deg=float(np.rad2deg(turn_rad)))
 
 
-def _off(fit: RobustFit, number: int, row: int, norm_mm: float) -> Sentence:
+def _off(fit: RobustFit, number: int, row: int, norm_mm: float) -> Message:
     block = fit.blocks[number]
     expected = float(np.sqrt(np.mean(block.component_variance()) + block.scatter_mm**2))
-    plain = said("gross.off", norm_mm=norm_mm, expected_mm=expected)
+    plain = message("gross.off", norm_mm=norm_mm, expected_mm=expected)
     rival = None if block.place_mm is None else _rival(fit, number, row, block.place_mm, _EXPLAINED * norm_mm)
-    return said("gross.off_and", off=plain, rival=rival) if rival else plain
+    return message("gross.off_and", off=plain, rival=rival) if rival else plain
 
 
-def _rival(fit: RobustFit, number: int, row: int, places_mm: FloatArray, limit_mm: float) -> Sentence | None:
+def _rival(fit: RobustFit, number: int, row: int, places_mm: FloatArray, limit_mm: float) -> Message | None:
     """Another nest or another row that this place fits, if there is one."""
     targets = fit.blocks[number].targets
     nest = _fitting_nest(fit, targets.taken(np.array([row])), places_mm[row], limit_mm)
     if nest:
-        return said("gross.other_nest", nest=nest)
+        return message("gross.other_nest", nest=nest)
     distance = np.linalg.norm(fit.results[number].state.position_mm - places_mm[row], axis=1)
     distance[row] = np.inf
     other = int(np.argmin(distance))
     if distance[other] < limit_mm:
-        return said("gross.exchanged", config=int(targets.stops.config[other]))
+        return message("gross.exchanged", config=int(targets.stops.config[other]))
     return None
 
 

@@ -3,22 +3,27 @@
 import numpy as np
 
 from truepose.domain.arrays import distinct_values
-from truepose.domain.measurement.campaign import Campaign, PointReadings
-from truepose.domain.results.identification import Status
-from truepose.domain.sentences import Sentence, said
-from truepose.effects.base.base_frame import WIDTH_MM as BASE_WIDTH_MM
-from truepose.effects.base.base_frame import WIDTH_RAD as BASE_WIDTH_RAD
+from truepose.domain.campaign import Campaign, PointReadings
+from truepose.domain.identification import Status
+from truepose.effects.placing.base_frame import WIDTH_MM as BASE_WIDTH_MM
+from truepose.effects.placing.base_frame import WIDTH_RAD as BASE_WIDTH_RAD
 from truepose.effects.ports import Trait
 from truepose.effects.registry import effect_named, effects_with
 from truepose.identification.fit.robust import RobustFit
-from truepose.identification.model.parameters.structure import NOMINAL_EFFECTS
-from truepose.identification.observations.believed import BeliefBlock
+from truepose.identification.model.structure import NOMINAL_EFFECTS
+from truepose.identification.observations.joint_priors import BeliefBlock
 from truepose.identification.problem.build import Problem
 from truepose.identification.problem.setting import known_placement, setting_of
-from truepose.identification.verdict.changes import Change, Evidence
-from truepose.identification.verdict.conventions import change_that_fits, plausible_mm, reach_mm
+from truepose.identification.verdict.conventions import (
+    Change,
+    Evidence,
+    change_that_fits,
+    plausible_mm,
+    reach_mm,
+)
 from truepose.kinematics.chain import nominal_chain
 from truepose.kinematics.frames import placement_rotation, placement_translation
+from truepose.messages.message import Message, message
 
 _SAME_RAD = 1e-6
 _SAME_MM = 1e-3
@@ -33,7 +38,7 @@ _UNLIKE = 1e-3  # chance of a robot of the type to be called unlike it
 _FAR_WIDTHS = 3.0  # of the base's prior
 
 
-def too_few_data(campaign: Campaign, effects: tuple[str, ...]) -> Sentence | None:
+def too_few_data(campaign: Campaign, effects: tuple[str, ...]) -> Message | None:
     """Return the sentence that says what is missing, None where there is enough to fit."""
     readings = campaign.readings
     if readings is None:
@@ -48,12 +53,12 @@ def too_few_data(campaign: Campaign, effects: tuple[str, ...]) -> Sentence | Non
     different = len(readings) if configurations == len(readings) else len(distinct_values(pairs, axis=0))
     observations = per_reading * different
     if configurations == 1:
-        return said("status.one_configuration", readings=len(readings))
+        return message("status.one_configuration", readings=len(readings))
     if readings.frozen_if_equal and np.ptp(readings.observed_mm, axis=0).max() < _SAME_MM:
         key = "status.same_position" if readings.quantity == "position" else "status.same_length"
-        return said(key, readings=len(readings))
+        return message(key, readings=len(readings))
     if observations < parameters:
-        return said(
+        return message(
             "status.too_few",
             configurations=configurations,
             observations=observations,
@@ -63,7 +68,7 @@ def too_few_data(campaign: Campaign, effects: tuple[str, ...]) -> Sentence | Non
     return None
 
 
-def before_fitting(campaign: Campaign, problem: Problem) -> Sentence | None:
+def before_fitting(campaign: Campaign, problem: Problem) -> Message | None:
     """Return the sentence of a wrong convention where the nominal robot cannot be placed at all."""
     points = campaign.calibration
     if points is None:
@@ -78,8 +83,8 @@ def before_fitting(campaign: Campaign, problem: Problem) -> Sentence | None:
     return None
 
 
-def _would_fit(typical_mm: float, change: Change) -> Sentence:
-    return said("status.would_fit", typical_mm=typical_mm, change=change.sentence)
+def _would_fit(typical_mm: float, change: Change) -> Message:
+    return message("status.would_fit", typical_mm=typical_mm, change=change.sentence)
 
 
 def _collapsed(campaign: Campaign, evidence: Evidence) -> bool:
@@ -91,7 +96,7 @@ def _evidence(points: PointReadings) -> Evidence:
     return Evidence(points.stops.joints_rad, points.nest, points.position_mm)
 
 
-def outcome(campaign: Campaign, problem: Problem, identified: RobustFit) -> tuple[Status, Sentence]:
+def outcome(campaign: Campaign, problem: Problem, identified: RobustFit) -> tuple[Status, Message]:
     """Return status and message of a fit."""
     share = float(np.mean(identified.gross[0]))
     typical = _typical(identified)
@@ -99,7 +104,7 @@ def outcome(campaign: Campaign, problem: Problem, identified: RobustFit) -> tupl
     n = len(identified.gross[0])
     if share > _TOO_MANY_GROSS or _majority_gross(campaign, typical):
         key = "status.gross" if share > _TOO_MANY_GROSS else "status.half_gross"
-        return Status.OUTLIERS_DOMINATE, said(key, gross=gross, readings=n)
+        return Status.OUTLIERS_DOMINATE, message(key, gross=gross, readings=n)
     nothing = _nothing_learnt(campaign, problem, identified)
     if nothing:
         return Status.TOO_FEW_DATA, nothing
@@ -107,11 +112,11 @@ def outcome(campaign: Campaign, problem: Problem, identified: RobustFit) -> tupl
     if wrong:
         return Status.WRONG_NOMINAL_MODEL, wrong
     if not identified.solution.converged:
-        return Status.NOT_CONVERGED, said("status.not_settled", steps=identified.solution.iterations)
+        return Status.NOT_CONVERGED, message("status.not_settled", steps=identified.solution.iterations)
     return Status.CONVERGED, _converged_message(problem, identified, gross)
 
 
-def _nothing_learnt(campaign: Campaign, problem: Problem, identified: RobustFit) -> Sentence | None:
+def _nothing_learnt(campaign: Campaign, problem: Problem, identified: RobustFit) -> Message | None:
     """Return the sentence for readings that by their own word say less than one parameter's worth."""
     if identified.blocks[0].discrepancy > 0.0:
         return None  # it is the model that says little of them
@@ -125,7 +130,7 @@ def _nothing_learnt(campaign: Campaign, problem: Problem, identified: RobustFit)
         return None
     readings = campaign.readings
     u_mm = float("nan") if readings is None else float(np.median(readings.standard_uncertainty_mm))
-    return said("status.nothing_learnt", effects=", ".join(asked or NOMINAL_EFFECTS), u_mm=u_mm)
+    return message("status.nothing_learnt", effects=", ".join(asked or NOMINAL_EFFECTS), u_mm=u_mm)
 
 
 def _typical(fit: RobustFit) -> float:
@@ -150,7 +155,7 @@ def _majority_gross(campaign: Campaign, typical_mm: float) -> bool:
 
 def _wrong_model(
     campaign: Campaign, problem: Problem, identified: RobustFit, typical_mm: float
-) -> Sentence | None:
+) -> Message | None:
     points = campaign.calibration
     nominal_mm = float(np.median(np.linalg.norm(problem.nominal_residual_mm, axis=1)))
     # A wrong table leaves tens of millimetres; where the nominal robot fits, a large error of the geometry
@@ -164,9 +169,9 @@ def _wrong_model(
         if change:
             return _would_fit(nominal_mm, change)
     if unfit:
-        return said("status.still_misses", typical_mm=typical_mm)
+        return message("status.still_misses", typical_mm=typical_mm)
     if strange:
-        return said("status.far_beyond", parameter=strange)
+        return message("status.far_beyond", parameter=strange)
     return None
 
 
@@ -183,27 +188,27 @@ def implausible_parameter(problem: Problem, identified: RobustFit) -> str | None
     return None
 
 
-def _converged_message(problem: Problem, identified: RobustFit, gross: int) -> Sentence:
-    parts: list[Sentence] = []
+def _converged_message(problem: Problem, identified: RobustFit, gross: int) -> Message:
+    parts: list[Message] = []
     if gross:
-        parts.append(said("status.one_gross" if gross == 1 else "status.some_gross", readings=gross))
+        parts.append(message("status.outliers", n=gross))
     fixed = _bad_looks(identified)
     if fixed:
-        parts.append(said("status.one_bad_look" if fixed == 1 else "status.bad_looks", readings=fixed))
+        parts.append(message("status.nest_outliers", n=fixed))
     parts += [told for told in (_base_elsewhere(problem, identified), _unlike_its_type(identified)) if told]
     strange = implausible_parameter(problem, identified)
     if strange:
-        parts.append(said("status.strange", parameter=strange))
+        parts.append(message("status.strange", parameter=strange))
     backwards = _springs_that_push(problem, identified)
     if backwards:
-        parts.append(said("status.negative_springs", springs=tuple(backwards)))
+        parts.append(message("status.negative_springs", springs=tuple(backwards)))
     lacking = identified.blocks[0].discrepancy
     if lacking > 0.0:
-        parts.append(said("status.lacking", lacking_mm=lacking))
+        parts.append(message("status.lacking", lacking_mm=lacking))
     parameters = len(problem.structure.specs)
     if not parts:
-        return said("status.converged", parameters=parameters)
-    return said("status.converged_but", parameters=parameters, parts=tuple(parts))
+        return message("status.converged", parameters=parameters)
+    return message("status.converged_but", parameters=parameters, parts=tuple(parts))
 
 
 def _bad_looks(identified: RobustFit) -> int:
@@ -215,13 +220,13 @@ def _bad_looks(identified: RobustFit) -> int:
     )
 
 
-def _unlike_its_type(identified: RobustFit) -> Sentence | None:
+def _unlike_its_type(identified: RobustFit) -> Message | None:
     """Say so where the robot is not as robots of its type are believed to be."""
     beliefs = (block for block in identified.blocks if isinstance(block, BeliefBlock))
     for belief in beliefs:
         off = belief.unlikeness(identified.structure, identified.values, identified.solution.covariance)
         if off.chance < _UNLIKE:
-            return said("status.unlike_its_type", parameter=off.parameter, off_u=off.off_u)
+            return message("status.unlike_its_type", parameter=off.parameter, off_u=off.off_u)
     return None
 
 
@@ -237,7 +242,7 @@ def _springs_that_push(problem: Problem, identified: RobustFit) -> list[str]:
     ]
 
 
-def _base_elsewhere(problem: Problem, identified: RobustFit) -> Sentence | None:
+def _base_elsewhere(problem: Problem, identified: RobustFit) -> Message | None:
     """Say so where the base stands far from the place that the campaign gives it."""
     value = dict(zip(problem.structure.names, identified.values, strict=True))
     width = {spec.name: spec for spec in problem.structure.specs}
@@ -247,4 +252,4 @@ def _base_elsewhere(problem: Problem, identified: RobustFit) -> Sentence | None:
     turn_rad = float(np.linalg.norm([value["base_rx"], value["base_ry"], value["base_rz"]]))
     if shift_mm < _FAR_WIDTHS * BASE_WIDTH_MM and turn_rad < _FAR_WIDTHS * BASE_WIDTH_RAD:
         return None
-    return said("status.base_elsewhere", shift_mm=shift_mm, turn_deg=float(np.rad2deg(turn_rad)))
+    return message("status.base_elsewhere", shift_mm=shift_mm, turn_deg=float(np.rad2deg(turn_rad)))

@@ -1,22 +1,34 @@
 """The pose device: six ballbar lengths between three cups and three nests give the pose of the tool."""
 
-from truepose.kinematics.pose_device.assemblies import Assembly, assemblies, distinct, measurable
+from truepose.kinematics.pose_device.assemblies import (
+    Assembly,
+    assemblies,
+    check_triangle,
+    distinct,
+    measurable,
+)
 from truepose.kinematics.pose_device.cascade import (
+    DESIGNS,
+    Design,
     base_triangle,
+    designs,
     fourth_cup,
     points_covariance,
     solution_gradient,
     solve,
 )
-from truepose.kinematics.pose_device.designs import DESIGNS, Design, designs
 from truepose.kinematics.pose_device.least_squares import (
+    Fixtures,
+    LinearLegs,
     PoseEstimate,
+    RecognisedAssembly,
     fitting_poses,
+    foreseen,
     least_squares_pose,
+    linear_legs,
+    recognise_assembly,
 )
-from truepose.kinematics.pose_device.legs import Fixtures, LinearLegs, foreseen, linear_legs
-from truepose.kinematics.pose_device.poses import Pose, pose_covariance, pose_of, turn_between
-from truepose.kinematics.pose_device.recognition import RecognisedAssembly, recognise_assembly
+from truepose.kinematics.poses import Pose, pose_covariance, pose_of, turn_between
 
 __all__ = [
     "DESIGNS",
@@ -29,6 +41,7 @@ __all__ = [
     "RecognisedAssembly",
     "assemblies",
     "base_triangle",
+    "check_triangle",
     "designs",
     "distinct",
     "fitting_poses",

@@ -18,11 +18,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
+from truepose.domain.ballbar import Leg
 from truepose.domain.errors import ConfigurationError
-from truepose.domain.measurement.ballbar import Leg
-from truepose.kinematics.pose_device.cascade import sides, solve
-from truepose.kinematics.pose_device.designs import Design, designs
-from truepose.kinematics.pose_device.poses import Pose, pose_of, turn_between
+from truepose.kinematics.pose_device.cascade import Design, designs, sides, solve
+from truepose.kinematics.poses import Pose, pose_of, turn_between
 
 LEG_MM = 300.0  # the longest bars of the ballbar that have a calibrator: the widest working volume
 
@@ -68,7 +67,7 @@ def assemblies(cups_mm: FloatArray, nests_mm: FloatArray, *, leg_mm: float = LEG
     ConfigurationError
         Cups or nests are too few, or on a line.
     """
-    _check_triangle(nests_mm, "tool nests")
+    check_triangle(nests_mm, "tool nests")
     tool_sides = sides(nests_mm)
     found: list[Assembly] = []
     for design in designs(len(cups_mm)):
@@ -80,7 +79,8 @@ def assemblies(cups_mm: FloatArray, nests_mm: FloatArray, *, leg_mm: float = LEG
     return tuple(found)
 
 
-def _check_triangle(points_mm: FloatArray, what: str) -> None:
+def check_triangle(points_mm: FloatArray, what: str) -> None:
+    """Refuse three points on a line, named in words; raises ConfigurationError."""
     if points_mm.shape != (3, 3) or not np.isfinite(points_mm).all():
         raise ConfigurationError(f"The {what} are given as three rows of three finite numbers in mm.")
     if np.linalg.matrix_rank(points_mm[1:] - points_mm[0], tol=1e-6) < 2:
@@ -99,7 +99,7 @@ def measurable(
     ConfigurationError
         The origin of the last frame lies in the plane of the nests, so that neither side is the flange's.
     """
-    _check_triangle(nests_mm, "tool nests")
+    check_triangle(nests_mm, "tool nests")
     normal = np.cross(nests_mm[1] - nests_mm[0], nests_mm[2] - nests_mm[0])
     flange = float(-nests_mm[0] @ normal)
     if abs(flange) < 1e-6 * float(normal @ normal) ** 0.75:  # the normal is an area: its power 3/2 a volume

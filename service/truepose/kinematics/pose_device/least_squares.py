@@ -22,15 +22,136 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
-from truepose.domain.arrays import FloatArray
+from truepose.domain.arrays import FloatArray, IntArray
+from truepose.domain.ballbar import Leg, PoseForecast
 from truepose.domain.errors import ConfigurationError, UnderdeterminedError
-from truepose.domain.measurement.ballbar import Leg
 from truepose.kinematics.frames import rotation_from_vector
 from truepose.kinematics.pose_device.cascade import outward
-from truepose.kinematics.pose_device.legs import Fixtures, linear_legs
-from truepose.kinematics.pose_device.poses import Pose, points_gradient
-from truepose.kinematics.pose_device.recognition import is_clearly_nearer, square_mm2
 from truepose.kinematics.pose_device.starts import starting_poses
+from truepose.kinematics.poses import Pose, points_gradient
+
+
+@dataclass(frozen=True, slots=True, eq=False)  # arrays: equal means the same object
+class Fixtures:
+    """Cups and nests as they are known, and how well."""
+
+    cups_mm: FloatArray  # (K, 3) in the frame in which the pose is wanted
+    nests_mm: FloatArray  # (3, 3) in the last frame of the arm
+    cups_covariance_mm2: FloatArray | None = None  # (3K, 3K), cup by cup; None: exact
+    nests_covariance_mm2: FloatArray | None = None  # (9, 9), nest by nest; None: exact
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LinearLegs:
+    """Legs at a pose, and how they change near it."""
+
+    length_mm: FloatArray  # (n,)
+    gradient: FloatArray  # (n, 6) per shift [mm] and turn [rad] of the pose
+    fixtures_covariance_mm2: FloatArray  # (n, n) from cups and nests
+
+
+def linear_legs(fixtures: Fixtures, legs: Sequence[Leg], pose: Pose) -> LinearLegs:
+    """Return n legs (cup, nest) at a pose of the last frame."""
+    cup, nest = np.array(legs).T - 1
+    apart = pose.points(fixtures.nests_mm)[nest] - fixtures.cups_mm[cup]
+    length = np.linalg.norm(apart, axis=1)
+    unit = apart / length[:, None]
+    gradient = np.einsum("ni,nij->nj", unit, points_gradient(pose, fixtures.nests_mm)[nest])
+    added = np.zeros((len(legs), len(legs)))
+    if fixtures.cups_covariance_mm2 is not None:
+        added += _through(unit, cup, fixtures.cups_covariance_mm2)
+    if fixtures.nests_covariance_mm2 is not None:
+        added += _through(unit @ pose.rotation, nest, fixtures.nests_covariance_mm2)
+    return LinearLegs(np.asarray(length), gradient, added)
+
+
+def _through(unit: FloatArray, point: IntArray, covariance: FloatArray) -> FloatArray:
+    """Return the covariance (n, n) of lengths along `unit` from points whose covariance is given."""
+    blocks = covariance.reshape(len(covariance) // 3, 3, -1, 3)[point][:, :, point]
+    added: FloatArray = np.einsum("ni,nimj,mj->nm", unit, blocks, unit)
+    return added
+
+
+def foreseen(config: int, fixtures: Fixtures, pose: Pose, covariance: FloatArray) -> PoseForecast:
+    """Foresee the lengths of every pair of cup and nest at a commanded pose.
+
+    Parameters
+    ----------
+    config : int
+        Number of the configuration in the campaign.
+    fixtures : Fixtures
+    pose : Pose
+        Where the last frame is believed to be.
+    covariance : ndarray, shape (6, 6)
+        Of that belief: shift [mm], then turn [rad], about the axes of the cups' frame.
+
+    Returns
+    -------
+    PoseForecast
+    """
+    legs = tuple((cup, nest) for cup in range(1, len(fixtures.cups_mm) + 1) for nest in (1, 2, 3))
+    linear = linear_legs(fixtures, legs, pose)
+    total = linear.gradient @ covariance @ linear.gradient.T + linear.fixtures_covariance_mm2
+    return PoseForecast(config, legs, tuple(linear.length_mm.tolist()), tuple(map(tuple, total.tolist())))
+
+
+# Per coordinate of a nest. The nominal robot of the thesis is off by 1.7 mm in space (rms, chapter 4), 1 mm
+# per coordinate; twice that, so that its worst 5.2 mm still counts as the robot's own error.
+_ARM_U_MM = 2.0
+_FAR = 33.7  # 99.99 % quantile of chi-squared with 9 degrees of freedom, one for each nest coordinate
+_LOG_ODDS = float(np.log(1000.0))  # by which the nearest must be more likely than the next
+
+
+@dataclass(frozen=True, slots=True)
+class RecognisedAssembly:
+    """The assembly mode in which the legs were measured."""
+
+    index: int  # in the sequence of poses that were compared
+    distance_mm: float  # of its nests from the commanded ones, rms
+    margin_mm: float  # by which the next pose is farther; infinite where there is no other
+
+
+def recognise_assembly(
+    commanded: Pose, candidates: Sequence[Pose], nests_mm: FloatArray, *, arm_u_mm: float = _ARM_U_MM
+) -> RecognisedAssembly | None:
+    """Return the pose that the commanded one stands for; None where none is near, or two are.
+
+    Parameters
+    ----------
+    commanded : Pose
+        By the nominal model, in the frame of the cups.
+    candidates : sequence of Pose
+        E.g. the four solutions of a design, in any order; those that are not finite are never chosen.
+    nests_mm : ndarray, shape (3, 3)
+        In the last frame.
+    arm_u_mm : float
+        Standard uncertainty of the commanded place of a nest, per coordinate.
+    """
+    square = np.array([square_mm2(commanded, one, nests_mm) for one in candidates])
+    order = np.argsort(np.where(np.isnan(square), np.inf, square), kind="stable")
+    if not order.size or not square[order[0]] <= _FAR * arm_u_mm**2:
+        return None
+    nearest = float(square[order[0]])
+    following = float(square[order[1]]) if order.size > 1 else np.nan
+    following = np.inf if np.isnan(following) else following
+    if following - nearest < 2.0 * _LOG_ODDS * arm_u_mm**2:
+        return None
+    distance, beyond = np.sqrt(nearest / 3.0), np.sqrt(following / 3.0)
+    return RecognisedAssembly(int(order[0]), float(distance), float(beyond - distance))
+
+
+def is_clearly_nearer(
+    nearest: Pose, following: Pose, commanded: Pose, nests_mm: FloatArray, *, arm_u_mm: float = _ARM_U_MM
+) -> bool:
+    """Say whether the first pose is a thousand times likelier than the second to be the commanded one."""
+    gained = square_mm2(following, commanded, nests_mm) - square_mm2(nearest, commanded, nests_mm)
+    return gained >= 2.0 * _LOG_ODDS * arm_u_mm**2
+
+
+def square_mm2(first: Pose, second: Pose, nests_mm: FloatArray) -> float:
+    """Return the sum of the squared distances of the three nests between two poses."""
+    return float(((first.points(nests_mm) - second.points(nests_mm)) ** 2).sum())
+
 
 _ROUNDS = 50
 _STILL_MM = 1e-9  # last step: a thousandth of what the ballbar resolves, a hundred times rounding at 1 m

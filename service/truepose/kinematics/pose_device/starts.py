@@ -14,9 +14,9 @@ from itertools import combinations, permutations, product
 import numpy as np
 
 from truepose.domain.arrays import FloatArray, IntArray
-from truepose.domain.measurement.ballbar import Leg
+from truepose.domain.ballbar import Leg
 from truepose.kinematics.frames import rigid_alignment
-from truepose.kinematics.pose_device.poses import Pose, pose_of
+from truepose.kinematics.poses import Pose, pose_of
 from truepose.kinematics.trilateration import tri
 
 _APART_MM = 1.0  # poses closer than this lead to the same minimum; noise alone separates them by less

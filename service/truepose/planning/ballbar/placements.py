@@ -23,10 +23,9 @@ from truepose.kinematics.frames import (
 )
 from truepose.kinematics.inverse import has_closed_form
 from truepose.kinematics.pose_device import Assembly
+from truepose.planning.ballbar.bodies import BallbarCell, BaseFixture, base_fixture, fixture_body
 from truepose.planning.ballbar.choice import Candidates, candidates, known_after
-from truepose.planning.ballbar.clear_ways.bodies import BallbarCell
-from truepose.planning.ballbar.fixture import BaseFixture, base_fixture, fixture_body
-from truepose.planning.ballbar.lengths.information import (
+from truepose.planning.ballbar.information import (
     SPACE_POINTS,
     ArmModel,
     WorkSpaceSample,
@@ -34,10 +33,9 @@ from truepose.planning.ballbar.lengths.information import (
     predicted_error_mm,
     work_space_sample,
 )
-from truepose.planning.ballbar.poses import device
-from truepose.planning.ballbar.setups import setup_joints
+from truepose.planning.ballbar.poses import device, setup_joints
 from truepose.planning.errors import TooFewCandidatesError
-from truepose.planning.work_volume.keep_outs import gaps_mm, look_at
+from truepose.planning.workspace.capsules import gaps_mm, look_at
 
 _LOWEST_MM: Final = 60.0  # of cup and hub above the table
 _HIGHEST_MM: Final = 600.0  # a stand that high is still stiff

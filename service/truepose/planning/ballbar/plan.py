@@ -7,21 +7,17 @@ from typing import Final
 import numpy as np
 
 from truepose.domain.arrays import FloatArray, IntArray
-from truepose.domain.cell.description import Cell
+from truepose.domain.ballbar import BallbarPlan, PlannedPlacement, PlannedSetup
+from truepose.domain.cell import Cell
 from truepose.domain.errors import ConfigurationError
-from truepose.domain.measurement.ballbar import BallbarPlan, PlannedPlacement, PlannedSetup
+from truepose.kinematics.pose_device import check_triangle
+from truepose.planning.ballbar.bodies import BallbarCell, BaseFixture
 from truepose.planning.ballbar.choice import Candidates, candidates, choose
-from truepose.planning.ballbar.clear_ways.away import away
-from truepose.planning.ballbar.clear_ways.bodies import BallbarCell
-from truepose.planning.ballbar.clear_ways.clearance import is_clear
-from truepose.planning.ballbar.clear_ways.short_moves import Stop, Surroundings, lift
-from truepose.planning.ballbar.clear_ways.tours import Tour, tour
-from truepose.planning.ballbar.clear_ways.ways import way
-from truepose.planning.ballbar.fixture import BaseFixture
-from truepose.planning.ballbar.lengths.information import SPACE_POINTS, ArmModel, arm_model, work_space_sample
+from truepose.planning.ballbar.clearance import is_clear
+from truepose.planning.ballbar.information import SPACE_POINTS, ArmModel, arm_model, work_space_sample
+from truepose.planning.ballbar.paths import Stop, Surroundings, Tour, away, lift, tour, way
 from truepose.planning.ballbar.placements import Wish, suggest
-from truepose.planning.ballbar.poses import planned, subset
-from truepose.planning.ballbar.setups import setups
+from truepose.planning.ballbar.poses import planned, setups, subset
 from truepose.planning.errors import NoWayError, TooFewCandidatesError, WorkSpaceError
 
 _LEGS: Final = 6  # of a pose
@@ -75,7 +71,7 @@ def ballbar_cell(cell: Cell) -> BallbarCell:
     Raises
     ------
     ConfigurationError
-        There are not three tool nests with known centres.
+        There are not three tool nests with known centres, or they lie on a line.
     WorkSpaceError
         Neither the cell nor the robot says which joint angles are allowed.
     """
@@ -85,6 +81,7 @@ def ballbar_cell(cell: Cell) -> BallbarCell:
             "A ballbar session needs a tool with three nests whose centres are known: enter them in the "
             "cell file."
         )
+    check_triangle(np.array(centres), "tool nests")
     robot, limits = cell.robot, cell.limits
     ranges = limits.calibration or robot.calibration_ranges or limits.joints or robot.joint_limits
     if ranges is None:

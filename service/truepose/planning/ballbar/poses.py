@@ -1,29 +1,39 @@
-"""Poses that can be measured from one placement of the base fixture, with everything that keeps out others.
+"""Poses that can be measured from one placement of the base fixture, and where its cups are clamped.
 
 Every assembly of the pose device (design and solution, all twelve lengths nominal) is one pose of the tool;
 the arm reaches it by up to eight branches. A configuration counts when its joints are within the ranges, arm
 and tool are clear, and each leg alone finds room between its two balls.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from itertools import islice
 from typing import Final, TypeAlias
 
 import numpy as np
 
 from truepose.domain.arrays import BoolArray, FloatArray, IntArray
-from truepose.domain.measurement.ballbar import Leg, PlannedPose
-from truepose.kinematics.frames import placement_rotation, placement_translation
+from truepose.domain.ballbar import Leg, PlannedPose, PlannedSetup
+from truepose.domain.robot import JointRange
+from truepose.kinematics.frames import (
+    placement_rotation,
+    placement_translation,
+    poses_of,
+    rotation_x,
+    rotation_y,
+    rotation_z,
+)
 from truepose.kinematics.inverse import BRANCH_NAMES, all_branches, brought_within, has_closed_form
 from truepose.kinematics.pose_device import Assembly, assemblies, measurable
-from truepose.planning.ballbar.clear_ways.bodies import BallbarCell, pose_in_base
-from truepose.planning.ballbar.clear_ways.clearance import Bars, arm_room_mm, bar_room_mm, bodies_at
-from truepose.planning.ballbar.fixture import BaseFixture
+from truepose.planning.ballbar.bodies import BallbarCell, BaseFixture, pose_in_base, tool_normal
+from truepose.planning.ballbar.clearance import Bars, arm_room_mm, bar_room_mm, bodies_at, without_cups
+from truepose.planning.ballbar.paths import Stop, Surroundings, can_lift
+from truepose.planning.errors import WorkSpaceError
 
 
 @dataclass(frozen=True, slots=True)
-class Reached:
+class ReachablePoses:
     """Configurations that can be measured, n of them."""
 
     joints_rad: FloatArray  # (n, J)
@@ -56,7 +66,7 @@ def _assembled(cups_mm: _Rows, nests_mm: _Rows, leg_mm: float) -> tuple[Assembly
     return measurable(assemblies(cups, nests, leg_mm=leg_mm), cups, nests)
 
 
-def reach(cell: BallbarCell, fixture: BaseFixture, made: Sequence[Assembly] | None = None) -> Reached:
+def reach(cell: BallbarCell, fixture: BaseFixture, made: Sequence[Assembly] | None = None) -> ReachablePoses:
     """Return every measurable configuration of one placement, in order of assembly and branch.
 
     Parameters
@@ -76,7 +86,7 @@ def reach(cell: BallbarCell, fixture: BaseFixture, made: Sequence[Assembly] | No
     free = _bars_free(cell, fixture, joints, [tried[row // BRANCHES_PER_POSE] for row in index])
     refused["a leg has no room"] = int((~free).sum())
     joints, index = joints[free], index[free]
-    return Reached(
+    return ReachablePoses(
         joints,
         tuple(tried[row // BRANCHES_PER_POSE] for row in index),
         tuple(_branch_name(cell, int(row % BRANCHES_PER_POSE)) for row in index),
@@ -148,7 +158,7 @@ def _walk(path: list[Leg], left: list[Leg]) -> tuple[Leg, ...] | None:
     return None
 
 
-def planned(found: Reached, placement: int, first_config: int = 1) -> tuple[PlannedPose, ...]:
+def planned(found: ReachablePoses, placement: int, first_config: int = 1) -> tuple[PlannedPose, ...]:
     """Return configurations as planned poses, in their order."""
     rows = zip(found.joints_rad, found.assembly, found.branch, strict=True)
     return tuple(
@@ -163,7 +173,7 @@ def planned(found: Reached, placement: int, first_config: int = 1) -> tuple[Plan
     )
 
 
-def subset(found: Reached, rows: IntArray) -> Reached:
+def subset(found: ReachablePoses, rows: IntArray) -> ReachablePoses:
     """Return some of the configurations, in the order of `rows`."""
     return replace(
         found,
@@ -171,3 +181,95 @@ def subset(found: Reached, rows: IntArray) -> Reached:
         assembly=tuple(found.assembly[row] for row in rows),
         branch=tuple(found.branch[row] for row in rows),
     )
+
+
+_SPINS: Final = 24  # of the tool about the cup's axis
+_TILTS_DEG: Final = (
+    0.0,
+    15.0,
+    30.0,
+    45.0,
+)  # of the tool against the cup; beyond, both cups grasp past the ball
+_AT_ONCE: Final = 100  # configurations that are looked at together
+_MOST_LIFTS: Final = 40  # configurations of which it is tried whether the tool can leave the cup
+_TILT_COST: Final = 0.2  # share of a joint's range that a tilt of one radian is worth
+
+
+def setups(cell: BallbarCell, fixture: BaseFixture) -> tuple[PlannedSetup, ...]:
+    """Return one set-up per base cup: joints far inside their ranges, the tool square on the cup if possible.
+
+    Raises
+    ------
+    WorkSpaceError
+        The arm cannot hold the ball at one of the cups.
+    """
+    found = []
+    for point in range(1, len(fixture.cups_mm) + 1):
+        joints = setup_joints(cell, fixture, point)
+        if joints is None:
+            raise WorkSpaceError(
+                f"The arm cannot hold the setting ball at base point {point} of placement {fixture.number}: "
+                "place the base fixture nearer to the middle of its work space."
+            )
+        found.append(PlannedSetup(point, tuple(float(q) for q in joints)))
+    return tuple(found)
+
+
+def setup_joints(cell: BallbarCell, fixture: BaseFixture, point: int) -> FloatArray | None:
+    """Return the joints (J,) at which tool nest 1 is at a cup (1-based); None where the arm cannot be."""
+    rotations, tilt = orientations_facing(cell, fixture.axes[point - 1])
+    poses = poses_of(rotations, fixture.cups_mm[point - 1] - rotations @ cell.nests_mm[0])
+    joints = all_branches(cell.robot, pose_in_base(cell, poses))
+    tilts = np.repeat(tilt, joints.shape[1])
+    turned, within = brought_within(joints.reshape(-1, cell.robot.n_joints), cell.ranges)
+    turned, tilts = turned[within], tilts[within]
+    if not len(turned):
+        return None
+    worth = inside(cell.ranges, turned) - _TILT_COST * tilts
+    best_first = turned[np.argsort(-worth, kind="stable")]
+    around = Surroundings(cell, fixture)
+    for one in islice(_clear(cell, fixture, best_first, point), _MOST_LIFTS):
+        if can_lift(around, Stop(one, point)):
+            return one
+    return None
+
+
+def _clear(
+    cell: BallbarCell, fixture: BaseFixture, joints_rad: FloatArray, point: int
+) -> Iterator[FloatArray]:
+    """Yield those of (n, J) configurations that are clear; the first ones will mostly do."""
+    for start in range(0, len(joints_rad), _AT_ONCE):
+        some = joints_rad[start : start + _AT_ONCE]
+        yield from some[_room(cell, fixture, some, point) >= cell.arm_room_mm]
+
+
+def orientations_facing(cell: BallbarCell, axis: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return orientations of the last frame, the tool facing against an axis, and their tilts [rad]."""
+    towards = _frame_with_z(-axis) @ rotation_z(np.linspace(0, 2 * np.pi, _SPINS, endpoint=False))
+    own = _frame_with_z(tool_normal(cell.nests_mm)).T
+    rotations, tilts = [], []
+    for tilt in np.radians(_TILTS_DEG):
+        for lean in (rotation_x(tilt), rotation_x(-tilt), rotation_y(tilt), rotation_y(-tilt)):
+            rotations.append(towards @ lean @ own)
+            tilts.append(np.full(_SPINS, tilt))
+    return np.concatenate(rotations), np.concatenate(tilts)
+
+
+def _frame_with_z(axis: FloatArray) -> FloatArray:
+    """Return a rotation whose third column is `axis`."""
+    aside = np.eye(3)[int(np.argmin(np.abs(axis)))]
+    x = np.cross(aside, axis)
+    x /= np.linalg.norm(x)
+    return np.stack([x, np.cross(axis, x), axis], axis=1)
+
+
+def inside(ranges: tuple[JointRange, ...], joints_rad: FloatArray) -> FloatArray:
+    """Return how far the worst joint is inside its range, as a share of the range, shape (n,)."""
+    low = np.array([limit.lower_rad for limit in ranges])
+    high = np.array([limit.upper_rad for limit in ranges])
+    span = np.maximum(high - low, 1e-9)
+    return np.asarray((np.minimum(joints_rad - low, high - joints_rad) / span).min(axis=1))
+
+
+def _room(cell: BallbarCell, fixture: BaseFixture, joints_rad: FloatArray, point: int) -> FloatArray:
+    return arm_room_mm(without_cups(bodies_at(cell, fixture, joints_rad), point))

@@ -13,39 +13,39 @@ from typing import Final
 import numpy as np
 
 from truepose.domain.arrays import FloatArray, IntArray
-from truepose.domain.errors import ConfigurationError
-from truepose.domain.measurement.ballbar import (
+from truepose.domain.ballbar import (
     BallbarPlan,
     PlannedPlacement,
     PlannedPose,
     PlannedSetup,
     SphereWish,
 )
-from truepose.domain.measurement.campaign import Stops
+from truepose.domain.campaign import Stops
+from truepose.domain.errors import ConfigurationError
 from truepose.identification.model.prediction import predict
-from truepose.identification.model.validity.same_robot import require_same_robot
+from truepose.identification.model.validity import require_same_robot
 from truepose.kinematics.chain import theta_gradient
 from truepose.kinematics.frames import poses_of
 from truepose.kinematics.inverse import all_branches, brought_within
-from truepose.planning.ballbar.clear_ways.away import away
-from truepose.planning.ballbar.clear_ways.bodies import BallbarCell, chain_of, pose_in_base
-from truepose.planning.ballbar.clear_ways.clearance import (
+from truepose.planning.ballbar.bodies import BallbarCell, BaseFixture, chain_of, pose_in_base
+from truepose.planning.ballbar.clearance import (
     LEAN_RAD,
     Bars,
     arm_room_mm,
     bar_room_mm,
     bodies_at,
 )
-from truepose.planning.ballbar.clear_ways.short_moves import (
+from truepose.planning.ballbar.paths import (
     Stop,
     Surroundings,
+    Tour,
+    away,
     between,
     is_clear_along,
     lift,
+    tour,
 )
-from truepose.planning.ballbar.clear_ways.tours import Tour, tour
-from truepose.planning.ballbar.fixture import BaseFixture
-from truepose.planning.ballbar.setups import inside, orientations_facing, setup_joints
+from truepose.planning.ballbar.poses import inside, orientations_facing, setup_joints
 from truepose.planning.errors import TooFewCandidatesError, WorkSpaceError
 
 BALL_CUP: Final = 1

@@ -1,1 +1,1 @@
-"""Where a probe, gauges, wires or a sensor are read: chosen by what the readings tell about the robot."""
+"""Sessions of closed loops: which configurations bring the tool to its targets, and what they tell."""

@@ -1,26 +1,85 @@
-"""From a wish to the plan of a session of closed loops: candidates, the choice among them, their order."""
+"""From a wish to the plan of a session of closed loops: candidates, the choice among them, their order.
+
+There is one place from which the arm comes to every stop, and to which it returns: past all that stands
+there. So the way from one stop to the next is known to be clear, also where some of them are left out.
+"""
 
 from typing import Final
 
 import numpy as np
 
-from truepose.domain.arrays import FloatArray
-from truepose.domain.cell.description import Cell
-from truepose.domain.measurement.contacts import ContactPlan, ContactStop, Joints
-from truepose.domain.measurement.session import Vector
-from truepose.domain.measurement.targets import SEEN_ALONG_AXES, Target, TargetKind
+from truepose.domain.arrays import BoolArray, FloatArray
+from truepose.domain.cell import Cell
+from truepose.domain.contacts import SEEN_ALONG_AXES, ContactPlan, ContactStop, Joints, Target, TargetKind
+from truepose.domain.session import Vector
 from truepose.kinematics.chain import Chain, alpha_gradient, theta_gradient
-from truepose.planning.choice_by_exchange import choose_by_exchange
-from truepose.planning.contacts.goals import Goals, draw_goals, groups_of
-from truepose.planning.contacts.reaching import Reached, reached
-from truepose.planning.contacts.sense import require_sense
-from truepose.planning.contacts.transits import clear_from, hub_of, keep_off
-from truepose.planning.contacts.wish import ContactWish, normal_of, place_of
-from truepose.planning.errors import TooFewCandidatesError
-from truepose.planning.work_volume.candidates import draw_candidates
-from truepose.planning.work_volume.cell_bodies import CellBodies, bodies_of
-from truepose.planning.work_volume.cell_space import space_to_measure
-from truepose.planning.work_volume.work_space import WorkSpace, nominal_chain
+from truepose.planning.contacts.poses import Goals, ReachablePoses, draw_goals, groups_of, reached
+from truepose.planning.contacts.wish import ContactWish, normal_of, place_of, require_sense
+from truepose.planning.errors import NoWayError, TooFewCandidatesError
+from truepose.planning.exchange_algorithm import choose_by_exchange
+from truepose.planning.workspace.bodies import CellBodies, Ways, bodies_of, least_rooms_mm
+from truepose.planning.workspace.candidates import draw_candidates
+from truepose.planning.workspace.space import WorkSpace, nest_places, nominal_chain, space_to_measure
+
+_LOOKS: Final = 40  # along a way
+_KEPT_OFF_MM: Final = 20.0  # by the tool's nests and the flange, from what they could touch
+_FIXTURE_MM: Final = 40.0  # half the size of a fixture of gauges, or of a ball with its foot
+_TRIED: Final = 12  # places from which the arm could come
+_BEGINS_TRIED: Final = 20
+
+
+def hub_of(
+    space: WorkSpace, bodies: CellBodies, wish: ContactWish, begins_rad: FloatArray, rng: np.random.Generator
+) -> FloatArray:
+    """Return the configuration from which most of the begins (n, J) are reached by a clear way, shape (J,).
+
+    Raises NoWayError where none is reached from any that was tried.
+    """
+    tried = draw_candidates(space, _TRIED, rng).joints_rad
+    tried = tried[keep_off(space, wish, tried)]
+    some = begins_rad[rng.permutation(len(begins_rad))[:_BEGINS_TRIED]]
+    reached = [int(clear_from(space, bodies, wish, hub, some).sum()) for hub in tried]
+    if not reached or max(reached) == 0:
+        raise NoWayError(
+            "From no place that was tried a clear way leads to the targets: put them elsewhere, or take "
+            "another seed."
+        )
+    best: FloatArray = tried[int(np.argmax(reached))]
+    return best
+
+
+def clear_from(
+    space: WorkSpace, bodies: CellBodies, wish: ContactWish, hub_rad: FloatArray, begins_rad: FloatArray
+) -> BoolArray:
+    """Whether the straight joint motions from a hub to begins (n, J) are clear, shape (n,)."""
+    n, joints = begins_rad.shape
+    hubs = np.broadcast_to(hub_rad, (n, joints))
+    room_mm = least_rooms_mm(bodies, Ways((), hubs, begins_rad))
+    share = np.linspace(0.0, 1.0, _LOOKS)[:, None, None]
+    along = (hubs + share * (begins_rad - hubs)).reshape(-1, joints)
+    off = keep_off(space, wish, along).reshape(_LOOKS, n).all(axis=0)
+    clear: BoolArray = (room_mm >= 0.0) & off
+    return clear
+
+
+def keep_off(space: WorkSpace, wish: ContactWish, joints_rad: FloatArray) -> BoolArray:
+    """Whether the tool's nests and the flange are away from all targets at configurations (n, J)."""
+    chain = nominal_chain(space, joints_rad)
+    points_mm = np.concatenate([nest_places(space, chain), chain.origin[-1:]])
+    apart = [_keeps_off(target, points_mm).all(axis=0) for target in wish.targets]
+    return np.asarray(np.all(apart, axis=0))
+
+
+def _keeps_off(target: Target, points_mm: FloatArray) -> BoolArray:
+    """Whether points (k, n, 3) stay away from a target, shape (k, n)."""
+    off_mm = points_mm - place_of(target)
+    if target.kind is TargetKind.PLANE:
+        return np.asarray(off_mm @ normal_of(target) >= _KEPT_OFF_MM)
+    if target.kind is TargetKind.WIRE:
+        return np.ones(off_mm.shape[:-1], dtype=bool)
+    size_mm = (target.zero_mm or 0.0) if target.kind is TargetKind.SPHERE else _FIXTURE_MM
+    return np.asarray(np.linalg.norm(off_mm, axis=-1) >= size_mm + _KEPT_OFF_MM)
+
 
 _DRAWN: Final = 1500  # at once
 _MOST_DRAWS: Final = 12
@@ -67,37 +126,41 @@ def plan_of(cell: Cell, wish: ContactWish) -> ContactPlan:
     )
 
 
-def _candidates(space: WorkSpace, bodies: CellBodies, wish: ContactWish, rng: np.random.Generator) -> Reached:
+def _candidates(
+    space: WorkSpace, bodies: CellBodies, wish: ContactWish, rng: np.random.Generator
+) -> ReachablePoses:
     """Return places at the targets with their ways, all of which begin at the same place."""
-    wanted, parts = _CANDIDATES_PER_STOP * wish.stops, [_near(space, bodies, wish, rng)]
-    if not len(parts[0].way_rad):
-        return _enough(wish, parts[0])
-    hub_rad = hub_of(space, bodies, wish, parts[0].way_rad[:, 0], rng)
-    for _ in range(_MOST_DRAWS):
-        parts[-1] = _from_hub(space, bodies, wish, hub_rad, parts[-1])
-        if sum(len(part.way_rad) for part in parts) >= wanted:
+    near = _near(space, bodies, wish, rng)
+    if not len(near.way_rad):
+        return _enough(wish, near)
+    hub_rad = hub_of(space, bodies, wish, near.way_rad[:, 0], rng)
+    parts = [_from_hub(space, bodies, wish, hub_rad, near)]
+    for _ in range(1, _MOST_DRAWS):
+        if sum(len(part.way_rad) for part in parts) >= _CANDIDATES_PER_STOP * wish.stops:
             break
-        parts.append(_near(space, bodies, wish, rng))
+        parts.append(_from_hub(space, bodies, wish, hub_rad, _near(space, bodies, wish, rng)))
     return _enough(wish, _joined(parts))
 
 
-def _near(space: WorkSpace, bodies: CellBodies, wish: ContactWish, rng: np.random.Generator) -> Reached:
+def _near(
+    space: WorkSpace, bodies: CellBodies, wish: ContactWish, rng: np.random.Generator
+) -> ReachablePoses:
     found = reached(space, bodies, wish, draw_goals(wish, _DRAWN, rng), rng)
     return found.taken(np.flatnonzero(keep_off(space, wish, found.way_rad[:, 0])))
 
 
 def _from_hub(
-    space: WorkSpace, bodies: CellBodies, wish: ContactWish, hub_rad: FloatArray, found: Reached
-) -> Reached:
+    space: WorkSpace, bodies: CellBodies, wish: ContactWish, hub_rad: FloatArray, found: ReachablePoses
+) -> ReachablePoses:
     clear = np.flatnonzero(clear_from(space, bodies, wish, hub_rad, found.way_rad[:, 0]))
     kept = found.taken(clear)
     hubs = np.broadcast_to(hub_rad, (len(clear), 1, len(hub_rad)))
-    return Reached(kept.goals, np.concatenate([hubs, kept.way_rad], axis=1))
+    return ReachablePoses(kept.goals, np.concatenate([hubs, kept.way_rad], axis=1))
 
 
-def _joined(parts: list[Reached]) -> Reached:
+def _joined(parts: list[ReachablePoses]) -> ReachablePoses:
     goals = [part.goals for part in parts]
-    return Reached(
+    return ReachablePoses(
         Goals(
             np.concatenate([part.group for part in goals]),
             np.concatenate([part.tip_mm for part in goals]),
@@ -108,7 +171,7 @@ def _joined(parts: list[Reached]) -> Reached:
     )
 
 
-def _hanging(space: WorkSpace, wish: ContactWish, rng: np.random.Generator) -> Reached:
+def _hanging(space: WorkSpace, wish: ContactWish, rng: np.random.Generator) -> ReachablePoses:
     """Return configurations all over the work space in which every wire is within its stroke."""
     joints = draw_candidates(space, _DRAWN, rng).joints_rad
     tip_mm = _tips_mm(space, wish, joints)
@@ -118,10 +181,10 @@ def _hanging(space: WorkSpace, wish: ContactWish, rng: np.random.Generator) -> R
     kept = np.flatnonzero((np.abs(off_mm) <= wish.usable_mm).all(axis=0))
     nothing = np.zeros((len(kept), 3))
     goals = Goals(np.zeros(len(kept), dtype=np.int64), tip_mm[kept], nothing, nothing)
-    return _enough(wish, Reached(goals, joints[kept][:, None]))
+    return _enough(wish, ReachablePoses(goals, joints[kept][:, None]))
 
 
-def _enough(wish: ContactWish, found: Reached) -> Reached:
+def _enough(wish: ContactWish, found: ReachablePoses) -> ReachablePoses:
     if len(found.way_rad) < 2 * wish.stops:
         raise TooFewCandidatesError(
             f"The arm reaches its targets in {len(found.way_rad)} of the ways that were tried, and "
@@ -134,7 +197,7 @@ def _tips_mm(space: WorkSpace, wish: ContactWish, joints_rad: FloatArray) -> Flo
     return nominal_chain(space, joints_rad).points(np.array(space.nests[wish.nest - 1].centre_mm))
 
 
-def _jacobians(space: WorkSpace, wish: ContactWish, found: Reached) -> FloatArray:
+def _jacobians(space: WorkSpace, wish: ContactWish, found: ReachablePoses) -> FloatArray:
     """Return the derivatives of each candidate's readings, shape (n, rows, parameters).
 
     In the joint zeros, the twists between joint axes, and the places of the targets; columns scaled to the
@@ -171,7 +234,7 @@ def _direction(target: Target, goals: Goals) -> FloatArray:
     return np.broadcast_to(normal_of(target), goals.tip_mm.shape)
 
 
-def _stop(wish: ContactWish, found: Reached, row: int, config: int) -> ContactStop:
+def _stop(wish: ContactWish, found: ReachablePoses, row: int, config: int) -> ContactStop:
     targets = groups_of(wish)[int(found.goals.group[row])]
     way: tuple[Joints, ...] = tuple(tuple(map(float, place)) for place in found.way_rad[row])
     return ContactStop(

@@ -1,15 +1,19 @@
-"""What is wanted of a session of closed loops."""
+"""What is wanted of a session of closed loops, held against itself and the cell."""
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
-from truepose.domain.measurement.contacts import Loop, TargetDistance
-from truepose.domain.measurement.session import Role, Vector
-from truepose.domain.measurement.targets import Target
+from truepose.domain.cell import Cell
+from truepose.domain.contacts import CENTRES, Loop, Target, TargetDistance, TargetKind
+from truepose.domain.session import Role, Vector
+from truepose.planning.errors import WorkSpaceError
 
 _UP = (0.0, 0.0, 1.0)
+_CANCELLED: Final = 1e-6  # of the mean of unit vectors: what is left shows no direction
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,3 +51,77 @@ def normal_of(target: Target) -> FloatArray:
     normal = np.array(target.normal if target.normal is not None else _UP, dtype=np.float64)
     unit: FloatArray = normal / np.linalg.norm(normal)
     return unit
+
+
+def mean_normal(targets: Sequence[Target]) -> FloatArray:
+    """Return the mean direction in which the readings of targets grow together, shape (3,).
+
+    Raises
+    ------
+    WorkSpaceError
+        Their directions cancel each other.
+    """
+    mean = np.mean([normal_of(target) for target in targets], axis=0)
+    size = float(np.linalg.norm(mean))
+    if size < _CANCELLED:
+        raise WorkSpaceError(
+            "The targets that are read together have normals that cancel each other: nothing says from where "
+            "the tool comes. Give one of them another normal."
+        )
+    return np.asarray(mean / size)
+
+
+_READS: Final[Mapping[Loop, frozenset[TargetKind]]] = {
+    "probe": frozenset({TargetKind.SPHERE, TargetKind.PLANE}),
+    "gauges": frozenset({TargetKind.GAUGE}),
+    "wires": frozenset({TargetKind.WIRE}),
+    "sensor": frozenset({TargetKind.BALL}),
+}
+_WITH_ZERO: Final = frozenset({TargetKind.SPHERE, TargetKind.WIRE})
+_LEAST_LENGTH: Final = 1e-3  # of a direction
+
+
+def require_sense(cell: Cell, wish: ContactWish) -> None:
+    """Raise WorkSpaceError, with one sentence, for the first thing that cannot be meant."""
+    for target in wish.targets:
+        _require_target(wish, target)
+    if wish.loop == "sensor" and len(wish.targets) != 1:
+        raise WorkSpaceError("A sensor sees one ball; give one target.")
+    _require_length(wish.axis, "The axis of the tool")
+    _require_distances(wish)
+    if not 0.0 <= wish.margin_mm < 0.5 * wish.stroke_mm:
+        raise WorkSpaceError("The margin must be less than half the stroke.")
+    if not 1 <= wish.nest <= len(cell.nests) or cell.nests[wish.nest - 1].centre_mm is None:
+        raise WorkSpaceError(f"The cell has no tool nest {wish.nest} with a centre.")
+
+
+def _require_target(wish: ContactWish, target: Target) -> None:
+    if target.kind not in _READS[wish.loop]:
+        raise WorkSpaceError(
+            f"Target {target.number} is a {target.kind.value}, and what reads target 1 does not read that."
+        )
+    if target.place_mm is None:
+        raise WorkSpaceError(f"Target {target.number} has no place; say about where it will be bolted.")
+    if target.kind in _WITH_ZERO and target.zero_mm is None:
+        raise WorkSpaceError(f"Target {target.number} has no zero_mm; say about how far off it reads 0.")
+    if target.kind is TargetKind.SPHERE and not (target.zero_mm or 0.0) > 0.0:
+        raise WorkSpaceError(
+            f"Target {target.number} reads 0 at its own centre, which nothing touches: give as zero_mm the "
+            "radius of sphere and tip together."
+        )
+    if target.normal is not None:
+        _require_length(target.normal, f"The normal of target {target.number}")
+
+
+def _require_length(direction: Vector, what: str) -> None:
+    if not np.linalg.norm(direction) > _LEAST_LENGTH:
+        raise WorkSpaceError(f"{what} has no length; a direction needs one.")
+
+
+def _require_distances(wish: ContactWish) -> None:
+    centres = {target.number for target in wish.targets if target.kind in CENTRES}
+    for distance in wish.distances:
+        if not set(distance.targets) <= centres or len(set(distance.targets)) < len(distance.targets):
+            raise WorkSpaceError(
+                "A certified distance joins the centres of two different targets of the list."
+            )

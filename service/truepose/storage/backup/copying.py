@@ -1,29 +1,104 @@
-"""A consistent copy of a database, also while a service writes to it.
+"""A consistent copy of a database, also while a service writes to it, with the drafts beside it.
 
 SQLite's own means make it from one reading transaction: it holds every record that was acknowledged before
 it began, in the order of the chain up to its head, and nothing in halves. Readers hold up no writer of a
 database with a write-ahead log, so that a session under way does not notice. Pages and end of the
 copy's chain are looked through before it gets its name; 'truepose verify' looks at every record.
+
+Drafts are files that somebody brought, of which no campaign is made yet. They are no records and stand in no
+chain: the copy of a database is whole without them. They lie in an archive beside it, and are put back only
+where there is no draft.
 """
 
 import contextlib
+import json
 import os
+import re
+import zipfile
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
-from truepose.storage.backup.drafts import copy_drafts
-from truepose.storage.connection.sqlite.connections import opened_file
-from truepose.storage.connection.sqlite.library import LIBRARY
-from truepose.storage.connection.sqlite.place import sync_folder
-from truepose.storage.connection.sqlite.protection import missing_protection
-from truepose.storage.errors import BackupError, DatabaseAddressError
-from truepose.storage.files.owner_alone import make_alone
-from truepose.storage.integrity.head import Head, newest_head
-from truepose.storage.integrity.taken_out import take_out_pins
+from truepose.messages.message import Text
+from truepose.storage.documents import to_document
+from truepose.storage.drafts import MOST_BYTES, STATE, Draft, DraftFolder
+from truepose.storage.engine.files import make_alone, sync_folder
+from truepose.storage.engine.plain import missing_protection
+from truepose.storage.engine.sqlite_connections import LIBRARY, opened_file
+from truepose.storage.errors import BackupError, DatabaseAddressError, NotFoundError
+from truepose.storage.integrity.head_hash import Head, newest_head
+from truepose.storage.secret_files import take_out_pins
 
-Told = Callable[[float, str], None]  # which share is done, and of what
+_MEMBER: Final = re.compile(rf"[1-9]\d{{0,8}}/({re.escape(STATE)}|[1-9]\d{{0,5}}\.file)", re.ASCII)
+_TRIES: Final = 3  # of a draft that somebody changes meanwhile
+
+
+def drafts_beside(copy: Path) -> Path:
+    """Return where the drafts of a copy are."""
+    return copy.with_name(f"{copy.name}.drafts.zip")
+
+
+def copy_drafts(database: Path, copy: Path) -> int:
+    """Write the drafts of a database beside its copy and return how many there are; raises OSError."""
+    archive = drafts_beside(copy)
+    drafts, count = DraftFolder.beside(database), 0
+    part = archive.with_name(f"{archive.name}.part")
+    make_alone(part)
+    with zipfile.ZipFile(part, "w", zipfile.ZIP_DEFLATED) as written:
+        for number in drafts.numbers():
+            held = list(_held(drafts, number))
+            for name, data in held:
+                written.writestr(f"{number}/{name}", data)
+            count += bool(held)
+    with part.open("rb+") as whole:
+        os.fsync(whole.fileno())
+    if count:
+        part.replace(archive)
+    else:
+        part.unlink()
+        archive.unlink(missing_ok=True)
+    sync_folder(archive.parent)
+    return count
+
+
+def restore_drafts(copy: Path, database: Path) -> int:
+    """Put the drafts of a copy back where there are none; returns how many. Raises BackupError."""
+    archive, drafts = drafts_beside(copy), DraftFolder.beside(database)
+    if not archive.exists() or drafts.numbers():
+        return 0
+    try:
+        with zipfile.ZipFile(archive) as kept:
+            members = [one for one in kept.infolist() if _MEMBER.fullmatch(one.filename)]
+            for member in sorted(
+                members, key=lambda one: one.filename.endswith(STATE)
+            ):  # what counts it, last
+                if member.file_size <= MOST_BYTES:
+                    drafts.put_back(member.filename, kept.read(member))
+    except (OSError, zipfile.BadZipFile) as error:
+        raise BackupError(f"{archive} cannot be restored ({error}); the records are.") from error
+    return len(drafts.numbers())
+
+
+def _held(drafts: DraftFolder, number: int) -> Iterator[tuple[str, bytes]]:
+    """Yield what a draft holds at one moment; nothing of one that is thrown away or changed all the time."""
+    for _ in range(_TRIES):
+        try:
+            draft = drafts.get(number)
+            files = [
+                (f"{file.number}.file", drafts.path(number, file.number).read_bytes()) for file in draft.files
+            ]
+        except (FileNotFoundError, NotFoundError):
+            continue
+        yield from [*files, (STATE, _document(draft))]
+        return
+
+
+def _document(draft: Draft) -> bytes:
+    return json.dumps(to_document(draft)).encode()
+
+
+Told = Callable[[float, Text], None]  # which share is done, and of what
 _PAGES: Final = 4096  # at a time, 16 MB: between two of them is told how far it is
 _BESIDE: Final = ("", "-wal", "-shm", ".lock", ".seal")  # what whoever writes a database leaves
 _COPYING: Final = 0.6  # of the time that everything takes
@@ -99,19 +174,12 @@ def copy_database(database: Path, target: Path, told: Callable[[float], None]) -
         source.backup(copy, pages=_PAGES, progress=copied)
         # One file that can be read from wherever it lies; a service opens its log anew.
         copy.execute("PRAGMA journal_mode=DELETE")
-        _take_out_pins(copy)
+        copy.execute("PRAGMA secure_delete=ON")  # nor is left what was written before in its place
+        with copy:
+            take_out_pins(copy, revoked_only=False)
     with target.open("rb+") as written:
         os.fsync(written.fileno())
     return head
-
-
-def _take_out_pins(copy: Any) -> None:
-    """Leave no PIN in a copy, nor what was written before in its place."""
-    if copy.execute("SELECT 1 FROM sqlite_schema WHERE name = 'credentials'").fetchone() is None:
-        return  # of an older schema
-    copy.execute("PRAGMA secure_delete=ON")
-    with copy:
-        take_out_pins(copy, revoked_only=False)
 
 
 def require_copy(file: Path, head: Head) -> None:

@@ -1,4 +1,4 @@
-"""What copies are wanted."""
+"""What copies are wanted; commands state it and must not wait for a database library."""
 
 from dataclasses import dataclass
 from pathlib import Path

@@ -11,14 +11,12 @@ from pathlib import Path
 from typing import Final
 
 from truepose.storage.backup.copying import Told, copy_database, require_copy
-from truepose.storage.connection.sqlite.connections import opened_file
-from truepose.storage.connection.sqlite.library import LIBRARY
-from truepose.storage.connection.sqlite.lock import ServiceLock
-from truepose.storage.connection.sqlite.place import sync_folder
+from truepose.storage.engine.files import sync_folder
+from truepose.storage.engine.sqlite_connections import LIBRARY, opened_file
+from truepose.storage.engine.sqlite_file import ServiceLock
 from truepose.storage.errors import BackupError, DatabaseUsedError
-from truepose.storage.integrity.arrival import verify_left
-from truepose.storage.integrity.head import Head, newest_head
-from truepose.storage.integrity.verification import Verdict
+from truepose.storage.integrity.head_hash import Head, newest_head
+from truepose.storage.integrity.verification import Verdict, verify_left
 
 ASIDE: Final = "before-restore"
 READY: Final = "to-restore"

@@ -1,19 +1,71 @@
-"""Copies on a schedule: made while the service runs, so many of them kept."""
+"""Copies as the service and its commands make them: by address, on a schedule, and which files may go.
+
+A copy is always a file, of a server's database one with all its records. Readings, acts, results and the
+uploads that they came from are records: they are in the chain, and stay. Live values are never stored. What
+is left are old logs, surplus copies, and what an interrupted copy left behind.
+"""
 
 import asyncio
 import logging
+import os
 import re
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import closing
+from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Final
 
-from truepose.storage.backup.addressed import back_up_at
-from truepose.storage.backup.drafts import drafts_beside
+from truepose.storage.backup.copying import Backup, Told, back_up, drafts_beside, require_copy, written_copy
 from truepose.storage.backup.plan import BackupPlan
-from truepose.storage.errors import StorageError
-from truepose.storage.files.owner_alone import tighten
+from truepose.storage.backup.restoring import restore, whole_copy
+from truepose.storage.backup.transfer import fill, transfer
+from truepose.storage.engine.address import database_file, is_server, parsed_url
+from truepose.storage.engine.files import tighten
+from truepose.storage.engine.reading import lies_beside
+from truepose.storage.engine.sqlite_connections import LIBRARY
+from truepose.storage.errors import BackupError, StorageError
+from truepose.storage.integrity.head_hash import Head
+
+
+def back_up_at(
+    url: str, target: Path, told: Told = lambda share, doing: None, *, replace: bool = False
+) -> Backup:
+    """Copy a database into one file, while a service runs or not; raises StorageError."""
+    if not is_server(parsed_url(url)):
+        return back_up(database_file(url), target, told, replace=replace)
+
+    def write(part: Path, told: Told) -> Head:
+        head = fill(url, f"sqlite:///{part}", told)
+        _make_one_file(part)
+        require_copy(part, head)
+        return head
+
+    return written_copy(lies_beside(url), target, write, told, replace=replace)
+
+
+def restore_at(
+    copy: Path, url: str, told: Told = lambda share, doing: None, *, replace: bool = False
+) -> tuple[Head, Path | None]:
+    """Put a copy in the place of a database; of a server's only into an empty one. Raises StorageError."""
+    if not is_server(parsed_url(url)):
+        return restore(copy, database_file(url), told, replace=replace)
+    if replace:
+        raise BackupError(
+            "Nothing is put aside on a server: restore into an empty database of it and keep the one before."
+        )
+    whole_copy(copy, told)
+    return transfer(f"sqlite:///{copy.resolve()}", url, told)[0], None
+
+
+def _make_one_file(part: Path) -> None:
+    """Leave a database that was just written as one file, which is on the disk."""
+    with closing(LIBRARY.connect(part)) as copy:
+        copy.execute("PRAGMA journal_mode=DELETE")
+    with part.open("rb+") as written:
+        os.fsync(written.fileno())
+
 
 _LOG: Final = logging.getLogger(__name__)
 _NAME: Final = re.compile(r"truepose-(\d{8}T\d{6}Z)\.sqlite3")
@@ -78,3 +130,61 @@ def copies_in(folder: Path) -> list[tuple[float, Path]]:
 
 def _moment_s(stamp: str) -> float:
     return datetime.strptime(stamp, _STAMP).replace(tzinfo=UTC).timestamp()
+
+
+_DAY_S: Final = 86400.0
+_LEFT_BEHIND: Final = (".part", ".rescued", ".restored")
+_SURELY_LEFT_S: Final = _DAY_S  # no copy takes so long
+
+
+@dataclass(frozen=True, slots=True)
+class Rules:
+    """How long what may go is kept."""
+
+    logs_days: float = 90.0
+    copies: Path | None = None  # folder of the copies on a schedule
+    keep_copies: int = 7
+
+
+@dataclass(frozen=True, slots=True)
+class Surplus:
+    """A file that may go, and why."""
+
+    file: Path
+    size_bytes: int
+    why: str
+
+
+def surplus(database: Path, rules: Rules, now_s: Callable[[], float] = time.time) -> list[Surplus]:
+    """Return the files that may go, beside a database and among its copies."""
+    found = [*_old_logs(database, rules, now_s()), *_left_behind(database, now_s())]
+    if rules.copies is not None:
+        found += _surplus_copies(rules.copies, rules.keep_copies)
+    return [Surplus(file, file.stat().st_size, why) for file, why in found]
+
+
+def drop(found: list[Surplus]) -> None:
+    """Remove files that may go."""
+    for one in found:
+        one.file.unlink(missing_ok=True)
+
+
+def _old_logs(database: Path, rules: Rules, now_s: float) -> Iterator[tuple[Path, str]]:
+    for file in sorted(database.parent.glob(f"{database.name}.log.*")):
+        days = (now_s - file.stat().st_mtime) / _DAY_S
+        if days > rules.logs_days:
+            yield file, f"log, {days:.0f} days old"
+
+
+def _left_behind(database: Path, now_s: float) -> Iterator[tuple[Path, str]]:
+    for ending in _LEFT_BEHIND:
+        file = database.with_name(f"{database.name}{ending}")
+        if file.exists() and now_s - file.stat().st_mtime > _SURELY_LEFT_S:
+            yield file, "left behind by a copy that was interrupted"
+
+
+def _surplus_copies(folder: Path, keep: int) -> Iterator[tuple[Path, str]]:
+    for _, file in copies_in(folder)[:-keep]:
+        yield file, f"copy, older than the {keep} that are kept"
+        if drafts_beside(file).exists():
+            yield drafts_beside(file), "drafts of such a copy"

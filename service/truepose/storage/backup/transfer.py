@@ -13,24 +13,32 @@ from contextlib import closing
 from pathlib import Path
 from typing import Any, Final
 
-from truepose.storage.backup.drafts import copy_drafts, restore_drafts
-from truepose.storage.connection.address import database_file, is_server, parsed_url, shown_address
-from truepose.storage.connection.engines import holding
-from truepose.storage.connection.filling import fill_in, renumber
-from truepose.storage.connection.holding import Holding
-from truepose.storage.connection.reading import lies_beside, locked_for_reading, opened_at, refused_by
-from truepose.storage.connection.schema import newest_revision
-from truepose.storage.connection.sqlite.connections import opened_file
-from truepose.storage.connection.sqlite.library import LIBRARY
+from truepose.messages.message import Text
+from truepose.storage.backup.copying import copy_drafts, restore_drafts
+from truepose.storage.database import backend_of
+from truepose.storage.engine.address import database_file, is_server, parsed_url, shown_address
+from truepose.storage.engine.backend import Condition, DatabaseBackend
+from truepose.storage.engine.reading import lies_beside, locked_for_reading, opened_at, refused_by
+from truepose.storage.engine.schema import newest_revision
+from truepose.storage.engine.sqlite_connections import LIBRARY, opened_file
 from truepose.storage.errors import BackupError, DatabaseAddressError, DatabaseUsedError, NewerSchemaError
-from truepose.storage.integrity.chain import ROWID, numbered
-from truepose.storage.integrity.condition import Condition
-from truepose.storage.integrity.head import Head, newest_head
-from truepose.storage.integrity.taken_out import without_pin
+from truepose.storage.integrity.head_hash import Head, newest_head
 from truepose.storage.integrity.verification import findings_within
+from truepose.storage.secret_files import without_pin
 from truepose.storage.tables import metadata, read_at_once
 
-Told = Callable[[float, str], None]  # which share is done, and of what
+
+def fill_in(connection: Any, record: str, names: Sequence[str], rows: Sequence[Sequence[Any]]) -> None:
+    """Add rows to a table of the database that a plain connection writes; raises what its library raises."""
+    columns = ", ".join(f'"{name}"' for name in names)
+    if hasattr(connection, "server"):
+        connection.copy_in(f'COPY "{record}" ({columns}) FROM STDIN', rows)
+    else:
+        values = ", ".join("?" for _ in names)
+        connection.executemany(f'INSERT INTO "{record}" ({columns}) VALUES ({values})', rows)
+
+
+Told = Callable[[float, Text], None]  # which share is done, and of what
 _WRITING: Final = 0.5  # of the time that everything takes
 
 
@@ -79,21 +87,21 @@ def fill(source: str, target: str, told: Told = lambda share, doing: None) -> He
 
 def _fill(source: str, connection: Any, target: str, told: Told) -> Head:
     refused: tuple[type[Exception], ...] = (*refused_by(source), *refused_by(target), ValueError)
-    held = holding(target, Condition(), contextlib.nullcontext)
-    held.open()
+    backend = backend_of(target, Condition(), contextlib.nullcontext)
+    backend.open()
     try:
-        _require_empty(held)
-        return _filled(connection, held, told)
+        _require_empty(backend)
+        return _filled(connection, backend, told)
     except refused as error:
         where, said = f"{shown_address(source)} cannot be copied to {shown_address(target)}", str(error)
         raise BackupError(f"{where} ({' '.join(said.split())}); nothing was kept.") from error
     finally:
-        held.close()
+        backend.close()
 
 
-def _filled(source: Any, held: Holding, told: Told) -> Head:
+def _filled(source: Any, backend: DatabaseBackend, told: Told) -> Head:
     """Write everything in one transaction, and look through it before it counts."""
-    target = held.plain
+    target = backend.plain
     source.execute("BEGIN")
     target.execute("BEGIN")
     try:
@@ -105,20 +113,20 @@ def _filled(source: Any, held: Holding, told: Told) -> Head:
     except BaseException:
         target.execute("ROLLBACK")
         raise
-    _commit(held)
+    _commit(backend)
     told(1.0, "verified")
     return head
 
 
-def _commit(held: Holding) -> None:
+def _commit(backend: DatabaseBackend) -> None:
     """Commit; raises BackupError where nobody knows whether that was done, and what the library raises."""
     try:
-        held.plain.execute("COMMIT")
-    except held.refused as error:
-        if not held.ended(error):
+        backend.plain.execute("COMMIT")
+    except backend.refused as error:
+        if not backend.ended(error):
             raise
         raise BackupError(
-            f"The connection to {held.where} ended during the commit: it holds every record now, or none; "
+            f"The connection to {backend.where} ended during the commit: it holds every record now, or none; "
             "look with 'truepose verify'."
         ) from error
 
@@ -127,19 +135,17 @@ def _copy_tables(source: Any, target: Any, links: int, told: Told) -> None:
     done = 0
     for table in metadata.sorted_tables:
         names = [column.name for column in table.columns]
-        names += [] if "id" in names else [ROWID]
         for rows in _rows(source, table.name, names):
             fill_in(target, table.name, names, rows)
             done += len(rows)
             told(_WRITING * min(1.0, done / (2 * links)), "copying")  # a link for each record
-    renumber(target)
 
 
 def _rows(source: Any, record: str, names: list[str]) -> Iterator[list[Sequence[Any]]]:
     """Yield the rows of a table by their numbers, some at a time, without PINs."""
-    number, last, some = numbered(record), 0, read_at_once(record)
-    columns = ", ".join(f'"{name}"' for name in (number, *names))
-    query = f'SELECT {columns} FROM "{record}" WHERE {number} > ? ORDER BY {number} LIMIT ?'
+    last, some = 0, read_at_once(record)
+    columns = ", ".join(f'"{name}"' for name in ("id", *names))
+    query = f'SELECT {columns} FROM "{record}" WHERE id > ? ORDER BY id LIMIT ?'
     while rows := source.execute(query, (last, some)).fetchall():
         last = rows[-1][0]
         yield [without_pin(record, names, [_decoded(value) for value in row[1:]]) for row in rows]
@@ -179,11 +185,11 @@ def _require_there(url: str) -> None:
         raise DatabaseAddressError(f"There is no database {database_file(url)}.")
 
 
-def _require_empty(held: Holding) -> None:
+def _require_empty(backend: DatabaseBackend) -> None:
     """Raise DatabaseUsedError where there is any record."""
     for table in metadata.sorted_tables:
-        if held.plain.execute(f'SELECT 1 FROM "{table.name}" LIMIT 1').fetchone() is not None:
-            raise DatabaseUsedError(f"{held.where} holds records already; name an empty database.")
+        if backend.plain.execute(f'SELECT 1 FROM "{table.name}" LIMIT 1').fetchone() is not None:
+            raise DatabaseUsedError(f"{backend.where} holds records already; name an empty database.")
 
 
 @contextlib.contextmanager
@@ -213,9 +219,9 @@ def _copy_file(older: Path, copy: Path) -> None:
     """Copy a file as it is at this moment, and bring the copy up to date."""
     with closing(opened_file(older)) as source, closing(LIBRARY.connect(copy)) as written:
         source.backup(written)
-    held = holding(f"sqlite:///{copy}", Condition(), contextlib.nullcontext)
-    held.open()
-    held.close()
+    backend = backend_of(f"sqlite:///{copy}", Condition(), contextlib.nullcontext)
+    backend.open()
+    backend.close()
 
 
 def _schema(url: str, connection: Any) -> str:

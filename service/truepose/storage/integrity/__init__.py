@@ -1,1 +1,1 @@
-"""Whether a database holds what was written: the chain of records, the seal, and who looks after them."""
+"""Whether a database holds what was written: the hash chain, the identity file, and who looks after them."""

@@ -13,11 +13,11 @@ import sys
 from typing import Final
 
 from truepose.storage.database import Database
+from truepose.storage.engine.backend import FOREIGN
 from truepose.storage.errors import StorageError
-from truepose.storage.integrity.condition import FOREIGN
 
 _LOG: Final = logging.getLogger(__name__)
-_COMMAND: Final = (sys.executable, "-m", "truepose.storage.integrity.verifying_process")
+_COMMAND: Final = (sys.executable, "-m", "truepose.storage.integrity.verification")
 _FIRST_S: Final = 2.0  # the service is ready before anything is looked through
 _LOOK_S: Final = 1.0
 _AGAIN_S: Final = 6 * 3600.0
@@ -64,25 +64,26 @@ class Guard:
 
     async def check_seal(self) -> None:
         """Compare the database with how it was left; until then nothing is taken over from a log into it."""
-        held = self._database.held
-        said = await asyncio.to_thread(held.changed_since_left)
+        backend = self._database.backend
+        said = await asyncio.to_thread(backend.changed_since_left)
         if said is not None:
             self._condition.note_damage("seal", said)
         with contextlib.suppress(StorageError):
-            await self._database.on_writer(lambda _plain: held.resume())
+            await self._database.on_writer(lambda _plain: backend.resume())
 
     async def look(self) -> bool:
         """See that the file is at its place; returns whether somebody else has written to it."""
         if self._condition.trouble is not None:
             return False
         try:
-            seen = await self._database.on_writer(lambda _plain: self._database.held.look())
+            seen = await self._database.on_writer(lambda _plain: self._database.backend.look())
         except StorageError:
             return False
         if seen.foreign:
             self._condition.note_damage(
                 FOREIGN,
-                f"Another program has written to {self._database.held.where}; every record is being checked.",
+                f"Another program has written to {self._database.backend.where}; "
+                "every record is being checked.",
             )
         for finding in seen.missing:
             self._condition.note_damage(finding, finding)
@@ -124,7 +125,7 @@ class Guard:
     async def _heard(self, process: asyncio.subprocess.Process) -> list[str]:
         findings: list[str] = []
         if process.stdin is not None and process.stdout is not None:
-            process.stdin.write(f"{self._database.held.url}\n".encode())
+            process.stdin.write(f"{self._database.backend.url}\n".encode())
             process.stdin.close()
             async for line in process.stdout:
                 told = json.loads(line)

@@ -1,28 +1,37 @@
-"""Whether a database holds what was written: its pages, its protection, and the chain over all records.
+"""Whether a database holds what was written: pages, protection, chain, and how a service left it.
 
 Reads in small steps, each in a transaction of its own, so that a service that writes meanwhile is not held
 up and its log not kept from being taken over; records that come meanwhile are checked like all others.
+
+`python -m` this module is the process that looks through a database: its URL in, JSON lines out. The URL may
+hold a password, so it is read and is no argument, which everybody on the machine can see.
 """
 
+import contextlib
+import json
+import os
+import sys
 from collections import Counter
 from collections.abc import Callable, Iterator
 from contextlib import closing
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Final
 
-from truepose.storage.connection.plain import protection_of
-from truepose.storage.connection.reading import opened_at, refused_by, require_answering
-from truepose.storage.integrity.chain import (
+from truepose.storage.engine.address import database_file, is_server, parsed_url, shown_address
+from truepose.storage.engine.backend import Condition
+from truepose.storage.engine.plain import damaged_pages, missing_protection, numbers_given
+from truepose.storage.engine.reading import lies_beside, opened_at, refused_by, require_answering
+from truepose.storage.errors import DatabaseAddressError
+from truepose.storage.integrity.database_identity import IdentityFile, Left, digest, has_link
+from truepose.storage.integrity.hash_chain import (
     GENESIS,
     OF_NO_SESSION,
-    TABLE_NOW,
     linked_hash,
-    numbered,
     stream_of,
 )
-from truepose.storage.integrity.head import Head, contradicted, newest_head
-from truepose.storage.integrity.taken_out import is_taken_out
+from truepose.storage.integrity.head_hash import Head, contradicted, newest_head
+from truepose.storage.secret_files import is_taken_out
 from truepose.storage.tables import metadata, read_at_once
 
 Told = Callable[[float], None]  # which share is done
@@ -53,11 +62,10 @@ def verify_at(url: str, told: Told = lambda share: None, printed: Head | None = 
     """
     try:
         with closing(opened_at(url)) as connection:
-            protection = protection_of(connection)
-            damaged_pages = tuple(protection.damaged_pages(connection))
-            if damaged_pages:  # what such pages say need have no order and no end
-                return Verdict(0, damaged_pages)
-            further = protection.missing_protection(connection)
+            damaged = tuple(damaged_pages(connection))
+            if damaged:  # what such pages say need have no order and no end
+                return Verdict(0, damaged)
+            further = missing_protection(connection)
             told(0.1)
             chain = _ChainReader(connection)
             chain.read(lambda share: told(0.1 + 0.9 * share))
@@ -74,7 +82,7 @@ def findings_within(connection: Any, told: Told) -> list[str]:
     """Return what is wrong with any record, as a transaction sees it that is under way."""
     chain = _ChainReader(connection)
     chain.read_within(told)
-    return [*chain.findings, *protection_of(connection).missing_protection(connection)]
+    return [*chain.findings, *missing_protection(connection)]
 
 
 def stream_findings(connection: Any, stream: int) -> Iterator[str]:
@@ -83,10 +91,9 @@ def stream_findings(connection: Any, stream: int) -> Iterator[str]:
     links = "SELECT record, record_id, hash FROM links WHERE stream = ? ORDER BY id"
     linked: Counter[str] = Counter()
     for record, record_id, found in connection.execute(links, (stream,)):
-        table = TABLE_NOW.get(record, record)
-        if table in metadata.tables:
-            linked[table] += 1
-            rows = connection.execute(f'SELECT * FROM "{table}" WHERE {numbered(table)} = ?', (record_id,))
+        if record in metadata.tables:
+            linked[record] += 1
+            rows = connection.execute(f'SELECT * FROM "{record}" WHERE id = ?', (record_id,))
             names, row = tuple(column[0] for column in rows.description), rows.fetchone()
             if row is None or linked_hash(before, record, names, row) != found:
                 yield f"{_record(record, record_id, stream)} is not as it was written."
@@ -140,7 +147,7 @@ class _ChainReader:
         before, self._heads[stream] = self._heads.get(stream, GENESIS), found
         self.newest = (self._last, found.hex())
         self.records += 1
-        table = self._tables.get(TABLE_NOW.get(record, record))
+        table = self._tables.get(record)
         if table is None:
             self.findings.append(f"Link {self._last} of the chain names the unknown table {record}.")
             return
@@ -159,7 +166,7 @@ class _ChainReader:
         for record, table in self._tables.items():
             self.findings += [f"{_record(record, n, None)} was slipped in." for n in table.left()]
         last = {record: table.last for record, table in self._tables.items()} | {"links": self._last}
-        for record, given in protection_of(self._connection).numbers_given(self._connection).items():
+        for record, given in numbers_given(self._connection).items():
             if last.get(record, given) != given:
                 self.findings.append(f"The newest {_words(record)} are missing: {given} were given a number.")
 
@@ -169,8 +176,7 @@ class _Rows:
 
     def __init__(self, connection: Any, record: str) -> None:
         self._connection = connection
-        number = numbered(record)
-        self._query = f'SELECT {number}, * FROM "{record}" WHERE {number} > ? ORDER BY {number} LIMIT ?'
+        self._query = f'SELECT id, * FROM "{record}" WHERE id > ? ORDER BY id LIMIT ?'
         self._some = read_at_once(record)
         self._ahead: list[Any] = []
         self.names: tuple[str, ...] = ()
@@ -218,3 +224,87 @@ def _words(record: str) -> str:
 
 def _text(value: Any) -> str:
     return value if isinstance(value, str) else bytes(value).decode(errors="replace")
+
+
+def note_how_it_was_left(
+    connection: Any, file: Path, left: Left | None, log_bytes: int, condition: Condition
+) -> None:
+    """Note what was dropped, a log where there was none, and newest records that are no longer there.
+
+    Parameters
+    ----------
+    connection : connection of the library
+        That writes.
+    file : Path
+    left : Left or None
+        What the service before said; None where it said nothing.
+    log_bytes : int
+        Size of the write-ahead log before the database was opened.
+    condition : Condition
+    """
+    for finding in missing_protection(connection):
+        condition.note_damage(finding, finding)
+    if left is None:
+        return
+    if left.sha256 is not None and log_bytes:
+        condition.note_damage("log", f"A log lies beside {file}, which was closed without one.")
+    if not has_link(connection, left):
+        condition.note_damage("newest", newest_missing(str(file), IdentityFile(file).file))
+
+
+def verify_left(file: Path, told: Told = lambda share: None, printed: Head | None = None) -> Verdict:
+    """Return what `verify_left_at` finds of a file of SQLite."""
+    return verify_left_at(f"sqlite:///{file}", told, printed)
+
+
+def verify_left_at(url: str, told: Told = lambda share: None, printed: Head | None = None) -> Verdict:
+    """Return what `verify_at` finds, and whether the database is as the service before said that it left it.
+
+    Raises DatabaseAddressError where there is no such file, StorageError where a server cannot be reached.
+    """
+    file, server = database_file(url), is_server(parsed_url(url))
+    if not server and not file.is_file():
+        raise DatabaseAddressError(f"There is no database {file}.")
+    seal = IdentityFile(lies_beside(url))
+    left = seal.left()
+    verdict = verify_at(url, told, printed)
+    if left is None:
+        return verdict
+    return replace(verdict, findings=(*verdict.findings, *_against(url, left, seal.file)))
+
+
+def newest_missing(where: str, seal: Path) -> str:
+    """Return what is said where the database holds less than was kept."""
+    return (
+        f"The newest records of {where} are missing or not those that were kept. Where an older copy was "
+        f"put back on purpose, remove {seal} and start the service again."
+    )
+
+
+def _against(url: str, left: Left, seal: Path) -> Iterator[str]:
+    file = database_file(url)
+    if left.sha256 is not None and digest(file) != left.sha256:
+        yield f"The file {file} was changed while no service had it open."
+    with contextlib.suppress(*refused_by(url)), contextlib.closing(opened_at(url)) as connection:
+        if not has_link(connection, left):
+            yield newest_missing(shown_address(url), seal)
+
+
+_LOWEST_PRIORITY: Final = 19
+
+
+def main() -> None:
+    """Look through the database named and tell how far that is, then what was found."""
+    if hasattr(os, "nice"):
+        os.nice(_LOWEST_PRIORITY)
+    verdict = verify_at(sys.stdin.readline().strip(), lambda share: _tell(share=round(share, 3)))
+    _tell(share=1.0, findings=verdict.findings, records=verdict.records)
+
+
+def _tell(**what: Any) -> None:
+    sys.stdout.write(json.dumps(what) + "\n")
+    sys.stdout.flush()
+
+
+if __name__ == "__main__":
+    main()

@@ -1,1 +1,1 @@
-"""What a plant has of its cells: their journals as they came, and what can be looked up of them."""
+"""A plant and its cells: what leaves a cell, its journal in the plant, and what can be looked up of it."""

@@ -8,18 +8,18 @@ from typing import Any, Final, TypeAlias
 
 from sqlalchemy import Connection, select
 
-from truepose.domain.cell.certificates import Paper, Standing
+from truepose.domain.cell import Paper, Standing
 from truepose.storage.database import Database
 from truepose.storage.plant.records import Branch, CollectedLink
+from truepose.storage.plant.tables import plant_branches, plant_cells, plant_certificates
 from truepose.storage.rows import add_row
-from truepose.storage.tables.of_plants import plant_branches, plant_cells, plant_certificates
 
 Document: TypeAlias = Mapping[str, Any]
 _DAY: Final = 10  # letters of a date at the beginning of a time
 
 
 @dataclass(frozen=True, slots=True)
-class StatedPaper:
+class CertificateRecord:
     """A certificate, by the cell that stated it first, and when."""
 
     paper: Paper
@@ -40,23 +40,23 @@ class PlantCertificates:
     def __init__(self, database: Database) -> None:
         self._database = database
 
-    async def of_instrument(self, serial_number: str) -> list[StatedPaper]:
+    async def of_instrument(self, serial_number: str) -> list[CertificateRecord]:
         """Return every certificate that was stated for a serial number, the one that holds longest first."""
         query = _stated().where(plant_certificates.c.serial_number == serial_number)
         return _longest_first(await self._all(query))
 
-    async def that_count(self) -> list[StatedPaper]:
+    async def that_count(self) -> list[CertificateRecord]:
         """Return of each serial number the certificate that holds longest, the first to end first.
 
         What has no number is told apart by cell and name.
         """
-        counting: dict[tuple[str, ...], StatedPaper] = {}
+        counting: dict[tuple[str, ...], CertificateRecord] = {}
         for found in _longest_first(await self._all(_stated())):
             serial = found.paper.serial_number
             counting.setdefault((serial,) if serial else (found.cell, found.paper.of, ""), found)
         return sorted(counting.values(), key=lambda found: found.paper.expires)
 
-    async def _all(self, query: Any) -> list[StatedPaper]:
+    async def _all(self, query: Any) -> list[CertificateRecord]:
         rows = await self._database.read(lambda connection: connection.execute(query).all())
         return [_stated_paper(*row) for row in rows]
 
@@ -74,11 +74,11 @@ def _stated() -> Any:
 
 def _stated_paper(
     what: str, serial: str, certificate: str, expires: str, cell: str, stated_on: str
-) -> StatedPaper:
-    return StatedPaper(Paper(what, serial, certificate, expires), cell, stated_on)
+) -> CertificateRecord:
+    return CertificateRecord(Paper(what, serial, certificate, expires), cell, stated_on)
 
 
-def _longest_first(found: Iterable[StatedPaper]) -> list[StatedPaper]:
+def _longest_first(found: Iterable[CertificateRecord]) -> list[CertificateRecord]:
     return sorted(found, key=lambda one: (one.paper.expires, one.stated_on), reverse=True)
 
 

@@ -5,37 +5,35 @@ newest link itself, so that nothing can be kept without it, or it without what i
 """
 
 import asyncio
-import logging
+import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import cached_property
 from typing import Any, Final
 
-from sqlalchemy import Connection, select
+from sqlalchemy import Connection, Row, Select, func, select
 
 from truepose.storage.database import Database
 from truepose.storage.errors import CollectedMeanwhileError, ConflictError
-from truepose.storage.integrity.head import Head, head_of
-from truepose.storage.plant.chains import (
+from truepose.storage.integrity.head_hash import Head, head_of
+from truepose.storage.plant.cells import (
     accepted_branches,
     add_branch,
-    all_branches,
     cell_number,
     enter_cell,
     heads,
     newest_branch,
+    newest_visit,
     position,
 )
 from truepose.storage.plant.projections import project
 from truepose.storage.plant.records import AcceptedBranch, Branch, ClockSeen, CollectedLink, Outcome
-from truepose.storage.plant.told import tell_again, untold_links
-from truepose.storage.plant.visits import newest_visit
+from truepose.storage.plant.tables import plant_branches, plant_cells, plant_journal
+from truepose.storage.queries import Part
+from truepose.storage.records import Page
 from truepose.storage.rows import add_rows
-from truepose.storage.tables.of_plants import plant_journal
 
-_LOG: Final = logging.getLogger(__name__)
 _CHAINS_AT_ONCE: Final = 1  # read for the first time: pages find a reader meanwhile
-_RECORDS_AT_ONCE: Final = 20  # read again in one transaction: a campaign may have many megabytes
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,20 +58,6 @@ class Collected:
         return head_of(self.position, self.heads)
 
 
-@dataclass(slots=True)
-class CatchingUp:
-    """How far records that were collected before are read again."""
-
-    of: int
-    done: int = 0
-
-    def __str__(self) -> str:
-        return (
-            f"Records that an earlier version collected are read again, {self.done} of {self.of} so far; "
-            "cells are visited afterwards."
-        )
-
-
 class JournalRepository:
     """All queries about journals.
 
@@ -84,7 +68,6 @@ class JournalRepository:
         self._database = database
         self._known: dict[int, Collected] = {}  # by branch
         self._reading = asyncio.Semaphore(_CHAINS_AT_ONCE)
-        self.catching_up: CatchingUp | None = None  # while that lasts
 
     async def enter(self, *cells: str) -> None:
         """Enter cells where they are new."""
@@ -123,28 +106,6 @@ class JournalRepository:
             after = {**known.heads, **{link.stream: link.hash for link in page}}
             self._known[branch.id] = Collected(branch, page[-1].link, after)
 
-    async def catch_up(self) -> None:
-        """Read again what an earlier version of this program collected and did not look into.
-
-        To be done before the next page is kept. Where the process is killed the next one goes on behind the
-        last records that it kept.
-        """
-        untold = {
-            branch: await self._database.read(partial(untold_links, branch_id=branch.id))
-            for branch in await self._database.read(all_branches)
-        }
-        doing = self.catching_up = CatchingUp(sum(map(len, untold.values())))
-        if doing.of:
-            _LOG.info("%s", doing)
-        try:
-            for branch, links in untold.items():
-                for first in range(0, len(links), _RECORDS_AT_ONCE):
-                    some = links[first : first + _RECORDS_AT_ONCE]
-                    await self._tell_again(branch, some)
-                    doing.done += len(some)
-        finally:
-            self.catching_up = None
-
     async def accept_other_chain(self, cell: str, person: str, reason: str) -> None:
         """Collect the other chain that a cell shows into a branch of its own, once; raises ConflictError."""
         known = await self.collected(await self.reached(cell))
@@ -159,16 +120,6 @@ class JournalRepository:
         wanted = (plant_journal.c.record == record) & (plant_journal.c.record_id == record_id)
         query = select(plant_journal.c.content).where(plant_journal.c.branch_id == branch_id, wanted)
         return await self._database.read(lambda connection: connection.scalar(query))
-
-    async def _tell_again(self, branch: Branch, links: Sequence[int]) -> None:
-        try:
-            await self._database.write(partial(tell_again, branch=branch, links=links))
-        except ConflictError as error:  # of what one of them tells: that one alone tells nothing
-            if len(links) == 1:
-                _LOG.warning("link %d of branch %d tells nothing (%s)", links[0], branch.id, error)
-                return
-            for link in links:
-                await self._tell_again(branch, [link])
 
     async def _heads(self, branch: Branch, at: int) -> Mapping[int, bytes]:
         async with self._reading:
@@ -226,3 +177,82 @@ def _accept(connection: Connection, cell: str, known: Collected, person: str, re
             "next visit."
         )
     add_branch(connection, branch, seen.visit.fork, person, reason)
+
+
+_MOST_CHARACTERS: Final = 8_000_000  # of a page; a campaign alone may have as many
+
+
+@dataclass(frozen=True, slots=True)
+class JournalLine:
+    """A link of a cell's chain with its record, as it was collected."""
+
+    id: int
+    recorded_at: str  # when it was collected
+    branch: int
+    link: int
+    stream: int
+    record: str  # name of its table in the cell
+    record_id: int
+    hash: bytes
+    row: dict[str, Any] | None  # every value with its kind; None: it never leaves the cell
+    verified: bool
+
+
+class JournalLines:
+    """All queries that read journals line by line."""
+
+    def __init__(self, database: Database) -> None:
+        self._database = database
+
+    async def of(self, cell: str, page: Page, record: str | None = None) -> Part[JournalLine]:
+        """Return lines of a cell in the order of collecting, of one kind of record or of all.
+
+        As many as the page wants, fewer where their records are large, one at least where there is any.
+        """
+        return await self._database.read(lambda connection: _lines(connection, cell, page, record))
+
+
+def _lines(connection: Connection, cell: str, page: Page, record: str | None) -> Part[JournalLine]:
+    query = _of_cell(cell, record)
+    total = connection.scalar(query.with_only_columns(func.count(), maintain_column_froms=True)) or 0
+    behind = query.where(plant_journal.c.id > page.after).order_by(plant_journal.c.id)
+    sizes = behind.with_only_columns(plant_journal.c.id, func.length(plant_journal.c.content))
+    found = connection.execute(sizes.limit(page.limit + 1)).all()
+    count = _that_fit([size or 0 for _, size in found[: page.limit]])
+    rows = connection.execute(behind.limit(count)).all() if count else []
+    return Part(tuple(map(_line, rows)), total, rows[-1].id if count < len(found) else None)
+
+
+def _of_cell(cell: str, record: str | None) -> Select[Any]:
+    branches = (
+        select(plant_branches.c.id)
+        .join(plant_cells, plant_cells.c.id == plant_branches.c.cell_id)
+        .where(plant_cells.c.name == cell)
+    )
+    query = select(plant_journal).where(plant_journal.c.branch_id.in_(branches))
+    return query if record is None else query.where(plant_journal.c.record == record)
+
+
+def _that_fit(sizes: Sequence[int]) -> int:
+    """Return how many records make a page, by their characters."""
+    characters = 0
+    for count, size in enumerate(sizes):
+        characters += size
+        if count and characters > _MOST_CHARACTERS:
+            return count
+    return len(sizes)
+
+
+def _line(row: Row[Any]) -> JournalLine:
+    return JournalLine(
+        row.id,
+        row.recorded_at,
+        row.branch_id,
+        row.link,
+        row.stream,
+        row.record,
+        row.record_id,
+        bytes(row.hash),
+        None if row.content is None else json.loads(row.content),
+        bool(row.verified),
+    )

@@ -13,18 +13,17 @@ from typing import Any, Final, TypeAlias
 
 from sqlalchemy import ColumnElement, Connection, Table, select
 
-from truepose.storage.plant.chains import newest_row
+from truepose.storage.plant.cells import newest_row
 from truepose.storage.plant.records import Branch, ClockSeen, CollectedLink
-from truepose.storage.plant.telling import UNKNOWN_FORM
-from truepose.storage.plant.told import tell
-from truepose.storage.rows import add_row
-from truepose.storage.tables.of_plants import (
+from truepose.storage.plant.result_projections import UNKNOWN_FORM, tell
+from truepose.storage.plant.tables import (
     plant_days,
     plant_instruments,
     plant_results,
     plant_robots,
     plant_sessions,
 )
+from truepose.storage.rows import add_row
 
 Document: TypeAlias = Mapping[str, Any]
 _LOG: Final = logging.getLogger(__name__)
@@ -228,7 +227,7 @@ def _instrument(cell: Document) -> str:
 
 
 def _stated(summary: Document, name: str) -> str:
-    """Return what an upload says; earlier versions asked nobody."""
+    """Return what an upload says; empty: nothing."""
     return str(summary.get(name) or "")
 
 
@@ -239,7 +238,6 @@ def _json(row: Document, column: str) -> Any:
 _RECORDS: Final[Mapping[str, Callable[[_Seen, CollectedLink, Document], None]]] = {
     "sessions": _Seen.session,
     "session_entries": _Seen.entry,
-    "ballbar_entries": _Seen.entry,
     "readings": _Seen.reading,
     "campaigns": _Seen.campaign,
     "identifications": lambda seen, link, row: seen.made_of("identification", "campaign", link, row),

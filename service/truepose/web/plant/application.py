@@ -1,24 +1,21 @@
-"""The web application of a plant: the same door, gate and people as a cell's, and routes of its own."""
+"""The web application of a plant: the same middleware and people as a cell's, and routes of its own."""
 
 from collections.abc import Callable
 from contextlib import AbstractAsyncContextManager
 
 from starlette.routing import BaseRoute
 
-from truepose.web.door.hosts import AllowedHosts
-from truepose.web.door.proxies import Proxies
-from truepose.web.people import acts, people, sign_ins
-from truepose.web.people.pages import router as pages_of_people
-from truepose.web.places import error_pages
-from truepose.web.plant import cells, changes, fleets, hand_downs, health, seen
+from truepose.web.api import people, sign_ins
+from truepose.web.asgi import Application, application_of
+from truepose.web.middleware.hosts import AllowedHosts, Proxies
+from truepose.web.pages import reference
+from truepose.web.pages.people import router as pages_of_people
+from truepose.web.pages.rendering import prepare
+from truepose.web.plant import cells, changes, fleet, hand_downs, inventory, lives, overview
 from truepose.web.plant.context import PlantContext
-from truepose.web.plant.pages import cell, glance, lives
-from truepose.web.served import Application, application_of
-from truepose.web.visiting import everywhere
-from truepose.web.visiting.rendering import prepare
 
 _TEMPLATES = ("frame.html", "people/chip.html", "people/dialogue.html", "plant/")
-_RESOURCES = (cells, hand_downs, changes, seen, sign_ins, people, acts)
+_RESOURCES = (cells, hand_downs, changes, inventory, sign_ins, people)
 
 
 def create_plant_application(
@@ -34,14 +31,12 @@ def create_plant_application(
 
 def _routes() -> list[BaseRoute]:
     routers = (
-        health.router,
+        cells.health_router,
         *(resource.router for resource in _RESOURCES),
-        glance.router,
-        fleets.router,
+        overview.router,
+        fleet.router,
         lives.router,
-        cell.router,
         pages_of_people,
-        everywhere.router,
-        error_pages.router,  # to which problem documents lead
+        reference.router,  # with the error pages to which problem documents lead
     )
     return [route for router in routers for route in router.routes]

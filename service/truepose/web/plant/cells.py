@@ -1,28 +1,128 @@
-"""The cells of a plant: how far each was collected, what came of the visits, and another chain accepted."""
+"""The cells of a plant: how far each was collected, visits, records, another chain; the plant's health."""
 
-from typing import Annotated
+from http import HTTPStatus
+from typing import Annotated, Any, Literal
 
-from fastapi import Query, status
+from fastapi import Query, Response, status
+from pydantic import Field
 from starlette.convertors import StringConvertor, register_url_convertor
 
+from truepose.messages.message import message
 from truepose.storage.errors import NotInPlantError
+from truepose.storage.plant.journal import JournalLine
 from truepose.storage.plant.records import VisitRecord
-from truepose.web.people.asking import asking
+from truepose.web.middleware.rights import current_request
+from truepose.web.pages.rendering import Visited
 from truepose.web.plant.context import PlantContext, PlantHere
-from truepose.web.plant.schemas import (
-    BranchRequest,
-    PlantCellReply,
-    PlantRecordReply,
-    VisitReply,
-    VisitsReply,
-    record_reply,
-    visit_reply,
-)
-from truepose.web.problems import problems
-from truepose.web.requests.paging import Counted, Paged, listing
-from truepose.web.requests.parameters import Name
-from truepose.web.resources import resource
-from truepose.web.schemas.base import VISIBLE
+from truepose.web.resources import Counted, Name, Paged, listing, outside_the_api, problems, resource
+from truepose.web.schemas import VISIBLE, PersonName, RecordedAt, RecordId, Reply, Request
+
+
+class PlantHealth(Reply):
+    """Whether the plant works."""
+
+    status: Literal["ok", "degraded"]
+    fault: str | None
+    version: str = Field(examples=["0.1.0"])
+    schema_revision: str = Field(alias="schema", examples=["0001"])
+    cells: int = Field(description="How many stand in the cells file.", examples=[2])
+    newest_copy_age_s: float | None = Field(
+        description="How old the newest copy of its database is; null: there is none, or none is wanted.",
+        examples=[3600.0],
+    )
+
+
+class VisitReply(Reply):
+    """What came of a visit to a cell."""
+
+    id: RecordId
+    recorded_at: RecordedAt
+    found_at: str = Field(
+        description="When a visit found this last, since the start of the plant; else as `recorded_at`.",
+        examples=["2026-05-04T09:42:31.007+00:00"],
+    )
+    outcome: Literal["whole", "unreachable", "refused", "another_chain"]
+    sentence: str = Field(description="What is amiss and what to do; empty: nothing is.", examples=[""])
+    collected: int = Field(description="Links that it brought.", examples=[120])
+    newest: int | None = Field(description="Newest link there; null: no answer.", examples=[4711])
+    head: str | None = Field(
+        description="Head of what was collected, as the cell's reports print it.",
+        examples=["4711-K3QF-7ZWD-M2PA-XY5R"],
+    )
+    clock_offset_s: float | None = Field(description="The cell's clock less the plant's.", examples=[-1.25])
+    clock_bound_s: float | None = Field(description="It is known within so much.", examples=[0.004])
+    version: str | None = Field(description="Of the cell's program.", examples=["0.1.0"])
+
+
+class PlantCellReply(Reply):
+    """A cell of the plant."""
+
+    name: str = Field(examples=["left arm"])
+    visited: bool = Field(description="False: it stands in the cells file no more; what was collected stays.")
+    newest_visit: VisitReply | None
+
+
+class VisitsReply(Reply):
+    """A cell and the latest visits to it."""
+
+    cell: PlantCellReply
+    visits: list[VisitReply]
+
+
+class BranchRequest(Request):
+    """Who accepts another chain of a cell, and why."""
+
+    person: PersonName
+    reason: str = Field(
+        min_length=1, max_length=1000, pattern=VISIBLE, examples=["The disk was exchanged on Monday."]
+    )
+
+
+class PlantRecordReply(Reply):
+    """A link of a cell's chain with its record, as it was collected."""
+
+    id: RecordId
+    recorded_at: RecordedAt
+    branch: int = Field(
+        description="Of the cell's chain; another one since a copy was put back.", examples=[1]
+    )
+    link: int = Field(description="Its number in the cell's chain.", examples=[4711])
+    stream: int = Field(description="Number of its session; 0: it belongs to none.", examples=[3])
+    record: str = Field(description="What kind of record it is.", examples=["readings"])
+    record_id: int = Field(description="Its number in the cell.", examples=[3])
+    hash: str = Field(
+        description="Of the link, in hexadecimal.",
+        examples=["9f86d081884c7d659a2feaa0c55ad015a3bf4f1b2b0b822cd15d6c15b0f00a08"],
+    )
+    row: dict[str, Any] | None = Field(
+        description="The record, every value with its kind; null: it never leaves the cell.",
+        examples=[{"id": 3, "time_s": {"float": "0.1"}}],
+    )
+    verified: bool = Field(description="Whether the hash is that of the record.")
+
+
+def visit_reply(record: VisitRecord) -> VisitReply:
+    """Return a visit as it travels."""
+    visit, clock = record.visit, record.visit.clock
+    return VisitReply(
+        id=record.id,
+        recorded_at=record.recorded_at,
+        found_at=record.found_at,
+        outcome=visit.outcome.value,
+        sentence=visit.sentence,
+        collected=visit.collected,
+        newest=visit.newest,
+        head=visit.head,
+        clock_offset_s=None if clock is None else clock.offset_s,
+        clock_bound_s=None if clock is None else clock.bound_s,
+        version=visit.version,
+    )
+
+
+def record_reply(line: JournalLine) -> PlantRecordReply:
+    """Return a line of a journal as it travels."""
+    told = {name: getattr(line, name) for name in PlantRecordReply.model_fields}
+    return PlantRecordReply(**(told | {"hash": line.hash.hex()}))
 
 
 class _NameConvertor(StringConvertor):
@@ -59,7 +159,7 @@ async def list_plant_records(
 ) -> list[PlantRecordReply]:
     """List what was collected from a cell, in order: all that is left of a cell whose disk is lost."""
     if name not in await here.visits.newest():
-        raise NotInPlantError(f"There is no cell '{name}' in this plant.")
+        raise NotInPlantError(message("refused.no_cell", name=name))
     return paging.shown(await here.lines.of(name, paging.page, kind), record_reply)
 
 
@@ -68,7 +168,7 @@ async def get_plant_cell(here: PlantHere, name: Name) -> VisitsReply:
     """Show a cell, and the latest visits to it, newest first."""
     newest = await here.visits.newest()
     if name not in newest:
-        raise NotInPlantError(f"There is no cell '{name}' in this plant.")
+        raise NotInPlantError(message("refused.no_cell", name=name))
     visits = [visit_reply(record) for record in await here.visits.of(name, _VISITS)]
     return VisitsReply(cell=_reply(here, name, newest[name]), visits=visits)
 
@@ -80,8 +180,8 @@ async def get_plant_cell(here: PlantHere, name: Name) -> VisitsReply:
 )
 async def accept_branch(here: PlantHere, name: Name, wanted: BranchRequest) -> PlantCellReply:
     """Accept that a cell shows another chain than the one collected; it has a branch of its own."""
-    _require(here, name)
-    asking().reason = wanted.reason
+    require_in_file(here, name)
+    current_request().reason = wanted.reason
     await here.journal.accept_other_chain(name, wanted.person, wanted.reason)
     here.collector.visit_soon(name)
     return _reply(here, name, (await here.visits.newest())[name])
@@ -90,16 +190,63 @@ async def accept_branch(here: PlantHere, name: Name, wanted: BranchRequest) -> P
 @router.post("/{name:path}/visits", status_code=status.HTTP_202_ACCEPTED, responses=problems(404, 422, 503))
 async def plan_visit(here: PlantHere, name: Name) -> PlantCellReply:
     """Have a cell visited now, and not only when it is due."""
-    _require(here, name)
+    require_in_file(here, name)
     here.collector.visit_soon(name)
     return _reply(here, name, (await here.visits.newest()).get(name))
 
 
-def _require(here: PlantContext, name: str) -> None:
+def require_in_file(here: PlantContext, name: str) -> None:
+    """Raise NotInPlantError where the cells file of the plant names no such cell."""
     if not here.collector.knows(name):
-        raise NotInPlantError(f"There is no cell '{name}' in the cells file of this plant.")
+        raise NotInPlantError(message("refused.cell_not_in_file", name=name))
 
 
 def _reply(here: PlantContext, name: str, newest: VisitRecord | None) -> PlantCellReply:
     visit: VisitReply | None = None if newest is None else visit_reply(newest)
     return PlantCellReply(name=name, visited=here.collector.knows(name), newest_visit=visit)
+
+
+health_router = outside_the_api(tags=["health"])
+
+
+@health_router.get("/health", responses=problems(503), response_model_by_alias=True)
+async def get_health(visit: Visited, here: PlantHere, response: Response) -> PlantHealth:
+    """Say that the plant works; a cell that is away is no fault of the plant.
+
+    Strangers learn of a fault of the records that there is one, and not which.
+    """
+    if here.database.condition.damaged:
+        response.status_code = HTTPStatus.SERVICE_UNAVAILABLE
+    known = visit.may("plant_page")
+    fault = _fault(here, known=known) or await _away(here, known=known)
+    return PlantHealth(
+        status="ok" if fault is None else "degraded",
+        fault=fault,
+        version=here.version,
+        schema=here.database.schema,
+        cells=len(here.collector.cells),
+        newest_copy_age_s=None if here.copies is None else here.copies.age_s,
+    )
+
+
+def _fault(here: PlantContext, *, known: bool) -> str | None:
+    """Return what is amiss, of the records as anybody may hear it, or as those who are known may."""
+    of_records = here.database.condition.fault
+    if of_records is not None:
+        return of_records if known else "Something is amiss; sign in to see what."
+    if here.collector.has_ended:
+        return "No cell is visited any more; the log says why, and a new start begins again."
+    if here.copies is not None and here.copies.fault is not None:
+        return "No copy of the database could be made; the log says why."
+    return None
+
+
+async def _away(here: PlantContext, *, known: bool) -> str | None:
+    """Return that robots cannot be compared anew; where the workers are is told to those who are known."""
+    why = await here.fleets.away()
+    if not why:
+        return None
+    said = (
+        "The workers of this plant cannot be used: robots are compared as far as campaigns were read before."
+    )
+    return f"{said} {why}" if known else said

@@ -3,24 +3,53 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 from datetime import UTC, date, datetime, timedelta
-from typing import Final
+from typing import Final, Literal
 
+from pydantic import Field
+
+from truepose.messages.catalogue import english
 from truepose.plant.changes import (
     CertificateEnded,
-    Changed,
+    RecordedChange,
     RobotChanged,
     certificates_ended,
 )
 from truepose.plant.due import latest_day
-from truepose.storage.plant.certificates import StatedPaper
-from truepose.storage.plant.looking_over import RobotMeasured
-from truepose.storage.plant.newest import PlantTold
+from truepose.storage.plant.certificates import CertificateRecord
+from truepose.storage.plant.overview import PlantResults, RobotMeasured
+from truepose.storage.plant.result_projections import ToldKind
 from truepose.web.plant.context import PlantContext, PlantHere
-from truepose.web.plant.pages.shown import Places, places_of
-from truepose.web.plant.schemas import PlantChangeReply
-from truepose.web.requests.paging import Counted, listing
-from truepose.web.resources import resource
-from truepose.words.catalogue import english
+from truepose.web.plant.links import Places, places_of
+from truepose.web.resources import Counted, listing, resource
+from truepose.web.schemas import Reply
+
+
+class PlantChangeReply(Reply):
+    """What changed of a robot, or a certificate that ended."""
+
+    what: Literal["error", "cause_named", "cause_gone", "model", "certificate"]
+    sentence: str = Field(
+        description="With its figures, in English.",
+        examples=[
+            "Mean error of the identified model rose from 0.041 mm on 2026-04-02 to 0.055 mm on 2026-05-04 "
+            "(identification 12)."
+        ],
+    )
+    robot_serial_number: str = Field(description="Empty: it is of no robot.")
+    instrument_serial_number: str = Field(description="Of a certificate.", examples=[""])
+    cell: str = Field(examples=["left arm"])
+    kind: ToldKind | None = Field(description="Of the record that says so; null: of a certificate.")
+    record_id: int | None = Field(description="Its number in the cell.", examples=[12])
+    page: str = Field(
+        description="Where the cell shows it; empty: nowhere.",
+        examples=["https://cell-3.example:8443/identifications/12"],
+    )
+    before_mm: float | None = Field(
+        description="The error before; null: there is none to compare with, or it is of something else.",
+        examples=[0.041],
+    )
+    after_mm: float | None = Field(description="The error now.", examples=[0.055])
+
 
 router = resource("/plant/changes", tags=["plant"])
 _WEEK: Final = timedelta(days=7)
@@ -35,14 +64,14 @@ class SinceThen:
     ended: list[CertificateEnded]
 
 
-async def read_ahead(told: PlantTold, today: date) -> None:
+async def read_ahead(told: PlantResults, today: date) -> None:
     """Have what results tell read, as it is now and as it was known a week ago: once a day, and no more."""
     await told.newest(latest_day(today))
     await told.before(today - _WEEK)
 
 
 async def since_a_week(
-    here: PlantContext, papers: list[StatedPaper], robots: list[RobotMeasured], today: date
+    here: PlantContext, papers: list[CertificateRecord], robots: list[RobotMeasured], today: date
 ) -> SinceThen:
     """Return what is known against what was known when the day a week ago began, by the plant's clock."""
     since, upto = today - _WEEK, latest_day(today)
@@ -62,18 +91,18 @@ async def list_plant_changes(here: PlantHere, paging: Counted) -> list[PlantChan
     return paging.of(every, lambda one: _reply(one, places))
 
 
-def _each(found: SinceThen) -> Iterator[tuple[RobotChanged, Changed] | CertificateEnded]:
+def _each(found: SinceThen) -> Iterator[tuple[RobotChanged, RecordedChange] | CertificateEnded]:
     for robot in found.robots:
         for change in robot.changes:
             yield robot, change
     yield from found.ended
 
 
-def _reply(one: tuple[RobotChanged, Changed] | CertificateEnded, places: Places) -> PlantChangeReply:
+def _reply(one: tuple[RobotChanged, RecordedChange] | CertificateEnded, places: Places) -> PlantChangeReply:
     return _of_certificate(one) if isinstance(one, CertificateEnded) else _of_robot(*one, places)
 
 
-def _of_robot(robot: RobotChanged, change: Changed, places: Places) -> PlantChangeReply:
+def _of_robot(robot: RobotChanged, change: RecordedChange, places: Places) -> PlantChangeReply:
     return PlantChangeReply(
         what=change.what.value,
         sentence=english(change.sentence),

@@ -6,23 +6,21 @@ from typing import Annotated, cast
 
 from fastapi import Depends, Request
 
-from truepose.analysis.drawing import DrawingDesk
-from truepose.analysis.fleets.desk import FleetDesk
-from truepose.operation.people.desk import PeopleDesk
+from truepose.analysis.fleets.service import FleetService
+from truepose.analysis.page_services import Renderer
+from truepose.people.accounts import PeopleDesk
 from truepose.plant.changes import RobotsChanged
 from truepose.plant.collector import Collector
 from truepose.plant.due import DueAfter
 from truepose.storage.backup.schedule import BackupSchedule
+from truepose.storage.caches import Comparisons
 from truepose.storage.database import Database
-from truepose.storage.files.foreseen import Comparisons
+from truepose.storage.plant.cells import VisitRepository
 from truepose.storage.plant.certificates import PlantCertificates
-from truepose.storage.plant.hand_downs import HandDownRepository
-from truepose.storage.plant.journal import JournalRepository
-from truepose.storage.plant.lines import JournalLines
-from truepose.storage.plant.looking import PlantLooks
-from truepose.storage.plant.looking_over import PlantOverview
-from truepose.storage.plant.newest import PlantTold
-from truepose.storage.plant.visits import VisitRepository
+from truepose.storage.plant.deployments import HandDownRepository
+from truepose.storage.plant.journal import JournalLines, JournalRepository
+from truepose.storage.plant.overview import PlantOverview, PlantResults
+from truepose.storage.plant.queries import PlantQueries
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,15 +42,15 @@ class PlantContext:
     visits: VisitRepository
     hand_downs: HandDownRepository
     lines: JournalLines
-    looks: PlantLooks
+    looks: PlantQueries
     overview: PlantOverview
-    told: PlantTold
+    told: PlantResults
     changed: RobotsChanged
     certificates: PlantCertificates
     due: DueAfter
-    fleets: FleetDesk
+    fleets: FleetService
     comparisons: Comparisons
-    drawing_desk: DrawingDesk
+    drawing_desk: Renderer
     collector: Collector
     copies: BackupSchedule | None  # None: none are wanted
     stopping: asyncio.Event  # set when the service ends

@@ -1,15 +1,63 @@
 """Plans and models for cells: delivered at the next visit, once, and listed with what the cell said."""
 
-from fastapi import Response, status
+from typing import Any, Literal
 
-from truepose.storage.errors import NotInPlantError
-from truepose.storage.plant.records import HandDown, HandDownKind
+from fastapi import Response, status
+from pydantic import Field
+
+from truepose.storage.plant.records import HandDown, HandDownKind, HandDownRecord
+from truepose.web.plant.cells import require_in_file
 from truepose.web.plant.context import PlantHere
-from truepose.web.plant.schemas import HandDownReply, HandDownRequest, hand_down_reply
-from truepose.web.problems import problems
-from truepose.web.requests.paging import Paged, listing
-from truepose.web.requests.parameters import Id, OptionalKey
-from truepose.web.resources import resource
+from truepose.web.resources import Id, OptionalKey, Paged, listing, problems, resource
+from truepose.web.schemas import VISIBLE, FreeDocument, PersonName, RecordedAt, RecordId, Reply, Request
+
+
+class HandDownRequest(Request):
+    """A plan or a model for a cell."""
+
+    cell: str = Field(min_length=1, max_length=200, examples=["left arm"])
+    kind: Literal["plan", "model"]
+    name: str = Field(min_length=1, max_length=200, pattern=VISIBLE, examples=["monthly check"])
+    person: PersonName
+    document: FreeDocument = Field(
+        description="Of a plan, what `POST /sessions` of the cell takes; of a model, the model.",
+        examples=[{"name": "monthly check"}],
+    )
+
+
+class HandDownReply(Reply):
+    """A plan or a model for a cell, and whether the cell has it."""
+
+    id: RecordId
+    recorded_at: RecordedAt
+    cell: str = Field(examples=["left arm"])
+    kind: Literal["plan", "model"]
+    name: str = Field(examples=["monthly check"])
+    person: str
+    document: dict[str, Any] = Field(examples=[{"name": "monthly check"}])
+    state: Literal["waiting", "delivered", "refused"]
+    sentence: str = Field(description="What the cell said; empty: nothing.", examples=[""])
+    state_since: RecordedAt
+    number_in_cell: int | None = Field(description="Its number there; null: it is not there.", examples=[3])
+
+
+def hand_down_reply(record: HandDownRecord) -> HandDownReply:
+    """Return what was handed down, as it travels."""
+    told = record.hand_down
+    return HandDownReply(
+        id=record.id,
+        recorded_at=record.recorded_at,
+        cell=told.cell,
+        kind=told.kind.value,
+        name=told.name,
+        person=told.person,
+        document=dict(told.document),
+        state=record.state.value,
+        sentence=record.sentence,
+        state_since=record.state_since,
+        number_in_cell=record.number_in_cell,
+    )
+
 
 router = resource("/plant/hand-downs", tags=["plant"])
 
@@ -19,8 +67,7 @@ async def add_hand_down(
     here: PlantHere, wanted: HandDownRequest, response: Response, key: OptionalKey
 ) -> HandDownReply:
     """Hand a plan or a model down to a cell. A person there uses it, or nobody does: nothing moves by it."""
-    if not here.collector.knows(wanted.cell):
-        raise NotInPlantError(f"There is no cell '{wanted.cell}' in the cells file of this plant.")
+    require_in_file(here, wanted.cell)
     told = HandDown(wanted.cell, HandDownKind(wanted.kind), wanted.name, wanted.person, wanted.document)
     number = await here.hand_downs.add(told, key)
     here.collector.visit_soon(wanted.cell)

@@ -2,6 +2,7 @@
 
 import { refusal } from "./person.js";
 import { hear } from "./service-time.js";
+import { inItsWords } from "./words.js";
 
 const NOTHING = 204;
 const BUSY = 503;
@@ -13,7 +14,7 @@ export class Unanswered extends Error {}
 
 // A page of something between here and the service is no answer either.
 async function said(path, request) {
-  const reply = hear(await fetch(path, request));
+  const reply = hear(await fetch(path, inItsWords(request)));
   return [reply, reply.status === NOTHING ? null : await reply.json()];
 }
 

@@ -38,7 +38,7 @@ async function measure() {
   // One key a diagnosis: two taps must not send the robot there twice.
   const added = await post(`${session}/configurations`, body, form.dataset.key);
   const left = added.left_out.map((entry) => filled(bar.dataset.leftOut, entry));
-  say([added.sentence, ...left, added.session.question].filter(Boolean).join(" "));
+  say([added.sentence, ...left, added.session.prompt?.message].filter(Boolean).join(" "));
 }
 
 async function diagnose() {

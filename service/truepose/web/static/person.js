@@ -1,5 +1,7 @@
 // Who stands before this browser: somebody else by PIN or badge, the same person once more, or nobody.
 
+import { inItsWords } from "./words.js";
+
 const PRESENT = "/api/v1/sign-ins/present";
 const PROBLEM = "urn:truepose:problem:";
 const template = document.querySelector("#person-dialogue");
@@ -8,7 +10,7 @@ export const signedInAs = template?.dataset.name || null; // null: nobody is ask
 async function sent(path, method, body) {
   const request = { method, cache: "no-store", headers: { "Content-Type": "application/json" } };
   if (body) request.body = JSON.stringify(body);
-  const reply = await fetch(path, request).catch(() => null);
+  const reply = await fetch(path, inItsWords(request)).catch(() => null);
   if (reply === null) throw new Error(template.dataset.unreachable);
   const answer = reply.status === 204 ? null : await reply.json();
   if (!reply.ok) throw new Error(answer.detail);

@@ -3,7 +3,6 @@
 import { answered, filled, post } from "./api.js";
 import { Authority } from "./authority.js";
 import { refusal } from "./person.js";
-import { Stored } from "./stored.js";
 import { now_s } from "./service-time.js";
 
 const POLL_MS = 1000;
@@ -19,15 +18,9 @@ let shown = null;
 
 person.value = sessionStorage.getItem("person") ?? person.value;
 
-const stored = await Stored.load(document.documentElement.lang);
-
-// A sentence of the service, in the language of the page as far as it is known.
 function write(node, text) {
-  const kept = text ?? "";
-  node.hidden = !kept;
-  if (node.dataset.kept === kept) return;
-  node.dataset.kept = kept;
-  node.replaceChildren(...stored.pieces(kept).flatMap((piece) => [Object.assign(document.createElement("span"), { textContent: piece.text, lang: piece.lang }), " "]));
+  node.hidden = !text;
+  if (node.textContent !== (text ?? "")) node.textContent = text ?? "";
 }
 
 function show(session) {
@@ -37,10 +30,10 @@ function show(session) {
   at.measured.textContent = filled(measured, session);
   at.progress.max = Math.max(session.planned, 1);
   at.progress.value = session.measured;
-  const reason = session.trouble ?? session.reason;
-  write(at.reason, reason === session.question ? null : reason);
-  write(at.question, session.question);
-  write(at.notice, session.question ? session.motion_notice : null);
+  const question = session.trouble ?? session.prompt?.message;
+  write(at.reason, session.reason === question ? null : session.reason);
+  write(at.question, question);
+  write(at.notice, question ? session.motion_notice : null);
   at.foreign.hidden = !session.tracker_in_question;
   at.acts.hidden = ENDED.includes(session.state);
   for (const button of form.querySelectorAll("[data-act]")) {
@@ -53,14 +46,14 @@ function say(sentence, bad = false) {
   said.classList.toggle("bad", bad);
 }
 
-function bodyOf(act) {
+function bodyOf(command) {
   const name = person.value.trim();
-  if (act === "start") return {};
-  if (["pause", "abort"].includes(act)) return name ? { person: name } : {};
+  if (["pause", "abort"].includes(command)) return name ? { command, person: name } : { command };
   // Whoever accepts another tracker says which: the number is typed, not offered.
   const serial = at.foreign.hidden ? "" : form.elements.serial.value.trim();
   const reason = form.elements.reason.value.trim();
-  return { person: name, prompt_id: shown.prompt_id, pressed_at_s: now_s(), ...(reason && { reason }), ...(act === "confirm" && serial && { accept_serial_number: serial }) };
+  const accepted = command === "confirm" && serial && { accept_serial_number: serial };
+  return { command, person: name, prompt_id: shown?.prompt?.id, pressed_at_s: now_s(), ...(reason && { reason }), ...accepted };
 }
 
 // A ballbar that may be attached and was not seen to come off: a person says how they know that it is off.
@@ -72,12 +65,12 @@ function askHowOff(asked) {
 
 async function act(name) {
   sessionStorage.setItem("person", person.value.trim());
-  if (["confirm", "resume"].includes(name) && !person.value.trim()) return person.focus();
+  if (["start", "confirm", "resume"].includes(name) && !person.value.trim()) return person.focus();
   try {
-    const answer = await post(`${path}/${name}`, bodyOf(name), unreachable);
-    say(answer.session.question ? "" : answer.sentence); // a question says more
+    const answer = await post(`${path}/commands`, bodyOf(name), unreachable);
+    say(answer.session.prompt ? "" : answer.sentence); // a question says more
     askHowOff(false);
-    show(answer.session);
+    show(await answered(path, {}, unreachable));
   } catch (error) {
     if (error.code === REASON_MISSING) askHowOff(true);
     say(error.message, true);

@@ -1,1 +1,1 @@
-"""Boxes of length gauges: the same gauges, whatever protocol speaks for them."""
+"""Gauges of length, the ballbar among them, and the boxes and cables that speak for them."""

@@ -13,14 +13,14 @@ import numpy as np
 
 from truepose_simulators.errors import ScenarioError
 from truepose_simulators.physics.arm import Vector
-from truepose_simulators.physics.rigid import FloatArray, small_motion
-from truepose_simulators.physics.touching import (
+from truepose_simulators.physics.contacts import (
     ball_on_gauge_mm,
     probe_on_plane_mm,
     probe_on_sphere_mm,
     seen_mm,
     wire_mm,
 )
+from truepose_simulators.physics.rigid import FloatArray, small_motion
 
 _KINDS: Final = {
     "sphere": ("probe",), "plane": ("probe",), "gauge": ("gauges",), "wire": ("wires",), "ball": ("sensor",),

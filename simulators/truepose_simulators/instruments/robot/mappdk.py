@@ -1,19 +1,25 @@
-"""The robot controller of FANUC: the MAPPDK program, or our own, which does the same and watches its client.
+"""A controller of FANUC: the MAPPDK program, or our own, which does the same and watches its client.
 
 A fault ends the program, and its sockets die with it ("drop"), or the client sees no reply ("hang"), as the
 scenario says. Motions run in user frame and tool 8, which are nothing here. Outputs are kept, programs that
 are called do nothing.
+
+The logger has a task of its own on the controller, so that it tells joints while the arm moves.
 """
+
+import asyncio
 
 import numpy as np
 
 from truepose_drivers.fanuc_mappdk.protocol import (
+    GREETING,
     Command,
     MappdkProtocolError,
     Motion,
     Reply,
     ReplyCode,
     Request,
+    RequestReader,
     decode_motion,
     decode_request,
     decode_timed_motion,
@@ -24,22 +30,28 @@ from truepose_drivers.fanuc_mappdk.protocol import (
 from truepose_simulators.cell.robot import SpeedLimits, TargetOutOfRangeError, check_range, nominal_flange
 from truepose_simulators.cell.true_cell import Cell
 from truepose_simulators.errors import ArmStoppedError
-from truepose_simulators.faults.kinds import RobotHangs, RobotRefuses
-from truepose_simulators.instruments.robot.fanuc_joints import (
-    flange_angles_deg,
-    joints_rad,
-    rotation_of,
-    shown_deg,
-    world,
-)
-from truepose_simulators.instruments.robot.served_client import (
+from truepose_simulators.faults.kinds import LineStalls, RobotHangs, RobotRefuses
+from truepose_simulators.instruments.endpoint import Endpoint, write_with_stall
+from truepose_simulators.instruments.robot.clients import (
     AlwaysThere,
     Client,
+    Ear,
     ProgramStoppedError,
+    one_client_endpoint,
     rest_after,
+    until_client_leaves,
+    while_listening,
 )
-from truepose_simulators.instruments.robot.straight_line import straight_line
-from truepose_simulators.physics.inverse import UnreachableError, reach
+from truepose_simulators.instruments.robot.kinematics import (
+    UnreachableError,
+    flange_angles_deg,
+    joints_rad,
+    reach,
+    rotation_of,
+    shown_deg,
+    straight_line,
+    world,
+)
 from truepose_simulators.physics.rigid import FloatArray, inverse, motion
 
 _SUCCESS = Reply(ReplyCode.OK, "success")
@@ -208,3 +220,67 @@ def _joints(values: tuple[float, ...]) -> FloatArray:
 def _output(request: Request) -> str:
     kind = "rdo" if request.name.endswith("rdo") else "dout"
     return f"{kind} {request.fields[0] if request.fields else ''}"
+
+
+_CHUNK_BYTES = 4096
+
+
+def mappdk_endpoint(cell: Cell, program: MappdkProgram) -> Endpoint:
+    """Build the motion server of a cell's robot."""
+    return _endpoint("robot", "mappdk", cell, program)
+
+
+def mappdk_logger_endpoint(cell: Cell, program: MappdkProgram) -> Endpoint:
+    """Build the second server, for questions while the first one moves."""
+    return _endpoint("robot-logger", "mappdk_log", cell, program)
+
+
+def _endpoint(device: str, protocol: str, cell: Cell, program: MappdkProgram) -> Endpoint:
+    async def attend(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        program.forget_client()
+        writer.write(encode_reply(GREETING))
+        await writer.drain()
+        try:
+            await _Attendance(cell, program, reader, writer).serve()
+        except ProgramStoppedError as stop:
+            if not stop.drops:
+                await until_client_leaves(reader)
+
+    return one_client_endpoint(device, protocol, attend, cell)
+
+
+class _Attendance:
+    """One client and the program."""
+
+    def __init__(
+        self, cell: Cell, program: MappdkProgram, reader: asyncio.StreamReader, writer: asyncio.StreamWriter
+    ) -> None:
+        self._cell = cell
+        self._program = program
+        self._reader = reader
+        self._writer = writer
+
+    async def serve(self) -> None:
+        """Answer until the client says that it goes, or is gone."""
+        lines = RequestReader()
+        while data := await self._reader.read(_CHUNK_BYTES):
+            lines.receive_data(data)
+            while (line := lines.next_message()) is not None:
+                await self._say(await self._answer(line))
+                if line == Command.EXIT:
+                    await until_client_leaves(self._reader)
+                    return
+
+    async def _answer(self, line: str) -> bytes:
+        """Have the program answer; our own listens for its client meanwhile, the stock one hears nothing."""
+        if not self._program.is_ours:
+            return await self._program.answer(line)
+        ear = Ear(self._cell)
+        return await while_listening(self._program.answer(line, ear), ear, self._reader)
+
+    async def _say(self, reply: bytes) -> None:
+        if self._cell.faults.holds(LineStalls, self._cell.clock.now_s):
+            await write_with_stall(self._writer, reply)
+        else:
+            self._writer.write(reply)
+        await self._writer.drain()

@@ -1,41 +1,40 @@
-"""The robot controller: open_abb's motion server, as its RAPID program behaves.
+"""A controller of ABB: open_abb's motion server, as its RAPID program behaves, and its logger.
 
 Motion errors are not reported: the RAPID program stops, and the client sees no reply ("hang") or loses its
 connection ("drop"), as the scenario says. Whoever stands beside the robot restarts the program when the
 client has gone. Straight lines (MoveL) and arcs are followed in steps of the joints; external axes have no
 mechanics.
+
+After a client leaves, the real program closes its sockets and needs half a second before it accepts again.
+A second client is let in by the operating system but hears nothing, until the first one leaves and takes
+the server socket with it.
 """
 
+import asyncio
 import math
+import time
 from collections.abc import Mapping
 from typing import Protocol
 
 import numpy as np
 
-from truepose_drivers.abb_open_abb.protocol import (
-    OUR_SERVER,
-    Code,
-    OpenAbbProtocolError,
-    Reply,
-    ReplyStatus,
-    Request,
-    decode_request,
-    encode_reply,
-    encode_request,
-    rapid_number,
-)
+from truepose_drivers.abb_open_abb import protocol
 from truepose_simulators.cell.robot import SpeedLimits, TargetOutOfRangeError, nominal_flange
 from truepose_simulators.cell.true_cell import Cell
 from truepose_simulators.errors import ArmStoppedError, SimulatorError
-from truepose_simulators.faults.kinds import RobotHangs, RobotRefuses
-from truepose_simulators.instruments.robot.served_client import (
+from truepose_simulators.faults.kinds import LineStalls, RobotHangs, RobotRefuses
+from truepose_simulators.instruments.endpoint import Endpoint, write_with_stall
+from truepose_simulators.instruments.robot.clients import (
     AlwaysThere,
     Client,
+    Ear,
     ProgramStoppedError,
+    one_client_endpoint,
     rest_after,
+    until_client_leaves,
+    while_listening,
 )
-from truepose_simulators.instruments.robot.straight_line import straight_line
-from truepose_simulators.physics.inverse import UnreachableError, reach
+from truepose_simulators.instruments.robot.kinematics import UnreachableError, reach, straight_line
 from truepose_simulators.physics.rigid import FloatArray, from_quaternion, inverse, motion, to_quaternion
 
 _BUFFER_POSES = 512
@@ -44,28 +43,28 @@ _ROBOTWARE = "5.61.0100"
 
 # Numbers of parameters that the program accepts.
 _COUNTS: Mapping[int, tuple[int, ...]] = {
-    Code.PING: (0,),
-    Code.MOVE_LINEAR: (7,),
-    Code.MOVE_JOINTS: (6,),
-    Code.GET_POSE: (0,),
-    Code.GET_JOINTS: (0,),
-    Code.GET_EXTERNAL_AXES: (0,),
-    Code.SET_TOOL: (7,),
-    Code.SET_WORK_OBJECT: (7,),
-    Code.SET_SPEED: (2, 4),
-    Code.SET_ZONE: (4,),
-    Code.BUFFER_ADD: (7,),
-    Code.BUFFER_CLEAR: (0,),
-    Code.BUFFER_LENGTH: (0,),
-    Code.BUFFER_RUN: (0,),
-    Code.MOVE_EXTERNAL_AXES: (6,),
-    Code.SET_CIRCLE_POINT: (7,),
-    Code.MOVE_CIRCLE: (7,),
-    Code.CONTROLLER_INFO: (0,),
+    protocol.Code.PING: (0,),
+    protocol.Code.MOVE_LINEAR: (7,),
+    protocol.Code.MOVE_JOINTS: (6,),
+    protocol.Code.GET_POSE: (0,),
+    protocol.Code.GET_JOINTS: (0,),
+    protocol.Code.GET_EXTERNAL_AXES: (0,),
+    protocol.Code.SET_TOOL: (7,),
+    protocol.Code.SET_WORK_OBJECT: (7,),
+    protocol.Code.SET_SPEED: (2, 4),
+    protocol.Code.SET_ZONE: (4,),
+    protocol.Code.BUFFER_ADD: (7,),
+    protocol.Code.BUFFER_CLEAR: (0,),
+    protocol.Code.BUFFER_LENGTH: (0,),
+    protocol.Code.BUFFER_RUN: (0,),
+    protocol.Code.MOVE_EXTERNAL_AXES: (6,),
+    protocol.Code.SET_CIRCLE_POINT: (7,),
+    protocol.Code.MOVE_CIRCLE: (7,),
+    protocol.Code.CONTROLLER_INFO: (0,),
 }
 # What our own program has beside these.
-_OWN_COUNTS: Mapping[int, tuple[int, ...]] = {Code.GET_SPEED: (0,), Code.WATCH: (1,)}
-_BEAT = encode_request(Code.BEAT)
+_OWN_COUNTS: Mapping[int, tuple[int, ...]] = {protocol.Code.GET_SPEED: (0,), protocol.Code.WATCH: (1,)}
+_BEAT = protocol.encode_request(protocol.Code.BEAT)
 _LOOK_S = 0.1  # between two looks of our program at whether its client is still there
 _ANGLE_DECIMALS = {"stock": 2, "truepose": 5}
 
@@ -137,35 +136,35 @@ class MotionProgram:
             if not data:
                 return b""
         try:
-            request = decode_request(data)
-        except OpenAbbProtocolError:
+            request = protocol.decode_request(data)
+        except protocol.OpenAbbProtocolError:
             # The program keeps the code of the message before, and says that one is bad.
-            return encode_reply(Reply(self._last_code, ReplyStatus.BAD_MESSAGE))
+            return protocol.encode_reply(protocol.Reply(self._last_code, protocol.ReplyStatus.BAD_MESSAGE))
         self._last_code = request.code
-        if request.code == Code.CLOSE:
+        if request.code == protocol.Code.CLOSE:
             return None
         if len(request.values) not in self._counts(request.code):
-            return encode_reply(Reply(request.code, ReplyStatus.BAD_MESSAGE))
+            return protocol.encode_reply(protocol.Reply(request.code, protocol.ReplyStatus.BAD_MESSAGE))
         try:
             text = await self._carry_out(request)
         except (TargetOutOfRangeError, UnreachableError, InvalidPoseError, ArmStoppedError) as error:
             raise self._stopped(str(error)) from error
-        return encode_reply(Reply(request.code, ReplyStatus.OK, text))
+        return protocol.encode_reply(protocol.Reply(request.code, protocol.ReplyStatus.OK, text))
 
     def _counts(self, code: int) -> tuple[int, ...]:
         own = _OWN_COUNTS.get(code, ()) if self.is_ours else ()
         return _COUNTS.get(code, own)
 
-    async def _carry_out(self, request: Request) -> str:
+    async def _carry_out(self, request: protocol.Request) -> str:
         values = np.array(request.values)
         match request.code:
-            case Code.MOVE_JOINTS:
+            case protocol.Code.MOVE_JOINTS:
                 await self._move([np.radians(values)], self._limits)
-            case Code.MOVE_LINEAR:
+            case protocol.Code.MOVE_LINEAR:
                 await self._move_through([_pose(values)], self._limits)
-            case Code.MOVE_CIRCLE:
+            case protocol.Code.MOVE_CIRCLE:
                 await self._move_circle(_pose(values))
-            case Code.BUFFER_RUN:
+            case protocol.Code.BUFFER_RUN:
                 for pose, limits in self._buffer:
                     await self._move_through([pose], limits)
             case _:
@@ -175,43 +174,47 @@ class MotionProgram:
 
     def _report(self, code: int) -> str:
         match code:
-            case Code.GET_POSE:
+            case protocol.Code.GET_POSE:
                 numbers = self.pose()
-                position = [rapid_number(value, 2) for value in numbers[:3]]
-                return " ".join([*position, *(rapid_number(value, 3) for value in numbers[3:])])
-            case Code.GET_JOINTS:
+                position = [protocol.rapid_number(value, 2) for value in numbers[:3]]
+                return " ".join([*position, *(protocol.rapid_number(value, 3) for value in numbers[3:])])
+            case protocol.Code.GET_JOINTS:
                 decimals = _ANGLE_DECIMALS[self._cell.scenario.arm.server]
-                return " ".join(rapid_number(float(angle), decimals) for angle in np.degrees(self.joints()))
-            case Code.GET_SPEED:
+                return " ".join(
+                    protocol.rapid_number(float(angle), decimals) for angle in np.degrees(self.joints())
+                )
+            case protocol.Code.GET_SPEED:
                 turning = math.degrees(self._limits.orientation_rad_s)
-                return f"{rapid_number(self._limits.tool_mm_s, 2)} {rapid_number(turning, 2)}"
-            case Code.GET_EXTERNAL_AXES:
-                return " ".join(rapid_number(value, 2)[:8] for value in self._external_axes)
-            case Code.BUFFER_LENGTH:
+                return (
+                    f"{protocol.rapid_number(self._limits.tool_mm_s, 2)} {protocol.rapid_number(turning, 2)}"
+                )
+            case protocol.Code.GET_EXTERNAL_AXES:
+                return " ".join(protocol.rapid_number(value, 2)[:8] for value in self._external_axes)
+            case protocol.Code.BUFFER_LENGTH:
                 return str(len(self._buffer))
-            case Code.CONTROLLER_INFO:
+            case protocol.Code.CONTROLLER_INFO:
                 serial = self._cell.faults.serial("robot", f"SIM-{self._cell.seed}", self._cell.clock.now_s)
-                own = f"*{OUR_SERVER}" if self.is_ours else ""
+                own = f"*{protocol.OUR_SERVER}" if self.is_ours else ""
                 return f"{serial}*{_ROBOTWARE}*{self._cell.plant.arm.model}{own}"
         return ""
 
     def _set(self, code: int, values: FloatArray) -> None:
         match code:
-            case Code.SET_TOOL:
+            case protocol.Code.SET_TOOL:
                 self._tool = _pose(values)
-            case Code.SET_WORK_OBJECT:
+            case protocol.Code.SET_WORK_OBJECT:
                 self._work_object = _pose(values)
-            case Code.SET_SPEED:
+            case protocol.Code.SET_SPEED:
                 self._limits = SpeedLimits(float(values[0]), math.radians(values[1]))
-            case Code.WATCH:
+            case protocol.Code.WATCH:
                 self._watched_s = float(values[0])
-            case Code.MOVE_EXTERNAL_AXES:
+            case protocol.Code.MOVE_EXTERNAL_AXES:
                 self._external_axes = values.tolist()
-            case Code.SET_CIRCLE_POINT:
+            case protocol.Code.SET_CIRCLE_POINT:
                 self._circle_point = _pose(values)
-            case Code.BUFFER_ADD if len(self._buffer) < _BUFFER_POSES:
+            case protocol.Code.BUFFER_ADD if len(self._buffer) < _BUFFER_POSES:
                 self._buffer.append((_pose(values), self._limits))
-            case Code.BUFFER_CLEAR:
+            case protocol.Code.BUFFER_CLEAR:
                 self._buffer.clear()
 
     async def _move_circle(self, end: FloatArray) -> None:
@@ -268,3 +271,67 @@ def _pose(values: FloatArray) -> FloatArray:
     if not np.any(values[3:]):
         raise InvalidPoseError("a quaternion of length 0 is no orientation")
     return motion(values[:3], from_quaternion(values[3:]))
+
+
+_LOG_PERIOD_S = 0.1  # of a virtual controller
+_CHUNK_BYTES = 4096
+
+
+def robot_endpoint(cell: Cell, program: MotionProgram) -> Endpoint:
+    """Build the motion server of a cell's robot."""
+
+    async def attend(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        program.forget_client()
+        while data := await reader.read(_CHUNK_BYTES):
+            try:
+                reply = await _answer(program, data, reader, cell)
+            except ProgramStoppedError as stop:
+                if not stop.drops:
+                    await until_client_leaves(reader)
+                program.restart()
+                return
+            if reply is None:
+                return
+            if cell.faults.holds(LineStalls, cell.clock.now_s):
+                await write_with_stall(writer, reply)
+            else:
+                writer.write(reply)
+            await writer.drain()
+
+    return one_client_endpoint("robot", "open_abb", attend, cell)
+
+
+async def _answer(
+    program: MotionProgram, data: bytes, reader: asyncio.StreamReader, cell: Cell
+) -> bytes | None:
+    """Have the program answer; our own listens for its client meanwhile, open_abb's hears nothing."""
+    if not program.is_ours:
+        return await program.answer(data)
+    ear = Ear(cell)
+    return await while_listening(program.answer(data, ear), ear, reader)
+
+
+def logger_endpoint(cell: Cell, program: MotionProgram) -> Endpoint:
+    """Build the logger of a cell's robot: poses and joint angles in turn, as long as somebody listens."""
+    date, clock_time = time.strftime("%Y-%m-%d"), time.strftime("%H:%M:%S")
+
+    async def attend(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        gone = asyncio.ensure_future(until_client_leaves(reader))
+        kind = 0
+        try:
+            while not gone.done():
+                elapsed_s = cell.clock.now_s
+                numbers = program.pose() if kind == 0 else np.degrees(program.joints()).tolist()
+                writer.write(
+                    protocol.encode_log_line(
+                        protocol.LogLine(kind, date, clock_time, elapsed_s, tuple(numbers))
+                    )
+                )
+                await writer.drain()
+                kind = 1 - kind
+                # A stream cannot run in cell time that stands still: its period is wall time.
+                await asyncio.wait([gone], timeout=_LOG_PERIOD_S)
+        finally:
+            gone.cancel()
+
+    return one_client_endpoint("robot-log", "open_abb_log", attend, cell)

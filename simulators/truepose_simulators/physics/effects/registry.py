@@ -5,33 +5,32 @@ from dataclasses import dataclass
 from types import MappingProxyType
 
 from truepose_simulators.errors import ModelError, ScenarioError
-from truepose_simulators.physics.effects.base import base_compliance, base_drift, base_shift
-from truepose_simulators.physics.effects.effect import PlantedChange
-from truepose_simulators.physics.effects.instruments import (
+from truepose_simulators.physics.effects import (
+    axis_parallelism,
+    backlash,
     ballbar_zero,
+    base_compliance,
+    base_drift,
+    base_shift,
+    compliance,
+    compliance_nonlinear,
     fixture_shift,
     instrument_drift,
     instrument_scale,
-)
-from truepose_simulators.physics.effects.joints import (
-    backlash,
-    compliance,
-    compliance_nonlinear,
     joint_coupling,
     joint_gain,
     joint_harmonics,
-)
-from truepose_simulators.physics.effects.links import (
-    axis_parallelism,
+    label_swap,
     link_bending,
     link_mass,
+    nest_offset,
+    outliers,
+    payload,
     thermal_growth,
+    tool_reseating,
 )
+from truepose_simulators.physics.effects.effect import IdentifiedEffect, ModelArm, PlantedChange, Site
 from truepose_simulators.physics.effects.ports import Effect
-from truepose_simulators.physics.effects.readings import label_swap, outliers
-from truepose_simulators.physics.effects.site import Site
-from truepose_simulators.physics.effects.stated import ModelArm, Stated
-from truepose_simulators.physics.effects.tool import nest_offset, payload, tool_reseating
 
 LATEST_S = 1e9  # thirty years of cell time
 
@@ -72,7 +71,7 @@ EFFECTS: Mapping[str, Kind] = MappingProxyType({
 
 # How effects are built from the parameters of an identified model. Those that place the base, the links and
 # the nests are the plant itself (`identified.py`).
-REALISED: Mapping[str, Callable[[Stated, ModelArm], tuple[Effect, ...]]] = MappingProxyType({
+REALISED: Mapping[str, Callable[[IdentifiedEffect, ModelArm], tuple[Effect, ...]]] = MappingProxyType({
     "backlash": backlash.realise,
     "base_compliance": base_compliance.realise,
     "base_drift": base_drift.realise,
@@ -94,7 +93,7 @@ REALISED: Mapping[str, Callable[[Stated, ModelArm], tuple[Effect, ...]]] = Mappi
 })
 
 
-def realise_effect(stated: Stated, site: ModelArm) -> tuple[Effect, ...]:
+def realise_effect(stated: IdentifiedEffect, site: ModelArm) -> tuple[Effect, ...]:
     """Build an effect as an identified model states it; raises ModelError where no physics is here for it."""
     realise = REALISED.get(stated.effect)
     if realise is None:

@@ -1,4 +1,8 @@
-"""Changes of place: so many mm one way and so many rad about some axis, both drawn unless stated."""
+"""Changes of place: so many mm and rad, at once or slowly; drawn where a scenario leaves them open.
+
+`linear` goes on evenly (and came from before the origin of times); `exp<tau>` begins at the origin and dies
+out with the time constant tau [s].
+"""
 
 from dataclasses import dataclass
 
@@ -6,8 +10,7 @@ import numpy as np
 
 from truepose_simulators.errors import ScenarioError
 from truepose_simulators.physics.arm import Vector
-from truepose_simulators.physics.effects.effect import PlantedChange
-from truepose_simulators.physics.effects.site import Site, read_details
+from truepose_simulators.physics.effects import effect
 from truepose_simulators.physics.rigid import FloatArray, inverse, placed, to_six
 
 _LARGEST_ROTATION_RAD = 0.1
@@ -47,17 +50,17 @@ class DriftDetails(_Way):
         _Way.__post_init__(self)
 
 
-def drift_per_s(change: PlantedChange, site: Site) -> FloatArray:
+def drift_per_s(change: effect.PlantedChange, site: effect.Site) -> FloatArray:
     """Motion per second `[tx ty tz rx ry rz]` of a drift whose amplitude is in mm/h, shape (6,)."""
-    details = read_details(DriftDetails, change)
+    details = effect.read_details(DriftDetails, change)
     rate = _motion(change.amplitude, details.rotation_rad_per_h, details.direction, details.axis, site)
     per_s: FloatArray = rate / 3600.0
     return per_s
 
 
-def jump(change: PlantedChange, site: Site) -> FloatArray:
+def jump(change: effect.PlantedChange, site: effect.Site) -> FloatArray:
     """Motion `[tx ty tz rx ry rz]` of a change at once whose amplitude is in mm, shape (6,)."""
-    details = read_details(JumpDetails, change)
+    details = effect.read_details(JumpDetails, change)
     return _motion(change.amplitude, details.rotation_rad, details.direction, details.axis, site)
 
 
@@ -70,7 +73,7 @@ def unit_or_drawn(vector: Vector | None, rng: np.random.Generator) -> FloatArray
 
 
 def _motion(
-    translation: float, rotation: float, direction: Vector | None, axis: Vector | None, site: Site
+    translation: float, rotation: float, direction: Vector | None, axis: Vector | None, site: effect.Site
 ) -> FloatArray:
     rng = site.rng()
     along, about = unit_or_drawn(direction, rng), unit_or_drawn(axis, rng)
@@ -103,3 +106,33 @@ def seen_in_world(frame: FloatArray, own: FloatArray) -> FloatArray:
         `[tx ty tz rx ry rz]` [mm, rad] with a rotation vector, as `rigid.small_motion` takes it.
     """
     return to_six(frame @ placed(own[..., :3], own[..., 3:]) @ inverse(frame))
+
+
+SHAPES = r"(linear|exp[0-9.e+]+)"
+_S_PER_H = 3600.0
+
+
+@dataclass(frozen=True, slots=True)
+class SlowMotion:
+    """One slow motion: `rate` [mm/h, rad/h], even where it has no time constant."""
+
+    rate: FloatArray  # (6,)
+    time_constant_s: float | None
+
+    def come(self, time_s: FloatArray) -> FloatArray:
+        """Return the way at times since the origin, shape (n,) -> (n, 6) [mm, rad]."""
+        if self.time_constant_s is None:
+            hours = time_s / _S_PER_H
+        else:
+            elapsed = np.maximum(time_s, 0.0) / self.time_constant_s
+            hours = self.time_constant_s / _S_PER_H * (1.0 - np.exp(-elapsed))
+        way: FloatArray = hours[:, np.newaxis] * self.rate
+        return way
+
+
+def courses(rates: dict[str, FloatArray]) -> tuple[SlowMotion, ...]:
+    """Return the motions of rates by the name of their shape."""
+    return tuple(
+        SlowMotion(rate, None if shape == "linear" else float(shape.removeprefix("exp")))
+        for shape, rate in rates.items()
+    )

@@ -9,8 +9,7 @@ from typing import Any, TypeVar
 from truepose_simulators.cell.true_cell import Cell
 from truepose_simulators.errors import ScenarioError
 from truepose_simulators.physics.arm import Vector
-from truepose_simulators.scenarios.input_file import read_text
-from truepose_simulators.scenarios.table import read_table
+from truepose_simulators.scenarios.table import read_table, read_text
 
 T = TypeVar("T")
 

@@ -8,7 +8,7 @@ from typing import TypeVar
 import numpy as np
 
 from truepose_simulators.cell.true_cell import Cell
-from truepose_simulators.instruments.ballbars.accuracy import rounded_mm, walked_zeros_mm
+from truepose_simulators.instruments.accuracy import rounded_mm, walked_zeros_mm
 from truepose_simulators.physics.effects.ports import NestNumbers
 from truepose_simulators.physics.rigid import FloatArray
 from truepose_simulators.recording.ballbars.tour import TRIANGLE_S, PlannedLegs, Tour

@@ -13,9 +13,10 @@ from types import SimpleNamespace
 from fastapi import FastAPI, Header, Request
 from fastapi.responses import JSONResponse, Response, StreamingResponse
 
-from truepose.sequencing.engine.notices import motion_notice
+from truepose.messages.catalogue import english
+from truepose.sessions.engine.interlocks import motion_notice
+from truepose.web.pages.reference import colours, static_file
 from truepose.web.tablet import routes
-from truepose.web.visiting.everywhere import colours, static_file
 from truepose_drivers.api import MotionGuard
 
 _SAMPLED_S = 0.15  # from one sample to the next where nothing new is seen: each is painted
@@ -120,11 +121,11 @@ class FakeDesk:
             "state": "running",
             "simulated": True,
             "robot": "FANUC LR Mate 200iC",
-            "question": None,
-            "prompt_id": None,
-            "motion_notice": motion_notice(MotionGuard(longest_piece_s=1.0)),
+            "prompt": None,
+            "motion_notice": english(motion_notice(MotionGuard(longest_piece_s=1.0))),
             "people": [],
             "reason": "",
+            "reason_key": "",
             "ledger_number": 1,
             "step": leg(),
             "suspicion": None,
@@ -132,7 +133,7 @@ class FakeDesk:
             "swaps_can_be_seen": True,
             "ballbar_attached": True,
             "robot_moving": False,
-            "acts": ALL_ACTS,
+            "commands": ALL_ACTS,
             "progress": {
                 "readings": 57,
                 "planned": 431,
@@ -160,14 +161,14 @@ class FakeDesk:
         app.include_router(routes.router)
         app.add_api_route("/static/tokens.css", colours)
         app.add_api_route("/static/{name}", static_file)
-        api = "/api/v1/ballbar-sessions"
+        api = "/api/v1/sessions"
         app.add_api_route(api, self._plan, methods=["POST"])
-        app.add_api_route(f"{api}/3", lambda: self.session)
-        app.add_api_route(f"{api}/3/steps", lambda: {"steps": [{**_OPEN, **s} for s in self.steps]})
+        app.add_api_route(f"{api}/3/situation", lambda: self.session)
+        app.add_api_route(f"{api}/3/plan", lambda: {"steps": [{**_OPEN, **s} for s in self.steps]})
         app.add_api_route(f"{api}/3/scene", lambda: self.scene)
         app.add_api_route(f"{api}/3/live", self._live)
-        app.add_api_route(f"{api}/3/acts", self._act, methods=["POST"])
-        app.add_api_route("/api/v1/sessions", self._listed)
+        app.add_api_route(f"{api}/3/commands", self._act, methods=["POST"])
+        app.add_api_route(api, self._listed)
         app.add_api_route("/api/v1/simulated-hands", self._has_hands)
         app.add_api_route("/api/v1/simulated-hands", self._do, methods=["POST"])
         return app
@@ -195,7 +196,8 @@ class FakeDesk:
         return Response(status_code=204)
 
     async def _act(self, request: Request, idempotency_key: str = Header()):
-        act = {**await request.json(), "key": idempotency_key}
+        sent = await request.json()
+        act = {"act": sent.pop("command"), **sent, "key": idempotency_key}
         self.arrived.append(act)
         refusal = self._carry_out(act)
         if self.lost_answers:

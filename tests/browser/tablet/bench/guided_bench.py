@@ -97,7 +97,7 @@ def plan(url, n=4, **changes):
 
 
 def guide(url, id):
-    return httpx.get(f"{url}/api/v1/sessions/{id}/guide", timeout=PATIENCE_S).json()
+    return httpx.get(f"{url}/api/v1/sessions/{id}/situation", timeout=PATIENCE_S).json()
 
 
 def until(url, id, holds):

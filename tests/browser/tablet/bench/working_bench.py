@@ -12,7 +12,7 @@ from tests.integration.web.ballbar_bench import BALLBAR, PLACEMENT, SESSIONS
 from tests.integration.web.bench import CELL, Bench, FakeBallbar, FakeHands, FakeRobot
 from tests.integration.web.listening import listening
 from truepose.app import create_app
-from truepose.demo.cell.person_at_tablet import PersonAtTablet
+from truepose.demo.simulated_operator import SimulatedOperator
 from truepose.settings import Settings
 from truepose_drivers.api import BallbarReading
 
@@ -89,7 +89,7 @@ def serving(folder, bench):
 
 def plan(url, name="left arm"):
     """Plan a session of one pose and return its number."""
-    wanted = {"name": name, "placements": [ONE_POSE]}
+    wanted = {"kind": "ballbar", "name": name, "placements": [ONE_POSE]}
     reply = httpx.post(f"{url}{SESSIONS}", json=wanted, timeout=PATIENCE_S)
     assert reply.status_code == 201, reply.text
     return reply.json()["id"]
@@ -103,9 +103,9 @@ def walk_to_leg(number, url, id):
 
 async def _walked_to_leg(number, url, id):
     async with httpx.AsyncClient(base_url=url, timeout=PATIENCE_S) as http:
-        steps = (await http.get(f"{SESSIONS}/{id}/steps")).json()["steps"]
+        steps = (await http.get(f"{SESSIONS}/{id}/plan")).json()["steps"]
         legs = [step["id"] for step in steps if step["kind"] == "connect_leg"]
-        await PersonAtTablet(http, id, TABLET).walk(until=legs[number - 1])
+        await SimulatedOperator(http, id, TABLET).walk(until=legs[number - 1])
 
 
 def ledger(url, id):
@@ -113,4 +113,4 @@ def ledger(url, id):
 
 
 def shown(url, id):
-    return httpx.get(f"{url}{SESSIONS}/{id}", timeout=PATIENCE_S).json()
+    return httpx.get(f"{url}{SESSIONS}/{id}/situation", timeout=PATIENCE_S).json()

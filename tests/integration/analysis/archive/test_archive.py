@@ -6,7 +6,7 @@ import shutil
 import pytest
 
 from tests.helpers.archive import ThisProcess, computed, written_archive
-from truepose.analysis.archive.campaigns import in_folder
+from truepose.analysis.archive import in_folder
 from truepose.domain.errors import ConfigurationError
 
 

@@ -1,33 +1,26 @@
 """The archive of a database: its campaigns, and what was stored of them."""
 
 import asyncio
-import contextlib
-import lzma
-import sqlite3
-from importlib.resources import files
 
 import pytest
 
 from tests.helpers.archive import ThisProcess, written_archive
 from tests.helpers.domain.builders import make_campaign
-from truepose.analysis.archive.campaigns import in_database
-from truepose.analysis.archive.run import Archive
-from truepose.analysis.campaigns.summary import summary_of
-from truepose.analysis.cluster.cluster import Cluster
+from truepose.analysis.archive import Archive, in_database
+from truepose.analysis.campaigns.assembly import summary_of
+from truepose.analysis.cluster.tasks import Cluster
 from truepose.diagnosis.diagnose import diagnose
 from truepose.domain.errors import ConfigurationError
 from truepose.exchange.campaigns.folder import read_campaign
 from truepose.identification import identify
-from truepose.storage.calibration.campaigns import CampaignRepository, NewCampaign
-from truepose.storage.calibration.diagnoses import DiagnosisRepository
-from truepose.storage.calibration.jobs import JobRepository
-from truepose.storage.calibration.results import ResultRepository
-from truepose.storage.columns import pack
 from truepose.storage.database import Database
+from truepose.storage.documents import pack
 from truepose.storage.errors import DatabaseAddressError
 from truepose.storage.records import JobKind
-
-EARLIER = files("truepose.demo.night.earlier") / "schema_0013.sql.xz"
+from truepose.storage.results.campaigns import CampaignRepository, NewCampaign
+from truepose.storage.results.diagnoses import DiagnosisRepository
+from truepose.storage.results.jobs import JobRepository
+from truepose.storage.results.models import ResultRepository
 
 
 async def _filled(url, campaign):
@@ -85,16 +78,3 @@ def test_a_database_is_read_as_it_is_also_while_a_service_has_it(tmp_path):
     with in_database(f"sqlite:///{file}") as campaigns:
         assert [one.name for one in campaigns] == ["1 as measured"]
     database.close()
-
-
-def test_a_database_of_an_earlier_version_stays_of_that_version(tmp_path):
-    file = tmp_path / "earlier.sqlite3"
-    with contextlib.closing(sqlite3.connect(file)) as earlier:
-        earlier.executescript(lzma.decompress(EARLIER.read_bytes()).decode())
-    before = file.read_bytes()
-
-    with in_database(f"sqlite:///{file}") as campaigns:
-        assert campaigns
-
-    assert file.read_bytes() == before
-    assert [one.name for one in tmp_path.iterdir()] == ["earlier.sqlite3"]

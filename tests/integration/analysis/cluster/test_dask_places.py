@@ -7,13 +7,10 @@ import dask
 import pytest
 
 from tests.helpers.parts import odd_is_refused, sums_of_noise, waited_for
-from truepose.analysis.cluster.alike import arithmetic
-from truepose.analysis.cluster.chosen import workers
-from truepose.analysis.cluster.cluster import Cluster
-from truepose.analysis.cluster.dask_clusters import of_scheduler, of_this_computer
-from truepose.analysis.cluster.dask_places import DaskPlaces
-from truepose.analysis.cluster.parts import Done, Failed, Part, Task, in_order
-from truepose.analysis.cluster.processes import Processes
+from truepose.analysis.cluster.arithmetic import arithmetic
+from truepose.analysis.cluster.dask_workers import DaskPlaces, of_scheduler, of_this_computer
+from truepose.analysis.cluster.tasks import Cluster, Part, PartAnswer, PartFailure, Task, in_order
+from truepose.analysis.cluster.workers import Processes, workers
 from truepose.analysis.errors import ClusterError, WorkersUnlikeError
 from truepose.domain.errors import ConfigurationError
 
@@ -51,7 +48,7 @@ def test_more_parts_than_dask_is_given_at_a_time_all_come_back(cluster):
 def test_what_fails_is_named_and_the_others_go_on(cluster):
     outcomes = list(in_order(cluster.outcomes(odd_is_refused, _parts([2, 3, 4]))))
 
-    assert [type(outcome) for outcome in outcomes] == [Done, Failed, Done]
+    assert [type(outcome) for outcome in outcomes] == [PartAnswer, PartFailure, PartAnswer]
     assert (outcomes[1].name, outcomes[1].why) == ("part 3", "3 cannot be halved.")
 
 
@@ -92,7 +89,7 @@ def test_a_worker_whose_processor_rounds_otherwise_is_refused():
 
 def test_a_run_with_such_a_worker_ends_with_a_sentence(places, monkeypatch):
     other = dataclasses.replace(arithmetic(), numpy="1.26.4", threads="1")
-    monkeypatch.setattr("truepose.analysis.cluster.dask_places.as_one_thread", lambda _: other)
+    monkeypatch.setattr("truepose.analysis.cluster.dask_workers.as_one_thread", lambda _: other)
 
     with pytest.raises(WorkersUnlikeError, match="Worker tcp://127"):
         DaskPlaces(places.client, "start one")
@@ -113,7 +110,7 @@ def test_a_scheduler_is_found_at_its_address(places):
 
 
 def test_where_no_scheduler_answers_it_says_so(monkeypatch, unused_tcp_port):
-    monkeypatch.setattr("truepose.analysis.cluster.dask_clusters._PATIENCE_S", 0.2)
+    monkeypatch.setattr("truepose.analysis.cluster.dask_workers._PATIENCE_S", 0.2)
 
     with (
         pytest.raises(ClusterError, match=f"No Dask scheduler answers at tcp://127.0.0.1:{unused_tcp_port}"),
@@ -151,4 +148,4 @@ def test_without_dask_one_sentence_says_what_to_install(monkeypatch):
 def test_few_parts_are_given_to_processes_of_this_computer():
     with workers(None, parts=2) as cluster:
         assert isinstance(cluster._places, Processes)
-        assert isinstance(next(cluster.outcomes(waited_for, _parts([0.0]))), Done | Failed)
+        assert isinstance(next(cluster.outcomes(waited_for, _parts([0.0]))), PartAnswer | PartFailure)

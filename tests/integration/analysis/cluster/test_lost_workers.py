@@ -9,9 +9,8 @@ import pytest
 from distributed import LocalCluster
 
 from tests.helpers.parts import killed_at_first, waited_for
-from truepose.analysis.cluster.cluster import Cluster
-from truepose.analysis.cluster.dask_clusters import of_scheduler, of_this_computer
-from truepose.analysis.cluster.parts import Part, Task
+from truepose.analysis.cluster.dask_workers import of_scheduler, of_this_computer
+from truepose.analysis.cluster.tasks import Cluster, Part, Task
 from truepose.analysis.errors import ClusterError
 
 ENDS_AT_FIRST = """
@@ -39,7 +38,7 @@ def folder(tmp_path):
 def test_a_worker_that_ends_while_it_starts_and_one_that_is_given_up_are_started_again(
     folder, tmp_path, monkeypatch
 ):
-    monkeypatch.setattr("truepose.analysis.cluster.dask_places._FETCHED_S", 0.5)
+    monkeypatch.setattr("truepose.analysis.cluster.dask_workers._FETCHED_S", 0.5)
     preload = tmp_path / "ends_at_first.py"
     preload.write_text(ENDS_AT_FIRST.format(marks=folder("starts", 1)))
     given_up_at_once = {"distributed.deploy.lost-worker-timeout": "0 s"}
@@ -62,8 +61,8 @@ def test_a_worker_that_ends_while_it_starts_and_one_that_is_given_up_are_started
 
 
 def test_where_no_worker_is_left_what_came_stands_and_a_sentence_says_what_to_do(monkeypatch):
-    monkeypatch.setattr("truepose.analysis.cluster.dask_places.LOOKED_S", 0.02)
-    monkeypatch.setattr("truepose.analysis.cluster.dask_places._WITHOUT_S", 0.1)
+    monkeypatch.setattr("truepose.analysis.cluster.dask_workers.LOOKED_S", 0.02)
+    monkeypatch.setattr("truepose.analysis.cluster.dask_workers._WITHOUT_S", 0.1)
     one = LocalCluster(
         n_workers=1, threads_per_worker=1, processes=False, protocol="tcp", dashboard_address=None
     )

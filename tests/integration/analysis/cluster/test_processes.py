@@ -14,9 +14,8 @@ from tests.helpers.parts import (
     sums_of_noise,
     waited_for,
 )
-from truepose.analysis.cluster.cluster import Cluster
-from truepose.analysis.cluster.parts import Done, Failed, Part, Task, in_order, seed_of
-from truepose.analysis.cluster.processes import Processes
+from truepose.analysis.cluster.tasks import Cluster, Part, PartAnswer, PartFailure, Task, in_order, seed_of
+from truepose.analysis.cluster.workers import Processes
 from truepose.analysis.errors import PartFailedError
 
 
@@ -67,7 +66,7 @@ def test_what_is_short_comes_before_what_is_long_and_order_is_kept_where_asked(t
 def test_what_fails_is_named_and_the_others_go_on(two):
     outcomes = list(in_order(two.outcomes(odd_is_refused, _parts([2, 3, 4, 5]))))
 
-    assert [type(outcome) for outcome in outcomes] == [Done, Failed, Done, Failed]
+    assert [type(outcome) for outcome in outcomes] == [PartAnswer, PartFailure, PartAnswer, PartFailure]
     assert (outcomes[1].name, outcomes[1].why, outcomes[1].code) == (
         "part 3",
         "3 cannot be halved.",
@@ -92,7 +91,7 @@ def test_a_task_that_loses_its_process_goes_to_another_until_it_is_given_up(tmp_
     with Processes(1, allowed_failures=1) as places:
         outcomes = list(in_order(Cluster(places).outcomes(killed_at_first, parts)))
 
-    assert [outcome.name for outcome in outcomes if isinstance(outcome, Failed)] == ["deadly"]
+    assert [outcome.name for outcome in outcomes if isinstance(outcome, PartFailure)] == ["deadly"]
     assert "lost 2 times" in outcomes[0].why
     assert [outcome.answer for outcome in outcomes[1:]] == ["at last"] * 3
 

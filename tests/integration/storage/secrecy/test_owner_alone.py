@@ -7,10 +7,9 @@ import stat
 import pytest
 
 from tests.helpers.machine import POSIX_MODES
-from truepose.app.logs.journal import logged
-from truepose.storage.backup.addressed import back_up_at, restore_at
+from truepose.app.logs import logged
 from truepose.storage.backup.plan import BackupPlan
-from truepose.storage.backup.schedule import BackupSchedule
+from truepose.storage.backup.schedule import BackupSchedule, back_up_at, restore_at
 from truepose.storage.database import Database
 
 pytestmark = [

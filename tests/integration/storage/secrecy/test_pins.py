@@ -4,15 +4,15 @@ from contextlib import closing
 
 import pytest
 
-from truepose.domain.people.accounts import Role
-from truepose.storage.backup.addressed import back_up_at, restore_at
-from truepose.storage.connection.plain import plain
-from truepose.storage.connection.reading import opened_at
+from truepose.domain.people import Role
+from truepose.storage.backup.schedule import back_up_at, restore_at
 from truepose.storage.database import Database
+from truepose.storage.engine.plain import plain
+from truepose.storage.engine.reading import opened_at
 from truepose.storage.errors import ConflictError
-from truepose.storage.integrity.taken_out import TAKEN_OUT
 from truepose.storage.integrity.verification import verify, verify_at
-from truepose.storage.people.credentials import CredentialKind, CredentialRepository, NewCredential
+from truepose.storage.people import CredentialKind, CredentialRepository, NewCredential
+from truepose.storage.secret_files import TAKEN_OUT
 
 FIRST, SECOND = "1f0c99ab$argon2id$first", "1f0c99ab$argon2id$second"
 PASSWORD = "$argon2id$of a password"
@@ -44,7 +44,7 @@ def changed(url, statement):
     """Change a record behind the service's back, as somebody with all rights on the database can."""
     database = Database(url)
     try:
-        connection = plain(database.held.connection)
+        connection = plain(database.backend.connection)
         of = " ON credentials" if hasattr(connection, "server") else ""
         connection.execute(f"DROP TRIGGER credentials_no_update{of}")
         connection.execute(statement)

@@ -12,17 +12,16 @@ import pytest
 
 from tests.helpers.domain.tracker_sessions import make_plan, make_point, make_setup, point_taken
 from tests.helpers.postgresql.line import Line
-from truepose.demo.night.earlier import earlier_schemas, write_earlier
 from truepose.storage.backup import transfer as transferring
-from truepose.storage.backup.addressed import back_up_at, restore_at
+from truepose.storage.backup.schedule import back_up_at, restore_at
 from truepose.storage.backup.transfer import transfer
-from truepose.storage.connection.reading import opened_at
 from truepose.storage.database import Database
+from truepose.storage.drafts import DraftFolder
+from truepose.storage.engine.reading import opened_at
 from truepose.storage.errors import BackupError, DatabaseInUseError, DatabaseUsedError, ServerAwayError
-from truepose.storage.files.drafts import DraftFolder
-from truepose.storage.integrity.arrival import verify_left, verify_left_at
-from truepose.storage.measurement.ledger import LedgerRepository
-from truepose.storage.measurement.sessions import SessionRepository
+from truepose.storage.integrity.verification import verify_left, verify_left_at
+from truepose.storage.ledger.entries import LedgerRepository
+from truepose.storage.ledger.sessions import SessionRepository
 from truepose.storage.records import RequestKey
 from truepose.storage.rows import add_row
 from truepose.storage.tables import campaigns, metadata, readings
@@ -112,22 +111,6 @@ class _Stopped:
         from datetime import datetime
 
         return datetime(2026, 3, 3, 10, tzinfo=zone)
-
-
-@pytest.mark.parametrize("schema", [earlier_schemas()[0], earlier_schemas()[-1]])
-def test_a_file_of_an_earlier_version_arrives_in_the_newest_schema_and_stays_as_it_is(
-    schema, database_url, tmp_path
-):
-    file = tmp_path / "earlier.sqlite3"
-    write_earlier(schema, file)
-    before = file.read_bytes()
-
-    head, _ = transfer(f"sqlite:///{file}", database_url)
-
-    assert file.read_bytes() == before
-    verdict = verify_left_at(database_url)
-    assert (verdict.findings, verdict.head) == ((), head)
-    assert len(everything(database_url)["readings"]) > 150
 
 
 async def test_a_service_goes_on_where_the_other_engine_ended(file, database_url):
@@ -311,7 +294,7 @@ async def test_what_is_cut_short_leaves_nothing_and_can_be_begun_anew(file, data
 
 
 async def test_a_source_that_is_not_whole_is_not_copied(file, database_url, tmp_path):
-    from truepose.storage.connection.sqlite.library import LIBRARY
+    from truepose.storage.engine.sqlite_connections import LIBRARY
 
     with LIBRARY.connect(tmp_path / "shop.sqlite3") as changed:
         changed.executescript("DROP TRIGGER sessions_no_update; UPDATE sessions SET name = 'x' WHERE id = 2;")

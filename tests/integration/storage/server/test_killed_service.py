@@ -7,7 +7,7 @@ import pytest
 
 from tests.integration.web.ballbar_bench import PLACE
 from tests.studies.interruptions.__main__ import Tally, interrupt, report
-from truepose.storage.integrity.arrival import verify_left_at
+from truepose.storage.integrity.verification import verify_left_at
 
 pytestmark = [pytest.mark.engine("postgresql"), pytest.mark.usefixtures("forked_processes")]
 

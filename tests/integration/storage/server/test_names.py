@@ -1,18 +1,16 @@
 """One server answers to many names, and one name leads to many databases: it says itself which it is."""
 
-import os
-
 import pytest
 
 from tests.helpers.domain.tracker_sessions import make_plan, make_setup
 from truepose.storage.backup.transfer import transfer
-from truepose.storage.connection.address import database_file
-from truepose.storage.connection.reading import lies_beside
 from truepose.storage.database import Database
+from truepose.storage.drafts import DraftFolder
+from truepose.storage.engine.address import database_file
+from truepose.storage.engine.reading import lies_beside
 from truepose.storage.errors import BackupError, DatabaseInUseError, ServerRefusedError
-from truepose.storage.files.drafts import DraftFolder
-from truepose.storage.integrity.arrival import verify_left_at
-from truepose.storage.measurement.sessions import SessionRepository
+from truepose.storage.integrity.verification import verify_left_at
+from truepose.storage.ledger.sessions import SessionRepository
 
 pytestmark = pytest.mark.engine("postgresql")
 
@@ -86,21 +84,6 @@ def test_a_schema_that_is_not_there_is_said(database_url):
         Database(f"{database_url}&options=-csearch_path%3Dnowhere")
     with pytest.raises(ServerRefusedError, match="none of the schemas in its search_path"):
         verify_left_at(f"{database_url}&options=-csearch_path%3Dnowhere")
-
-
-def test_what_an_earlier_version_named_after_the_address_is_taken_over(database_url):
-    database = Database(database_url)
-    draft = DraftFolder.beside(database.file).create()
-    database.close()
-    named = database_file(database_url)
-    for ending in (".seal", ".drafts"):
-        os.rename(f"{database.file}{ending}", f"{named}{ending}")
-    named.with_name(f"{named.name}.log").write_text("stays where it is")
-
-    Database(database_url).close()
-
-    assert DraftFolder.beside(database.file).numbers() == [draft.id]
-    assert [file.name for file in named.parent.glob(f"{named.name}*")] == [f"{named.name}.log"]
 
 
 async def test_newest_records_that_a_database_made_anew_lacks_are_missed(server, database_url):

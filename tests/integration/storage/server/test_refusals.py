@@ -9,10 +9,10 @@ import pytest
 from tests.helpers.domain.tracker_sessions import make_plan, make_point, make_setup, point_taken
 from tests.helpers.postgresql.line import Line
 from tests.helpers.postgresql.server import own_server
-from truepose.operation.lookout import watch
-from truepose.operation.lookout.watch import Lookout
-from truepose.storage.connection.reading import require_library
+from truepose import health
+from truepose.health import Lookout
 from truepose.storage.database import Database
+from truepose.storage.engine.reading import require_library
 from truepose.storage.errors import (
     ConflictError,
     DatabaseAddressError,
@@ -20,9 +20,9 @@ from truepose.storage.errors import (
     ForeignDatabaseError,
     StorageUnavailableError,
 )
-from truepose.storage.integrity.arrival import verify_left_at
-from truepose.storage.measurement.ledger import LedgerRepository
-from truepose.storage.measurement.sessions import SessionRepository
+from truepose.storage.integrity.verification import verify_left_at
+from truepose.storage.ledger.entries import LedgerRepository
+from truepose.storage.ledger.sessions import SessionRepository
 from truepose.storage.records import Page
 
 pytestmark = pytest.mark.engine("postgresql")
@@ -109,7 +109,7 @@ class NoDevices:
 
 
 async def test_a_server_that_is_away_does_not_have_the_service_ended(database_over_line, line, monkeypatch):
-    monkeypatch.setattr("truepose.operation.lookout.watch._KEPT_S", 0.0)
+    monkeypatch.setattr("truepose.health._KEPT_S", 0.0)
     lookout = Lookout(database_over_line, NoDevices(), make_setup().cell, None, lambda: 0)
     before = await lookout.state()
     line.cut()
@@ -125,8 +125,8 @@ async def test_a_server_that_is_away_does_not_have_the_service_ended(database_ov
 
 async def test_a_server_that_is_silent_for_long_does_not_have_the_service_ended_either(database, monkeypatch):
     for name, seconds in {"_KEPT_S": 0.0, "_PATIENCE_S": 0.01, "_SILENT_S": 0.0}.items():
-        monkeypatch.setattr(watch, name, seconds)
-    monkeypatch.setattr(watch, "counted", lambda _database: asyncio.sleep(60))
+        monkeypatch.setattr(health, name, seconds)
+    monkeypatch.setattr(health, "counted", lambda _database: asyncio.sleep(60))
     lookout = Lookout(database, NoDevices(), make_setup().cell, None, lambda: 0)
 
     first, later = [(await lookout.state()).records for _ in range(2)]
@@ -261,7 +261,7 @@ def test_a_server_that_may_lose_what_it_acknowledged_is_refused(database_url):
         Database(database_url.replace("&fsync=off", ""))
 
     accepted = Database(database_url)
-    assert accepted.held.server_doubts == ("fsync", "full_page_writes", "data_checksums")
+    assert accepted.backend.server_doubts == ("fsync", "full_page_writes", "data_checksums")
     accepted.close()
 
 
@@ -272,7 +272,7 @@ def test_commits_wait_for_the_disk_whatever_the_database_says(database_url, serv
     try:
         database = Database(database_url)
         said = database._writer.submit(
-            lambda: database.held.plain.execute("SHOW synchronous_commit").fetchone()
+            lambda: database.backend.plain.execute("SHOW synchronous_commit").fetchone()
         )
         assert said.result() == ("on",)
         database.close()
@@ -345,7 +345,7 @@ def test_a_migration_that_is_killed_leaves_nothing(server, beside):
     url = server.make(name, "template1")
     try:
         with pytest.MonkeyPatch.context() as patched:
-            patched.setattr("truepose.storage.connection.schema.newest_revision", _killed_after_migrating())
+            patched.setattr("truepose.storage.engine.schema.newest_revision", _killed_after_migrating())
             with pytest.raises(KeyboardInterrupt):
                 Database(url)
         with server.connect(name) as other:
@@ -358,7 +358,7 @@ def test_a_migration_that_is_killed_leaves_nothing(server, beside):
 
 
 def _killed_after_migrating():
-    from truepose.storage.connection import schema
+    from truepose.storage.engine import schema
 
     asked, newest = [], schema.newest_revision
 
@@ -372,7 +372,7 @@ def _killed_after_migrating():
 
 
 def test_every_text_of_a_server_is_compared_byte_by_byte_and_every_whole_number_has_64_bits(database, server):
-    name = database.held.url.split("/")[3].split("?")[0]
+    name = database.backend.url.split("/")[3].split("?")[0]
     with server.connect(name) as other:
         found = other.execute(
             "SELECT table_name, column_name, data_type, collation_name FROM information_schema.columns "

@@ -7,12 +7,12 @@ import psycopg
 import pytest
 
 from tests.helpers.domain.tracker_sessions import make_plan, make_setup
-from truepose.storage.connection.postgresql.identity import require_fit
-from truepose.storage.connection.postgresql.refusals import translated
 from truepose.storage.database import Database
+from truepose.storage.engine.postgresql_connections import translated
+from truepose.storage.engine.postgresql_server import require_fit
 from truepose.storage.errors import ServerAwayError, ServerRefusedError
-from truepose.storage.integrity.arrival import verify_left_at
-from truepose.storage.measurement.sessions import SessionRepository
+from truepose.storage.integrity.verification import verify_left_at
+from truepose.storage.ledger.sessions import SessionRepository
 from truepose.storage.records import Page
 
 pytestmark = pytest.mark.engine("postgresql")

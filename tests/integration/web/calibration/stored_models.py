@@ -5,8 +5,8 @@ from dataclasses import replace
 from tests.helpers.domain.builders import make_identification
 from tests.helpers.domain.robots import IRB_120
 from tests.helpers.identification.models import model_of, plain_parameters
-from truepose.storage.calibration.campaigns import NewCampaign
 from truepose.storage.records import CampaignSummary, JobKind
+from truepose.storage.results.campaigns import NewCampaign
 
 
 async def store_model(here, robot=IRB_120):

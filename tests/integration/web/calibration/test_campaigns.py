@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from tests.helpers.domain.builders import make_campaign
+from tests.helpers.web.clients import command
 from tests.integration.web.bench import session_request
 from tests.integration.web.leaving_clients import LeavingClient, Waiting
 from truepose.analysis.workers.tasks import stored_campaign
@@ -35,8 +36,8 @@ def zipped(**files):
 
 async def measured(client, until, role):
     path = (await client.post("/api/v1/sessions", json=session_request(role=role))).headers["Location"]
-    await client.post(f"{path}/start")
-    await client.post(f"{path}/confirm", json={"person": "Ada"})
+    await command(client, path, "start")
+    await command(client, path, "confirm")
     return await until(path, "state", "finished")
 
 
@@ -196,7 +197,7 @@ async def test_readings_kept_for_validation_never_identify(client, until):
     refused = await client.post(f"/api/v1/sessions/{validation['id']}/campaign", json={"name": "left arm"})
 
     assert refused.status_code == 409
-    assert "Session 1 is for validation, its readings never identify" in refused.json()["detail"]
+    assert "The readings of session 1 are for validation and never identify" in refused.json()["detail"]
     assert (await client.get(CAMPAIGNS)).json() == []
 
 
@@ -207,7 +208,7 @@ async def test_a_session_does_not_judge_the_model_that_it_identifies(client, unt
     refused = await client.post(f"/api/v1/sessions/{number}/campaign", json=wanted)
 
     assert refused.status_code == 409
-    assert "cannot judge the model that it identifies" in refused.json()["detail"]
+    assert "cannot validate the model that it identifies" in refused.json()["detail"]
 
 
 async def test_a_session_that_never_ran_makes_no_campaign(client):
@@ -282,7 +283,7 @@ async def test_where_too_many_uploads_wait_the_next_one_is_asked_to_come_again(a
             task.cancel()
     assert refused.status_code == 503
     assert int(refused.headers["Retry-After"]) > 0
-    assert "Too many uploads wait already" in refused.json()["detail"]
+    assert "Too many requests of this kind are waiting already" in refused.json()["detail"]
 
 
 async def held_turn(uploads):

@@ -14,8 +14,8 @@ from tests.helpers.web.clients import ENDED, made, until
 from tests.helpers.web.pages import Page
 from tests.helpers.web.performing import perform_here
 from tests.integration.web.calibration.stored_models import store_model
-from truepose.storage.calibration import corrections as stored_corrections
-from truepose.storage.columns import unpack
+from truepose.storage.documents import unpack
+from truepose.storage.results import corrections as stored_corrections
 
 REST = "[9E9,9E9,9E9,9E9,9E9,9E9]"
 PROGRAM = (
@@ -248,7 +248,7 @@ async def test_a_program_that_waits_in_memory_keeps_others_from_doing_so(app, se
 
     assert [reply.status_code for reply in taken] == [202] * 4
     assert refused.status_code == 503
-    assert "Too many files wait to be corrected" in refused.json()["detail"]
+    assert "Too many files are waiting to be corrected" in refused.json()["detail"]
 
 
 async def test_a_name_of_another_alphabet_comes_back(client, send):
@@ -303,7 +303,7 @@ async def test_many_targets_are_shown_some_hundred_at_a_time(client, send):
         await client.get(f"/corrections/{number}?after=200"),
     )
 
-    assert f"/corrections/{number}?after=200" in links(first)
+    assert "?after=200" in links(first)
     assert [text.text.count("<th>near</th>") for text in (first, rest)] == [200, 1]
 
 

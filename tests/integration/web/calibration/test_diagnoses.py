@@ -4,6 +4,7 @@ import pytest
 
 from tests.helpers.diagnosis.answers import make_diagnosis, make_finding, make_unexplained
 from tests.helpers.domain.builders import make_campaign, make_robot
+from tests.helpers.web.clients import command
 from tests.integration.web.bench import CELL, Bench, session_request
 from tests.integration.web.diagnosing import Diagnostician, served
 from truepose.analysis.workers.tasks import stored_campaign
@@ -159,7 +160,7 @@ async def test_a_robot_without_diagnoses_is_said(client, diagnosed, query):
     refused = await client.get(f"{DIAGNOSES}/comparison", params=query)
 
     assert refused.status_code == 404
-    assert "No diagnosis of a robot" in refused.json()["detail"]
+    assert "No diagnosis of robot" in refused.json()["detail"]
 
 
 @pytest.mark.parametrize(
@@ -191,8 +192,8 @@ async def test_what_is_not_there_cannot_be_diagnosed(client):
 
 async def measured_session(client, until, **changes):
     path = (await client.post("/api/v1/sessions", json=session_request(**changes))).headers["Location"]
-    await client.post(f"{path}/start")
-    await client.post(f"{path}/confirm", json={"person": "Ada"})
+    await command(client, path, "start")
+    await command(client, path, "confirm")
     await until(path, "state", "finished")
     return path
 
@@ -212,8 +213,8 @@ async def test_the_readings_of_a_session_are_diagnosed_and_dated_by_the_last_of_
 
 async def test_a_session_that_still_runs_is_diagnosed_with_what_it_has(client, bench, until, worker):
     path = (await client.post("/api/v1/sessions", json=session_request(n=60))).headers["Location"]
-    await client.post(f"{path}/start")
-    await client.post(f"{path}/confirm", json={"person": "Ada"})
+    await command(client, path, "start")
+    await command(client, path, "confirm")
     await until(path, "measured", *range(1, 60))
     bench.robot.gate.clear()  # the next motion does not end before the diagnosis has
 
@@ -242,7 +243,7 @@ async def test_readings_kept_for_validation_are_not_diagnosed(client, until):
     refused = await client.post(f"{path}/diagnosis", json={})
 
     assert refused.status_code == 409
-    assert "its readings never identify" in refused.json()["detail"]
+    assert "are for validation and never identify" in refused.json()["detail"]
 
 
 async def test_a_diagnosis_asked_twice_with_one_key_runs_once(client, until):

@@ -9,13 +9,13 @@ import pytest
 from tests.helpers.web.pages import Page
 from tests.helpers.web.performing import perform_here
 from tests.unit.service.exchange.brought.tables import plain
-from truepose.analysis.drafts import DraftDesk
+from truepose.analysis.drafts import DraftService
 from truepose.analysis.workers.uploads import Uploads
-from truepose.exchange.brought.choices import ROLES
-from truepose.exchange.brought.guessing.quantities import QUANTITIES
-from truepose.identification.verdict.changes import KINDS
-from truepose.storage.files.drafts import MOST_BYTES, DraftFolder
-from truepose.web.schemas.calibration.drafts import ChangeKind, MeaningRequest, Role
+from truepose.exchange.import_wizard.dialogue import ROLES
+from truepose.exchange.import_wizard.headings import QUANTITIES
+from truepose.identification.verdict.conventions import KINDS
+from truepose.storage.drafts import MOST_BYTES, DraftFolder
+from truepose.web.api.drafts import ChangeKind, MeaningRequest, Role
 
 DRAFTS = "/api/v1/drafts"
 BYTES = {"Content-Type": "application/octet-stream"}
@@ -35,7 +35,7 @@ def worker():
 async def client(app, client):
     """A client of a service that reads uploads in its own process."""
     context = app.state.context
-    desk = DraftDesk(
+    desk = DraftService(
         DraftFolder(context.database.file.with_name("drafts")),
         Uploads(perform_here),
         context.campaigns,

@@ -18,9 +18,8 @@ from truepose.analysis.workers.tasks import (
     PosePlanTask,
     stored_campaign,
 )
-from truepose.domain.measurement.campaign import Campaign
-from truepose.domain.measurement.session import PlannedStop, Turn
-from truepose.domain.results.identification import (
+from truepose.domain.campaign import Campaign
+from truepose.domain.identification import (
     Counts,
     Identification,
     Model,
@@ -30,8 +29,9 @@ from truepose.domain.results.identification import (
     Statistics,
     Status,
 )
-from truepose.domain.results.validation import Validation
 from truepose.domain.robot import FramePlacement
+from truepose.domain.session import PlannedStop, Turn
+from truepose.domain.validation import Validation
 from truepose.exchange.campaigns.zip_file import write_campaign_zip
 from truepose.storage.errors import StorageUnavailableError
 from truepose.storage.records import JobKind
@@ -283,7 +283,7 @@ async def test_a_fault_of_the_program_does_not_leave_a_job_running(client, until
 async def test_a_result_waits_for_a_disk_that_refuses_and_is_kept_when_it_takes_records_again(
     client, until, app, worker, campaign_id, monkeypatch
 ):
-    held = app.state.context.database.held
+    held = app.state.context.database.backend
     worker.gate.clear()
     path = await identification_job(client, campaign_id)
     await until(path, "message", "reading the campaign")
@@ -392,7 +392,7 @@ async def test_the_job_that_plans_a_proof_names_the_model_and_nothing_is_proved_
 
     assert (job["state"], job["request"]["proves_model_id"]) == ("succeeded", model_id), job["message"]
     assert proof.status_code == 409
-    assert "no reading of a tool nest yet" in proof.json()["detail"]
+    assert "no reading of a tool nest; run it first" in proof.json()["detail"]
 
 
 _TURN = {"joint": 6, "lower_deg": -180, "upper_deg": 180, "step_deg": 90}

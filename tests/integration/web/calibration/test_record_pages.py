@@ -4,15 +4,15 @@ import json
 
 import pytest
 
+from tests.helpers.storage.demo_database import write_demo
 from tests.helpers.web.pages import Page
-from truepose.demo.night.earlier import earlier_schemas, write_earlier
 from truepose.storage.database import Database
 
 
 @pytest.fixture(scope="module")
 def left(tmp_path_factory):
     file = tmp_path_factory.mktemp("left") / "truepose.sqlite3"
-    write_earlier(earlier_schemas()[-1], file)
+    write_demo(file)
     Database(f"sqlite:///{file}").close()
     return file
 
@@ -55,7 +55,7 @@ _WAY = {"/sessions/1", "/campaigns/1", "/identifications/1", "/models/1", "/vali
         ("/models/1", "31 parameters say how this robot differs", _WAY),
         ("/campaigns/1", "points to identify with", _WAY | {"/diagnoses/1", "/models/2"}),
         ("/sessions/1", "29 of 29 measured", _WAY | {"/diagnoses/1", "/models/2"}),
-        ("/diagnoses/1", "The present model explains the data", {"/sessions/1", "/campaigns/1", "/models/2"}),
+        ("/diagnoses/1", "As its report", {"/sessions/1", "/campaigns/1", "/models/2"}),
     ],
 )
 async def test_a_record_says_what_it_is_and_leads_to_what_it_came_of_and_what_came_of_it(

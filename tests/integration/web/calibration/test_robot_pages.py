@@ -5,11 +5,11 @@ import pytest
 
 from tests.helpers.diagnosis.answers import make_diagnosis, make_finding
 from tests.helpers.domain.builders import make_campaign, make_model
-from truepose.domain.measurement.campaign import PointReadings, Stops
+from truepose.domain.campaign import PointReadings, Stops
 from truepose.identification import predict
-from truepose.storage.calibration.campaigns import NewCampaign
-from truepose.storage.columns import pack
+from truepose.storage.documents import pack
 from truepose.storage.records import CampaignSummary, JobKind
+from truepose.storage.results.campaigns import NewCampaign
 
 _ROBOT = make_model().robot.name
 

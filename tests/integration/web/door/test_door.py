@@ -8,8 +8,8 @@ from fastapi.responses import HTMLResponse
 
 from tests.helpers.web.routes import METHODS, addresses_of, asked, paths_answering, paths_of
 from truepose.web.application import create_application
-from truepose.web.door.admission import PAGES
-from truepose.web.door.hosts import AllowedHosts
+from truepose.web.middleware.hosts import AllowedHosts
+from truepose.web.middleware.security import PAGES
 
 APP = create_application("test", contextlib.nullcontext, AllowedHosts(["cell3.shop", "https://proxy.shop"]))
 TAKING_FILES = {"/api/v1/campaigns", "/api/v1/models/1/corrections"}  # as forms bring them

@@ -24,7 +24,7 @@ def test_nothing_that_programs_rely_on_is_broken():
 
 
 # What is changed below, and whatever it refers to.
-PATHS = ["/api/v1/jobs", "/api/v1/jobs/{id}", "/api/v1/contact-sessions"]
+PATHS = ["/api/v1/jobs", "/api/v1/jobs/{id}", "/api/v1/sessions"]
 SCHEMAS = ["JobReply", "JobState", "ContactSessionRequest", "Problem"]
 
 
@@ -132,12 +132,12 @@ def needs_a_limit(paths, schemas):
         (answers_in_words, "get_job: answer 200: field fraction is string now, and was number."),
         (refusal_without_a_sentence, "every refusal: field detail is gone."),
         (forgets_the_total, "list_jobs: answer 200: header Total-Count is gone."),
-        (takes_less, "plan_contact_session: the body: field seed is refused now."),
-        (takes_fewer, "plan_contact_session: the body: field stops: maximum is 100 now, and was 200."),
-        (takes_no_validation, "plan_contact_session: the body: field role may not be 'validation' now."),
-        (takes_for_granted, "plan_contact_session: the body: field seed: left out it is 1 now, and was 0."),
-        (wants_more, "plan_contact_session: the body: field nest has to be given now."),
-        (wants_something_new, "plan_contact_session: the body: field gauge has to be given now."),
+        (takes_less, "plan_session: the body: field seed is refused now."),
+        (takes_fewer, "plan_session: the body: field stops: maximum is 100 now, and was 200"),
+        (takes_no_validation, "plan_session: the body: field role may not be 'validation' now."),
+        (takes_for_granted, "plan_session: the body: field seed: left out it is 1 now, and was 0."),
+        (wants_more, "plan_session: the body: field nest has to be given now."),
+        (wants_something_new, "plan_session: the body: field gauge has to be given now."),
         (pages_of_a_hundred, "list_jobs: parameter query limit: maximum is 100 now, and was 1000."),
         (no_pages, "list_jobs: parameter query after is refused now."),
         (needs_a_limit, "list_jobs: parameter query limit has to be given now."),

@@ -8,11 +8,11 @@ import pytest
 from fastapi.responses import StreamingResponse
 
 from tests.helpers.web.routes import paths_answering, paths_of, routes_alone
-from truepose.web.requests import lanes
-from truepose.web.requests.lanes import Lanes
+from truepose.web.middleware import priority
+from truepose.web.middleware.priority import Lanes
 
 APP = routes_alone()
-PAUSE, LOOK = "/api/v1/sessions/1/pause", "/api/v1/sessions"
+PAUSE, LOOK = "/api/v1/sessions/1/commands", "/api/v1/sessions"
 
 
 class Held:
@@ -60,7 +60,7 @@ async def asking(client):
 
 
 async def test_a_flood_of_readers_waits_and_a_pause_does_not(client, held, asking, monkeypatch):
-    monkeypatch.setattr(lanes, "_WAIT_S", 0.05)
+    monkeypatch.setattr(priority, "_WAIT_S", 0.05)
     flood = asking(LOOK, 400)
     while held.under_way < 16:
         await asyncio.sleep(0)
@@ -93,7 +93,7 @@ async def test_streams_take_no_place_of_others(client, held, asking):
     while held.under_way < 384:
         await asyncio.sleep(0)
 
-    assert (await client.get("/api/v1/ballbar-sessions/1/live")).status_code == 503
+    assert (await client.get("/api/v1/sessions/1/live")).status_code == 503
     held.go.set()
     assert (await client.get(LOOK)).status_code == 200
 
@@ -118,7 +118,7 @@ async def test_who_sends_slowly_takes_no_place():
 
 
 async def test_who_leaves_as_a_place_comes_free_does_not_go_in():
-    lane = lanes._Lane(1, 1)
+    lane = priority._Lane(1, 1)
     inside = []
 
     async def go_in():
@@ -138,7 +138,7 @@ async def test_who_leaves_as_a_place_comes_free_does_not_go_in():
 
 
 async def test_bodies_together_have_a_limit_that_an_act_does_not_feel(client, held, asking, monkeypatch):
-    monkeypatch.setattr(lanes, "_BODIES_BYTES", 2**20)
+    monkeypatch.setattr(priority, "_BODIES_BYTES", 2**20)
     asking(LOOK, 1, content=b" " * 2**20)
     while not held.under_way:
         await asyncio.sleep(0)
@@ -148,10 +148,10 @@ async def test_bodies_together_have_a_limit_that_an_act_does_not_feel(client, he
 
 
 def test_every_route_that_stops_something_is_urgent():
-    stopping = [path for path in paths_of(APP) if re.search(r"/(pause|abort|acts|health)$", path)]
+    stopping = [path for path in paths_of(APP) if re.search(r"/(commands|health)$", path)]
 
-    assert len(stopping) == 5
-    assert all(lanes._URGENT.fullmatch(path) for path in stopping)
+    assert len(stopping) == 2
+    assert all(priority._URGENT.fullmatch(path) for path in stopping)
 
 
 def test_every_judgement_of_readings_that_is_made_when_asked_waits_with_the_drawings():
@@ -160,11 +160,11 @@ def test_every_judgement_of_readings_that_is_made_when_asked_waits_with_the_draw
     ]
 
     assert len(judged) == 6
-    assert all(lanes._DRAWN.fullmatch(path) for path in judged)
+    assert all(priority._DRAWN.fullmatch(path) for path in judged)
 
 
 def test_every_stream_goes_in_the_lane_of_streams():
     streams = paths_answering(APP, StreamingResponse)
 
     assert streams
-    assert {path for path in paths_of(APP) if lanes._STREAMS.fullmatch(path)} == streams
+    assert {path for path in paths_of(APP) if priority._STREAMS.fullmatch(path)} == streams

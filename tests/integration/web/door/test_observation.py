@@ -13,9 +13,9 @@ from truepose.analysis.workers.process import TaskRefusedError
 from truepose.correlation import REQUEST
 from truepose.exchange.campaigns.zip_file import write_campaign_zip
 from truepose.storage.errors import StorageUnavailableError
-from truepose.web.observation.requests import LOGGER
+from truepose.web.middleware.request_log import LOGGER
 
-LOOKING = "truepose.operation.lookout.watch"
+LOOKING = "truepose.health"
 CANARY = "SECRET-zQ7-canary"
 NAMES = []  # of the requests that led to tasks
 

@@ -18,15 +18,14 @@ from tests.helpers.web import routes
 from tests.helpers.web.routes import operations_of, routes_alone
 from tests.integration.web.bench import CELL, Bench
 from tests.integration.web.listening import listening
-from truepose.analysis.workers.promising import PromiseTask
+from truepose.analysis.workers.accuracy_tasks import PromiseTask
 from truepose.app import create_app
 from truepose.settings import Settings
 
 # Streams do not end by themselves; `test_events.py` and `test_ballbar_live.py` are about them.
 STREAMS = [
     "/api/v1/events",
-    "/api/v1/ballbar-sessions/{id}/live",
-    "/api/v1/sessions/{id}/guide/live",
+    "/api/v1/sessions/{id}/live",
 ]
 OPERATIONS = [(method, path) for method, path in operations_of(routes_alone()) if path not in STREAMS]
 UPLOADS = {("post", "/api/v1/campaigns"), ("post", "/api/v1/models/{id}/corrections")}
@@ -110,7 +109,7 @@ def test_every_number_that_is_a_quantity_names_its_unit(document):
         r"|parameters|outliers|\w+_points|\w+_legs|\w+_contacts|\w+_readings|reference_every|fraction"
         r"|number|\w+_number|entry|index|count|\w+_count|attempt|placement|poses|\w+_poses|base_point|base|tool"
         r"|corrected|total|far_moved|outside|line|a|b|legs|readings|watching|initialisation|exchanged"
-        r"|axes|row|group|revisits|degrees_of_freedom|targets|advised|nests|cycles|visits|set_aside|struck|rows|first_line|column|left_out|revision|point|first|second|newest|links)$"
+        r"|axes|row|group|revisits|degrees_of_freedom|targets|advised|nests|cycles|visits|set_aside|struck|rows|leads_to|first_line|column|left_out|revision|point|first|second|newest|links)$"
     )
     # A ratio has no unit; the unit of a parameter, an amplitude or a curve stands beside its value.
     ratios = {"scale", "scale_standard_uncertainty", "chi2_per_dof", "p_value", "share", "lack_of_fit_ratio"}
@@ -172,9 +171,9 @@ def test_every_operation_lists_its_problems_and_says_what_it_does(document, meth
 
 BEGINS_WITH_A_VERB = re.compile(
     r"("
-    r"abort|accept|add|cancel|change|choose|claim|close|compare|confirm|connect|correct|diagnose|"
+    r"accept|add|cancel|change|choose|claim|close|command|compare|confirm|connect|correct|diagnose|"
     r"disconnect|download|end|enter|"
-    r"find|follow|get|give|identify|list|make|pause|plan|press|read|resume|start|upload|"
+    r"find|follow|get|give|identify|list|make|plan|read|start|upload|"
     r"remove|revoke|show|sign|switch|use|validate"
     r")(_[a-z]+)+"
 )

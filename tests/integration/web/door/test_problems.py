@@ -5,7 +5,7 @@ import json
 import pytest
 
 from tests.integration.web.bench import session_request
-from truepose.web.requests.limits import JSON_LIMIT_BYTES
+from truepose.web.middleware.limits import JSON_LIMIT_BYTES
 
 SESSIONS = "/api/v1/sessions"
 

@@ -9,10 +9,10 @@ from tests.helpers.domain.robots import IRB_120
 from tests.helpers.identification.models import model_of, parameters_of
 from tests.helpers.web.clients import made
 from tests.helpers.web.performing import perform_here
-from truepose.domain.results.identification import NestCentre, Parameter
+from truepose.domain.identification import NestCentre, Parameter
 from truepose.exchange.models.digest import digest_of
 from truepose.exchange.models.file import model_text
-from truepose.web.leaving import pages
+from truepose.web.pages import cell
 
 PLAN = {"kind": "plan", "name": "monthly check", "person": "Ada Byron", "document": {"name": "monthly"}}
 KEY = {"Idempotency-Key": "hand-down-1"}
@@ -157,7 +157,7 @@ async def test_a_model_of_another_robot_or_no_model_is_refused_with_a_sentence(c
     assert [answer.status_code for answer in answers] == [409, 409, 409, 404]
     assert "KUKA KR 6; this cell has ABB IRB 120" in answers[0].json()["detail"]
     assert "What was handed down cannot be read as a model" in answers[1].json()["detail"]
-    assert "is a plan and no model" in answers[2].json()["detail"]
+    assert "is a plan, not a model" in answers[2].json()["detail"]
     assert (await client.get("/api/v1/models")).json() == []
 
 
@@ -189,7 +189,7 @@ async def test_a_model_that_moves_the_tool_far_is_accepted_only_with_its_shift_c
 
 
 async def test_every_model_that_the_page_shows_is_checked_however_many_came_later(client, app, monkeypatch):
-    monkeypatch.setattr(pages, "_SHOWN", 2)
+    monkeypatch.setattr(cell, "_HANDED_DOWN", 2)
     await client.post("/api/v1/hand-downs", json=handed_model(app, BASE_FAR), headers=KEY)
     for number in range(2):
         later = handed_model(app) | {"name": f"later {number}"}

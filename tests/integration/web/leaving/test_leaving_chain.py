@@ -7,18 +7,22 @@ from datetime import UTC, datetime
 import pytest
 
 from tests.helpers.domain.tracker_sessions import make_plan, make_point, make_setup, point_taken
-from truepose.domain.cell.description import DeviceEntry
-from truepose.domain.people.accounts import Role
-from truepose.storage.integrity.chain import GENESIS, linked_hash
-from truepose.storage.leaving.decided import AT_HOME, LEAVING
-from truepose.storage.leaving.typed_rows import untyped
-from truepose.storage.measurement.ledger import LedgerRepository
-from truepose.storage.measurement.sessions import SessionRepository
-from truepose.storage.people.acts import ActRepository, PersonsAct
-from truepose.storage.people.credentials import CredentialKind, CredentialRepository, NewCredential
+from truepose.domain.cell import DeviceEntry
+from truepose.domain.people import Role
+from truepose.storage.integrity.hash_chain import GENESIS, linked_hash
+from truepose.storage.ledger.entries import LedgerRepository
+from truepose.storage.ledger.sessions import SessionRepository
+from truepose.storage.people import (
+    ActRepository,
+    CredentialKind,
+    CredentialRepository,
+    NewCredential,
+    PersonsAct,
+)
+from truepose.storage.plant.outbox import AT_HOME, LEAVING, untyped
 from truepose.storage.records import RequestKey
 from truepose.storage.tables import metadata
-from truepose.web.leaving import chain
+from truepose.web.api import chain
 
 CANARY = "canary-7f3a"
 
@@ -126,7 +130,7 @@ async def test_pages_follow_each_other_and_give_the_same_chain(client, measured,
 
 async def test_a_page_of_large_records_ends_when_it_has_enough_bytes(client, measured, monkeypatch):
     monkeypatch.setattr(chain, "MOST_BYTES", 1)
-    monkeypatch.setattr("truepose.storage.leaving.links._AT_A_TIME", 2)
+    monkeypatch.setattr("truepose.storage.plant.outbox._AT_A_TIME", 2)
 
     links, end = await chain_of(client)
 

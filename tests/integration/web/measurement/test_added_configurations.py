@@ -3,6 +3,7 @@
 import pytest
 
 from tests.helpers.diagnosis.answers import make_diagnosis
+from tests.helpers.web.clients import command
 from tests.integration.web.bench import Bench, session_request
 from tests.integration.web.conftest import asking
 from tests.integration.web.diagnosing import Diagnostician, served
@@ -33,8 +34,8 @@ async def planned(client, n=3):
 async def confirmed(client, path, question):
     """Let a person confirm, once the session asks what is expected of it."""
     await asking(client)(path, "state", "awaiting_confirmation")
-    assert question in (await client.get(path)).json()["question"]
-    await client.post(f"{path}/confirm", json={"person": "Ada"})
+    assert question in (await client.get(path)).json()["prompt"]["message"]
+    await command(client, path, "confirm")
 
 
 async def test_a_planned_session_measures_what_was_added(client, until):
@@ -42,7 +43,7 @@ async def test_a_planned_session_measures_what_was_added(client, until):
 
     added = await client.post(f"{path}/configurations", json=MORE)
     plan = (await client.get(f"{path}/plan")).json()
-    await client.post(f"{path}/start")
+    await command(client, path, "start")
     await confirmed(client, path, "Is the cell clear")
     session = await until(path, "state", "finished", "failed", "paused")
 
@@ -59,7 +60,7 @@ async def test_a_planned_session_measures_what_was_added(client, until):
 async def test_a_running_session_asks_a_person_before_it_goes_to_what_was_added(client, bench, until):
     bench.robot.gate.clear()
     path = await planned(client)
-    await client.post(f"{path}/start")
+    await command(client, path, "start")
     await confirmed(client, path, "Is the cell clear")
     await bench.robot.sent.wait()
 
@@ -77,10 +78,10 @@ async def test_after_a_restart_what_was_added_is_still_measured(settings):
     async with served(settings, Bench(), None) as (client, _):
         path = await planned(client)
         await client.post(f"{path}/configurations", json=MORE)
-        await client.post(f"{path}/start")
+        await command(client, path, "start")
 
     async with served(settings, Bench(), None) as (client, until):
-        await client.post(f"{path}/confirm", json={"person": "Grace"})
+        await command(client, path, "confirm", person="Grace")
         session = await until(path, "state", "finished", "failed", "paused")
 
     assert session["measured"] == 5
@@ -121,8 +122,8 @@ async def test_two_additions_take_different_numbers(client):
 
 async def test_a_session_that_has_ended_takes_no_more(client, until):
     path = await planned(client)
-    await client.post(f"{path}/start")
-    await client.post(f"{path}/confirm", json={"person": "Ada"})
+    await command(client, path, "start")
+    await command(client, path, "confirm")
     await until(path, "state", "finished")
 
     refused = await client.post(f"{path}/configurations", json=MORE)
@@ -161,7 +162,7 @@ async def test_nothing_is_added_to_what_is_not_there(client):
 async def diagnosed_so_far(client, until, bench, **asked_for):
     """A session held in a motion, with a diagnosis of what it has measured so far."""
     path = await planned(client, 60)
-    await client.post(f"{path}/start")
+    await command(client, path, "start")
     await confirmed(client, path, "Is the cell clear")
     await until(path, "measured", *range(1, 60))
     bench.robot.gate.clear()
@@ -191,7 +192,7 @@ async def test_a_diagnosis_that_asked_for_more_is_run_again_when_the_session_has
 
 async def test_it_is_judged_by_the_same_validation_session_again(client, until, bench):
     kept = (await client.post(SESSIONS, json=session_request(role="validation"))).headers["Location"]
-    await client.post(f"{kept}/start")
+    await command(client, kept, "start")
     await confirmed(client, kept, "Is the cell clear")
     await until(kept, "state", "finished")
     path = await diagnosed_so_far(client, until, bench, validation_session_id=1)
@@ -208,7 +209,7 @@ async def test_it_is_judged_by_the_same_validation_session_again(client, until, 
 
 async def test_a_session_to_which_nothing_was_added_is_not_diagnosed_by_itself(client, until, worker):
     path = await planned(client)
-    await client.post(f"{path}/start")
+    await command(client, path, "start")
     await confirmed(client, path, "Is the cell clear")
     await until(path, "state", "finished")
 

@@ -57,18 +57,16 @@ async def test_a_ballbar_session_keeps_its_placements_and_legs(client, until):
 
     second = await again(client, until, first)
 
-    steps = [(await client.get(f"{SESSIONS}/{number}/steps")).json()["steps"] for number in (first, second)]
+    steps = [(await client.get(f"{SESSIONS}/{number}/plan")).json()["steps"] for number in (first, second)]
     assert steps[0] == steps[1]
 
 
 async def test_a_session_of_closed_loops_keeps_its_targets_and_stops(client, until):
-    first = await planned(client, "/api/v1/contact-sessions", WIRE)
+    first = await planned(client, "/api/v1/sessions", WIRE)
 
     second = await again(client, until, first)
 
-    plans = [
-        (await client.get(f"/api/v1/contact-sessions/{number}/plan")).json() for number in (first, second)
-    ]
+    plans = [(await client.get(f"/api/v1/sessions/{number}/plan")).json() for number in (first, second)]
     assert plans[0] == plans[1]
     assert (await client.get(f"/sessions/{second}/again")).status_code == 200
 
@@ -139,7 +137,7 @@ async def test_a_plan_of_another_robot_is_refused(settings, bench, worker):
         page = (await client.get(f"/sessions/{first}/again")).text
 
     assert refused.status_code == 409
-    assert "no use here" in refused.json()["detail"] and "no use here" in page
+    assert "cannot be used here" in refused.json()["detail"] and "no use here" in page
     assert "data-asks" not in page
 
 

@@ -4,9 +4,9 @@ from types import SimpleNamespace
 
 import pytest
 
-from tests.helpers.web.clients import until
+from tests.helpers.web.clients import command, until
 from tests.integration.web.bench import Bench, session_request, stops
-from tests.unit.service.sequencing.tracker.test_camera_sessions import FakeCamera
+from tests.unit.service.sessions.tracker.test_camera_sessions import FakeCamera
 from truepose.exchange.campaigns.zip_file import read_campaign_zip
 from truepose.settings import Settings
 from truepose_drivers.api import DriverPlugin
@@ -76,8 +76,8 @@ def wanted(n=3):
 
 async def measured(client):
     path = (await client.post("/api/v1/sessions", json=wanted())).headers["Location"]
-    await client.post(f"{path}/start")
-    await client.post(f"{path}/confirm", json={"person": "Ada"})
+    await command(client, path, "start")
+    await command(client, path, "confirm")
     return path, await until(client, path, lambda session: session["state"] not in {"planned", "running"})
 
 
@@ -112,9 +112,9 @@ async def test_its_campaign_has_the_orientations_and_how_well_the_artefact_is_kn
 async def test_another_camera_than_that_of_the_cell_file_is_questioned(client, bench):
     bench.camera.serial = "P-2"
     path = (await client.post("/api/v1/sessions", json=wanted())).headers["Location"]
-    await client.post(f"{path}/start")
+    await command(client, path, "start")
 
-    await client.post(f"{path}/confirm", json={"person": "Ada"})
+    await command(client, path, "confirm")
     asked = await until(client, path, lambda session: session["tracker_in_question"] is not None)
 
     assert asked["tracker_in_question"]["serial_number"] == "P-2"

@@ -2,6 +2,7 @@
 
 import pytest
 
+from tests.helpers.web.clients import command
 from tests.integration.web.bench import session_request
 
 REASON = "The laboratory returns the report on Monday; the scale bar was measured today."
@@ -12,8 +13,8 @@ async def finished(client, until):
     """A session that has finished; the bench's tracker has a certificate without a day of expiry."""
     answer = await client.post("/api/v1/sessions", json=session_request(n=3))
     path = answer.headers["Location"]
-    await client.post(f"{path}/start")
-    await client.post(f"{path}/confirm", json={"person": "Ada"})
+    await command(client, path, "start")
+    await command(client, path, "confirm")
     await until(path, "state", "finished")
     return path
 
@@ -59,7 +60,7 @@ async def test_what_did_not_finish_is_not_closed_as_calibrated(client):
     path = answer.headers["Location"]
 
     going_on = await close(client, path, reason=REASON)
-    await client.post(f"{path}/abort", json={"person": "Ada"})
+    await command(client, path, "abort")
     broken_off = await close(client, path, reason=REASON)
     disclaimed = await close(client, path, closed_as="not calibrated")
 

@@ -4,6 +4,7 @@ import asyncio
 
 import pytest
 
+from tests.helpers.web.clients import command, prompt_id
 from tests.integration.web.bench import CELL, FakeLink
 from tests.integration.web.contact_bench import GAUGE, WIRE
 from truepose.settings import Settings
@@ -39,33 +40,31 @@ def settings(request, tmp_path, database_url):
 
 
 async def test_a_session_is_planned_asked_for_run_and_made_a_campaign_of(wire, bench, client, until):
-    made = await client.post("/api/v1/contact-sessions", json=WIRE)
+    made = await client.post("/api/v1/sessions", json=WIRE)
     path = made.headers["Location"]
     number = made.json()["id"]
-    plan = (await client.get(f"/api/v1/contact-sessions/{number}/plan")).json()
+    plan = (await client.get(f"/api/v1/sessions/{number}/plan")).json()
 
-    started = await client.post(f"{path}/start")
+    started = await command(client, path, "start")
     asked = []
     for _ in plan["questions"]:
         shown = (await client.get(path)).json()
         assert shown["state"] == "awaiting_confirmation"
         assert bench.robot.moves == 0
-        asked.append(shown["question"])
-        reply = await client.post(
-            f"{path}/confirm", json={"person": "Ada Byron", "prompt_id": shown["prompt_id"]}
-        )
-        assert reply.status_code == 202
+        asked.append(shown["prompt"]["message"])
+        reply = await command(client, path, "confirm", person="Ada Byron", prompt_id=shown["prompt"]["id"])
+        assert reply.status_code == 200
         if len(asked) < len(plan["questions"]):
-            while (await client.get(path)).json()["prompt_id"] in {None, shown["prompt_id"]}:
+            while prompt_id((await client.get(path)).json()) in {None, shown["prompt"]["id"]}:
                 pass
     finished = await until(path, "state", "finished")
 
-    assert (made.status_code, made.json()["role"], started.status_code) == (201, "contacts", 202)
+    assert (made.status_code, made.json()["role"], started.status_code) == (201, "contacts", 200)
     assert asked == plan["questions"]
     assert (finished["planned"], finished["measured"], finished["skipped"]) == (6, 6, 0)
-    readings = (await client.get(f"/api/v1/contact-sessions/{number}/readings")).json()
+    readings = (await client.get(f"/api/v1/sessions/{number}/contact-readings")).json()
     assert [reading["reading_mm"] for reading in readings] == [[12.5]] * 6
-    rest = await client.get(f"/api/v1/contact-sessions/{number}/readings?after=4")
+    rest = await client.get(f"/api/v1/sessions/{number}/contact-readings?after=4")
     assert (rest.json(), rest.headers["Total-Count"], rest.links) == (readings[4:], "6", {})
     campaign = await client.post("/api/v1/campaigns", json={"name": "wire", "session_ids": [number]})
     assert campaign.json()["calibration_contacts"] == 6
@@ -81,16 +80,16 @@ async def in_thread(task, told):
 
 async def test_stops_are_chosen_by_a_job_where_that_is_preferred(wire, app, client, until):
     app.state.context.job_desk._queue._perform = in_thread
-    waited_for = (await client.post("/api/v1/contact-sessions", json=WIRE)).json()["id"]
+    waited_for = (await client.post("/api/v1/sessions", json=WIRE)).json()["id"]
 
-    told = await client.post("/api/v1/contact-sessions", json=WIRE, headers=LATER)
+    told = await client.post("/api/v1/sessions", json=WIRE, headers=LATER)
     job = await until(told.headers["Location"], "state", "succeeded", "failed")
 
     assert (told.status_code, told.headers["Preference-Applied"]) == (202, "respond-async")
     assert (job["kind"], job["request"]["configurations"]) == ("contact_plan", 6)
     assert (await client.get(job["result_url"])).json()["name"] == "one wire"
     one, other = [
-        (await client.get(f"/api/v1/contact-sessions/{number}/plan")).json()
+        (await client.get(f"/api/v1/sessions/{number}/plan")).json()
         for number in (waited_for, job["result_id"])
     ]
     assert one == other
@@ -101,7 +100,7 @@ async def test_a_choice_that_fails_says_so_in_its_job_and_leaves_no_session(app,
     app.state.context.job_desk._queue._perform = in_thread
     far = {**WIRE, "targets": [{"kind": "plane", "place_mm": [5000, 0, 0]}]}
 
-    told = await client.post("/api/v1/contact-sessions", json=far, headers=LATER)
+    told = await client.post("/api/v1/sessions", json=far, headers=LATER)
     job = await until(told.headers["Location"], "state", "succeeded", "failed")
 
     assert (job["state"], job["code"]) == ("failed", "TP-5002")
@@ -112,16 +111,16 @@ async def test_a_choice_that_fails_says_so_in_its_job_and_leaves_no_session(app,
 async def test_the_same_request_plans_once(wire, client):
     key = {"Idempotency-Key": "plan-1"}
 
-    first = await client.post("/api/v1/contact-sessions", json=WIRE, headers=key)
-    second = await client.post("/api/v1/contact-sessions", json=WIRE, headers=key)
+    first = await client.post("/api/v1/sessions", json=WIRE, headers=key)
+    second = await client.post("/api/v1/sessions", json=WIRE, headers=key)
 
     assert first.json()["id"] == second.json()["id"]
 
 
 async def test_a_cell_without_a_gauge_is_told_when_the_session_starts(client):
-    made = await client.post("/api/v1/contact-sessions", json=WIRE)
+    made = await client.post("/api/v1/sessions", json=WIRE)
 
-    reply = await client.post(f"{made.headers['Location']}/start")
+    reply = await command(client, made.headers["Location"], "start")
 
     assert reply.status_code == 409
     assert "no linear gauge" in reply.json()["detail"]
@@ -130,29 +129,26 @@ async def test_a_cell_without_a_gauge_is_told_when_the_session_starts(client):
 async def test_what_the_cell_cannot_do_is_refused_with_a_sentence(client):
     far = {**WIRE, "targets": [{"kind": "plane", "place_mm": [5000, 0, 0]}]}
 
-    reply = await client.post("/api/v1/contact-sessions", json=far)
+    reply = await client.post("/api/v1/sessions", json=far)
 
     assert reply.status_code == 409
     assert "put the targets nearer" in reply.json()["detail"]
 
 
-async def test_routes_of_other_kinds_of_session_say_so(client):
-    number = (await client.post("/api/v1/contact-sessions", json=WIRE)).json()["id"]
+async def test_configurations_are_not_added_to_it(client):
+    number = (await client.post("/api/v1/sessions", json=WIRE)).json()["id"]
 
-    plan = await client.get(f"/api/v1/sessions/{number}/plan")
-    ballbar = await client.get(f"/api/v1/ballbar-sessions/{number}")
     added = await client.post(
         f"/api/v1/sessions/{number}/configurations",
         json={"person": "Ada Byron", "configurations": [{"joints_deg": [0, 45, -30, 0, 30, 0]}]},
     )
 
-    assert (plan.status_code, ballbar.status_code, added.status_code) == (409, 404, 409)
-    assert f"contact-sessions/{number}/plan" in plan.json()["detail"]
+    assert added.status_code == 409
     assert "closed loops" in added.json()["detail"]
 
 
 async def test_nothing_read_is_no_campaign(client):
-    number = (await client.post("/api/v1/contact-sessions", json=WIRE)).json()["id"]
+    number = (await client.post("/api/v1/sessions", json=WIRE)).json()["id"]
 
     reply = await client.post("/api/v1/campaigns", json={"name": "nothing", "session_ids": [number]})
 
@@ -161,7 +157,7 @@ async def test_nothing_read_is_no_campaign(client):
 
 
 async def test_its_page_stands_where_those_of_all_sessions_do(client):
-    number = (await client.post("/api/v1/contact-sessions", json=WIRE)).json()["id"]
+    number = (await client.post("/api/v1/sessions", json=WIRE)).json()["id"]
 
     page = await client.get(f"/sessions/{number}")
     listed = await client.get("/sessions")

@@ -6,10 +6,11 @@ import json
 import httpx
 import pytest
 
+from tests.helpers.web.clients import command
 from tests.integration.web.bench import session_request
 from tests.integration.web.listening import listening
 from truepose.app import create_app
-from truepose.web import events as streams
+from truepose.web.api import events as streams
 
 
 @pytest.fixture
@@ -48,8 +49,8 @@ async def planned(client):
 
 
 async def run(client, number):
-    await client.post(f"/api/v1/sessions/{number}/start")
-    await client.post(f"/api/v1/sessions/{number}/confirm", json={"person": "Ada"})
+    await command(client, f"/api/v1/sessions/{number}", "start")
+    await command(client, f"/api/v1/sessions/{number}", "confirm")
 
 
 async def until_finished(client, number):

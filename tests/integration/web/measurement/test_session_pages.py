@@ -6,10 +6,11 @@ from dataclasses import replace
 import pytest
 
 from tests.helpers.domain.robots import IRB_120
+from tests.helpers.web.clients import command
 from tests.helpers.web.pages import Page
 from tests.integration.web.bench import session_request
 from tests.integration.web.calibration.stored_models import store_model
-from truepose.web.results.models import models_of
+from truepose.web.pages.session_results import models_of
 
 
 @pytest.fixture
@@ -21,9 +22,9 @@ def session(client, until):
             await client.post(f"/api/v1/devices/{device}/connect")
         planned = await client.post("/api/v1/sessions", json=session_request(**wanted))
         path = planned.headers["Location"]
-        await client.post(f"{path}/start")
+        await command(client, path, "start")
         await until(path, "state", "awaiting_confirmation")
-        await client.post(f"{path}/confirm", json={"person": "Ada Byron"})
+        await command(client, path, "confirm", person="Ada Byron")
         await until(path, "state", "finished")
         return int(path.rsplit("/", 1)[1])
 

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from tests.helpers.web.clients import command
 from tests.integration.web.ballbar_bench import PLACEMENT, SESSIONS, WANTED, with_ballbar
 from tests.integration.web.bench import session_request
 
@@ -24,9 +25,9 @@ class TestByTracker:
         path = (
             f"/api/v1/sessions/{(await client.post('/api/v1/sessions', json=session_request())).json()['id']}"
         )
-        await client.post(f"{path}/start")
+        await command(client, path, "start")
         await until(path, "state", "awaiting_confirmation")
-        await client.post(f"{path}/confirm", json={"person": "Ada"})
+        await command(client, path, "confirm")
         await until(path, "state", "finished")
 
         space = (await client.get(f"{path}/space")).json()

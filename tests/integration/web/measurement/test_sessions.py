@@ -5,9 +5,9 @@ import threading
 
 import pytest
 
-from tests.helpers.web.clients import served
+from tests.helpers.web.clients import command, served
 from tests.integration.web.bench import Bench, session_request, stops
-from truepose.operation.tracker import plans
+from truepose.sessions.tracker import service
 
 SESSIONS = "/api/v1/sessions"
 
@@ -22,16 +22,16 @@ async def running(client, bench):
     """A session whose first motion has begun and does not end yet."""
     bench.robot.gate.clear()
     path = await planned(client)
-    await client.post(f"{path}/start")
-    await client.post(f"{path}/confirm", json={"person": "Ada"})
+    await command(client, path, "start")
+    await command(client, path, "confirm")
     await asyncio.wait_for(bench.robot.sent.wait(), 10)
     return path
 
 
 async def test_a_session_runs_from_plan_to_readings(client, until):
     path = await planned(client, n=3)
-    await client.post(f"{path}/start")
-    await client.post(f"{path}/confirm", json={"person": "Ada"})
+    await command(client, path, "start")
+    await command(client, path, "confirm")
 
     session = await until(path, "state", "finished", "failed", "paused")
     readings = (await client.get(f"{path}/readings", params={"kind": "point"})).json()
@@ -56,9 +56,9 @@ async def test_the_first_session_of_a_robot_begins_with_its_dry_run_and_goes_at_
     bench.robot.set_limits = noted
     for _ in range(2):
         path = await planned(client, n=3)
-        started = await client.post(f"{path}/start")
-        questions.append(started.json()["session"]["question"])
-        await client.post(f"{path}/confirm", json={"person": "Ada"})
+        started = await command(client, path, "start")
+        questions.append(started.json()["session"]["prompt"]["message"])
+        await command(client, path, "confirm")
         await until(path, "state", "finished", "failed", "paused")
 
     first, second = questions
@@ -84,14 +84,14 @@ async def test_a_driver_that_fails_has_the_session_await_a_person_who_can_go_on(
 
     setattr(getattr(bench, device), asked, fail_once)
     path = await planned(client, n=3)
-    await client.post(f"{path}/start")
-    await client.post(f"{path}/confirm", json={"person": "Ada"})
+    await command(client, path, "start")
+    await command(client, path, "confirm")
     await until(path, "state", "running", "finished", "failed", "paused")
 
     waiting = await until(path, "state", "awaiting_confirmation", "finished", "failed", "paused")
     assert waiting["state"] == "awaiting_confirmation", waiting
-    assert f"driver fake_{device} failed in {asked} (KeyError: 'langid')" in waiting["question"]
-    await client.post(f"{path}/confirm", json={"person": "Ada"})
+    assert f"driver fake_{device} failed in {asked} (KeyError: 'langid')" in waiting["prompt"]["message"]
+    await command(client, path, "confirm")
 
     session = await until(path, "state", "finished", "failed", "paused")
     assert (session["state"], session["measured"]) == ("finished", 3), session["reason"]
@@ -100,12 +100,12 @@ async def test_a_driver_that_fails_has_the_session_await_a_person_who_can_go_on(
 async def test_nothing_moves_before_a_named_person_has_confirmed(client, bench):
     path = await planned(client)
 
-    started = await client.post(f"{path}/start")
-    nameless = await client.post(f"{path}/confirm", json={"person": "  "})
+    started = await command(client, path, "start")
+    nameless = await command(client, path, "confirm", person="  ")
     await asyncio.sleep(0.05)
 
     assert started.json()["session"]["state"] == "awaiting_confirmation"
-    assert "Is the cell clear" in started.json()["session"]["question"]
+    assert "Is the cell clear" in started.json()["session"]["prompt"]["message"]
     assert nameless.status_code == 422
     assert bench.robot.moves == 0
 
@@ -113,7 +113,7 @@ async def test_nothing_moves_before_a_named_person_has_confirmed(client, bench):
 async def test_a_pause_says_that_the_motion_ends_first_and_then_holds(client, bench, until):
     path = await running(client, bench)
 
-    answer = await client.post(f"{path}/pause", json={"person": "Ada"})
+    answer = await command(client, path, "pause")
     bench.robot.gate.set()
     await until(path, "state", "paused")
     moves = bench.robot.moves
@@ -121,14 +121,14 @@ async def test_a_pause_says_that_the_motion_ends_first_and_then_holds(client, be
 
     assert "ends first" in answer.json()["sentence"]
     assert bench.robot.moves == moves
-    assert (await client.post(f"{path}/resume", json={"person": "Ada"})).status_code == 202
+    assert (await command(client, path, "resume")).status_code == 200
     assert (await until(path, "state", "finished"))["measured"] == 3
 
 
 async def test_an_aborted_session_keeps_its_readings(client, bench, until):
     path = await running(client, bench)
 
-    await client.post(f"{path}/abort")
+    await command(client, path, "abort")
     bench.robot.gate.set()
     session = await until(path, "state", "aborted")
 
@@ -139,11 +139,11 @@ async def test_an_aborted_session_keeps_its_readings(client, bench, until):
 async def test_a_planned_session_can_be_ended_without_ever_moving(client, bench):
     path = await planned(client)
 
-    answer = await client.post(f"{path}/abort", json={"person": "Ada"})
+    answer = await command(client, path, "abort")
 
     assert answer.json()["session"]["state"] == "aborted"
-    assert answer.json()["session"]["person"] == "Ada"
-    assert (await client.post(f"{path}/start")).status_code == 409
+    assert (await client.get(path)).json()["person"] == "Ada"
+    assert (await command(client, path, "start")).status_code == 409
 
 
 async def test_after_a_restart_the_session_awaits_a_person_and_then_goes_on(settings, bench):
@@ -156,7 +156,7 @@ async def test_after_a_restart_the_session_awaits_a_person_and_then_goes_on(sett
         found = (await client.get(path)).json()
         await asyncio.sleep(0.05)
         moves_before = later.robot.moves
-        await client.post(f"{path}/confirm", json={"person": "Grace"})
+        await command(client, path, "confirm", person="Grace")
         async with asyncio.timeout(10):
             while (session := (await client.get(path)).json())["state"] != "finished":
                 await asyncio.sleep(0.005)
@@ -169,9 +169,9 @@ async def test_after_a_restart_the_session_awaits_a_person_and_then_goes_on(sett
 
 async def test_one_session_runs_at_a_time(client):
     first, second = await planned(client), await planned(client)
-    await client.post(f"{first}/start")
+    await command(client, first, "start")
 
-    refused = await client.post(f"{second}/start")
+    refused = await command(client, second, "start")
 
     assert refused.status_code == 409
     assert refused.json()["detail"].startswith(
@@ -192,7 +192,7 @@ async def test_a_device_under_a_session_is_not_disconnected(client, bench):
 async def test_what_cannot_be_asked_now_is_refused_with_the_state(client, action):
     path = await planned(client)
 
-    refused = await client.post(f"{path}/{action}", json={"person": "Ada"})
+    refused = await command(client, path, action)
 
     assert refused.status_code == 409
     assert "planned" in refused.json()["detail"]
@@ -246,10 +246,42 @@ async def test_a_plan_of_more_stops_than_anybody_measures_is_refused(client):
 
 async def test_a_plan_is_judged_off_the_loop_that_answers_everybody(client, monkeypatch):
     judged_on = []
-    monkeypatch.setattr(plans, "check_plan", lambda *_: judged_on.append(threading.current_thread().name))
+    monkeypatch.setattr(service, "check_plan", lambda *_: judged_on.append(threading.current_thread().name))
 
     planned = await client.post("/api/v1/sessions", json=session_request())
 
     assert planned.status_code == 201
     assert judged_on
     assert "MainThread" not in judged_on
+
+
+@pytest.mark.parametrize("kind", ["laser", "", 5, None])
+async def test_a_kind_that_there_is_not_is_refused_by_the_names_of_those_there_are(client, kind):
+    refused = await client.post("/api/v1/sessions", json={**session_request(), "kind": kind})
+
+    assert refused.status_code == 422
+    assert "kind should be one of tracker, contact, ballbar" in refused.json()["detail"]
+    assert (await client.get("/api/v1/sessions")).json() == []
+
+
+async def test_a_fault_is_found_where_it_was_sent(client):
+    none = {"method": "choose", "configurations": 0}
+    joints = {"method": "given", "stops": [{"config": 1, "joints_deg": [0, "up"], "nest": 1}]}
+
+    details = [
+        (await client.post("/api/v1/sessions", json=session_request(plan=plan))).json()["detail"]
+        for plan in (none, joints)
+    ]
+
+    assert [detail.partition(":")[0] for detail in details] == [
+        "plan.configurations",
+        "plan.stops.0.joints_deg.1",
+    ]
+
+
+@pytest.mark.parametrize("body", [[1, [{}], "tracker"], "tracker", 5, [], None])
+async def test_a_body_that_is_no_object_is_refused_as_a_whole(client, body):
+    refused = await client.post("/api/v1/sessions", json=body)
+
+    assert refused.status_code == 422
+    assert refused.json()["detail"].startswith("the body: ")

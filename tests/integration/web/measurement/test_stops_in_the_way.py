@@ -4,7 +4,7 @@ from math import radians
 
 import pytest
 
-from tests.helpers.web.clients import served
+from tests.helpers.web.clients import command, served
 from tests.integration.web.ballbar_bench import BALLBAR, PLACEMENT
 from tests.integration.web.ballbar_bench import SESSIONS as BALLBAR_SESSIONS
 from tests.integration.web.bench import CELL, session_request, stops
@@ -12,6 +12,7 @@ from tests.integration.web.conftest import asking
 from truepose_drivers.errors import ConnectionLostError
 
 SESSIONS = "/api/v1/sessions"
+START = {"command": "start", "person": "Ada"}
 BELOW = [0.0, 90.0, 0.0, 0.0, 90.0, 0.0]  # the tool looks down from the outstretched arm
 ON_A_PEDESTAL = "[base_in_world]\nx_mm = 0\ny_mm = 0\nz_mm = 800\nrx_deg = 0\nry_deg = 0\nrz_deg = 0\n"
 LOW_FLOOR = "[limits]\nfloor_z_mm = -300\n"
@@ -50,10 +51,10 @@ async def test_a_robot_that_stands_high_or_has_a_low_floor_may_go_there(settings
 
 
 async def test_a_floor_that_is_stated_higher_since_binds_at_the_start(settings, bench):
-    for floor, path in (("", SESSIONS), ("[limits]\nfloor_z_mm = 900.0\n", f"{SESSIONS}/1/start")):
+    for floor, path in (("", SESSIONS), ("[limits]\nfloor_z_mm = 900.0\n", f"{SESSIONS}/1/commands")):
         settings.cell_file.write_text(CELL + floor)
         async with served(settings, bench.registry()) as client:
-            answer = await client.post(path, json=None if floor else session_request())
+            answer = await client.post(path, json=START if floor else session_request())
 
     assert answer.status_code == 409
     assert "below floor or table" in answer.json()["detail"]
@@ -86,22 +87,25 @@ async def test_a_way_through_an_assumed_floor_is_said_at_the_planning_and_before
     wanted = session_request(plan=given(BEFORE, BEYOND))
     key = {"Idempotency-Key": "once"}
     planned, repeated = [await client.post(SESSIONS, json=wanted, headers=key) for _ in range(2)]
-    started = await client.post(f"{planned.headers['Location']}/start")
+    started = await command(client, planned.headers["Location"], "start")
 
     assert planned.status_code == 201, planned.text
     (note,) = repeated.json()["notes"]
     assert DEPTH in note
     assert planned.json()["notes"] == [note]
     assert DEPTH in started.json()["sentence"]
-    assert DEPTH in started.json()["session"]["question"]
+    assert DEPTH in started.json()["session"]["prompt"]["message"]
 
 
 async def test_of_clear_ways_nothing_is_said(client):
     planned = await client.post(SESSIONS, json=session_request())
-    started = await client.post(f"{planned.headers['Location']}/start")
+    started = await command(client, planned.headers["Location"], "start")
 
     assert planned.json()["notes"] == []
-    assert "until one has finished. The robot is about to move." in started.json()["session"]["question"]
+    assert (
+        "until one has finished. The robot is about to move."
+        in started.json()["session"]["prompt"]["message"]
+    )
 
 
 async def test_the_way_from_where_a_connected_arm_stands_is_looked_at(client, bench):
@@ -110,7 +114,7 @@ async def test_the_way_from_where_a_connected_arm_stands_is_looked_at(client, be
     wanted = session_request(plan=given(BEYOND))
 
     planned = await client.post(SESSIONS, json=wanted)
-    started = await client.post(f"{planned.headers['Location']}/start")
+    started = await command(client, planned.headers["Location"], "start")
 
     assert planned.json()["notes"] == []
     assert "from where the arm stands to the approach to configuration 1" in started.json()["sentence"]
@@ -124,9 +128,12 @@ async def test_a_robot_that_does_not_say_where_it_stands_keeps_no_question_waiti
     await bench.robot.connect()
     bench.robot.read_joints = fail
     planned = await client.post(SESSIONS, json=session_request(plan=given(BEYOND)))
-    started = await client.post(f"{planned.headers['Location']}/start")
+    started = await command(client, planned.headers["Location"], "start")
 
-    assert "until one has finished. The robot is about to move." in started.json()["session"]["question"]
+    assert (
+        "until one has finished. The robot is about to move."
+        in started.json()["session"]["prompt"]["message"]
+    )
 
 
 SEEN = [12.0, 55.0, 11.0, -127.0, 80.0, 145.0]  # by the tracker; the way to it leads through the table
@@ -145,14 +152,14 @@ async def test_an_added_configuration_behind_an_assumed_floor_is_said(client, be
     await bench.robot.connect()
     path = (await client.post(SESSIONS, json=session_request(plan=given(BEFORE)))).headers["Location"]
     bench.robot.gate.clear()
-    await client.post(f"{path}/start")
-    await client.post(f"{path}/confirm", json={"person": "Ada"})
+    await command(client, path, "start")
+    await command(client, path, "confirm")
     await bench.robot.sent.wait()
 
     added = await client.post(f"{path}/configurations", json=MORE)
     bench.robot.gate.set()
     await asking(client)(path, "state", "awaiting_confirmation")
-    question = (await client.get(path)).json()["question"]
+    question = (await client.get(path)).json()["prompt"]["message"]
 
     assert "tool nest 2 would be 75 mm below floor or table" in added.json()["sentence"]
     assert "from where the arm stands to the approach to configuration 2" in question
@@ -161,7 +168,7 @@ async def test_an_added_configuration_behind_an_assumed_floor_is_said(client, be
 
 def ballbar_session(*joints_deg):
     poses = [pose | {"joints_deg": q} for pose, q in zip(PLACEMENT["poses"], joints_deg, strict=True)]
-    return {"name": "six legs", "placements": [PLACEMENT | {"poses": poses}]}
+    return {"kind": "ballbar", "name": "six legs", "placements": [PLACEMENT | {"poses": poses}]}
 
 
 @pytest.mark.parametrize(("floor", "status"), [("", 201), ("[limits]\nfloor_z_mm = 0.0\n", 409)])
@@ -190,10 +197,10 @@ async def test_a_pose_of_a_given_ballbar_plan_below_the_table_is_refused(setting
 
 async def test_a_way_through_a_floor_that_is_stated_since_is_refused_at_the_start(settings, bench):
     wanted = session_request(plan=given(BEFORE, BEYOND))
-    for floor, path in (("", SESSIONS), ("[limits]\nfloor_z_mm = 0.0\n", f"{SESSIONS}/1/start")):
+    for floor, path in (("", SESSIONS), ("[limits]\nfloor_z_mm = 0.0\n", f"{SESSIONS}/1/commands")):
         settings.cell_file.write_text(CELL + floor)
         async with served(settings, bench.registry()) as client:
-            answer = await client.post(path, json=None if floor else wanted)
+            answer = await client.post(path, json=START if floor else wanted)
 
     assert answer.status_code == 409
     assert DEPTH in answer.json()["detail"]

@@ -10,8 +10,8 @@ from argon2 import PasswordHasher
 
 from tests.integration.web.bench import CELL, Bench
 from truepose.app import create_app
-from truepose.domain.people.accounts import Person, Role
-from truepose.operation.people import hashes, sign_ins
+from truepose.domain.people import Person, Role
+from truepose.people import secrets, sign_ins
 from truepose.settings import Settings
 
 PASSWORD = "on the looms of Lyon"
@@ -30,8 +30,8 @@ def cheap_hashes(request, monkeypatch):
     """Hashes that cost nothing, but where their cost is what a test is about (mark `true_hashes`)."""
     if request.node.get_closest_marker("true_hashes") is None:
         hasher = PasswordHasher(time_cost=1, memory_cost=8, parallelism=1)
-        monkeypatch.setattr(hashes, "_HASHER", hasher)
-        monkeypatch.setattr(hashes, "MEMORY_KIB", 8)
+        monkeypatch.setattr(secrets, "_HASHER", hasher)
+        monkeypatch.setattr(secrets, "MEMORY_KIB", 8)
         monkeypatch.setattr(sign_ins, "NOBODYS", hasher.hash("of nobody"))
 
 

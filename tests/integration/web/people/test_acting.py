@@ -5,18 +5,18 @@ import logging
 
 import pytest
 
-from tests.helpers.web.clients import client_of, until
+from tests.helpers.web.clients import client_of, command, until
 from tests.helpers.web.routes import asked
 from tests.integration.web.bench import session_request
 from tests.integration.web.people.conftest import ORIGIN, PASSWORD, PIN, peopled
-from truepose.domain.people.accounts import Role
-from truepose.domain.sentences import leading_key
-from truepose.operation.people.accounts import Chosen
-from truepose.operation.people.leases import LEASE_S
-from truepose.web.people.gate import Gate
-from truepose.web.people.operations import operations_of
-from truepose.web.reports.acts import acts_of_session
-from truepose.words.catalogue import IN_ENGLISH
+from truepose.domain.people import Role
+from truepose.messages.catalogue import IN_ENGLISH
+from truepose.messages.message import leading_key
+from truepose.people.accounts import Chosen
+from truepose.people.leases import LEASE_S
+from truepose.web.middleware.authorization import AuthorizationMiddleware
+from truepose.web.middleware.routing import operations_of
+from truepose.web.pages.session_history import acts_of_session
 
 SESSIONS = "/api/v1/sessions"
 FRESH = "urn:truepose:problem:fresh-sign-in"
@@ -45,8 +45,8 @@ async def started(alan):
     for device in ("tracker", "robot"):
         await alan.post(f"/api/v1/devices/{device}/connect")
     path = (await alan.post(SESSIONS, json=session_request())).headers["Location"]
-    assert (await alan.post(f"{path}/start")).status_code == 202
-    return path, (await until(alan, path, lambda session: session["question"]))["prompt_id"]
+    assert (await command(alan, path, "start", person=None)).status_code == 200
+    return path, (await until(alan, path, lambda session: session["prompt"]))["prompt"]["id"]
 
 
 async def acts_of(house):
@@ -57,11 +57,11 @@ async def acts_of(house):
 async def test_a_session_has_the_person_who_is_signed_in(alan, started):
     path, prompt = started
 
-    other = await alan.post(f"{path}/confirm", json={"person": "Grace Hopper", "prompt_id": prompt})
-    own = await alan.post(f"{path}/confirm", json={"person": " alan  turing", "prompt_id": prompt})
+    other = await command(alan, path, "confirm", person="Grace Hopper", prompt_id=prompt)
+    own = await command(alan, path, "confirm", person=" alan  turing", prompt_id=prompt)
     session = await until(alan, path, lambda session: session["state"] == "finished")
 
-    assert (other.status_code, own.status_code) == (403, 202)
+    assert (other.status_code, own.status_code) == (403, 200)
     assert "Alan Turing is signed in here" in other.json()["detail"]
     assert {state["person"] for state in session["states"]} == {None, "Alan Turing"}
 
@@ -69,20 +69,22 @@ async def test_a_session_has_the_person_who_is_signed_in(alan, started):
 async def test_a_name_need_not_be_said_twice(alan, started, bench):
     path, prompt = started
 
-    confirmed = await alan.post(f"{path}/confirm", json={"prompt_id": prompt})
+    confirmed = await command(alan, path, "confirm", prompt_id=prompt, person=None)
 
-    assert confirmed.status_code == 202, confirmed.text
+    assert confirmed.status_code == 200, confirmed.text
 
 
 async def test_nothing_moves_before_it_was_shown_once_more_who_it_is(house, started, bench):
     path, prompt = started
     await house.here.accounts.choose(house.people[Role.OPERATOR], Chosen(pin=PIN))
     async with await house.browser(Role.OPERATOR, fresh=False) as stale:
-        refused = await stale.post(f"{path}/confirm", json={"prompt_id": prompt})
+        refused = await command(stale, path, "confirm", prompt_id=prompt, person=None)
         assert (refused.status_code, refused.json()["type"]) == (403, FRESH)
         assert bench.robot.moves == 0
 
-        assert (await stale.post(f"{path}/pause")).status_code != 403  # halting waits for nothing
+        assert (
+            await command(stale, path, "pause", person=None)
+        ).status_code != 403  # halting waits for nothing
         assert (await stale.post("/api/v1/sign-ins/present/fresh", json={"pin": PIN})).status_code == 200
 
 
@@ -90,32 +92,32 @@ async def test_nothing_moves_before_it_was_shown_once_more_who_it_is(house, star
 async def test_who_may_not_act_may_stop(house, started, role):
     path, prompt = started
     async with house.of(role) as client:
-        confirmed = await client.post(f"{path}/confirm", json={"prompt_id": prompt})
-        stopped = await client.post(f"{path}/abort")
+        confirmed = await command(client, path, "confirm", prompt_id=prompt, person=None)
+        stopped = await command(client, path, "abort", person=None)
 
-    assert (confirmed.status_code, stopped.status_code) == (403, 202)
+    assert (confirmed.status_code, stopped.status_code) == (403, 200)
 
 
 async def test_a_program_of_an_operator_is_hindered_by_nobody(house, alan, started):
     path, prompt = started
     async with house.of(Role.OPERATOR) as script:
-        confirmed = await script.post(f"{path}/confirm", json={"person": "Alan Turing", "prompt_id": prompt})
+        confirmed = await command(script, path, "confirm", person="Alan Turing", prompt_id=prompt)
 
-    assert confirmed.status_code == 202, confirmed.text
+    assert confirmed.status_code == 200, confirmed.text
 
 
 async def test_one_acts_and_another_takes_over_by_saying_so(ada, alan, started):
     path, prompt = started  # Alan started it, and has the authority
 
-    refused = await ada.post(f"{path}/confirm", json={"prompt_id": prompt})
+    refused = await command(ada, path, "confirm", prompt_id=prompt, person=None)
     assert (refused.status_code, refused.json()["type"]) == (409, "urn:truepose:problem:authority")
     assert "Alan Turing acts in session 1" in refused.json()["detail"]
     assert (await ada.put(f"{path}/authority", json={})).status_code == 409
     assert (await ada.put(f"{path}/authority", json={"take_over": True})).json()["mine"] is True
 
     assert (await alan.get(f"{path}/authority")).json()["person"] == "Ada Byron"
-    assert (await alan.post(f"{path}/confirm", json={"prompt_id": prompt})).status_code == 409
-    assert (await ada.post(f"{path}/confirm", json={"prompt_id": prompt})).status_code == 202
+    assert (await command(alan, path, "confirm", prompt_id=prompt, person=None)).status_code == 409
+    assert (await command(ada, path, "confirm", prompt_id=prompt, person=None)).status_code == 200
 
 
 async def test_from_whom_the_authority_was_taken_stands_on_reports(house, ada, started):
@@ -141,7 +143,7 @@ async def test_the_authority_ends_where_nobody_renews_it(house, ada, alan, start
     monkeypatch.setattr(leases, "_elapsed_s", lambda: began() + LEASE_S + 1)
 
     assert (await alan.get(f"{path}/authority")).json()["person"] is None
-    assert (await ada.post(f"{path}/confirm", json={"prompt_id": prompt})).status_code == 202
+    assert (await command(ada, path, "confirm", prompt_id=prompt, person=None)).status_code == 200
 
 
 async def test_to_go_on_having_the_authority_is_no_act(house, ada, alan, started):
@@ -165,16 +167,16 @@ async def test_who_only_looks_at_a_stranger_s_tablet_takes_nothing_over(house, s
 
 async def test_every_act_is_on_record_with_its_person(house, alan, started):
     path, _ = started
-    await alan.post(f"{path}/abort", json={"person": "Alan Turing"})
+    await command(alan, path, "abort", person="Alan Turing")
     async with house.client() as nobody:
-        await nobody.post(f"{path}/start")
+        await command(nobody, path, "start", person=None)
 
     found = await acts_of(house)
 
     told = {(act.person, act.operation, act.resource, act.status) for act in found}
-    assert ("Alan Turing", "start_session", f"{path}/start", 202) in told
-    assert ("Alan Turing", "abort_session", f"{path}/abort", 202) in told
-    assert (None, "start_session", f"{path}/start", 401) in told
+    assert ("Alan Turing", "start_session", f"{path}/commands", 200) in told
+    assert ("Alan Turing", "abort_session", f"{path}/commands", 200) in told
+    assert (None, "command_session", f"{path}/commands", 401) in told
     assert {act.tablet for act in found if act.person} == {"cell 3"}
 
 
@@ -255,7 +257,7 @@ async def test_a_watch_link_shows_one_session_and_nothing_else(house, alan, app,
             ("GET", path),
             ("POST", f"{path}/pause"),
             ("GET", "/"),
-            ("GET", f"{path}/guide/live"),
+            ("GET", f"{path}/live"),
         ):
             answer = await screen.request(method, other, headers={"Authorization": f"Bearer {secret}"})
             assert answer.status_code in {303, 401}, other
@@ -273,7 +275,7 @@ async def test_a_stream_ends_with_the_right_to_it(house):
         await house.here.accounts.register.remove(house.people[Role.OPERATOR], "a test")
         await send({"type": "http.response.body", "body": b"after", "more_body": True})
 
-    gate = Gate(streaming, operations_of(house.app.routes))
+    gate = AuthorizationMiddleware(streaming, operations_of(house.app.routes))
 
     async def served(scope, receive, send):
         await gate({**scope, "app": house.app}, receive, send)

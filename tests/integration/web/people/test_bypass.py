@@ -4,8 +4,8 @@ import pytest
 import pytest_asyncio
 
 from tests.helpers.web.routes import asked
-from truepose.domain.people.accounts import Role
-from truepose.operation.people.hashes import new_secret
+from truepose.domain.people import Role
+from truepose.people.secrets import new_secret
 
 pytestmark = pytest.mark.asyncio(loop_scope="module")
 HOST = ("host", "localhost")
@@ -133,8 +133,7 @@ PATHS = [
 ]
 PLACES = [
     ("GET", "/api/v1/sessions"),
-    ("POST", "/api/v1/sessions/1/confirm"),
-    ("POST", "/api/v1/sessions/1/pause"),
+    ("POST", "/api/v1/sessions/1/commands"),
     ("GET", "/api/v1/people"),
     ("POST", "/api/v1/tokens"),
     ("GET", "/api/v1/events"),
@@ -190,5 +189,7 @@ async def test_a_cookie_changes_nothing_for_a_page_of_others(house, secrets):
         [("sec-fetch-site", "same-site"), ("origin", "http://localhost:9000")],
         [("referer", "http://evil.example/")],
     ):
-        answer = await asked(house.app, "POST", "/api/v1/sessions/1/pause", [HOST, cookie, *headers], b"{}")
+        answer = await asked(
+            house.app, "POST", "/api/v1/sessions/1/commands", [HOST, cookie, *headers], b"{}"
+        )
         assert answer.status == 403, headers

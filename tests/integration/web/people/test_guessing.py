@@ -5,8 +5,7 @@ import pytest
 from tests.helpers.web.clients import client_of, served
 from tests.integration.web.people.conftest import ORIGIN, PASSWORD, PIN
 from truepose.app import create_app
-from truepose.operation.people.attempts import FROM_ALL_ADDRESSES, WRONG_PINS
-from truepose.operation.people.guesses import GUESSES
+from truepose.people.attempts import FROM_ALL_ADDRESSES, GUESSES, WRONG_PINS
 
 PRESENT = "/api/v1/sign-ins/present"
 ADA = {"name": "Ada Byron", "password": PASSWORD}

@@ -2,7 +2,7 @@
 
 import pytest
 
-from truepose.domain.people.accounts import Role
+from truepose.domain.people import Role
 
 HTML = {"Accept": "text/html"}
 

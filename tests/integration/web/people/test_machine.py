@@ -5,14 +5,14 @@ import stat
 import httpx
 import pytest
 
-from tests.helpers.web.clients import client_of
+from tests.helpers.web.clients import client_of, command
 from tests.integration.web.listening import listening
 from truepose.app import create_app
-from truepose.cli.administration.register import administration
-from truepose.domain.people.accounts import MACHINE, Role
-from truepose.operation.people.errors import AccountRefusedError, UnknownPersonError
+from truepose.cli.register import administration
+from truepose.domain.people import MACHINE, Role
+from truepose.people.errors import AccountRefusedError, UnknownPersonError
 from truepose.storage.errors import DatabaseInUseError, StorageUnavailableError
-from truepose.storage.people.machine import ReachedService, service_of, told_beside
+from truepose.storage.secret_files import ReachedService, service_of, told_beside
 
 
 @pytest.fixture
@@ -68,7 +68,7 @@ async def test_the_machines_secret_says_who_is_let_in_and_nothing_else(app):
         entered = await machine.post("/api/v1/people", json={"name": "Ada Byron", "role": "administrator"})
         refused = [
             (await machine.get("/api/v1/sessions")).status_code,
-            (await machine.post("/api/v1/sessions/1/start")).status_code,
+            (await command(machine, "/api/v1/sessions/1", "start", person=None)).status_code,
             (await machine.get("/api/v1/audit/lines")).status_code,
             (await machine.delete("/api/v1/tokens/1")).status_code,
         ]

@@ -2,12 +2,13 @@
 
 import pytest
 import pytest_asyncio
-from markupsafe import Markup
 
 from tests.helpers.web.pages import Page
 from tests.integration.web.bench import session_request
-from truepose.domain.people.accounts import Role
-from truepose.web.records import plan_page
+from truepose.domain.people import Role
+from truepose.reports.tables import Table
+from truepose.web.pages import plan
+from truepose.web.pages.rendering import render
 
 in_one_loop = pytest.mark.asyncio(loop_scope="module")
 HALTS = {"data-act=pause", "data-act=abort"}
@@ -55,13 +56,18 @@ async def test_a_page_offers_what_whoever_looks_may_do(house, planned, address, 
     assert (await offered(house, below, page)) - HALTS == set()
 
 
+def without_a_figure(_, words, *, plans):
+    shown = {"sentences": [], "figure": "", "curve": Table([], []), "numbers": []}
+    return render("sessions/plan_told.html", n=30, plans=plans, words=words, say=words.say, **shown)
+
+
 @in_one_loop
 async def test_a_plan_that_was_drawn_for_one_is_offered_to_those_alone_who_may(house, monkeypatch):
     async def promised(*_):
         return None
 
     monkeypatch.setattr(house.app.state.context.promise_desk, "promise", promised)
-    monkeypatch.setattr(plan_page, "_shown", lambda *_: plan_page.Shown(30, (), Markup(), (), ()))
+    monkeypatch.setattr(plan, "_rendered", without_a_figure)
 
     roles = (Role.OPERATOR, Role.VIEWER, Role.OPERATOR)
     assert [await offered(house, role, "/plan?n=30&whole=true") for role in roles] == [

@@ -4,7 +4,7 @@ import pytest
 
 from tests.helpers.web.clients import served
 from tests.helpers.web.pages import Page
-from truepose.domain.people.accounts import Role
+from truepose.domain.people import Role
 from truepose.settings import Settings
 
 in_one_loop = pytest.mark.asyncio(loop_scope="module")

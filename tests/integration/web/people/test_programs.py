@@ -2,13 +2,15 @@
 
 import pytest
 
-from truepose.domain.people.accounts import Role
-from truepose.operation.people.errors import AccountRefusedError
-from truepose.web.people.rights import may
+from tests.helpers.web.clients import command
+from tests.integration.web.bench import session_request
+from truepose.domain.people import Role
+from truepose.people.errors import AccountRefusedError
+from truepose.web.middleware.rights import may
 
 pytestmark = pytest.mark.asyncio(loop_scope="module")
 PLAN = {"kind": "plan", "name": "monthly", "person": "Ada Byron", "document": {"name": "monthly"}}
-PLANS = ("/api/v1/sessions", "/api/v1/ballbar-sessions", "/api/v1/contact-sessions")
+PLANS = ("/api/v1/sessions",)
 
 
 async def of_new(house, name, owner_role, role):
@@ -37,12 +39,26 @@ async def test_a_device_of_somebody_who_only_looks_now_plans_no_more(house):
         await register.remove(owner, "a test")
         gone = (await line.get("/api/v1/sessions")).status_code
 
-    assert (before, others, again) == ([422] * 3, [403] * 3, [422] * 3)
+    assert (before, others, again) == ([422], [403], [422])
     assert (after.status_code, looking, gone) == (403, 200, 401)
     assert after.json()["detail"] == (
         "program of Mary Somerville may do what Mary Somerville may, whose role is viewer now; this is for "
         "the role operator and those above it."
     )
+
+
+async def test_a_device_has_no_session_move_and_may_halt_every_one(house):
+    _, line = await of_new(house, "Caroline Herschel", Role.ADMINISTRATOR, Role.DEVICE)
+    async with line:
+        path = (await line.post("/api/v1/sessions", json=session_request())).headers["Location"]
+        moving = [
+            await command(line, path, name, person="Caroline Herschel")
+            for name in ("start", "confirm", "resume")
+        ]
+        ended = await command(line, path, "abort", person=None)
+
+    assert [answer.status_code for answer in moving] == [403, 403, 403]
+    assert (ended.status_code, ended.json()["session"]["state"]) == (200, "aborted")
 
 
 @pytest.mark.parametrize("owner_role", [Role.VIEWER, Role.OPERATOR, Role.METROLOGIST, Role.ADMINISTRATOR])

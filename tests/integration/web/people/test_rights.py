@@ -8,10 +8,10 @@ import pytest
 import pytest_asyncio
 
 from tests.helpers.web.routes import asked, routes_alone
-from truepose.domain.people.accounts import Role
-from truepose.web.people.gate import Gate
-from truepose.web.people.operations import operations_of
-from truepose.web.people.rights import LEAST, Anybody, MissingRightError, may, require_complete
+from truepose.domain.people import Role
+from truepose.web.middleware.authorization import AuthorizationMiddleware
+from truepose.web.middleware.rights import LEAST, Anybody, MissingRightError, may, require_complete
+from truepose.web.middleware.routing import operations_of
 from truepose.web.plant.application import create_plant_application
 
 in_one_loop = pytest.mark.asyncio(loop_scope="module")
@@ -28,7 +28,7 @@ async def passing(house, monkeypatch):
     """The service with nothing behind its gate."""
     await asked(house.app, "GET", "/health", [HOST])  # the layers are put together for the first request
     gate = house.app.middleware_stack
-    while not isinstance(gate, Gate):
+    while not isinstance(gate, AuthorizationMiddleware):
         gate = getattr(gate, "app", None) or gate._app
 
     async def behind(scope, receive, send):
@@ -69,14 +69,13 @@ async def test_a_role_gets_what_the_table_says_and_nothing_else(passing, role):
 @pytest.mark.parametrize(
     ("role", "operation"),
     [
-        (Role.VIEWER, "confirm_session"),
+        (Role.VIEWER, "plan_session"),
         (Role.VIEWER, "identify_campaign"),
         (Role.OPERATOR, "correct_file"),
         (Role.OPERATOR, "list_acts"),
         (Role.METROLOGIST, "enter_person"),
         (Role.METROLOGIST, "make_token"),
-        (Role.DEVICE, "start_session"),
-        (Role.DEVICE, "confirm_session"),
+        (Role.DEVICE, "close_session"),
         (Role.DEVICE, "list_people"),
         (Role.DEVICE, "make_watch_link"),
     ],
@@ -87,10 +86,7 @@ def test_the_table_keeps_out(role, operation):
 
 @pytest.mark.parametrize("role", [role for role in Role if role is not Role.PLANT])
 def test_whoever_is_known_may_stop_the_robot(role):
-    assert may(role, "pause_session")
-    assert may(role, "abort_session")
-    assert may(role, "press_button")
-    assert may(role, "press_button_of_session")
+    assert may(role, "command_session")
 
 
 def test_a_plant_collects_and_hands_down_and_nothing_else():

@@ -5,12 +5,12 @@ import time
 
 import pytest
 
-from tests.helpers.web.clients import client_of, served
+from tests.helpers.web.clients import client_of, command, served
 from tests.integration.web.people.conftest import ORIGIN, PASSWORD, PIN
 from truepose.app import create_app
-from truepose.operation.people.guesses import GUESSES
-from truepose.operation.people.hashes import new_secret
-from truepose.operation.people.sign_ins import FRESH_S, IDLE_S
+from truepose.people.attempts import GUESSES
+from truepose.people.secrets import new_secret
+from truepose.people.sign_ins import FRESH_S, IDLE_S
 from truepose.settings import Settings
 
 PRESENT = "/api/v1/sign-ins/present"
@@ -279,7 +279,7 @@ async def test_a_right_that_is_taken_ends_at_once(ada, elsewhere, change):
     else:
         assert (await ada.put("/api/v1/people/2/role", json={"role": "viewer"})).status_code == 200
 
-    started = await elsewhere.post("/api/v1/sessions/1/start")
+    started = await command(elsewhere, "/api/v1/sessions/1", "start", person=None)
     assert started.status_code == (401 if change == "remove" else 403)
 
 

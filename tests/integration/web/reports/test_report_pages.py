@@ -6,9 +6,10 @@ import pytest
 
 from tests.helpers.diagnosis.diagnosed_cells import nothing_fitted, two_findings
 from tests.helpers.domain.builders import make_campaign
+from tests.helpers.web.clients import command
 from tests.integration.web.bench import session_request
 from tests.integration.web.calibration.stored_models import store_model
-from truepose.analysis.workers.drawing import DrawTask
+from truepose.analysis.workers.tasks import DrawTask
 from truepose.exchange.campaigns.zip_file import write_campaign_zip
 
 
@@ -137,8 +138,8 @@ async def measured(client, until, **changes):
     """Run a session to its end and return its number."""
     answer = await client.post("/api/v1/sessions", json=session_request(n=3, **changes))
     path = answer.headers["Location"]
-    await client.post(f"{path}/start")
-    await client.post(f"{path}/confirm", json={"person": "Ada"})
+    await command(client, path, "start")
+    await command(client, path, "confirm")
     await until(path, "state", "finished")
     return int(path.rsplit("/", 1)[1])
 

@@ -12,7 +12,7 @@ from typing import Final
 import numpy as np
 
 from tests.studies.diagnosis_report.planted.planting import Case, Detail, Draw, Planted
-from truepose.domain.results.causes import Cause
+from truepose.domain.diagnosis import Cause
 
 _GEAR_RATIO: Final = MappingProxyType({1: 121, 2: 121, 3: 101, 4: 50, 5: 51, 6: 50})  # IRB 120
 _GAPS_DEG: Final = (0.004, 0.002, 0.004, 0.037, 0.017, 0.037)  # joints 1 to 6, table 2.3

@@ -7,8 +7,7 @@ from typing import Final
 
 from tests.studies.report_command import campaigns_folder, without_data
 from truepose.diagnosis.diagnose import diagnose
-from truepose.domain.results.causes import Cause
-from truepose.domain.results.diagnosis import Confidence, Diagnosis, Finding
+from truepose.domain.diagnosis import Cause, Confidence, Diagnosis, Finding
 from truepose.exchange.campaigns.folder import read_campaign
 from truepose.reports.table_report import Row, Section, Verdict
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from truepose.domain.results.causes import Cause
+from truepose.domain.diagnosis import Cause
 
 Detail = float | str | list[float]
 

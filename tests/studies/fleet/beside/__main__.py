@@ -13,8 +13,8 @@ from pathlib import Path
 from tests.studies.fleet.beside.cases import CASES, Case, Planted
 from tests.studies.fleet.beside.visits import DAYS_A_MONTH, measured
 from truepose.exchange.cells.file import simulated_cell
-from truepose.fleet.campaigns import Measured, fleet_of
-from truepose.fleet.changes import Named, account_of
+from truepose.fleet.campaigns import FleetCampaign, fleet_of
+from truepose.fleet.changes import RealChange, account_of
 from truepose.fleet.trials import Change
 
 
@@ -62,14 +62,14 @@ def _tried(out: Path, name: str, seed: int) -> None:
     sys.stdout.flush()
 
 
-def _identified(out: Path, name: str, seed: int, case: Case) -> list[Measured]:
+def _identified(out: Path, name: str, seed: int, case: Case) -> list[FleetCampaign]:
     kept = out / f"{name}-{seed}.pickle"
     if not kept.is_file():
         kept.write_bytes(pickle.dumps(measured(case.robots, case.visits)))
     return pickle.loads(kept.read_bytes())
 
 
-def _is_right(planted: Planted, named: Named) -> bool:
+def _is_right(planted: Planted, named: RealChange) -> bool:
     change = named.change
     return (
         change.of in planted.of.split("|")
@@ -80,7 +80,7 @@ def _is_right(planted: Planted, named: Named) -> bool:
     )
 
 
-def _said(named: Named) -> str:
+def _said(named: RealChange) -> str:
     size = f"{1e3 * named.size_mm:.0f} +- {1e3 * named.size_u_mm:.0f} um, ratio {named.trial.ratio:.0f}"
     rivals = "".join(f"; or {_of(one.change)}" for one in named.rivals[:4])
     return f"{_of(named.change)}: {size}{rivals}"

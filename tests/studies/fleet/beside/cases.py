@@ -7,9 +7,9 @@ from typing import Final
 import numpy as np
 
 from tests.studies.fleet.beside.visits import DAYS_A_MONTH, Robots, Visit, draw_robots
-from truepose.domain.measurement.campaign import Campaign
+from truepose.domain.campaign import Campaign
 from truepose_simulators.physics.effects import PlantedChange
-from truepose_simulators.scenarios.scenario import GivenLink, Scenario
+from truepose_simulators.scenarios.scenario import ConfiguredLink, Scenario
 
 ROBOTS: Final = 10
 MONTHS: Final = 6  # campaigns of a robot
@@ -197,7 +197,7 @@ def _bent(robots: Robots, visit: Visit) -> Visit:
         return visit
     link = robots.each[6].links[3]
     (x, y, z), (u, v, w) = link.translation_mm, link.rotation_rad
-    bent = GivenLink(4, (x + 0.05, y, z + 0.04), (u + 2e-4, v - 1.5e-4, w), link.compliance_rad_per_n_mm)
+    bent = ConfiguredLink(4, (x + 0.05, y, z + 0.04), (u + 2e-4, v - 1.5e-4, w), link.compliance_rad_per_n_mm)
     return replace(visit, links=(bent,))
 
 

@@ -7,18 +7,17 @@ from typing import Final
 import numpy as np
 
 from tests.studies.fleet.simulated import RobotTruth, campaign_of, draw_robot, draw_type, name
-from truepose.domain.measurement.campaign import Campaign
-from truepose.fleet.campaigns import Measured
-from truepose.fleet.information import information_of
-from truepose_simulators.cell.clock import CellClock
-from truepose_simulators.cell.everyday import EverydaySizes, draw_everyday
+from truepose.domain.campaign import Campaign
+from truepose.fleet.campaigns import FleetCampaign, information_of
+from truepose_simulators.cell.drawn_effects import EverydaySizes, draw_everyday
+from truepose_simulators.cell.environment import CellClock
 from truepose_simulators.cell.true_cell import Cell
 from truepose_simulators.physics.arm import CarriedMass
 from truepose_simulators.physics.effects import PlantedChange
 from truepose_simulators.physics.robots import ARMS
 from truepose_simulators.recording import Wishes
 from truepose_simulators.scenarios.file import load_scenario
-from truepose_simulators.scenarios.scenario import GivenLink, Scenario
+from truepose_simulators.scenarios.scenario import ConfiguredLink, Scenario
 
 DAYS_A_MONTH: Final = 30.0
 _ARM: Final = ARMS["irb120"]
@@ -40,7 +39,7 @@ class Visit:
     month: int
     tracker: str = "tracker A"
     truly: int | None = None  # robot that stood there, if it was another
-    links: tuple[GivenLink, ...] = ()  # in place of the robot's own, by joint
+    links: tuple[ConfiguredLink, ...] = ()  # in place of the robot's own, by joint
     changes: tuple[PlantedChange, ...] = ()  # besides
     cell: Callable[[Scenario], Scenario] = field(default=lambda scenario: scenario)
     written: Callable[[Campaign], Campaign] = _as_it_is  # what became of its file
@@ -100,10 +99,10 @@ def draw_robots(seed: int, count: int, *, everyday: bool = False) -> Robots:
     return Robots(seed, tuple(draw_robot(of, k, rng) for k in range(count)), everyday)
 
 
-def measured(robots: Robots, visits: list[Visit]) -> list[Measured]:
+def measured(robots: Robots, visits: list[Visit]) -> list[FleetCampaign]:
     """Record and identify all visits."""
     return [
-        Measured(
+        FleetCampaign(
             name(visit.robot), visit.tracker, visit.said_day, information_of(robots.recorded(visit, number))
         )
         for number, visit in enumerate(visits)

@@ -58,8 +58,7 @@ async def walk(browser: Browser, cell: Any, folder: Path, cuts: int, seed: int, 
 
 async def _opened(lane: Lane, cell: Any, url: str, near: str) -> None:
     id = await asyncio.to_thread(cell.plan, url)
-    kind = "ballbar-sessions/{}" if cell.each_motion else "sessions/{}/guide"
-    lane.path = "/api/v1/" + kind.format(id)
+    lane.path = f"/api/v1/sessions/{id}"
     lane.tally.sessions += 1
     await lane.person.page.goto(f"{near}/operator/{id}")
     await lane.person.page.wait_for_selector("#link[data-state=up]", timeout=_OPENED_MS)

@@ -73,4 +73,5 @@ def end_all(url: str) -> None:
     """End whatever session is under way."""
     for session in httpx.get(f"{url}/api/v1/sessions?limit=100", timeout=60).json():
         if session["state"] not in {"finished", "aborted", "failed"}:
-            httpx.post(f"{url}/api/v1/sessions/{session['id']}/abort", timeout=60)
+            end = {"command": "abort"}
+            httpx.post(f"{url}/api/v1/sessions/{session['id']}/commands", json=end, timeout=60)

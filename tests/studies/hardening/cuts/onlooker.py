@@ -10,7 +10,7 @@ from typing import Any, Final
 
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from truepose.storage.connection.sqlite.library import LIBRARY
+from truepose.storage.engine.sqlite_connections import LIBRARY
 
 DONE: Final = 200
 HALTS: Final = frozenset({"pause", "stop", "abort"})
@@ -46,7 +46,7 @@ class Onlooker:
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Serve a request."""
-        if scope["type"] != "http" or not scope["path"].endswith("/acts"):
+        if scope["type"] != "http" or not scope["path"].endswith("/commands"):
             await self.app(scope, receive, send)
             return
         key = dict(scope["headers"]).get(b"idempotency-key", b"").decode()
@@ -79,7 +79,7 @@ class Onlooker:
         """Return the motions that nobody had let begin since the arm was to halt; `each` needs a word."""
         done = [arrival for arrival in self.arrivals if arrival.status == DONE]
         events = [(arrival.arrived_s, "go") for arrival in done if _lets_move(arrival.said, each)]
-        events += [(arrival.answered_s, "halt") for arrival in done if arrival.said["act"] in HALTS]
+        events += [(arrival.answered_s, "halt") for arrival in done if arrival.said["command"] in HALTS]
         free, faults = False, []
         for at_s, what in sorted(events + [(sent_s, "motion") for sent_s in self.sent_s]):
             if what == "motion" and not free:
@@ -90,13 +90,13 @@ class Onlooker:
 
 def _lets_move(said: dict[str, Any], each: bool) -> bool:
     if each:
-        return said["act"] == "confirm" and (said["step_id"] or "").endswith("/move")
-    return said["act"] in {"confirm", "resume"}
+        return said["command"] == "confirm" and (said["step_id"] or "").endswith("/move")
+    return said["command"] in {"confirm", "resume"}
 
 
 def answered_in(database: Path) -> frozenset[str]:
     """Return the keys whose answers are kept."""
-    return frozenset(key for (key,) in _read(database, "SELECT key FROM ballbar_answers"))
+    return frozenset(key for (key,) in _read(database, "SELECT key FROM act_answers"))
 
 
 def entries_of(database: Path, keys: Iterable[str]) -> dict[str, list[int]]:

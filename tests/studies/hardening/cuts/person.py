@@ -91,11 +91,11 @@ class Person:
         page.on("requestfinished", self._over)
 
     def _of(self, request: Request) -> Sent | None:
-        if not request.url.endswith("/acts"):
+        if not request.url.endswith("/commands"):
             return None
         key = request.headers["idempotency-key"]
         body = request.post_data_json
-        return self.sent.setdefault(key, Sent(key, body["act"], time.monotonic(), "prompt_id" in body))
+        return self.sent.setdefault(key, Sent(key, body["command"], time.monotonic(), "prompt_id" in body))
 
     def _begun(self, request: Request) -> None:
         if (sent := self._of(request)) is not None:

@@ -168,6 +168,6 @@ def asked_of(step_id: str) -> str:
 
 
 def _matters(line: Line) -> bool:
-    text = line["document"]["text"]
-    state = text.partition(":")[0] in {"running", "paused", "pausing", "awaiting_confirmation", "aborting"}
+    entered = line["document"].get("entered")
+    state = entered in {"running", "paused", "pausing", "awaiting_confirmation", "aborting"}
     return line["kind"] in _ENDS or (line["kind"] == "control" and state)

@@ -52,19 +52,21 @@ class ErringOperator:
 
     async def see(self) -> Session:
         """Return the session as the service has it."""
-        answer = await self._send("GET", f"/ballbar-sessions/{self.session_id}")
+        answer = await self._send("GET", f"/sessions/{self.session_id}/situation")
         found: Session = answer.json()
         return found
 
     async def act(self, name: str, step_id: str | None = None, **said: str) -> httpx.Response:
         """Press a button."""
         key = f"{self._tablet}-{self._rng.getrandbits(64):x}"
-        body = {"act": name, "step_id": step_id, "person": "Eva", "tablet": self._tablet, **said}
+        body = {"command": name, "step_id": step_id, "person": "Eva", "tablet": self._tablet, **said}
+        if name in {"confirm", "resume"} and "prompt_id" not in said:
+            body["prompt_id"] = ((await self.see()).get("prompt") or {}).get("id")
         self._sent.append((key, body))
         return await self._post_act(key, body)
 
     async def _post_act(self, key: str, body: dict[str, Any]) -> httpx.Response:
-        path = f"/ballbar-sessions/{self.session_id}/acts"
+        path = f"/sessions/{self.session_id}/commands"
         answer = await self._send("POST", path, json=body, headers={"Idempotency-Key": key})
         if answer.is_success and answer.json()["entry"] is not None:
             self.acknowledged[int(answer.json()["entry"])] = key

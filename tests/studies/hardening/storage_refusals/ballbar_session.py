@@ -24,9 +24,9 @@ from tests.studies.taken_up.begun import Begun, Copy
 from tests.studies.taken_up.cell_text import cell_text
 from tests.studies.taken_up.ledger_on_disk import lines
 from tests.studies.taken_up.onlooked_cell import OnlookedCell, standing
-from truepose.demo.cell.person_at_tablet import PersonAtTablet, Session, present_step
 from truepose.demo.errors import DemoError
-from truepose.storage.integrity.arrival import verify_left
+from truepose.demo.simulated_operator import Session, SimulatedOperator, present_step
+from truepose.storage.integrity.verification import verify_left
 
 _ANSWER_S = 60.0
 _PATIENCE_S = 900.0  # for a session, on a busy machine
@@ -39,7 +39,7 @@ _LAST = 3  # copies from which a session has ended before much can happen
 class _Scene:
     """One session, and the fault that is to come."""
 
-    person: PersonAtTablet
+    person: SimulatedOperator
     cell: OnlookedCell
     http: httpx.AsyncClient
     file: Path
@@ -193,7 +193,7 @@ async def _taken_up(folder: Path, begun: Begun, outcome: Outcome, rng: Random) -
         try:
             async with httpx.AsyncClient(base_url=service.url, timeout=_ANSWER_S, trust_env=False) as http:
                 session_id = (await http.get("/api/v1/sessions")).json()[0]["id"]
-                person = PersonAtTablet(http, session_id, "tablet-2")  # other keys than those of the copy
+                person = SimulatedOperator(http, session_id, "tablet-2")  # other keys than those of the copy
                 await person.act("hand_over")
                 yield _Scene(person, cell, http, file, service.pid, outcome, rng)
         finally:
@@ -231,4 +231,4 @@ def _judge(scene: _Scene, before: list[dict[str, Any]]) -> None:
 
 def _entries(database: Path) -> list[dict[str, Any]]:
     """Return the ledger as the check has it."""
-    return [{**line, "text": line["document"]["text"]} for line in lines(database)]
+    return [{**line, "text": line["document"].get("entered") or ""} for line in lines(database)]

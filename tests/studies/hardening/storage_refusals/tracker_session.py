@@ -15,13 +15,14 @@ from typing import Any
 
 import httpx
 
+from tests.helpers.web.clients import prompt_id
 from tests.integration.web.bench import CELL, Bench, FakeRobot, session_request
 from tests.studies.hardening.storage_refusals.outcome import TOO_LATE, Outcome
 from tests.studies.hardening.storage_refusals.trouble import FAULTS, lasts_s
 from truepose.app import create_app
 from truepose.settings import Settings
 from truepose.storage.database import Database
-from truepose.storage.integrity.arrival import verify_left
+from truepose.storage.integrity.verification import verify_left
 
 TRACKER_FAULTS = ("full", *FAULTS)
 _STOPS = 12
@@ -49,8 +50,14 @@ class _Client:
 
     async def begin(self) -> None:
         (await self.ask("POST", "/sessions", json=session_request(_STOPS))).raise_for_status()
-        (await self.ask("POST", "/sessions/1/start")).raise_for_status()
-        (await self.ask("POST", "/sessions/1/confirm", json=_PERSON)).raise_for_status()
+        (await self.command("start")).raise_for_status()
+        (await self.command("confirm")).raise_for_status()
+
+    async def command(self, name: str) -> httpx.Response:
+        found = await self.ask("GET", "/sessions/1/situation")
+        asked = prompt_id(found.json()) if found.is_success else None
+        said = {"command": name, "prompt_id": asked, **_PERSON}
+        return await self.ask("POST", "/sessions/1/commands", json=said)
 
     async def look(self) -> None:
         answer = await self.ask("GET", "/readings", params=_PAGE)
@@ -70,11 +77,11 @@ class _Client:
     async def _press(self) -> None:
         match self._rng.randrange(6):
             case 0:
-                await self.ask("POST", "/sessions/1/pause", json=_PERSON)
+                await self.command("pause")
             case 1:
-                await self.ask("POST", "/sessions/1/confirm", json=_PERSON)
+                await self.command("confirm")
             case 2 if self._ends:
-                self.aborted = self.aborted or (await self.ask("POST", "/sessions/1/abort")).is_success
+                self.aborted = self.aborted or (await self.command("abort")).is_success
             case _:
                 pass
 
@@ -93,7 +100,7 @@ class _Client:
                 break
             verb = {"awaiting_confirmation": "confirm", "paused": "resume", "planned": "start"}.get(state)
             if verb is not None:
-                await self.ask("POST", f"/sessions/1/{verb}", json=_PERSON)
+                await self.command(verb)
             await self.look()
             await asyncio.sleep(0.01)
         await self.look()
@@ -184,7 +191,7 @@ async def _full(database: Database) -> AsyncIterator[None]:
     yield
     # Not `on_writer`: that looks after the file first, which a full disk may refuse.
     most = "PRAGMA max_page_count = 1000000000"
-    await asyncio.to_thread(database._writer.submit(lambda: database.held.plain.execute(most)).result)
+    await asyncio.to_thread(database._writer.submit(lambda: database.backend.plain.execute(most)).result)
 
 
 def _taken(reading: dict[str, Any] | None) -> dict[str, Any] | None:

@@ -7,7 +7,7 @@ from contextlib import AbstractContextManager
 from pathlib import Path
 from random import Random
 
-from truepose.storage.connection.sqlite.library import LIBRARY
+from truepose.storage.engine.sqlite_connections import LIBRARY
 
 _SHORT_S = 10.0  # what is no lock lasts no longer
 _TURN_S = 30.0  # until a commit that is under way leaves the lock to others

@@ -14,13 +14,13 @@ from truepose_drivers.abb_egm.reader import EgmReader
 from truepose_drivers.errors import ConnectFailedError
 from truepose_drivers.monotonic_clock import MonotonicClock
 from truepose_drivers.transports.udp import UdpPort
-from truepose_simulators.cell.clock import CellClock
+from truepose_simulators.cell.environment import CellClock
 from truepose_simulators.cell.robot import SpeedLimits
 from truepose_simulators.cell.true_cell import Cell
-from truepose_simulators.faults.links import LinkHalfOpen
+from truepose_simulators.faults.kinds import LinkHalfOpen
 from truepose_simulators.instruments.cable import FaultyCable
 from truepose_simulators.instruments.robot.abb_rws.controller import AbbController
-from truepose_simulators.instruments.robot.egm_stream import EgmStream
+from truepose_simulators.instruments.robot.abb_rws.egm_stream import EgmStream
 from truepose_simulators.scenarios.file import load_scenario
 
 TARGET_DEG = (10.12345678, -20.0, 15.0, 30.0, 40.0, -50.0)

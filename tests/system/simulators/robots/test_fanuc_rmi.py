@@ -17,10 +17,10 @@ from truepose_drivers.errors import (
     TargetRefusedError,
 )
 from truepose_drivers.fanuc_rmi.driver import RmiRobot
-from truepose_drivers.fanuc_rmi.protocol.messages import CONNECT_PORT
+from truepose_drivers.fanuc_rmi.protocol import CONNECT_PORT
 from truepose_drivers.monotonic_clock import MonotonicClock
 from truepose_drivers.transports.memory import MemoryLink
-from truepose_simulators.cell.clock import CellClock
+from truepose_simulators.cell.environment import CellClock
 from truepose_simulators.cell.true_cell import Cell
 from truepose_simulators.faults.kinds import EmergencyStop, RobotHangs, RobotRefuses
 from truepose_simulators.instruments.robot.fanuc_rmi.controller import Controller

@@ -13,7 +13,7 @@ import sys
 import pytest
 
 from tests.helpers.instruments.one_motion import FAR_DEG
-from truepose.demo.cell.truth import cell_endpoint
+from truepose.demo.truth import cell_endpoint
 
 pytestmark = pytest.mark.usefixtures("forked_processes")
 

@@ -18,11 +18,10 @@ from truepose_drivers.errors import (
 from truepose_drivers.kuka_variable_proxy.driver import KukaRobot
 from truepose_drivers.monotonic_clock import MonotonicClock
 from truepose_drivers.transports.memory import MemoryLink
-from truepose_simulators.cell.clock import CellClock
+from truepose_simulators.cell.environment import CellClock
 from truepose_simulators.cell.true_cell import Cell
 from truepose_simulators.faults.kinds import EmergencyStop, RobotRefuses
-from truepose_simulators.instruments.robot.kuka.proxy import proxy_endpoint
-from truepose_simulators.instruments.robot.kuka.variables import Variables
+from truepose_simulators.instruments.robot.kuka import Variables, proxy_endpoint
 from truepose_simulators.scenarios.file import load_scenario
 
 pytestmark = pytest.mark.simulated_time

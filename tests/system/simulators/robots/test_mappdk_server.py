@@ -13,11 +13,14 @@ from truepose_drivers.errors import ConnectionLostError, NoReplyError, TargetRef
 from truepose_drivers.fanuc_mappdk.driver import MappdkRobot
 from truepose_drivers.monotonic_clock import MonotonicClock
 from truepose_drivers.transports.memory import MemoryLink
-from truepose_simulators.cell.clock import CellClock
+from truepose_simulators.cell.environment import CellClock
 from truepose_simulators.cell.true_cell import Cell
 from truepose_simulators.faults.kinds import ProtectiveStop, RobotRefuses
-from truepose_simulators.instruments.robot.mappdk import MappdkProgram
-from truepose_simulators.instruments.robot.mappdk_server import mappdk_endpoint, mappdk_logger_endpoint
+from truepose_simulators.instruments.robot.mappdk import (
+    MappdkProgram,
+    mappdk_endpoint,
+    mappdk_logger_endpoint,
+)
 from truepose_simulators.scenarios.file import load_scenario
 
 pytestmark = [pytest.mark.simulated_time, pytest.mark.usefixtures("memory_network")]

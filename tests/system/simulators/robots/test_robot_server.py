@@ -8,10 +8,9 @@ import pytest
 
 from tests.helpers.instruments.sockets import connections_to
 from truepose_drivers.abb_open_abb.protocol import LogReader
-from truepose_simulators.cell.clock import CellClock
+from truepose_simulators.cell.environment import CellClock
 from truepose_simulators.cell.true_cell import Cell
-from truepose_simulators.instruments.robot.open_abb import MotionProgram
-from truepose_simulators.instruments.robot.open_abb_server import logger_endpoint, robot_endpoint
+from truepose_simulators.instruments.robot.open_abb import MotionProgram, logger_endpoint, robot_endpoint
 from truepose_simulators.scenarios.file import load_scenario
 from truepose_simulators.scenarios.scenario import ArmSetup
 

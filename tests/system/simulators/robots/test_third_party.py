@@ -10,12 +10,11 @@ import numpy as np
 import pytest
 
 from tests.helpers.machine import ABB_ROBOT_CLIENT, CESAPI
-from truepose_simulators.cell.clock import CellClock
+from truepose_simulators.cell.environment import CellClock
 from truepose_simulators.cell.true_cell import Cell
-from truepose_simulators.instruments.robot.abb_rws.controller import AbbController
-from truepose_simulators.instruments.robot.abb_rws.programs import PublicProgram
+from truepose_simulators.instruments.leica_emscon.server import tracker_endpoint
+from truepose_simulators.instruments.robot.abb_rws.controller import AbbController, PublicProgram
 from truepose_simulators.instruments.robot.abb_rws.server import web_endpoint
-from truepose_simulators.instruments.tracker.leica_emscon import tracker_endpoint
 from truepose_simulators.scenarios.file import load_scenario
 
 

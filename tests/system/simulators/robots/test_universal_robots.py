@@ -19,16 +19,15 @@ from truepose_drivers.errors import (
 from truepose_drivers.monotonic_clock import MonotonicClock
 from truepose_drivers.transports.memory import MemoryLink
 from truepose_drivers.universal_robots.driver import Ports, UniversalRobot
-from truepose_drivers.universal_robots.protocol.modes import RobotMode, RuntimeState, SafetyMode
-from truepose_simulators.cell.clock import CellClock
+from truepose_drivers.universal_robots.script import RobotMode, RuntimeState, SafetyMode
+from truepose_simulators.cell.environment import CellClock
 from truepose_simulators.cell.true_cell import Cell
 from truepose_simulators.faults.kinds import RobotHangs, RobotRefuses
-from truepose_simulators.instruments.robot.universal_robots.controller import Controller
-from truepose_simulators.instruments.robot.universal_robots.programs import Programs
-from truepose_simulators.instruments.robot.universal_robots.rtde import rtde_endpoint
-from truepose_simulators.instruments.robot.universal_robots.text_ports import (
+from truepose_simulators.instruments.robot.universal_robots import Controller, Programs
+from truepose_simulators.instruments.robot.universal_robots_ports import (
     Dashboard,
     dashboard_endpoint,
+    rtde_endpoint,
     script_endpoint,
 )
 from truepose_simulators.scenarios.file import load_scenario

@@ -10,21 +10,20 @@ import pytest
 from tests.contract.benches import in_memory
 from truepose_drivers.abb_open_abb.driver import PLUGIN, OpenAbbRobot
 from truepose_drivers.abb_rws.companion import RwsCompanion
-from truepose_drivers.abb_rws.protocol.digest import Login
-from truepose_drivers.abb_rws.protocol.panel import ControllerState, OperationMode
+from truepose_drivers.abb_rws.http import Login
+from truepose_drivers.abb_rws.protocol import ControllerState, OperationMode
 from truepose_drivers.abb_rws.session import RwsSession
 from truepose_drivers.api import MotionLimits
-from truepose_drivers.arms.companion import AccompaniedRobot
+from truepose_drivers.arm_motion import AccompaniedRobot
 from truepose_drivers.errors import ConnectFailedError, DeviceRefusedError, LinkError, NotInitialisedError
 from truepose_drivers.monotonic_clock import MonotonicClock
 from truepose_drivers.transports.memory import MemoryLink
-from truepose_simulators.cell.clock import CellClock
+from truepose_simulators.cell.environment import CellClock
 from truepose_simulators.cell.true_cell import Cell
 from truepose_simulators.faults.kinds import EmergencyStop, RobotRefuses
 from truepose_simulators.instruments.robot.abb_rws.controller import AbbController
 from truepose_simulators.instruments.robot.abb_rws.server import web_endpoint
-from truepose_simulators.instruments.robot.open_abb import MotionProgram
-from truepose_simulators.instruments.robot.open_abb_server import robot_endpoint
+from truepose_simulators.instruments.robot.open_abb import MotionProgram, robot_endpoint
 from truepose_simulators.scenarios.file import load_scenario
 
 pytestmark = pytest.mark.simulated_time

@@ -9,12 +9,11 @@ import numpy as np
 import pytest
 
 from tests.contract.benches import in_memory
+from truepose_drivers.abb_rws import protocol
 from truepose_drivers.abb_rws.driver import RwsRobot
+from truepose_drivers.abb_rws.http import Login
 from truepose_drivers.abb_rws.motion import Patience
-from truepose_drivers.abb_rws.protocol import program
-from truepose_drivers.abb_rws.protocol.digest import Login
-from truepose_drivers.abb_rws.protocol.panel import ControllerState, OperationMode
-from truepose_drivers.abb_rws.protocol.rapid import number_text
+from truepose_drivers.abb_rws.protocol import ControllerState, OperationMode, number_text
 from truepose_drivers.api import MotionGuard, MotionLimits
 from truepose_drivers.errors import (
     BusyError,
@@ -27,12 +26,10 @@ from truepose_drivers.errors import (
 )
 from truepose_drivers.monotonic_clock import MonotonicClock
 from truepose_drivers.transports.memory import MemoryLink
-from truepose_simulators.cell.clock import CellClock
+from truepose_simulators.cell.environment import CellClock
 from truepose_simulators.cell.true_cell import Cell
-from truepose_simulators.faults.kinds import EmergencyStop, RobotHangs, RobotRefuses
-from truepose_simulators.faults.wire import LineStalls
-from truepose_simulators.instruments.robot.abb_rws.controller import AbbController
-from truepose_simulators.instruments.robot.abb_rws.programs import OurProgram, PublicProgram
+from truepose_simulators.faults.kinds import EmergencyStop, LineStalls, RobotHangs, RobotRefuses
+from truepose_simulators.instruments.robot.abb_rws.controller import AbbController, OurProgram, PublicProgram
 from truepose_simulators.instruments.robot.abb_rws.server import web_endpoint
 from truepose_simulators.scenarios.file import load_scenario
 
@@ -68,7 +65,7 @@ class Bench:
         self.controller.write(name, value)
 
     def reported(self):
-        return program.decode_report(self.controller.task.variables[program.REPORT]).progress
+        return protocol.decode_report(self.controller.task.variables[protocol.REPORT]).progress
 
 
 @contextlib.asynccontextmanager
@@ -123,7 +120,7 @@ async def test_an_arm_whose_service_is_gone_rests_within_a_second():
         motion.cancel()
 
         assert await rests_within(bench, 1.0)
-        assert bench.reported() is program.Progress.GIVEN_UP
+        assert bench.reported() is protocol.Progress.GIVEN_UP
 
 
 async def test_an_arm_whose_network_is_gone_rests_within_a_second_and_nothing_goes_on():
@@ -142,11 +139,11 @@ async def test_an_arm_whose_network_is_gone_rests_within_a_second_and_nothing_go
 async def test_an_order_that_nobody_waits_for_moves_nothing():
     bench = Bench()
 
-    bench.write(program.ORDER, program.Order(7, (60.0, *HOME[1:]), 250.0, 20.0).encode())
-    assert bench.reported() is program.Progress.TAKEN
-    await asyncio.sleep(program.FIRST_BEAT_S + 0.1)
-    assert bench.reported() is program.Progress.GIVEN_UP
-    bench.write(program.BEAT, "9")
+    bench.write(protocol.ORDER, protocol.Order(7, (60.0, *HOME[1:]), 250.0, 20.0).encode())
+    assert bench.reported() is protocol.Progress.TAKEN
+    await asyncio.sleep(protocol.FIRST_BEAT_S + 0.1)
+    assert bench.reported() is protocol.Progress.GIVEN_UP
+    bench.write(protocol.BEAT, "9")
     await asyncio.sleep(1.0)
 
     assert not bench.cell.robot.target_rad.any()
@@ -155,13 +152,13 @@ async def test_an_order_that_nobody_waits_for_moves_nothing():
 async def test_an_order_from_before_the_start_moves_nothing():
     bench = Bench()
     bench.controller.stop()
-    bench.write(program.ORDER, program.Order(7, (60.0, *HOME[1:]), 250.0, 20.0).encode())
+    bench.write(protocol.ORDER, protocol.Order(7, (60.0, *HOME[1:]), 250.0, 20.0).encode())
 
     bench.controller.start("once")
-    bench.write(program.BEAT, "1")
+    bench.write(protocol.BEAT, "1")
     await asyncio.sleep(5.0)
 
-    assert bench.reported() is program.Progress.IDLE
+    assert bench.reported() is protocol.Progress.IDLE
     assert not bench.cell.robot.target_rad.any()
 
 
@@ -309,8 +306,8 @@ async def test_two_programs_do_not_share_a_motion():
         with pytest.raises(BusyError, match="under way"):
             await second.move_joints(HOME)
 
-        number = program.decode_order(bench.controller.task.variables[program.ORDER]).number
-        bench.controller.task._tell(program.Progress.TAKEN, program.Order(number + 1))
+        number = protocol.decode_order(bench.controller.task.variables[protocol.ORDER]).number
+        bench.controller.task._tell(protocol.Progress.TAKEN, protocol.Order(number + 1))
         with pytest.raises(DeviceRefusedError, match="somebody else"):
             await motion
     await second.close()

@@ -2,7 +2,7 @@
 
 from tests.integration.contacts.test_closed_loops import LR_MATE, run, wish
 from truepose.analysis.campaigns.contacts import contact_campaign, judged_by_contacts, taken_of
-from truepose.domain.measurement.contacts import TargetDistance
+from truepose.domain.contacts import TargetDistance
 from truepose.identification.identify import identify
 from truepose.planning.contacts.plan import plan_of
 from truepose.storage.records import SessionSetup

@@ -79,6 +79,23 @@ def test_a_wheel_is_typed_and_brings_its_migrations(wheel):
     assert {f"truepose/storage/migrations/versions/{name}" for name in versions} <= names
 
 
+def test_a_wheel_brings_every_translation_as_it_is_read_and_no_source_of_one(wheel):
+    names = _names(wheel)
+    sources = (CHECKOUT / "service" / "truepose" / "messages").glob("*/LC_MESSAGES/*.po")
+
+    expected = {f"truepose/messages/{one.parts[-3]}/LC_MESSAGES/{one.stem}.mo" for one in sources}
+    assert {name for name in names if "/LC_MESSAGES/" in name} == expected != set()
+
+
+def test_an_installed_program_speaks_every_language(programs, tmp_path):
+    imported = "from truepose.messages.catalogue import LANGUAGES, catalogue"
+    code = f"{imported}; print(*(catalogue(one).stop for one in LANGUAGES))"
+
+    done = _run(programs, ["python", "-c", code], tmp_path)
+
+    assert (done.stdout.split(), done.stderr) == (["."] * 4 + ["。"] * 2, "")
+
+
 def test_the_source_archive_gives_the_wheel_of_the_checkout(wheel, tmp_path):
     assert _names(_built("wheel", CHECKOUT, tmp_path)) == _names(wheel)
 

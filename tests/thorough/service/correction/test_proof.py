@@ -1,7 +1,7 @@
 """The stated interval of what a correction gains, against proofs that are drawn."""
 
 from tests.helpers.identification.proved import SCATTER_MM, model, visited
-from truepose.correction.proof.verdict import proof_of
+from truepose.correction.proof import proof_of
 
 
 def test_the_interval_holds_the_gain_of_many_more_targets():

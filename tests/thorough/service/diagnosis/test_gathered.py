@@ -3,7 +3,7 @@
 import numpy as np
 
 from tests.helpers.diagnosis.point_scenes import telling_campaign, telling_scene
-from truepose.diagnosis.readings.gathered import gathered
+from truepose.diagnosis.reading_faults import gathered
 
 N = 96
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from tests.helpers.diagnosis.seats import GROUPS, WIDTHS, posterior
-from truepose.effects.shapes.random_effects import deviations
+from truepose.effects.setup.tool_reseating import deviations
 
 
 @pytest.mark.parametrize(("mountings", "noise"), [(4, 0.02), (4, 0.15), (8, 0.15)])

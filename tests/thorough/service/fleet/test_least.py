@@ -7,7 +7,7 @@ import pytest
 
 from tests.helpers.fleet.ageing import SCALE, ZERO, ages, fleet_of, zero
 from truepose.fleet.changes import account_of
-from truepose.fleet.least import least_of_instruments
+from truepose.fleet.minimum_detectable_change import least_of_instruments
 from truepose.fleet.mixed_model import Equations, Posterior
 from truepose.fleet.trials import InstrumentDays, Score
 

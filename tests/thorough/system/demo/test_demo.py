@@ -21,7 +21,7 @@ from truepose.exchange.campaigns.folder import read_campaign
 from truepose.exchange.models.file import read_model
 from truepose.exchange.results.identification import identification_document
 from truepose.identification import identify, predict
-from truepose.storage.connection.sqlite.lock import ServiceLock
+from truepose.storage.engine.sqlite_file import ServiceLock
 
 SCENARIO = "irb120-tilted"
 SMALL = DemoSize(calibration=25, validation=40)

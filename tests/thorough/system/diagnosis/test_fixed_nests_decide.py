@@ -6,16 +6,16 @@ import numpy as np
 import pytest
 
 from truepose.diagnosis.diagnose import diagnose
-from truepose.domain.results.diagnosis import Confidence
-from truepose.domain.sentences import said
+from truepose.domain.diagnosis import Confidence
 from truepose.exchange.campaigns.folder import read_campaign
-from truepose.words.catalogue import english
+from truepose.messages.catalogue import english
+from truepose.messages.message import message
 from truepose_simulators.recording.campaign import record
 from truepose_simulators.recording.files import write_campaign
 from truepose_simulators.recording.plan import Wishes
 from truepose_simulators.scenarios.file import load_scenario
 
-CONTRADICTED = english(said("causes.contradicted_by_nests"))
+CONTRADICTED = english(message("causes.contradicted_by_nests"))
 
 AT_S = 1400.0
 SHIFT_MM, TURN_RAD = 0.3, 1e-4

@@ -17,8 +17,8 @@ from tests.helpers.diagnosis.causes_without_a_name import (
 )
 from tests.helpers.diagnosis.hidden_causes import recorded
 from truepose.diagnosis.diagnose import diagnose
-from truepose.domain.results.diagnosis import Verdict
-from truepose.words.catalogue import english
+from truepose.domain.diagnosis import Verdict
+from truepose.messages.catalogue import english
 
 
 @pytest.mark.parametrize(

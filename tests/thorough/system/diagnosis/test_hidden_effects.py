@@ -10,7 +10,7 @@ import pytest
 from tests.helpers.diagnosis.found_causes import assert_found, case
 from tests.studies.diagnosis_report.planted.cases import BARELY_VISIBLE, REALISTIC
 from tests.studies.diagnosis_report.study import trial_of
-from truepose.words.catalogue import english
+from truepose.messages.catalogue import english
 
 # Twelve readings of each of four mountings hardly tell how far they spread; the softness of a gear, twice
 # as large as its prior width, is drawn towards zero by it.

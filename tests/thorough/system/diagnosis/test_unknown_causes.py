@@ -7,7 +7,7 @@ import pytest
 
 from tests.studies.diagnosis_report.planted.cases import REALISTIC
 from tests.studies.diagnosis_report.study import trial_of
-from truepose.words.catalogue import english
+from truepose.messages.catalogue import english
 
 # A gain of a joint that turns a quarter is a slow wave of it to within its noise, and bad readings are left
 # out by robust weights whether they have a name or not: the power report counts both.

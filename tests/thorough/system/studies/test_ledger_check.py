@@ -3,7 +3,7 @@
 import pytest
 
 from tests.studies.interruptions.ledger_check import faults
-from truepose.demo.cell.person_at_tablet import Acknowledged, OwnLedger
+from truepose.demo.simulated_operator import Acknowledgement, OwnLedger
 
 MOVE = "placement-1/pose-1/move"
 LEG = "placement-1/pose-1/leg-1-1"
@@ -17,7 +17,7 @@ RESTART = entry(2, "control", "", text="awaiting_confirmation: The service was s
 
 
 def knows(*acts):
-    return OwnLedger([Acknowledged(key, LEG, "store", number, "stored") for key, number in acts])
+    return OwnLedger([Acknowledgement(key, LEG, "store", number, "stored") for key, number in acts])
 
 
 SOUND = [

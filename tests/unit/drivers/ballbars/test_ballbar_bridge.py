@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from truepose_drivers.ballbar_bridge.driver import BridgedBallbar
 from truepose_drivers.ballbar_bridge.protocol import BridgeReading, Hello, decode, encode
 from truepose_drivers.errors import ConnectFailedError, ConnectionLostError, NoReplyError
-from truepose_drivers.json_lines import JsonLineError
+from truepose_drivers.framing import JsonLineError
 from truepose_drivers.monotonic_clock import MonotonicClock
 from truepose_drivers.transports.memory import MemoryEnd, MemoryLink
 

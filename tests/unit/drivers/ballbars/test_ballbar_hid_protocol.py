@@ -21,8 +21,9 @@ from truepose_drivers.ballbar_hid.protocol import (
     encode_bar,
     encode_rate,
     encode_reading,
+    report_bytes,
+    report_descriptor,
 )
-from truepose_drivers.ballbar_hid.report_descriptor import report_bytes, report_descriptor
 
 INPUT, FEATURE = 1, 3  # kinds of report
 READING = BarReading(0.1234, False, Status(0), 7, 8_000_000, 21.37)

@@ -17,7 +17,7 @@ from truepose_drivers.heidenhain_nd.protocol import (
     Command,
     Lamps,
     Line,
-    Refused,
+    Refusal,
     RequestReader,
     encode_reply,
     error_line,
@@ -41,7 +41,7 @@ class FakeCounter:
     def __init__(self, **answers) -> None:
         self.answers = {
             "A0000": identity_lines("ND-287", "349797-04", "2001-05-04"),
-            "A0301": [Refused()],
+            "A0301": [Refusal()],
             "A0200": [value_line(1234)],
             "A0800": [lamps_line(Lamps(inside=True))],
             **answers,
@@ -103,7 +103,7 @@ async def test_what_the_counter_sorts_out_is_out_of_range(lamps):
     await driver.close()
 
 
-@pytest.mark.parametrize("error", [[Refused()], None, []], ids=["refused", "ignored", "empty"])
+@pytest.mark.parametrize("error", [[Refusal()], None, []], ids=["refused", "ignored", "empty"])
 async def test_without_an_error_the_question_for_it_may_be_refused_or_ignored(error):
     driver = await FakeCounter(A0301=error).connected()
 
@@ -112,7 +112,7 @@ async def test_without_an_error_the_question_for_it_may_be_refused_or_ignored(er
 
 
 @pytest.mark.parametrize(
-    "value", [[value_line(1234)], [Refused()], None], ids=["frozen", "refused", "silent"]
+    "value", [[value_line(1234)], [Refusal()], None], ids=["frozen", "refused", "silent"]
 )
 async def test_a_displayed_error_is_never_a_length(value):
     driver = await FakeCounter(A0301=[error_line("SIGNAL ERROR")], A0200=value).connected()
@@ -125,7 +125,7 @@ async def test_a_displayed_error_is_never_a_length(value):
 
 
 async def test_a_refused_value_is_no_length_either():
-    driver = await FakeCounter(A0200=[Refused()]).connected()
+    driver = await FakeCounter(A0200=[Refusal()]).connected()
 
     assert (await driver.read()).signal == "none"
     await driver.close()
@@ -133,7 +133,7 @@ async def test_a_refused_value_is_no_length_either():
 
 async def test_a_counter_without_status_indicators_is_said_to_be_another():
     with pytest.raises(RemoteProtocolError, match="none of the ND"):
-        await FakeCounter(A0800=[Refused()]).connected()
+        await FakeCounter(A0800=[Refusal()]).connected()
 
 
 async def test_what_the_person_prints_at_the_counter_is_ignored():
@@ -184,8 +184,8 @@ async def test_a_line_that_is_not_whole_is_no_value_and_closes_the_link(value):
 async def test_answers_to_an_earlier_question_before_those_to_this_one_are_no_reading():
     counter = FakeCounter()
     driver = await counter.connected()
-    earlier = [Refused(), value_line(9999), lamps_line(Lamps(inside=True))]
-    counter.answers["A0301"] = [b"".join(map(encode_reply, [*earlier, Refused(), value_line(1234)]))]
+    earlier = [Refusal(), value_line(9999), lamps_line(Lamps(inside=True))]
+    counter.answers["A0301"] = [b"".join(map(encode_reply, [*earlier, Refusal(), value_line(1234)]))]
     counter.answers |= {"A0200": None}
 
     with pytest.raises(RemoteProtocolError, match="left from before"):
@@ -194,7 +194,7 @@ async def test_answers_to_an_earlier_question_before_those_to_this_one_are_no_re
 
 
 async def test_replies_that_were_late_are_passed_over_when_connecting():
-    late = [value_line(9999), lamps_line(Lamps(inch=True)), Refused(), *identity_lines("ND-1", "2", "3")[:2]]
+    late = [value_line(9999), lamps_line(Lamps(inch=True)), Refusal(), *identity_lines("ND-1", "2", "3")[:2]]
     counter = FakeCounter(A0000=[*late, *identity_lines("ND-287", "349797-04", "2001-05-04")])
     driver = await counter.connected()
 
@@ -254,7 +254,7 @@ async def test_a_dead_line_is_told_when_connecting():
 
 async def test_a_line_of_another_device_is_told_when_connecting():
     with pytest.raises(RemoteProtocolError):
-        await FakeCounter(A0000=[Refused()]).connected()
+        await FakeCounter(A0000=[Refusal()]).connected()
     with pytest.raises(RemoteProtocolError):
         await FakeCounter(A0000=[Line("x" * 200)]).connected()
 

@@ -11,13 +11,13 @@ from truepose_drivers.heidenhain_nd.protocol import (
     DC1,
     DC3,
     STX,
-    Acknowledged,
+    Acknowledgement,
     Command,
     Control,
     Lamps,
     Line,
     NdProtocolError,
-    Refused,
+    Refusal,
     ReplyReader,
     RequestReader,
     Unreadable,
@@ -141,7 +141,7 @@ def test_a_printed_value_has_sign_value_unit_and_sorting_in_their_columns():
 
 @pytest.mark.parametrize("chunk", [1, 3, 4096])
 def test_replies_survive_any_split_of_the_stream(chunk):
-    sent = [Acknowledged(), value_line(7), Refused(), Line("+  0.0001", opened=False), lamps_line(Lamps())]
+    sent = [Acknowledgement(), value_line(7), Refusal(), Line("+  0.0001", opened=False), lamps_line(Lamps())]
 
     assert replies(b"".join(map(encode_reply, sent)), chunk) == sent
 

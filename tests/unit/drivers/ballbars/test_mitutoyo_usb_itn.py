@@ -14,7 +14,7 @@ from truepose_drivers.errors import (
     NoReplyError,
     RemoteProtocolError,
 )
-from truepose_drivers.line_gauges.value_form import Value
+from truepose_drivers.line_gauges.protocol import Value
 from truepose_drivers.mitutoyo_usb_itn.driver import PLUGIN, UsbItnGauge
 from truepose_drivers.mitutoyo_usb_itn.protocol import DeviceInfo, Error, ReplyReader, decode, encode
 from truepose_drivers.monotonic_clock import MonotonicClock

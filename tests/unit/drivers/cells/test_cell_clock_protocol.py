@@ -12,7 +12,7 @@ from truepose_drivers.cell_clock.protocol import (
     decode_request,
     encode,
 )
-from truepose_drivers.json_lines import JsonLineError, LineReader, Refusal
+from truepose_drivers.framing import JsonLineError, LineReader, Refusal
 
 
 def test_requests_and_answers_have_the_published_form():

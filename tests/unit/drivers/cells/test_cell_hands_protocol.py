@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from truepose_drivers.cell_hands.protocol import Do, Done, Who, decode_answer, decode_request, encode
-from truepose_drivers.json_lines import JsonLineError, Refusal
+from truepose_drivers.framing import JsonLineError, Refusal
 
 names = st.text().filter(lambda name: name not in {"op", "action"})
 details = st.one_of(st.text(), st.booleans(), st.integers(-(2**53), 2**53), st.floats(-1e15, 1e15))

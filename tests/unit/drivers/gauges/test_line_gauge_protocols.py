@@ -9,8 +9,7 @@ from hypothesis import strategies as st
 
 from truepose_drivers.errors import RemoteProtocolError
 from truepose_drivers.keyence_gt2 import protocol as keyence
-from truepose_drivers.line_gauges.text_lines import TextLines
-from truepose_drivers.line_gauges.value_form import Value, ValueForm
+from truepose_drivers.line_gauges.protocol import TextLines, Value, ValueForm
 from truepose_drivers.mitutoyo_eh import protocol as eh
 from truepose_drivers.mitutoyo_serial import protocol as serial
 
@@ -49,8 +48,8 @@ def test_a_multiplexer_without_a_value_says_so_and_is_asked_by_a_digit():
 def test_a_counters_line_is_read(vector):
     value = Value(vector["shown"], vector["decimals"])
 
-    assert messages(eh, bytes.fromhex(vector["hex"]), 1) == [eh.Counted(vector["channel"], value)]
-    assert eh.encode(eh.Counted(vector["channel"], value), b"\r\n").hex() == vector["hex"]
+    assert messages(eh, bytes.fromhex(vector["hex"]), 1) == [eh.CounterValue(vector["channel"], value)]
+    assert eh.encode(eh.CounterValue(vector["channel"], value), b"\r\n").hex() == vector["hex"]
 
 
 def test_a_counters_other_lines_are_told_apart():
@@ -58,7 +57,7 @@ def test_a_counters_other_lines_are_told_apart():
 
     assert messages(eh, bytes.fromhex(vectors["greatest"]["hex"]))[0].mode == "X"
     assert messages(eh, bytes.fromhex(vectors["done"]["hex"])) == [eh.Done(1)]
-    assert messages(eh, bytes.fromhex(vectors["refused"]["hex"])) == [eh.Refused(1, "10")]
+    assert messages(eh, bytes.fromhex(vectors["refused"]["hex"])) == [eh.Refusal(1, "10")]
     assert eh.encode_question(eh.Question("GA", 1), eh.ENDS["CR LF"]).hex() == vectors["question"]["hex"]
 
 
@@ -71,7 +70,7 @@ def test_amplifiers_are_read_with_and_without_their_states():
     assert [amplifier.value.shown for amplifier in states.all] == vectors["states"]["shown"]
     assert [amplifier.state for amplifier in states.all] == vectors["states"]["states"]
     assert keyence.encode(states).hex() == vectors["states"]["hex"]
-    assert messages(keyence, bytes.fromhex(vectors["refused"]["hex"])) == [keyence.Refused("MS", "00")]
+    assert messages(keyence, bytes.fromhex(vectors["refused"]["hex"])) == [keyence.Refusal("MS", "00")]
     assert keyence.encode_question(keyence.STATES_AND_VALUES).hex() == vectors["question"]["hex"]
 
 

@@ -13,8 +13,7 @@ from tests.helpers.machine import PSEUDO_TERMINALS
 from truepose_drivers.errors import ConfigurationError, ConnectFailedError, DriverError, RemoteProtocolError
 from truepose_drivers.keyence_gt2.driver import PLUGIN as KEYENCE
 from truepose_drivers.keyence_gt2.driver import KeyenceUnit
-from truepose_drivers.line_gauges.dialogue import LineGauges
-from truepose_drivers.line_gauges.settings import GaugeSettings, gauge_settings
+from truepose_drivers.line_gauges.dialogue import GaugeSettings, LineGauges, gauge_settings
 from truepose_drivers.mitutoyo_eh.driver import PLUGIN as EH
 from truepose_drivers.mitutoyo_eh.driver import EhCounter
 from truepose_drivers.mitutoyo_eh.protocol import ENDS
@@ -22,9 +21,11 @@ from truepose_drivers.mitutoyo_serial.driver import PLUGIN as SERIAL
 from truepose_drivers.mitutoyo_serial.driver import MitutoyoBox
 from truepose_drivers.monotonic_clock import MonotonicClock
 from truepose_drivers.transports.memory import MemoryLink
-from truepose_simulators.instruments.gauges.keyence_gt2 import keyence_gt2_endpoint
-from truepose_simulators.instruments.gauges.mitutoyo_eh import mitutoyo_eh_endpoint
-from truepose_simulators.instruments.gauges.mitutoyo_serial import mitutoyo_serial_endpoint
+from truepose_simulators.instruments.gauges.text_boxes import (
+    keyence_gt2_endpoint,
+    mitutoyo_eh_endpoint,
+    mitutoyo_serial_endpoint,
+)
 
 BOXES = {
     "keyence_gt2": (keyence_gt2_endpoint, KeyenceUnit),

@@ -4,12 +4,12 @@ import asyncio
 
 import pytest
 
-from truepose_drivers.arms.standstill import Course, Standstill, answered_unless_it_stands
+from truepose_drivers.arm_motion import CommandedMotion, Standstill, answered_unless_it_stands
 from truepose_drivers.errors import NoReplyError
 
 pytestmark = pytest.mark.simulated_time
 
-COURSE = Course((0.0, 10.0), (90.0, 10.0), arrived_deg=0.02, still_deg=0.002)
+COURSE = CommandedMotion((0.0, 10.0), (90.0, 10.0), arrived_deg=0.02, still_deg=0.002)
 MOTION_S = 200.0
 
 

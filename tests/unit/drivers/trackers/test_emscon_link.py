@@ -39,7 +39,7 @@ from truepose_drivers.leica_emscon.protocol import (
     ResultStatus,
     encode,
 )
-from truepose_drivers.leica_emscon.sentences import error_for
+from truepose_drivers.leica_emscon.refusals import error_for
 from truepose_drivers.transports.memory import MemoryEnd, MemoryLink
 
 pytestmark = pytest.mark.simulated_time

@@ -25,21 +25,20 @@ from truepose_drivers.errors import (
     ReflectorNotFoundError,
     RemoteProtocolError,
 )
+from truepose_drivers.framing import JsonLineError, LineReader
 from truepose_drivers.guard import guarded
 from truepose_drivers.json_bridge import driver
-from truepose_drivers.json_bridge.driver import BridgedTracker
+from truepose_drivers.json_bridge.driver import BridgedTracker, point_of, pose_of
 from truepose_drivers.json_bridge.protocol import (
     Answer,
     Busy,
-    Failed,
+    Failure,
     Question,
     decode_question,
     decode_reply,
     encode_question,
     encode_reply,
 )
-from truepose_drivers.json_bridge.readings import point_of, pose_of
-from truepose_drivers.json_lines import JsonLineError, LineReader
 from truepose_drivers.transports.memory import MemoryEnd, MemoryLink
 
 pytestmark = pytest.mark.simulated_time
@@ -55,7 +54,7 @@ GOLDEN = [
     (b'{"id": 7, "busy": true}\n', Busy(7)),
     (
         b'{"id": 7, "error": "beam_broken", "sentence": "clear the beam"}\n',
-        Failed(7, "beam_broken", "clear the beam"),
+        Failure(7, "beam_broken", "clear the beam"),
     ),
     (
         b'{"id": 8, "serial": "12345", "unit": "mm", "sequence": 17, "point_mm": [1.0, 2.0, 3.0]}\n',

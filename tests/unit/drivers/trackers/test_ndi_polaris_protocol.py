@@ -12,7 +12,7 @@ from tests.helpers.refusals import assert_refused_at_worst
 from truepose_drivers.errors import RemoteProtocolError
 from truepose_drivers.ndi_polaris.protocol import (
     Binary,
-    Damaged,
+    DamagedRequest,
     NdiProtocolError,
     PortStatus,
     ReplyReader,
@@ -184,10 +184,10 @@ def test_a_reply_without_an_end_is_an_error():
         (b"TSTOP \r", Request("TSTOP")),
         (b"TX 0801\r", Request("TX", "0801")),
         (b"BX2:--6d=tools%04X\r" % crc16(b"BX2:--6d=tools"), Request("BX2", "--6d=tools")),
-        (b"TSTOP:2C15\r", Damaged(checksum=True)),
-        (b"tstop\r", Damaged()),
-        (b"\xff\r", Damaged()),
-        (b"PVWR:" + b"0" * 3_000 + b"\r", Damaged(too_long=True)),
+        (b"TSTOP:2C15\r", DamagedRequest(checksum=True)),
+        (b"tstop\r", DamagedRequest()),
+        (b"\xff\r", DamagedRequest()),
+        (b"PVWR:" + b"0" * 3_000 + b"\r", DamagedRequest(too_long=True)),
     ],
 )
 def test_requests_are_read_with_and_without_checksum(line, request_read):

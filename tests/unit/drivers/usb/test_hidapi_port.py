@@ -15,7 +15,7 @@ from tests.helpers.machine import UMOCKDEV
 from tests.unit.drivers.usb.umockdev_ballbar import write_device
 from truepose_drivers.errors import ConnectFailedError, ConnectionLostError, DeviceRefusedError
 from truepose_drivers.transports.hid import HidapiPort
-from truepose_drivers.transports.usb_address import LocalUsb
+from truepose_drivers.transports.usb import LocalUsb
 
 BAR = LocalUsb(0x1209, 0x0001)
 REPORT = bytes([1, *range(16)])

@@ -9,17 +9,14 @@ import pytest
 import usb.core
 
 from truepose_drivers.errors import ConnectFailedError, ConnectionLostError, DeviceRefusedError, NoReplyError
-from truepose_drivers.transports.usb import UsbDevice
-from truepose_drivers.transports.usb_address import LocalUsb, RemoteUsb
+from truepose_drivers.transports.usb import LocalUsb, RemoteUsb, UsbDevice
 from truepose_drivers.transports.usbip_backend import UsbipBackend
-from truepose_drivers.usb.protocol import usbip
-from truepose_drivers.usb.protocol.control import Setup, decode_setup
-from truepose_drivers.usb.protocol.descriptors import Configuration, Device, Interface
-from truepose_drivers.usb.protocol.descriptors import Endpoint as UsbEndpoint
-from truepose_drivers.usb.protocol.usbip import Operation, Submit, Submitted, Unlink, Unlinked
-from truepose_simulators.instruments.ballbars.usb_gadget import StallError, StandardRequests
-from truepose_simulators.instruments.ballbars.usbip import UsbipServer
+from truepose_drivers.usb import usbip
+from truepose_drivers.usb.protocol import Configuration, Device, Interface, Setup, decode_setup
+from truepose_drivers.usb.protocol import Endpoint as UsbEndpoint
+from truepose_drivers.usb.usbip import Operation, Submit, SubmitReply, Unlink, UnlinkReply
 from truepose_simulators.instruments.endpoint import Endpoint
+from truepose_simulators.instruments.gauges.usbip import StallError, StandardRequests, UsbipServer
 
 STRINGS = ("Maker", "Thing", "SN-1")
 
@@ -242,8 +239,8 @@ class ScriptedServer:
             try:
                 answer = self._gadget.control(decode_setup(request.setup), data)
             except StallError:
-                return [Submitted(request.sequence, -32, 0)]
-            return [Submitted(request.sequence, 0, len(answer) if request.is_in else len(data), answer)]
+                return [SubmitReply(request.sequence, -32, 0)]
+            return [SubmitReply(request.sequence, 0, len(answer) if request.is_in else len(data), answer)]
         return self._answers(request)
 
 
@@ -259,7 +256,7 @@ async def scripted(answers):
 async def test_a_packet_that_completes_while_it_is_given_up_counts():
     def answers(request):
         if isinstance(request, Unlink):  # the packet was on its way already
-            return [Submitted(request.victim, 0, 4, b"race"), Unlinked(request.sequence, 0)]
+            return [SubmitReply(request.victim, 0, 4, b"race"), UnlinkReply(request.sequence, 0)]
         return []
 
     async with scripted(answers) as device:
@@ -269,7 +266,7 @@ async def test_a_packet_that_completes_while_it_is_given_up_counts():
 async def test_a_server_that_answers_given_up_transfers_itself_is_understood():
     def answers(request):
         if isinstance(request, Unlink):
-            return [Submitted(request.victim, -104, 0), Unlinked(request.sequence, -104)]
+            return [SubmitReply(request.victim, -104, 0), UnlinkReply(request.sequence, -104)]
         return []
 
     async with scripted(answers) as device:
@@ -278,14 +275,14 @@ async def test_a_server_that_answers_given_up_transfers_itself_is_understood():
 
 
 async def test_a_device_that_reports_itself_gone_is_gone():
-    async with scripted(lambda request: [Submitted(request.sequence, -19, 0)]) as device:
+    async with scripted(lambda request: [SubmitReply(request.sequence, -19, 0)]) as device:
         with pytest.raises(ConnectionLostError):
             await device.receive(1.0)
         assert not device.is_open
 
 
 async def test_a_reply_of_another_protocol_in_mid_session_is_a_lost_connection():
-    async with scripted(lambda request: [Unlinked(request.sequence, 0)]) as device:
+    async with scripted(lambda request: [UnlinkReply(request.sequence, 0)]) as device:
         with pytest.raises(ConnectionLostError, match="nobody gave up"):
             await device.receive(1.0)
 
@@ -295,7 +292,7 @@ async def test_a_control_transfer_that_is_never_answered_is_told():
     silent = threading.Event()
 
     def answers(request):
-        return [Unlinked(request.sequence, -104)] if isinstance(request, Unlink) else []
+        return [UnlinkReply(request.sequence, -104)] if isinstance(request, Unlink) else []
 
     server = ScriptedServer(gadget, answers)
     plain = server._reply

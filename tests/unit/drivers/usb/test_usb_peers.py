@@ -17,12 +17,12 @@ from truepose_drivers.ballbar_hid.protocol import (
     decode_reading,
     encode_bar,
     encode_reading,
+    report_descriptor,
 )
-from truepose_drivers.ballbar_hid.report_descriptor import report_descriptor
 from truepose_drivers.mitutoyo_usb_itn.driver import PLUGIN as USB_ITN
-from truepose_simulators.instruments.ballbars.ballbar_hid import HidBallbarGadget
-from truepose_simulators.instruments.ballbars.usb_itn import UsbItnGadget
-from truepose_simulators.instruments.ballbars.usbip import usbip_endpoint
+from truepose_simulators.instruments.gauges.ballbar_hid import HidBallbarGadget
+from truepose_simulators.instruments.gauges.usb_itn import UsbItnGadget
+from truepose_simulators.instruments.gauges.usbip import usbip_endpoint
 
 usbip = pytest.importorskip("usbip", reason="usbip is not installed: no independent host and device")
 device = pytest.importorskip("usbip.device")

@@ -8,29 +8,31 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from truepose_drivers.errors import RemoteProtocolError
-from truepose_drivers.usb.protocol import usbip
-from truepose_drivers.usb.protocol.control import Setup, decode_setup, encode_setup
-from truepose_drivers.usb.protocol.descriptors import (
+from truepose_drivers.usb import usbip
+from truepose_drivers.usb.protocol import (
     Configuration,
     DescriptorError,
     Device,
     Endpoint,
     Interface,
+    Setup,
     configuration_total_bytes,
     decode_configuration,
     decode_device,
+    decode_setup,
     encode_configuration,
     encode_device,
     encode_languages,
+    encode_setup,
     encode_string,
 )
-from truepose_drivers.usb.protocol.usbip import (
+from truepose_drivers.usb.usbip import (
     DeviceRecord,
     Operation,
     Submit,
-    Submitted,
+    SubmitReply,
     Unlink,
-    Unlinked,
+    UnlinkReply,
     UsbipProtocolError,
     decode_operation,
     decode_record,
@@ -65,7 +67,7 @@ def test_the_kernels_transfers_are_read(name):
 
 
 def test_the_kernels_reply_is_read_and_written():
-    expected = Submitted(3334, 0, 64)
+    expected = SubmitReply(3334, 0, 64)
 
     assert decode_reply(golden("return_out")) == expected
     assert encode_reply(expected) == golden("return_out")
@@ -74,8 +76,8 @@ def test_the_kernels_reply_is_read_and_written():
 def test_giving_up_has_the_documented_form_both_ways():
     assert encode_request(Unlink(3335, 65_551, 3333)) == golden("unlink")
     assert decode_request(golden("unlink")) == (Unlink(3335, 65_551, 3333), 0)
-    assert encode_reply(Unlinked(3335, -104)) == golden("unlinked")
-    assert decode_reply(golden("unlinked")) == Unlinked(3335, -104)
+    assert encode_reply(UnlinkReply(3335, -104)) == golden("unlinked")
+    assert decode_reply(golden("unlinked")) == UnlinkReply(3335, -104)
 
 
 def test_operations_have_the_documented_form():
@@ -97,7 +99,9 @@ def test_transfers_make_the_round_trip(submit):
     assert following == (0 if submit.is_in else submit.length)
 
 
-@given(reply=st.one_of(st.builds(Submitted, longs, statuses, words), st.builds(Unlinked, longs, statuses)))
+@given(
+    reply=st.one_of(st.builds(SubmitReply, longs, statuses, words), st.builds(UnlinkReply, longs, statuses))
+)
 def test_replies_make_the_round_trip(reply):
     assert decode_reply(encode_reply(reply)) == reply
 

@@ -15,8 +15,8 @@ from truepose_drivers.ballbar_hid.protocol import (
     encode_bar,
     encode_rate,
     encode_reading,
+    report_descriptor,
 )
-from truepose_drivers.ballbar_hid.report_descriptor import report_descriptor
 
 _USB = "/devices/pci0000:00/0000:00:14.0/usb1/1-1"
 _INTERFACE = f"{_USB}/1-1:1.0"

@@ -8,10 +8,10 @@ import pytest
 from tests.helpers.domain.tracker_sessions import make_fixed_nest, make_point, make_setup
 from truepose.analysis.campaigns.assembly import MeasuredSession, assemble_campaign, judged_by, point_readings
 from truepose.analysis.errors import NothingMeasuredError, SessionsDifferError
-from truepose.domain.cell.description import Camera, Conditions, DeviceEntry, SimulatedCell
-from truepose.domain.measurement.campaign import Campaign
-from truepose.domain.measurement.session import Registration
+from truepose.domain.campaign import Campaign
+from truepose.domain.cell import Camera, Conditions, DeviceEntry, SimulatedCell
 from truepose.domain.robot import FramePlacement
+from truepose.domain.session import Registration
 from truepose.storage.records import SessionSetup
 
 
@@ -92,7 +92,7 @@ def test_a_session_without_readings_is_named():
 def test_sessions_of_different_set_ups_are_not_joined():
     moved = changed_cell(base_nominal=FramePlacement(x_mm=10.0))
 
-    with pytest.raises(SessionsDifferError, match="Sessions 1 and 2 differ in their base placement"):
+    with pytest.raises(SessionsDifferError, match="Sessions 1 and 2 differ in: base placement"):
         assemble_campaign(measured(1), measured(2, setup=moved))
 
 

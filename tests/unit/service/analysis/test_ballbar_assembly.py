@@ -7,7 +7,7 @@ import pytest
 
 from tests.helpers.ballbar.sessions import make_length
 from tests.helpers.domain.tracker_sessions import make_setup
-from truepose.analysis.ballbar.assembly import (
+from truepose.analysis.campaigns.ballbar import (
     Counting,
     LegKept,
     SetupKept,
@@ -15,9 +15,8 @@ from truepose.analysis.ballbar.assembly import (
     assemble_ballbar_campaign,
 )
 from truepose.analysis.errors import NothingMeasuredError
-from truepose.domain.cell.artefacts import Artefact, BallbarKit
-from truepose.domain.cell.description import SimulatedCell
-from truepose.domain.measurement.ballbar import ArrivalTaken
+from truepose.domain.ballbar import ArrivalTaken
+from truepose.domain.cell import Artefact, BallbarKit, SimulatedCell
 from truepose.domain.robot import Nest
 from truepose.exchange.campaigns.zip_file import read_campaign_zip, write_campaign_zip
 

@@ -3,7 +3,7 @@
 import pytest
 
 from tests.helpers.ballbar.cells import domain_cell, frame
-from truepose.analysis.ballbar.plans import plan_ballbar_session
+from truepose.analysis.ballbar_plans import plan_ballbar_session
 from truepose.domain.errors import ConfigurationError
 
 HERE = frame(450, -200, 150, 0, -30, 60)

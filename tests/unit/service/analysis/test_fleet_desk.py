@@ -2,10 +2,10 @@
 
 import dataclasses
 
-from truepose.analysis.fleets.desk import FleetDesk
-from truepose.storage.plant.looking import ResultSeen
+from truepose.analysis.fleets.service import FleetService
+from truepose.storage.plant.queries import ResultRecord
 
-CAMPAIGN = ResultSeen(
+CAMPAIGN = ResultRecord(
     1, "left arm", "campaign", 1, "spring", "IRB 120", "120-1", "T-1", "2026-03-03", None, branch_id=1
 )
 
@@ -21,10 +21,10 @@ class Drawing:
 
 
 async def test_a_plant_that_was_begun_anew_is_not_told_what_another_robot_told(tmp_path, monkeypatch):
-    monkeypatch.setattr("truepose.analysis.fleets.told.tell", lambda content, _seed: b"of " + content)
+    monkeypatch.setattr("truepose.analysis.fleets.campaigns.tell", lambda content, _seed: b"of " + content)
 
     def desk():
-        return FleetDesk(Campaigns(), FleetDesk.folder(tmp_path / "plant.sqlite3"), Drawing())
+        return FleetService(Campaigns(), FleetService.folder(tmp_path / "plant.sqlite3"), Drawing())
 
     (first,) = await desk().told([CAMPAIGN])
     (kept,) = await desk().known([CAMPAIGN])

@@ -4,10 +4,10 @@ import asyncio
 
 import pytest
 
-from truepose.analysis import kept
-from truepose.analysis.kept import KeptDrawings
+from truepose.analysis import page_services
+from truepose.analysis.page_services import RenderCache
 from truepose.domain.errors import TrueposeError
-from truepose.storage.files.drawn import DrawnFolder
+from truepose.storage.caches import DrawnFolder
 
 
 class Artist:
@@ -36,12 +36,12 @@ def folder(tmp_path):
 
 @pytest.fixture
 def drawings(folder):
-    return KeptDrawings(folder)
+    return RenderCache(folder)
 
 
 async def test_what_was_drawn_is_kept_also_for_the_next_service(drawings, folder, artist):
     first = await drawings.drawn("model 1", artist)
-    again = await KeptDrawings(folder).drawn("model 1", artist)
+    again = await RenderCache(folder).drawn("model 1", artist)
 
     assert first.body == b"picture 1"
     assert again == first
@@ -61,7 +61,7 @@ async def test_another_record_and_another_version_of_the_program_are_drawn_anew(
 ):
     await drawings.drawn("model 1", artist)
     other = await drawings.drawn("model 2", artist)
-    monkeypatch.setattr(kept, "program_sha256", lambda: "the next version")
+    monkeypatch.setattr(page_services, "program_sha256", lambda: "the next version")
     newer = await drawings.drawn("model 1", artist)
 
     assert (other.body, newer.body) == (b"picture 2", b"picture 3")

@@ -5,7 +5,7 @@ import contextlib
 
 import pytest
 
-from truepose.analysis.workers.places import Places
+from truepose.analysis.workers.scheduling import Places
 
 SHORT, LONG = 1.0, 100.0
 

@@ -7,6 +7,7 @@ import pytest
 
 from truepose.analysis.workers import queue as queueing
 from truepose.analysis.workers.queue import JobQueue, Work
+from truepose.messages.catalogue import english
 from truepose.storage.errors import ConflictError, ServerAwayError, StorageUnavailableError
 from truepose.storage.records import JobKind, JobState
 
@@ -115,7 +116,7 @@ async def test_that_a_job_failed_is_said_once_storage_takes_it(error, times):
     await ended(await begun(storage, Worker(error)))
 
     assert [state for state, _ in storage.states] == [JobState.RUNNING, JobState.FAILED]
-    assert str(error) in storage.states[-1][1]
+    assert str(error) in english(storage.states[-1][1])
 
 
 async def test_a_result_that_alone_is_refused_has_its_job_fail_with_the_reason():

@@ -11,14 +11,14 @@ from truepose.analysis.errors import NothingMeasuredError
 from truepose.analysis.workers.tasks import PlanTask, PosePlanTask, held_out
 from truepose.domain.errors import ConfigurationError
 from truepose.exchange.cells.file import simulated_cell
-from truepose.operation.tracker.plans import judged
-from truepose.planning.work_volume.cell_space import space_of_cell
-from truepose.planning.work_volume.work_space import (
+from truepose.planning.workspace.space import (
     SEEN_WITHIN_RAD,
     cosines_to_tracker,
     is_clear,
     nominal_chain,
+    space_of_cell,
 )
+from truepose.sessions.tracker.service import judged
 from truepose.storage.records import SessionSetup
 
 
@@ -105,7 +105,7 @@ def test_where_the_tracker_sees_no_pose_no_cube_is_made_up():
         SessionSetup(cell), dataclasses.replace(make_plan(role="validation"), stops=()), **asked
     )
 
-    with pytest.raises(ConfigurationError, match="No cube of ISO 9283 was found"):
+    with pytest.raises(ConfigurationError, match="No ISO 9283 cube was found"):
         task.perform(quiet)
 
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from truepose.app.connections.census import Census, Limits
+from truepose.app.connections import Census, Limits
 
 
 class FakeConnection:

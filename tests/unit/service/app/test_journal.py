@@ -7,10 +7,10 @@ import os
 
 import pytest
 
-from truepose.app.logs import journal
-from truepose.app.logs.journal import logged
+from truepose.app import logs
+from truepose.app.logs import logged
 from truepose.correlation import REQUEST
-from truepose.web.observation.requests import LOGGER
+from truepose.web.middleware.request_log import LOGGER
 
 LOG = logging.getLogger("truepose.somewhere")
 
@@ -75,13 +75,13 @@ def test_requests_are_told_in_the_file_alone_unless_they_failed(file, capsys):
 def test_a_full_disk_costs_lines_and_nothing_else(file, monkeypatch):
     full = True
 
-    class Full(journal._File):
+    class Full(logs._File):
         def shouldRollover(self, record):  # noqa: N802
             if full:
                 raise OSError(28, "No space left on device")
             return super().shouldRollover(record)
 
-    monkeypatch.setattr(journal, "_File", Full)
+    monkeypatch.setattr(logs, "_File", Full)
     with logged(file, "INFO") as lost:
         LOG.info("lost")
         LOG.info("also lost")
@@ -106,9 +106,9 @@ def test_a_folder_that_cannot_be_written_costs_lines_and_nothing_else(tmp_path, 
 
 
 def test_a_queue_that_is_full_drops_lines_without_waiting(file, monkeypatch):
-    monkeypatch.setattr(journal, "_WAITING", 2)
-    monkeypatch.setattr(journal.QueueListener, "start", lambda self: None)
-    monkeypatch.setattr(journal.QueueListener, "stop", lambda self: None)
+    monkeypatch.setattr(logs, "_WAITING", 2)
+    monkeypatch.setattr(logs.QueueListener, "start", lambda self: None)
+    monkeypatch.setattr(logs.QueueListener, "stop", lambda self: None)
 
     with logged(file, "INFO") as lost:
         for n in range(5):
@@ -118,13 +118,13 @@ def test_a_queue_that_is_full_drops_lines_without_waiting(file, monkeypatch):
 
 
 def test_files_are_exchanged_before_they_fill_a_disk(file, monkeypatch):
-    monkeypatch.setattr(journal, "_FILE_BYTES", 300)
+    monkeypatch.setattr(logs, "_FILE_BYTES", 300)
     with logged(file, "INFO"):
         for n in range(30):
             LOG.info("line %d", n)
 
-    assert len([*file.parent.iterdir()]) == 1 + journal._FILES
-    assert sum(path.stat().st_size for path in file.parent.iterdir()) < 300 * (2 + journal._FILES)
+    assert len([*file.parent.iterdir()]) == 1 + logs._FILES
+    assert sum(path.stat().st_size for path in file.parent.iterdir()) < 300 * (2 + logs._FILES)
 
 
 def test_what_was_set_up_is_taken_down(file):

@@ -1,6 +1,6 @@
 import logging
 
-from truepose.app.logs.few_repeats import FewRepeats
+from truepose.app.logs import FewRepeats
 
 
 def written(records):

@@ -1,4 +1,4 @@
-from truepose.app.connections.pace import Pace
+from truepose.app.connections import Pace
 
 
 def test_nothing_is_too_slow_within_its_grace():

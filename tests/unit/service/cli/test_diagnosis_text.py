@@ -12,8 +12,8 @@ from tests.helpers.diagnosis.answers import (
     make_unexplained,
     make_wave,
 )
-from truepose.cli.calibration.diagnosis_text import diagnosis_lines, errors_table
-from truepose.domain.results.diagnosis import Gain, Remaining
+from truepose.cli.diagnosis_text import diagnosis_lines, errors_on_terminal
+from truepose.domain.diagnosis import Gain, Remaining
 
 
 def test_the_first_line_is_the_message_however_long():
@@ -99,7 +99,7 @@ def test_a_gain_that_nothing_shows_is_no_number(gain):
 
 
 def test_errors_stand_before_and_after():
-    table = errors_table(make_diagnosis())
+    table = errors_on_terminal(make_diagnosis())
 
     assert list(table.columns[0].cells) == ["before", "after"]
     assert list(table.columns[3].cells) == ["0.0610", "0.0190"]
@@ -116,4 +116,4 @@ def test_where_nothing_could_be_fitted_the_reason_is_said_once():
 
 
 def test_where_nothing_could_be_fitted_there_is_no_table():
-    assert errors_table(make_unexplained(before=None, after=None, model=None)) is None
+    assert errors_on_terminal(make_unexplained(before=None, after=None, model=None)) is None

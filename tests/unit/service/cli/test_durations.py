@@ -3,7 +3,7 @@
 import pytest
 import typer
 
-from truepose.cli.administration.durations import seconds
+from truepose.cli.services import seconds
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,7 @@ import pytest
 from tests.helpers.checkout import CHECKOUT
 from tests.helpers.exchange.workbooks import workbook
 from tests.unit.service.exchange.brought.tables import plain, readings, table
-from truepose.cli.exchange.imports import LengthUnit, import_command
+from truepose.cli.imports import LengthUnit, import_command
 from truepose.domain.errors import ConfigurationError
 from truepose.exchange.campaigns.folder import read_campaign
 
@@ -109,7 +109,7 @@ def test_nothing_is_written_over_and_a_centre_is_three_numbers(exported):
 
 
 def test_the_units_are_those_that_lists_know():
-    from truepose.exchange.point_lists.reading import UNITS_MM
+    from truepose.exchange.campaigns.point_list import UNITS_MM
 
     assert {unit.value for unit in LengthUnit} == set(UNITS_MM)
 

@@ -9,7 +9,7 @@ import pytest
 from tests.helpers.domain.robots import IRB_120
 from tests.helpers.identification.models import model_of, parameters_of, registered
 from truepose.cli import main
-from truepose.domain.results.identification import Parameter
+from truepose.domain.identification import Parameter
 from truepose.exchange.models.file import model_text
 
 TARGETS = "target,x_mm,y_mm,z_mm,qw,qx,qy,qz\nnear,350,100,400,0,0,1,0\n"

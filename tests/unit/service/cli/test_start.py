@@ -47,8 +47,8 @@ def test_a_shell_that_allows_more_threads_gets_the_same_bits(tmp_path):
 def test_one_command_does_not_import_the_others():
     modules = loaded("identify", "--help")
 
-    assert "truepose.cli.calibration.campaigns" in modules
-    assert "truepose.cli.cells" not in modules
+    assert "truepose.cli.campaigns" in modules
+    assert "truepose.cli.services" not in modules
 
 
 def test_help_lists_every_command():

@@ -7,13 +7,12 @@ import shutil
 import pytest
 
 from tests.helpers.checkout import CHECKOUT
-from truepose.cli.calibration import watching
-from truepose.cli.calibration.watching import watch_command
+from truepose.cli import archives
+from truepose.cli.archives import watch_command
 from truepose.domain.errors import ConfigurationError
+from truepose.exchange.campaigns.points_with_joints import Stated, arrivals, read_stated
 from truepose.exchange.errors import BadValueError, MissingFileError
 from truepose.exchange.models.file import read_model
-from truepose.exchange.point_lists.importing import Stated, read_stated
-from truepose.exchange.point_lists.inbox import arrivals
 
 PAINTED_ELSEWHERE = pytest.mark.usefixtures("empty_pictures")
 EXAMPLE = CHECKOUT / "docs/examples/campaign"
@@ -79,7 +78,7 @@ def test_only_what_two_looks_find_alike_is_taken_and_only_once(inbox, monkeypatc
         if number == 9:
             raise KeyboardInterrupt
 
-    monkeypatch.setattr(watching.time, "sleep", between)
+    monkeypatch.setattr(archives.time, "sleep", between)
     taken = []
 
     with pytest.raises(KeyboardInterrupt):
@@ -90,7 +89,7 @@ def test_only_what_two_looks_find_alike_is_taken_and_only_once(inbox, monkeypatc
 
 
 def recorded(inbox, taken):
-    for arrival in watching._whole(inbox, once=False):
+    for arrival in archives._whole(inbox, once=False):
         taken.append((arrival.name, arrival.states))
         yield from ()
 

@@ -8,11 +8,15 @@ import pytest
 from tests.helpers.domain.robots import IRB_120, SEVEN_AXES
 from tests.helpers.identification.models import extended, model_of, parameters_of
 from tests.helpers.identification.zones import zoned
-from truepose.correction.controller_values import controller_values, three_point_frame
-from truepose.correction.zone_errors import CONFIGURATIONS, zone_targets
+from truepose.correction.reduced_models import (
+    CONFIGURATIONS,
+    controller_values,
+    three_point_frame,
+    zone_targets,
+)
 from truepose.domain.errors import ConfigurationError
-from truepose.domain.results.identification import NestCentre
-from truepose.identification.model.validity.zone import measured_zone, outside
+from truepose.domain.identification import NestCentre
+from truepose.identification.model.validity import measured_zone, outside
 from truepose.kinematics.frames import placement_rotation, placement_translation
 
 OFFSETS = (2e-3, -1e-3, 5e-4, -3e-3, 1e-3)

@@ -16,8 +16,8 @@ from tests.helpers.identification.models import (
 )
 from tests.helpers.identification.synthetic import configurations
 from truepose.correction import FLANGE, Goals, correct, of_poses
+from truepose.domain.campaign import Stops
 from truepose.domain.errors import ConfigurationError
-from truepose.domain.measurement.campaign import Stops
 from truepose.domain.robot import JointRange
 from truepose.identification.model.estimates import structure_of, values_of
 from truepose.identification.model.evaluation import Targets, evaluate

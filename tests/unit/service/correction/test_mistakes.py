@@ -10,7 +10,7 @@ from tests.helpers.identification.models import LOADED_SEVEN_AXES, extended, mod
 from tests.helpers.identification.synthetic import configurations
 from truepose.correction import likely_mistake, of_poses
 from truepose.domain.robot import FramePlacement
-from truepose.identification.model.validity.zone import measured_zone
+from truepose.identification.model.validity import measured_zone
 from truepose.kinematics.chain import nominal_chain
 from truepose.kinematics.frames import poses_of
 

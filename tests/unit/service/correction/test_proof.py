@@ -8,11 +8,11 @@ import pytest
 from tests.helpers.domain.robots import IRB_120
 from tests.helpers.identification.models import model_of, plain_parameters
 from tests.helpers.identification.proved import SCATTER_MM, model, visited
-from truepose.correction.proof.verdict import proof_of
+from truepose.correction.proof import proof_of
 from truepose.domain.errors import ConfigurationError
 from truepose.domain.robot import JointRow
-from truepose.exchange.results.proofs import proof_document
-from truepose.identification.model.validity.same_robot import require_same_robot
+from truepose.exchange.results.corrections import proof_document
+from truepose.identification.model.validity import require_same_robot
 
 
 def test_a_model_that_is_the_robot_is_proved_and_keeps_its_promise():
@@ -118,3 +118,15 @@ def test_a_model_of_another_nominal_table_is_refused_with_its_row():
     require_same_robot(model(), IRB_120)
     with pytest.raises(ConfigurationError, match="Row 3"):
         require_same_robot(model(), replace(IRB_120, joints=rows))
+
+
+def test_readings_that_lie_exactly_on_their_targets_have_a_gain_that_is_a_number():
+    foretold = visited(model())
+    errors = proof_of(model(), foretold, SCATTER_MM).errors
+    exact = foretold.position_mm.copy()
+    exact[np.isin(foretold.stops.config, errors.config + 1)] -= errors.after_mm
+
+    proof = proof_of(model(), replace(foretold, position_mm=exact), SCATTER_MM)
+
+    assert np.isfinite([proof.gain, *proof.gain_interval_95]).all()
+    assert proof.gain > 1e5

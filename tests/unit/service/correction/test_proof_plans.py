@@ -7,10 +7,10 @@ import pytest
 
 from tests.helpers.identification.models import model_of, parameters_of, plain_parameters
 from tests.unit.service.planning.test_candidates import SPACE
-from truepose.correction.proof.pairs import plan_proof
+from truepose.correction.proof import plan_proof
 from truepose.domain.errors import ConfigurationError
-from truepose.domain.measurement.session import SessionPlan
 from truepose.domain.robot import JointRange
+from truepose.domain.session import SessionPlan
 
 N, OFFSET_RAD = 20, -0.0873
 LOWEST_RAD = SPACE.ranges[1].lower_rad

@@ -5,7 +5,7 @@ import pytest
 
 from tests.helpers.domain.robots import IRB_120
 from tests.helpers.identification.models import extended, stops_and_nests
-from truepose.correction.steps import LEVER_MM, damped_steps
+from truepose.correction.inverse import LEVER_MM, damped_steps
 from truepose.identification.model.estimates import identified_estimate
 from truepose.identification.model.evaluation import Targets, evaluate
 from truepose.kinematics.frames import cross

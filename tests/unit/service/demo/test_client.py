@@ -5,7 +5,7 @@ import json
 import httpx
 import pytest
 
-from truepose.demo.cell.client import ServiceClient, connected
+from truepose.demo.client import ServiceClient, connected
 from truepose.demo.errors import JobFailedError, RequestRefusedError, ServiceFailedError, SessionHaltedError
 
 
@@ -23,11 +23,13 @@ def state(name, reason="because"):
 
 
 def client_of(*events):
-    """A client whose service answers every POST, and has these events."""
+    """A client whose service answers every POST, asks question 1 of a session, and has these events."""
 
     def answer(request):
         if request.url.path == "/api/v1/events":
             return httpx.Response(200, text=stream(*events))
+        if request.url.path == "/api/v1/sessions/1/situation":
+            return httpx.Response(200, json={"prompt": {"id": 1}})
         return httpx.Response(202, json={"id": 1})
 
     return ServiceClient(httpx.AsyncClient(transport=httpx.MockTransport(answer), base_url="http://service"))

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from tests.helpers.domain.builders import make_campaign, make_model, make_points
-from truepose.demo.cell.truth import TrueReadings
+from truepose.demo.truth import TrueReadings
 from truepose.demo.truth_comparison import rigidly_aligned, true_campaign, true_errors
 from truepose.identification import predict
 from truepose.kinematics.frames import rotation_xyz

@@ -1,6 +1,6 @@
 """The lines that the demo prints of a diagnosis."""
 
-from truepose.demo.diagnosis import diagnosis_lines
+from truepose.demo.report import diagnosis_lines
 
 
 def test_a_diagnosis_without_findings_is_its_message():

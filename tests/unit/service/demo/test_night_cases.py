@@ -3,15 +3,12 @@
 import numpy as np
 import pytest
 
+from truepose.demo import client
+from truepose.demo.client import attend
 from truepose.demo.errors import SessionHaltedError
-from truepose.demo.night import attended
-from truepose.demo.night.attended import attend
-from truepose.demo.night.cases import night_cases
-from truepose.demo.night.earlier import earlier_schemas
-from truepose.demo.night.faults.crashes import _Lives
-from truepose.demo.night.faults.faulty_sessions import FaultySession, _checks
-from truepose.demo.night.upgrades import UpgradedDatabase, _moved
-from truepose.exchange.cells.scenario_text import scenario_text
+from truepose.demo.night.faulty_sessions import FaultySession, _checks, _Lives
+from truepose.demo.night.nightly import night_cases
+from truepose.exchange.cells.file import scenario_text
 from truepose_simulators.scenarios.file import load_scenario
 
 
@@ -57,8 +54,8 @@ def reading(number, config=1, **more):
 
 @pytest.fixture(autouse=True)
 def _no_waiting(monkeypatch):
-    monkeypatch.setattr(attended, "_LOOK_S", 0.0)
-    monkeypatch.setattr("truepose.demo.night.faults.crashes._STILL_S", 0.0)
+    monkeypatch.setattr(client, "_LOOK_S", 0.0)
+    monkeypatch.setattr("truepose.demo.night.faulty_sessions._STILL_S", 0.0)
 
 
 async def test_somebody_confirms_and_resumes_until_it_is_finished():
@@ -135,23 +132,11 @@ async def test_a_service_that_goes_on_by_itself_is_named(tmp_path):
     assert not (await judged(tmp_path, one, [one, two]))[figure].passed
 
 
-def test_parameters_are_compared_in_their_uncertainty_and_certified_ones_not_at_all():
-    def document(value):
-        known = {"name": "nest_1_x", "value": value, "standard_uncertainty": 0.0}
-        return {"parameters": [{"name": "a_3", "value": value, "standard_uncertainty": 0.01}, known]}
-
-    assert _moved(document(0.2), document(0.23)) == pytest.approx([3.0])
-    assert _moved({"parameters": []}, document(0.2)) == []
-
-
 def test_a_night_has_every_kind_of_case_under_names_of_their_own():
     names = [case.name for case in night_cases(1)]
 
     assert len(set(names)) == len(names)
-    assert {"irb120-tilted", "killed-service", "upgrade-from-0003"} <= set(names)
-    assert [name for name in names if name.startswith("upgrade")] == [
-        UpgradedDatabase(schema).name for schema in earlier_schemas()
-    ]
+    assert {"irb120-tilted", "killed-service"} <= set(names)
 
 
 def test_other_nights_draw_other_faults_on_the_same_cells():
@@ -167,7 +152,7 @@ def a_reading(config, **more):
 
 def faulty(configurations, skipped=(), errors_mm=(0.01,), finished=True):
     """What is said of a faulty session of three configurations."""
-    seen = attended.Attended(["because"], shown("finished" if finished else "paused"))
+    seen = client.Attendance(["because"], shown("finished" if finished else "paused"))
     session = {"planned": 3, "skipped_stops": [{"config": n, "reason": why} for n, why in skipped]}
     readings = [a_reading(config) for config in configurations]
     return {check.figure: check for check in _checks(seen, session, readings, np.array(errors_mm))}

@@ -6,18 +6,17 @@ from datetime import UTC, datetime, timedelta
 import pytest
 
 from truepose.demo.errors import UnknownCaseError, UnreadableHistoryError
-from truepose.demo.night.check import Check
+from truepose.demo.night.check import Check, NightRequest
 from truepose.demo.night.history import (
     COMPARED_NIGHTS,
     HISTORY,
-    Measured,
     Night,
+    NightFigure,
     append_night,
     course,
     read_history,
 )
 from truepose.demo.night.nightly import run_nightly
-from truepose.demo.night.request import NightRequest
 from truepose.domain.errors import TrueposeError
 
 FIRST = datetime(2026, 11, 1, 2, 17, tzinfo=UTC)
@@ -25,7 +24,7 @@ KEY = ("cell", "error")
 
 
 def night(number, value=0.02, passed=True, label=""):
-    figure = Measured(case=KEY[0], figure=KEY[1], passed=passed, value=value)
+    figure = NightFigure(case=KEY[0], figure=KEY[1], passed=passed, value=value)
     began = FIRST + timedelta(days=number)
     return Night(began=began, version="0.1.0", label=label, seed=number, figures=(figure,))
 

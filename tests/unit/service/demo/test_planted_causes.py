@@ -4,11 +4,11 @@ from types import SimpleNamespace
 
 import pytest
 
-from truepose.demo.night.cells.calibrated_cells import wavy_gear_case
-from truepose.demo.night.faults.planted_causes import _checks, _Planted, planted_causes
+from truepose.demo.night.calibrated_cells import wavy_gear_case
+from truepose.demo.night.planted_causes import _checks, _PlantedCause, planted_causes
 from truepose_simulators.scenarios.file import load_scenario
 
-WAVE = _Planted("joint_harmonics", "joint 4", 0.04, {"order": 3.0})
+WAVE = _PlantedCause("joint_harmonics", "joint 4", 0.04, {"order": 3.0})
 
 
 def finding(effect="joint_harmonics", subject="joint 4", amplitude=0.041, rivals=(), confidence="certain"):

@@ -3,9 +3,9 @@
 import pytest
 
 from tests.helpers.diagnosis.answers import make_diagnosis, make_finding, make_wave
-from truepose.diagnosis.alarms import Appeared, Grown, alarms
+from truepose.diagnosis.alarms import CauseGrowth, NewCause, alarms
 from truepose.diagnosis.history import DatedDiagnosis, compare
-from truepose.domain.results.diagnosis import Confidence, RuledOut, Worth
+from truepose.domain.diagnosis import Confidence, RuledOut, Worth
 
 SPRING, SUMMER, AUTUMN = "2026-03-03", "2026-06-14", "2026-10-02"
 LOOKED_FOR = RuledOut("backlash", "joint 3", "chance", p_value=1.0, upper_limit_mm=0.005)
@@ -31,7 +31,7 @@ def test_a_cause_that_grew_beyond_chance_is_an_alarm_and_one_that_fell_is_none()
         dated(1, SPRING, backlash(0.021), wave(0.05)), dated(2, AUTUMN, backlash(0.045), wave(0.02))
     )
 
-    assert isinstance(alarm, Grown)
+    assert isinstance(alarm, CauseGrowth)
     assert (alarm.cause.effect, alarm.change.from_id, alarm.change.to_id) == ("backlash", 1, 2)
 
 
@@ -59,7 +59,7 @@ def test_a_cause_larger_than_it_can_have_been_has_appeared():
 
     (alarm,) = raised(dated(1, SPRING, ruled_out=(LOOKED_FOR,)), dated(2, AUTUMN, found))
 
-    assert alarm == Appeared(alarm.cause, SPRING, 0.005, AUTUMN, 0.02)
+    assert alarm == NewCause(alarm.cause, SPRING, 0.005, AUTUMN, 0.02)
 
 
 @pytest.mark.parametrize(

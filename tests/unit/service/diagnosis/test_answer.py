@@ -9,13 +9,12 @@ from tests.helpers.diagnosis.point_scenes import START, telling_campaign
 from tests.helpers.diagnosis.selections import PRESENT, left_of, make_selected, make_start, planted
 from tests.helpers.identification.synthetic import NOISE_MM, configurations, shifted
 from truepose.diagnosis.answer import _verdict, unanswerable
+from truepose.diagnosis.confidence import _useless
 from truepose.diagnosis.diagnose import diagnose
-from truepose.diagnosis.doubt.standing import _useless
-from truepose.diagnosis.evidence.gains import gain_of
-from truepose.diagnosis.evidence.held_out import Improvement
-from truepose.domain.results.diagnosis import Confidence, HeldOutErrors, Verdict
+from truepose.diagnosis.evidence.held_out_errors import Improvement, gain_of
+from truepose.domain.diagnosis import Confidence, HeldOutErrors, Verdict
 from truepose.identification.model.prediction import predict
-from truepose.words.catalogue import english
+from truepose.messages.catalogue import english
 
 GAIN_4 = {"joint_gain": {"gain_4": 1e-3}}
 NUISANCE = ("frame_", "fixed_", "certified_")

@@ -7,10 +7,8 @@ import numpy as np
 import pytest
 
 from tests.helpers.diagnosis.answers import make_diagnosis, make_finding, make_wave
-from truepose.diagnosis.curves.amplitudes import Variant
-from truepose.diagnosis.history import DatedDiagnosis, Sighting, compare
-from truepose.domain.results.causes import Detail
-from truepose.domain.results.diagnosis import Confidence, RuledOut
+from truepose.diagnosis.history import DatedDiagnosis, Sighting, Variant, compare
+from truepose.domain.diagnosis import Confidence, Detail, RuledOut
 
 SPRING, SUMMER, AUTUMN = "2026-03-03", "2026-06-14", "2026-10-02"
 

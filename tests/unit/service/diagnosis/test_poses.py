@@ -6,13 +6,13 @@ import numpy as np
 
 from tests.helpers.identification.synthetic import configurations, nominal_campaign
 from truepose.diagnosis.diagnose import diagnose
-from truepose.domain.measurement.campaign import PointReadings, Stops
-from truepose.domain.results.diagnosis import Verdict
+from truepose.domain.campaign import PointReadings, Stops
+from truepose.domain.diagnosis import Verdict
 from truepose.domain.robot import Nest
-from truepose.kinematics.artefact import centre, pose_uncertainty
 from truepose.kinematics.chain import forward, nominal_values
 from truepose.kinematics.frames import quaternion_from_rotation, rotation_from_vector
-from truepose.words.catalogue import english
+from truepose.kinematics.poses import centre, pose_uncertainty
+from truepose.messages.catalogue import english
 
 SPATIAL = np.array([[45.0, 0.0, 150.0], [-22.5, 38.971, 150.0], [-22.5, -38.971, 150.0]])
 READ, DEFINED = pose_uncertainty(SPATIAL, 0.02), pose_uncertainty(SPATIAL, 0.04)

@@ -10,8 +10,8 @@ from tests.helpers.diagnosis.selections import PRESENT, planted
 from tests.helpers.identification.synthetic import shifted
 from truepose.diagnosis.diagnose import diagnose
 from truepose.diagnosis.start import NUISANCE, Start, started
-from truepose.domain.sentences import leading_key
-from truepose.words.catalogue import english
+from truepose.messages.catalogue import english
+from truepose.messages.message import leading_key
 
 SWAPPED = [10, 40]
 

@@ -2,8 +2,8 @@ from datetime import date
 
 import pytest
 
-from truepose.domain.cell.certificates import Closing, Paper, judged_papers
-from truepose.words.catalogue import english
+from truepose.domain.cell import Closing, Paper, judged_papers
+from truepose.messages.catalogue import english
 
 TODAY = date(2026, 11, 23)
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from truepose.domain.measurement.campaign import PointReadings, Stops
+from truepose.domain.campaign import PointReadings, Stops
 
 STOPS = Stops(np.array([5, 6, 7]), np.arange(6.0).reshape(3, 2), time_s=np.array([0.0, 1.0, 2.0]))
 POINTS = PointReadings(STOPS, np.array([1, 2, 3]), np.arange(9.0).reshape(3, 3), np.full(3, 0.01))

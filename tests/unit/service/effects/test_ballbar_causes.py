@@ -21,7 +21,7 @@ from truepose.effects.ports import PortKind
 from truepose.effects.registry import CAUSES
 from truepose.identification.model.evaluation import evaluate, rows_of
 from truepose.identification.problem.build import build
-from truepose.words.catalogue import english
+from truepose.messages.catalogue import english
 
 
 def rows(campaign=None):
@@ -83,10 +83,10 @@ def test_a_zero_is_shown_as_its_root_mean_square():
     constant, growing = CAUSES["ballbar_zero"].candidates(leg_scene())
     values = 0.006 * (-1.0) ** np.arange(10)
 
-    still = CAUSES["ballbar_zero"].shown(
+    still = CAUSES["ballbar_zero"].describe(
         "ballbar", Fitted(constant.names, values, 1e-14 * np.eye(10)), leg_scene()
     )
-    grown = CAUSES["ballbar_zero"].shown(
+    grown = CAUSES["ballbar_zero"].describe(
         "ballbar", Fitted(growing.names, np.full(10, 0.09), 1e-14 * np.eye(10)), leg_scene()
     )
 
@@ -102,7 +102,7 @@ def test_noise_in_the_zeros_is_not_taken_for_their_size():
     rng = np.random.default_rng(4)
     values = 0.004 * rng.standard_normal(10)
 
-    shown = CAUSES["ballbar_zero"].shown(
+    shown = CAUSES["ballbar_zero"].describe(
         "ballbar", Fitted(constant.names, values, 0.004**2 * np.eye(10)), leg_scene()
     )
 
@@ -150,7 +150,9 @@ def test_a_fixture_is_shown_to_move_as_far_as_it_does_where_it_stands():
     names = CAUSES["fixture_shift"].candidates(here)[0].names
     about_centre = np.concatenate([np.array([0.05, 0.0, 0.0]) - np.cross(turn, centre), turn])
 
-    shown = CAUSES["fixture_shift"].shown("placement 1", Fitted(names, about_centre, 1e-16 * np.eye(6)), here)
+    shown = CAUSES["fixture_shift"].describe(
+        "placement 1", Fitted(names, about_centre, 1e-16 * np.eye(6)), here
+    )
 
     assert shown.amplitude == pytest.approx(0.05, rel=1e-3)
     assert next(d for d in shown.details if d.name == "rotation").value == pytest.approx(

@@ -7,11 +7,11 @@ import pytest
 
 from tests.helpers.diagnosis.point_scenes import START, telling_campaign, telling_scene, without_masses
 from tests.helpers.domain.robots import IRB_120, SEVEN_AXES
-from truepose.domain.measurement.campaign import Stops
+from truepose.domain.campaign import Stops
 from truepose.domain.robot import JointRow, LinkMass, Robot
+from truepose.effects.arm.link_bending import beams
+from truepose.effects.arm.loads import mass_specs, stated_mass, wrong_mass
 from truepose.effects.causes import Fitted
-from truepose.effects.links.link_bending import beams
-from truepose.effects.links.loads import mass_specs, stated_mass, wrong_mass
 from truepose.effects.ports import PortKind, Rows, known_frames
 from truepose.effects.registry import CAUSES
 from truepose.identification.model.evaluation import evaluate, rows_of
@@ -19,7 +19,7 @@ from truepose.identification.problem.build import build
 from truepose.kinematics.chain import forward, nominal_chain, nominal_values
 from truepose.kinematics.frames import rotation_from_vector
 from truepose.kinematics.gravity import gravity_torques
-from truepose.words.catalogue import english
+from truepose.messages.catalogue import english
 
 WEIGHT_CAUSES = ("base_compliance", "link_bending", "link_mass", "payload")
 THROUGH_SPRINGS = ("link_mass", "payload")
@@ -193,7 +193,7 @@ def test_a_payload_is_told_in_kilograms_with_its_centre_of_gravity():
     (candidate,) = CAUSES["payload"].candidates(scene)
     truth = np.array([0.27, *(0.27 * np.array([50.0, 25.0, 100.0]))])
 
-    shown = CAUSES["payload"].shown("tool", posterior(candidate.specs, truth, 1e6 * np.eye(4)), scene)
+    shown = CAUSES["payload"].describe("tool", posterior(candidate.specs, truth, 1e6 * np.eye(4)), scene)
 
     assert (shown.amplitude, shown.unit) == (pytest.approx(0.27, abs=1e-3), "kg")
     assert [detail.unit for detail in shown.details] == ["mm"] * 3
@@ -205,7 +205,7 @@ def test_of_several_links_the_one_that_is_off_most_is_named():
     together = CAUSES["link_mass"].candidates(scene)[-1]
     truth = np.array([0.1, 14.0, 0.0, 0.0, -0.8, 0.0, 0.0, 154.9])
 
-    shown = CAUSES["link_mass"].shown("links", posterior(together.specs, truth, 1e8 * np.eye(8)), scene)
+    shown = CAUSES["link_mass"].describe("links", posterior(together.specs, truth, 1e8 * np.eye(8)), scene)
 
     assert shown.amplitude == pytest.approx(-0.8, abs=1e-3)
     assert "most of all link 4 weighs 0.80 kg less than the 5 kg stated" in english(shown.sentence)
@@ -286,10 +286,10 @@ def test_bending_is_told_as_the_sag_of_the_stretched_arm():
     scene = telling_scene()
     upper, both = 8e-12, (8e-12, 6e-12)
 
-    alone = CAUSES["link_bending"].shown(
+    alone = CAUSES["link_bending"].describe(
         "link 2", Fitted(("sag_2",), np.array([upper]), np.eye(1) * 1e-26), scene
     )
-    together = CAUSES["link_bending"].shown(
+    together = CAUSES["link_bending"].describe(
         "links", Fitted(("sag_2", "sag_3"), np.array(both), np.diag([1e-26, 1e-26])), scene
     )
 
@@ -330,7 +330,7 @@ def test_a_base_tilts_by_its_compliance_times_the_moment_of_all_weights_about_it
 
 
 def test_a_soft_base_is_told_in_radians_per_moment():
-    shown = CAUSES["base_compliance"].shown(
+    shown = CAUSES["base_compliance"].describe(
         "base", Fitted(("base_c",), np.array([5e-9]), np.array([[1e-20]])), telling_scene()
     )
 

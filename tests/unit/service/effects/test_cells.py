@@ -6,10 +6,10 @@ from typing import get_args
 import pytest
 
 from tests.helpers.diagnosis.point_scenes import telling_scene
-from truepose.domain.results.causes import Shape
+from truepose.domain.diagnosis import Shape
 from truepose.effects.causes import Candidate
-from truepose.effects.cells import alike, amplitude_of, cell_of, named_cell
 from truepose.effects.registry import CAUSES
+from truepose.effects.signatures import alike, amplitude_of, named_signature, signature_of
 
 WHERE = re.compile(
     r"joint \d+|joints|link \d+|links|flange|base|tool|nest \d+|tracker|ballbar|placement \d+|readings"
@@ -24,7 +24,7 @@ OVER = re.compile(
 def test_every_candidate_of_every_cause_has_a_place_a_variable_and_a_shape(cause):
     candidates = CAUSES[cause].candidates(telling_scene()) or (Candidate(cause, "joint 2", ()),)
 
-    cells = [cell_of(candidate) for candidate in candidates]
+    cells = [signature_of(candidate) for candidate in candidates]
 
     assert all(WHERE.fullmatch(cell.where) for cell in cells)
     assert all(OVER.fullmatch(cell.over) for cell in cells)
@@ -46,7 +46,7 @@ def test_every_candidate_of_every_cause_has_a_place_a_variable_and_a_shape(cause
     ],
 )
 def test_what_was_searched_over_is_part_of_the_cell(candidate, cell):
-    assert cell_of(candidate) == cell
+    assert signature_of(candidate) == cell
 
 
 @pytest.mark.parametrize("effect", CAUSES)
@@ -55,7 +55,7 @@ def test_every_cause_says_what_its_amplitude_is(effect):
 
 
 def test_what_another_version_named_is_a_cell_without_words():
-    assert named_cell("gear_resonance", "joint 3").where == "joint 3"
+    assert named_signature("gear_resonance", "joint 3").where == "joint 3"
     assert amplitude_of("gear_resonance") == ""
 
 
@@ -74,5 +74,5 @@ def test_what_another_version_named_is_a_cell_without_words():
     ],
 )
 def test_cells_are_alike_by_place_variable_or_kin(one, other, similar):
-    assert alike(named_cell(*one), named_cell(*other)) is similar
-    assert alike(named_cell(*other), named_cell(*one)) is similar
+    assert alike(named_signature(*one), named_signature(*other)) is similar
+    assert alike(named_signature(*other), named_signature(*one)) is similar

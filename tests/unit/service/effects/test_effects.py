@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 
 from tests.helpers.domain.robots import IRB_120, SEVEN_AXES
+from truepose.domain.campaign import Stops
 from truepose.domain.errors import UnknownEffectError
-from truepose.domain.measurement.campaign import Stops
-from truepose.domain.results.identification import Unit
-from truepose.effects.joints.compliance import compliance_prior
-from truepose.effects.links.geometry import is_parallel_to_previous
+from truepose.domain.identification import Unit
+from truepose.effects.arm.compliance import compliance_prior
+from truepose.effects.arm.geometry import is_parallel_to_previous
 from truepose.effects.names import joint_name, joint_of, nest_name, nest_port_index
 from truepose.effects.ports import PortKind, Rows, Setting, known_frames
 from truepose.effects.registry import EFFECTS, effect_named

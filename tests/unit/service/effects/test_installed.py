@@ -10,21 +10,45 @@ import pytest
 
 from tests.helpers.diagnosis.point_scenes import telling_campaign, telling_scene
 from truepose.domain.errors import ConfigurationError, InstalledCauseError
-from truepose.domain.results.identification import NotIdentifiable
-from truepose.effects.causes import CellRow, NamedCause
+from truepose.domain.identification import NotIdentifiable
+from truepose.effects.arm.joint_gain import JointGain
+from truepose.effects.causes import Signature
 from truepose.effects.installed import GROUP, load_installed
-from truepose.effects.joints.joint_gain import JointGain
-from truepose.effects.ports import Automatic, Drifting, LeavesOpen, Port, PortKind, Summed, Telling, Trait
+from truepose.effects.ports import (
+    Automatic,
+    Compliant,
+    Discrepancy,
+    Drifting,
+    LeavesOpen,
+    Port,
+    PortKind,
+    Summed,
+    Telling,
+    Trait,
+)
 from truepose.effects.registry import EFFECTS, goes_on
-from truepose.effects.unnamed.table import OWN
+from truepose.effects.unnamed.cause import OWN
 from truepose.identification.model.evaluation import evaluate, rows_of
 from truepose.identification.problem.build import build
 
-CELL = CellRow("{subject}", "angle of {subject}", "line")
+CELL = Signature("{subject}", "angle of {subject}", "line")
 
 
 class Acme(JointGain):
     name = "acme"
+    signature = CELL
+
+
+class Plain(Acme):
+    """An effect that no diagnosis looks for."""
+
+    signature = None
+
+
+class Lacking:
+    """What calls itself a cause and does nothing."""
+
+    signature = CELL
 
 
 class Floating(Acme):
@@ -42,6 +66,12 @@ class Able(Acme):
 
     def left_open(self, names, setting):
         return [NotIdentifiable(names, "there is no such thing")]
+
+    def unmodelled(self, setting, stops):
+        return True
+
+    def softness(self, names, values, joint, load_n_mm):
+        return 1e-9 * (joint + 1)
 
     def sums(self, names, values, rows):
         return {Port(PortKind.THETA, 0): 2.0 * values[0] * np.ones(len(rows.nest))}
@@ -92,12 +122,12 @@ def brought(monkeypatch):
 def test_an_effect_a_cause_and_a_kind_are_told_apart(brought):
     kind = replace(OWN["jump"], name="leap")
 
-    plain = brought(acme=Acme(), leap=kind)
-    named = brought(acme=NamedCause(Acme(), CELL))
+    plain = brought(acme=Plain(), leap=kind)
+    named = brought(acme=Acme())
 
     assert (set(plain.effects), set(plain.causes), set(plain.kinds)) == ({"acme"}, set(), {"leap"})
     assert (set(named.effects), set(named.causes)) == ({"acme"}, {"acme"})
-    assert named.causes["acme"].cell == CELL
+    assert named.causes["acme"].signature == CELL
     assert plain.broken == named.broken == {}
 
 
@@ -109,9 +139,8 @@ def test_what_is_brought_tells_its_traits_and_no_others(brought):
 
 
 @pytest.mark.parametrize("thing", [Able(), Wrapped(Able())])
-@pytest.mark.parametrize("as_cause", [False, True])
-def test_every_ability_of_what_is_brought_is_seen_through_its_guard(brought, thing, as_cause):
-    guarded = brought(acme=NamedCause(thing, CELL) if as_cause else thing).effects["acme"]
+def test_every_ability_of_what_is_brought_is_seen_through_its_guard(brought, thing):
+    guarded = brought(acme=thing).effects["acme"]
     setting, rows = telling_problem()
 
     assert isinstance(guarded, Drifting)
@@ -124,11 +153,15 @@ def test_every_ability_of_what_is_brought_is_seen_through_its_guard(brought, thi
     assert isinstance(guarded, Summed)
     (moved,) = guarded.sums(("acme_1",), np.array([0.25]), rows).values()
     assert moved == pytest.approx(0.5)
+    assert isinstance(guarded, Discrepancy)
+    assert guarded.unmodelled(setting, rows.stops)
+    assert isinstance(guarded, Compliant)
+    assert guarded.softness(("acme_1",), np.array([0.25]), 2, None) == pytest.approx(3e-9)
     assert isinstance(guarded, Telling)
 
 
 def test_what_lacks_an_ability_does_nothing_of_the_kind(brought):
-    guarded = brought(acme=NamedCause(Acme(), CELL)).effects["acme"]
+    guarded = brought(acme=Acme()).effects["acme"]
     setting, rows = telling_problem()
     names, values = ("gain_1", "gain_3"), np.array([1e-3, -2e-3])
 
@@ -137,27 +170,29 @@ def test_what_lacks_an_ability_does_nothing_of_the_kind(brought):
     assert not guarded.goes_on(names)
     assert not guarded.automatic(setting)
     assert guarded.left_open(names, setting) == []
+    assert not guarded.unmodelled(setting, rows.stops)
+    assert guarded.softness(names, values, 2, None) == 0.0
     assert moved[Port(PortKind.THETA, 0)] == pytest.approx(1e-3 * rows.turn_rad[:, 0])
     assert moved[Port(PortKind.THETA, 2)] == pytest.approx(-2e-3 * rows.turn_rad[:, 2])
 
 
-@pytest.mark.parametrize("ask", ["goes_on", "automatic", "left_open", "sums"])
+@pytest.mark.parametrize("ask", ["goes_on", "automatic", "left_open", "sums", "unmodelled", "softness"])
 def test_an_ability_that_fails_is_refused_with_the_name_of_what_is_installed(brought, ask):
     class Broken(Able):
         def goes_on(self, *told):
             raise ValueError("three is no joint")
 
-        automatic = left_open = sums = goes_on
+        automatic = left_open = sums = unmodelled = softness = goes_on
 
     guarded = brought(acme=Broken()).effects["acme"]
-    told = {"goes_on": ((),), "automatic": (None,), "left_open": ((), None), "sums": ((), None, None)}[ask]
+    told = {"goes_on": 1, "automatic": 1, "left_open": 2, "sums": 3, "unmodelled": 2, "softness": 4}[ask]
 
     with pytest.raises(InstalledCauseError, match="'acme' failed with ValueError: three is no joint"):
-        getattr(guarded, ask)(*told)
+        getattr(guarded, ask)(*[None] * told)
 
 
 def test_a_made_model_holds_a_brought_cause_that_drifts(brought, monkeypatch):
-    monkeypatch.setitem(EFFECTS, "acme", brought(acme=NamedCause(Able(), CELL)).effects["acme"])
+    monkeypatch.setitem(EFFECTS, "acme", brought(acme=Able()).effects["acme"])
 
     assert goes_on("acme", ("acme_1",))
     assert not goes_on("acme", ("acme_2",))
@@ -165,8 +200,8 @@ def test_a_made_model_holds_a_brought_cause_that_drifts(brought, monkeypatch):
 
 def test_what_is_brought_does_what_it_does_at_home(brought):
     scene = telling_scene()
-    found = brought(acme=NamedCause(Acme(), CELL), jump=OWN["jump"])
-    cause, kind = found.causes["acme"].cause, found.kinds["jump"]
+    found = brought(acme=Acme(), jump=OWN["jump"])
+    cause, kind = found.causes["acme"], found.kinds["jump"]
 
     assert cause.candidates(scene) == Acme().candidates(scene)
     assert cause.unseen(scene) is None
@@ -179,7 +214,7 @@ def test_what_is_brought_does_what_it_does_at_home(brought):
     ("thing", "why"),
     [
         (object(), "its entry point is a object without specs, terms"),
-        (NamedCause(object(), CELL), "without specs, terms, unseen, candidates, shown"),
+        (Lacking(), "without specs, terms, unseen, candidates, describe"),
         (JointGain(), "it calls itself 'joint_gain' but is registered as 'acme'"),
         (Needy(), "it needs humidity, which no row tells"),
         (replace(OWN["jump"], name="leap"), "it calls itself 'leap'"),
@@ -215,14 +250,14 @@ def test_of_two_of_one_name_the_second_is_refused(brought):
 
 
 def test_a_failure_at_work_becomes_a_sentence_with_its_name(brought):
-    cause = brought(acme=NamedCause(Failing(), CELL)).causes["acme"].cause
+    cause = brought(acme=Failing()).causes["acme"]
 
     with pytest.raises(InstalledCauseError, match="'acme' failed with ValueError: three is no joint"):
         cause.candidates(telling_scene())
 
 
 def test_a_sentence_of_its_own_is_left_as_it_is(brought):
-    cause = brought(acme=NamedCause(Failing(), CELL)).causes["acme"].cause
+    cause = brought(acme=Failing()).causes["acme"]
 
     with pytest.raises(ConfigurationError, match=r"^The licence names another robot\.$"):
         cause.unseen(telling_scene())

@@ -13,7 +13,7 @@ from truepose.effects.registry import CAUSES
 from truepose.identification.model.evaluation import evaluate, rows_of
 from truepose.identification.problem.build import build
 from truepose.kinematics.gravity import gravity_torques
-from truepose.words.catalogue import english
+from truepose.messages.catalogue import english
 
 JOINT_CAUSES = ("axis_parallelism", "backlash", "compliance", "compliance_nonlinear", "joint_coupling")
 ANOTHER_START = {
@@ -92,7 +92,7 @@ def test_without_parallel_axes_there_is_no_parallelism_to_lack():
 
 
 def test_a_tilt_is_the_hayati_beta_of_the_later_axis_whatever_its_sign():
-    shown = CAUSES["axis_parallelism"].shown(
+    shown = CAUSES["axis_parallelism"].describe(
         "joint 3",
         fitted(("beta_3", -np.deg2rad(0.02)), spread=np.deg2rad(0.001)),
         scene_for("axis_parallelism"),
@@ -137,7 +137,7 @@ def test_only_wrist_joints_are_dragged_and_only_joints_that_turn_drag():
 
 
 def test_a_coupling_names_its_source():
-    shown = CAUSES["joint_coupling"].shown(
+    shown = CAUSES["joint_coupling"].describe(
         "joint 6", fitted(("coupling_6_5", -5e-4), spread=2e-5), scene_for("joint_coupling")
     )
 
@@ -209,7 +209,7 @@ def test_backlash_is_looked_for_in_joints_from_both_sides_and_in_all_of_them_tog
 
 
 def test_of_many_gaps_the_widest_is_the_amplitude():
-    shown = CAUSES["backlash"].shown(
+    shown = CAUSES["backlash"].describe(
         "joints",
         fitted(("gap_1", 1e-4), ("gap_4", 6e-4), ("gap_6", 3e-4), spread=1e-5),
         scene_for("backlash"),
@@ -250,7 +250,7 @@ def test_without_masses_a_spring_is_all_its_products_and_its_size_is_the_deflect
     values = np.full(len(candidate.names), 1e-6)
     deflection = sum(term.weight * 1e-6 for term in CAUSES["compliance"].terms(candidate.names, rows))
 
-    shown = CAUSES["compliance"].shown(
+    shown = CAUSES["compliance"].describe(
         "joint 5", Fitted(candidate.names, values, 1e-24 * np.eye(len(values))), scene
     )
 
@@ -272,7 +272,7 @@ def test_a_spring_that_the_model_lacks_is_tried_with_the_weight_that_would_wind_
 def test_a_spring_says_how_far_it_lets_its_joint_go():
     scene = scene_for("compliance")
 
-    shown = CAUSES["compliance"].shown("joint 3", fitted(("c_3", 1.3e-7), spread=1e-9), scene)
+    shown = CAUSES["compliance"].describe("joint 3", fitted(("c_3", 1.3e-7), spread=1e-9), scene)
 
     assert (shown.amplitude, shown.unit, shown.standard_uncertainty) == (1.3e-7, "rad/(N*mm)", 1e-9)
     largest = np.rad2deg(1.3e-7 * np.abs(scene.torque_n_mm[:, 2]).max())
@@ -323,7 +323,7 @@ def test_softness_is_told_relative_to_the_springs_of_the_model():
     names, numbers = zip(*values, strict=True)
     covariance = np.diag([(0.3 * springs[1]) ** 2, (0.1 * springs[2]) ** 2])
 
-    shown = CAUSES["compliance_nonlinear"].shown(
+    shown = CAUSES["compliance_nonlinear"].describe(
         "joints", Fitted(names, np.array(numbers), covariance), scene
     )
 
@@ -371,7 +371,9 @@ def test_growth_is_not_seen_at_one_temperature(temperature, reason):
 
 
 def test_growth_is_told_per_metre_and_kelvin():
-    shown = CAUSES["thermal_growth"].shown("links", fitted(("growth", 1.8e-5), spread=1e-6), telling_scene())
+    shown = CAUSES["thermal_growth"].describe(
+        "links", fitted(("growth", 1.8e-5), spread=1e-6), telling_scene()
+    )
 
     assert (shown.amplitude, shown.unit, shown.standard_uncertainty) == (1.8e-5, "1/K", 1e-6)
     assert "18.0 um per metre and K" in english(shown.sentence)

@@ -4,15 +4,15 @@ import numpy as np
 import pytest
 
 from tests.helpers.diagnosis.point_scenes import telling_scene
-from truepose.effects.causes import SPRING, Fitted, Shown
-from truepose.effects.links.loads import stated_mass
+from truepose.effects.arm.loads import stated_mass
+from truepose.effects.causes import SPRING, Description, Fitted
 from truepose.effects.registry import CAUSES
 
 
-def shown(cause, subject, values, relative=1e-3):
+def described(cause, subject, values, relative=1e-3):
     spread = relative * np.abs(list(values.values()))
     fitted = Fitted(tuple(values), np.array(list(values.values())), np.diag(spread**2))
-    return CAUSES[cause].shown(subject, fitted, telling_scene())
+    return CAUSES[cause].describe(subject, fitted, telling_scene())
 
 
 @pytest.mark.parametrize(
@@ -46,8 +46,8 @@ def shown(cause, subject, values, relative=1e-3):
     ],
 )
 def test_each_cause_knows_what_nature_allows(cause, subject, possible, impossible):
-    assert not shown(cause, subject, possible).impossible
-    assert shown(cause, subject, impossible).impossible
+    assert not described(cause, subject, possible).impossible
+    assert described(cause, subject, impossible).impossible
 
 
 @pytest.mark.parametrize("cause", ["payload", "link_mass"])
@@ -61,14 +61,14 @@ def test_a_mass_is_not_misstated_by_more_than_its_half(cause):
         stated = stated_mass(scene.setting.robot, frame - 1)
         extra = share * stated.mass_kg * np.array([1.0, *stated.centre_of_gravity_mm])
         fitted = Fitted(candidate.names, extra, np.diag([1e-8, 1e-4, 1e-4, 1e-4]))
-        return CAUSES[cause].shown(candidate.subject, fitted, scene)
+        return CAUSES[cause].describe(candidate.subject, fitted, scene)
 
     assert not with_share(0.3).impossible
     assert with_share(-0.8).impossible
 
 
 def test_what_reaches_beyond_a_limit_within_its_uncertainty_is_possible():
-    found = Shown("base", -1.0, "mm", 0.6, "It gives.", limits=SPRING)
+    found = Description("base", -1.0, "mm", 0.6, "It gives.", limits=SPRING)
 
     assert not found.impossible
-    assert Shown("base", -1.0, "mm", 0.4, "It gives.", limits=SPRING).impossible
+    assert Description("base", -1.0, "mm", 0.4, "It gives.", limits=SPRING).impossible

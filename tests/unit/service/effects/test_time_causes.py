@@ -6,15 +6,14 @@ import numpy as np
 import pytest
 
 from tests.helpers.diagnosis.point_scenes import ORIGIN_S, START, telling_campaign, telling_scene
-from truepose.domain.measurement.campaign import Stops
+from truepose.domain.campaign import Stops
 from truepose.effects.causes import Fitted
+from truepose.effects.motions import Motion, Widths, gaps, motion_specs
 from truepose.effects.ports import PortKind
 from truepose.effects.registry import CAUSES
-from truepose.effects.shapes.jumps import gaps
-from truepose.effects.shapes.rigid_motion import Motion, Widths, motion_specs
 from truepose.identification.model.evaluation import evaluate, rows_of
 from truepose.identification.problem.build import build
-from truepose.words.catalogue import english
+from truepose.messages.catalogue import english
 
 DRIFTS = ("base_drift", "instrument_drift")
 FIRST_S = ORIGIN_S - 10.0  # the first look at a fixed nest
@@ -117,7 +116,7 @@ def test_a_drift_is_shown_as_the_length_of_its_shift_per_hour(cause):
     (linear, *_) = CAUSES[cause].candidates(telling_scene())
     fitted = Fitted(linear.names, np.array([0.03, -0.06, 0.06, 0.0, 4e-5, 3e-5]), 1e-18 * np.eye(6))
 
-    shown = CAUSES[cause].shown(linear.subject, fitted, telling_scene())
+    shown = CAUSES[cause].describe(linear.subject, fitted, telling_scene())
 
     assert shown.amplitude == pytest.approx(0.09)
     assert shown.unit == "mm/h"
@@ -130,7 +129,7 @@ def test_a_settling_drift_is_shown_as_its_mean_rate_over_the_measurements():
     scene = replace(telling_scene(), origin_s=ORIGIN_S + CADENCE_S * 23 - 1200.0)  # 1200 s before the last
     fitted = six("drift_exp600", [0.3, 0.0, 0.0, 0.0, 0.0, 0.0])
 
-    shown = CAUSES["base_drift"].shown("base", fitted, scene)
+    shown = CAUSES["base_drift"].describe("base", fitted, scene)
 
     way = 0.3 * 600.0 / 3600.0 * (1.0 - np.exp(-2.0))
     assert shown.amplitude == pytest.approx(way / (1200.0 / 3600.0), rel=1e-6)
@@ -147,7 +146,7 @@ def test_two_shapes_of_one_drift_are_added_up():
         np.diag(np.full(12, 1e-12)),
     )
 
-    shown = CAUSES["base_drift"].shown("base", both, scene)
+    shown = CAUSES["base_drift"].describe("base", both, scene)
 
     share = 300.0 / 700.0 * (1.0 - np.exp(-700.0 / 300.0))  # of the settling one's first rate, over 700 s
     assert shown.amplitude == pytest.approx(0.1 * (1.0 - share), rel=1e-6)
@@ -161,8 +160,8 @@ def test_without_fixed_nests_a_moving_tracker_and_a_moving_base_name_each_other(
     ):
         fitted = six(prefix, [0.1, 0, 0, 0, 0, 0])
 
-        assert other in english(CAUSES[cause].shown("", fitted, alone).sentence)
-        assert "looks the same" not in english(CAUSES[cause].shown("", fitted, telling_scene()).sentence)
+        assert other in english(CAUSES[cause].describe("", fitted, alone).sentence)
+        assert "looks the same" not in english(CAUSES[cause].describe("", fitted, telling_scene()).sentence)
 
 
 def test_lengths_have_no_frame_that_could_drift():
@@ -212,7 +211,7 @@ def test_long_campaigns_are_searched_at_most_in_120_gaps():
 def test_a_jump_is_shown_with_its_size_and_its_time_as_well_as_the_gap_tells_it():
     fitted = six("jump_1105", [0.0, 0.08, 0.0, 1e-4, 0.0, 0.0])
 
-    shown = CAUSES["base_shift"].shown("base", fitted, telling_scene())
+    shown = CAUSES["base_shift"].describe("base", fitted, telling_scene())
 
     assert shown.amplitude == pytest.approx(0.08)
     assert (shown.details[0].name, shown.details[0].value) == ("time", 1105.0)
@@ -224,7 +223,7 @@ def test_of_two_jumps_the_larger_is_the_amplitude():
     one, two = six("jump_1105", [0.03, 0, 0, 0, 0, 0]), six("jump_1405", [0, 0, -0.07, 0, 0, 0])
     both = Fitted(one.names + two.names, np.concatenate([one.values, two.values]), 1e-12 * np.eye(12))
 
-    shown = CAUSES["base_shift"].shown("base", both, telling_scene())
+    shown = CAUSES["base_shift"].describe("base", both, telling_scene())
 
     assert shown.amplitude == pytest.approx(0.07)
     assert [detail.value for detail in shown.details if detail.name == "time"] == [1105.0, 1405.0]

@@ -12,10 +12,10 @@ from truepose.effects.causes import Fitted
 from truepose.effects.ports import PortKind
 from truepose.effects.readings.label_swap import pair_subject
 from truepose.effects.registry import CAUSES
-from truepose.effects.shapes.random_effects import deviations
+from truepose.effects.setup.tool_reseating import deviations
 from truepose.identification.model.evaluation import evaluate, rows_of
 from truepose.identification.problem.build import build
-from truepose.words.catalogue import english
+from truepose.messages.catalogue import english
 
 
 def one_known_nest():
@@ -87,7 +87,7 @@ def test_an_offset_is_shown_as_its_length():
     names = ("offset_2_x", "offset_2_y", "offset_2_z")
     fitted = Fitted(names, np.array([0.02, -0.04, 0.04]), 1e-12 * np.eye(3))
 
-    shown = CAUSES["nest_offset"].shown("nest 2", fitted, telling_scene())
+    shown = CAUSES["nest_offset"].describe("nest 2", fitted, telling_scene())
 
     assert (shown.amplitude, shown.unit) == (pytest.approx(0.06), "mm")
     assert [detail.value for detail in shown.details] == pytest.approx([0.02, -0.04, 0.04])
@@ -126,10 +126,10 @@ def test_seats_are_shown_as_a_standard_deviation_whatever_the_order_of_their_nam
     names, values = np.array(candidate.names), WIDTHS[np.tile(np.arange(6), 4)] * rng.standard_normal(24) / 5
     shuffled = rng.permutation(24)
 
-    straight = CAUSES["tool_reseating"].shown(
+    straight = CAUSES["tool_reseating"].describe(
         "tool", Fitted(tuple(names), values, 1e-12 * np.eye(24)), telling_scene()
     )
-    mixed = CAUSES["tool_reseating"].shown(
+    mixed = CAUSES["tool_reseating"].describe(
         "tool", Fitted(tuple(names[shuffled]), values[shuffled], 1e-12 * np.eye(24)), telling_scene()
     )
 
@@ -157,7 +157,7 @@ def test_swapped_labels_need_two_nests():
 
 
 def test_swapped_labels_are_counted_among_the_readings_of_their_two_nests():
-    shown = CAUSES["label_swap"].shown(pair_subject(3, 1), share(0.25, 0.1), telling_scene())
+    shown = CAUSES["label_swap"].describe(pair_subject(3, 1), share(0.25, 0.1), telling_scene())
 
     assert shown.subject == "nest 1, nest 3"
     assert "Nests 1 and 3 were confused in 4 of their 16 readings" in english(shown.sentence)
@@ -167,7 +167,7 @@ def test_swapped_labels_are_counted_among_the_readings_of_their_two_nests():
     ("value", "words"), [(1 / 24, "1 of 24 reading belongs"), (0.125, "3 of 24 readings belong")]
 )
 def test_bad_readings_are_counted_among_all(value, words):
-    shown = CAUSES["outliers"].shown("readings", share(value, 0.02), telling_scene())
+    shown = CAUSES["outliers"].describe("readings", share(value, 0.02), telling_scene())
 
     assert (shown.amplitude, shown.standard_uncertainty) == (value, pytest.approx(0.02))
     assert words in english(shown.sentence)
@@ -202,7 +202,7 @@ def test_an_arm_whose_lengths_are_given_shows_the_scale_by_itself():
 def test_a_scale_is_told_in_micrometres_per_metre(scale, word):
     fitted = Fitted(("scale",), np.array([scale]), np.array([[1e-12]]))
 
-    shown = CAUSES["instrument_scale"].shown("tracker", fitted, telling_scene())
+    shown = CAUSES["instrument_scale"].describe("tracker", fitted, telling_scene())
 
     assert (shown.amplitude, shown.standard_uncertainty) == (scale, pytest.approx(1e-6))
     assert f"too {word}, by 20.0 um per metre" in english(shown.sentence)

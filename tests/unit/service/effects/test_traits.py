@@ -4,10 +4,10 @@ import pytest
 
 from truepose.effects.ports import Telling, Trait
 from truepose.effects.registry import EFFECTS, automatic_in, effects_with, left_open_by
-from truepose.exchange.campaigns.path import read_campaign_at
+from truepose.exchange.campaigns.zip_file import read_campaign_at
 from truepose.identification.problem.build import automatic_effects
 from truepose.identification.problem.setting import outline, setting_of
-from truepose.words.catalogue import english
+from truepose.messages.catalogue import english
 
 
 @pytest.mark.parametrize("trait", Trait)

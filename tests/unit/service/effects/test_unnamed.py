@@ -18,13 +18,13 @@ from tests.helpers.domain.robots import IRB_120
 from tests.helpers.identification.synthetic import NESTS
 from truepose.effects.causes import Fitted
 from truepose.effects.registry import CAUSES, needs_of
+from truepose.effects.unnamed.cause import KINDS
 from truepose.effects.unnamed.kinds import key_of
-from truepose.effects.unnamed.table import KINDS
 from truepose.identification.model.derivatives import position_jacobian
 from truepose.identification.model.evaluation import evaluate, rows_of
 from truepose.identification.problem.build import build
 from truepose.kinematics.frames import cross
-from truepose.words.catalogue import english
+from truepose.messages.catalogue import english
 
 UNNAMED = CAUSES["unnamed"]
 UP = np.array([0.0, 0.0, 1.0])
@@ -53,10 +53,10 @@ def state_with(specs, values):
     return evaluate(structure, np.concatenate([problem.start, values]), problem.blocks[0].targets)
 
 
-def shown(names, values, spread=1e-9):
+def described(names, values, spread=1e-9):
     fitted = Fitted(tuple(names), np.array(values, dtype=float), spread**2 * np.eye(len(values)))
     subject = next(c.subject for c in UNNAMED.candidates(telling_scene()) if c.names[0] == names[0])
-    return UNNAMED.shown(subject, fitted, telling_scene())
+    return UNNAMED.describe(subject, fitted, telling_scene())
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -240,7 +240,7 @@ def test_fixed_nests_are_seen_under_their_own_azimuth():
 
 
 def test_a_jump_is_told_with_its_size_and_its_moment():
-    told = shown([f"cell_jump_3_{ORIGIN_S + 345.0:.0f}_turn"], [np.deg2rad(-0.010)])
+    told = described([f"cell_jump_3_{ORIGIN_S + 345.0:.0f}_turn"], [np.deg2rad(-0.010)])
 
     assert english(told.sentence) == (
         "The zero of joint 3 jumped by 0.0100 deg, 6 min after the first reading; nothing else moved then."
@@ -257,7 +257,7 @@ def test_of_many_readings_not_every_gap_is_tried_and_the_moment_is_known_less_we
     jumps = [c for c in UNNAMED.candidates(scene) if c.subject == "joint 3, time, jump"]
 
     fitted = Fitted(jumps[20].names, np.array([1e-4]), np.array([[1e-12]]))
-    (moment,) = UNNAMED.shown(jumps[20].subject, fitted, scene).details
+    (moment,) = UNNAMED.describe(jumps[20].subject, fitted, scene).details
 
     assert len(jumps) <= 60
     assert moment.standard_uncertainty == pytest.approx(4 * 30.0 / np.sqrt(12.0))  # every fourth gap
@@ -270,7 +270,7 @@ def test_a_kick_is_tried_whenever_the_base_may_have_jumped(readings):
     kicks = [c for c in UNNAMED.candidates(scene) if c.subject == "tracker, time, jump"]
 
     assert [c.variant for c in kicks] == [c.variant for c in CAUSES["base_shift"].candidates(scene)]
-    (moment, _) = UNNAMED.shown(
+    (moment, _) = UNNAMED.describe(
         kicks[8].subject, Fitted(kicks[8].names, np.full(6, 1e-4), 1e-12 * np.eye(6)), scene
     ).details
     apart_s = kicks[9].variant - kicks[8].variant
@@ -280,7 +280,7 @@ def test_a_kick_is_tried_whenever_the_base_may_have_jumped(readings):
 def test_of_several_jumps_of_one_place_the_largest_is_told_and_all_are_listed():
     names = [f"cell_jump_3_{ORIGIN_S + after:.0f}_turn" for after in (345.0, 405.0)]
 
-    told = shown(names, np.deg2rad([0.004, -0.02]))
+    told = described(names, np.deg2rad([0.004, -0.02]))
 
     assert told.amplitude == pytest.approx(-0.02)
     assert "the largest of 2 such jumps" in english(told.sentence)
@@ -290,7 +290,7 @@ def test_of_several_jumps_of_one_place_the_largest_is_told_and_all_are_listed():
 def test_a_tool_that_slipped_is_told_with_shift_and_turn():
     names = candidate_of("slip").names
 
-    told = shown(names, [0.03, 0.0, 0.04, 0.0, 3e-4, 0.0])
+    told = described(names, [0.03, 0.0, 0.04, 0.0, 3e-4, 0.0])
 
     assert told.amplitude == pytest.approx(0.05)
     assert "slipped in its seat by 0.050 mm and turned by 0.0172 deg" in english(told.sentence)
@@ -302,7 +302,7 @@ def test_every_kind_is_told_in_one_plain_sentence(kind):
     candidate = candidate_of(kind)
     values = [0.3 * spec.prior_width for spec in candidate.specs]
 
-    told = shown(candidate.names, values)
+    told = described(candidate.names, values)
 
     assert english(told.sentence)[0].isupper()
     assert english(told.sentence).endswith(".")

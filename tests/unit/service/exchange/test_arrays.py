@@ -8,8 +8,12 @@ import numpy as np
 import pytest
 
 from tests.helpers.domain.builders import make_ballbar_campaign, make_campaign
-from truepose.exchange.campaigns.arrays import campaign_from_arrays
-from truepose.exchange.campaigns.folder import DESCRIPTION, campaign_files, campaign_from
+from truepose.exchange.campaigns.folder import (
+    DESCRIPTION,
+    campaign_files,
+    campaign_from,
+    campaign_from_arrays,
+)
 from truepose.exchange.errors import (
     BadValueError,
     InputFileError,

@@ -7,8 +7,8 @@ import pytest
 
 from truepose.exchange.cells.file import read_cell, reads_poses, simulated_cell
 from truepose.exchange.errors import BadValueError
-from truepose.kinematics.artefact import pose_uncertainty
-from truepose.planning.work_volume.cell_space import space_to_measure
+from truepose.kinematics.poses import pose_uncertainty
+from truepose.planning.workspace.space import space_to_measure
 
 FLAT, SPATIAL = "irb120-camera", "irb120-camera-spatial"
 CAMERA = """

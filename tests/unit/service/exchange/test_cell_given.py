@@ -6,9 +6,9 @@ import pytest
 
 from tests.helpers.domain.robots import IRB_120
 from tests.helpers.identification.models import model_of
-from truepose.exchange.cells.given import cell_given
+from truepose.exchange.cells.file import cell_given
 from truepose.exchange.errors import InputFileError, UnknownRobotError
-from truepose.exchange.exports.formats import export
+from truepose.exchange.models.exports import export
 
 OWN_ROBOT = files("truepose.exchange") / "robots" / "fanuc-lr-mate-200ic.toml"
 

@@ -18,7 +18,7 @@ from tests.helpers.diagnosis.answers import (
     make_unseen_points,
     make_wave,
 )
-from truepose.domain.results.diagnosis import Diagnosis, Finding, Gain, Remaining, RuledOut, Worth
+from truepose.domain.diagnosis import Diagnosis, Finding, Gain, Remaining, RuledOut, Worth
 from truepose.exchange.results.diagnosis import diagnosis_document
 from truepose.storage.documents import from_document, to_document
 

@@ -6,8 +6,8 @@ import socket
 import pytest
 
 from tests.helpers.machine import DEVICE_FILES, NAMED_PIPES, UNIX_SOCKETS
+from truepose.exchange.document import read_bytes
 from truepose.exchange.errors import MissingFileError, UnreadableFileError
-from truepose.exchange.input_file import read_bytes
 
 
 def fifo(folder):

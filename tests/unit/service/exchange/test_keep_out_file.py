@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from truepose.domain.cell.keep_outs import Box, Cylinder, HalfSpace, KeepOuts
+from truepose.domain.cell import Box, Cylinder, HalfSpace, KeepOuts
 from truepose.exchange.cells.file import read_cell
-from truepose.exchange.cells.keep_outs import read_keep_out_file
+from truepose.exchange.cells.volumes import read_keep_out_file
 from truepose.exchange.errors import InputFileError
 from truepose.storage.documents import from_document, to_document
 

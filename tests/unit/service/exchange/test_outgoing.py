@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from truepose.exchange.outgoing import Outgoing, Quantities, Quantity
+from truepose.exchange.results.document import Outgoing, Quantities, Quantity
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,8 +6,8 @@ import math
 import pytest
 
 from tests.helpers.domain.builders import make_identification, make_pair
-from truepose.domain.results.identification import NotIdentifiable, Outlier, PureError
-from truepose.domain.results.validation import DistanceErrors, Histogram, SignedErrors, Validation
+from truepose.domain.identification import NotIdentifiable, Outlier, PureError
+from truepose.domain.validation import DistanceErrors, Histogram, SignedErrors, Validation
 from truepose.exchange.results.identification import identification_document
 from truepose.exchange.results.validation import validation_document
 

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from truepose.exchange.cells.volumes import read_volume
 from truepose.exchange.errors import InputFileError, MissingEntryError
-from truepose.exchange.volumes import read_volume
 
 BOX = "[box]\nx_mm = [300, 600]\ny_mm = [-200, 200]\nz_mm = [100, 400]\n"
 

@@ -7,18 +7,16 @@ import numpy as np
 import pytest
 
 from tests.helpers.fleet.linear import drawn
-from truepose.analysis.fleets.foretold import foretold
+from truepose.analysis.fleets.comparison import foretold
 from truepose.domain.errors import ConfigurationError
-from truepose.domain.sentences import leading_key
-from truepose.fleet.answer.check import asked_of
-from truepose.fleet.answer.due import due
-from truepose.fleet.answer.sentences import compared, headline, next_said, told_of
 from truepose.fleet.changes import account_of
-from truepose.fleet.course import along
-from truepose.fleet.forecast import passing
-from truepose.fleet.misfit.unlike import Unlike
-from truepose.storage.files.foreseen import from_bytes, to_bytes
-from truepose.words.catalogue import LANGUAGES, catalogue, english
+from truepose.fleet.interim_check import asked_of
+from truepose.fleet.outlying_campaigns import OutlyingCampaign
+from truepose.fleet.sentences import compared, headline, next_said, told_of
+from truepose.fleet.trend import along, due, passing
+from truepose.messages.catalogue import LANGUAGES, catalogue, english
+from truepose.messages.message import leading_key
+from truepose.storage.caches import from_bytes, to_bytes
 
 FIRST = date(2026, 3, 2).toordinal()
 _GAP = np.array([0.0, 0.0, 1.0, 0.0])
@@ -111,7 +109,7 @@ def test_a_robot_whose_instrument_may_be_it_as_well_is_measured_with_another(age
 
 
 def test_a_robot_whose_newest_campaign_was_left_out_is_measured_again(steady):
-    other = Unlike(9, "robot 3", FIRST + 120.0, ratio=300.0, excess=1.0)
+    other = OutlyingCampaign(9, "robot 3", FIRST + 120.0, ratio=300.0, excess=1.0)
 
     first = due(replace(steady, unlike=(other,)), 0.1)[0]
 

@@ -10,17 +10,17 @@ from scipy.stats import ncx2
 from tests.studies.fleet.simulated import campaign_of, draw_fleet
 from truepose.domain.errors import ConfigurationError
 from truepose.exchange.cells.file import simulated_cell
-from truepose.fleet.answer.sentences import new_robot_said
+from truepose.fleet.campaigns import effects_of_robot, information_of
 from truepose.fleet.causes import AgeingCause
-from truepose.fleet.information import effects_of_robot, information_of
-from truepose.fleet.promise import lacking_mm, promise
-from truepose.fleet.quick_check import LEVEL, quick_check
-from truepose.identification.problem.belief import Belief
-from truepose.planning.promise.knowledge import ArmKnowledge, Knowns
-from truepose.planning.work_volume.candidates import draw_candidates
-from truepose.planning.work_volume.cell_space import space_to_measure
-from truepose.words.catalogue import english
-from truepose_simulators.cell.clock import CellClock
+from truepose.fleet.interim_check import LEVEL, of_one_mm, quick_check
+from truepose.fleet.predicted_accuracy import lacking_mm, promise
+from truepose.fleet.sentences import new_robot_said
+from truepose.identification.problem.build import JointPrior
+from truepose.messages.catalogue import english
+from truepose.planning.prediction.knowledge import ArmKnowledge, Knowns
+from truepose.planning.workspace.candidates import draw_candidates
+from truepose.planning.workspace.space import space_to_measure
+from truepose_simulators.cell.environment import CellClock
 from truepose_simulators.cell.true_cell import Cell
 from truepose_simulators.recording import Wishes
 
@@ -56,7 +56,7 @@ def belief(campaign):
     widths = np.array([spec.prior_width for spec in told.specs])
     mean = np.array([spec.prior_mean for spec in told.specs])
     mean = np.where(np.array(told.names) == "wave_6_100_sin", 5e-4, mean)
-    return Belief(told.specs, told.owners, mean, np.diag((0.02 * widths) ** 2))
+    return JointPrior(told.specs, told.owners, mean, np.diag((0.02 * widths) ** 2))
 
 
 def _wave(belief):
@@ -92,7 +92,7 @@ def test_a_type_whose_robots_have_nothing_in_common_saves_no_reading(space, beli
 
 def test_a_type_of_which_nothing_is_believed_beyond_the_usual_lacks_nothing(belief, campaign):
     usual = [k for k, owner in enumerate(belief.owners) if owner in {"geometry", "compliance"}]
-    few = Belief(
+    few = JointPrior(
         tuple(belief.specs[k] for k in usual),
         tuple(belief.owners[k] for k in usual),
         belief.mean[usual],
@@ -167,3 +167,13 @@ def test_a_quick_check_of_nothing_is_refused(space, belief, knowns):
 
     with pytest.raises(ConfigurationError, match="at least one cause"):
         quick_check(space, candidates, belief, [], _LIMIT_MM, knowns)
+
+
+def test_a_cause_that_moves_the_tool_by_rounding_alone_moves_nothing():
+    spring = np.array([[0.0], [1.0]])  # about a plumb axis, which gravity does not load
+
+    still = of_one_mm(spring, np.diag([0.01, 1e-32]))
+    moving = of_one_mm(spring, np.diag([0.01, 0.25]))
+
+    assert not still.any()
+    np.testing.assert_allclose(moving, 2.0 * spring)

@@ -5,10 +5,9 @@ import pytest
 
 from tests.helpers.fleet.linear import SCALE, told
 from truepose.effects.ports import ParameterSpec
-from truepose.fleet.campaigns import Measured, fleet_of
-from truepose.fleet.components import estimate
-from truepose.fleet.misfit.birge import birge_ratios
-from truepose.fleet.mixed_model import Equations
+from truepose.fleet.campaigns import FleetCampaign, fleet_of
+from truepose.fleet.mixed_model import Equations, estimate
+from truepose.fleet.outlying_campaigns import birge_ratios
 
 _SPECS = (*(ParameterSpec(f"d_{number}", "mm", 0.0, 1.0) for number in range(20)), SCALE)
 
@@ -26,7 +25,7 @@ def _ratios(scatter, ages=0.0):
             read = np.append(at, 0.0) @ unit + rng.standard_normal(40)
             jacobian = unit / np.array([spec.prior_width for spec in _SPECS])[:, None]
             campaigns.append(
-                Measured(f"robot {robot}", "tracker", float(month), told(jacobian, read, _SPECS))
+                FleetCampaign(f"robot {robot}", "tracker", float(month), told(jacobian, read, _SPECS))
             )
     return birge_ratios(estimate(Equations(fleet_of(campaigns))).posterior)
 

@@ -5,7 +5,7 @@ import pytest
 
 from tests.helpers.fleet.linear import drawn
 from truepose.fleet.changes import account_of
-from truepose.fleet.forecast import passing
+from truepose.fleet.trend import passing
 
 _GAP = np.array([0.0, 0.0, 1.0, 0.0])
 _SCALE = np.array([0.0, 0.0, 0.0, 1.0])

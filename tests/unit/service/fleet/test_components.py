@@ -6,9 +6,8 @@ from scipy.optimize import minimize
 
 from tests.helpers.fleet.linear import Dense, drawn, told
 from truepose.effects.ports import ParameterSpec
-from truepose.fleet.campaigns import Measured, fleet_of
-from truepose.fleet.components import estimate, uncertainties
-from truepose.fleet.mixed_model import Equations
+from truepose.fleet.campaigns import FleetCampaign, fleet_of
+from truepose.fleet.mixed_model import Equations, estimate, uncertainties
 
 # Yields of six batches, five samples each: O. L. Davies, P. L. Goldsmith, Statistical Methods in Research
 # and Production, 4th ed., 1972, table 6.2. Restricted maximum likelihood: 1764.05 between, 2451.25 within
@@ -38,7 +37,7 @@ def _batches(table, within, width):
     spec = ParameterSpec("theta_2", "rad", 0.0, width)
     sigma = np.sqrt(within)
     return fleet_of([
-        Measured(
+        FleetCampaign(
             f"batch {k}",
             "scales",
             0.0,
@@ -106,7 +105,7 @@ def test_of_a_parameter_that_no_campaign_shows_no_more_is_known_than_was_stated(
     seen, unseen = ParameterSpec("theta_2", "rad", 0.0, 1e4), ParameterSpec("theta_6", "rad", 0.0, 1.0)
     sigma = np.sqrt(_WITHIN)
     fleet = fleet_of([
-        Measured(
+        FleetCampaign(
             f"batch {k}",
             "scales",
             0.0,
@@ -124,7 +123,7 @@ def test_readings_stated_far_better_than_numbers_are_kept_have_variances():
     specs = [ParameterSpec(f"theta_{joint}", "rad", 0.0, 1.0) for joint in range(1, 7)]
     ways = rng.standard_normal((6, 3)) @ rng.standard_normal((3, 20))
     fleet = fleet_of([
-        Measured(f"robot {k}", "tracker", 0.0, told(1e12 * ways, 1e12 * rng.standard_normal(20), specs))
+        FleetCampaign(f"robot {k}", "tracker", 0.0, told(1e12 * ways, 1e12 * rng.standard_normal(20), specs))
         for k in (0, 1, 2)
     ])
 

@@ -6,9 +6,8 @@ import pytest
 from tests.helpers.fleet.linear import Dense, drawn
 from truepose.fleet.causes import robot_causes
 from truepose.fleet.changes import Account, Tries
-from truepose.fleet.components import estimate
-from truepose.fleet.course import course
-from truepose.fleet.mixed_model import Equations
+from truepose.fleet.mixed_model import Equations, estimate
+from truepose.fleet.trend import course
 
 _GAP = np.array([0.0, 0.0, 1.0, 0.0])
 

@@ -9,11 +9,10 @@ import pytest
 from tests.studies.fleet.simulated import Ageing, FleetTruth, draw_fleet, record_robot
 from truepose.analysis.fleets.checks import grown_in
 from truepose.domain.errors import ConfigurationError
-from truepose.fleet.answer.sentences import grown_said
-from truepose.fleet.campaigns import Measured, fleet_of
+from truepose.fleet.campaigns import FleetCampaign, fleet_of, information_of
 from truepose.fleet.changes import account_of
-from truepose.fleet.information import information_of
-from truepose.words.catalogue import english
+from truepose.fleet.sentences import grown_said
+from truepose.messages.catalogue import english
 
 _FIRST = date(2026, 3, 2)
 _TRUTH = FleetTruth(5, draw_fleet(5, 3, ageing=0, drifting=False).robots, None)
@@ -24,7 +23,9 @@ def account():
     recorded = [record_robot(robot, m, "tracker A", _TRUTH, 30) for robot in _TRUTH.robots for m in (0, 1)]
     return account_of(
         fleet_of([
-            Measured(one.robot, one.instrument, _FIRST.toordinal() + one.day, information_of(one.campaign))
+            FleetCampaign(
+                one.robot, one.instrument, _FIRST.toordinal() + one.day, information_of(one.campaign)
+            )
             for one in recorded
         ])
     )

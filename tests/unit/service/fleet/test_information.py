@@ -5,11 +5,10 @@ import pytest
 
 from tests.studies.fleet.simulated import campaign_of, draw_fleet
 from truepose.domain.errors import ConfigurationError
-from truepose.fleet.campaigns import Measured, fleet_of
-from truepose.fleet.information import fleet_effects, information_of, with_gear_waves
+from truepose.fleet.campaigns import FleetCampaign, fleet_effects, fleet_of, information_of, with_gear_waves
 from truepose.identification.fit.robust import robust_fit
 from truepose.identification.problem.build import build
-from truepose_simulators.cell.clock import CellClock
+from truepose_simulators.cell.environment import CellClock
 from truepose_simulators.cell.true_cell import Cell
 from truepose_simulators.recording import Wishes
 
@@ -51,4 +50,4 @@ def test_one_robot_is_no_fleet(campaign):
     told = information_of(campaign, ("base", "geometry"))
 
     with pytest.raises(ConfigurationError, match="at least two robots"):
-        fleet_of([Measured("A", "tracker", day, told) for day in (0.0, 30.0)])
+        fleet_of([FleetCampaign("A", "tracker", day, told) for day in (0.0, 30.0)])

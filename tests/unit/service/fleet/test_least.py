@@ -3,11 +3,11 @@
 import numpy as np
 
 from tests.helpers.fleet.ageing import ages, fleet_of, zero
-from truepose.domain.sentences import leading_key
-from truepose.fleet.answer.sentences import least_said
 from truepose.fleet.changes import account_of
-from truepose.fleet.least import least_of_instruments
-from truepose.words.catalogue import english
+from truepose.fleet.minimum_detectable_change import least_of_instruments
+from truepose.fleet.sentences import least_said
+from truepose.messages.catalogue import english
+from truepose.messages.message import leading_key
 
 
 def test_what_is_named_is_not_said_to_have_stayed_unseen():

@@ -8,14 +8,14 @@ import pytest
 from tests.helpers.fleet.linear import drawn
 from tests.studies.fleet.simulated import campaign_of, draw_fleet
 from truepose.domain.errors import ConfigurationError
+from truepose.fleet.campaigns import effects_of_robot, information_of
 from truepose.fleet.changes import account_of
-from truepose.fleet.information import effects_of_robot, information_of
-from truepose.fleet.pooled import of_a_new_robot, of_robot_now
+from truepose.fleet.predicted_accuracy import of_a_new_robot, of_robot_now
 from truepose.identification import identify
 from truepose.identification.distributions import WITHIN_95
-from truepose.identification.problem.belief import Belief
-from truepose.words.catalogue import english
-from truepose_simulators.cell.clock import CellClock
+from truepose.identification.problem.build import JointPrior
+from truepose.messages.catalogue import english
+from truepose_simulators.cell.environment import CellClock
 from truepose_simulators.cell.true_cell import Cell
 from truepose_simulators.recording import Wishes
 
@@ -38,7 +38,7 @@ def _belief(told, seed=0, size=0.02):
     means = np.array([spec.prior_mean for spec in told.specs])
     root = size * rng.standard_normal((len(widths), len(widths)))
     covariance = (root @ root.T + 1e-3 * np.eye(len(widths))) * np.outer(widths, widths)
-    return Belief(
+    return JointPrior(
         told.specs, told.owners, means + 0.05 * widths * rng.standard_normal(len(widths)), covariance
     )
 
@@ -61,7 +61,7 @@ def test_an_identification_with_a_belief_is_bayes_theorem(campaign, told):
 def test_a_belief_that_knows_no_more_than_what_was_stated_changes_nothing(campaign, told):
     widths = np.array([spec.prior_width for spec in told.specs])
     means = np.array([spec.prior_mean for spec in told.specs])
-    vague = Belief(told.specs, told.owners, means, 4.0 * np.diag(widths**2))
+    vague = JointPrior(told.specs, told.owners, means, 4.0 * np.diag(widths**2))
 
     found = identify(campaign, believed=vague)
 
@@ -74,7 +74,7 @@ def test_a_belief_that_knows_no_more_than_what_was_stated_changes_nothing(campai
 def test_a_robot_unlike_its_type_is_said_to_be(campaign, told):
     widths = np.array([spec.prior_width for spec in told.specs])
     found = np.linalg.solve(told.normal + np.diag(widths**-2.0), told.right)
-    alike = Belief(told.specs, told.owners, found, np.diag((0.3 * widths) ** 2))
+    alike = JointPrior(told.specs, told.owners, found, np.diag((0.3 * widths) ** 2))
     unlike = replace(alike, mean=found + 3.0 * widths * (np.array(told.names) == "theta_3"))
 
     as_usual, strange = (english(identify(campaign, believed=one).message) for one in (alike, unlike))
@@ -84,7 +84,7 @@ def test_a_robot_unlike_its_type_is_said_to_be(campaign, told):
 
 
 def test_a_covariance_that_is_none_is_refused(told):
-    broken = Belief(told.specs, told.owners, np.zeros(len(told.specs)), np.zeros((len(told.specs),) * 2))
+    broken = JointPrior(told.specs, told.owners, np.zeros(len(told.specs)), np.zeros((len(told.specs),) * 2))
 
     with pytest.raises(ConfigurationError, match="variances are all above 0"):
         broken.beyond_stated()

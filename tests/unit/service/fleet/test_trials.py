@@ -8,11 +8,11 @@ from scipy.optimize import minimize_scalar
 from scipy.special import chdtrc
 
 from tests.helpers.fleet.linear import Dense, drawn, told
-from truepose.fleet.campaigns import Measured, fleet_of
+from truepose.fleet.campaigns import FleetCampaign, fleet_of
 from truepose.fleet.changes import account_of
-from truepose.fleet.least import least_of_instruments
+from truepose.fleet.minimum_detectable_change import least_of_instruments
 from truepose.fleet.mixed_model import Equations, Posterior, Variances
-from truepose.fleet.trials import InstrumentDays, Score, Seen, excess_of, largest_ratio, shapes
+from truepose.fleet.trials import Evidence, InstrumentDays, Score, excess_of, largest_ratio, shapes
 
 _ROBOT, _DAY = (0.3, 0.1, 0.1), 0.05
 
@@ -68,13 +68,13 @@ def test_what_noise_explains_has_no_ratio():
 
 def test_scores_that_scatter_more_than_stated_count_less():
     rng = np.random.default_rng(0)
-    seen = [Seen(1.5 * rng.chisquare(1.0, 2), np.ones(2)) for _ in range(400)]
-    aged = [Seen(np.array([900.0, 30.0]), np.ones(2)) for _ in range(20)]
+    seen = [Evidence(1.5 * rng.chisquare(1.0, 2), np.ones(2)) for _ in range(400)]
+    aged = [Evidence(np.array([900.0, 30.0]), np.ones(2)) for _ in range(20)]
 
     excess = excess_of([*seen, *aged])
 
     assert excess == pytest.approx(1.5, rel=0.2)  # the median of 400 to 7 %, and twenty of them beyond it
-    assert excess_of([Seen(0.5 * one.squares, one.information) for one in seen]) == 1.0
+    assert excess_of([Evidence(0.5 * one.squares, one.information) for one in seen]) == 1.0
     assert aged[0].judged(excess)[0] < aged[0].judged()[0]
 
 
@@ -147,7 +147,10 @@ def test_two_trackers_that_change_at_once_are_told_by_both_together():
 
 
 def test_readings_that_are_all_worse_than_stated_are_told_from_a_change():
-    worse, changed = Seen(np.full(30, 3.0), np.ones(30)), Seen(np.append(90.0, np.zeros(29)), np.ones(30))
+    worse, changed = (
+        Evidence(np.full(30, 3.0), np.ones(30)),
+        Evidence(np.append(90.0, np.zeros(29)), np.ones(30)),
+    )
 
     assert worse.scattered(1.0) == pytest.approx(30 * (2.0 - np.log(3.0)))
     assert worse.scattered(3.0) == 0.0
@@ -173,7 +176,7 @@ def fleet_without_scale(blind):
     made = drawn(3, readings=40)
     rows = zip(made.jacobians, made.reads, made.robot, made.instrument, made.day, strict=True)
     return fleet_of([
-        Measured(
+        FleetCampaign(
             f"robot {i}",
             f"tracker {k}",
             day,

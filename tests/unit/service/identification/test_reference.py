@@ -16,12 +16,12 @@ from tests.helpers.diagnosis.point_scenes import (
 from truepose.domain.robot import FixedNest
 from truepose.effects.registry import CAUSES
 from truepose.identification import identify
-from truepose.identification.fit.considered import considered
+from truepose.identification.fit.assessment import considered
 from truepose.identification.fit.robust import robust_fit
 from truepose.identification.observations.blocks import linearise_blocks
 from truepose.identification.observations.fixed_nests import ReferenceBlock, reference_block
 from truepose.identification.problem.build import build
-from truepose.words.catalogue import english
+from truepose.messages.catalogue import english
 
 ARM = ("base", "geometry")
 FRAME = [f"frame_{component}" for component in ("x", "y", "z", "rx", "ry", "rz")]

@@ -12,9 +12,9 @@ from tests.helpers.identification.models import (
     parameters_of,
     plain_parameters,
 )
-from truepose.domain.measurement.campaign import Stops
+from truepose.domain.campaign import Stops
+from truepose.identification.model.estimates import rigid_arm
 from truepose.identification.model.prediction import predict
-from truepose.identification.model.rigid import rigid_arm
 from truepose.kinematics.chain import forward, nominal_values
 from truepose.kinematics.frames import placement_rotation, placement_translation
 

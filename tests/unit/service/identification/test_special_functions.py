@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.special import elliprg
 
-from truepose.identification.special_functions import beta_below, carlson_rg, gamma_above
+from truepose.identification.distributions import beta_below, carlson_rg, gamma_above
 
 
 @pytest.mark.parametrize(("shape", "start"), [(1, 0.3), (7, 6.5), (100, 150.0), (2408, 3627.6)])

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from truepose.kinematics.artefact import centre, normal, pose_uncertainty
 from truepose.kinematics.frames import rigid_alignment, vector_from_rotation
+from truepose.kinematics.poses import centre, normal, pose_uncertainty
 
 FLAT = np.array([[0.0, 0.0, 125.0], [75.0, 93.675, 215.0], [150.0, 0.0, 125.0]])
 SPATIAL = np.array([[45.0, 0.0, 150.0], [-22.5, 38.971, 150.0], [-22.5, -38.971, 150.0]])

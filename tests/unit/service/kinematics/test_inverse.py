@@ -8,7 +8,7 @@ import pytest
 from tests.helpers.domain.robots import SEVEN_AXES
 from truepose.domain.errors import ConfigurationError
 from truepose.domain.robot import JointRange, JointRow
-from truepose.exchange.robots.shipped import load_robot
+from truepose.exchange.robots.named import load_robot
 from truepose.kinematics.chain import nominal_chain
 from truepose.kinematics.inverse import (
     BRANCH_NAMES,

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from truepose.domain.robot import JointRow, Robot
-from truepose.exchange.robots.shipped import load_robot
+from truepose.exchange.robots.named import load_robot
 from truepose.kinematics.chain import nominal_chain
 from truepose.kinematics.frames import poses_of
 from truepose.kinematics.inverse import BRANCH_NAMES, all_branches, branch_of, has_closed_form, one_branch

@@ -7,7 +7,7 @@ import pytest
 
 from tests.helpers.domain.robots import IRB_120, SEVEN_AXES
 from truepose.domain.robot import JointRow, Robot
-from truepose.exchange.robots.shipped import list_robots, load_robot
+from truepose.exchange.robots.named import list_robots, load_robot
 from truepose.kinematics.chain import nominal_chain
 from truepose.kinematics.frames import rotation_from_vector
 from truepose.kinematics.inverse import has_closed_form

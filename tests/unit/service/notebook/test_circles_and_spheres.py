@@ -11,7 +11,7 @@ from tests.helpers.domain.circles import read_on, there_and_back, turned
 from tests.helpers.domain.robots import IRB_120
 from tests.helpers.identification.models import model_of, parameters_of
 from truepose.domain.errors import ConfigurationError
-from truepose.domain.results.identification import NestCentre
+from truepose.domain.identification import NestCentre
 from truepose.exchange.campaigns.folder import write_campaign
 from truepose.exchange.models.file import write_model
 from truepose.exchange.tables.points import point_text

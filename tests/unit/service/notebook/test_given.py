@@ -9,7 +9,7 @@ import truepose as tp
 from tests.unit.service.notebook.conftest import EXAMPLES
 from truepose.domain.errors import ConfigurationError
 from truepose.exchange.errors import InputFileError
-from truepose.words.catalogue import english
+from truepose.messages.catalogue import english
 
 _HELD_OUT = EXAMPLES / "campaign" / "validation.csv"
 

@@ -5,7 +5,7 @@ import pytest
 
 from truepose.domain.errors import ConfigurationError
 from truepose.exchange.errors import BadValueError, MissingFileError
-from truepose.notebook.given.tables import columns_of, named_data
+from truepose.notebook.inputs import columns_of, named_data
 
 
 def test_blocks_stand_for_columns():

@@ -7,12 +7,11 @@ import pytest
 
 from truepose.exchange.cells.file import simulated_cell
 from truepose.identification.problem.build import automatic_effects, build
-from truepose.planning.promise.subjects import of_cell
-from truepose.planning.promise.tracker import promised_session
-from truepose.planning.tracker.session_plans import nominal_campaign, plan_calibration, scaled_jacobians
-from truepose.planning.work_volume.candidates import draw_candidates
-from truepose.planning.work_volume.cell_space import space_to_measure
-from truepose.planning.work_volume.work_space import nominal_chain
+from truepose.planning.prediction.subjects import of_cell
+from truepose.planning.prediction.tracker import promised_session
+from truepose.planning.tracker.plans import nominal_campaign, plan_calibration, scaled_jacobians
+from truepose.planning.workspace.candidates import draw_candidates
+from truepose.planning.workspace.space import nominal_chain, space_to_measure
 
 FEW = 80  # candidates: of half a million random configurations a flat artefact shows itself in one of sixty
 FLAT, SPATIAL, TRACKER = "irb120-camera", "irb120-camera-spatial", "irb120-tilted"

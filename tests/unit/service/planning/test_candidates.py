@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.unit.service.sequencing.tracker.fakes import IRB120, TRACKER_AT
+from tests.unit.service.sessions.tracker.fakes import IRB120, TRACKER_AT
 from truepose.domain.robot import FramePlacement, JointRange, Nest
 from truepose.planning.errors import TooFewCandidatesError, WorkSpaceError
-from truepose.planning.work_volume.candidates import draw_candidates, judge
-from truepose.planning.work_volume.work_space import (
+from truepose.planning.workspace.candidates import draw_candidates, judge
+from truepose.planning.workspace.space import (
     COLUMN_RADIUS_MM,
     TABLE_CLEARANCE_MM,
     WorkSpace,

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from truepose.domain.errors import ConfigurationError
-from truepose.planning.choice_by_exchange import choose_by_exchange, rank_substitutes
 from truepose.planning.errors import TooFewCandidatesError
+from truepose.planning.exchange_algorithm import choose_by_exchange, rank_substitutes
 from truepose.planning.observability import observability_o1
 
 

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from truepose.domain.errors import ConfigurationError
-from truepose.domain.measurement.session import SessionPlan, Turn
 from truepose.domain.robot import JointRange
+from truepose.domain.session import SessionPlan, Turn
 from truepose.exchange.cells.file import simulated_cell
-from truepose.operation.tracker.plans import judged
-from truepose.planning.tracker.circle_sessions import plan_circles
-from truepose.planning.work_volume.cell_space import space_to_measure
+from truepose.planning.tracker.circles import plan_circles
+from truepose.planning.workspace.space import space_to_measure
+from truepose.sessions.tracker.service import judged
 
 _TEMPLATE = SessionPlan("validation", (), settle_s=7.0)
 _CELL = simulated_cell("irb120-tilted", 0)
@@ -139,3 +139,8 @@ def test_an_interval_that_is_none_is_refused(bad):
 def test_more_stops_than_anybody_waits_for_are_refused():
     with pytest.raises(ConfigurationError, match="5401 stops, 5000 are the most"):
         planned(turns=(turn(5, -90, 90, 0.0666666666),))
+
+
+def test_a_turn_that_is_shorter_than_its_step_shows_no_circle():
+    with pytest.raises(ConfigurationError, match="Joint 1 shows the tracker no nest over 20 deg"):
+        planned(turns=(turn(1, 0.5, 0.9, 1),))

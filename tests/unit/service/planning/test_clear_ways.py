@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from tests.unit.service.planning.test_candidates import SPACE
-from truepose.planning.tracker.clear_ways import clear_order, room_mm
-from truepose.planning.tracker.session_plans import plan_calibration, plan_validation
-from truepose.planning.work_volume.candidates import draw_candidates
-from truepose.planning.work_volume.work_space import heights_above_table_mm
+from truepose.planning.tracker.paths import clear_order, room_mm
+from truepose.planning.tracker.plans import plan_calibration, plan_validation
+from truepose.planning.workspace.candidates import draw_candidates
+from truepose.planning.workspace.space import heights_above_table_mm
 
 
 def ways(plan):

@@ -7,22 +7,19 @@ import pytest
 
 from tests.unit.service.planning.test_candidates import NESTS, SPACE
 from tests.unit.service.planning.test_way_room import CELL, OFFSET, STATED, planned, points_by_hand
-from truepose.domain.cell.keep_outs import Box, Cylinder, HalfSpace, KeepOuts
-from truepose.domain.results.identification import NotIdentifiable
+from truepose.domain.cell import Box, Cylinder, HalfSpace, KeepOuts
+from truepose.domain.identification import NotIdentifiable
 from truepose.domain.robot import JointRange
+from truepose.messages.catalogue import english
 from truepose.planning.errors import TooFewCandidatesError, WorkSpaceError
-from truepose.planning.promise.kept_out import because_of
-from truepose.planning.promise.tracker import promised_session, session_plan
-from truepose.planning.tracker.added_stops import WantedStop, addition
-from truepose.planning.tracker.session_plans import plan_validation
-from truepose.planning.work_volume.candidates import draw_candidates
-from truepose.planning.work_volume.cell_bodies import bodies_of
-from truepose.planning.work_volume.keep_outs import least_mm, signed_mm
-from truepose.planning.work_volume.room_at_stops import what_is_in_the_way
-from truepose.planning.work_volume.room_on_ways import ways_between, what_blocks_a_way
-from truepose.planning.work_volume.sight import cosines_in_sight, is_seen
-from truepose.planning.work_volume.work_space import cosines_to_tracker, nominal_chain
-from truepose.words.catalogue import english
+from truepose.planning.prediction.plan import because_of
+from truepose.planning.prediction.tracker import promised_session, session_plan
+from truepose.planning.tracker.additions import WantedStop, addition
+from truepose.planning.tracker.plans import plan_validation
+from truepose.planning.workspace.bodies import bodies_of, ways_between, what_blocks_a_way, what_is_in_the_way
+from truepose.planning.workspace.candidates import cosines_in_sight, draw_candidates, is_seen
+from truepose.planning.workspace.capsules import least_mm, signed_mm
+from truepose.planning.workspace.space import cosines_to_tracker, nominal_chain
 
 FEW = 400
 SLOT = (("left", 90.0), ("right", -90.0))  # the upper arm between them is 140 mm wide
@@ -144,7 +141,7 @@ def test_no_way_of_a_plan_leads_through_a_volume_and_each_stop_is_approached_fro
     share = np.linspace(0.0, 1.0, 120)[:, None, None]
     along = ways.start_rad + share * (ways.end_rad - ways.start_rad)
     assert not inside(skeleton(along.reshape(-1, 6))).any()
-    to_stops = [row for row, name in enumerate(ways.names) if name.startswith("from the approach")]
+    to_stops = [row for row, name in enumerate(ways.names) if english(name).startswith("from the approach")]
     assert len(to_stops) == 15
     assert (ways.end_rad - ways.start_rad)[to_stops] == pytest.approx(np.full((15, 6), 0.0873))
 
@@ -166,15 +163,15 @@ def test_a_stop_inside_a_volume_is_named_with_body_and_volume():
     refused = what_is_in_the_way(bodies_of(cell), reaching, None)
 
     assert what_is_in_the_way(bodies_of(STATED), reaching, None) is None
-    assert refused.startswith("The stop at configuration 2 cannot be")
-    assert refused.endswith("inside the keep-out volume conveyor.")
+    assert english(refused).startswith("The stop at configuration 2 cannot be")
+    assert english(refused).endswith("inside the keep-out volume conveyor.")
 
 
 def test_a_way_through_a_volume_is_refused_though_nobody_states_the_floor():
     unstated = replace(CELL, limits=replace(CELL.limits, keep_outs=KeepOuts((CONVEYOR,))))
     ways = ways_between(planned([-10, 30, 0, 0, 0, 0], [90, 30, 0, 0, 0, 0]), None)
 
-    assert "inside the keep-out volume conveyor" in what_blocks_a_way(bodies_of(unstated), ways)
+    assert "inside the keep-out volume conveyor" in english(what_blocks_a_way(bodies_of(unstated), ways))
     assert what_blocks_a_way(bodies_of(STATED), ways) is None
 
 

@@ -12,13 +12,12 @@ from truepose.domain.robot import JointRange, Nest
 from truepose.exchange.cells.file import simulated_cell
 from truepose.planning.errors import NoWayError
 from truepose.planning.observability import observability_o1
-from truepose.planning.tracker import session_plans
-from truepose.planning.tracker.mended_ways import mended, pool_of
-from truepose.planning.tracker.session_plans import plan_calibration, plan_validation, scaled_jacobians
-from truepose.planning.work_volume.candidates import Candidates, draw_candidates
-from truepose.planning.work_volume.cell_bodies import bodies_in, rooms
-from truepose.planning.work_volume.cell_space import space_of_cell
-from truepose.planning.work_volume.room_on_ways import touching, ways_between
+from truepose.planning.tracker import plans
+from truepose.planning.tracker.paths import mended, pool_of
+from truepose.planning.tracker.plans import plan_calibration, plan_validation, scaled_jacobians
+from truepose.planning.workspace.bodies import bodies_in, rooms, touching, ways_between
+from truepose.planning.workspace.candidates import Candidates, draw_candidates
+from truepose.planning.workspace.space import space_of_cell
 
 FEW = 200  # candidates: enough for the tests, a tenth of the time
 
@@ -44,7 +43,7 @@ def unmended(monkeypatch):
 
     def plan(*wanted):
         with monkeypatch.context() as patched:
-            patched.setattr(session_plans, "mended_or_toured", lambda pool, order, *_, **__: np.array(order))
+            patched.setattr(plans, "mended_or_toured", lambda pool, order, *_, **__: np.array(order))
             return chosen(*wanted)
 
     return plan

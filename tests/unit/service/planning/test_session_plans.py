@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from tests.unit.service.planning.test_candidates import SPACE
-from truepose.domain.measurement.session import PlannedStop, SessionPlan
 from truepose.domain.robot import LinkMass
+from truepose.domain.session import PlannedStop, SessionPlan
 from truepose.planning.observability import observability_o1
-from truepose.planning.tracker.session_plans import (
+from truepose.planning.tracker.plans import (
     choose_calibration,
     plan_calibration,
     plan_session,
@@ -18,7 +18,7 @@ from truepose.planning.tracker.session_plans import (
     short_tour,
     with_revisits,
 )
-from truepose.planning.work_volume.candidates import draw_candidates
+from truepose.planning.workspace.candidates import draw_candidates
 
 FEW = 300  # candidates: enough for the tests, a tenth of the time
 

@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from truepose.exchange.cells.given import cell_given
-from truepose.planning.promise.subjects import of_cell
-from truepose.planning.promise.tracker import promised_session
-from truepose.planning.work_volume.torque_signs import are_loaded_one_way
+from truepose.exchange.cells.file import cell_given
+from truepose.planning.prediction.subjects import of_cell
+from truepose.planning.prediction.tracker import promised_session
+from truepose.planning.workspace.space import are_loaded_one_way
 
 LR_MATE = of_cell(cell_given("fanuc-lr-mate-200ic")).space
 FORWARDS, BACKWARDS = [0, 40, 0, 0, 0, 0], [0, -40, 0, 0, 0, 0]

@@ -8,21 +8,22 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from tests.unit.service.planning.test_candidates import NESTS
-from tests.unit.service.sequencing.tracker.fakes import IRB120
-from truepose.domain.cell.description import Cell, CellLimits
-from truepose.domain.measurement.session import PlannedStop, SessionPlan
+from tests.unit.service.sessions.tracker.fakes import IRB120
+from truepose.domain.cell import Cell, CellLimits
 from truepose.domain.robot import Nest
+from truepose.domain.session import PlannedStop, SessionPlan
 from truepose.exchange.campaigns.folder import read_campaign
-from truepose.planning.work_volume.cell_bodies import bodies_of, rooms
-from truepose.planning.work_volume.room_on_ways import (
+from truepose.messages.catalogue import english
+from truepose.planning.workspace.bodies import (
     Ways,
+    bodies_of,
+    rooms,
     touching,
     ways_between,
     what_blocks_a_way,
     what_to_watch,
 )
-from truepose.sequencing.tracker.plan.operations import visit
-from truepose.sequencing.tracker.plan.steps import Move
+from truepose.sessions.tracker.plan import Move, visit
 
 CELL = Cell(name="bench", robot_key="", robot=IRB120, nests=NESTS)
 STATED = replace(CELL, limits=CellLimits(floor_z_mm=0.0))
@@ -81,8 +82,8 @@ def test_a_way_through_the_table_between_two_clear_stops_is_named_with_body_and_
 
     refused = what_blocks_a_way(bodies_of(STATED), ways_between(planned(BEFORE, BEYOND), OFFSET))
 
-    assert "from configuration 1 to the approach to configuration 2" in refused
-    assert "tool nest 2 would be 76 mm below floor or table" in refused
+    assert "from configuration 1 to the approach to configuration 2" in english(refused)
+    assert "tool nest 2 would be 76 mm below floor or table" in english(refused)
     lowest = lowest_by_hand(all_along(way(BEFORE, np.add(BEYOND, -5))))
     assert lowest == pytest.approx(-76.0, abs=1.0)  # depths are told in whole millimetres
 
@@ -105,7 +106,7 @@ def test_a_way_on_which_the_tool_hits_the_arm_is_found_and_its_depth_is_that_of_
 
     told = what_to_watch(bodies_of(CELL), ways)
 
-    assert "tool nest 3 would be 4 mm inside the arm itself" in told
+    assert "tool nest 3 would be 4 mm inside the arm itself" in english(told)
     assert touching(bodies_of(CELL), ways, floor_only=True).size == 0
     gap = gap_by_hand(all_along(ways, looks=300))
     assert gap == pytest.approx(-4.0, abs=2.0)  # segments as rows of points 5 mm apart, whole degrees
@@ -137,9 +138,9 @@ def test_above_a_floor_that_nobody_states_the_way_is_spoken_of_and_not_refused()
 
     assert what_blocks_a_way(bodies_of(CELL), ways) is None
     told = what_to_watch(bodies_of(CELL), ways)
-    assert "assumed floor" in told
-    assert "76 mm below floor or table" in told
-    assert "Nor do 2 other ways." in told
+    assert "assumed floor" in english(told)
+    assert "76 mm below floor or table" in english(told)
+    assert "Nor do 2 other ways." in english(told)
 
 
 @pytest.mark.parametrize("offset_rad", [OFFSET, None])
@@ -158,8 +159,8 @@ def test_ways_are_those_that_a_session_goes(offset_rad):
 def test_from_where_the_arm_stands_leads_one_way_more():
     ways = ways_between(planned(BEYOND), None, here_rad=np.radians(BEFORE))
 
-    assert ways.names == ("from where the arm stands to configuration 1",)
-    assert "from where the arm stands" in what_to_watch(bodies_of(CELL), ways)
+    assert tuple(map(english, ways.names)) == ("from where the arm stands to configuration 1",)
+    assert "from where the arm stands" in english(what_to_watch(bodies_of(CELL), ways))
 
 
 def test_many_ways_at_once_are_judged_as_each_by_itself():
@@ -195,3 +196,13 @@ def test_the_ways_of_measured_campaigns_look_clear(measured_data, name):
     bodies = bodies_of(replace(cell, limits=CellLimits(floor_z_mm=0.0)))
 
     assert what_blocks_a_way(bodies, Ways(("",) * (len(ends) - 1), ends[:-1], ends[1:])) is None
+
+
+def test_an_arm_without_links_to_look_at_touches_nothing_without_a_tool():
+    tiny = tuple(replace(row, a_mm=1e-3 * row.a_mm, d_mm=1e-3 * row.d_mm) for row in IRB120.joints)
+    cell = replace(CELL, robot=replace(IRB120, joints=tiny), nests=())
+
+    found = rooms(bodies_of(cell), np.zeros((2, 6)))
+
+    assert found.names == ()
+    assert (found.least_mm() == np.inf).all()

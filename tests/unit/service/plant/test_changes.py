@@ -4,12 +4,11 @@ from datetime import date, timedelta
 
 import pytest
 
-from truepose.domain.cell.certificates import Paper
+from truepose.domain.cell import Paper
+from truepose.messages.catalogue import LANGUAGES, catalogue, english
 from truepose.plant.changes import What, certificates_ended, robots_changed
-from truepose.storage.plant.certificates import StatedPaper
-from truepose.storage.plant.looking_over import RobotMeasured
-from truepose.storage.plant.newest import ToldSeen
-from truepose.words.catalogue import LANGUAGES, catalogue, english
+from truepose.storage.plant.certificates import CertificateRecord
+from truepose.storage.plant.overview import ResultFacts, RobotMeasured
 
 TODAY = date(2026, 11, 23)
 SINCE = date(2026, 11, 16)
@@ -21,7 +20,7 @@ def day(ago):
 
 def told(kind, number, ago, figure_mm=None, limit_mm=None, serial="120-1", **document):
     of = (number, 1, "left arm", kind, number, serial, day(ago))
-    return {kind: ToldSeen(*of, "", figure_mm, limit_mm, document)}
+    return {kind: ResultFacts(*of, "", figure_mm, limit_mm, document)}
 
 
 def named(*causes):
@@ -159,7 +158,7 @@ def test_robots_whose_error_grew_most_come_first_and_those_that_got_better_last(
 
 def test_certificates_that_ended_since_then_say_whom_that_concerns():
     def paper(serial, expires):
-        return StatedPaper(Paper("tracker", serial, f"report {serial}", expires), "left arm", day(400))
+        return CertificateRecord(Paper("tracker", serial, f"report {serial}", expires), "left arm", day(400))
 
     papers = [paper("T-1", day(1)), paper("T-2", day(0)), paper("T-3", day(7)), paper("T-4", day(8))]
     robots = [RobotMeasured(serial, "IRB 120", day(40), "left arm", "T-3") for serial in ("a", "b")]

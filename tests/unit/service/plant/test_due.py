@@ -4,11 +4,10 @@ from datetime import date, timedelta
 
 import pytest
 
+from truepose.messages.catalogue import english
 from truepose.plant.due import DueAfter, Evidence, Why, standing_robots
-from truepose.storage.files.foreseen import Compared, Foreseen
-from truepose.storage.plant.looking_over import RobotMeasured
-from truepose.storage.plant.newest import ToldSeen
-from truepose.words.catalogue import english
+from truepose.storage.caches import Compared, Foreseen
+from truepose.storage.plant.overview import ResultFacts, RobotMeasured
 
 TODAY = date(2026, 11, 23)
 NUMBERS = {"campaign": 1, "model": 2, "validation": 3, "diagnosis": 4}
@@ -24,7 +23,7 @@ def robot(serial="120-1", ago=3, instrument="T-7", robot_type="IRB 120"):
 
 def told(kind, ago=3, verdict="", figure_mm=None, limit_mm=None, **document):
     number = NUMBERS[kind]
-    return kind, ToldSeen(
+    return kind, ResultFacts(
         number, 1, "left arm", kind, number, "120-1", day(ago), verdict, figure_mm, limit_mm, document
     )
 

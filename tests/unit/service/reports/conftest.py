@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tests.helpers.domain.builders import make_campaign, make_model, make_robot
-from truepose.domain.measurement.campaign import PointReadings, Stops
+from truepose.domain.campaign import PointReadings, Stops
 from truepose.domain.robot import Nest, WorldRegistration
 from truepose.identification import identify, predict
 

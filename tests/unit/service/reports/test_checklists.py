@@ -9,15 +9,15 @@ import pytest
 from tests.helpers.ballbar.sessions import make_ballbar_plan
 from tests.helpers.domain.tracker_sessions import make_plan
 from tests.helpers.web.pages import Page
-from truepose.reports.checklists.checklist import checklist_of
-from truepose.reports.checklists.page import ChecklistInput, checklist_page
+from truepose.reports.checklist import ChecklistReport, checklist_of
 from truepose.reports.paper import PAPER
+from truepose.reports.traceability import ReportConditions
 
 TRACKER, BALLBAR = make_plan(3), make_ballbar_plan()
 
 
 def page_of(plan, **changes):
-    return str(checklist_page(ChecklistInput("IRB 120", "March", checklist_of(plan), 30.0, **changes)))
+    return ChecklistReport("IRB 120", "March", checklist_of(plan), 30.0, **changes).page()
 
 
 def rows_of(page):
@@ -79,7 +79,7 @@ def test_what_is_to_be_prepared_is_of_the_instrument():
 
 def test_a_simulated_plan_says_so():
     assert "SIMULATED" not in page_of(TRACKER)
-    assert "SIMULATED" in page_of(TRACKER, simulated=True)
+    assert "SIMULATED" in page_of(TRACKER, conditions=ReportConditions(simulated=True))
 
 
 def test_every_colour_of_a_picture_has_one_on_paper():

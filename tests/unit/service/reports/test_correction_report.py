@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 
 from tests.helpers.web.pages import Page
-from truepose.domain.results.corrections import CorrectedTargets, CorrectionTotals, FileCorrection
-from truepose.reports.correcting.report import CorrectionInput, correction_page
-from truepose.reports.traceability.conditions import ReportConditions
+from truepose.domain.correction import CorrectedTargets, CorrectionTotals, FileCorrection
+from truepose.reports.correction import CorrectionReport
 
 
 def corrected(*statuses):
@@ -24,10 +23,8 @@ def corrected(*statuses):
 
 def page_of(*statuses):
     correction, targets = corrected(*statuses)
-    report = CorrectionInput(
-        "weld.mod", "IRB 120", correction, targets, ("a" * 64, "b" * 64), ReportConditions(), "en"
-    )
-    return Page(str(correction_page(report)))
+    report = CorrectionReport("weld.mod", "IRB 120", correction, targets, ("a" * 64, "b" * 64))
+    return Page(report.page())
 
 
 def test_a_whole_correction_says_so_with_its_largest_uncertainty_and_both_files():

@@ -17,16 +17,16 @@ from tests.helpers.diagnosis.diagnosed_cells import (
 )
 from tests.helpers.domain.builders import make_model
 from tests.helpers.web.pages import Page, leave_pictures_empty
-from truepose.domain.results.causes import Cause, Detail
-from truepose.domain.results.diagnosis import NextMeasurement, RuledOut, Verdict
-from truepose.reports import DiagnosisInput, ReportConditions, diagnosis_content, write_diagnosis_report
-from truepose.reports.errors import UnwritableReportError
+from truepose.domain.diagnosis import Cause, Detail, NextMeasurement, RuledOut, Verdict
+from truepose.reports.diagnosis.report import DiagnosisReport
+from truepose.reports.paper import UnwritableReportError
+from truepose.reports.traceability import ReportConditions
 
 HOSTILE = "<script>alert('x')</script><img src=http://evil.example/x onerror=alert(1)>\"&"
 
 
 def page_of(diagnosis, **parts):
-    return Page(diagnosis_content(DiagnosisInput(diagnosis, **parts)))
+    return Page(DiagnosisReport(diagnosis, **parts).content())
 
 
 # Each kind of picture is in one of these; painting those of a page takes half a second.
@@ -41,7 +41,7 @@ def pages():
         with pytest.MonkeyPatch.context() as patch:
             if name not in PAINTED:
                 leave_pictures_empty(patch)
-            made[name] = str(diagnosis_content(DiagnosisInput(ending())))
+            made[name] = str(DiagnosisReport(ending()).content())
     return made
 
 
@@ -305,7 +305,7 @@ def test_a_parameter_that_the_model_does_not_hold_is_left_out():
 def test_a_simulated_diagnosis_says_so_before_anything_else(tmp_path):
     conditions = ReportConditions(simulated=True)
 
-    write_diagnosis_report(tmp_path / "r.html", DiagnosisInput(plain(), conditions=conditions))
+    DiagnosisReport(plain(), conditions=conditions).write(tmp_path / "r.html")
 
     html = (tmp_path / "r.html").read_text()
     assert 0 < html.index("SIMULATED.") < html.index("<h1>")
@@ -349,7 +349,7 @@ def test_ten_thousand_readings_make_no_heavy_page():
     many = make_finding(curve=make_curve(n=10_000))
     diagnosis = make_diagnosis(findings=(many,) * 5, errors=make_errors(n=10_000))
 
-    html = diagnosis_content(DiagnosisInput(diagnosis))
+    html = DiagnosisReport(diagnosis).content()
 
     # five curves of 400 dots with whiskers and 250 arrows four times, some 150 bytes each, and the words
     assert len(html) < 1_500_000
@@ -372,7 +372,7 @@ def test_readings_that_are_no_numbers_are_left_out_of_the_pictures():
 
 
 def test_the_same_diagnosis_gives_the_same_page(pages):
-    assert diagnosis_content(DiagnosisInput(two_findings())) == pages["two findings"]
+    assert DiagnosisReport(two_findings()).content() == pages["two findings"]
 
 
 def test_ids_of_pictures_do_not_meet(pages):
@@ -396,4 +396,4 @@ def test_a_report_that_cannot_be_written_says_where(tmp_path):
     (tmp_path / "taken").write_text("a file, no folder")
 
     with pytest.raises(UnwritableReportError, match=r"cannot be written to .*taken"):
-        write_diagnosis_report(tmp_path / "taken" / "report.html", DiagnosisInput(plain()))
+        DiagnosisReport(plain()).write(tmp_path / "taken" / "report.html")

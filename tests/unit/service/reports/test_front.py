@@ -7,19 +7,19 @@ import pytest
 from tests.helpers.diagnosis.diagnosed_cells import consistent, nothing_fitted
 from tests.helpers.domain.builders import make_statistics
 from tests.helpers.web.pages import Page
-from truepose.domain.results.identification import NominalAndIdentified
-from truepose.domain.results.validation import (
+from truepose.domain.identification import NominalAndIdentified
+from truepose.domain.validation import (
     Decision,
     FigureUncertainty,
     UncertaintyPair,
     Validation,
     ValidationUncertainty,
 )
-from truepose.reports.front.bars import error_bars
-from truepose.reports.front.kinds import diagnosis_front, validation_front
-from truepose.reports.front.page import front_page
-from truepose.reports.traceability.conditions import Period, ReportConditions
-from truepose.words.catalogue import IN_ENGLISH
+from truepose.messages.catalogue import IN_ENGLISH
+from truepose.reports.cover_page import error_bars, front_page
+from truepose.reports.diagnosis.report import diagnosis_front
+from truepose.reports.traceability import Period, ReportConditions
+from truepose.reports.validation import validation_front
 
 PAIR = NominalAndIdentified(
     make_statistics(n=300, mean_mm=1.0, max_mm=2.0), make_statistics(n=300, mean_mm=0.03, max_mm=0.09)

@@ -6,21 +6,14 @@ import pytest
 
 from tests.helpers.domain.builders import make_identification, make_model, make_statistics
 from tests.helpers.web.pages import Page
-from truepose.domain.cell.description import Artefact
-from truepose.domain.measurement.campaign import LegReadings
-from truepose.domain.results.identification import NominalAndIdentified, Outlier, PureError
+from truepose.domain.campaign import LegReadings
+from truepose.domain.cell import Artefact
+from truepose.domain.identification import NominalAndIdentified, Outlier, PureError
 from truepose.identification import identify, predict
-from truepose.reports import (
-    DiagnosisLink,
-    Instrument,
-    Period,
-    ReportConditions,
-    ReportInput,
-    TrueParameter,
-    Truth,
-    write_identification_report,
-)
-from truepose.reports.errors import UnwritableReportError
+from truepose.reports.identification.report import DiagnosisLink, IdentificationReport
+from truepose.reports.identification.summary import TrueParameter, Truth
+from truepose.reports.paper import UnwritableReportError
+from truepose.reports.traceability import Instrument, Period, ReportConditions
 
 PAINTED_ELSEWHERE = pytest.mark.usefixtures("empty_pictures")
 HOSTILE = "<script>alert('x')</script><img src=http://evil.example/x onerror=alert(1)>\"&"
@@ -28,7 +21,7 @@ HOSTILE = "<script>alert('x')</script><img src=http://evil.example/x onerror=ale
 
 def report_of(tmp_path, identification, campaign, **parts):
     path = tmp_path / "out" / "report.html"
-    write_identification_report(path, ReportInput(identification, campaign, **parts))
+    IdentificationReport(identification, campaign, **parts).write(path)
     return path.read_text(encoding="utf-8")
 
 
@@ -260,7 +253,7 @@ def test_a_report_that_cannot_be_written_says_where(tmp_path, campaign):
     (tmp_path / "taken").write_text("a file, no folder")
 
     with pytest.raises(UnwritableReportError, match=r"cannot be written to .*taken"):
-        write_identification_report(tmp_path / "taken" / "report.html", ReportInput(UNFITTED, campaign))
+        IdentificationReport(UNFITTED, campaign).write(tmp_path / "taken" / "report.html")
 
 
 @PAINTED_ELSEWHERE

@@ -10,11 +10,10 @@ import pytest
 from pypdf import PdfReader
 
 from truepose.exchange.results.identification import identification_document
-from truepose.reports import ReportConditions, ReportInput, write_identification_report
-from truepose.reports.errors import NoPdfError, UnwritableReportError
-from truepose.reports.paper import pdf_of, require_pdf, write_report_text
-from truepose.reports.traceability.imprint import css_string
-from truepose.reports.wording.rounding import millimetres
+from truepose.reports.identification.report import IdentificationReport
+from truepose.reports.paper import NoPdfError, UnwritableReportError, pdf_of, require_pdf, write_report_text
+from truepose.reports.rounding import millimetres
+from truepose.reports.traceability import ReportConditions, css_string
 
 _NUMBER = re.compile(r"\d+(?:[.,]\d+)*(?:e[-+]\d+)?")
 CONDITIONS = ReportConditions(
@@ -36,7 +35,7 @@ def shown(page):
 def made(text_library, tmp_path_factory, identification, campaign):
     """The page of an identification, and the PDF of it; setting one takes a second or two."""
     path = tmp_path_factory.mktemp("paper") / "report.html"
-    write_identification_report(path, ReportInput(identification, campaign, CONDITIONS))
+    IdentificationReport(identification, campaign, conditions=CONDITIONS).write(path)
     page = path.read_text(encoding="utf-8")
     return page, PdfReader(io.BytesIO(pdf_of(page)))
 

@@ -10,12 +10,11 @@ from tests.helpers.domain.builders import (
     make_parameter,
     make_robot,
 )
-from truepose.domain.results.identification import NotIdentifiable
+from truepose.domain.identification import NotIdentifiable
 from truepose.domain.robot import FramePlacement
 from truepose.effects.ports import Setting
 from truepose.effects.registry import EFFECTS
-from truepose.reports.parameters.meanings import meaning
-from truepose.reports.parameters.rows import parameter_rows
+from truepose.reports.identification.parameters import meaning, parameter_rows
 
 
 def row_of(parameter, campaign=None, **changes):

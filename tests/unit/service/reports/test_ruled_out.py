@@ -1,32 +1,36 @@
 from dataclasses import replace
 
-from truepose.domain.results.diagnosis import RuledOut
-from truepose.reports.causes_found.ruled_out import ruled_out_rows, subjects
+from truepose.domain.diagnosis import RuledOut
+from truepose.reports.diagnosis.rows import ruled_out_table, subjects
 
 
 def entry(subject, reason="nothing", p_value=0.5, effect="joint_gain"):
     return RuledOut(effect, subject, reason, p_value)
 
 
+def rows_of(entries):
+    return ruled_out_table(entries, tried=True).rows
+
+
 def test_subjects_with_the_same_reason_share_a_row():
-    rows = ruled_out_rows([
+    rows = rows_of([
         entry("joint 1", p_value=0.9),
         entry("joint 2", p_value=0.03),
         entry("joint 3", "other"),
     ])
 
-    assert [(row.effect, row.subjects, row.reason, row.p_value) for row in rows] == [
+    assert [(cause, cause.remark, reason, p_value) for cause, reason, p_value, _ in rows] == [
         ("joint gain", "joints 1, 2", "nothing", "0.03 to 0.9"),
         ("joint gain", "joint 3", "other", "0.5"),
     ]
 
 
 def test_equal_values_are_said_once_and_missing_ones_not_at_all():
-    equal = ruled_out_rows([entry("joint 1"), entry("joint 2"), entry("joint 3", p_value=None)])
-    missing = ruled_out_rows([entry("joint 1", p_value=None)])
+    equal = rows_of([entry("joint 1"), entry("joint 2"), entry("joint 3", p_value=None)])
+    missing = rows_of([entry("joint 1", p_value=None)])
 
-    assert equal[0].p_value == "0.5"
-    assert missing[0].p_value == "–"  # noqa: RUF001 - as it is printed
+    assert equal[0][2] == "0.5"
+    assert missing[0][2] == "–"  # noqa: RUF001 - as it is printed
 
 
 def test_subjects_of_all_kinds_make_one_phrase():
@@ -52,5 +56,5 @@ def test_of_several_subjects_the_largest_limit_is_told():
         replace(entry(f"joint {k}"), upper_limit_mm=limit) for k, limit in enumerate((0.012, None, 0.03))
     ]
 
-    assert ruled_out_rows(entries)[0].at_most == "0.0300 mm"
-    assert ruled_out_rows(entries[1:2])[0].at_most == "–"  # noqa: RUF001 - as it is printed
+    assert rows_of(entries)[0][3] == "0.0300 mm"
+    assert rows_of(entries[1:2])[0][3] == "–"  # noqa: RUF001 - as it is printed

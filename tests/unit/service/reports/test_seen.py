@@ -3,10 +3,14 @@
 import numpy as np
 import pytest
 
-from truepose.reports.seen.errors import distances_sentence, errors_sentence
-from truepose.reports.seen.joints import joints_sentence
-from truepose.reports.seen.places import neighbours_sentence, reach_sentence
-from truepose.words.catalogue import catalogue, english
+from truepose.messages.catalogue import catalogue, english
+from truepose.reports.captions import (
+    distances_sentence,
+    errors_sentence,
+    joints_sentence,
+    neighbours_sentence,
+    reach_sentence,
+)
 
 N, NOISE_MM = 200, 0.02
 RUNS = 60  # of noise alone; a false alarm in a thousand is promised

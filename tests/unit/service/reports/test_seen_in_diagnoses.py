@@ -7,22 +7,24 @@ import pytest
 
 from tests.helpers.diagnosis.diagnosed_cells import two_findings
 from tests.helpers.web.pages import Page
-from truepose.domain.results.causes import Spectrum
-from truepose.domain.results.diagnosis import Curve, CurvePoints, Gain, HeldOutErrors
-from truepose.domain.results.identification import NotIdentifiable, Parameter
-from truepose.domain.sentences import leading_key
-from truepose.reports.causes_found.cause_map import CauseMap, MapCell
-from truepose.reports.diagnosis_report import DiagnosisInput, diagnosis_page
-from truepose.reports.observability.determined import determined, observability_sentence
-from truepose.reports.observability.figure import observability_figure
-from truepose.reports.seen.diagnoses import (
+from truepose.domain.diagnosis import Curve, CurvePoints, Gain, HeldOutErrors, Spectrum
+from truepose.domain.identification import NotIdentifiable, Parameter
+from truepose.messages.catalogue import IN_ENGLISH
+from truepose.messages.message import leading_key
+from truepose.reports.captions import (
     curve_sentence,
     gains_sentence,
     map_sentence,
     places_sentence,
     spectrum_sentence,
 )
-from truepose.words.catalogue import IN_ENGLISH
+from truepose.reports.diagnosis.cause_map import CauseMap, MapCell
+from truepose.reports.diagnosis.report import DiagnosisReport
+from truepose.reports.identification.observability import (
+    determined,
+    observability_figure,
+    observability_sentence,
+)
 
 LINE_X = np.linspace(-180.0, 180.0, 91)
 
@@ -119,7 +121,7 @@ def test_errors_that_belong_to_a_place_are_told_and_noise_is_not():
 
 
 def test_every_figure_of_a_diagnosis_has_its_sentence():
-    page = str(diagnosis_page(DiagnosisInput(two_findings())))
+    page = DiagnosisReport(two_findings()).page()
 
     figures = page.split("</section>", 1)[1].split("<figure")
     assert len(figures) > 3

@@ -1,7 +1,6 @@
 import pytest
 
-from truepose.reports import Row, Section, Verdict, write_table_report
-from truepose.reports.table_report import verdict_sentence
+from truepose.reports.table_report import Row, Section, Verdict, verdict_sentence, write_table_report
 
 
 def section(*verdicts):

@@ -10,24 +10,20 @@ from tests.helpers.domain.robots import IRB_120
 from tests.helpers.identification.models import model_of
 from tests.helpers.identification.synthetic import NESTS, configurations
 from tests.helpers.web.pages import Page
-from truepose.domain.measurement.campaign import PointReadings, Stops
-from truepose.domain.results.identification import NestCentre
+from truepose.domain.campaign import PointReadings, Stops
+from truepose.domain.identification import NestCentre
 from truepose.domain.robot import FramePlacement
-from truepose.exchange.results.iso9283 import accuracy_document, pose_test_document
+from truepose.exchange.results.validation import accuracy_document, pose_test_document
 from truepose.identification import judge
-from truepose.identification.model.validity.zone import measured_zone
-from truepose.judgement.iso9283.judged import pose_test
-from truepose.judgement.iso9283.plan import Cube, plan_poses
-from truepose.judgement.validation import validate
+from truepose.identification.model.validity import measured_zone
 from truepose.kinematics.chain import nominal_chain
-from truepose.reports import ReportConditions, ValidationInput, write_validation_report
-from truepose.reports.terminal.validation import pose_test_summary, validation_summary
-from truepose.reports.traceability.audit import Audit
-from truepose.reports.traceability.conditions import Instrument
-from truepose.reports.uncertainty.deciding import deciding_budget
-from truepose.reports.validation.pose_test_rows import pose_test_rows
-from truepose.reports.validation.report import validation_content
-from truepose.reports.wording.rounding import millimetres, rounded, uncertainty
+from truepose.reports.pose_test import pose_test_summary, pose_test_table
+from truepose.reports.rounding import millimetres, rounded, uncertainty
+from truepose.reports.traceability import Audit, Instrument, ReportConditions
+from truepose.reports.validation import ValidationReport, deciding_budget, validation_summary
+from truepose.validation.iso9283.plan import Cube, plan_poses
+from truepose.validation.iso9283.pose_test import pose_test
+from truepose.validation.validate import validate
 
 PAINTED_ELSEWHERE = pytest.mark.usefixtures("empty_pictures")
 _CENTRES = tuple(NestCentre(number, centre) for number, centre in enumerate(NESTS, start=1))
@@ -57,8 +53,8 @@ def points():
 
 
 def written(tmp_path, points, limit_mm=None, **more):
-    found = ValidationInput(validate(_MODEL, points, limit_mm=limit_mm), _MODEL, points, **more)
-    write_validation_report(tmp_path / "report.html", found)
+    found = ValidationReport(validate(_MODEL, points, limit_mm=limit_mm), _MODEL, points, **more)
+    found.write(tmp_path / "report.html")
     page = (tmp_path / "report.html").read_text("utf-8")
     return page, " ".join(re.sub(r"<svg.*?</svg>|<style.*?</style>|<[^>]+>", " ", page, flags=re.S).split())
 
@@ -97,8 +93,8 @@ AUDIT = Audit(7, "5e" * 32, "/api/v1/sessions/7/accuracy?model_id=3", "d0" * 32,
 
 
 def content(points, **more):
-    found = ValidationInput(validate(_MODEL, points), _MODEL, points, audit=AUDIT, **more)
-    return Page(re.sub("<svg.*?</svg>", "", validation_content(found), flags=re.DOTALL)).text
+    found = ValidationReport(validate(_MODEL, points), _MODEL, points, audit=AUDIT, **more)
+    return Page(re.sub("<svg.*?</svg>", "", found.content(), flags=re.DOTALL)).text
 
 
 @PAINTED_ELSEWHERE
@@ -135,7 +131,7 @@ def test_the_page_and_the_document_state_the_same_numbers(points):
     for pair in (told.position, told.relative, told.distance):
         for one in (pair.nominal, pair.identified):
             sizes = (one.mean_mm, one.rms_mm, one.sd_mm, one.max_mm)
-            assert " ".join([str(one.n), *map(millimetres, sizes)]) in page
+            assert " ".join([f"{one.n:,}", *map(millimetres, sizes)]) in page
 
 
 @PAINTED_ELSEWHERE
@@ -165,16 +161,15 @@ def test_the_decision_is_said(tmp_path, points, limit_mm, sentence):
 
 
 def test_figures_are_printed_to_the_digits_of_their_uncertainty(points):
-    rows = {
-        (row.name, row.subject, row.commanded_by): row for row in pose_test_rows(pose_test(_MODEL, points))
-    }
+    shown = pose_test_table(pose_test(_MODEL, points)).of_columns(0, 2, 3, 4, 6, 7)
+    rows = {(name, pose, by): (value, unit, noise) for name, pose, by, value, unit, noise in shown.rows}
 
-    accuracy = rows["AP p", "P1", "identified"]
-    assert re.fullmatch(r"0\.05\d\d", accuracy.value)
-    assert (accuracy.unit, accuracy.noise) == ("mm", "")
-    assert rows["AP x", "P1", "nominal"].value.startswith("-0.9")
-    assert rows["RP l", "P1", ""].noise
-    assert rows["RD p", "P2-P4", ""].value.startswith("±")
+    value, unit, noise = rows["AP p", "P1", "identified"]
+    assert re.fullmatch(r"0\.05\d\d", value)
+    assert (unit, noise) == ("mm", "")
+    assert rows["AP x", "P1", "nominal"][0].startswith("-0.9")
+    assert rows["RP l", "P1", ""][2]
+    assert rows["RD p", "P2-P4", ""][0].startswith("±")
     assert ("RP l", "P3", "") not in rows
 
 
@@ -286,7 +281,7 @@ def test_without_a_limit_the_budget_is_of_the_largest_error_and_has_no_guard_ban
 def test_the_budget_of_the_decision_is_printed(tmp_path, points):
     found, budget = budget_of(points, limit_mm=0.2)
     path = tmp_path / "report.html"
-    write_validation_report(path, ValidationInput(found, _MODEL, points))
+    ValidationReport(found, _MODEL, points).write(path)
 
     text = Page(path.read_text(encoding="utf-8")).text
 

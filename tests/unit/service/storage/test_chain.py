@@ -2,7 +2,7 @@
 
 import pytest
 
-from truepose.storage.integrity.chain import GENESIS, linked_hash
+from truepose.storage.integrity.hash_chain import GENESIS, linked_hash
 
 NAMES = ("id", "recorded_at", "session_id", "text", "value")
 ROW = (7, "2026-05-04T09:12:33.125+00:00", 3, "grün", 0.1)

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from tests.helpers.domain.builders import make_ballbar_campaign, make_campaign
-from truepose.domain.measurement.campaign import Campaign, FixedNestReadings
+from truepose.domain.campaign import Campaign, FixedNestReadings
 from truepose.domain.robot import WorldRegistration
-from truepose.storage.columns import is_packed, pack, unpack
+from truepose.storage.documents import is_packed, pack, unpack
 from truepose.storage.errors import DamagedDatabaseError
 
 

@@ -1,7 +1,7 @@
 """What lists and comparisons read of a diagnosis: everything but its drawings."""
 
 from tests.helpers.diagnosis.answers import make_diagnosis, make_finding, make_unexplained
-from truepose.storage.calibration.diagnoses import without_drawings
+from truepose.storage.results.diagnoses import without_drawings
 
 
 def test_lists_read_findings_great_and_small_without_their_curves():

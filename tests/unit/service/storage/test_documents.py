@@ -10,8 +10,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.helpers.ballbar.sessions import make_ballbar_plan
-from truepose.domain.measurement.ballbar import BallbarPlan, PlannedAway
-from truepose.domain.measurement.session import (
+from truepose.domain.ballbar import BallbarPlan, PlannedAway
+from truepose.domain.diagnosis import Noise, Remaining
+from truepose.domain.identification import Parameter
+from truepose.domain.robot import FramePlacement, JointRow, Robot
+from truepose.domain.session import (
     PlannedStop,
     PointTaken,
     Registration,
@@ -19,10 +22,7 @@ from truepose.domain.measurement.session import (
     SessionState,
     StopSkipped,
 )
-from truepose.domain.results.diagnosis import Noise, Remaining
-from truepose.domain.results.identification import Parameter
-from truepose.domain.robot import FramePlacement, JointRow, Robot
-from truepose.domain.sentences import said, together
+from truepose.messages.message import message, together
 from truepose.storage.documents import from_document, to_document
 from truepose.storage.errors import DamagedDatabaseError
 
@@ -35,10 +35,13 @@ def through_json(value):
     "sentence",
     [
         "In words of their own.",
-        said("message.unexplained"),
+        message("message.unexplained"),
         together(
-            said(
-                "causes.drift", rate_mm_per_h=0.1, settling=(said("span.seconds", seconds=5),), links=(2, 3)
+            message(
+                "causes.drift",
+                rate_mm_per_h=0.1,
+                settling=(message("span.seconds", seconds=5),),
+                links=(2, 3),
             ),
             "Theirs.",
         ),

@@ -5,8 +5,8 @@ from datetime import UTC, datetime, timedelta
 
 import pytest
 
+from truepose.storage.drafts import KEPT, MOST_DRAFTS, DraftFolder
 from truepose.storage.errors import ConflictError, NotFoundError
-from truepose.storage.files.drafts import KEPT, MOST_DRAFTS, DraftFolder
 
 
 @pytest.fixture

@@ -5,7 +5,7 @@ import shutil
 
 import pytest
 
-from truepose.storage.files.drawn import DrawnFolder, drawn_of
+from truepose.storage.caches import DrawnFolder, drawn_of
 
 PAGE = drawn_of(b"<svg/>")
 

@@ -10,12 +10,11 @@ import pytest
 
 from truepose.storage.backup.copying import back_up
 from truepose.storage.backup.restoring import restore
-from truepose.storage.connection.sqlite import lock as service_lock
-from truepose.storage.connection.sqlite.file_lock import file_lock
-from truepose.storage.connection.sqlite.lock import ServiceLock, locked_file
 from truepose.storage.database import Database
+from truepose.storage.engine import sqlite_file as service_lock
+from truepose.storage.engine.sqlite_file import ServiceLock, file_lock, locked_file
 from truepose.storage.errors import DatabaseInUseError
-from truepose.storage.integrity.seal import Seal
+from truepose.storage.integrity.database_identity import IdentityFile
 
 
 class Windows:
@@ -129,7 +128,7 @@ def test_lines_beside_a_database_are_written_as_they_are(monkeypatch, tmp_path):
     database = sqlite3.connect(tmp_path / "cell.sqlite3")
     database.execute("CREATE TABLE links (id INTEGER, hash BLOB)")
 
-    Seal(tmp_path / "cell.sqlite3").break_open(database)
+    IdentityFile(tmp_path / "cell.sqlite3").break_open(database)
 
     assert flags[0] & 0x8000
     database.close()

@@ -1,6 +1,6 @@
 """The newest comparison of a type is kept beside the database, until a newer one."""
 
-from truepose.storage.files.foreseen import Compared, Comparisons, Foreseen, to_bytes
+from truepose.storage.caches import Compared, Comparisons, Foreseen, to_bytes
 
 ROBOT = Foreseen(
     "120-1", "backlash", "joint 5", 0.0, "2026-06-01", 0.06, 0.012, "2026-11-20", None, "2026-12-01"

@@ -5,7 +5,7 @@ import sqlite3
 import pytest
 
 from truepose.storage.errors import ChainHeadError
-from truepose.storage.integrity.head import Head, contradicted, head_after, newest_head, read_head
+from truepose.storage.integrity.head_hash import Head, contradicted, head_after, newest_head, read_head
 
 HEAD = Head(4711, "K3QF-7ZWD-M2PA-XY5R")
 

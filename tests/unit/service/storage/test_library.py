@@ -2,7 +2,7 @@
 
 import pytest
 
-from truepose.storage.connection.sqlite.library import has_wal_reset_fault
+from truepose.storage.engine.sqlite_connections import has_wal_reset_fault
 
 
 @pytest.mark.parametrize(

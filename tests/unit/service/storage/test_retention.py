@@ -4,7 +4,7 @@ import os
 
 import pytest
 
-from truepose.storage.files.retention import Rules, drop, surplus
+from truepose.storage.backup.schedule import Rules, drop, surplus
 
 DAY_S = 86400.0
 NOW_S = 1_800_000_000.0

@@ -8,8 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from truepose.storage.errors import UnreadableRowError
-from truepose.storage.integrity.chain import GENESIS, linked_hash
-from truepose.storage.leaving.typed_rows import typed, untyped
+from truepose.storage.integrity.hash_chain import GENESIS, linked_hash
+from truepose.storage.plant.outbox import typed, untyped
 
 VALUES = (
     st.none()

@@ -5,7 +5,7 @@ from importlib.metadata import entry_points
 
 import pytest
 
-from truepose.storage.leaving.without_secrets import without_secrets
+from truepose.storage.plant.outbox import without_secrets
 
 CANARY = "canary-7f3a"
 

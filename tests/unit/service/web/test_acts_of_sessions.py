@@ -1,14 +1,13 @@
 """What people did in a session, as a report prints it."""
 
-from truepose.domain.measurement.ballbar import LengthTaken, Suspicion
-from truepose.domain.measurement.identities import IdentityTaken
-from truepose.domain.measurement.ledger import Control, EntryKind, LedgerEntry
-from truepose.domain.measurement.session import PlannedStop, SessionState
-from truepose.storage.people.acts import ActRecord, PersonsAct
+from truepose.domain.ballbar import LengthTaken, Suspicion
+from truepose.domain.ledger import Control, EntryKind, LedgerEntry
+from truepose.domain.session import IdentityTaken, PlannedStop, SessionState
+from truepose.messages.catalogue import IN_ENGLISH
+from truepose.storage.people import ActRecord, PersonsAct
 from truepose.storage.records import AddedStops, AdditionRecord, LedgerRecord, StateChange
-from truepose.web.people.authority import TAKEN_FROM
-from truepose.web.reports.acts import OnRecord, events_of
-from truepose.words.catalogue import IN_ENGLISH
+from truepose.web.api.authority import TAKEN_FROM
+from truepose.web.pages.session_history import OnRecord, events_of
 
 LEG = "placement-1/pose-12/leg-2-3"
 LENGTH = LengthTaken(

@@ -2,7 +2,7 @@
 
 import pytest
 
-from truepose.web.requests.by_path import ByPath
+from truepose.web.middleware.routing import ByPath
 
 PATHS = ("/", "/{name}", "/jobs", "/api/v1/jobs", "/api/v1/jobs/{id}", "/api/v1/{any}/x", "/jobs/{id}")
 

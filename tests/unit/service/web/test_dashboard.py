@@ -6,8 +6,8 @@ from importlib.resources import files
 
 import pytest
 
-from truepose.operation.lookout.state import Copies, DeviceLink, State
-from truepose.web.observation.metrics import Metrics
+from truepose.health import Copies, DeviceLink, State
+from truepose.web.middleware.metrics import Metrics
 
 EVERYTHING = State(
     sessions={"running": 1},

@@ -2,9 +2,9 @@ from dataclasses import replace
 from datetime import date
 
 from tests.helpers.domain.tracker_sessions import make_setup
-from truepose.domain.cell.description import DeviceEntry
-from truepose.web.reports.expiry import expiry_warnings
-from truepose.words.catalogue import english
+from truepose.domain.cell import DeviceEntry
+from truepose.messages.catalogue import english
+from truepose.web.pages.conditions import expiry_warnings
 
 CELL = replace(make_setup().cell, tool=None, world=None, ballbar=None)
 

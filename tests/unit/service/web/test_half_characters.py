@@ -2,7 +2,7 @@
 
 import pytest
 
-from truepose.web.requests.half_characters import has_half_character
+from truepose.web.middleware.limits import has_half_character
 
 HALF = "\ud83d"
 

@@ -2,9 +2,9 @@
 
 import pytest
 
-from truepose.operation.lookout.state import Clock, Copies, DeviceLink, Records, State
-from truepose.web.healthiness.checks import checks, worst
-from truepose.words.catalogue import LANGUAGES, catalogue, english
+from truepose.health import Clock, Copies, DeviceLink, Records, State
+from truepose.messages.catalogue import LANGUAGES, catalogue, english
+from truepose.web.api.health_checks import checks, worst
 
 GIB = 2**30
 WELL = Records(commit_s=0.003, free_bytes=50 * GIB, integrity="whole", links=12)

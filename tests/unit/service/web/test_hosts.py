@@ -1,7 +1,6 @@
 import pytest
 
-from truepose.web.door.errors import UnusableHostError
-from truepose.web.door.hosts import AllowedHosts, AskedHost, asked_host
+from truepose.web.middleware.hosts import AllowedHosts, AskedHost, UnusableHostError, asked_host
 
 
 def allowed(name, hosts):

@@ -2,7 +2,7 @@
 
 import pytest
 
-from truepose.web.visiting.languages import preferred
+from truepose.web.middleware.language import preferred
 
 
 @pytest.mark.parametrize(

@@ -2,9 +2,9 @@
 
 import pytest
 
-from truepose.storage.work.items import PROOF, TEST, WorkItem, WorkKind
-from truepose.storage.work.lineage import Lineage
-from truepose.web.places.next_step import Ask, Standing, next_step, step_after
+from truepose.storage.results.items import PROOF, TEST, WorkItem, WorkKind
+from truepose.storage.results.lineage import Lineage
+from truepose.web.pages.next_action import Ask, CellProgress, action_after, next_action
 
 _DEVICES = ("tracker", "robot")
 
@@ -22,7 +22,7 @@ def session(state, role="calibration", number=7):
 def cell(*items, connected=2, job_id=None):
     sessions = [one for one in items if one.kind is WorkKind.SESSION]
     newest = sessions[-1] if sessions else None
-    return Standing(_DEVICES, connected, newest, Lineage(items) if items else None, job_id)
+    return CellProgress(_DEVICES, connected, newest, Lineage(items) if items else None, job_id)
 
 
 _MEASURED = session("finished")
@@ -36,7 +36,7 @@ _WAY = (_MEASURED, _CAMPAIGN, _IDENTIFIED, _MODEL, _DIAGNOSED, _EXTENDED, _CORRE
 
 
 def test_where_nothing_is_connected_everything_is_asked_who_it_is():
-    step = next_step(cell(connected=0))
+    step = next_action(cell(connected=0))
 
     assert step.action == "step.connect"
     assert [ask.path for ask in step.asks] == [f"/api/v1/devices/{name}/connect" for name in _DEVICES]
@@ -44,31 +44,31 @@ def test_where_nothing_is_connected_everything_is_asked_who_it_is():
 
 
 def test_where_nothing_was_planned_a_calibration_is():
-    assert (next_step(cell()).action, next_step(cell()).href) == ("step.plan", "/plan")
+    assert (next_action(cell()).action, next_action(cell()).href) == ("step.plan", "/plan")
 
 
 def test_a_cell_without_devices_plans():
-    assert next_step(Standing()).action == "step.plan"
+    assert next_action(CellProgress()).action == "step.plan"
 
 
 @pytest.mark.parametrize(("connected", "action"), [(0, "step.connect"), (1, "step.start")])
 def test_what_is_planned_is_started_once_something_is_connected(connected, action):
-    assert next_step(cell(session("planned"), connected=connected)).action == action
+    assert next_action(cell(session("planned"), connected=connected)).action == action
 
 
 @pytest.mark.parametrize("state", ["running", "pausing", "paused", "awaiting_confirmation", "aborting"])
 def test_a_session_under_way_comes_first_whatever_else_waits(state):
-    step = next_step(cell(session(state), connected=0, job_id=4))
+    step = next_action(cell(session(state), connected=0, job_id=4))
 
     assert (step.action, step.href) == ("step.session", "/sessions/7")
 
 
 def test_a_job_under_way_is_watched():
-    assert next_step(cell(_MEASURED, job_id=4)).href == "/jobs/4"
+    assert next_action(cell(_MEASURED, job_id=4)).href == "/jobs/4"
 
 
 def test_finished_readings_are_identified_by_one_tap():
-    step = next_step(cell(_MEASURED, connected=0))
+    step = next_action(cell(_MEASURED, connected=0))
 
     assert step.asks == (
         Ask("/api/v1/sessions/7/campaign", {"name": "left arm"}),
@@ -87,11 +87,11 @@ def test_finished_readings_are_identified_by_one_tap():
     ],
 )
 def test_each_result_leads_to_the_next(made, action):
-    assert step_after(Lineage(_WAY[:made])).action == action
+    assert action_after(Lineage(_WAY[:made])).action == action
 
 
 def test_a_correction_is_proved_with_its_own_model():
-    assert step_after(Lineage(_WAY)).href == "/sessions/new?model_id=12#prove"
+    assert action_after(Lineage(_WAY)).href == "/sessions/new?model_id=12#prove"
 
 
 @pytest.mark.parametrize(
@@ -101,28 +101,28 @@ def test_a_correction_is_proved_with_its_own_model():
 def test_a_proof_is_measured_and_then_shown(state, action):
     proof = session(state, PROOF, number=14)
 
-    assert step_after(Lineage((*_WAY, proof))).action == action
+    assert action_after(Lineage((*_WAY, proof))).action == action
 
 
 def test_readings_of_which_no_model_could_be_made_lead_to_a_new_plan():
     refused = item(WorkKind.IDENTIFICATION, 9, state="not identifiable")
 
-    assert step_after(Lineage((_MEASURED, _CAMPAIGN, refused))).action == "step.plan"
+    assert action_after(Lineage((_MEASURED, _CAMPAIGN, refused))).action == "step.plan"
 
 
 @pytest.mark.parametrize("role", ["validation", TEST])
 def test_a_test_leads_to_its_result(role):
-    assert step_after(Lineage((session("finished", role),))).href == "/sessions/7/result"
+    assert action_after(Lineage((session("finished", role),))).href == "/sessions/7/result"
 
 
 @pytest.mark.parametrize("state", ["aborted", "failed"])
 def test_nothing_follows_from_readings_that_were_given_up(state):
-    assert step_after(Lineage((session(state),))) is None
+    assert action_after(Lineage((session(state),))) is None
 
 
 def test_a_session_that_was_given_up_is_planned_again():
-    assert next_step(cell(session("aborted"))).action == "step.plan"
+    assert next_action(cell(session("aborted"))).action == "step.plan"
 
 
 def test_nothing_follows_from_a_proof_that_was_given_up():
-    assert step_after(Lineage((*_WAY, session("aborted", PROOF, number=14)))) is None
+    assert action_after(Lineage((*_WAY, session("aborted", PROOF, number=14)))) is None

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import pytest
 
-from truepose.web.schemas.base import Reply, Request
+from truepose.web.schemas import Reply, Request
 
 
 @dataclass(frozen=True)

@@ -2,8 +2,7 @@
 
 import pytest
 
-from truepose.web.door.errors import UnusableProxyError
-from truepose.web.door.proxies import Proxies
+from truepose.web.middleware.hosts import Proxies, UnusableProxyError
 
 TABLET, OTHER, PROXY = "192.168.1.40", "203.0.113.9", "192.168.1.2"
 

@@ -2,8 +2,8 @@
 
 from types import SimpleNamespace
 
-from truepose.web.results.accuracy import _address
-from truepose.web.results.kinds import Choice
+from truepose.web.pages.accuracy_results import _address
+from truepose.web.pages.session_results import Choice
 
 
 def test_a_limit_is_named_with_all_its_digits():

@@ -7,25 +7,25 @@ import numpy as np
 import pytest
 
 from tests.helpers.ballbar.length_sources import FakeBar, electronics
-from truepose_simulators.cell.clock import CellClock
+from truepose_simulators.cell.environment import CellClock
 from truepose_simulators.cell.robot import SpeedLimits
 from truepose_simulators.errors import ArmStoppedError
 from truepose_simulators.faults.kinds import (
     KINDS,
     BallbarZeroJumps,
     EmergencyStop,
+    LinkCut,
+    LinkHalfOpen,
     ProtectiveStop,
     TemperatureStep,
     ToolSlips,
     TripodKicked,
     WrongCup,
 )
-from truepose_simulators.faults.links import LinkCut, LinkHalfOpen
 from truepose_simulators.faults.scripted import Faults
 from truepose_simulators.instruments.cable import FaultyCable
+from truepose_simulators.instruments.cell_endpoints import _OPERATIONS, carry_out
 from truepose_simulators.instruments.endpoint import Endpoint
-from truepose_simulators.instruments.faults_endpoint import _OPERATIONS
-from truepose_simulators.instruments.json_requests import carry_out
 from truepose_simulators.physics.rigid import apply
 
 SLOW = SpeedLimits(tool_mm_s=20.0, orientation_rad_s=0.05)

@@ -7,8 +7,7 @@ import pytest
 from tests.helpers.checkout import CHECKOUT
 from truepose_simulators.errors import ScenarioError
 from truepose_simulators.faults.file import read_faults
-from truepose_simulators.faults.kinds import KINDS, BeamBroken, EmergencyStop, SmrMissing
-from truepose_simulators.faults.links import LinkCut
+from truepose_simulators.faults.kinds import KINDS, BeamBroken, EmergencyStop, LinkCut, SmrMissing
 from truepose_simulators.scenarios.file import load_scenario
 
 IRB120 = load_scenario("irb120-clean")

@@ -7,13 +7,13 @@ from truepose_simulators.faults.kinds import (
     BallbarZeroJumps,
     BeamBroken,
     EmergencyStop,
+    LinkCut,
     RobotHangs,
     TrackerBlinded,
     TrackerDrifts,
     TripodKicked,
     WrongCup,
 )
-from truepose_simulators.faults.links import LinkCut
 from truepose_simulators.faults.scripted import Faults
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 
 from truepose_simulators.cell.robot import SpeedLimits
-from truepose_simulators.instruments.ballbars.accuracy import BallbarSetup
+from truepose_simulators.instruments.accuracy import BallbarSetup
 
 FAST = SpeedLimits(tool_mm_s=1e6, orientation_rad_s=1e6)
 # The LR Mate holds the ball of nest 1 at corners 300 mm apart, then stands above them.

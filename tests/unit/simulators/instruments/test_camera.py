@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from truepose_drivers.ndi_polaris.protocol import (
     OKAY,
-    Damaged,
+    DamagedRequest,
     PortStatus,
     Request,
     Text,
@@ -21,15 +21,14 @@ from truepose_drivers.ndi_polaris.protocol import (
     error_code,
     page_writes,
 )
-from truepose_simulators.cell.clock import CellClock
+from truepose_simulators.cell.environment import CellClock
 from truepose_simulators.cell.robot import SpeedLimits
 from truepose_simulators.cell.true_cell import Cell
 from truepose_simulators.errors import ScenarioError
-from truepose_simulators.faults.kinds import TrackerBlinded
-from truepose_simulators.faults.wire import CameraFrozen
-from truepose_simulators.instruments.camera.accuracy import CameraSetup
-from truepose_simulators.instruments.camera.device import Camera
-from truepose_simulators.instruments.camera.ndi_polaris import Polaris, _Client
+from truepose_simulators.faults.kinds import CameraFrozen, TrackerBlinded
+from truepose_simulators.instruments.accuracy import CameraSetup
+from truepose_simulators.instruments.camera import Camera
+from truepose_simulators.instruments.ndi_polaris import Polaris, _Client
 from truepose_simulators.physics.rigid import from_quaternion, inverse, move
 from truepose_simulators.scenarios.file import load_scenario
 
@@ -313,7 +312,8 @@ async def test_whatever_is_asked_is_answered(asked):
 
 
 @pytest.mark.parametrize(
-    ("damaged", "code"), [(Damaged(), 0x01), (Damaged(checksum=True), 0x04), (Damaged(too_long=True), 0x02)]
+    ("damaged", "code"),
+    [(DamagedRequest(), 0x01), (DamagedRequest(checksum=True), 0x04), (DamagedRequest(too_long=True), 0x02)],
 )
 async def test_damaged_requests_are_refused(damaged, code):
     dialogue = Dialogue(cell_of())

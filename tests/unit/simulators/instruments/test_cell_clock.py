@@ -3,12 +3,12 @@ import json
 import pytest
 
 from truepose_drivers.cell_clock.protocol import encode
-from truepose_simulators.cell.clock import CellClock
-from truepose_simulators.instruments.cell_clock import answer
+from truepose_simulators.cell.environment import CellClock
+from truepose_simulators.instruments.cell_endpoints import answer_clock
 
 
 async def ask(clock, line):
-    return json.loads(encode(await answer(line, clock)))
+    return json.loads(encode(await answer_clock(line, clock)))
 
 
 async def test_sleeping_lets_cell_time_go_by_for_everybody():

@@ -5,7 +5,7 @@ import json
 import pytest
 
 from tests.helpers.ballbar.length_sources import FakeHands
-from truepose_simulators.instruments.hands_endpoint import hands_endpoint
+from truepose_simulators.instruments.cell_endpoints import hands_endpoint
 
 
 class FakeStream:

@@ -6,7 +6,7 @@ from tests.helpers.ballbar.length_sources import FakeBar, electronics
 from truepose_drivers.heidenhain_nd.protocol import RequestReader, encode_reply
 from truepose_simulators.faults.kinds import BallbarTooFast
 from truepose_simulators.faults.scripted import Faults
-from truepose_simulators.instruments.ballbars.nd28x import Counter, nd28x_endpoint
+from truepose_simulators.instruments.gauges.nd28x import Counter, nd28x_endpoint
 
 NO_SIGNAL = b"\x02SIGNAL ERROR \r\n"
 ACK, NAK = b"\x06", b"\x15"

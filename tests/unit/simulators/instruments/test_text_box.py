@@ -2,7 +2,7 @@
 
 import pytest
 
-from truepose_simulators.instruments.gauges.text_box import Questions
+from truepose_simulators.instruments.gauges.text_boxes import Questions
 
 
 def test_lines_end_with_cr_lf_or_both_and_empty_ones_are_nothing():

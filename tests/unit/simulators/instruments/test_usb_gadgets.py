@@ -5,13 +5,17 @@ import asyncio
 import pytest
 
 from tests.helpers.ballbar.length_sources import FakeBar, electronics
-from truepose_drivers.ballbar_hid.protocol import Rate, decode_rate, decode_reading, encode_rate
-from truepose_drivers.ballbar_hid.report_descriptor import report_descriptor
-from truepose_drivers.usb.protocol.control import Setup
-from truepose_drivers.usb.protocol.descriptors import decode_configuration, decode_device
-from truepose_simulators.instruments.ballbars.ballbar_hid import HidBallbarGadget
-from truepose_simulators.instruments.ballbars.usb_gadget import StallError
-from truepose_simulators.instruments.ballbars.usb_itn import UsbItnGadget
+from truepose_drivers.ballbar_hid.protocol import (
+    Rate,
+    decode_rate,
+    decode_reading,
+    encode_rate,
+    report_descriptor,
+)
+from truepose_drivers.usb.protocol import Setup, decode_configuration, decode_device
+from truepose_simulators.instruments.gauges.ballbar_hid import HidBallbarGadget
+from truepose_simulators.instruments.gauges.usb_itn import UsbItnGadget
+from truepose_simulators.instruments.gauges.usbip import StallError
 
 GADGETS = pytest.mark.parametrize("kind", [HidBallbarGadget, UsbItnGadget])
 SET_RATE = Setup(0x21, 9, 0x0303, 0, 4)

@@ -3,11 +3,10 @@ import pytest
 
 from tests.helpers.reference import reference
 from tests.unit.simulators.physics.dh_modified import MASSES, NOMINAL, frames, rotate, shift, torques
-from truepose_simulators.cell.clock import CellClock
+from truepose_simulators.cell.environment import CellClock
 from truepose_simulators.cell.robot import nominal_flange
 from truepose_simulators.cell.true_cell import Cell
-from truepose_simulators.physics.arm import CarriedMass
-from truepose_simulators.physics.chain import place_bodies
+from truepose_simulators.physics.arm import CarriedMass, place_bodies
 from truepose_simulators.physics.loads import gravity_torques, place_masses
 from truepose_simulators.physics.robots import ARMS
 from truepose_simulators.recording.nominal_tables import NOMINAL_TABLES

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from truepose_simulators.physics.contacts import Flat, Ranged, Round, Seen
+from truepose_simulators.physics.contacts import BallAtSensor, Plane, PlaneAtSensor, Sphere
 from truepose_simulators.physics.rigid import motion, move, placed, rotation
 
 RNG = np.random.default_rng(4)
@@ -14,7 +14,7 @@ CENTRE = np.array([400.0, -50.0, 120.0])
 
 
 def test_a_sphere_is_as_far_as_its_centre_less_the_zero():
-    read = Round(CENTRE, 15.7).read_mm(FRAMES, NESTS)
+    read = Sphere(CENTRE, 15.7).read_mm(FRAMES, NESTS)
 
     assert read[:, 0] == pytest.approx(np.sqrt(((PLACES - CENTRE) ** 2).sum(axis=1)) - 15.7, abs=1e-9)
 
@@ -22,7 +22,7 @@ def test_a_sphere_is_as_far_as_its_centre_less_the_zero():
 def test_a_face_reads_the_distance_along_its_normal():
     axes = rotation(np.array([0.3, -0.2, 0.9]))
 
-    read = Flat(motion(CENTRE, axes)).read_mm(FRAMES, NESTS)
+    read = Plane(motion(CENTRE, axes)).read_mm(FRAMES, NESTS)
 
     assert read[:, 0] == pytest.approx((PLACES - CENTRE) @ axes[:, 2], abs=1e-9)
 
@@ -30,7 +30,7 @@ def test_a_face_reads_the_distance_along_its_normal():
 def test_a_sensor_reads_the_ball_along_the_axes_that_the_tool_carries():
     sensor = rotation(np.array([0.1, 0.4, -0.2]))
 
-    read = Seen(CENTRE, sensor).read_mm(FRAMES, NESTS)
+    read = BallAtSensor(CENTRE, sensor).read_mm(FRAMES, NESTS)
 
     for axis in range(3):
         along = FRAMES[:, :3, :3] @ sensor[:, axis]
@@ -40,7 +40,7 @@ def test_a_sensor_reads_the_ball_along_the_axes_that_the_tool_carries():
 def test_a_beam_ends_where_it_meets_the_plane():
     axes, sensor = rotation(np.array([0.3, -0.2, 0.9])), rotation(np.array([0.1, 0.4, -0.2]))
 
-    read = Ranged(motion(CENTRE, axes), sensor).read_mm(FRAMES, NESTS)
+    read = PlaneAtSensor(motion(CENTRE, axes), sensor).read_mm(FRAMES, NESTS)
 
     met = PLACES + read * (FRAMES[:, :3, :3] @ sensor[:, 2])
     assert (met - CENTRE) @ axes[:, 2] == pytest.approx(np.zeros(6), abs=1e-9)

@@ -2,10 +2,9 @@ import numpy as np
 import pytest
 
 from tests.unit.simulators.physics.circumstances import stops
-from truepose_simulators.physics.chain import place_bodies
+from truepose_simulators.physics.arm import place_bodies
 from truepose_simulators.physics.effects import Deflection
-from truepose_simulators.physics.equilibrium import NoEquilibriumError, find_rest
-from truepose_simulators.physics.plant import Plant
+from truepose_simulators.physics.plant import NoEquilibriumError, Plant, find_rest
 from truepose_simulators.physics.rigid import move
 
 NESTS_MM = np.array([[0.0, 0.0, 125.0], [75.0, 93.675, 215.0], [150.0, 0.0, 125.0]])

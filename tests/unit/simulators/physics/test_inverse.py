@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from truepose_simulators.cell.robot import nominal_flange
-from truepose_simulators.physics.inverse import UnreachableError, reach
+from truepose_simulators.instruments.robot.kinematics import UnreachableError, reach
 from truepose_simulators.physics.rigid import motion
 from truepose_simulators.physics.robots import ARMS
 

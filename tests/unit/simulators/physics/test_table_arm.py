@@ -3,7 +3,7 @@ import pytest
 
 from tests.unit.simulators.physics.dh_modified import MASSES, NOMINAL, frames, rotate, shift, torques
 from truepose_simulators.cell.robot import nominal_flange
-from truepose_simulators.physics.chain import link_motions, place_bodies
+from truepose_simulators.physics.arm import link_motions, place_bodies
 from truepose_simulators.physics.loads import gravity_torques, place_masses
 from truepose_simulators.physics.robots import ARMS
 from truepose_simulators.physics.table_arm import (

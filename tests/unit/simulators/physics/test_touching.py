@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from truepose_simulators.physics.touching import (
+from truepose_simulators.physics.contacts import (
     ball_on_gauge_mm,
     probe_on_plane_mm,
     probe_on_sphere_mm,

@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from truepose_simulators.cell.clock import CellClock
+from truepose_simulators.cell.environment import CellClock
 from truepose_simulators.cell.robot import SpeedLimits
 from truepose_simulators.cell.true_cell import Cell
 from truepose_simulators.errors import ScenarioError
-from truepose_simulators.instruments.ballbars.accuracy import BallbarSetup
+from truepose_simulators.instruments.accuracy import BallbarSetup
 from truepose_simulators.physics.effects import PlantedChange
 from truepose_simulators.recording import Wishes
 from truepose_simulators.recording.__main__ import main

@@ -5,7 +5,7 @@ import pytest
 
 from truepose_simulators.errors import ScenarioError
 from truepose_simulators.physics.effects import PlantedChange
-from truepose_simulators.physics.registration import register
+from truepose_simulators.physics.rigid import register
 from truepose_simulators.recording import NoStopsError, Wishes, record
 from truepose_simulators.scenarios.file import load_scenario
 from truepose_simulators.scenarios.scenario import ToolSetup

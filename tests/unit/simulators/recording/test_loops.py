@@ -11,8 +11,8 @@ from truepose_simulators.cell.robot import nominal_flange
 from truepose_simulators.errors import ScenarioError
 from truepose_simulators.physics.rigid import move
 from truepose_simulators.recording.__main__ import main
-from truepose_simulators.recording.loops.campaign import LoopWishes, record_loop
-from truepose_simulators.recording.loops.loops import LOOPS
+from truepose_simulators.recording.closed_loop_campaign import LoopWishes, record_loop
+from truepose_simulators.recording.closed_loops import LOOPS
 from truepose_simulators.recording.plan import Wishes
 from truepose_simulators.scenarios.file import load_scenario
 

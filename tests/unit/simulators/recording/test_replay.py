@@ -7,8 +7,8 @@ import pytest
 from tests.unit.simulators.model_documents import model_document
 from truepose_simulators.errors import ReplayError
 from truepose_simulators.recording.__main__ import main
-from truepose_simulators.recording.replaying.measured_table import MeasuredTable, read_table
-from truepose_simulators.recording.stated_noise import draw_noise, stated_covariance
+from truepose_simulators.recording.measured_campaign import MeasuredTable, read_table
+from truepose_simulators.recording.replay import draw_noise, stated_covariance
 
 ROW = {
     "config": 1,

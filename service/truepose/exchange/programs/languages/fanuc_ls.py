@@ -10,7 +10,6 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Final
 
-from truepose.domain.sentences import Sentence, said
 from truepose.exchange.programs.draft import ARC, CHOSEN, COMPUTED, DISPLACED, ELSEWHERE, RELATIVE, Draft
 from truepose.exchange.programs.forms import degrees_of_joints, millimetres, turns_in_degrees
 from truepose.exchange.programs.program import (
@@ -21,9 +20,10 @@ from truepose.exchange.programs.program import (
     Path,
     Pose,
     ProgramTarget,
+    Source,
     Written,
 )
-from truepose.exchange.programs.source import Source
+from truepose.messages.message import Message, message
 
 _DECIMALS: Final = 3
 _POSITION: Final = millimetres(_DECIMALS)
@@ -54,8 +54,8 @@ _PATHS: Final[Mapping[str, Path]] = {"J": "joints", "L": "line"}
 _DISPLACED: Final = (
     (re.compile(r"\bINC\b"), RELATIVE),
     (re.compile(r"\b(?:V?OFFSET|TOOL_OFFSET)\b", re.IGNORECASE), DISPLACED),
-    (re.compile(r"\bCOORD\b"), said("left.work_moves")),
-    (re.compile(r"\bSEARCH\b", re.IGNORECASE), said("left.search")),
+    (re.compile(r"\bCOORD\b"), message("left.work_moves")),
+    (re.compile(r"\bSEARCH\b", re.IGNORECASE), message("left.search")),
 )
 
 
@@ -110,29 +110,29 @@ class _Positions:
         spans = {int(group[1]): (group.end(), stop) for group, stop in _with_ends(groups, end)}
         line = self._source.line(found.start())
         if 1 not in spans:
-            self._draft.leave(line, name, said("left.no_first_group"), moves=False)
+            self._draft.leave(line, name, message("left.no_first_group"), moves=False)
             return
         others = [number for group, span in spans.items() if group > 1 for number in self._numbers(*span)]
         target = self._target(name, line, spans[1], others)
-        if isinstance(target, Sentence):
+        if isinstance(target, Message):
             self._draft.leave(line, name, target, moves=False)
         else:
             self._targets[int(found["number"])] = self._draft.add(target)
 
     def _target(
         self, name: str, line: int, span: tuple[int, int], others: list[tuple[str, Number, str]]
-    ) -> ProgramTarget | Sentence:
+    ) -> ProgramTarget | Message:
         if any(key == "X" for key, _, _ in others):
-            return said("left.second_arm")
+            return message("left.second_arm")
         if "*" in self._source.text[slice(*span)]:
-            return said("left.never_taught")
+            return message("left.never_taught")
         read = {key: (number, unit) for key, number, unit in self._numbers(*span)}
         external = [number for key, (number, _) in read.items() if key.startswith("E")]
         kept = tuple(number.value for number in (*external, *(number for _, number, _ in others)))
         if "J1" in read:
             joints = [entry for key, entry in read.items() if key.startswith("J")]
             if any(unit != "deg" for _, unit in joints):
-                return said("left.length")
+                return message("left.length")
             written = Written(tuple(number for number, _ in joints), _JOINTS)
             return ProgramTarget(name, line, Configuration(written.read()), (written,), external=kept)
         absent = [key for key in _POSE if key not in read]
@@ -202,7 +202,7 @@ class _Statement:
         if motion["kind"] not in _PATHS:
             reason = ARC
         elif motion["register"] == "PR":
-            reason = said("left.register")
+            reason = message("left.register")
         elif which is None:
             reason = CHOSEN
         elif int(which[1]) not in self._targets:
@@ -212,7 +212,7 @@ class _Statement:
         else:
             self._draft.visit(self._line, self._known(int(which[1])), _PATHS[motion["kind"]])
 
-    def _leave(self, reason: Sentence, *, moves: bool) -> None:
+    def _leave(self, reason: Message, *, moves: bool) -> None:
         self._draft.leave(self._line, self._shown, reason, self._points(), moves=moves)
 
     def _points(self) -> tuple[int, ...]:

@@ -10,7 +10,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final
 
-from truepose.domain.sentences import Sentence, said
 from truepose.exchange.programs.draft import ARC, CHOSEN, COMPUTED, DISPLACED, ELSEWHERE, RELATIVE, Draft
 from truepose.exchange.programs.forms import degrees_of_joints, millimetres, turns_in_degrees
 from truepose.exchange.programs.program import (
@@ -22,6 +21,7 @@ from truepose.exchange.programs.program import (
     ProgramTarget,
     Written,
 )
+from truepose.messages.message import Message, message
 
 _POSITION: Final = millimetres(3)
 _ROTATION: Final = turns_in_degrees("fixed xyz", 2)  # two decimals on older controllers, four on newer ones
@@ -37,7 +37,7 @@ _NEXT_ELSEWHERE: Final = re.compile(
     r"(?:\*|JUMP|CALL|IF|ELSE|ENDIF|WHILE|ENDWHILE|FOR|NEXT|SWITCH|CASE|RET|PSTART|TSYNC)"
 )
 _PATHS: Final[Mapping[str, Path]] = {"MOVJ": "joints", "MOVL": "line"}
-_PULSES: Final = said("left.pulses")
+_PULSES: Final = message("left.pulses")
 _N_NUMBERS: Final = 6
 
 
@@ -112,12 +112,12 @@ class _Job:
         name = entry["name"] + entry["number"]
         self._declared.add(key)
         found = _PULSES if self._heads.kind == "PULSE" else self._target(line, name, entry)
-        if isinstance(found, Sentence):
+        if isinstance(found, Message):
             self._draft.leave(line, name, found, moves=False)
         else:
             self._targets[key] = self._draft.add(found)
 
-    def _target(self, line: int, name: str, entry: re.Match[str]) -> ProgramTarget | Sentence:
+    def _target(self, line: int, name: str, entry: re.Match[str]) -> ProgramTarget | Message:
         start, stop = entry.span("values")
         spans = [found.span() for found in _NUMBER.finditer(self._source.text, start, stop)]
         if len(spans) < _N_NUMBERS:
@@ -129,7 +129,7 @@ class _Job:
             joints = Written(held, _JOINTS)
             return ProgramTarget(name, line, Configuration(joints.read()), (joints,), external=kept)
         if kept:
-            return said("left.seven_axes")
+            return message("left.seven_axes")
         position, rotation = Written(held[:3], _POSITION), Written(held[3:], _ROTATION)
         return ProgramTarget(
             name,
@@ -167,14 +167,14 @@ class _Job:
         else:
             self._draft.leave(line, self._shown(text), reason, self._points(motion["rest"]))
 
-    def _reason(self, motion: re.Match[str], key: str) -> Sentence | None:
+    def _reason(self, motion: re.Match[str], key: str) -> Message | None:
         """Say why a motion is left alone."""
         if motion["kind"] == "IMOV":
             return RELATIVE
         if motion["kind"] not in _PATHS:
-            return said("left.another_robot") if motion["kind"].startswith("S") else ARC
+            return message("left.another_robot") if motion["kind"].startswith("S") else ARC
         if motion["plus"]:
-            return said("left.work_moves")
+            return message("left.work_moves")
         if self._shifted:
             return DISPLACED
         if _CHOSEN.search(motion["rest"]):

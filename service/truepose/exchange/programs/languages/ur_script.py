@@ -8,11 +8,19 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Final
 
-from truepose.domain.results.corrections import place
-from truepose.domain.sentences import Sentence, said
-from truepose.exchange.programs.draft import ARC, CHOSEN, COMPUTED, ELSEWHERE, Chosen, Draft
+from truepose.domain.correction import place
+from truepose.exchange.programs.draft import (
+    ARC,
+    CHOSEN,
+    COMPUTED,
+    ELSEWHERE,
+    Chosen,
+    Draft,
+    FramesInUse,
+    Step,
+    set_within,
+)
 from truepose.exchange.programs.forms import JOINT_RADIANS, METRES, ROTATION_VECTOR
-from truepose.exchange.programs.frames_in_use import FramesInUse, Step, set_within
 from truepose.exchange.programs.program import (
     AT_THE_ORIGIN,
     Configuration,
@@ -20,9 +28,9 @@ from truepose.exchange.programs.program import (
     Path,
     Pose,
     ProgramTarget,
+    Source,
     Written,
 )
-from truepose.exchange.programs.source import Source
 from truepose.exchange.programs.tokens import (
     Language,
     Token,
@@ -34,6 +42,7 @@ from truepose.exchange.programs.tokens import (
     statements,
     tokens,
 )
+from truepose.messages.message import Message, message
 
 _LANGUAGE: Final = Language(
     skipped=r"[ \t\f\v]+|#[^\r\n]*|\$[ \t][^\r\n]*",  # `$` begins the lines that PolyScope counts
@@ -42,7 +51,7 @@ _LANGUAGE: Final = Language(
     sign=r"==|<=|>=|!=|.",
 )
 _PATHS: Final[Mapping[str, Path]] = {"movej": "joints", "movel": "line", "movep": "line"}
-_STEERED: Final = said("left.steered")
+_STEERED: Final = message("left.steered")
 _LEFT: Final = {
     "movec": ARC,
     **dict.fromkeys(("servoj", "servol", "servoc", "speedj", "speedl", "freedrive_mode"), _STEERED),
@@ -126,10 +135,10 @@ class _Names:
         for line in lines:
             self._take(line)
 
-    def chosen(self, words: Tokens) -> Chosen | Sentence:
+    def chosen(self, words: Tokens) -> Chosen | Message:
         """Return the targets that an argument can be, or why the motion is left alone."""
         if not words:
-            return said("left.no_target")
+            return message("left.no_target")
         if words[0].text == _INVERSE:
             return self._inverse(words)
         if words[0].text in ("p", "[") and inside(words[words[0].text == "p" :], "[") is not None:
@@ -154,13 +163,13 @@ class _Names:
         value = literal.value if literal else self._draft.value(targets[0]) if len(targets) == 1 else None
         return value if isinstance(value, Pose) else None
 
-    def _inverse(self, words: Tokens) -> Chosen | Sentence:
+    def _inverse(self, words: Tokens) -> Chosen | Message:
         arguments = [_unnamed(part) for part in inside(words[1:], "(") or ()]
         if not arguments or not arguments[0] or arguments[0][0].text == _INVERSE:
             return COMPUTED
         chosen = self.chosen(arguments[0])
         near = self.chosen(arguments[1]) if len(arguments) > 1 and len(arguments[1]) == 1 else COMPUTED
-        if isinstance(chosen, Sentence) or isinstance(near, Sentence):
+        if isinstance(chosen, Message) or isinstance(near, Message):
             return chosen
         value = self._draft.value(near.targets[0])
         return replace(chosen, near_rad=value.joints_rad) if isinstance(value, Configuration) else chosen
@@ -247,7 +256,7 @@ class _Reader:
         given = [_unnamed(part) for part in inside(words[1:], "(") or ()]
         if given:
             line = self._draft.line(words)
-            spoken = said("left.frame_at", frame="set_tcp", place=place(line))
+            spoken = message("left.frame_at", frame="set_tcp", place=place(line))
             frame = Frame(f"set_tcp of line {line}", self._names.pose(given[0]), spoken)
             self._frames.put(_TOOL, frame)
 
@@ -270,7 +279,7 @@ class _Reader:
     def _move(self, path: Path, words: Tokens) -> None:
         arguments = [_unnamed(part) for part in inside(words[1:], "(") or ()]
         chosen = self._names.chosen(arguments[0] if arguments else ())
-        if isinstance(chosen, Sentence):
+        if isinstance(chosen, Message):
             self._leave(words, chosen)
             return
         tool = self._frames.of(_TOOL)
@@ -279,7 +288,7 @@ class _Reader:
         if not chosen.told:
             self._leave(words, CHOSEN)
 
-    def _leave(self, words: Tokens, reason: Sentence) -> None:
+    def _leave(self, words: Tokens, reason: Message) -> None:
         serving = self._names.targets_in(words)
         self._draft.leave(self._draft.line(words), self._draft.shown(words), reason, serving)
 

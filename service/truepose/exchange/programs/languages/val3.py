@@ -9,9 +9,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Final, TypeAlias
 
-from truepose.domain.sentences import said
 from truepose.exchange.programs.draft import Draft
-from truepose.exchange.programs.forms import JOINT_DEGREES, MILLIMETRES, XYZ_DEGREES
+from truepose.exchange.programs.forms import JOINT_DEGREES, MILLIMETRES, XYZ_DEGREES, placed
 from truepose.exchange.programs.program import (
     AT_THE_ORIGIN,
     Configuration,
@@ -19,10 +18,10 @@ from truepose.exchange.programs.program import (
     Number,
     Pose,
     ProgramTarget,
+    Source,
     Written,
 )
-from truepose.exchange.programs.rotations import placed
-from truepose.exchange.programs.source import Source
+from truepose.messages.message import message
 
 _PIECE: Final = re.compile(
     r"<!--.*?-->|<!\[CDATA\[.*?\]\]>|<\?.*?\?>|<!DOCTYPE[^>]*>"
@@ -98,11 +97,11 @@ class _Reader:
         names = _JOINTS if entry.kind.startswith("joint") else _POSE
         line = self._source.line(entry.at)
         if entry.kind.endswith("Rs"):
-            self._draft.leave(line, entry.name, said("left.four_axes"), moves=False)
+            self._draft.leave(line, entry.name, message("left.four_axes"), moves=False)
             return
         absent = [name for name in names if name not in entry.attributes]
         if absent:
-            reason = said("left.absent", names=", ".join(absent))
+            reason = message("left.absent", names=", ".join(absent))
             self._draft.leave(line, entry.name, reason, moves=False)
             return
         numbers = tuple(self._number(entry.attributes[name]) for name in names)

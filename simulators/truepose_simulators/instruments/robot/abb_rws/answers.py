@@ -1,15 +1,20 @@
-"""What each resource answers, as states or as what it does."""
+"""What each resource answers, and the subscriptions by which a WebSocket is told its changes.
 
+RFC 6455, as far as a server needs it that speaks short texts and listens for the end only.
+"""
+
+import asyncio
+import base64
+import hashlib
 import math
 from collections.abc import Callable, Mapping
+from typing import Final, Protocol
 
 import numpy as np
 
-from truepose_drivers.abb_rws.protocol import resources
-from truepose_drivers.abb_rws.protocol.http import HttpRequest
-from truepose_drivers.abb_rws.protocol.panel import ControllerState
-from truepose_drivers.abb_rws.protocol.rapid import NO_AXIS, number, number_text
-from truepose_drivers.abb_rws.protocol.resources import State
+from truepose_drivers.abb_rws import protocol
+from truepose_drivers.abb_rws.http import HttpRequest, HttpResponse
+from truepose_drivers.abb_rws.protocol import NO_AXIS, ControllerState, State, number, number_text
 from truepose_simulators.cell.robot import nominal_flange
 from truepose_simulators.instruments.robot.abb_rws.controller import (
     ROBOTWARE,
@@ -20,7 +25,7 @@ from truepose_simulators.instruments.robot.abb_rws.controller import (
 from truepose_simulators.physics.rigid import to_quaternion
 
 _SIGNALS = "/rw/iosystem/signals/"
-_TASK = f"{resources.TASKS}/T_ROB1"
+_TASK = f"{protocol.TASKS}/T_ROB1"
 _EXTERNAL_AXES = "abcdef"
 _STAMP = "2026-01-01 T  00:00:00"
 _GRANTED = {"_type": "user-rmmp-poll", "status": "GRANTED"}
@@ -36,31 +41,31 @@ class Answers:
     def __init__(self, controller: AbbController) -> None:
         self._controller = controller
         self._tell: Mapping[str, Callable[[], list[State]]] = {
-            resources.IDENTITY: self._identity,
-            resources.SYSTEM: lambda: [_state("sys-system-li", rwversion=ROBOTWARE, name="Simulated")],
-            resources.ROBOT_TYPE: lambda: [
+            protocol.IDENTITY: self._identity,
+            protocol.SYSTEM: lambda: [_state("sys-system-li", rwversion=ROBOTWARE, name="Simulated")],
+            protocol.ROBOT_TYPE: lambda: [
                 _state("sys-robottype", **{"robot-type": controller.cell.plant.arm.model})
             ],
-            resources.CONTROLLER_STATE: lambda: [_state("pnl-ctrlstate", ctrlstate=controller.state.value)],
-            resources.OPERATION_MODE: lambda: [_state("pnl-opmode", opmode=controller.mode.value)],
-            resources.SPEED_RATIO: lambda: [
+            protocol.CONTROLLER_STATE: lambda: [_state("pnl-ctrlstate", ctrlstate=controller.state.value)],
+            protocol.OPERATION_MODE: lambda: [_state("pnl-opmode", opmode=controller.mode.value)],
+            protocol.SPEED_RATIO: lambda: [
                 _state("pnl-speedratio", speedratio=number_text(controller.speed_percent))
             ],
-            resources.EXECUTION: self._execution,
-            resources.TASKS: self._tasks,
-            resources.JOINT_TARGET: self._joint_target,
-            resources.ROBOT_TARGET: self._robot_target,
-            resources.EVENT_LOG: lambda: [_entry(event) for event in controller.events],
+            protocol.EXECUTION: self._execution,
+            protocol.TASKS: self._tasks,
+            protocol.JOINT_TARGET: self._joint_target,
+            protocol.ROBOT_TARGET: self._robot_target,
+            protocol.EVENT_LOG: lambda: [_entry(event) for event in controller.events],
             "/ctrl/$RAMDISK": lambda: [{"_type": "ctrl-env", "_value": "/RAMDISK"}],
             "/users/rmmp/poll": lambda: [_GRANTED],
-            resources.LOGOUT: lambda: [],
+            protocol.LOGOUT: lambda: [],
         }
         self._do: Mapping[tuple[str, str], Callable[[dict[str, str]], None]] = {
-            (resources.CONTROLLER_STATE, "setctrlstate"): self._switch,
-            (resources.SPEED_RATIO, "setspeedratio"): self._set_speed,
-            (resources.EXECUTION, "start"): lambda form: controller.start(form.get("cycle", "asis")),
-            (resources.EXECUTION, "stop"): lambda form: controller.stop(),
-            (resources.EXECUTION, "resetpp"): lambda form: controller.reset_pointer(),
+            (protocol.CONTROLLER_STATE, "setctrlstate"): self._switch,
+            (protocol.SPEED_RATIO, "setspeedratio"): self._set_speed,
+            (protocol.EXECUTION, "start"): lambda form: controller.start(form.get("cycle", "asis")),
+            (protocol.EXECUTION, "stop"): lambda form: controller.stop(),
+            (protocol.EXECUTION, "resetpp"): lambda form: controller.reset_pointer(),
             (_TASK, "activate"): lambda form: None,
             (_TASK, "deactivate"): lambda form: None,
             ("/users/rmmp", ""): lambda form: None,
@@ -68,8 +73,8 @@ class Answers:
 
     def told(self, path: str) -> list[State]:
         """Return the states of a resource; raises NotFoundError."""
-        if path.startswith(resources.SYMBOL_DATA):
-            return [self._variable(path.removeprefix(resources.SYMBOL_DATA))]
+        if path.startswith(protocol.SYMBOL_DATA):
+            return [self._variable(path.removeprefix(protocol.SYMBOL_DATA))]
         if path.startswith(_SIGNALS):
             value = self._controller.signals.get(path, "0")
             return [_state("ios-signal", name=path.rpartition("/")[2], lvalue=value)]
@@ -80,10 +85,10 @@ class Answers:
     def done(self, request: HttpRequest) -> list[State] | None:
         """Do what a request asks, and return what is told of it; raises RefusedError, RwsProtocolError."""
         path, action = request.path, request.query.get("action", "")
-        if (path, action) == (resources.SYMBOLS, "search-symbols"):
+        if (path, action) == (protocol.SYMBOLS, "search-symbols"):
             return [self._symbol(name) for name in self._controller.task.variables]
-        if path.startswith(resources.SYMBOL_DATA) and action == "set":
-            self._controller.write(path.removeprefix(resources.SYMBOL_DATA), request.form.get("value", ""))
+        if path.startswith(protocol.SYMBOL_DATA) and action == "set":
+            self._controller.write(path.removeprefix(protocol.SYMBOL_DATA), request.form.get("value", ""))
         elif path.startswith(_SIGNALS) and action == "set":
             self._controller.signals[path] = request.form.get("lvalue", "0")
         elif (path, action) in self._do:
@@ -164,3 +169,113 @@ def _entry(event: Event) -> State:
     told = {"msgtype": str(event.kind), "code": str(event.code), "tstamp": _STAMP, "argc": "0"}
     told |= {"title": event.title, "desc": event.description, "conseqs": "", "causes": "", "actions": ""}
     return {"_type": "elog-message-li", "_title": f"/rw/elog/0/{event.number}", **told}
+
+
+POLL: Final = "/poll/"
+_SUB_PROTOCOL: Final = "robapi2_subscription"
+_GUID: Final = "258EAFA5-E914-47DA-95CA-C5AB0DC85B11"
+_LOOK_S: Final = 0.05  # wall time: who listens knows no other
+_TEXT_FRAME, _SHORT, _LENGTH_16 = 0x81, 125, 126
+_CHUNK_BYTES: Final = 4096
+
+# Of a subscribed path: class of its events, and of the value in them.
+_CLASSES: Final[Mapping[str, tuple[str, str]]] = {
+    protocol.CONTROLLER_STATE: ("pnl-ctrlstate-ev", "ctrlstate"),
+    protocol.OPERATION_MODE: ("pnl-opmode-ev", "opmode"),
+    protocol.EXECUTION: ("rap-ctrlexecstate-ev", "ctrlexecstate"),
+    protocol.SYMBOL_DATA: ("rap-data", "value"),
+    "/rw/iosystem/signals/": ("ios-signalstate-ev", "lvalue"),
+}
+
+
+class Writer(Protocol):
+    """What is needed of a stream."""
+
+    def write(self, data: bytes) -> None:
+        """Hand over `data`."""
+
+    async def drain(self) -> None:
+        """Wait until it is gone."""
+
+
+class Subscriptions:
+    """All subscriptions of one controller's clients."""
+
+    def __init__(self, answers: Answers) -> None:
+        self._answers = answers
+        self._resources: list[list[str]] = []
+
+    def add(self, request: HttpRequest) -> HttpResponse:
+        """Note what a client wants to be told; raises NotFoundError, RwsProtocolError."""
+        wanted = [value for name, value in request.form.items() if name.isdigit()]
+        for resource in wanted:
+            self._value(resource)
+        self._resources.append(wanted)
+        at = f"ws://{request.headers['host']}{POLL}{len(self._resources)}"
+        headers = (("location", at), ("content-type", "application/xhtml+xml"))
+        return HttpResponse(201, headers, f'<a href="{at}" rel="self"></a>'.encode())
+
+    def handshake(self, request: HttpRequest) -> HttpResponse:
+        """Return the answer to a client that comes to listen; raises NotFoundError."""
+        key = request.headers.get("sec-websocket-key")
+        if key is None:
+            raise NotFoundError("this is a place for WebSockets")
+        digest = hashlib.sha1((key + _GUID).encode(), usedforsecurity=False).digest()
+        headers = {
+            "upgrade": "websocket",
+            "connection": "Upgrade",
+            "sec-websocket-accept": base64.b64encode(digest).decode(),
+            "sec-websocket-protocol": _SUB_PROTOCOL,
+        }
+        return HttpResponse(101, tuple(headers.items()))
+
+    async def tell(self, path: str, reader: asyncio.StreamReader, writer: Writer) -> None:
+        """Tell every change of what was subscribed until the client says or does that it goes."""
+        number = path.removeprefix(POLL)
+        wanted = self._resources[int(number) - 1] if number.isdigit() else []
+        told = {resource: self._value(resource) for resource in wanted}
+        leaving = asyncio.ensure_future(reader.read(_CHUNK_BYTES))
+        try:
+            while not leaving.done():
+                for resource in wanted:
+                    value = self._value(resource)
+                    if value != told[resource]:
+                        told[resource] = value
+                        writer.write(text_frame(_event(resource, value)))
+                await writer.drain()
+                await asyncio.wait({leaving}, timeout=_LOOK_S)
+            await leaving
+        finally:
+            leaving.cancel()
+
+    def _value(self, resource: str) -> str:
+        path = resource.partition(";")[0]
+        states = self._answers.told(path)
+        return str(states[0].get(_classes(path)[1], ""))
+
+
+def switching(response: HttpResponse) -> bytes:
+    """Return the bytes by which HTTP ends on a connection and WebSocket begins."""
+    lines = ["HTTP/1.1 101 Switching Protocols", *(f"{name}: {value}" for name, value in response.headers)]
+    return "\r\n".join([*lines, "", ""]).encode()
+
+
+def text_frame(text: str) -> bytes:
+    """Return a whole text of a server."""
+    data = text.encode()
+    if len(data) <= _SHORT:
+        return bytes([_TEXT_FRAME, len(data)]) + data
+    return bytes([_TEXT_FRAME, _LENGTH_16]) + len(data).to_bytes(2, "big") + data
+
+
+def _event(resource: str, value: str) -> str:
+    event, name = _classes(resource.partition(";")[0])
+    link = f'<a href="{resource}" rel="self"></a>'
+    return f'<li class="{event}" title="{name}">{link}<span class="{name}">{value}</span></li>'
+
+
+def _classes(path: str) -> tuple[str, str]:
+    found = next((classes for begin, classes in _CLASSES.items() if path.startswith(begin)), None)
+    if found is None:
+        raise NotFoundError(f"{path} cannot be subscribed to")
+    return found

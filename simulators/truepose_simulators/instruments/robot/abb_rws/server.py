@@ -5,21 +5,22 @@ import contextlib
 import itertools
 import secrets
 
-from truepose_drivers.abb_rws.protocol import resources
-from truepose_drivers.abb_rws.protocol.digest import Challenge, Login, challenge_header, is_let_in
-from truepose_drivers.abb_rws.protocol.errors import RwsProtocolError
-from truepose_drivers.abb_rws.protocol.http import HttpRequest, HttpResponse, RequestReader, encode_response
+from truepose_drivers.abb_rws import http, protocol
 from truepose_simulators.cell.true_cell import Cell
-from truepose_simulators.faults.wire import LineStalls
-from truepose_simulators.instruments.ballbars.bad_lines import write_with_stall
-from truepose_simulators.instruments.endpoint import Endpoint
-from truepose_simulators.instruments.robot.abb_rws.answers import Answers, NotFoundError
+from truepose_simulators.faults.kinds import LineStalls
+from truepose_simulators.instruments.endpoint import Endpoint, write_with_stall
+from truepose_simulators.instruments.robot.abb_rws.answers import (
+    POLL,
+    Answers,
+    NotFoundError,
+    Subscriptions,
+    switching,
+)
 from truepose_simulators.instruments.robot.abb_rws.controller import AbbController, RefusedError
-from truepose_simulators.instruments.robot.abb_rws.subscriptions import POLL, Subscriptions, switching
 
 _CHUNK_BYTES = 16_384
 _REALM = "validusers@robapi.abb"
-_LOGIN = Login(resources.USER, resources.PASSWORD)
+_LOGIN = http.Login(protocol.USER, protocol.PASSWORD)
 _MOST_SESSIONS = 70
 _REQUESTS_PER_CONNECTION = 400
 _JSON = ("content-type", "application/json")
@@ -35,25 +36,25 @@ class WebServices:
         self._controller = controller
         self._answers = Answers(controller)
         self.subscriptions = Subscriptions(self._answers)
-        self._challenge = Challenge(_REALM, secrets.token_hex(16))
+        self._challenge = http.Challenge(_REALM, secrets.token_hex(16))
         self._numbers = itertools.count(1)
         self._sessions: set[str] = set()
 
-    def answer(self, request: HttpRequest) -> HttpResponse:
+    def answer(self, request: http.HttpRequest) -> http.HttpResponse:
         """Return what a request is answered with."""
         header = request.headers.get("authorization", "")
-        if not is_let_in(header, self._challenge, _LOGIN, request.method, request.target):
-            return HttpResponse(401, (("www-authenticate", challenge_header(self._challenge)),))
+        if not http.is_let_in(header, self._challenge, _LOGIN, request.method, request.target):
+            return http.HttpResponse(401, (("www-authenticate", http.challenge_header(self._challenge)),))
         number, cookies = self._session(request)
         if len(self._sessions) > _MOST_SESSIONS:
             self._sessions.discard(number)
-            return HttpResponse(503)
-        if request.path == resources.LOGOUT:
+            return http.HttpResponse(503)
+        if request.path == protocol.LOGOUT:
             self._sessions.discard(number)
         answered = self._answer(request)
-        return HttpResponse(answered.status, (*answered.headers, *cookies), answered.body)
+        return http.HttpResponse(answered.status, (*answered.headers, *cookies), answered.body)
 
-    def _session(self, request: HttpRequest) -> tuple[str, tuple[tuple[str, str], ...]]:
+    def _session(self, request: http.HttpRequest) -> tuple[str, tuple[tuple[str, str], ...]]:
         """Return the number of the session, and its cookies where it is new."""
         sent = request.headers.get("cookie", "").split(";")
         known = {cookie.strip().removeprefix("ABBCX=") for cookie in sent} & self._sessions
@@ -64,7 +65,7 @@ class WebServices:
         texts = (f"-http-session-={number}::http.session::{secrets.token_hex(8)}", f"ABBCX={number}")
         return number, tuple(("set-cookie", f"{text}; path=/; httponly") for text in texts)
 
-    def _answer(self, request: HttpRequest) -> HttpResponse:
+    def _answer(self, request: http.HttpRequest) -> http.HttpResponse:
         try:
             if request.path.startswith(_FILES):
                 return self._file(request)
@@ -73,28 +74,28 @@ class WebServices:
             if (request.method, request.path) == ("POST", "/subscription"):
                 return self.subscriptions.add(request)
             if request.method == "GET":
-                told = resources.encode_states(request.path, self._answers.told(request.path))
-                return HttpResponse(200, (_JSON,), told)
+                told = protocol.encode_states(request.path, self._answers.told(request.path))
+                return http.HttpResponse(200, (_JSON,), told)
             done = self._answers.done(request)
         except NotFoundError as error:
-            return HttpResponse(404, (_JSON,), resources.encode_error(_NOT_FOUND, str(error)))
-        except (RefusedError, RwsProtocolError, OverflowError) as error:
-            return HttpResponse(400, (_JSON,), resources.encode_error(_NOT_ALLOWED, str(error)))
+            return http.HttpResponse(404, (_JSON,), protocol.encode_error(_NOT_FOUND, str(error)))
+        except (RefusedError, http.RwsProtocolError, OverflowError) as error:
+            return http.HttpResponse(400, (_JSON,), protocol.encode_error(_NOT_ALLOWED, str(error)))
         if done is None:
-            return HttpResponse(204)
-        return HttpResponse(200, (_JSON,), resources.encode_states(request.path, done))
+            return http.HttpResponse(204)
+        return http.HttpResponse(200, (_JSON,), protocol.encode_states(request.path, done))
 
-    def _file(self, request: HttpRequest) -> HttpResponse:
+    def _file(self, request: http.HttpRequest) -> http.HttpResponse:
         files, name = self._controller.files, request.path.removeprefix(_FILES)
         if request.method == "PUT":
             files[name] = request.body
-            return HttpResponse(201)
+            return http.HttpResponse(201)
         if name not in files:
             raise NotFoundError(f"there is no file {name}")
         if request.method == "DELETE":
             del files[name]
-            return HttpResponse(204)
-        return HttpResponse(200, (("content-type", "application/octet-stream"),), files[name])
+            return http.HttpResponse(204)
+        return http.HttpResponse(200, (("content-type", "application/octet-stream"),), files[name])
 
 
 def web_endpoint(cell: Cell, controller: AbbController, device: str = "robot") -> Endpoint:
@@ -102,7 +103,7 @@ def web_endpoint(cell: Cell, controller: AbbController, device: str = "robot") -
     services = WebServices(controller)
 
     async def serve(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
-        with contextlib.suppress(RwsProtocolError):  # the server hangs up
+        with contextlib.suppress(http.RwsProtocolError):  # the server hangs up
             await _converse(services, cell, reader, writer)
 
     return Endpoint(device, "rws", serve)
@@ -111,7 +112,7 @@ def web_endpoint(cell: Cell, controller: AbbController, device: str = "robot") -
 async def _converse(
     services: WebServices, cell: Cell, reader: asyncio.StreamReader, writer: asyncio.StreamWriter
 ) -> None:
-    requests, answered = RequestReader(), 0
+    requests, answered = http.RequestReader(), 0
     while answered < _REQUESTS_PER_CONNECTION and (data := await reader.read(_CHUNK_BYTES)):
         requests.receive_data(data)
         while (request := requests.next_message()) is not None:
@@ -121,7 +122,7 @@ async def _converse(
                 writer.write(switching(answer))
                 await services.subscriptions.tell(request.path, reader, writer)
                 return
-            said = encode_response(answer)
+            said = http.encode_response(answer)
             if cell.faults.holds(LineStalls, cell.clock.now_s):
                 await write_with_stall(writer, said)
             else:

@@ -7,15 +7,18 @@ from dataclasses import replace
 import numpy as np
 
 from truepose_drivers.errors import RemoteProtocolError
-from truepose_drivers.fanuc_rmi.protocol import refusals
-from truepose_drivers.fanuc_rmi.protocol.messages import Status, encode_axes, encode_status, reply
-from truepose_drivers.fanuc_rmi.protocol.packets import Kind, Packet
+from truepose_drivers.fanuc_rmi import protocol
+from truepose_drivers.fanuc_rmi.protocol import Kind, Packet, Status, encode_axes, encode_status, reply
 from truepose_simulators.cell.true_cell import Cell
 from truepose_simulators.faults.kinds import ArmStopped
-from truepose_simulators.instruments.robot.fanuc_joints import shown_deg
-from truepose_simulators.instruments.robot.fanuc_rmi.errors import RefusedError
-from truepose_simulators.instruments.robot.fanuc_rmi.frames import Frames, fields_of, six_in
-from truepose_simulators.instruments.robot.fanuc_rmi.registers import Registers
+from truepose_simulators.instruments.robot.fanuc_rmi.registers import (
+    Frames,
+    RefusedError,
+    Registers,
+    fields_of,
+    six_in,
+)
+from truepose_simulators.instruments.robot.kinematics import shown_deg
 from truepose_simulators.physics.rigid import FloatArray
 
 Fields = Mapping[str, object]
@@ -82,13 +85,13 @@ class Controller:
         """Carry out a command and return the reply."""
         carry_out = self._commands.get(request.name)
         if request.kind is not Kind.COMMAND or carry_out is None:
-            return Packet(Kind.COMMAND, "Unknown", {"ErrorID": refusals.UNKNOWN_COMMAND})
+            return Packet(Kind.COMMAND, "Unknown", {"ErrorID": protocol.UNKNOWN_COMMAND})
         try:
             return reply(request, fields=carry_out(request))
         except RefusedError as refusal:
             return reply(request, refusal.error)
         except RemoteProtocolError:
-            return reply(request, refusals.BAD_VALUE)
+            return reply(request, protocol.BAD_VALUE)
 
     def lose_client(self) -> None:
         """Go on with what was sent: nobody said that the session ends."""
@@ -109,17 +112,17 @@ class Controller:
         user = stated.whole("UFrameNumber") if "UFrameNumber" in stated.fields else self.frames.user_number
         tool = stated.whole("UToolNumber") if "UToolNumber" in stated.fields else self.frames.tool_number
         if user not in self.frames.user:
-            raise RefusedError(refusals.BAD_FRAME)
+            raise RefusedError(protocol.BAD_FRAME)
         if tool not in self.frames.tools:
-            raise RefusedError(refusals.BAD_TOOL)
+            raise RefusedError(protocol.BAD_TOOL)
         self.frames.user_number, self.frames.tool_number = user, tool
 
     def _initialize(self, _: Packet) -> Fields:
         if self._stranded:
-            raise RefusedError(refusals.PROGRAM_EXISTS)
+            raise RefusedError(protocol.PROGRAM_EXISTS)
         status = self._status()
         if status.running or status.pendant_on or not status.servo_ready or self.shown_errors:
-            raise RefusedError(refusals.INVALID_STATE)
+            raise RefusedError(protocol.INVALID_STATE)
         sequence = self.status.next_sequence if self._keeps_sequence else 1
         self.status = replace(self.status, running=True, next_sequence=sequence)
         return {"GroupMask": 1}
@@ -133,7 +136,7 @@ class Controller:
 
     def _abort(self, _: Packet) -> Fields:
         if not self.status.running:
-            raise RefusedError(refusals.NOT_RUNNING)
+            raise RefusedError(protocol.NOT_RUNNING)
         self.end()
         return {}
 
@@ -144,7 +147,7 @@ class Controller:
 
     def _pause(self, _: Packet) -> Fields:
         if not self.status.running:
-            raise RefusedError(refusals.NOT_RUNNING)
+            raise RefusedError(protocol.NOT_RUNNING)
         self.on_pause()
         return {}
 
@@ -193,7 +196,7 @@ class Controller:
     def _set_override(self, asked: Packet) -> Fields:
         value = asked.whole("Value")
         if not 1 <= value <= 100:
-            raise RefusedError(refusals.BAD_OVERRIDE)
+            raise RefusedError(protocol.BAD_OVERRIDE)
         self.status = replace(self.status, override_percent=value)
         return {}
 
@@ -215,7 +218,7 @@ class Controller:
     def _known(self, asked: Packet, key: str) -> int:
         number = asked.whole(key)
         if number not in self._taught(key) or number == 0:
-            raise RefusedError(refusals.BAD_FRAME if key == "FrameNumber" else refusals.BAD_TOOL)
+            raise RefusedError(protocol.BAD_FRAME if key == "FrameNumber" else protocol.BAD_TOOL)
         return number
 
     def _taught(self, key: str) -> dict[int, tuple[float, ...]]:

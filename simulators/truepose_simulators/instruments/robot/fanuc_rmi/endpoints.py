@@ -4,23 +4,14 @@ import asyncio
 import contextlib
 
 from truepose_drivers.errors import RemoteProtocolError
-from truepose_drivers.fanuc_rmi.protocol import refusals
-from truepose_drivers.fanuc_rmi.protocol.messages import CONNECT_PORT, Session, reply
-from truepose_drivers.fanuc_rmi.protocol.packets import (
-    Kind,
-    Packet,
-    PacketReader,
-    decode,
-    encode,
-)
-from truepose_drivers.json_lines import JsonLineError, LineReader
+from truepose_drivers.fanuc_rmi import protocol
+from truepose_drivers.framing import JsonLineError, LineReader
 from truepose_simulators.errors import SimulatorError
-from truepose_simulators.faults.wire import LineStalls
-from truepose_simulators.instruments.ballbars.bad_lines import write_with_stall
-from truepose_simulators.instruments.endpoint import Endpoint
+from truepose_simulators.faults.kinds import LineStalls
+from truepose_simulators.instruments.endpoint import Endpoint, write_with_stall
+from truepose_simulators.instruments.robot.clients import one_client_endpoint
 from truepose_simulators.instruments.robot.fanuc_rmi.controller import Controller
 from truepose_simulators.instruments.robot.fanuc_rmi.program import RmiMove
-from truepose_simulators.instruments.robot.one_client import one_client_endpoint
 
 _CHUNK_BYTES = 4096
 _VERSION = {"MajorVersion": 9, "MinorVersion": 0}
@@ -30,7 +21,7 @@ def session_endpoint(controller: Controller, program: RmiMove) -> Endpoint:
     """Build the port where everything but the connecting is said."""
 
     async def attend(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
-        program.tell = lambda packet: writer.write(encode(packet))
+        program.tell = lambda packet: writer.write(protocol.encode(packet))
         try:
             await _Attendance(controller, program, reader, writer).serve()
         finally:
@@ -43,29 +34,29 @@ def connect_endpoint(second: Endpoint) -> Endpoint:
     """Build the port where sessions begin."""
 
     async def serve(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
-        packets = PacketReader()
+        packets = protocol.PacketReader()
         with contextlib.suppress(RemoteProtocolError):  # the controller hangs up
             while data := await reader.read(_CHUNK_BYTES):
                 packets.receive_data(data)
                 while (packet := packets.next_message()) is not None:
-                    writer.write(encode(_welcome(packet, second.port)))
+                    writer.write(protocol.encode(_welcome(packet, second.port)))
                 await writer.drain()
 
     return Endpoint("robot", "rmi", serve)
 
 
-def _welcome(packet: Packet, port: int) -> Packet:
+def _welcome(packet: protocol.Packet, port: int) -> protocol.Packet:
     # Clients of Stream Motion and of ROS 2 say so, and are answered alike.
-    if packet.kind is not Kind.SESSION or not packet.name.startswith(Session.CONNECT):
-        return Packet(Kind.COMMAND, "Unknown", {"ErrorID": refusals.UNKNOWN_COMMAND})
-    return reply(packet, fields={"PortNumber": port or CONNECT_PORT + 1, **_VERSION})
+    if packet.kind is not protocol.Kind.SESSION or not packet.name.startswith(protocol.Session.CONNECT):
+        return protocol.Packet(protocol.Kind.COMMAND, "Unknown", {"ErrorID": protocol.UNKNOWN_COMMAND})
+    return protocol.reply(packet, fields={"PortNumber": port or protocol.CONNECT_PORT + 1, **_VERSION})
 
 
-def _packet(line: bytes) -> Packet:
+def _packet(line: bytes) -> protocol.Packet:
     try:
-        return decode(line)
+        return protocol.decode(line)
     except RemoteProtocolError:
-        return Packet(Kind.COMMAND, "Unknown")
+        return protocol.Packet(protocol.Kind.COMMAND, "Unknown")
 
 
 class _ClientLeavesError(SimulatorError):
@@ -100,20 +91,20 @@ class _Attendance:
         finally:
             self._controller.lose_client()
 
-    async def _take(self, packet: Packet) -> None:
-        if packet.name == Session.DISCONNECT:
+    async def _take(self, packet: protocol.Packet) -> None:
+        if packet.name == protocol.Session.DISCONNECT:
             self._controller.end()
-            await self._say(reply(packet))
+            await self._say(protocol.reply(packet))
             raise _ClientLeavesError
-        if packet.kind is Kind.INSTRUCTION:
+        if packet.kind is protocol.Kind.INSTRUCTION:
             self._program.take(packet)
             await self._writer.drain()
         else:
             await self._say(self._controller.answer(packet))
 
-    async def _say(self, packet: Packet) -> None:
+    async def _say(self, packet: protocol.Packet) -> None:
         if self._controller.cell.faults.holds(LineStalls, self._controller.cell.clock.now_s):
-            await write_with_stall(self._writer, encode(packet))
+            await write_with_stall(self._writer, protocol.encode(packet))
         else:
-            self._writer.write(encode(packet))
+            self._writer.write(protocol.encode(packet))
         await self._writer.drain()

@@ -12,18 +12,20 @@ from itertools import pairwise
 import numpy as np
 
 from truepose_drivers.errors import RemoteProtocolError
-from truepose_drivers.fanuc_rmi.protocol import refusals
-from truepose_drivers.fanuc_rmi.protocol.messages import Session, reply, session
-from truepose_drivers.fanuc_rmi.protocol.packets import Packet
+from truepose_drivers.fanuc_rmi import protocol
+from truepose_drivers.fanuc_rmi.protocol import Packet, Session, reply, session
 from truepose_simulators.cell.robot import SpeedLimits, TargetOutOfRangeError, check_range, nominal_flange
 from truepose_simulators.errors import ArmStoppedError
 from truepose_simulators.faults.kinds import RobotHangs, RobotRefuses
-from truepose_simulators.instruments.robot.fanuc_joints import joints_rad, shown_deg
 from truepose_simulators.instruments.robot.fanuc_rmi.controller import Controller
-from truepose_simulators.instruments.robot.fanuc_rmi.errors import RefusedError
-from truepose_simulators.instruments.robot.fanuc_rmi.frames import six_in
-from truepose_simulators.instruments.robot.straight_line import straight_line
-from truepose_simulators.physics.inverse import UnreachableError, reach
+from truepose_simulators.instruments.robot.fanuc_rmi.registers import RefusedError, six_in
+from truepose_simulators.instruments.robot.kinematics import (
+    UnreachableError,
+    joints_rad,
+    reach,
+    shown_deg,
+    straight_line,
+)
 from truepose_simulators.physics.rigid import FloatArray
 
 _NO_LIMIT = 1e12  # of a speed, in any unit
@@ -67,11 +69,11 @@ class RmiMove:
 
     def _why_not_taken(self, instruction: Packet) -> int:
         if not self._controller.status.running:
-            return refusals.NOT_RUNNING
+            return protocol.NOT_RUNNING
         if self._held:
-            return refusals.IN_HOLD
+            return protocol.IN_HOLD
         if instruction.fields.get("SequenceID") != self._controller.status.next_sequence:
-            return refusals.WRONG_SEQUENCE
+            return protocol.WRONG_SEQUENCE
         return 0
 
     async def _run(self) -> None:
@@ -87,12 +89,12 @@ class RmiMove:
             return reply(instruction, refusal.error)
         except (TargetOutOfRangeError, UnreachableError):
             self._hold(_OUT_OF_REACH)
-            return reply(instruction, refusals.BAD_DESTINATION)
+            return reply(instruction, protocol.BAD_DESTINATION)
         except ArmStoppedError:
             self._hold(_STOPPED)
             return session(Session.SYSTEM_FAULT, SequenceID=instruction.fields["SequenceID"])
         except RemoteProtocolError:
-            return reply(instruction, refusals.BAD_POSITION_DATA)
+            return reply(instruction, protocol.BAD_POSITION_DATA)
         return reply(instruction)
 
     def _hold(self, shown: str) -> None:
@@ -155,7 +157,7 @@ class RmiMove:
             case "FRC_Call" | "FRC_WaitDIN":
                 pass
             case _:
-                raise RefusedError(refusals.UNKNOWN_INSTRUCTION)
+                raise RefusedError(protocol.UNKNOWN_INSTRUCTION)
 
     def _joints_target(self, instruction: Packet) -> FloatArray:
         stated = instruction.part("JointAngle")
@@ -195,7 +197,7 @@ class RmiMove:
         check_range(self._cell.plant.arm, waypoints[-1])
         fault = self._cell.faults.next_move()
         if isinstance(fault, RobotRefuses):
-            raise RefusedError(refusals.BAD_DESTINATION, "MOTN-023 In singularity")
+            raise RefusedError(protocol.BAD_DESTINATION, "MOTN-023 In singularity")
         await self._travel(waypoints, limits)
         if isinstance(fault, RobotHangs):
             await asyncio.Event().wait()
@@ -228,12 +230,12 @@ class RmiMove:
 def _speed(instruction: Packet, unit: str, fastest: float) -> float:
     """Return the speed of a motion; raises RefusedError."""
     if instruction.fields.get("SpeedType") != unit:
-        raise RefusedError(refusals.BAD_SPEED_TYPE)
+        raise RefusedError(protocol.BAD_SPEED_TYPE)
     if instruction.fields.get("TermType") not in _TERM_TYPES:
-        raise RefusedError(refusals.BAD_TERM_TYPE)
+        raise RefusedError(protocol.BAD_TERM_TYPE)
     if "TermValue" in instruction.fields and not 0.0 <= instruction.number("TermValue") <= _PERCENT:
-        raise RefusedError(refusals.BAD_TERM_VALUE)
+        raise RefusedError(protocol.BAD_TERM_VALUE)
     speed = instruction.number("Speed")
     if not 0.0 < speed <= fastest:
-        raise RefusedError(refusals.BAD_SPEED)
+        raise RefusedError(protocol.BAD_SPEED)
     return speed

@@ -5,7 +5,7 @@ from typing import ClassVar
 
 import pytest
 
-from tests.helpers.web.clients import served
+from tests.helpers.web.clients import command, served
 from tests.integration.web.ballbar_bench import BALLBAR, WANTED, Tablet
 from tests.integration.web.ballbar_bench import SESSIONS as BALLBAR_SESSIONS
 from tests.integration.web.bench import CELL, session_request
@@ -34,13 +34,13 @@ class Kind:
 
     def __init__(self, name):
         self.cell = self.cells[name] + BALLBAR
-        self.path = "/api/v1/contact-sessions" if name == "contacts" else "/api/v1/sessions"
+        self.path = "/api/v1/sessions"
         self.wanted = {"tracker": session_request(), "camera": camera.wanted(), "contacts": WIRE}[name]
 
     async def started(self, client):
         """Return the path of a session that asks a person."""
         path = (await client.post(self.path, json=self.wanted)).headers["Location"]
-        assert (await client.post(f"{path}/start")).status_code == 202
+        assert (await command(client, path, "start")).status_code == 200
         return path
 
 
@@ -79,7 +79,7 @@ def switch_off(bench):
 
 async def confirm(client, path, reason=None):
     said = {} if reason is None else {"reason": reason}
-    return await client.post(f"{path}/confirm", json={"person": "Ada", **said})
+    return await command(client, path, "confirm", **said)
 
 
 async def notes(client, path):
@@ -100,7 +100,7 @@ async def test_one_that_was_switched_off_since_takes_a_reason_that_is_kept(clien
         assert_asks_how(await confirm(client, path, nothing))
     assert bench.robot.moves == 0
 
-    assert (await confirm(client, path, IN_ITS_BOX)).status_code == 202
+    assert (await confirm(client, path, IN_ITS_BOX)).status_code == 200
     said = await notes(client, path)
     assert said == [f"Ada says how they know that the ballbar is off: {IN_ITS_BOX}"]
 
@@ -116,7 +116,7 @@ async def test_so_does_it_where_the_service_was_restarted_since(settings, bench,
         assert again.robot.moves == 0
     async with served(settings, again.registry()) as client:
         assert_asks_how(await confirm(client, path))
-        assert (await confirm(client, path, IN_ITS_BOX)).status_code == 202
+        assert (await confirm(client, path, IN_ITS_BOX)).status_code == 200
 
 
 async def test_a_session_that_the_ballbar_had_no_part_in_yet_does_not_vouch_for_it(client, bench, kind):
@@ -133,7 +133,7 @@ async def test_what_was_said_counts_for_the_next_session_until_it_reads_a_length
     switch_off(bench)
     path = await kind.started(client)
     await confirm(client, path, IN_ITS_BOX)
-    await client.post(f"{path}/abort")
+    await command(client, path, "abort")
     await ended(client, path)
     path = await kind.started(client)
 
@@ -153,7 +153,7 @@ async def test_one_that_is_seen_to_come_off_is_asked_about_no_more(client, bench
 
     bench.ballbar.deviation_mm = 5.0
 
-    assert (await confirm(client, path)).status_code == 202
+    assert (await confirm(client, path)).status_code == 200
     assert await notes(client, path) == ["The ballbar was seen to come off."]
 
 
@@ -161,7 +161,7 @@ async def test_nobody_is_asked_where_no_session_left_it_attached(client, bench, 
     switch_off(bench)
     path = await kind.started(client)
 
-    assert (await confirm(client, path)).status_code == 202
+    assert (await confirm(client, path)).status_code == 200
     assert await notes(client, path) == []
 
 

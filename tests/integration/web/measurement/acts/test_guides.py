@@ -5,8 +5,9 @@ import json
 
 import pytest
 
+from tests.helpers.web.clients import command, prompt_id
 from tests.integration.web.bench import session_request
-from truepose.analysis.workers.outlook import ExpectedAccuracy, Outlook
+from truepose.analysis.workers.accuracy_tasks import ExpectedAccuracy, Outlook
 
 ADA = {"person": "Ada Byron", "tablet": "tablet-1"}
 
@@ -14,14 +15,11 @@ ADA = {"person": "Ada Byron", "tablet": "tablet-1"}
 async def planned(client, n=4, **changes):
     reply = await client.post("/api/v1/sessions", json=session_request(n, **changes))
     assert reply.status_code == 201, reply.text
-    return reply.headers["Location"] + "/guide"
+    return reply.headers["Location"]
 
 
 async def press(client, path, act, key=None, **more):
-    body = {"act": act, **ADA, **more}
-    return await client.post(
-        f"{path}/acts", json=body, headers={"Idempotency-Key": key or f"{act}-{more.get('step_id')}"}
-    )
+    return await command(client, path, act, key or f"{act}-{more.get('step_id')}", **ADA, **more)
 
 
 async def pressed(client, path, act, key=None, **more):
@@ -31,7 +29,7 @@ async def pressed(client, path, act, key=None, **more):
 
 
 async def guide(client, path):
-    reply = await client.get(path)
+    reply = await client.get(f"{path}/situation")
     assert reply.status_code == 200, reply.text
     return reply.json()
 
@@ -76,9 +74,8 @@ async def test_a_planned_session_says_what_it_is_and_what_may_be_pressed(client)
     found = await guide(client, await planned(client, warm_up=True))
 
     assert (found["kind"], found["state"], found["warm_up"]) == ("tracker", "planned", True)
-    assert found["acts"] == ["abort", "start"]
+    assert found["commands"] == ["abort", "start"]
     assert found["step"] == {"id": "instruments", "kind": "instruments", "config": None, "nest": None}
-    assert found["configurations"] == [1, 2, 3, 4]
 
 
 async def test_start_asks_and_confirm_moves(client, bench):
@@ -87,9 +84,9 @@ async def test_start_asks_and_confirm_moves(client, bench):
     asked = await pressed(client, path, "start")
 
     assert asked["session"]["state"] == "awaiting_confirmation"
-    assert asked["sentence"] == asked["session"]["question"]
+    assert asked["sentence"] == asked["session"]["prompt"]["message"]
     assert bench.robot.moves == 0
-    await pressed(client, path, "confirm", prompt_id=asked["session"]["prompt_id"])
+    await pressed(client, path, "confirm", prompt_id=asked["session"]["prompt"]["id"])
     assert (await finished(client, path))["progress"]["done"] == 4
 
 
@@ -102,9 +99,9 @@ async def test_a_tap_that_was_long_under_way_lets_nothing_move(client, bench):
     asked = await press(client, path, "start")
 
     late = await press(client, path, "confirm", "k1", pressed_at_s=told_s(asked) - 10)
-    bare = path.removesuffix("/guide")
+    bare = path
     body = {"person": "Ada Byron", "pressed_at_s": told_s(asked) - 10}
-    elsewhere = await client.post(f"{bare}/confirm", json=body)
+    elsewhere = await command(client, bare, "confirm", **body)
 
     for refused in (late, elsewhere):
         assert refused.status_code == 409
@@ -129,8 +126,9 @@ async def test_an_act_that_arrives_again_is_done_once(client, bench, act):
     if act == "confirm":
         await pressed(client, path, "start")
 
-    first = await pressed(client, path, act, key="same")
-    again = await pressed(client, path, act, key="same")
+    asked = {"prompt_id": prompt_id(await guide(client, path))}
+    first = await pressed(client, path, act, key="same", **asked)
+    again = await pressed(client, path, act, key="same", **asked)
 
     assert (first["sentence"], first["entry"]) == (again["sentence"], again["entry"])
 
@@ -176,11 +174,11 @@ async def test_what_is_left_out_counts_no_more_and_what_is_wanted_again_comes_af
     assert left_out["sentence"] == "Configuration 1 is left out."
     assert left_out["session"]["progress"]["skipped"] == 1
     assert "once a person has confirmed" in again["sentence"]
-    readings = f"{path.removesuffix('/guide')}/readings?kind=point&superseded=false"
+    readings = f"{path}/readings?kind=point&superseded=false"
     assert (await client.get(readings)).json() == []
     await pressed(client, path, "resume")
     asked = await until(client, path, lambda found: found["state"] == "awaiting_confirmation")
-    assert asked["configurations"] == [2]
+    assert asked["prompt"]["leads_to"] == [2]
     await pressed(client, path, "confirm", key="once-more")
     await finished(client, path)
     rows = {row["config"]: row for row in (await client.get(f"{path}/sheet")).json()["points"]}
@@ -210,7 +208,7 @@ async def test_stop_has_a_person_confirm_anew(client, bench):
     bench.robot.gate.set()
 
     stopped = await until(client, path, lambda found: found["state"] == "awaiting_confirmation")
-    assert stopped["question"].startswith("Stop was pressed.")
+    assert stopped["prompt"]["message"].startswith("Stop was pressed.")
 
 
 async def test_the_scene_says_what_is_seen(client):
@@ -255,7 +253,7 @@ class TestOutlook:
 
 
 async def test_a_session_with_the_ballbar_is_guided_elsewhere(client, bench):
-    assert (await client.get("/api/v1/sessions/77/guide")).status_code == 404
+    assert (await client.get("/api/v1/sessions/77/situation")).status_code == 404
 
 
 async def test_the_stream_begins_with_the_session(client):

@@ -4,7 +4,7 @@ import asyncio
 
 import pytest
 
-from tests.helpers.web.clients import served
+from tests.helpers.web.clients import command, served
 from tests.integration.web.ballbar_bench import BALLBAR, WANTED, Tablet
 from tests.integration.web.ballbar_bench import SESSIONS as BALLBAR_SESSIONS
 from tests.integration.web.bench import CELL, session_request
@@ -39,8 +39,8 @@ class Service:
             await client.post(SESSIONS, json=session_request())
         self.write(limits)
         async with self.started() as client:
-            await client.post(f"{SESSIONS}/1/start")
-            await client.post(f"{SESSIONS}/1/confirm", json={"person": "Ada"})
+            await command(client, f"{SESSIONS}/1", "start")
+            await command(client, f"{SESSIONS}/1", "confirm")
             await asking(client)(f"{SESSIONS}/1", "state", "finished")
 
 
@@ -57,7 +57,7 @@ async def test_a_planned_session_outside_tightened_limits_does_not_start(service
     service.write(TIGHT)
 
     async with service.started() as client:
-        refused = await client.post(f"{SESSIONS}/1/start")
+        refused = await command(client, f"{SESSIONS}/1", "start")
         session = (await client.get(f"{SESSIONS}/1")).json()
 
     assert refused.status_code == 409
@@ -73,15 +73,15 @@ async def test_an_interrupted_session_is_refused_while_the_limits_are_tight_and_
     async with service.started() as client:
         await client.post(SESSIONS, json=session_request())
         bench.robot.gate.clear()
-        await client.post(f"{SESSIONS}/1/start")
-        await client.post(f"{SESSIONS}/1/confirm", json={"person": "Ada"})
+        await command(client, f"{SESSIONS}/1", "start")
+        await command(client, f"{SESSIONS}/1", "confirm")
         await asyncio.wait_for(bench.robot.sent.wait(), 10)
     bench.robot.gate.set()
     moves = bench.robot.moves
     service.write(TIGHT)
 
     async with service.started() as client:
-        refused = await client.post(f"{SESSIONS}/1/confirm", json={"person": "Ada"})
+        refused = await command(client, f"{SESSIONS}/1", "confirm")
         waiting = (await client.get(f"{SESSIONS}/1")).json()
     assert refused.status_code == 409
     assert "joint 2" in refused.json()["detail"]
@@ -90,7 +90,7 @@ async def test_an_interrupted_session_is_refused_while_the_limits_are_tight_and_
 
     service.write(WIDE)
     async with service.started() as client:
-        await client.post(f"{SESSIONS}/1/confirm", json={"person": "Ada"})
+        await command(client, f"{SESSIONS}/1", "confirm")
         session = await asking(client)(f"{SESSIONS}/1", "state", "finished", "failed", "paused")
     assert (session["state"], session["measured"]) == ("finished", 3)
 
@@ -127,27 +127,27 @@ async def test_configurations_are_added_within_the_limits_of_now(service):
 async def test_a_cell_file_that_has_changed_lets_nothing_move_before_a_restart(service, bench):
     async with service.started() as client:
         await client.post(SESSIONS, json=session_request())
-        await client.post(f"{SESSIONS}/1/start")
+        await command(client, f"{SESSIONS}/1", "start")
         service.write(SLOW)
-        refused = await client.post(f"{SESSIONS}/1/confirm", json={"person": "Ada"})
+        refused = await command(client, f"{SESSIONS}/1", "confirm")
         service.write("this is no TOML")
-        unreadable = await client.post(f"{SESSIONS}/1/confirm", json={"person": "Ada"})
-        ended = await client.post(f"{SESSIONS}/1/abort")
+        unreadable = await command(client, f"{SESSIONS}/1", "confirm")
+        ended = await command(client, f"{SESSIONS}/1", "abort")
 
     assert (refused.status_code, unreadable.status_code) == (409, 409)
     assert "restart the service" in refused.json()["detail"]
     assert "cannot be read any more" in unreadable.json()["detail"]
-    assert ended.status_code == 202
+    assert ended.status_code == 200
     assert bench.robot.moves == 0
 
 
 async def test_a_comment_in_the_cell_file_stops_nobody(service):
     async with service.started() as client:
         await client.post(SESSIONS, json=session_request())
-        await client.post(f"{SESSIONS}/1/start")
+        await command(client, f"{SESSIONS}/1", "start")
         service.write(WIDE + "# checked on Monday\n")
 
-        assert (await client.post(f"{SESSIONS}/1/confirm", json={"person": "Ada"})).status_code == 202
+        assert (await command(client, f"{SESSIONS}/1", "confirm")).status_code == 200
 
 
 async def test_another_robot_than_the_one_planned_for_does_not_move(service):
@@ -157,7 +157,7 @@ async def test_another_robot_than_the_one_planned_for_does_not_move(service):
     service.settings.cell_file.write_text(other)
 
     async with service.started() as client:
-        refused = await client.post(f"{SESSIONS}/1/start")
+        refused = await command(client, f"{SESSIONS}/1", "start")
 
     assert refused.status_code == 409
     assert "planned for the robot ABB IRB 120" in refused.json()["detail"]

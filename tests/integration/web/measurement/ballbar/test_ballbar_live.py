@@ -12,7 +12,7 @@ from tests.integration.web.ballbar_bench import SESSIONS, WANTED, Tablet, with_b
 from tests.integration.web.bench import Bench, FakeBallbar
 from tests.integration.web.listening import listening
 from truepose.app import create_app
-from truepose.web.measurement import live_stream
+from truepose.web.api.sessions import following
 
 
 @pytest.fixture
@@ -160,7 +160,7 @@ async def test_a_session_that_is_not_there_has_no_stream(client):
 
 
 async def test_a_tablet_that_leaves_as_a_sample_comes_is_gone():
-    mailbox = live_stream._Mailbox()
+    mailbox = following._Mailbox()
     taking = asyncio.create_task(mailbox.take())
     await asyncio.sleep(0)
     await asyncio.sleep(0)

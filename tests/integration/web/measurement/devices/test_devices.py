@@ -1,6 +1,6 @@
 """Cells, devices, robots and health over REST."""
 
-from truepose.storage.connection.schema import newest_revision
+from truepose.storage.engine.schema import newest_revision
 
 
 async def test_health_says_version_schema_and_whether_all_is_simulated(client):

@@ -4,11 +4,11 @@ import asyncio
 
 import pytest
 
-from tests.helpers.web.clients import served
+from tests.helpers.web.clients import command, served
 from tests.integration.web.ballbar_bench import BALLBAR, WANTED, Tablet
 from tests.integration.web.ballbar_bench import SESSIONS as BALLBAR_SESSIONS
 from tests.integration.web.bench import CELL, session_request
-from truepose.storage.measurement.sessions import SessionRepository
+from truepose.storage.ledger.sessions import SessionRepository
 
 SESSION = "/api/v1/sessions/1"
 NAMED = CELL.replace('driver = "fake_tracker"', 'driver = "fake_tracker"\nserial_number = "390003"')
@@ -61,10 +61,10 @@ async def test_a_device_that_tells_no_number_is_not_foreign(client, bench):
 async def questioned(client, bench):
     bench.ballbar.dead = True  # nobody has it on the arm
     await client.post("/api/v1/sessions", json=session_request())
-    await client.post(f"{SESSION}/start")
-    await client.post(f"{SESSION}/confirm", json={"person": "Ada"})
+    await command(client, SESSION, "start")
+    await command(client, SESSION, "confirm")
     async with asyncio.timeout(10):
-        while "390003" not in ((found := (await client.get(SESSION)).json())["question"] or ""):
+        while "390003" not in str((found := (await client.get(SESSION)).json())["prompt"]):
             await asyncio.sleep(0.02)
     return found
 
@@ -72,15 +72,15 @@ async def questioned(client, bench):
 async def test_a_session_asks_about_a_tracker_that_the_cell_file_does_not_name(client, until, bench):
     asked = await questioned(client, bench)
     assert asked["state"] == "awaiting_confirmation"
-    assert "42" in asked["question"]
+    assert "42" in asked["prompt"]["message"]
     assert asked["tracker_in_question"]["serial_number"] == "42"
 
-    other = await client.post(f"{SESSION}/confirm", json={"person": "Ada", "accept_serial_number": "43"})
-    accepted = await client.post(f"{SESSION}/confirm", json={"person": "Ada", "accept_serial_number": "42"})
+    other = await command(client, SESSION, "confirm", accept_serial_number="43")
+    accepted = await command(client, SESSION, "confirm", accept_serial_number="42")
     session = await until(SESSION, "state", "finished")
 
     assert other.status_code == 409
-    assert accepted.status_code == 202
+    assert accepted.status_code == 200
     assert {
         "device": "tracker",
         "finding": "accepted",
@@ -97,7 +97,7 @@ async def test_a_session_asks_about_a_tracker_that_the_cell_file_does_not_name(c
 async def test_a_confirmation_without_the_number_asks_again(client, until, bench):
     await questioned(client, bench)
 
-    await client.post(f"{SESSION}/confirm", json={"person": "Ada"})
+    await command(client, SESSION, "confirm")
     session = await until(SESSION, "state", "awaiting_confirmation")
 
     assert "390003" in session["reason"]
@@ -120,10 +120,10 @@ async def test_whoever_polls_never_sees_the_reason_of_another_moment(client, ben
         for _ in range(15):
             await asyncio.sleep(offset_s)
             found = (await client.get(SESSION)).json()
-            seen.append((found["state"], found["reason"], found["question"]))
+            seen.append((found["state"], found["reason"], found["prompt"] and found["prompt"]["message"]))
 
     monkeypatch.setattr(SessionRepository, "get", read_a_while_ago)
-    confirming = client.post(f"{SESSION}/confirm", json={"person": "Ada"})
+    confirming = command(client, SESSION, "confirm")
     await asyncio.gather(confirming, *(poll(0.004 + 0.001 * number) for number in range(6)))
 
     assert {state for state, _, _ in seen} <= {"awaiting_confirmation", "running"}
@@ -171,7 +171,7 @@ async def test_a_session_planned_for_another_robot_does_not_start(settings, benc
     bench.robot.serial = "120-2"
 
     async with served(settings, bench.registry()) as client:
-        tracker = await client.post(f"{SESSION}/start")
+        tracker = await command(client, SESSION, "start")
         ballbar = await Tablet(client, session_id=2).press("start")
 
     for refused in (tracker, ballbar):

@@ -5,11 +5,13 @@ import time
 import httpx
 import pytest
 
+from tests.helpers.web.clients import prompt_id
 from tests.integration.web.bench import Bench, session_request
 from tests.integration.web.listening import listening
 from truepose.app import create_app
 
-CONFIRM, PERSON = "/api/v1/sessions/1/confirm", {"person": "Mallory"}
+SESSION = "/api/v1/sessions/1"
+COMMANDS = f"{SESSION}/commands"
 
 
 @pytest.fixture
@@ -27,11 +29,19 @@ def waiting(settings, bench):
         for device in ("tracker", "robot"):
             client.post(f"/api/v1/devices/{device}/connect").raise_for_status()
         client.post("/api/v1/sessions", json=session_request()).raise_for_status()
-        client.post("/api/v1/sessions/1/start").raise_for_status()
+        commanded(client, "start").raise_for_status()
         end_s = time.monotonic() + 20.0
         while client.get("/api/v1/sessions/1").json()["state"] != "awaiting_confirmation":
             assert time.monotonic() < end_s
         yield client
+
+
+def commanded(client, name, headers=None, person="Ada Byron"):
+    # Who is refused has asked nothing before.
+    asked = None if headers and "Host" in headers else prompt_id(client.get(f"{SESSION}/situation").json())
+    return client.post(
+        COMMANDS, json={"command": name, "person": person, "prompt_id": asked}, headers=headers or {}
+    )
 
 
 def foreign(client):
@@ -53,7 +63,7 @@ def foreign(client):
 
 def test_a_page_of_another_site_confirms_nothing(waiting, bench):
     for headers in foreign(waiting):
-        refused = waiting.post(CONFIRM, json=PERSON, headers=headers)
+        refused = commanded(waiting, "confirm", headers, "Mallory")
         assert refused.status_code in (403, 421), headers
 
     assert waiting.get("/api/v1/sessions/1").json()["state"] == "awaiting_confirmation"
@@ -62,8 +72,8 @@ def test_a_page_of_another_site_confirms_nothing(waiting, bench):
 
 def test_it_stops_and_reads_nothing_either(waiting):
     for headers in foreign(waiting):
-        for path in ("/api/v1/sessions/1/pause", "/api/v1/sessions/1/abort"):
-            assert waiting.post(path, headers=headers).status_code in (403, 421), headers
+        for name in ("pause", "abort"):
+            assert commanded(waiting, name, headers).status_code in (403, 421), headers
     for headers in [entry for entry in foreign(waiting) if "Referer" not in entry]:
         for path in ("/api/v1/sessions/1", "/api/v1/events", "/operator", "/static/tablet/common/tablet.css"):
             assert waiting.get(path, headers=headers).status_code in (403, 421), headers
@@ -74,4 +84,4 @@ def test_it_stops_and_reads_nothing_either(waiting):
 def test_a_person_and_a_script_confirm_as_ever(waiting):
     origin = str(waiting.base_url).rstrip("/")
 
-    assert waiting.post(CONFIRM, json={"person": "Ada Byron"}, headers={"Origin": origin}).is_success
+    assert commanded(waiting, "confirm", {"Origin": origin}).is_success

@@ -2,11 +2,10 @@
 
 import pytest
 
-from truepose.operation.errors import FaultRefusedError
-from truepose.operation.present_cell import PresentCell
-from truepose.operation.simulated_faults import FaultsDesk
-from truepose.sequencing.errors import PersonMissingError
-from truepose.words.catalogue import LANGUAGES, catalogue
+from truepose.messages.catalogue import LANGUAGES, catalogue
+from truepose.sessions.cell import PresentCell
+from truepose.sessions.errors import FaultRefusedError, PersonMissingError
+from truepose.sessions.simulated import FaultsDesk
 from truepose_simulators.faults.kinds import KINDS
 
 WANTED = {"person": "Ada", "kind": "link_cut", "keys": {"device": "robot", "for_s": 8.0}}

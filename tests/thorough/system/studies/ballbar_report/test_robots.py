@@ -15,7 +15,7 @@ from tests.studies.ballbar_report.robots import Outcome, Stated, TrueError, comp
 from tests.studies.ballbar_report.session import record_session, without_noise
 from tests.studies.ballbar_report.work import Extent, robots_of
 from tests.studies.diagnosis_report.recorder import running_recorder
-from truepose.domain.measurement.ballbar import BallbarPlan
+from truepose.domain.ballbar import BallbarPlan
 from truepose.planning.ballbar.plan import plan_at
 from truepose.reports.table_report import Verdict
 from truepose_simulators.recording.ballbars.plan import plan_from

@@ -5,8 +5,7 @@ import pytest
 from tests.helpers.diagnosis.answers import make_diagnosis, make_finding, make_wave
 from tests.studies.diagnosis_report.judging import failed, judge
 from tests.studies.diagnosis_report.planted.planting import Planted
-from truepose.domain.results.causes import Cause
-from truepose.domain.results.diagnosis import Confidence, Remaining, Verdict
+from truepose.domain.diagnosis import Cause, Confidence, Remaining, Verdict
 
 WAVE = Planted(
     "joint_harmonics", "joint 6", 0.03, {"order": 2.0}, right={Cause("joint_harmonics", "joint 6"): 0.03}

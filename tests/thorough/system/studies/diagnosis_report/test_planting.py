@@ -13,7 +13,7 @@ from tests.studies.diagnosis_report.planted.cases import (
     pairs_of,
 )
 from tests.studies.diagnosis_report.planted.planting import scaled, scenario_text
-from truepose.domain.results.causes import Cause
+from truepose.domain.diagnosis import Cause
 
 EVERY = (*REALISTIC, *FOR_INFORMATION, *BARELY_VISIBLE)
 

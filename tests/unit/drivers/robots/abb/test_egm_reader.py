@@ -9,7 +9,7 @@ import pytest
 from truepose_drivers.abb_egm.protocol import Motors, Rapid, RobotFrame, encode_robot
 from truepose_drivers.abb_egm.reader import EgmReader
 from truepose_drivers.api import MotionGuard, MotionLimits, RobotController
-from truepose_drivers.arms.companion import AccompaniedRobot
+from truepose_drivers.arm_motion import AccompaniedRobot
 from truepose_drivers.errors import (
     ConnectFailedError,
     ConnectionLostError,

@@ -6,9 +6,9 @@ from pathlib import Path
 import pytest
 
 from truepose_drivers.abb_egm import reader
-from truepose_drivers.abb_open_abb import heartbeat, protocol
-from truepose_drivers.abb_rws.protocol import program
-from truepose_drivers.abb_rws.protocol.program import Order, Progress, Report
+from truepose_drivers.abb_open_abb import protocol
+from truepose_drivers.abb_rws import protocol as web
+from truepose_drivers.abb_rws.protocol import Order, Progress, Report
 
 DRIVERS = Path(protocol.__file__).parents[1]
 MODULES = {path.stem: path.read_text() for path in DRIVERS.glob("abb_*/controller/*.mod")}
@@ -63,11 +63,11 @@ def test_every_routine_that_is_called_is_there_or_rapids_own(name):
 
 
 def test_the_variables_are_those_that_the_driver_writes_and_reads():
-    assert f"PERS string {program.NAME}:={program.SERVER};" in RWS
-    assert f"PERS num {program.ORDER}{{{len(Order().values())}}}:=" in RWS
-    assert f"PERS num {program.BEAT}:=" in RWS
+    assert f"PERS string {web.NAME}:={web.SERVER};" in RWS
+    assert f"PERS num {web.ORDER}{{{len(Order().values())}}}:=" in RWS
+    assert f"PERS num {web.BEAT}:=" in RWS
     report = Report(Progress.IDLE, Order().values())
-    assert f"PERS num {program.REPORT}{{{1 + len(report.order)}}}:={report.encode()};" in RWS
+    assert f"PERS num {web.REPORT}{{{1 + len(report.order)}}}:={report.encode()};" in RWS
 
 
 def test_the_states_are_those_of_the_driver():
@@ -78,8 +78,8 @@ def test_the_states_are_those_of_the_driver():
 @pytest.mark.parametrize(
     ("text", "silence_s", "beat_s", "stops_within_s"),
     [
-        (RWS, program.SILENCE_S, program.BEAT_S, program.STOPS_WITHIN_S),
-        (SERVER, heartbeat.SILENCE_S, heartbeat.BEAT_S, heartbeat.STOPS_WITHIN_S),
+        (RWS, web.SILENCE_S, web.BEAT_S, web.STOPS_WITHIN_S),
+        (SERVER, protocol.SILENCE_S, protocol.BEAT_S, protocol.STOPS_WITHIN_S),
     ],
 )
 def test_an_arm_that_nobody_hears_is_at_rest_in_time(text, silence_s, beat_s, stops_within_s):
@@ -92,8 +92,8 @@ def test_an_arm_that_nobody_hears_is_at_rest_in_time(text, silence_s, beat_s, st
 
 
 def test_the_watch_over_the_beats_is_that_of_the_driver():
-    assert constant(RWS, "SILENCE_S") == program.SILENCE_S
-    assert constant(RWS, "PATIENCE_S") == program.FIRST_BEAT_S
+    assert constant(RWS, "SILENCE_S") == web.SILENCE_S
+    assert constant(RWS, "PATIENCE_S") == web.FIRST_BEAT_S
 
 
 def test_every_request_of_the_driver_is_served():
@@ -101,7 +101,7 @@ def test_every_request_of_the_driver_is_served():
 
     assert cases == {protocol.Code[name] for name in SERVED}
     assert f'SERVER_NAME:="{protocol.OUR_SERVER}"' in SERVER
-    assert f'BEAT:="{heartbeat.BEAT.decode()}"' in SERVER
+    assert f'BEAT:="{protocol.BEAT.decode()}"' in SERVER
     assert constant(SERVER, "ANGLE_DECIMALS") == protocol.MOST_DECIMALS
     assert constant(SERVER, "SERVER_PORT") == protocol.MOTION_PORT
 

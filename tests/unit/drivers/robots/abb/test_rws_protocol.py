@@ -9,28 +9,35 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.helpers.refusals import assert_refused_at_worst
-from truepose_drivers.abb_rws.protocol import panel, resources
-from truepose_drivers.abb_rws.protocol.digest import (
+from truepose_drivers.abb_rws import protocol
+from truepose_drivers.abb_rws.http import (
+    LONGEST_BODY_BYTES,
     Challenge,
+    HttpRequest,
+    HttpResponse,
     Login,
+    RequestReader,
+    ResponseReader,
+    RwsProtocolError,
     authorization,
     challenge_header,
     decode_challenge,
-    is_let_in,
-)
-from truepose_drivers.abb_rws.protocol.errors import RwsProtocolError
-from truepose_drivers.abb_rws.protocol.http import (
-    LONGEST_BODY_BYTES,
-    HttpRequest,
-    HttpResponse,
-    RequestReader,
-    ResponseReader,
     encode_request,
     encode_response,
     form_body,
+    is_let_in,
 )
-from truepose_drivers.abb_rws.protocol.program import Order, Progress, Report, decode_order, decode_report
-from truepose_drivers.abb_rws.protocol.rapid import array_text, number_text, numbers, single
+from truepose_drivers.abb_rws.protocol import (
+    Order,
+    Progress,
+    Report,
+    array_text,
+    decode_order,
+    decode_report,
+    number_text,
+    numbers,
+    single,
+)
 
 VECTORS = json.loads((Path(__file__).parents[4] / "vectors" / "rws_dialogue.json").read_text())
 LOGIN = Login("Default User", "robotics")
@@ -112,7 +119,7 @@ def test_joints_of_a_controller_are_read_from_any_split_of_the_stream(chunk):
 
     response = one(reader, VECTORS["replies"]["jointtarget"].encode(), chunk)
 
-    assert resources.joint_angles_deg(response) == (-10.12346, 20.5, 0.0, 1.5e-5, 45.0, -123.4567)
+    assert protocol.joint_angles_deg(response) == (-10.12346, 20.5, 0.0, 1.5e-5, 45.0, -123.4567)
     assert response.cookies == {"-http-session-": "8::http.session::d5ae", "ABBCX": "57"}
     assert not reader.inside_message
 
@@ -120,8 +127,8 @@ def test_joints_of_a_controller_are_read_from_any_split_of_the_stream(chunk):
 def test_a_refusal_is_read_with_its_sentence_and_one_without_by_its_status():
     response = one(ResponseReader(), VECTORS["replies"]["refusal"].encode())
 
-    assert (response.status, resources.error_sentence(response)) == (400, "Operation not allowed.")
-    assert resources.error_sentence(HttpResponse(500, (), b"<html>")) == "HTTP status 500"
+    assert (response.status, protocol.error_sentence(response)) == (400, "Operation not allowed.")
+    assert protocol.error_sentence(HttpResponse(500, (), b"<html>")) == "HTTP status 500"
 
 
 def test_what_stands_behind_an_answer_is_seen():
@@ -154,7 +161,7 @@ def test_what_is_no_http_or_has_no_end_is_refused(data):
 def test_any_bytes_are_an_answer_or_refused(data, before):
     response = assert_refused_at_worst(RwsProtocolError, one, ResponseReader(), before + data)
     if response is not None:
-        assert_refused_at_worst(RwsProtocolError, resources.joint_angles_deg, response)
+        assert_refused_at_worst(RwsProtocolError, protocol.joint_angles_deg, response)
 
 
 @pytest.mark.parametrize(
@@ -168,13 +175,13 @@ def test_any_bytes_are_an_answer_or_refused(data, before):
 )  # fmt: skip
 def test_json_without_joints_is_refused(document):
     with pytest.raises(RwsProtocolError):
-        resources.joint_angles_deg(json_response(document))
+        protocol.joint_angles_deg(json_response(document))
 
 
 @pytest.mark.parametrize("body", [b"", b"{", b"[" * 100_000, b"\xff", b"NaN"])
 def test_what_is_no_json_is_refused(body):
     with pytest.raises(RwsProtocolError):
-        resources.joint_angles_deg(HttpResponse(200, (), body))
+        protocol.joint_angles_deg(HttpResponse(200, (), body))
 
 
 @pytest.mark.parametrize("angle", ["nan", "inf", "1_0", "9E9", "3600.5", "", 10.0, None, "1e999"])
@@ -182,24 +189,24 @@ def test_an_angle_that_is_none_is_refused(angle):
     angles = {f"rax_{joint}": "0" for joint in range(1, 7)} | {"rax_4": angle}
 
     with pytest.raises(RwsProtocolError):
-        resources.joint_angles_deg(told(_type="ms-jointtarget", **angles))
+        protocol.joint_angles_deg(told(_type="ms-jointtarget", **angles))
 
 
 def test_the_panel_is_read_in_the_controllers_words():
-    assert panel.controller_state(told(_type="pnl-ctrlstate", ctrlstate="guardstop")) == "guardstop"
-    assert panel.operation_mode(told(_type="pnl-opmode", opmode="MANR")) == "MANR"
-    assert panel.execution(told(_type="rap-execution", ctrlexecstate="running", cycle="once")) == "running"
-    assert panel.speed_percent(told(_type="pnl-speedratio", speedratio="50")) == 50.0
+    assert protocol.controller_state(told(_type="pnl-ctrlstate", ctrlstate="guardstop")) == "guardstop"
+    assert protocol.operation_mode(told(_type="pnl-opmode", opmode="MANR")) == "MANR"
+    assert protocol.execution(told(_type="rap-execution", ctrlexecstate="running", cycle="once")) == "running"
+    assert protocol.speed_percent(told(_type="pnl-speedratio", speedratio="50")) == 50.0
 
 
 @pytest.mark.parametrize(
     ("read", "state"),
     [
-        (panel.controller_state, {"_type": "pnl-ctrlstate", "ctrlstate": "on"}),
-        (panel.controller_state, {"_type": "pnl-ctrlstate"}),
-        (panel.operation_mode, {"_type": "pnl-ctrlstate", "opmode": "AUTO"}),
-        (panel.speed_percent, {"_type": "pnl-speedratio", "speedratio": "101"}),
-        (panel.speed_percent, {"_type": "pnl-speedratio", "speedratio": "-1"}),
+        (protocol.controller_state, {"_type": "pnl-ctrlstate", "ctrlstate": "on"}),
+        (protocol.controller_state, {"_type": "pnl-ctrlstate"}),
+        (protocol.operation_mode, {"_type": "pnl-ctrlstate", "opmode": "AUTO"}),
+        (protocol.speed_percent, {"_type": "pnl-speedratio", "speedratio": "101"}),
+        (protocol.speed_percent, {"_type": "pnl-speedratio", "speedratio": "-1"}),
     ],
 )
 def test_a_state_that_nobody_knows_is_refused(read, state):
@@ -208,13 +215,13 @@ def test_a_state_that_nobody_knows_is_refused(read, state):
 
 
 def test_only_motors_automatic_and_speed_together_let_the_arm_move():
-    ready = panel.Panel(
-        panel.ControllerState.MOTORS_ON, panel.OperationMode.AUTO, panel.Execution.STOPPED, 100.0
+    ready = protocol.Panel(
+        protocol.ControllerState.MOTORS_ON, protocol.OperationMode.AUTO, protocol.Execution.STOPPED, 100.0
     )
     states = [
-        panel.Panel(state, mode, panel.Execution.RUNNING, percent)
-        for state in panel.ControllerState
-        for mode in panel.OperationMode
+        protocol.Panel(state, mode, protocol.Execution.RUNNING, percent)
+        for state in protocol.ControllerState
+        for mode in protocol.OperationMode
         for percent in (0.0, 1.0, 100.0)
     ]
 
@@ -230,8 +237,8 @@ def test_the_newest_event_is_told_whatever_the_order():
         for number in (9, 10, 2)
     ]
 
-    assert resources.last_event(json_response({"_embedded": {"_state": entries}})) == "10 Event 10: x"
-    assert resources.last_event(json_response({"_embedded": {"_state": []}})) == ""
+    assert protocol.last_event(json_response({"_embedded": {"_state": entries}})) == "10 Event 10: x"
+    assert protocol.last_event(json_response({"_embedded": {"_state": []}})) == ""
 
 
 def test_numbers_are_written_as_short_as_a_single_float_allows():

@@ -5,13 +5,16 @@ import json
 
 import pytest
 
-from truepose_drivers.abb_rws.protocol import resources
-from truepose_drivers.abb_rws.protocol.digest import Challenge, Login, challenge_header, is_let_in
-from truepose_drivers.abb_rws.protocol.http import (
+from truepose_drivers.abb_rws import protocol
+from truepose_drivers.abb_rws.http import (
     LONGEST_BODY_BYTES,
+    Challenge,
     HttpResponse,
+    Login,
     RequestReader,
+    challenge_header,
     encode_response,
+    is_let_in,
 )
 from truepose_drivers.abb_rws.session import RwsSession
 from truepose_drivers.errors import ConnectionLostError, DeviceRefusedError, NoReplyError, RemoteProtocolError
@@ -66,7 +69,7 @@ async def opened(server: FakeServer, chunk_bytes: int = 65_536) -> RwsSession:
 
 
 async def joints(session: RwsSession):
-    return await session.get(resources.JOINT_TARGET, resources.joint_angles_deg)
+    return await session.get(protocol.JOINT_TARGET, protocol.joint_angles_deg)
 
 
 async def test_a_challenge_is_answered_once_and_kept_with_counted_requests():
@@ -148,7 +151,7 @@ async def test_silence_is_told_within_two_seconds_and_closes_the_link(said):
     ("status", "body", "match"),
     [
         (404, b"", r"refused GET /rw/motionsystem/.* \(HTTP status 404\)"),
-        (400, resources.encode_error(-1, "Symbol tgt not found"), "Symbol tgt not found"),
+        (400, protocol.encode_error(-1, "Symbol tgt not found"), "Symbol tgt not found"),
         (503, b"", "too many clients, end some"),
     ],
 )

@@ -5,14 +5,16 @@ import math
 
 from truepose_drivers.api import MotionLimits
 from truepose_drivers.fanuc_rmi.driver import RmiRobot, TimeOuts
-from truepose_drivers.fanuc_rmi.protocol.messages import (
+from truepose_drivers.fanuc_rmi.protocol import (
     CONNECT_PORT,
+    Kind,
+    PacketReader,
     Status,
+    encode,
     encode_axes,
     encode_status,
     reply,
 )
-from truepose_drivers.fanuc_rmi.protocol.packets import Kind, PacketReader, encode
 from truepose_drivers.transports.memory import MemoryEnd, MemoryLink
 
 TARGET = tuple(map(math.radians, (10.0, 20.0, -50.0, 1.0, 2.0, 3.0)))

@@ -10,8 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from truepose_drivers.api import MotionLimits
-from truepose_drivers.arms.joint_counting import JointCounting
-from truepose_drivers.arms.pace import Pace
+from truepose_drivers.arm_options import JointCounting, Pace
 
 ROWS = json.loads((Path(__file__).parents[4] / "vectors" / "fanuc_orientations.json").read_text())["rows"]
 ALPHA_DEG = (0.0, -90.0, 0.0, -90.0, 90.0, -90.0)  # of the shipped table of the LR Mate 200iC

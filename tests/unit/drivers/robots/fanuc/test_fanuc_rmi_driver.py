@@ -25,14 +25,14 @@ from truepose_drivers.errors import (
     NotInitialisedError,
     TargetRefusedError,
 )
+from truepose_drivers.fanuc_rmi import protocol
 from truepose_drivers.fanuc_rmi.driver import PLUGIN
-from truepose_drivers.fanuc_rmi.protocol import refusals
-from truepose_drivers.fanuc_rmi.protocol.messages import (
+from truepose_drivers.fanuc_rmi.protocol import (
     Session,
+    encode,
     reply,
     session,
 )
-from truepose_drivers.fanuc_rmi.protocol.packets import encode
 
 pytestmark = pytest.mark.simulated_time
 
@@ -96,7 +96,7 @@ async def test_a_program_that_another_session_left_is_ended_first():
 
 
 async def test_faults_are_reset_only_where_the_controller_cannot_be_initialised_otherwise():
-    fake = FakeController(FRC_Initialize=refusal(refusals.INVALID_STATE))
+    fake = FakeController(FRC_Initialize=refusal(protocol.INVALID_STATE))
 
     def reset(packet):
         del fake.replies["FRC_Initialize"]
@@ -158,7 +158,7 @@ async def test_additional_axes_stay_where_they_are():
 
 
 async def test_a_refused_target_is_named_as_the_pendant_shows_it_and_the_next_one_is_taken():
-    fake = FakeController(FRC_JointMotionJRep=refusal(refusals.BAD_DESTINATION))
+    fake = FakeController(FRC_JointMotionJRep=refusal(protocol.BAD_DESTINATION))
     robot = await connected(fake)
 
     with pytest.raises(TargetRefusedError, match=r"10\.000, 20\.000, 30\.000.*cannot be reached.*SRVO-002"):
@@ -172,7 +172,7 @@ async def test_a_refused_target_is_named_as_the_pendant_shows_it_and_the_next_on
 
 
 async def test_a_controller_on_hold_is_no_refused_target():
-    robot = await connected(FakeController(FRC_JointMotionJRep=refusal(refusals.IN_HOLD)))
+    robot = await connected(FakeController(FRC_JointMotionJRep=refusal(protocol.IN_HOLD)))
 
     with pytest.raises(NotInitialisedError, match="broke off"):
         await robot.move_joints(TARGET)
@@ -263,7 +263,7 @@ async def test_an_abandoned_motion_ends_the_session_and_with_it_the_controllers_
 async def test_joints_that_are_not_told_are_no_reading():
     fake = FakeController()
     robot = await connected(fake)
-    fake.replies["FRC_ReadJointAngles"] = refusal(refusals.INVALID_STATE)
+    fake.replies["FRC_ReadJointAngles"] = refusal(protocol.INVALID_STATE)
 
     with pytest.raises(DeviceRefusedError, match="not ready"):
         await robot.read_joints()

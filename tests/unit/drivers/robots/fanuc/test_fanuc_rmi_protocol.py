@@ -9,16 +9,22 @@ from hypothesis import strategies as st
 
 from tests.helpers.refusals import assert_refused_at_worst
 from truepose_drivers.errors import RemoteProtocolError
-from truepose_drivers.fanuc_rmi.protocol import refusals
-from truepose_drivers.fanuc_rmi.protocol.messages import (
+from truepose_drivers.fanuc_rmi import protocol
+from truepose_drivers.fanuc_rmi.protocol import (
     Command,
     JointMotion,
+    Kind,
+    Packet,
+    PacketReader,
+    RmiProtocolError,
     Session,
     StatedAxes,
     Status,
     command,
+    decode,
     decode_axes,
     decode_status,
+    encode,
     encode_motion,
     encode_status,
     error_of,
@@ -26,14 +32,6 @@ from truepose_drivers.fanuc_rmi.protocol.messages import (
     handed_over,
     reply,
     session,
-)
-from truepose_drivers.fanuc_rmi.protocol.packets import (
-    Kind,
-    Packet,
-    PacketReader,
-    RmiProtocolError,
-    decode,
-    encode,
 )
 
 DIALOGUE = json.loads((Path(__file__).parents[4] / "vectors" / "fanuc_rmi_dialogue.json").read_text())
@@ -88,7 +86,7 @@ def test_replies_say_what_they_mean():
     assert handed_over(REPLIES["connect"]) == (16002, "RMI 9.0")
     assert decode_status(REPLIES["status"]) == Status(True, False, True, False, 7, 10)
     assert decode_axes(REPLIES["joints"]) == StatedAxes(123456, (5.0, -10.5, 20.0, 0.0, 30.0, *(0.0,) * 4))
-    assert error_of(REPLIES["refused"]) == refusals.WRONG_SEQUENCE
+    assert error_of(REPLIES["refused"]) == protocol.WRONG_SEQUENCE
     assert error_texts(REPLIES["errors"]) == ["SRVO-002 Teach pendant E-stop", "MOTN-017 Limit error"]
     assert error_texts(REPLIES["no_errors"]) == []
 
@@ -211,10 +209,10 @@ def test_a_motion_keeps_its_values(axes, percent):
 
 
 def test_refusals_are_said_in_words():
-    assert "out of turn" in refusals.in_words(2_556_957)
-    assert "delete it on the pendant" in refusals.in_words(7015)
-    assert "999" in refusals.in_words(999)
-    assert [refusals.is_of_target(error) for error in (2_556_964, 15_017, 2_556_957, 7015)] == [
+    assert "out of turn" in protocol.in_words(2_556_957)
+    assert "delete it on the pendant" in protocol.in_words(7015)
+    assert "999" in protocol.in_words(999)
+    assert [protocol.is_of_target(error) for error in (2_556_964, 15_017, 2_556_957, 7015)] == [
         True,
         True,
         False,

@@ -19,13 +19,13 @@ from truepose_drivers.errors import (
     RemoteProtocolError,
 )
 from truepose_drivers.fanuc_rmi.driver import RmiRobot
-from truepose_drivers.fanuc_rmi.protocol.messages import (
+from truepose_drivers.fanuc_rmi.protocol import (
     Session,
+    encode,
     encode_axes,
     reply,
     session,
 )
-from truepose_drivers.fanuc_rmi.protocol.packets import encode
 from truepose_drivers.transports.memory import MemoryLink
 
 pytestmark = pytest.mark.simulated_time

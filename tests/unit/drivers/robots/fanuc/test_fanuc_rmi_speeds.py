@@ -17,11 +17,11 @@ from truepose_drivers.errors import (
     DeviceRefusedError,
     TargetRefusedError,
 )
-from truepose_drivers.fanuc_rmi.protocol import refusals
-from truepose_drivers.fanuc_rmi.protocol.messages import (
+from truepose_drivers.fanuc_rmi import protocol
+from truepose_drivers.fanuc_rmi.protocol import (
+    encode,
     reply,
 )
-from truepose_drivers.fanuc_rmi.protocol.packets import encode
 
 pytestmark = pytest.mark.simulated_time
 
@@ -105,7 +105,7 @@ async def test_a_limit_below_the_slowest_share_is_kept_by_a_lower_override_for_s
 
 
 async def test_an_override_that_the_driver_lowered_comes_back_after_a_refusal():
-    fake = FakeController(FRC_JointMotionJRep=refusal(refusals.BAD_POSITION_DATA))
+    fake = FakeController(FRC_JointMotionJRep=refusal(protocol.BAD_POSITION_DATA))
     robot = await connected(fake)
     await robot.set_limits(MotionLimits(1e5, math.radians(2.0)))
 

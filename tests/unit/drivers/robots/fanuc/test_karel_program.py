@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from truepose_drivers.fanuc_mappdk import heartbeat, protocol
+from truepose_drivers.fanuc_mappdk import protocol
 from truepose_drivers.fanuc_mappdk.protocol import Command, Motion, TimedMotion
 
 CONTROLLER = Path(protocol.__file__).parent / "controller"
@@ -40,8 +40,8 @@ def test_the_identity_and_the_greeting_are_those_of_the_codec():
 def test_an_arm_that_nobody_hears_is_at_rest_in_time():
     look_s = int(re.search(r"LOOK_MS = (\d+)", MOTION)[1]) / 1000.0
 
-    assert heartbeat.BEAT_S + look_s < heartbeat.SILENCE_S
-    assert heartbeat.SILENCE_S + 2.0 * look_s < heartbeat.STOPS_WITHIN_S
+    assert protocol.BEAT_S + look_s < protocol.SILENCE_S
+    assert protocol.SILENCE_S + 2.0 * look_s < protocol.STOPS_WITHIN_S
     assert "ABORT_TASK(tp_program, TRUE, TRUE, status)" in code(MOTION)
 
 

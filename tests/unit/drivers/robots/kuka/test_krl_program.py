@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 
 from truepose_drivers import kuka_variable_proxy
-from truepose_drivers.kuka_variable_proxy.protocol import variables
-from truepose_drivers.kuka_variable_proxy.protocol.variables import ProgramState, Variable, encode_state
+from truepose_drivers.kuka_variable_proxy import protocol
+from truepose_drivers.kuka_variable_proxy.protocol import ProgramState, Variable, encode_state
 
 CONTROLLER = Path(kuka_variable_proxy.__file__).parent / "controller"
 SOURCE, DATA = ((CONTROLLER / f"truepose.{kind}").read_text() for kind in ("src", "dat"))
@@ -34,8 +34,8 @@ def test_the_state_has_the_fields_of_the_codec_in_their_order():
 def test_an_arm_that_nobody_hears_is_at_rest_in_time():
     silences = {int(ms) / 1000.0 for ms in re.findall(r"\$TIMER\[20\]=-(\d+)", code(SOURCE))}
 
-    assert silences == {variables.SILENCE_S}
-    assert 3.0 * variables.BEAT_S < variables.SILENCE_S < variables.STOPS_WITHIN_S
+    assert silences == {protocol.SILENCE_S}
+    assert 3.0 * protocol.BEAT_S < protocol.SILENCE_S < protocol.STOPS_WITHIN_S
     assert "BRAKE F" in code(SOURCE)
     assert "RESUME" in code(SOURCE)
 

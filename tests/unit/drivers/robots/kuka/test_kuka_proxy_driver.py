@@ -19,10 +19,13 @@ from truepose_drivers.errors import (
     TargetRefusedError,
 )
 from truepose_drivers.kuka_variable_proxy.driver import PLUGIN, KukaRobot
-from truepose_drivers.kuka_variable_proxy.protocol.frames import Answer, Mode, RequestReader, encode_answer
-from truepose_drivers.kuka_variable_proxy.protocol.variables import (
+from truepose_drivers.kuka_variable_proxy.protocol import (
+    Answer,
+    Mode,
     ProgramState,
+    RequestReader,
     decode_axes,
+    encode_answer,
     encode_axes,
     encode_state,
 )

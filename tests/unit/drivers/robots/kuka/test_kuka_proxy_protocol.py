@@ -9,25 +9,23 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.helpers.refusals import assert_refused_at_worst
-from truepose_drivers.kuka_variable_proxy.protocol.frames import (
+from truepose_drivers.kuka_variable_proxy.protocol import (
     Answer,
     AnswerReader,
     Mode,
+    ProgramState,
     ProxyProtocolError,
     Request,
     RequestReader,
-    encode_answer,
-    encode_request,
-)
-from truepose_drivers.kuka_variable_proxy.protocol.variables import (
-    ProgramState,
     decode_aggregate,
     decode_axes,
     decode_count,
     decode_state,
     decode_text,
+    encode_answer,
     encode_axes,
     encode_real,
+    encode_request,
     encode_state,
     following,
 )

@@ -18,19 +18,19 @@ from truepose_drivers.errors import (
 )
 from truepose_drivers.transports.memory import MemoryEnd, MemoryLink
 from truepose_drivers.universal_robots.driver import Ports, UniversalRobot
-from truepose_drivers.universal_robots.protocol.dashboard import GREETING
-from truepose_drivers.universal_robots.protocol.motion import INPUTS, OUTPUTS, PROGRAM, order_in
-from truepose_drivers.universal_robots.protocol.packets import (
+from truepose_drivers.universal_robots.protocol import (
+    GREETING,
     Kind,
     Packet,
     PacketReader,
+    Recipe,
     controller_version,
     encode,
     recipe_reply,
     text_message,
     verdict,
 )
-from truepose_drivers.universal_robots.protocol.recipes import Recipe
+from truepose_drivers.universal_robots.script import INPUTS, OUTPUTS, PROGRAM, order_in
 
 pytestmark = pytest.mark.simulated_time
 

@@ -11,7 +11,7 @@ from truepose_drivers.errors import (
     TargetRefusedError,
 )
 from truepose_drivers.universal_robots.progress import Progress, require_ready
-from truepose_drivers.universal_robots.protocol.motion import OUTPUTS, Order, robot_state
+from truepose_drivers.universal_robots.script import OUTPUTS, Order, robot_state
 
 ORDER = Order(number=5, target_rad=(0.5, 0.0, 0.0, 0.0, 0.0, 0.0))
 VALUES = {name: (0.0,) * (6 if kind == "VECTOR6D" else 1) for name, kind in OUTPUTS.items()}

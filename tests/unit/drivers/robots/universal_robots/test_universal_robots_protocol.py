@@ -9,30 +9,18 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.helpers.refusals import assert_refused_at_worst
-from truepose_drivers.universal_robots.protocol.dashboard import (
+from truepose_drivers.universal_robots.protocol import (
     GREETING,
-    LineReader,
-    encode_line,
-    require_greeting,
-    stated_name,
-)
-from truepose_drivers.universal_robots.protocol.errors import UrProtocolError
-from truepose_drivers.universal_robots.protocol.modes import obstacle
-from truepose_drivers.universal_robots.protocol.motion import (
-    INPUTS,
-    OUTPUTS,
-    PROGRAM,
-    Order,
-    following,
-    order_in,
-    robot_state,
-)
-from truepose_drivers.universal_robots.protocol.packets import (
     Kind,
+    LineReader,
     Packet,
     PacketReader,
+    Recipe,
+    UrProtocolError,
+    agreed_recipe,
     controller_version,
     encode,
+    encode_line,
     inputs_request,
     is_accepted,
     outputs_request,
@@ -40,14 +28,25 @@ from truepose_drivers.universal_robots.protocol.packets import (
     recipe_stated,
     requested_outputs,
     requested_version,
+    require_greeting,
     said,
+    stated_name,
     stated_version,
     text_message,
     verdict,
     version_request,
     words,
 )
-from truepose_drivers.universal_robots.protocol.recipes import Recipe, agreed_recipe
+from truepose_drivers.universal_robots.script import (
+    INPUTS,
+    OUTPUTS,
+    PROGRAM,
+    Order,
+    following,
+    obstacle,
+    order_in,
+    robot_state,
+)
 
 DIALOGUE = json.loads((Path(__file__).parents[4] / "vectors" / "ur_rtde_dialogue.json").read_text())
 STATE = {name: (1.0,) * (6 if kind == "VECTOR6D" else 1) for name, kind in OUTPUTS.items()}

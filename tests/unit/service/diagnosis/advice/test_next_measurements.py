@@ -9,15 +9,13 @@ from tests.helpers.diagnosis.point_scenes import telling_campaign
 from tests.helpers.diagnosis.selections import make_selected, make_start
 from tests.helpers.domain.robots import IRB_120
 from tests.helpers.identification.synthetic import configurations
-from truepose.diagnosis.advice.actions import action_for
-from truepose.diagnosis.advice.next_measurements import next_measurements
-from truepose.diagnosis.evidence.structure_left import Depends, Left
-from truepose.diagnosis.readings.single_readings import Tails
-from truepose.domain.results.causes import Cause
-from truepose.domain.results.diagnosis import Confidence, Finding
+from truepose.diagnosis.evidence.residual_structure import Relation, Remainder
+from truepose.diagnosis.next_measurements import action_for, next_measurements
+from truepose.diagnosis.reading_faults import Tails
+from truepose.domain.diagnosis import Cause, Confidence, Finding
 from truepose.domain.robot import JointRange
 from truepose.effects.registry import CAUSES
-from truepose.words.catalogue import english
+from truepose.messages.catalogue import english
 
 GAIN = ("joint_gain", "joint 4")
 COUPLING = ("joint_coupling", "joint 4")
@@ -49,7 +47,7 @@ def make_finding(pick, *rivals):
 
 def make_left(*depends, more_than_stated=False):
     none = Tails(np.zeros(80, dtype=bool), None)
-    return Left(tuple(depends), 1.0, more_than_stated, False, none)
+    return Remainder(tuple(depends), 1.0, more_than_stated, False, none)
 
 
 def proposed(start, picked=(), rivals=(), left=None):
@@ -194,7 +192,7 @@ def test_a_cause_without_a_name_gets_the_action_of_its_variable(subject, said):
 
 
 def depends(kind, joint=None, order=0.0):
-    return Depends(f"{kind} of something", 1e-4, kind, joint, None, order)
+    return Relation(f"{kind} of something", 1e-4, kind, joint, None, order)
 
 
 def test_an_unknown_dependence_on_an_angle_is_filled_where_it_has_gaps(start):

@@ -8,7 +8,7 @@ import pytest
 from tests.helpers.diagnosis.point_scenes import telling_campaign
 from tests.helpers.diagnosis.selections import make_selected, make_start, planted
 from tests.helpers.domain.robots import IRB_120
-from truepose.diagnosis.advice.configurations import (
+from truepose.diagnosis.configurations import (
     drawn,
     filling,
     joint_limits,

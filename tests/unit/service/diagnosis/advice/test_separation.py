@@ -5,11 +5,14 @@ import pytest
 
 from tests.helpers.diagnosis.point_scenes import START
 from tests.helpers.diagnosis.selections import make_selected, make_start
-from truepose.diagnosis.advice.configurations import drawn, measured_ranges
-from truepose.diagnosis.advice.separation import reading_variance, separation
-from truepose.domain.results.causes import Cause
-from truepose.identification.model.derivatives import position_jacobian
-from truepose.identification.model.trial import candidate_terms, trial_derivatives, tried
+from truepose.diagnosis.configurations import drawn, measured_ranges, reading_variance, separation
+from truepose.domain.diagnosis import Cause
+from truepose.identification.model.derivatives import (
+    candidate_terms,
+    position_jacobian,
+    trial_derivatives,
+    tried,
+)
 
 GAIN = ("joint_gain", "joint 4")
 WAVE = ("joint_harmonics", "joint 4", "wave_4_1_sin")

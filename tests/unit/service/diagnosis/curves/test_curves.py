@@ -8,9 +8,9 @@ import pytest
 from tests.helpers.diagnosis.point_scenes import ORIGIN_S, telling_campaign
 from tests.helpers.diagnosis.selections import make_selected, make_start, proposed
 from tests.helpers.domain.robots import IRB_120
-from truepose.diagnosis.curves.drawn import finding_curve, remaining_curve
+from truepose.diagnosis.curves import finding_curve, remaining_curve
+from truepose.diagnosis.evidence.residual_structure import Relation
 from truepose.diagnosis.evidence.sensitivities import of_joint, seen
-from truepose.diagnosis.evidence.structure_left import Depends
 
 GAIN = ("joint_gain", "joint 4")
 
@@ -174,7 +174,7 @@ def test_a_cause_without_a_variable_of_its_own_is_drawn_against_what_it_foretell
 def test_whatever_it_depends_on_what_is_left_has_a_curve_with_a_band(unexplained, kind, joint, variable):
     selected = make_selected(unexplained, [])
 
-    curve = remaining_curve(selected, unexplained.scene, Depends(kind, 1e-6, kind, joint, None))
+    curve = remaining_curve(selected, unexplained.scene, Relation(kind, 1e-6, kind, joint, None))
 
     assert variable in curve.variable
     assert (curve.line_band > 0.0).all()
@@ -185,7 +185,7 @@ def test_an_unknown_error_of_an_angle_shows_in_its_curve():
     start = make_start({"joint_harmonics": {"wave_4_2_sin": 2e-3}})
 
     curve = remaining_curve(
-        make_selected(start, []), start.scene, Depends("angle of joint 4", 1e-6, "angle", 3, None)
+        make_selected(start, []), start.scene, Relation("angle of joint 4", 1e-6, "angle", 3, None)
     )
 
     wave = np.rad2deg(2e-3) * np.sin(2.0 * np.deg2rad(curve.line_x))

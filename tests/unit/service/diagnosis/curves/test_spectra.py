@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from tests.helpers.diagnosis.selections import make_selected, make_start
-from truepose.diagnosis.curves.spectra import finding_spectrum
+from truepose.diagnosis.curves import finding_spectrum
 
 WAVES = {
     "joint_harmonics": {

@@ -3,8 +3,8 @@
 import pytest
 
 from tests.helpers.diagnosis.selections import left_of, make_selected, make_start
-from truepose.diagnosis.doubt.doubts import better_families, owed_to_the_rest
-from truepose.diagnosis.evidence.remaining import prepared_families
+from truepose.diagnosis.confidence import better_families, owed_to_the_rest
+from truepose.diagnosis.evidence.residual_structure import prepared_families
 
 GAIN = ("joint_gain", "joint 4")
 # no single wave and no gain: five waves of joint 4 at once

@@ -9,12 +9,12 @@ from tests.helpers.diagnosis.answers import make_described, make_rest
 from tests.helpers.diagnosis.diagnosed_cells import make_finding
 from tests.helpers.diagnosis.selections import left_of, make_selected, make_start
 from truepose.diagnosis.answer import _worse_at
-from truepose.diagnosis.doubt.open_shapes import with_open_shapes
-from truepose.diagnosis.evidence.held_out import Improvement
+from truepose.diagnosis.confidence import with_open_shapes
+from truepose.diagnosis.evidence.held_out_errors import Improvement
 from truepose.diagnosis.sentences import first_line, remaining_sentence
-from truepose.domain.results.diagnosis import HeldOutErrors, Remaining, Verdict, WorstPoint
-from truepose.domain.results.identification import Statistics
-from truepose.words.catalogue import english
+from truepose.domain.diagnosis import HeldOutErrors, Remaining, Verdict, WorstPoint
+from truepose.domain.identification import Statistics
+from truepose.messages.catalogue import english
 
 
 def test_where_readings_are_the_uncertainty_stays_what_it_was():

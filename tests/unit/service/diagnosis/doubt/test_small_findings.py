@@ -5,8 +5,8 @@ import math
 import pytest
 
 from tests.helpers.diagnosis.answers import make_finding, make_wave
-from truepose.diagnosis.doubt.small_findings import parted
-from truepose.domain.results.diagnosis import Gain
+from truepose.diagnosis.confidence import parted
+from truepose.domain.diagnosis import Gain
 
 LEAD = make_finding(gain=Gain(0.100, 0.060, (0.03, 0.05)))
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from tests.helpers.diagnosis.selections import make_start, proposed
-from truepose.diagnosis.doubt.upper_limits import upper_limits_mm
+from truepose.diagnosis.alternatives import upper_limits_mm
 from truepose.diagnosis.screening.candidates import pooled
 
 GAP = ("backlash", "joint 3")

@@ -6,12 +6,12 @@ import pytest
 from tests.helpers.diagnosis.point_scenes import telling_campaign
 from tests.helpers.diagnosis.selections import make_start, planted, select_from
 from tests.helpers.identification.synthetic import configurations
-from truepose.diagnosis.circumstances import scene_of
 from truepose.diagnosis.diagnose import proposed
-from truepose.diagnosis.evidence.cell_functions import described
+from truepose.diagnosis.evidence.signature_functions import described
 from truepose.diagnosis.screening.candidates import pooled
-from truepose.diagnosis.screening.random_functions import most_likely
-from truepose.effects.cells import cell_of
+from truepose.diagnosis.screening.significance import most_likely
+from truepose.diagnosis.start import scene_of
+from truepose.effects.signatures import signature_of
 from truepose.identification.model.evaluation import Targets, evaluate
 
 WAVES = {
@@ -32,7 +32,7 @@ def pool_of(start):
 
 
 def places(found):
-    return {(cell_of(one).where, cell_of(one).over) for one in found.candidates}
+    return {(signature_of(one).where, signature_of(one).over) for one in found.candidates}
 
 
 @pytest.fixture(scope="module")
@@ -115,7 +115,7 @@ def test_picks_compete_with_the_cells_that_they_stand_in(wavy):
 
     names = [name for one in found.candidates for name in one.names]
     assert len(names) == len(set(names))
-    cell = cell_of(selected.picks[0])
+    cell = signature_of(selected.picks[0])
     assert (cell.where, cell.over) in places(found)
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tests.helpers.diagnosis.selections import make_start
-from truepose.diagnosis.evidence.remaining import (
+from truepose.diagnosis.evidence.residual_structure import (
     as_random_effect,
     prepared_families,
     structured,

@@ -4,14 +4,12 @@ import numpy as np
 import pytest
 
 from tests.helpers.diagnosis.selections import make_start, select_from
-from truepose.diagnosis.circumstances import scene_of
 from truepose.diagnosis.diagnose import proposed
-from truepose.diagnosis.evidence.cell_functions import described
-from truepose.diagnosis.evidence.extended_model import Whole
-from truepose.diagnosis.evidence.sensitivities import effect_of, worth_of
+from truepose.diagnosis.evidence.sensitivities import CompleteModel, effect_of, worth_of
+from truepose.diagnosis.evidence.signature_functions import described
 from truepose.diagnosis.screening.candidates import pooled
-from truepose.diagnosis.screening.groups import names_of
-from truepose.diagnosis.screening.selection import refitted
+from truepose.diagnosis.screening.selection import names_of, refitted
+from truepose.diagnosis.start import scene_of
 
 CURVE = {
     f"wave_2_{order}_{part}": np.deg2rad(0.02) / order for order in (1, 2, 3, 4) for part in ("sin", "cos")
@@ -37,7 +35,7 @@ def cells(start, fit):
 def whole(start, selected):
     pool = pooled(selected.fit, (*selected.picks, *cells(start, selected.fit)))
     found = described(pool, selected.picks)
-    return Whole(refitted(start.fit, selected.fit, found.candidates), found.candidates)
+    return CompleteModel(refitted(start.fit, selected.fit, found.candidates), found.candidates)
 
 
 def test_what_is_described_is_told_by_its_place_the_largest_first(whole, selected):
@@ -57,7 +55,7 @@ def test_a_pick_has_its_own_finding_and_is_not_told_again(whole, selected):
 
 
 def test_a_model_of_nothing_but_findings_describes_nothing(selected):
-    assert Whole(selected.fit, selected.picks).beside(selected) == ()
+    assert CompleteModel(selected.fit, selected.picks).beside(selected) == ()
 
 
 def test_what_the_other_parameters_can_take_over_is_not_its_own(selected):

@@ -7,15 +7,15 @@ import pytest
 
 from tests.helpers.diagnosis.point_scenes import telling_campaign
 from tests.helpers.diagnosis.selections import PRESENT, left_of, make_selected, make_start, planted
-from truepose.diagnosis.evidence.witnesses import accused, speak_against
+from truepose.diagnosis.evidence.residual_structure import accused, speak_against
 from truepose.diagnosis.start import Start, started
-from truepose.domain.results.causes import Cause
-from truepose.effects.cells import Cell
+from truepose.domain.diagnosis import Cause
+from truepose.effects.causes import ErrorSignature
 from truepose.identification.fit.robust import robust_fit
 from truepose.identification.problem.build import build
 
-JUMPED = Cell("base", "time", "jump")
-DRIFTED = Cell("base", "time", "drift")
+JUMPED = ErrorSignature("base", "time", "jump")
+DRIFTED = ErrorSignature("base", "time", "drift")
 KICK = ("unnamed", "tracker, time, jump")
 DRIFT = ("instrument_drift", "tracker")
 
@@ -30,14 +30,14 @@ def fitted(step_mm):
     return robust_fit(problem.structure, problem.blocks, problem.start)
 
 
-@pytest.mark.parametrize("cell", [JUMPED, DRIFTED, Cell("joint 3", "time", "jump")])
+@pytest.mark.parametrize("cell", [JUMPED, DRIFTED, ErrorSignature("joint 3", "time", "jump")])
 def test_nests_that_moved_speak_against_what_is_said_over_time(cell):
     assert speak_against(fitted(0.2), cell)
     assert not speak_against(fitted(0.0), cell)
 
 
 def test_they_know_nothing_of_what_does_not_follow_time():
-    assert not speak_against(fitted(0.2), Cell("joint 3", "angle of joint 3", "wave"))
+    assert not speak_against(fitted(0.2), ErrorSignature("joint 3", "angle of joint 3", "wave"))
 
 
 def test_without_fixed_nests_nobody_speaks():

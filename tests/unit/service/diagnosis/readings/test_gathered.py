@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from tests.helpers.diagnosis.point_scenes import telling_campaign, telling_scene
-from truepose.diagnosis.readings.gathered import gathered
-from truepose.words.catalogue import english
+from truepose.diagnosis.reading_faults import gathered
+from truepose.messages.catalogue import english
 
 N = 96
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tests.helpers.diagnosis.selections import make_start
-from truepose.diagnosis.readings.single_readings import swapped_labels, tails
+from truepose.diagnosis.reading_faults import swapped_labels, tails
 
 N = 300
 

@@ -5,7 +5,7 @@ import pytest
 from scipy.optimize import minimize_scalar
 
 from truepose.diagnosis.screening.normal_equations import Sums
-from truepose.diagnosis.screening.random_functions import chance, most_likely
+from truepose.diagnosis.screening.significance import chance, most_likely
 
 
 def waves(angle, highest=30):

@@ -1,6 +1,6 @@
 """Which picks make one finding."""
 
-from truepose.diagnosis.screening.groups import grouped
+from truepose.diagnosis.screening.selection import grouped
 from truepose.effects.causes import Candidate
 
 

@@ -5,14 +5,13 @@ import pytest
 
 from tests.helpers.diagnosis.point_scenes import telling_campaign
 from tests.helpers.diagnosis.selections import PRESENT, planted, select_from
-from truepose.diagnosis.circumstances import scene_of
 from truepose.diagnosis.diagnose import diagnose
 from truepose.diagnosis.screening.candidates import pooled
-from truepose.diagnosis.screening.explained import screen
 from truepose.diagnosis.screening.selection import reselected
-from truepose.diagnosis.start import started
+from truepose.diagnosis.screening.significance import screen
+from truepose.diagnosis.start import scene_of, started
 from truepose.effects.registry import CAUSES
-from truepose.words.catalogue import english
+from truepose.messages.catalogue import english
 
 
 def lines(joint, count, seed, size_deg):

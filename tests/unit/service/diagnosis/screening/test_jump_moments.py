@@ -5,11 +5,11 @@ import pytest
 
 from tests.helpers.diagnosis.selections import make_start, select_from
 from tests.helpers.identification.synthetic import NOISE_MM
-from truepose.diagnosis.circumstances import scene_of
 from truepose.diagnosis.diagnose import proposed
 from truepose.diagnosis.screening.candidates import pooled
-from truepose.diagnosis.screening.jump_moments import with_exact_moments
-from truepose.diagnosis.screening.selection import Selected, refitted
+from truepose.diagnosis.screening.refinement import with_exact_moments
+from truepose.diagnosis.screening.selection import Selection, refitted
+from truepose.diagnosis.start import scene_of
 
 READINGS = 130  # 123 gaps have readings enough beside them: every third is tried
 
@@ -58,7 +58,7 @@ def test_two_jumps_that_meet_in_one_gap_are_one_jump():
     before = [one for one in tried if one.variant < middle_s - 1.0][-1]
     after = next(one for one in tried if one.variant > middle_s + 1.0)
     fit = refitted(start.fit, start.fit, (before, after))
-    selected = Selected(fit, (before, after), pooled(fit, (before, after, *propose(fit))), full=False)
+    selected = Selection(fit, (before, after), pooled(fit, (before, after, *propose(fit))), full=False)
 
     placed = with_exact_moments(start.fit, selected, propose, start.scene)
 

@@ -7,9 +7,8 @@ import numpy as np
 import pytest
 
 from tests.helpers.diagnosis.selections import make_selected, make_start
-from truepose.diagnosis.screening.counted import design_effect
-from truepose.diagnosis.screening.normal_equations import normal_of, products_of
-from truepose.domain.measurement.campaign import Stops
+from truepose.diagnosis.screening.normal_equations import design_effect, normal_of, products_of
+from truepose.domain.campaign import Stops
 from truepose.identification.fit.robust import fit
 
 GAIN = ("joint_gain", "joint 4")

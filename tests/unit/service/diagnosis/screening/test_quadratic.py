@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.special import betainccinv
 
-from truepose.diagnosis.screening.quadratic_forms import tail_probability
+from truepose.diagnosis.screening.significance import tail_probability
 
 UNEQUAL = np.array([3.0, 1.0, 0.5, 0.1])
 NU = 20

@@ -6,9 +6,9 @@ import pytest
 
 from tests.helpers.diagnosis.point_scenes import ORIGIN_S
 from tests.helpers.diagnosis.selections import make_selected, make_start
+from truepose.diagnosis.alternatives import weighed
 from truepose.diagnosis.screening.candidates import pooled
-from truepose.diagnosis.screening.rivals import weighed
-from truepose.domain.results.causes import Cause
+from truepose.domain.diagnosis import Cause
 
 GAIN = ("joint_gain", "joint 4")
 SLOW_WAVE = ("joint_harmonics", "joint 4", "wave_4_1_sin")

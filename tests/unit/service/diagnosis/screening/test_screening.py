@@ -7,7 +7,7 @@ import pytest
 
 from tests.helpers.diagnosis.selections import make_selected, make_start, proposed
 from truepose.diagnosis.screening.candidates import pooled
-from truepose.diagnosis.screening.explained import screen
+from truepose.diagnosis.screening.significance import screen
 from truepose.effects.ports import ParameterSpec
 
 GAINS = [("joint_gain", f"joint {joint}") for joint in (2, 4, 5)]

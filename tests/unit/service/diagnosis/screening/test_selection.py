@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from tests.helpers.diagnosis.selections import make_selected, make_start, select_from
-from truepose.diagnosis.circumstances import scene_of
 from truepose.diagnosis.diagnose import proposed
 from truepose.diagnosis.screening.candidates import pooled
-from truepose.diagnosis.screening.explained import Screened
 from truepose.diagnosis.screening.selection import best_of, chosen, refitted, reselected, select
+from truepose.diagnosis.screening.significance import Screening
+from truepose.diagnosis.start import scene_of
 
 BACKLASH = {"gap_3": 4e-4}
 
@@ -102,7 +102,7 @@ def test_progress_is_told_and_never_goes_back(start):
 
 def screened(p_values, scores):
     ones = np.ones(len(p_values))
-    return Screened(ones, ones, ones, np.array(p_values), np.array(scores), ones)
+    return Screening(ones, ones, ones, np.array(p_values), np.array(scores), ones)
 
 
 @pytest.mark.parametrize(

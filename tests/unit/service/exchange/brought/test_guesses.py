@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from tests.unit.service.exchange.brought.tables import plain, readings, table
-from truepose.exchange.brought.files.sheet import read_sheet
-from truepose.exchange.brought.guessing.guesses import guessed
-from truepose.words.catalogue import LANGUAGES, catalogue
+from truepose.exchange.import_wizard.column_detection import guessed
+from truepose.exchange.import_wizard.sheet import read_sheet
+from truepose.messages.catalogue import LANGUAGES, catalogue
 
 ANGLES = [f"q{k}_deg" for k in range(1, 7)]
 JOINTS = [f"q{k}" for k in range(1, 7)]

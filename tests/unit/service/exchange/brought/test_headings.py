@@ -2,8 +2,14 @@
 
 import pytest
 
-from truepose.exchange.brought.guessing.headings import heading, motoman, series
-from truepose.exchange.brought.guessing.quantities import MEANS_NOTHING, QUANTITIES, Meaning
+from truepose.exchange.import_wizard.headings import (
+    MEANS_NOTHING,
+    QUANTITIES,
+    Meaning,
+    heading,
+    motoman,
+    series,
+)
 
 COLUMNS = [one for one in QUANTITIES.values() if one.column]
 

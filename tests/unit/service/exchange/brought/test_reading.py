@@ -15,15 +15,15 @@ from tests.helpers.identification.synthetic import leg_campaign
 from tests.unit.service.exchange.brought.tables import plain, readings, table
 from truepose.domain.errors import ConfigurationError
 from truepose.domain.robot import Nest
-from truepose.exchange.brought.choices import Choices, FileChoice, choices_of, merged
-from truepose.exchange.brought.example import example_files
-from truepose.exchange.brought.guessing.quantities import Meaning
-from truepose.exchange.brought.reading import read_brought
 from truepose.exchange.campaigns.folder import campaign_files
 from truepose.exchange.campaigns.zip_file import write_campaign_zip
 from truepose.exchange.errors import UnsafeArchiveError
-from truepose.identification.verdict.changes import Change
-from truepose.words.catalogue import english
+from truepose.exchange.import_wizard.dialogue import Choices, FileChoice, choices_of, merged
+from truepose.exchange.import_wizard.files import example_files
+from truepose.exchange.import_wizard.headings import Meaning
+from truepose.exchange.import_wizard.reading import read_imported_files
+from truepose.identification.verdict.conventions import Change
+from truepose.messages.catalogue import english
 
 DAY = Choices(measured_on=date(2026, 3, 3))
 JOINTS = [f"q{k}" for k in range(1, 7)]
@@ -38,7 +38,7 @@ def asked(reading):
 def test_a_table_in_plain_words_is_a_campaign_of_the_known_robot_that_fits():
     joints, nest, places = readings()
 
-    found = read_brought({"mine.csv": plain()}, DAY)
+    found = read_imported_files({"mine.csv": plain()}, DAY)
 
     assert found.understood.ready
     assert found.understood.robot.key == "abb-irb-120"
@@ -48,11 +48,11 @@ def test_a_table_in_plain_words_is_a_campaign_of_the_known_robot_that_fits():
 
 
 def test_a_campaign_that_was_brought_is_not_called_simulated():
-    assert not read_brought({"mine.csv": plain()}, DAY).campaign.simulated
+    assert not read_imported_files({"mine.csv": plain()}, DAY).campaign.simulated
 
 
 def test_the_day_is_asked_for_and_not_guessed():
-    found = read_brought({"mine.csv": plain()})
+    found = read_imported_files({"mine.csv": plain()})
 
     assert asked(found) == ["day"]
     assert found.campaign is None
@@ -67,7 +67,7 @@ def test_units_that_are_said_are_converted(units, joint_size, length_size):
     names = [*(f"J{k} [{units[0]}]" for k in range(1, 7)), *(f"{a} [{units[1]}]" for a in XYZ), "SMR"]
     data = table(names, np.column_stack([joints * joint_size, places * length_size, nest]))
 
-    found = read_brought({"mine.csv": data}, replace(DAY, u_mm=0.02))
+    found = read_imported_files({"mine.csv": data}, replace(DAY, u_mm=0.02))
 
     assert found.campaign.calibration.position_mm == pytest.approx(places, abs=0.02)
 
@@ -83,8 +83,8 @@ def test_a_change_that_makes_the_robot_fit_is_offered_and_never_made_silently(
     rows = np.column_stack([joints * joint_size, nest, places * length_size, np.full(30, 0.02)])
     data = table([*JOINTS, "nest", *(f"{a} [mm]" for a in XYZ), "u [mm]"], rows)
 
-    offered = read_brought({"mine.csv": data}, ROBOT)
-    accepted = read_brought({"mine.csv": data}, replace(ROBOT, changes=(Change(change),)))
+    offered = read_imported_files({"mine.csv": data}, ROBOT)
+    accepted = read_imported_files({"mine.csv": data}, replace(ROBOT, changes=(Change(change),)))
 
     assert asked(offered) == ["change"]
     assert offered.campaign is None
@@ -98,11 +98,11 @@ def test_joints_in_another_order_are_put_right_with_one_change():
     rows = np.column_stack([swapped, nest, places, np.full(30, 0.02)])
     data = table([*JOINTS, "nest", *XYZ, "u [mm]"], rows)
 
-    found = read_brought({"mine.csv": data}, ROBOT)
+    found = read_imported_files({"mine.csv": data}, ROBOT)
 
     (offered,) = found.understood.robot.offered
     assert (found.understood.robot.key, offered.kind) == ("abb-irb-120", "columns")
-    made = read_brought({"mine.csv": data}, replace(ROBOT, changes=(Change("columns", 1, 2),)))
+    made = read_imported_files({"mine.csv": data}, replace(ROBOT, changes=(Change("columns", 1, 2),)))
     assert np.degrees(made.campaign.calibration.stops.joints_rad) == pytest.approx(joints, abs=1e-4)
 
 
@@ -112,7 +112,7 @@ def test_where_no_known_robot_fits_its_file_is_asked_for():
     rows = np.column_stack([seven, nest, places, np.full(30, 0.02)])
     data = table([*JOINTS, "q7", "nest", *XYZ, "u [mm]"], rows)
 
-    found = read_brought({"mine.csv": data}, DAY)
+    found = read_imported_files({"mine.csv": data}, DAY)
 
     assert asked(found) == ["robot"]
     assert "7 joints" in english(found.understood.questions[0].sentence)
@@ -128,20 +128,20 @@ def test_a_description_of_another_campaign_serves_as_the_file_of_the_robot():
         "campaign.json"
     ].encode()
 
-    found = read_brought({"mine.csv": data, "campaign.json": description}, DAY)
+    found = read_imported_files({"mine.csv": data, "campaign.json": description}, DAY)
 
     assert found.understood.robot.key == "file"
     assert found.campaign.robot.name == "seven axes"
 
 
 def test_three_places_of_the_arm_tell_no_robot():
-    found = read_brought({"mine.csv": plain(3)}, DAY)
+    found = read_imported_files({"mine.csv": plain(3)}, DAY)
 
     assert asked(found) == ["robot"]
 
 
 def test_another_robot_that_somebody_insists_on_does_not_fit():
-    found = read_brought({"mine.csv": plain()}, replace(DAY, robot="universal-robots-ur10"))
+    found = read_imported_files({"mine.csv": plain()}, replace(DAY, robot="universal-robots-ur10"))
 
     assert asked(found) == ["robot"]
     assert not found.understood.robot.fits
@@ -151,7 +151,7 @@ def test_uncertainty_is_asked_for_where_nothing_says_it():
     joints, nest, places = readings()
     data = table([*JOINTS, "nest", *XYZ], np.column_stack([joints, nest, places]))
 
-    found = read_brought({"mine.csv": data}, ROBOT)
+    found = read_imported_files({"mine.csv": data}, ROBOT)
 
     assert asked(found) == ["uncertainty"]
 
@@ -162,7 +162,7 @@ def test_places_that_were_measured_again_say_how_uncertain_points_are():
     again = np.vstack([places + rng.normal(scale=0.05, size=places.shape) for _ in range(8)])
     data = table([*JOINTS, "nest", *XYZ], np.column_stack([np.tile(joints, (8, 1)), np.tile(nest, 8), again]))
 
-    found = read_brought({"mine.csv": data}, ROBOT)
+    found = read_imported_files({"mine.csv": data}, ROBOT)
 
     assert found.understood.u_mm == pytest.approx(0.05, rel=0.25)
     assert found.campaign.repeatability_in_uncertainty
@@ -174,7 +174,7 @@ def test_several_points_of_a_row_are_several_readings():
     names = [*JOINTS, *(f"a_{a}" for a in XYZ), *(f"b_{a}" for a in XYZ)]
     rows = np.column_stack([joints, places, places + np.array([10.0, 0.0, 0.0])])
 
-    found = read_brought({"arm.csv": table(names, rows)}, replace(DAY, u_mm=0.02))
+    found = read_imported_files({"arm.csv": table(names, rows)}, replace(DAY, u_mm=0.02))
 
     assert found.understood.readings == 18
     assert found.understood.fault is None
@@ -185,13 +185,13 @@ def test_one_gross_reading_does_not_make_a_robot_look_like_another():
     places[4, 1] += 4000.0
     rows = np.column_stack([joints, nest, places, np.full(30, 0.02)])
 
-    found = read_brought({"mine.csv": table([*JOINTS, "nest", *XYZ, "u [mm]"], rows)}, DAY)
+    found = read_imported_files({"mine.csv": table([*JOINTS, "nest", *XYZ, "u [mm]"], rows)}, DAY)
 
     assert found.understood.robot.key == "abb-irb-120"
 
 
 def test_a_table_named_for_checking_judges():
-    found = read_brought({"arm.csv": plain(), "arm check.csv": plain(12)}, DAY)
+    found = read_imported_files({"arm.csv": plain(), "arm check.csv": plain(12)}, DAY)
 
     assert {file.name: file.role for file in found.understood.files} == {
         "arm.csv": "calibration",
@@ -204,8 +204,8 @@ def test_of_two_tables_the_smaller_judges_and_somebody_may_say_otherwise():
     files = {"monday.csv": plain(12), "tuesday.csv": plain()}
     said = replace(DAY, files={"monday.csv": FileChoice(role="nothing")})
 
-    assert read_brought(files, DAY).understood.files[0].role == "validation"
-    assert read_brought(files, said).campaign.validation is None
+    assert read_imported_files(files, DAY).understood.files[0].role == "validation"
+    assert read_imported_files(files, said).campaign.validation is None
 
 
 def test_joints_and_points_of_two_tables_find_each_other_by_their_number():
@@ -215,7 +215,9 @@ def test_joints_and_points_of_two_tables_find_each_other_by_their_number():
     rows = np.column_stack([np.arange(30)[order], nest[order], places[order]])
     point_table = table(["config", "nest", *XYZ], rows)
 
-    found = read_brought({"joints.csv": joint_table, "points.csv": point_table}, replace(ROBOT, u_mm=0.02))
+    found = read_imported_files(
+        {"joints.csv": joint_table, "points.csv": point_table}, replace(ROBOT, u_mm=0.02)
+    )
 
     assert np.degrees(found.campaign.calibration.stops.joints_rad) == pytest.approx(joints[order], abs=1e-4)
 
@@ -223,7 +225,7 @@ def test_joints_and_points_of_two_tables_find_each_other_by_their_number():
 def test_points_alone_lack_joints_and_it_is_said():
     _, _, places = readings()
 
-    found = read_brought({"points.csv": table(XYZ, places)}, DAY)
+    found = read_imported_files({"points.csv": table(XYZ, places)}, DAY)
 
     assert asked(found) == ["joints"]
 
@@ -233,8 +235,8 @@ def test_lengths_are_read_and_their_robot_is_asked_for():
     rows = np.column_stack([np.degrees(legs.stops.joints_rad), legs.length_mm, np.full(40, 0.05)])
     data = table([*JOINTS, "Länge [mm]", "u [mm]"], rows)
 
-    unnamed = read_brought({"wire.csv": data}, DAY)
-    named = read_brought({"wire.csv": data}, ROBOT)
+    unnamed = read_imported_files({"wire.csv": data}, DAY)
+    named = read_imported_files({"wire.csv": data}, ROBOT)
 
     assert asked(unnamed) == ["robot"]
     assert len(named.campaign.legs) == 40
@@ -245,7 +247,7 @@ def test_the_first_wrong_cell_is_shown_with_the_lines_around_it():
     cells = lines[14].split(",")
     lines[14] = ",".join([*cells[:9], "12.3x", *cells[10:]])
 
-    fault = read_brought({"mine.csv": "\n".join(lines).encode()}, DAY).understood.fault
+    fault = read_imported_files({"mine.csv": "\n".join(lines).encode()}, DAY).understood.fault
 
     assert (fault.file, fault.line, fault.column) == ("mine.csv", 15, 9)
     assert "'12.3x' is not a number" in fault.sentence
@@ -260,7 +262,7 @@ def test_a_value_that_nobody_can_have_read_is_shown_where_it_was_brought():
 
     data = table([*JOINTS, "nest", *XYZ, "u [mm]"], rows)
 
-    fault = read_brought({"mine.csv": data}, DAY).understood.fault
+    fault = read_imported_files({"mine.csv": data}, DAY).understood.fault
 
     assert (fault.line, fault.column) == (6, 8)
 
@@ -270,10 +272,10 @@ def test_a_wrong_line_is_corrected_or_left_out_and_the_rest_goes_on(edit):
     lines = plain().decode().splitlines()
     good = lines[14]
     lines[14] = "torn"
-    wrong = read_brought({"mine.csv": "\n".join(lines).encode()}, DAY)
+    wrong = read_imported_files({"mine.csv": "\n".join(lines).encode()}, DAY)
     choices = replace(DAY, files={"mine.csv": FileChoice(edits={15: edit})})
 
-    found = read_brought({"mine.csv": "\n".join(lines).encode()}, choices)
+    found = read_imported_files({"mine.csv": "\n".join(lines).encode()}, choices)
 
     assert wrong.understood.fault.line == 15
     assert len(found.campaign.calibration) == (29 if edit is None else 30)
@@ -286,8 +288,8 @@ def test_what_a_person_says_of_a_column_counts_more_than_its_name():
     columns = {6 + k: Meaning("position", 1 + k, "mm") for k in range(3)}
     choices = replace(DAY, u_mm=0.02, files={"mine.csv": FileChoice(columns=columns)})
 
-    assert asked(read_brought({"mine.csv": data}, replace(DAY, u_mm=0.02))) == ["readings"]
-    assert read_brought({"mine.csv": data}, choices).campaign.calibration.position_mm == pytest.approx(
+    assert asked(read_imported_files({"mine.csv": data}, replace(DAY, u_mm=0.02))) == ["readings"]
+    assert read_imported_files({"mine.csv": data}, choices).campaign.calibration.position_mm == pytest.approx(
         places, abs=1e-4
     )
 
@@ -296,29 +298,31 @@ def test_a_campaign_folder_is_read_to_the_letter_wherever_it_lies():
     campaign = make_campaign()
     folder = {f"left arm/{name}": text.encode() for name, text in campaign_files(campaign).items()}
 
-    assert read_brought(folder, DAY).campaign.nests == campaign.nests
-    assert read_brought({"mine.zip": write_campaign_zip(campaign)}, DAY).campaign.nests == campaign.nests
+    assert read_imported_files(folder, DAY).campaign.nests == campaign.nests
+    assert (
+        read_imported_files({"mine.zip": write_campaign_zip(campaign)}, DAY).campaign.nests == campaign.nests
+    )
 
 
 def test_a_fault_in_a_description_is_shown_there():
     files = {name: text.encode() for name, text in campaign_files(make_campaign()).items()}
     files["campaign.json"] = files["campaign.json"].replace(b'"d_mm": 300.0', b'"d_mm": "high"', 1)
 
-    fault = read_brought(files, DAY).understood.fault
+    fault = read_imported_files(files, DAY).understood.fault
 
     assert fault.file == "campaign.json"
     assert any('"high"' in line.text for line in fault.around)
 
 
 def test_what_is_no_table_is_kept_beside_and_named():
-    found = read_brought({"mine.csv": plain(), "photo.jpg": b"\xff\xd8\xff"}, DAY)
+    found = read_imported_files({"mine.csv": plain(), "photo.jpg": b"\xff\xd8\xff"}, DAY)
 
     assert found.understood.ready
     assert {file.name: file.kind for file in found.understood.files}["photo.jpg"] == "other"
 
 
 def test_nothing_at_all_is_asked_for():
-    assert asked(read_brought({"letter.txt": b"Dear Ada\n"}, DAY)) == ["tables"]
+    assert asked(read_imported_files({"letter.txt": b"Dear Ada\n"}, DAY)) == ["tables"]
 
 
 def test_labels_of_reflectors_are_numbered_and_it_is_said():
@@ -332,14 +336,14 @@ def test_labels_of_reflectors_are_numbered_and_it_is_said():
         f"{line},{label}" for line, label in zip(lines, ["SMR", *("ABC"[k - 1] for k in nest)], strict=True)
     ]
 
-    found = read_brought({"mine.csv": "\n".join(labelled).encode()}, DAY)
+    found = read_imported_files({"mine.csv": "\n".join(labelled).encode()}, DAY)
 
     assert found.campaign.calibration.nest.tolist() == nest.tolist()
     assert any("A, B, C" in english(note) for note in found.understood.notes)
 
 
 def test_the_example_says_of_itself_that_it_is_simulated():
-    found = read_brought(example_files())
+    found = read_imported_files(example_files())
 
     assert found.understood.ready
     assert found.campaign.simulated
@@ -353,7 +357,7 @@ def test_an_archive_that_leads_out_of_itself_is_refused(name):
         archive.writestr(name, plain())
 
     with pytest.raises(UnsafeArchiveError):
-        read_brought({"mine.zip": stream.getvalue()}, DAY)
+        read_imported_files({"mine.zip": stream.getvalue()}, DAY)
 
 
 def test_an_archive_that_expands_beyond_measure_is_refused():
@@ -362,7 +366,7 @@ def test_an_archive_that_expands_beyond_measure_is_refused():
         archive.writestr("mine.csv", b"0" * (8 * 2**20))
 
     with pytest.raises(UnsafeArchiveError, match="expands"):
-        read_brought({"mine.zip": stream.getvalue()}, DAY)
+        read_imported_files({"mine.zip": stream.getvalue()}, DAY)
 
 
 @pytest.mark.parametrize("cell", ["=1+1", "@SUM(A1)", "<script>alert(1)</script>", "1e999", "0x1F", "1_000"])
@@ -370,14 +374,14 @@ def test_a_formula_or_a_script_in_a_cell_is_no_number(cell):
     lines = plain().decode().splitlines()
     lines[3] = ",".join([*lines[3].split(",")[:8], cell, *lines[3].split(",")[9:]])
 
-    fault = read_brought({"mine.csv": "\n".join(lines).encode()}, DAY).understood.fault
+    fault = read_imported_files({"mine.csv": "\n".join(lines).encode()}, DAY).understood.fault
 
     assert (fault.line, fault.column) == (4, 8)
 
 
 def test_a_change_of_a_joint_that_is_not_there_is_refused_in_a_sentence():
     with pytest.raises(ConfigurationError, match="take the change back"):
-        read_brought({"mine.csv": plain()}, replace(ROBOT, changes=(Change("other_way", 8),)))
+        read_imported_files({"mine.csv": plain()}, replace(ROBOT, changes=(Change("other_way", 8),)))
 
 
 def test_what_is_said_is_merged_member_by_member():

@@ -2,9 +2,8 @@
 
 import pytest
 
-from truepose.exchange.brought.files.sheet import read_sheet
-from truepose.exchange.brought.files.text import LONGEST_LINE
 from truepose.exchange.errors import UnreadableFileError
+from truepose.exchange.import_wizard.sheet import LONGEST_LINE, read_sheet
 
 ROWS = "a,b,c,d\n1,2.5,3,4\n5,6.5,7,8\n"
 

@@ -7,10 +7,10 @@ import pytest
 
 from tests.helpers.exchange.workbooks import workbook
 from tests.unit.service.exchange.brought.tables import plain, readings
-from truepose.exchange.brought.choices import Choices, FileChoice
-from truepose.exchange.brought.files.workbook import is_workbook, read_workbook
-from truepose.exchange.brought.reading import read_brought
 from truepose.exchange.errors import UnreadableFileError, UnsafeArchiveError
+from truepose.exchange.import_wizard.dialogue import Choices, FileChoice
+from truepose.exchange.import_wizard.reading import read_imported_files
+from truepose.exchange.import_wizard.workbook import is_workbook, read_workbook
 
 DAY = Choices(measured_on=date(2026, 3, 3))
 NAMES = ["pose", *(f"J{k} [deg]" for k in range(1, 7)), "nest", "x [mm]", "y [mm]", "z [mm]", "u [mm]"]
@@ -29,8 +29,8 @@ def text_of(cells, **more):
 
 @pytest.mark.parametrize("target", ["worksheets/sheet{}.xml", "/xl/worksheets/sheet{}.xml"])
 def test_a_sheet_is_a_table_as_its_csv_is(target):
-    of_book = read_brought({"mine.xlsx": workbook({"Tabelle1": measured()}, target)}, DAY)
-    of_table = read_brought({"mine.csv": plain()}, DAY)
+    of_book = read_imported_files({"mine.xlsx": workbook({"Tabelle1": measured()}, target)}, DAY)
+    of_table = read_imported_files({"mine.csv": plain()}, DAY)
 
     assert of_book.understood.ready
     assert [one.name for one in of_book.understood.files] == ["mine (Tabelle1).txt"]
@@ -60,9 +60,9 @@ def test_a_fault_is_shown_at_the_row_of_the_sheet_and_corrected_there():
     rows[7][8] = "1o2.5"
     files = {"mine.xlsx": workbook({"S": rows})}
 
-    wrong = read_brought(files, DAY).understood.fault
+    wrong = read_imported_files(files, DAY).understood.fault
     left_out = Choices(files={"mine (S).txt": FileChoice(edits={8: None})}, measured_on=DAY.measured_on)
-    right = read_brought(files, left_out)
+    right = read_imported_files(files, left_out)
 
     assert (wrong.file, wrong.line, wrong.column) == ("mine (S).txt", 8, 8)
     assert right.understood.readings == 29
@@ -125,12 +125,13 @@ BOMB = '<!DOCTYPE sst [<!ENTITY a "aaaaaaaaaa"><!ENTITY b "&a;&a;&a;">]><sst><si
             "more cells than are read",
         ),
     ],
+    ids=lambda told: told if isinstance(told, str) else "workbook",  # the bytes of a zip hold the time
 )
 def test_what_cannot_be_read_is_said_and_the_file_beside_it_is_read(data, says):
     with pytest.raises(UnreadableFileError, match=says):
         read_workbook(data, "mine.xlsx")
 
-    found = read_brought({"mine.xlsx": data, "other.csv": plain()}, DAY)
+    found = read_imported_files({"mine.xlsx": data, "other.csv": plain()}, DAY)
 
     assert says in {one.name: one for one in found.understood.files}["mine.xlsx"].reason
     assert found.understood.readings == 30

@@ -10,10 +10,10 @@ from tests.helpers.domain.robots import IRB_120
 from tests.helpers.identification.models import model_of, plain_parameters
 from truepose.correction import shifted_by
 from truepose.domain.errors import ConfigurationError
-from truepose.exchange.corrections.asked import Asked, branch_named, frame_defined
-from truepose.exchange.corrections.files import check_file, correct_file
+from truepose.exchange.corrections import check_file, correct_file
 from truepose.exchange.errors import UnreadableFileError
-from truepose.exchange.programs.understood import Meant
+from truepose.exchange.programs.correction_request import CorrectionRequest, branch_named, frame_defined
+from truepose.exchange.programs.program import Meant
 from truepose.kinematics.chain import nominal_chain
 
 REST = "[9E9,9E9,9E9,9E9,9E9,9E9]"
@@ -27,7 +27,7 @@ def model(robot=IRB_120):
     return replace(plain, nominal_base=plain.base)
 
 
-_AS_IT_IS = Asked()
+_AS_IT_IS = CorrectionRequest()
 
 
 def corrected(name, data, asked=_AS_IT_IS):
@@ -47,8 +47,8 @@ def test_joints_in_a_table_and_in_a_program_are_the_same_target():
 
 
 def test_joints_mean_the_same_place_whatever_poses_are_given_in():
-    _, world, _ = corrected("a.csv", TABLE, Asked(Meant.WORLD))
-    _, base, _ = corrected("a.csv", TABLE, Asked(Meant.BASE))
+    _, world, _ = corrected("a.csv", TABLE, CorrectionRequest(Meant.WORLD))
+    _, base, _ = corrected("a.csv", TABLE, CorrectionRequest(Meant.BASE))
 
     assert world == base
 
@@ -67,22 +67,22 @@ def test_the_shift_leads_from_the_place_meant_to_where_the_controller_believes_t
 
 @pytest.mark.parametrize(("name", "data"), [("a.csv", TABLE), ("a.mod", MODULE)])
 def test_a_file_that_can_be_corrected_is_counted(name, data):
-    assert check_file(model(), name, data, Asked()) == 1
+    assert check_file(model(), name, data, CorrectionRequest()) == 1
 
 
 @pytest.mark.parametrize(("name", "data"), [("a.csv", TABLE), ("a.mod", MODULE)])
 def test_more_targets_than_are_taken_are_refused(name, data):
     with pytest.raises(UnreadableFileError, match="has more than 0"):
-        check_file(model(), name, data, Asked(most_targets=0))
+        check_file(model(), name, data, CorrectionRequest(most_targets=0))
 
 
 def test_a_program_of_another_maker_is_refused_and_one_for_a_robot_of_any_name_is_not():
     fanuc = model(replace(IRB_120, name="Fanuc LR Mate 200iC"))
 
     with pytest.raises(ConfigurationError, match="for robots of ABB, and the model is that of Fanuc"):
-        check_file(fanuc, "a.mod", MODULE, Asked())
-    assert check_file(fanuc, "a.csv", TABLE, Asked()) == 1
-    assert check_file(model(replace(IRB_120, name="left arm")), "a.mod", MODULE, Asked()) == 1
+        check_file(fanuc, "a.mod", MODULE, CorrectionRequest())
+    assert check_file(fanuc, "a.csv", TABLE, CorrectionRequest()) == 1
+    assert check_file(model(replace(IRB_120, name="left arm")), "a.mod", MODULE, CorrectionRequest()) == 1
 
 
 def test_what_is_said_beside_the_file_is_read():

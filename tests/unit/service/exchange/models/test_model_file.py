@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from tests.helpers.domain.builders import make_model, make_parameter, make_robot
-from truepose.domain.results.identification import Anchor, MeasuredZone, Shortfall, Unit
+from truepose.domain.identification import Anchor, MeasuredZone, Shortfall, Unit
 from truepose.domain.robot import JointRange
 from truepose.exchange.errors import (
     BadValueError,
@@ -238,6 +238,14 @@ def test_a_value_that_cannot_be_meant_is_named(changes, key, sentence):
         read(edited(**changes))
 
     assert refusal.value.key == key
+
+
+def test_a_covariance_whose_sums_vary_less_than_nothing_is_refused():
+    three = tuple(make_parameter(name=f"a_{k}", unit="mm") for k in (1, 2, 3))
+    text = model_text(make_model(parameters=three, covariance=np.where(np.eye(3) > 0.0, 1.0, -0.9)))
+
+    with pytest.raises(BadValueError, match="of no combination of its parameters"):
+        read(text)
 
 
 def test_a_unit_of_another_program_is_refused():

@@ -7,12 +7,12 @@ import pytest
 
 from tests.helpers.domain.robots import IRB_120
 from tests.helpers.identification.models import model_of, plain_parameters
-from truepose.domain.cell.description import Cell
+from truepose.domain.cell import Cell
 from truepose.domain.errors import UnsuitableModelError
-from truepose.domain.results.identification import NestCentre
+from truepose.domain.identification import NestCentre
 from truepose.domain.robot import Nest
+from truepose.exchange.models.acceptance import fitting_model
 from truepose.exchange.models.file import model_text
-from truepose.exchange.models.of_cell import fitting_model
 
 MODEL = model_of(IRB_120, *plain_parameters(IRB_120))
 NESTS = tuple(Nest(nest.centre_mm) for nest in MODEL.nests)

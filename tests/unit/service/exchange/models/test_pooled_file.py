@@ -7,9 +7,9 @@ import pytest
 
 from tests.helpers.fleet.linear import drawn
 from truepose.exchange.errors import InputFileError, NewerVersionError
-from truepose.exchange.models.pooled import Pooled, pooled_text, read_pooled, write_pooled
+from truepose.exchange.models.file import Pooled, pooled_text, read_pooled, write_pooled
 from truepose.fleet.changes import account_of
-from truepose.fleet.pooled import of_a_new_robot
+from truepose.fleet.predicted_accuracy import of_a_new_robot
 
 
 @pytest.fixture(scope="module")

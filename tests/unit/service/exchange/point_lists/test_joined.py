@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from truepose.domain.errors import ConfigurationError
+from truepose.exchange.campaigns.point_list import NamedPoint
+from truepose.exchange.campaigns.points_with_joints import joined
 from truepose.exchange.errors import BadValueError, MissingEntryError
-from truepose.exchange.point_lists.joined import joined
-from truepose.exchange.point_lists.reading import NamedPoint
 
 JOINTS = "config,q1_deg,q2_deg\n1,10,20\n2,11,21\n3,12,22\n"
 

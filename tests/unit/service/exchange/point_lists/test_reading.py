@@ -2,8 +2,8 @@
 
 import pytest
 
+from truepose.exchange.campaigns.point_list import read_point_list
 from truepose.exchange.errors import BadValueError, MissingEntryError, UnreadableFileError, WrongUnitError
-from truepose.exchange.point_lists.reading import read_point_list
 
 
 def read(text, unit="mm"):

@@ -9,19 +9,18 @@ import pytest
 from tests.helpers.domain.robots import IRB_120
 from tests.helpers.identification.models import extended, model_of, plain_parameters
 from truepose.correction import tool_nests_mm
+from truepose.domain.campaign import Stops
 from truepose.domain.errors import ConfigurationError
-from truepose.domain.measurement.campaign import Stops
-from truepose.exchange.programs.branches import branch_of_words
 from truepose.exchange.programs.corrected import corrected_program
+from truepose.exchange.programs.correction_request import branch_of_words
 from truepose.exchange.programs.formats import read_program
-from truepose.exchange.programs.program import Configuration, Pose
-from truepose.exchange.programs.understood import Meant, Understood
+from truepose.exchange.programs.program import Configuration, Meant, Pose, ProgramOptions
 from truepose.identification.model.estimates import structure_of, values_of
 from truepose.identification.model.evaluation import Targets, evaluate
 from truepose.kinematics.chain import nominal_chain
 from truepose.kinematics.frames import quaternion_from_rotation, rotation_from_quaternion
 from truepose.kinematics.inverse import all_branches, branch_of
-from truepose.words.catalogue import english
+from truepose.messages.catalogue import english
 
 JOINTS = np.radians([[20.0, 30.0, -25.0, 40.0, 50.0, 60.0], [-35.0, 15.0, 5.0, -70.0, 35.0, 10.0]])
 TOOL = Pose((10.0, -20.0, 150.0), (0.9238795325112867, 0.0, 0.3826834323650898, 0.0))
@@ -126,7 +125,7 @@ def test_targets_meant_in_the_world_are_reached_there():
     )
     program = read_program(module(), "weld.mod")
 
-    answer = corrected_program(robot, program, Understood(meant=Meant.WORLD))
+    answer = corrected_program(robot, program, ProgramOptions(meant=Meant.WORLD))
 
     stops = Stops(np.arange(2), answer.found.joints_rad)
     chain = evaluate(structure_of(robot), values_of(robot), Targets(stops, np.ones(2, dtype=np.int64))).chain
@@ -162,7 +161,7 @@ def test_a_tool_that_the_file_only_names_is_asked_for_and_taken():
     program = read_program(data, "weld.mod")
 
     without = corrected_program(model(), program)
-    defined = corrected_program(model(), program, Understood(defined={"TGUN": TOOL}))
+    defined = corrected_program(model(), program, ProgramOptions(defined={"TGUN": TOOL}))
 
     assert without.names == ("jHome",)
     assert any("tGun is not declared in this file" in english(left.reason) for left in without.left_alone)
@@ -192,7 +191,7 @@ def test_stated_to_count_from_the_horizontal_joints_of_a_fanuc_are_corrected():
     shown = np.radians([10.0, 20.0, 10.0, 0.0, 40.0, 0.0])
     own = shown - np.array([0.0, 0.0, shown[1], 0.0, 0.0, 0.0])  # axes 2 and 3 of an IRB 120 point alike
 
-    answer = corrected_program(model(), read_program(text.encode(), "a.ls"), Understood(coupled=True))
+    answer = corrected_program(model(), read_program(text.encode(), "a.ls"), ProgramOptions(coupled=True))
 
     again = read_program(answer.data, "a.ls").targets[0].value.joints_rad
     sent = answer.found.joints_rad[0]

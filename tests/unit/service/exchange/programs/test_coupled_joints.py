@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from truepose.domain.robot import JointRow, Robot
-from truepose.exchange.programs.coupled_joints import can_be_coupled, from_horizontal, from_upper_arm
+from truepose.exchange.programs.joints_reached import can_be_coupled, from_horizontal, from_upper_arm
 from truepose.exchange.programs.program import Configuration
 from truepose.kinematics.chain import nominal_chain
 

@@ -7,7 +7,7 @@ from truepose.exchange.errors import UnreadableFileError
 from truepose.exchange.programs.formats import read_program
 from truepose.exchange.programs.program import Frame, Motion, Pose
 from truepose.exchange.programs.rewriting import rewritten
-from truepose.words.catalogue import english
+from truepose.messages.catalogue import english
 
 POINTS = b"""DEFDAT ROW
 DECL E6POS P1={X 1.0,Y 2.0,Z 3.0,A 0.0,B 0.0,C 0.0,S 2,T 3}

@@ -7,7 +7,7 @@ from scipy.spatial.transform import Rotation
 
 from tests.helpers.exchange.robot_programs import KRL, line_of, named, read, reasons
 from truepose.exchange.programs.program import AT_THE_ORIGIN, Configuration, Frame
-from truepose.words.catalogue import catalogue, english
+from truepose.messages.catalogue import catalogue, english
 
 POSE = b"{X 1.0,Y 2.0,Z 3.0,A 0.0,B 0.0,C 0.0}"
 

@@ -5,7 +5,7 @@ from scipy.spatial.transform import Rotation
 
 from tests.helpers.exchange.robot_programs import UR, line_of, named, read, reasons
 from truepose.exchange.programs.program import AT_THE_ORIGIN, Configuration, Frame
-from truepose.words.catalogue import catalogue, english
+from truepose.messages.catalogue import catalogue, english
 
 
 def program_of(*lines):

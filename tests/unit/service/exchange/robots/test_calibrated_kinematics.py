@@ -9,10 +9,9 @@ from tests.helpers.identification.models import model_of, plain_parameters
 from tests.helpers.kinematics.urdf_frames import frames
 from truepose.domain.errors import ConfigurationError
 from truepose.exchange.errors import InputFileError
-from truepose.exchange.exports.formats import export
+from truepose.exchange.models.exports import export
 from truepose.exchange.robots.calibrated_kinematics import LINKS, kinematics_from_text
-from truepose.exchange.robots.files import read_robot_file
-from truepose.exchange.robots.shipped import load_robot
+from truepose.exchange.robots.named import load_robot, read_robot_file
 from truepose.kinematics.chain import nominal_chain
 
 UR10 = load_robot("universal-robots-ur10")

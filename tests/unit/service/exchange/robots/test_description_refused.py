@@ -14,7 +14,7 @@ from truepose.exchange.errors import (
     UnreadableFileError,
     WrongUnitError,
 )
-from truepose.words.catalogue import english
+from truepose.messages.catalogue import english
 
 REQUIRED = (
     "format",

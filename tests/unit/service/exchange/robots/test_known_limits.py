@@ -5,8 +5,7 @@ from dataclasses import replace
 import pytest
 
 from tests.helpers.identification.models import model_of
-from truepose.exchange.robots.known_limits import with_known_limits
-from truepose.exchange.robots.shipped import load_robot
+from truepose.exchange.robots.named import load_robot, with_known_limits
 
 KNOWN = load_robot("abb-irb-120")
 

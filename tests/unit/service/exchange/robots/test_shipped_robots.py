@@ -7,7 +7,7 @@ import pytest
 
 from tests.helpers.reference import reference
 from truepose.exchange.errors import UnknownRobotError
-from truepose.exchange.robots.shipped import list_robots, load_robot, load_robot_with_tool
+from truepose.exchange.robots.named import list_robots, load_robot, load_robot_with_tool
 
 
 def rot_x(angle):

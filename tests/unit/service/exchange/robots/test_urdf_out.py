@@ -16,16 +16,16 @@ from tests.helpers.identification.models import (
 )
 from tests.helpers.identification.zones import zoned
 from tests.helpers.kinematics.urdf_frames import frames
-from truepose.domain.measurement.campaign import Stops
+from truepose.domain.campaign import Stops
 from truepose.domain.robot import JointRange
-from truepose.exchange.exports.formats import export
-from truepose.exchange.robots.urdf.reading import urdf_from_text
+from truepose.exchange.models.exports import export
+from truepose.exchange.robots.urdf import urdf_from_text
 from truepose.identification.model.estimates import identified_estimate
 from truepose.identification.model.evaluation import Targets, evaluate
 from truepose.identification.model.prediction import predict
 from truepose.kinematics.chain import forward, nominal_values
 from truepose.kinematics.frames import placement_rotation, placement_translation
-from truepose.words.catalogue import english
+from truepose.messages.catalogue import english
 
 NANOMETRE_M = 1e-9
 

@@ -8,8 +8,8 @@ import pytest
 
 from tests.helpers.domain.builders import make_contact_campaign, make_contacts
 from tests.unit.service.exchange.test_campaign_round_trip import assert_equal, written_and_read
-from truepose.domain.measurement.campaign import NO_AXIS
-from truepose.domain.measurement.targets import Target, TargetKind
+from truepose.domain.campaign import NO_AXIS
+from truepose.domain.contacts import Target, TargetKind
 from truepose.exchange.campaigns.folder import campaign_files, campaign_from
 from truepose.exchange.errors import InputFileError
 from truepose.exchange.tables.contacts import read_contact_table, read_distance_table, read_target_table

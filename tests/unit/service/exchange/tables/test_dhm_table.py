@@ -9,7 +9,7 @@ import pytest
 
 from tests.helpers.domain.robots import SEVEN_AXES
 from tests.helpers.identification.models import model_of, parameters_of
-from truepose.exchange.exports.formats import export
+from truepose.exchange.models.exports import export
 
 MODEL = model_of(
     SEVEN_AXES,

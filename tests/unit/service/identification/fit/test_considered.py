@@ -8,9 +8,9 @@ from scipy.spatial.transform import Rotation
 
 from tests.helpers.domain.robots import IRB_120
 from tests.helpers.identification.synthetic import NESTS, nominal_campaign
-from truepose.domain.measurement.campaign import FixedNestReadings
+from truepose.domain.campaign import FixedNestReadings
 from truepose.domain.robot import FixedNest, Nest, WorldRegistration
-from truepose.identification.fit.considered import considered, world_registration
+from truepose.identification.fit.assessment import considered, world_registration
 from truepose.identification.fit.robust import RobustFit, fit
 from truepose.identification.model.evaluation import evaluate
 from truepose.identification.problem.build import build

@@ -7,10 +7,10 @@ import pytest
 
 from tests.helpers.domain.robots import IRB_120
 from tests.helpers.identification.synthetic import NOISE_MM, measured, nominal_campaign
-from truepose.identification.fit.cross_validation import held_out_residuals
+from truepose.domain.campaign import sites
+from truepose.identification.fit.assessment import held_out_residuals
 from truepose.identification.fit.robust import fit, robust_fit
 from truepose.identification.fit.solver import covariance_of, posterior_covariance
-from truepose.identification.model.stops import sites
 from truepose.identification.problem.build import automatic_effects, build
 
 

@@ -11,13 +11,12 @@ from scipy.special import gammaincinv
 from tests.helpers.domain.robots import IRB_120
 from tests.helpers.identification.closed_loops import contact_campaign
 from tests.helpers.identification.synthetic import drawn, measured, nominal_campaign, shifted
-from truepose.domain.measurement.targets import TargetKind
+from truepose.domain.contacts import TargetKind
 from truepose.effects.ports import Trait
 from truepose.effects.registry import effects_with
 from truepose.identification.fit.robust import robust_fit, settled
 from truepose.identification.model.evaluation import evaluate
-from truepose.identification.problem.belief import Belief, with_belief
-from truepose.identification.problem.build import build
+from truepose.identification.problem.build import JointPrior, build, with_belief
 from truepose.kinematics.frames import rotation_from_vector
 
 EFFECTS = ("base", "geometry")
@@ -120,7 +119,7 @@ def test_widths_that_a_belief_counts_on_stay_as_stated_and_others_widen():
     known = [at for at, name in enumerate(problem.structure.names) if name in HELD]
     specs = tuple(problem.structure.specs[at] for at in known)
     widths = np.array([spec.prior_width for spec in specs])
-    belief = Belief(specs, ("geometry",) * len(specs), np.zeros(len(specs)), np.diag((0.7 * widths) ** 2))
+    belief = JointPrior(specs, ("geometry",) * len(specs), np.zeros(len(specs)), np.diag((0.7 * widths) ** 2))
     told = with_belief(problem, belief)
 
     fit = robust_fit(told.structure, told.blocks, told.start)

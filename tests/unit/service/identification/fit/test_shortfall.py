@@ -13,7 +13,7 @@ from tests.helpers.identification.synthetic import (
     measured,
     nominal_campaign,
 )
-from truepose.domain.measurement.campaign import Stops
+from truepose.domain.campaign import Stops
 from truepose.identification import identify
 from truepose.identification.model.prediction import predict
 

@@ -8,10 +8,10 @@ import pytest
 from tests.helpers.domain.robots import IRB_120
 from tests.helpers.identification.models import ORIGIN_S, model_of, parameters_of
 from tests.helpers.identification.synthetic import configurations
-from truepose.domain.measurement.campaign import Stops
-from truepose.domain.results.identification import Parameter
+from truepose.domain.campaign import Stops
+from truepose.domain.identification import Parameter
 from truepose.identification import predict, unpredictable
-from truepose.words.catalogue import english
+from truepose.messages.catalogue import english
 
 N = 5
 RATE = 0.3  # mm/h

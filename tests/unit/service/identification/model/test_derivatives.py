@@ -7,12 +7,11 @@ import pytest
 
 from tests.helpers.domain.robots import IRB_120, SEVEN_AXES
 from tests.helpers.identification.synthetic import leg_campaign, nominal_campaign
-from truepose.domain.measurement.campaign import LegReadings
+from truepose.domain.campaign import LegReadings
 from truepose.domain.robot import Nest
 from truepose.identification.model.evaluation import evaluate
 from truepose.identification.observations.blocks import linearise_blocks
-from truepose.identification.observations.orientations import OrientationBlock
-from truepose.identification.observations.positions import PositionBlock
+from truepose.identification.observations.poses import OrientationBlock, PositionBlock
 from truepose.identification.problem.build import automatic_effects, build
 from truepose.kinematics.frames import rotation_xyz
 from truepose.kinematics.gravity import gravity_torques

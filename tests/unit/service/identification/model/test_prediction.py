@@ -5,9 +5,9 @@ import pytest
 
 from tests.helpers.domain.robots import IRB_120
 from tests.helpers.identification.synthetic import NESTS, configurations
+from truepose.domain.campaign import PointReadings, Stops
 from truepose.domain.errors import ConfigurationError
-from truepose.domain.measurement.campaign import PointReadings, Stops
-from truepose.domain.results.identification import Model, NestCentre, Parameter
+from truepose.domain.identification import Model, NestCentre, Parameter
 from truepose.domain.robot import FramePlacement
 from truepose.identification import judge, predict
 from truepose.kinematics.chain import nominal_chain

@@ -5,7 +5,7 @@ import pytest
 
 from tests.helpers.domain.robots import IRB_120
 from tests.helpers.identification.synthetic import configurations
-from truepose.identification.model.validity.zone import measured_zone, outside
+from truepose.identification.model.validity import measured_zone, outside
 from truepose.kinematics.chain import nominal_chain
 
 JOINTS = configurations(60)

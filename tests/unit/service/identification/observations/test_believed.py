@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from truepose.identification.observations.believed import belief_block
+from truepose.identification.observations.joint_priors import belief_block
 
 NAMES = ("a_2", "a_3", "theta_4")
 ROBOTS = 400

@@ -12,9 +12,8 @@ from tests.helpers.identification.closed_loops import (
     contact_campaign,
     with_distance,
 )
-from truepose.domain.measurement.targets import SEEN_ALONG_AXES, Target, TargetKind
-from truepose.identification.observations.contacts.against import Probe
-from truepose.identification.observations.contacts.kinds import KINDS
+from truepose.domain.contacts import SEEN_ALONG_AXES, Target, TargetKind
+from truepose.identification.observations.contact_targets import KINDS, Probe
 from truepose.identification.problem.build import build
 
 CAMPAIGNS = {

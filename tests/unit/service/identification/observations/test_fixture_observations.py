@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from tests.helpers.ballbar.campaigns import ballbar_campaign
-from truepose.domain.measurement.campaign import CupSetups, LegReadings, Stops
+from truepose.domain.campaign import CupSetups, LegReadings, Stops
 from truepose.identification import identify
-from truepose.identification.model.parameters.anchors import anchor_places
+from truepose.identification.model.structure import anchor_places
 from truepose.identification.observations.blocks import linearise_blocks
 from truepose.identification.observations.fixture import ClampBlock, SideBlock
 from truepose.identification.observations.legs import LegBlock
@@ -193,3 +193,13 @@ def test_a_cup_that_was_clamped_elsewhere_is_started_from_its_legs():
 
     first = structure.index_of("anchor_1_2_x")
     assert start[first : first + 3] == pytest.approx(true.cups_mm[1][1], abs=1e-3)
+
+
+def test_sides_between_tool_nests_at_one_place_show_no_direction():
+    campaign, _ = ballbar_campaign()
+    together = replace(campaign, nests=(campaign.nests[0],) * len(campaign.nests))
+    problem = build(together, ("geometry",))
+
+    joint = linearise_blocks(problem.structure, problem.blocks[1:2], problem.start, None)
+
+    assert np.isfinite(joint.jacobian).all()

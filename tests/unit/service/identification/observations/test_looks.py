@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tests.helpers.diagnosis.point_scenes import FIXED_MM, telling_campaign
-from truepose.domain.measurement.campaign import FixedNestReadings
+from truepose.domain.campaign import FixedNestReadings
 from truepose.identification.fit.robust import robust_fit
 from truepose.identification.observations.fixed_nests import reference_block
 from truepose.identification.problem.build import build

@@ -6,8 +6,8 @@ import pytest
 from tests.helpers.diagnosis.leg_scenes import LEG_START, PER_PLACEMENT, N, telling_legs
 from tests.helpers.identification.synthetic import nominal_campaign
 from truepose.domain.errors import ConfigurationError
-from truepose.identification.observations.observed import observed
 from truepose.identification.problem.build import build
+from truepose.identification.verdict.judge import observed
 
 SECOND = np.arange(PER_PLACEMENT, N)
 

@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from truepose.domain.measurement.campaign import Stops
-from truepose.identification.model.stops import each_nest, sites
+from truepose.domain.campaign import Stops, each_nest, sites
 
 STOPS = Stops(np.array([5, 6, 7]), np.arange(6.0).reshape(3, 2), time_s=np.array([0.0, 1.0, 2.0]))
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from truepose.identification.observations.whitening import equal_variance, of_independent, whitener
+from truepose.identification.observations.blocks import equal_variance, of_independent, whitener
 
 UNIT = np.broadcast_to(np.eye(3), (6, 3, 3))
 STOPS = np.array([4, 4, 7, 9, 9, 9])

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from tests.helpers.identification.synthetic import NESTS, configurations, nominal_campaign
-from truepose.domain.measurement.campaign import PointReadings, Stops
+from truepose.domain.campaign import PointReadings, Stops
 from truepose.domain.robot import Nest
 from truepose.identification import identify, predict
-from truepose.kinematics.artefact import centre, pose_uncertainty
 from truepose.kinematics.chain import forward, nominal_values
 from truepose.kinematics.frames import quaternion_from_rotation, rotation_from_vector
+from truepose.kinematics.poses import centre, pose_uncertainty
 
 ARTEFACT = np.array(NESTS)
 # Readings are far finer than the definition, so that it is they that tell.

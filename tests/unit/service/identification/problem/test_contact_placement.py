@@ -5,10 +5,10 @@ from functools import cache
 import numpy as np
 import pytest
 
-from truepose.domain.measurement.campaign import NO_AXIS
-from truepose.domain.measurement.targets import Target, TargetKind
-from truepose.identification.observations.contacts.kinds import KINDS
-from truepose.identification.problem.contact_placement import (
+from truepose.domain.campaign import NO_AXIS
+from truepose.domain.contacts import Target, TargetKind
+from truepose.identification.observations.contact_targets import KINDS
+from truepose.identification.problem.contacts import (
     Contacts,
     place_contacts,
     spread_over_targets,

@@ -6,7 +6,7 @@ from scipy.spatial.transform import Rotation
 
 from tests.helpers.domain.robots import IRB_120
 from tests.helpers.identification.synthetic import NESTS, configurations
-from truepose.identification.problem.placement import Known, place
+from truepose.identification.problem.placement import PriorPlacement, place
 from truepose.kinematics.chain import nominal_chain
 from truepose.kinematics.frames import rotation_xyz
 
@@ -28,7 +28,7 @@ def base_found(placement):
 
 
 def test_base_and_certified_nests_place_the_robot_exactly():
-    placement = place(*readings(configurations(20)), Known(None, CENTRES, HELD))
+    placement = place(*readings(configurations(20)), PriorPlacement(None, CENTRES, HELD))
 
     # rounding of numbers of some thousand millimetres
     assert base_found(placement) == pytest.approx((0.0, 0.0), abs=1e-8)
@@ -42,7 +42,7 @@ def test_gross_readings_do_not_move_base_and_nests(share):
     spoilt = rng.choice(60, int(share * 60), replace=False)
     measured[spoilt] += rng.normal(size=(len(spoilt), 3)) * 200.0
 
-    placement = place(chain, nest, measured, Known(None, CENTRES, FREE))
+    placement = place(chain, nest, measured, PriorPlacement(None, CENTRES, FREE))
 
     # theta_6 and the nests turn together: compare places, not nests
     good = np.setdiff1d(np.arange(60), spoilt)
@@ -55,14 +55,16 @@ def test_one_unknown_nest_among_certified_ones_is_found():
     unknown = np.array([False, True, False])
 
     placement = place(
-        *readings(configurations(30)), Known(None, np.where(unknown[:, None], 0.0, CENTRES), unknown)
+        *readings(configurations(30)), PriorPlacement(None, np.where(unknown[:, None], 0.0, CENTRES), unknown)
     )
 
     assert placement.nests_mm == pytest.approx(CENTRES, abs=1e-7)
 
 
 def test_a_known_base_is_held_and_only_nests_are_found():
-    placement = place(*readings(configurations(30)), Known((ROTATION, ORIGIN), np.zeros((3, 3)), FREE))
+    placement = place(
+        *readings(configurations(30)), PriorPlacement((ROTATION, ORIGIN), np.zeros((3, 3)), FREE)
+    )
 
     assert np.array_equal(placement.origin_mm, ORIGIN)
     assert placement.nests_mm == pytest.approx(CENTRES, abs=1e-7)
@@ -73,7 +75,7 @@ def test_a_nest_that_was_never_measured_stays_where_nothing_is_known():
     here = nest != 2
     chain = nominal_chain(IRB_120, configurations(30)[here])
 
-    placement = place(chain, nest[here], measured[here], Known(None, np.zeros((3, 3)), FREE))
+    placement = place(chain, nest[here], measured[here], PriorPlacement(None, np.zeros((3, 3)), FREE))
 
     assert np.abs(placement.residual_mm).max() < 1e-6
     assert np.all(np.isfinite(placement.nests_mm))
@@ -84,7 +86,7 @@ def test_motions_of_two_joints_alone_still_place_the_robot():
     joints = np.tile([0.2, 0.5, -0.3, 0.4, 0.6, 0.1], (25, 1))
     joints[:, 1:3] += np.random.default_rng(3).uniform(-0.5, 0.5, (25, 2))
 
-    placement = place(*readings(joints), Known(None, CENTRES, FREE))
+    placement = place(*readings(joints), PriorPlacement(None, CENTRES, FREE))
 
     assert np.abs(placement.residual_mm).max() < 1e-4
 
@@ -93,7 +95,7 @@ def test_the_typical_residual_is_blind_to_gross_readings():
     chain, nest, measured = readings(configurations(40))
     measured[:5] += 500.0
 
-    placement = place(chain, nest, measured, Known((ROTATION, ORIGIN), CENTRES, HELD))
+    placement = place(chain, nest, measured, PriorPlacement((ROTATION, ORIGIN), CENTRES, HELD))
 
     assert placement.typical_mm < 1e-8
 
@@ -105,7 +107,7 @@ def test_wherever_the_base_is_turned_to_it_is_found():
 
     for turn in Rotation.random(40, rng=rng).as_matrix():
         noise = rng.normal(size=in_base.shape) * 3.0  # a nominal robot's own errors
-        placement = place(chain, nest, in_base @ turn.T + ORIGIN + noise, Known(None, CENTRES, FREE))
+        placement = place(chain, nest, in_base @ turn.T + ORIGIN + noise, PriorPlacement(None, CENTRES, FREE))
 
         # 3 mm at the few hundred millimetres that 24 readings spread over; a wrong valley is off by 1 or more
         assert np.linalg.norm(placement.rotation - turn) < 0.03

@@ -7,13 +7,20 @@ import pytest
 
 from tests.helpers.domain.robots import IRB_120, SEVEN_AXES
 from tests.helpers.identification.synthetic import NESTS, configurations
-from truepose.identification.problem.placement import Known
-from truepose.identification.verdict.changes import Evidence, Meant, with_zero
-from truepose.identification.verdict.conventions import change_that_fits, changes, may_leave, typical_mm
+from truepose.identification.problem.placement import PriorPlacement
+from truepose.identification.verdict.conventions import (
+    Evidence,
+    Interpretation,
+    change_that_fits,
+    changes,
+    may_leave,
+    typical_mm,
+    with_zero,
+)
 from truepose.kinematics.chain import nominal_chain
-from truepose.words.catalogue import english
+from truepose.messages.catalogue import english
 
-KNOWN = Known(None, np.array(NESTS), np.zeros(3, dtype=bool))
+KNOWN = PriorPlacement(None, np.array(NESTS), np.zeros(3, dtype=bool))
 
 
 def evidence(robot, joints):
@@ -90,20 +97,20 @@ def test_a_robot_of_seven_joints_is_searched_as_well():
     assert "zero of joint 4 is off by 90 deg" in english(change_that_fits(SEVEN_AXES, seen, KNOWN).sentence)
 
 
-@pytest.mark.parametrize("change", list(changes(Meant(IRB_120, SEEN), KNOWN)), ids=str)
+@pytest.mark.parametrize("change", list(changes(Interpretation(IRB_120, SEEN), KNOWN)), ids=str)
 def test_a_change_that_is_applied_is_told_by_the_readings(change):
-    applied = change.applied(Meant(IRB_120, SEEN))
+    applied = change.applied(Interpretation(IRB_120, SEEN))
 
     # with a free base, joint 1 the other way and a left-handed frame are the same to this robot
     assert typical_mm(applied, KNOWN) > 1.0 or (change.kind, change.first) == ("other_way", 0)
     assert english(change.sentence) != change.sentence.key
 
 
-@pytest.mark.parametrize("change", [None, *changes(Meant(IRB_120, SEEN), KNOWN)], ids=str)
+@pytest.mark.parametrize("change", [None, *changes(Interpretation(IRB_120, SEEN), KNOWN)], ids=str)
 @pytest.mark.parametrize("rows", [39, 40])
 def test_nothing_is_ruled_out_that_a_search_would_find(change, rows):
     noisy = SEEN.position_mm + np.random.default_rng(1).normal(scale=0.3, size=(40, 3))
-    right = Meant(IRB_120, Evidence(SEEN.joints_rad[:rows], SEEN.nest[:rows], noisy[:rows]))
+    right = Interpretation(IRB_120, Evidence(SEEN.joints_rad[:rows], SEEN.nest[:rows], noisy[:rows]))
     meant = right if change is None else change.applied(right)
 
     assert may_leave(meant, KNOWN, 1.0001 * typical_mm(meant, KNOWN))
@@ -116,5 +123,5 @@ def test_of_nests_that_nobody_knows_nothing_is_ruled_out():
     turned = replace(SEEN, joints_rad=-SEEN.joints_rad)
     unknown = replace(KNOWN, nest_unknown=np.ones(3, dtype=bool))
 
-    assert not may_leave(Meant(IRB_120, turned), KNOWN, 0.1)
-    assert may_leave(Meant(IRB_120, turned), unknown, 0.1)
+    assert not may_leave(Interpretation(IRB_120, turned), KNOWN, 0.1)
+    assert may_leave(Interpretation(IRB_120, turned), unknown, 0.1)

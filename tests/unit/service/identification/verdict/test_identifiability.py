@@ -5,9 +5,9 @@ import numpy as np
 from truepose.domain.robot import JointRow, Robot
 from truepose.effects.ports import ParameterSpec, Setting
 from truepose.identification.fit.solver import posterior_covariance
-from truepose.identification.model.parameters.structure import Structure
+from truepose.identification.model.structure import Structure
 from truepose.identification.verdict.identifiability import not_identifiable
-from truepose.words.catalogue import english
+from truepose.messages.catalogue import english
 
 ROBOT = Robot("skew", tuple(JointRow(0.0 if k == 0 else 1.5, 100.0, 0.0, 50.0) for k in range(4)))
 SETTING = Setting(ROBOT, (), has_orientations=False, torque_source="masses", largest_torque_n_mm=np.zeros(4))

@@ -10,7 +10,7 @@ from truepose.domain.errors import ConfigurationError
 from truepose.identification import identify, judge
 from truepose.identification.model.derivatives import rotation_jacobian
 from truepose.identification.model.estimates import identified_estimate, nominal_estimate
-from truepose.identification.observations.orientations import OrientationBlock
+from truepose.identification.observations.poses import OrientationBlock
 from truepose.identification.verdict.judge import judge_estimates
 
 TURN_RAD = 2e-3

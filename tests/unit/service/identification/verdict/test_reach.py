@@ -7,11 +7,11 @@ import pytest
 
 from tests.helpers.identification.synthetic import leg_campaign, measured, nominal_campaign, shifted
 from truepose.diagnosis.diagnose import diagnose
-from truepose.domain.results.identification import Status
+from truepose.domain.identification import Status
 from truepose.identification import identify
-from truepose.identification.observations.whitening import whitener
-from truepose.identification.verdict.reach import within_reach
-from truepose.words.catalogue import english
+from truepose.identification.observations.blocks import whitener
+from truepose.identification.verdict.outliers import within_reach
+from truepose.messages.catalogue import english
 
 ROW = 7
 IMPOSSIBLE = [1e4, -1e4, 1e6, 1e9, -1e12, 1e29, 1e300, np.inf, np.nan]

@@ -13,10 +13,10 @@ from tests.helpers.identification.synthetic import (
     measured,
     nominal_campaign,
 )
-from truepose.domain.measurement.campaign import PointReadings, Stops
+from truepose.domain.campaign import PointReadings, Stops
 from truepose.identification import identify, predict
-from truepose.judgement.validation import validate
 from truepose.kinematics.frames import rotation_from_vector
+from truepose.validation.validate import validate
 
 MODEL = model_of(IRB_120, *plain_parameters(IRB_120))
 N = 60

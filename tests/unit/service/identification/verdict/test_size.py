@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from tests.helpers.identification.closed_loops import contact_campaign
-from truepose.domain.measurement.targets import TargetKind
+from truepose.domain.contacts import TargetKind
 from truepose.identification.problem.build import build
-from truepose.identification.verdict.size import size_direction, size_left_open, without
+from truepose.identification.verdict.identifiability import size_direction, size_left_open, without
 from truepose.identification.verdict.status import too_few_data
 
 LOOP = contact_campaign(TargetKind.SPHERE)

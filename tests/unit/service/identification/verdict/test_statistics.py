@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from truepose.identification.verdict.statistics import mean_norm, statistics
+from truepose.identification.verdict.judge import mean_norm, statistics
 
 DRAWS = np.random.default_rng(0).standard_normal((200_000, 3))
 
@@ -45,3 +45,7 @@ def test_figures_are_those_of_the_norms():
 
 def test_one_reading_has_no_scatter():
     assert statistics(np.array([[1.0, 0.0, 0.0]]), 0.0).sd_mm == 0.0
+
+
+def test_the_mean_norm_of_what_is_not_known_is_not_known():
+    assert np.isnan(mean_norm(np.full((2, 3, 3), np.nan)))

@@ -9,15 +9,15 @@ from tests.unit.service.identification.problem.test_certified_artefact import po
 from truepose.exchange.results.identification import identification_document
 from truepose.exchange.results.validation import validation_document
 from truepose.identification import identify
-from truepose.identification.verdict.turns import turn_errors
-from truepose.judgement.validation import validate
+from truepose.identification.verdict.pose_errors import turn_errors
 from truepose.kinematics.frames import (
     quaternion_from_rotation,
     rotation_from_quaternion,
     rotation_from_vector,
 )
-from truepose.reports.wording.turns import turns_rows, turns_table
-from truepose.words.catalogue import IN_ENGLISH, catalogue
+from truepose.messages.catalogue import IN_ENGLISH, catalogue
+from truepose.reports.error_tables import turns_table
+from truepose.validation.validate import validate
 
 RIGHT = np.zeros(3)
 
@@ -63,7 +63,7 @@ def test_without_orientations_there_is_nothing_to_say(campaign, model):
     alone = replace(campaign.calibration, quaternion=None, rotation_uncertainty_rad=None)
 
     assert turn_errors(model, alone) is None
-    assert turns_table(validate(model, alone)) is None
+    assert turns_table(validate(model, alone)).rows == []
 
 
 def test_a_model_of_positions_knows_no_orientation_of_the_readings(campaign):
@@ -71,7 +71,7 @@ def test_a_model_of_positions_knows_no_orientation_of_the_readings(campaign):
     answer = identify(replace(campaign, calibration=alone))
 
     assert turn_errors(answer.model, campaign.calibration) is None
-    assert turns_rows(answer, IN_ENGLISH) == ()
+    assert turns_table(answer, IN_ENGLISH).rows == []
 
 
 def test_documents_say_degrees_and_only_where_orientations_were_read(campaign, model):
@@ -92,8 +92,8 @@ def test_documents_say_degrees_and_only_where_orientations_were_read(campaign, m
 def test_a_reader_sees_held_out_orientations_before_those_of_the_calibration(campaign, language):
     answer = identify(replace(campaign, validation=campaign.calibration))
 
-    rows = turns_rows(answer, catalogue(language))
+    rows = turns_table(answer, catalogue(language)).rows
 
     assert len(rows) == 4
-    assert rows[0].label == catalogue(language).say("turns.validation")
-    assert (rows[1].label, rows[1].n) == ("", len(campaign.calibration))
+    assert rows[0][0] == catalogue(language).say("turns.validation")
+    assert (rows[1][0], rows[1][2]) == ("", str(len(campaign.calibration)))

@@ -2,9 +2,9 @@ import numpy as np
 import pytest
 
 from tests.helpers.ballbar.pose_device import ALL_LEGS, CUPS, FOUR_CUPS, MEASURABLE, NESTS, lengths
-from truepose.judgement.ball_pairs.judge import judge_pose
 from truepose.kinematics.frames import rotation_from_vector
 from truepose.kinematics.pose_device import Fixtures, Pose, foreseen, linear_legs
+from truepose.validation.connection_check import judge_pose
 
 UNCERTAINTIES = {"reading_u_mm": 0.00051, "zero_u_mm": 0.0015}
 

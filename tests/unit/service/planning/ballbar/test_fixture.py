@@ -8,7 +8,7 @@ import pytest
 from tests.helpers.ballbar.cells import frame
 from truepose.domain.errors import ConfigurationError
 from truepose.kinematics.pose_device import fourth_cup
-from truepose.planning.ballbar.fixture import base_fixture, fixture_body
+from truepose.planning.ballbar.bodies import base_fixture, fixture_body
 
 PLACE = frame(400, -100, 200, 20, -30, 50)
 

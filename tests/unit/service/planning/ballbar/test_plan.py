@@ -7,14 +7,15 @@ import numpy as np
 import pytest
 
 from tests.helpers.ballbar.cells import ballbar_cell, domain_cell, fixture_before_the_arm, frame
-from truepose.domain.cell.description import CellLimits
+from truepose.domain.ballbar import BallbarKit, BallbarPlan, Bars
+from truepose.domain.cell import CellLimits
 from truepose.domain.errors import ConfigurationError
-from truepose.domain.measurement.ballbar import BallbarKit, BallbarPlan, Bars
-from truepose.planning.ballbar.clear_ways.bodies import chain_of
-from truepose.planning.ballbar.clear_ways.clearance import is_clear
-from truepose.planning.ballbar.clear_ways.short_moves import between
-from truepose.planning.ballbar.fixture import base_fixture
-from truepose.planning.ballbar.lengths.information import arm_model, of_poses, pose_rows
+from truepose.domain.robot import Nest
+from truepose.planning.ballbar.bodies import base_fixture, chain_of
+from truepose.planning.ballbar.clearance import is_clear
+from truepose.planning.ballbar.information import arm_model, of_poses, pose_rows
+from truepose.planning.ballbar.paths import between
+from truepose.planning.ballbar.placements import Wish, suggest
 from truepose.planning.ballbar.plan import ballbar_cell as cell_for
 from truepose.planning.ballbar.plan import ballbar_plan, plan_at
 from truepose.planning.errors import NoWayError, TooFewCandidatesError, WorkSpaceError
@@ -194,3 +195,22 @@ def test_a_plan_of_twice_as_many_poses_as_a_pre_calibration_needs_has_it_where_i
 @pytest.mark.parametrize(("floor_z_mm", "table_z_mm"), [(None, 0.0), (120.0, 120.0), (-300.0, -300.0)])
 def test_the_floor_that_the_cell_states_is_the_table_of_its_ballbar_plans(floor_z_mm, table_z_mm):
     assert cell_for(domain_cell(limits=CellLimits(floor_z_mm=floor_z_mm))).table_z_mm == table_z_mm
+
+
+def test_tool_nests_on_a_line_are_refused_wherever_the_base_fixture_stands():
+    line = tuple(Nest((50.0 * k, 10.0 * k, 120.0), 0.002) for k in (-1.0, 0.0, 1.0))
+
+    with pytest.raises(ConfigurationError, match="tool nests are on a line"):
+        cell_for(replace(domain_cell(), nests=line))
+
+
+@pytest.mark.parametrize("joints", [2, 6], ids=["two joints", "lengths in metres"])
+def test_an_arm_without_links_to_look_at_is_told_that_it_reaches_nothing(joints):
+    rows = CELL.robot.joints[:joints]
+    if joints == 6:
+        rows = tuple(replace(row, a_mm=1e-3 * row.a_mm, d_mm=1e-3 * row.d_mm) for row in rows)
+    arm = replace(CELL.robot, joints=rows, masses=(), calibration_ranges=None)
+    cell = replace(CELL, robot=arm, ranges=CELL.ranges[:joints], link_radii_mm=())
+
+    with pytest.raises(TooFewCandidatesError, match="the best offers 0"):
+        suggest(cell, Wish(poses=2, draws=8, moves=0, starts=1))

@@ -9,8 +9,7 @@ from tests.helpers.ballbar.cells import IRB_120, ballbar_cell, fixture_before_th
 from tests.helpers.ballbar.nominal_poses import nominal_lengths, reachable
 from truepose.domain.errors import ConfigurationError
 from truepose.domain.robot import JointRange
-from truepose.planning.ballbar.clear_ways.bodies import BallbarCell
-from truepose.planning.ballbar.fixture import base_fixture
+from truepose.planning.ballbar.bodies import BallbarCell, base_fixture
 from truepose.planning.ballbar.poses import device, in_hand_order, reach
 
 # Tool triangles of 150.0000 mm in the shipped files are rounded to micrometres; legs feel it twice.

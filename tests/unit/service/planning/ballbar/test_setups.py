@@ -4,11 +4,10 @@ import numpy as np
 import pytest
 
 from tests.helpers.ballbar.cells import IRB_120, LR_MATE, ballbar_cell, fixture_before_the_arm, frame
-from truepose.planning.ballbar.clear_ways.bodies import chain_of, tool_normal
-from truepose.planning.ballbar.clear_ways.clearance import arm_room_mm, bodies_at, without_cups
-from truepose.planning.ballbar.clear_ways.short_moves import Stop, Surroundings, can_lift
-from truepose.planning.ballbar.fixture import base_fixture
-from truepose.planning.ballbar.setups import inside, setup_joints, setups
+from truepose.planning.ballbar.bodies import base_fixture, chain_of, tool_normal
+from truepose.planning.ballbar.clearance import arm_room_mm, bodies_at, without_cups
+from truepose.planning.ballbar.paths import Stop, Surroundings, can_lift
+from truepose.planning.ballbar.poses import inside, setup_joints, setups
 from truepose.planning.errors import WorkSpaceError
 
 

@@ -8,15 +8,14 @@ import pytest
 
 from tests.helpers.ballbar.cells import IRB_120, ballbar_cell, frame
 from tests.helpers.identification.models import model_of, parameters_of
+from truepose.domain.ballbar import SphereWish
+from truepose.domain.campaign import Stops
 from truepose.domain.errors import ConfigurationError
-from truepose.domain.measurement.ballbar import SphereWish
-from truepose.domain.measurement.campaign import Stops
-from truepose.domain.results.identification import NestCentre
+from truepose.domain.identification import NestCentre
 from truepose.domain.robot import JointRange
 from truepose.identification.model.prediction import predict
-from truepose.planning.ballbar.clear_ways.bodies import chain_of
-from truepose.planning.ballbar.clear_ways.short_moves import Surroundings, between, is_clear_along
-from truepose.planning.ballbar.fixture import base_fixture
+from truepose.planning.ballbar.bodies import base_fixture, chain_of
+from truepose.planning.ballbar.paths import Surroundings, between, is_clear_along
 from truepose.planning.ballbar.sphere import plan_sphere
 from truepose.planning.errors import TooFewCandidatesError, WorkSpaceError
 

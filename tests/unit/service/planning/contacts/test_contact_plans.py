@@ -6,16 +6,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from truepose.domain.measurement.contacts import TargetDistance
-from truepose.domain.measurement.targets import Target, TargetKind
+from truepose.domain.contacts import Target, TargetDistance, TargetKind
 from truepose.domain.robot import JointRange
-from truepose.exchange.cells.given import cell_given
+from truepose.exchange.cells.file import cell_given
 from truepose.kinematics.chain import Chain
 from truepose.planning.contacts.plan import plan_of
 from truepose.planning.contacts.wish import ContactWish
 from truepose.planning.errors import TooFewCandidatesError, WorkSpaceError
-from truepose.planning.work_volume.cell_space import space_to_measure
-from truepose.planning.work_volume.work_space import nominal_chain, within
+from truepose.planning.workspace.space import nominal_chain, space_to_measure, within
 
 CELL = cell_given("lrmate-tilted")
 SPACE = space_to_measure(CELL, None)
@@ -126,3 +124,24 @@ def test_the_same_seed_plans_the_same_stops_and_another_one_others():
 def test_what_cannot_be_planned_is_told(changes, error, sentence):
     with pytest.raises(error, match=sentence):
         plan_of(CELL, replace(PROBE, **changes))
+
+
+def test_gauges_that_read_against_each_other_leave_no_way_in():
+    against = tuple(
+        Target(number, TargetKind.GAUGE, place_mm=(420.0, 0.0, 240.0), normal=normal)
+        for number, normal in ((1, (1.0, 0.0, 0.0)), (2, (-1.0, 0.0, 0.0)))
+    )
+
+    with pytest.raises(WorkSpaceError, match="normals that cancel each other"):
+        plan_of(CELL, ContactWish("gauges", against, 6, nest=2))
+
+
+def test_nothing_touches_a_sphere_at_its_centre():
+    with pytest.raises(WorkSpaceError, match="Target 1 reads 0 at its own centre"):
+        plan_of(CELL, replace(PROBE, targets=(replace(SPHERES[0], zero_mm=0.0),)))
+
+
+def test_where_all_draws_bring_fewer_than_are_wished_for_what_was_found_is_chosen_from():
+    from_below = tuple(replace(sphere, normal=(0.0, 0.0, -1.0)) for sphere in SPHERES)
+
+    assert len(plan_of(CELL, ContactWish("probe", from_below, 4, nest=2)).stops) == 4

@@ -7,15 +7,15 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+from truepose.domain.campaign import TargetDistances
+from truepose.domain.contacts import Target, TargetKind
 from truepose.domain.errors import ConfigurationError
-from truepose.domain.measurement.campaign import TargetDistances
-from truepose.domain.measurement.targets import Target, TargetKind
-from truepose.exchange.cells.given import cell_given
-from truepose.planning.errors import TooFewCandidatesError
-from truepose.planning.loops.plan import promised_loop
-from truepose.planning.loops.stands import LoopWish, draw_stands
-from truepose.planning.promise.subjects import of_cell
-from truepose.planning.work_volume.work_space import nominal_chain
+from truepose.exchange.cells.file import cell_given
+from truepose.planning.contacts.loop_prediction import promised_loop
+from truepose.planning.contacts.loop_stands import LoopWish, draw_stands
+from truepose.planning.errors import TooFewCandidatesError, WorkSpaceError
+from truepose.planning.prediction.subjects import of_cell
+from truepose.planning.workspace.space import nominal_chain
 
 SPACE = of_cell(cell_given("lrmate-tilted")).space
 SPHERES = (
@@ -151,3 +151,33 @@ def test_a_target_out_of_reach_is_named():
 def test_a_target_without_a_place_is_refused():
     with pytest.raises(ConfigurationError, match="Target 2 has no place"):
         LoopWish((BALL[0], Target(2, TargetKind.BALL)), (1,), 0.01)
+
+
+def test_gauges_at_one_place_that_read_against_each_other_leave_no_way_in():
+    against = replace(GAUGES[0], number=2, normal=(-1.0, 0.0, 0.0))
+
+    with pytest.raises(WorkSpaceError, match="normals that cancel each other"):
+        promised_loop(SPACE, LoopWish((GAUGES[0], against), (1,), 0.001), 6)
+
+
+def test_a_certified_distance_of_spheres_at_one_place_shows_no_direction():
+    together = (SPHERES[0], replace(SPHERES[1], place_mm=SPHERES[0].place_mm))
+
+    plan = promised_loop(SPACE, LoopWish(together, (2,), 0.001, BAR), 12)
+
+    assert 0.0 < plan.promised.mean_mm < plan.promised.worst_mm
+
+
+@pytest.mark.parametrize("reading_mm", [1e-9, 0.0])
+def test_an_exact_arm_with_exact_wires_learns_from_every_stop(reading_mm):
+    exact = replace(SPACE, robot=replace(SPACE.robot, repeatability_mm=0.0))
+
+    plan = promised_loop(exact, LoopWish(WIRES, (2,), reading_mm), 3)
+
+    means = [point.mean_mm for point in plan.curve]
+    assert all(more < 0.9 * fewer for fewer, more in pairwise(means[:3]))
+
+
+def test_a_tool_without_a_nest_touches_nothing():
+    with pytest.raises(WorkSpaceError, match="no tool nest"):
+        promised_loop(replace(SPACE, nests=()), LoopWish(SPHERES, (), 0.001), 6)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tests.helpers.ballbar.cells import ballbar_cell, domain_cell, fixture_before_the_arm
-from truepose.planning.ballbar.lengths.information import (
+from truepose.planning.ballbar.information import (
     Scatter,
     WorkSpaceSample,
     arm_model,
@@ -19,8 +19,8 @@ from truepose.planning.ballbar.lengths.information import (
 )
 from truepose.planning.ballbar.poses import reach
 from truepose.planning.errors import TooFewCandidatesError
-from truepose.planning.promise.ballbar import promised_at
-from truepose.planning.promise.volume import WorkVolume
+from truepose.planning.prediction.ballbar import promised_at
+from truepose.planning.prediction.plan import WorkVolume
 
 FIXTURES = (fixture_before_the_arm(),)
 

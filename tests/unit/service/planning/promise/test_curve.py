@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from truepose.planning.promise.curve import CurvePoint, Errors, curve, gains_mm, knee, sizes
-from truepose.planning.promise.spread import NONE
+from truepose.planning.prediction.errors import NONE, CurvePoint, Errors, curve, gains_mm, knee, sizes
 
 
 def made_up(mean_mm_of, numbers):

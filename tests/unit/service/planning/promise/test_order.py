@@ -3,9 +3,8 @@
 import numpy as np
 import pytest
 
-from truepose.planning.choice_by_exchange import choose_by_exchange
-from truepose.planning.observability import observability_o1
-from truepose.planning.promise.order import most_informative_first
+from truepose.planning.exchange_algorithm import choose_by_exchange
+from truepose.planning.observability import most_informative_first, observability_o1
 
 
 def rows(n=400, seed=4):

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from truepose.planning.promise.spread import NONE, Discrepancy, drawn_norms, mean_norms, spread
+from truepose.planning.prediction.errors import NONE, Discrepancy, drawn_norms, mean_norms, spread
 
 MAXWELL = 2.0 * np.sqrt(2.0 / np.pi)  # mean norm of three independent normal components of deviation 1
 

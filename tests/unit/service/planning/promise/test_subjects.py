@@ -7,15 +7,15 @@ import pytest
 
 from tests.helpers.ballbar.cells import IRB_120, domain_cell
 from tests.helpers.identification.synthetic import leg_campaign, measured, nominal_campaign
-from truepose.domain.cell.description import DeviceEntry, SimulatedCell
+from truepose.domain.cell import DeviceEntry, SimulatedCell
 from truepose.domain.errors import ConfigurationError
 from truepose.domain.robot import Nest
-from truepose.exchange.cells.given import cell_given
-from truepose.exchange.robots.shipped import list_robots
+from truepose.exchange.cells.file import cell_given
+from truepose.exchange.robots.named import list_robots
 from truepose.identification import identify
-from truepose.planning.promise.spread import NONE
-from truepose.planning.promise.subjects import TYPICAL, of_campaign, of_cell
-from truepose.planning.promise.tracker import promised_session
+from truepose.planning.prediction.errors import NONE
+from truepose.planning.prediction.subjects import TYPICAL, of_campaign, of_cell
+from truepose.planning.prediction.tracker import promised_session
 
 TRACKER_MM = (2600.0, -700.0, 500.0)
 

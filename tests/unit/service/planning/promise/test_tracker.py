@@ -6,21 +6,22 @@ import numpy as np
 import pytest
 
 from tests.unit.service.planning.test_candidates import SPACE
+from truepose.domain.campaign import PointReadings, Stops
 from truepose.domain.errors import ConfigurationError
-from truepose.domain.measurement.campaign import PointReadings, Stops
-from truepose.domain.robot import FixedNest, JointRange
+from truepose.domain.robot import FixedNest, JointRange, Nest
 from truepose.identification.fit.robust import fit
 from truepose.identification.model.evaluation import Targets, evaluate
-from truepose.identification.observations.positions import position_block
-from truepose.planning.promise.accuracy import TYPICAL, stated
-from truepose.planning.promise.knowledge import ArmKnowledge, Knowns
-from truepose.planning.promise.spread import Discrepancy, mean_norms
-from truepose.planning.promise.tracker import Measured, promised_session
-from truepose.planning.promise.volume import WorkVolume
-from truepose.planning.tracker.session_plans import plan_calibration
-from truepose.planning.work_volume.candidates import Candidates, draw_candidates
-from truepose.planning.work_volume.work_space import cosines_to_tracker, nominal_chain
-from truepose.words.catalogue import english
+from truepose.identification.observations.poses import position_block
+from truepose.messages.catalogue import english
+from truepose.planning.errors import TooFewCandidatesError
+from truepose.planning.prediction.errors import Discrepancy, mean_norms
+from truepose.planning.prediction.knowledge import TYPICAL, ArmKnowledge, Knowns, stated
+from truepose.planning.prediction.plan import WorkVolume
+from truepose.planning.prediction.tracker import Measured, promised_session
+from truepose.planning.tracker.paths import pool_of
+from truepose.planning.tracker.plans import plan_calibration
+from truepose.planning.workspace.candidates import Candidates, draw_candidates
+from truepose.planning.workspace.space import cosines_to_tracker, nominal_chain
 
 FEW = 400  # candidates: enough for the tests, a tenth of the time
 TABLE = tuple(
@@ -210,3 +211,39 @@ def test_what_the_registration_is_off_by_cannot_be_seen_in_readings():
     parameters = len(knowledge.structure.specs)
     readings, held = errors[:, :, :parameters], errors[:, :, parameters:]
     assert mean_norms(readings, 0.0).mean() < mean_norms(held, 0.0).mean()
+
+
+def test_fixed_nests_on_a_line_place_no_frame():
+    line = tuple(FixedNest((100.0 * k, 37.0 * k - 500.0, 13.7 * k), 0.002) for k in (1.0, 2.0, 5.0))
+
+    with pytest.raises(ConfigurationError, match="fixed nests lie on a line"):
+        planned(4, knowns=Knowns(fixed_nests=line))
+
+
+def test_a_tracker_that_stands_in_a_fixed_nest_sees_it_equally_well_along_all_axes():
+    there = (replace(TABLE[0], centre_mm=SPACE.tracker_position_mm), *TABLE[1:])
+
+    plan = planned(20, knowns=Knowns(fixed_nests=there))
+
+    assert 0.0 < plan.promised.mean_mm < plan.promised.worst_mm < 1.0
+
+
+@pytest.mark.parametrize("reading_mm", [1e-6, 1e-9, 0.0])
+def test_however_exact_readings_are_what_they_do_not_show_stays_as_unknown_as_it_was(reading_mm):
+    exact = replace(SPACE, robot=replace(SPACE.robot, repeatability_mm=0.0))
+
+    few = planned(4, space=exact, knowns=Knowns(accuracy=stated(reading_mm)))
+
+    usual = planned(4, space=exact, knowns=Knowns(accuracy=stated(1e-3)))
+    assert few.promised.mean_mm == pytest.approx(usual.promised.mean_mm, rel=1e-4)
+
+
+def test_where_every_configuration_that_is_seen_touches_the_arm_nothing_is_planned():
+    inwards = replace(SPACE, nests=(Nest((0.0, 0.0, -320.0)),), tracker_position_mm=None)
+    seen = draw_candidates(inwards, 200, np.random.default_rng(1)).joints_rad
+    touching = seen[~pool_of(inwards, seen).stand(np.arange(len(seen)), 0.0)][0]
+    there = tuple(JointRange(angle - 1e-3, angle + 1e-3) for angle in touching.tolist())
+
+    for n in (None, 4):
+        with pytest.raises(TooFewCandidatesError, match="none leaves arm and tool room"):
+            planned(n, space=replace(inwards, ranges=there))

@@ -6,8 +6,8 @@ import pytest
 from tests.unit.service.planning.test_candidates import SPACE
 from truepose.domain.robot import JointRange
 from truepose.planning.errors import WorkSpaceError
-from truepose.planning.promise.volume import WorkVolume, sample
-from truepose.planning.work_volume.work_space import is_clear, nest_places, nominal_chain
+from truepose.planning.prediction.plan import WorkVolume, sample
+from truepose.planning.workspace.space import is_clear, nest_places, nominal_chain
 
 
 def drawn(volume, n=100):

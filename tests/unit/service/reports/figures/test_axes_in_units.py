@@ -4,8 +4,8 @@ import matplotlib as mpl
 import pytest
 from matplotlib.font_manager import fontManager
 
+from truepose.messages.units import KEPT, Units
 from truepose.reports.figures.canvas import marked_in, new_figure, page_style
-from truepose.words.units import KEPT, Units
 
 INCH = Units.of(["inch", "rad", "f"])
 

@@ -6,10 +6,8 @@ import xml.etree.ElementTree as ElementTree
 import pytest
 
 from tests.helpers.diagnosis.answers import make_described, make_diagnosis, make_finding, make_rest, make_wave
-from truepose.domain.results.causes import Cause
-from truepose.domain.results.diagnosis import Worth
-from truepose.reports.causes_found.cause_map import cause_map
-from truepose.reports.figures.maps.cause_map import map_picture, share_text
+from truepose.domain.diagnosis import Cause, Worth
+from truepose.reports.diagnosis.cause_map import cause_map, map_picture, share_text
 
 COUPLED = Cause("unnamed", "joint 4, angle of joint 2, line")
 

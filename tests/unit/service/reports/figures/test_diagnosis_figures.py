@@ -7,12 +7,12 @@ import pytest
 
 from tests.helpers.diagnosis.answers import make_spectrum
 from tests.helpers.diagnosis.diagnosed_cells import make_curve, make_errors, make_finding, make_gain_finding
-from truepose.domain.results.diagnosis import CurvePoints, HeldOutErrors
-from truepose.reports.figures.curves.residuals import residual_curve
-from truepose.reports.figures.curves.spectrum import spectrum_picture
-from truepose.reports.figures.gains import gains
-from truepose.reports.figures.histograms.comparison import comparison
-from truepose.reports.figures.maps.error_maps import error_maps
+from truepose.domain.diagnosis import CurvePoints, HeldOutErrors
+from truepose.reports.diagnosis.findings import spectrum_picture
+from truepose.reports.diagnosis.report import gains
+from truepose.reports.figures.error_maps import error_maps
+from truepose.reports.figures.histograms import comparison
+from truepose.reports.figures.residuals import residual_curve
 
 
 def drawn(curve, **options):

@@ -12,7 +12,7 @@ from matplotlib.colors import to_hex
 
 from tests.helpers.diagnosis.diagnosed_cells import make_curve
 from tests.helpers.domain.builders import make_pair
-from truepose.domain.results.validation import (
+from truepose.domain.validation import (
     BranchErrors,
     DistanceErrors,
     ErrorsByPlace,
@@ -21,12 +21,15 @@ from truepose.domain.results.validation import (
     SignedErrors,
 )
 from truepose.reports.figures.canvas import PLAIN
-from truepose.reports.figures.curves.residuals import plain_residual_curve
-from truepose.reports.figures.histograms.comparison import comparison, plain_comparison
-from truepose.reports.figures.histograms.distances import plain_distance_histogram
-from truepose.reports.figures.histograms.errors import plain_histogram
-from truepose.reports.figures.place_errors import plain_place_errors
-from truepose.reports.uncertainty.judged import judged
+from truepose.reports.figures.curves import plain_place_errors
+from truepose.reports.figures.histograms import (
+    comparison,
+    plain_comparison,
+    plain_distance_histogram,
+    plain_histogram,
+)
+from truepose.reports.figures.residuals import plain_residual_curve
+from truepose.reports.identification.judged_figures import judged
 
 _SHELLS = (Shell(0.0, 200.0, make_pair()), Shell(400.0, 600.0, make_pair()))
 _PLACES = ErrorsByPlace(
@@ -118,7 +121,7 @@ def _settings():
 def test_no_window_and_no_global_state_is_needed():
     code = (
         "import sys, numpy as np;"
-        "from truepose.reports.figures.histograms.comparison import plain_comparison;"
+        "from truepose.reports.figures.histograms import plain_comparison;"
         "plain_comparison(np.ones(5), np.ones(5), 0.5)._repr_png_();"
         "print('matplotlib.pyplot' in sys.modules)"
     )

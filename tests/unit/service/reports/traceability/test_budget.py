@@ -4,15 +4,13 @@ import numpy as np
 import pytest
 
 from tests.helpers.domain.builders import make_pair
-from truepose.domain.results.identification import NominalAndIdentified
+from truepose.domain.identification import NominalAndIdentified
 from truepose.identification.model.estimates import identified_estimate, nominal_estimate
-from truepose.identification.verdict.judge import judge_estimates
-from truepose.identification.verdict.statistics import statistics
-from truepose.reports.traceability.conditions import ReportConditions
-from truepose.reports.uncertainty.budget import budget
-from truepose.reports.uncertainty.judged import judged
-from truepose.reports.uncertainty.shifts import DRAWS, motion_shifts, spread_of_mean_mm
-from truepose.words.catalogue import english
+from truepose.identification.verdict.judge import judge_estimates, statistics
+from truepose.messages.catalogue import english
+from truepose.reports.identification.judged_figures import judged
+from truepose.reports.traceability import ReportConditions
+from truepose.reports.uncertainty_budget import DRAWS, budget, motion_shifts, spread_of_mean_mm
 
 # A standard deviation from N draws scatters by 1 / sqrt(2 N) of itself; four times is ample.
 MONTE_CARLO = 4.0 / np.sqrt(2.0 * DRAWS)

@@ -4,10 +4,9 @@ from dataclasses import replace
 
 import pytest
 
-from truepose.domain.cell.artefacts import length_at
-from truepose.reports.traceability.certified_lengths import LengthOfDay, length_sentence
-from truepose.reports.traceability.conditions import ReportConditions, condition_rows
-from truepose.words.catalogue import IN_ENGLISH
+from truepose.domain.cell import length_at
+from truepose.messages.catalogue import IN_ENGLISH
+from truepose.reports.traceability import LengthOfDay, ReportConditions, condition_rows, length_sentence
 
 STEEL = LengthOfDay("calibrator", 300.0012, 0.0004, 1.15e-5, (21.0, 23.0))
 

@@ -1,8 +1,8 @@
 """What is described without a name: one sentence with the largest, and what it is good for."""
 
 from tests.helpers.diagnosis.answers import make_described, make_rest
-from truepose.domain.results.diagnosis import Worth
-from truepose.reports.causes_found.described import described_rows, described_sentence
+from truepose.domain.diagnosis import Worth
+from truepose.reports.diagnosis.rows import described_rows, described_sentence
 
 FOLLOWED = [make_described(where=f"joint {k}", worth=Worth(0.3, 0.9, 0.1 * k)) for k in range(9, 0, -1)]
 

@@ -8,13 +8,14 @@ from tests.helpers.ballbar.spheres import longer, sphere_campaign
 from tests.helpers.domain.circles import read_on, there_and_back, turned
 from tests.helpers.domain.robots import IRB_120
 from tests.helpers.web.pages import Page
-from truepose.domain.sentences import said
-from truepose.judgement.circle.judged import CircleTest, WithheldCircle, circle_test
-from truepose.judgement.figure import Figure
-from truepose.judgement.sphere.judged import sphere_test
-from truepose.reports.front.figure_bars import figure_bars
-from truepose.reports.front.held_to_limit import NO_LIMIT, Limit, circles_front, sphere_front
-from truepose.words.catalogue import IN_ENGLISH
+from truepose.messages.catalogue import IN_ENGLISH
+from truepose.messages.message import message
+from truepose.reports.circles import circles_front
+from truepose.reports.limits import NO_LIMIT, Limit, figure_bars
+from truepose.reports.spheres import sphere_front
+from truepose.validation.circle_test import CircleTest, MissingCircle, circle_test
+from truepose.validation.sphere_test import sphere_test
+from truepose.validation.uncertainty import Figure
 
 FAR = Limit(10.0)
 
@@ -58,7 +59,7 @@ def test_the_largest_error_of_a_joint_is_held_against_the_limit(circles):
 
 
 def test_a_joint_that_was_not_judged_cannot_pass(circles):
-    test = replace(circles, withheld=(WithheldCircle(5, 1, said("circles.none")),))
+    test = replace(circles, withheld=(MissingCircle(5, 1, message("circles.none")),))
 
     front = of_circles(test, FAR)
 

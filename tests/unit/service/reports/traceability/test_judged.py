@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from tests.helpers.domain.builders import make_identification
-from truepose.reports.uncertainty.judged import judged, noise_split, without_far_out
+from truepose.reports.identification.judged_figures import judged, noise_split, without_far_out
 
 
 def test_held_out_readings_judge_where_there_are_such(identification, campaign):

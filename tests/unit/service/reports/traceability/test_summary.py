@@ -6,11 +6,15 @@ import pytest
 from rich.console import Console
 
 from tests.helpers.domain.builders import make_identification, make_pair
-from truepose.domain.results.identification import NotIdentifiable, Outlier
-from truepose.domain.results.validation import Validation
-from truepose.reports.terminal.identification import figures_table, identification_summary, truth_table
-from truepose.reports.terminal.validation import validation_summary
-from truepose.reports.truth import TrueParameter
+from truepose.domain.identification import NotIdentifiable, Outlier
+from truepose.domain.validation import Validation
+from truepose.reports.identification.summary import (
+    TrueParameter,
+    identification_summary,
+    truth_table,
+)
+from truepose.reports.tables import on_terminal
+from truepose.reports.validation import validation_summary
 
 
 def printed(table):
@@ -20,7 +24,7 @@ def printed(table):
 
 
 def test_nominal_and_identified_errors_stand_one_above_the_other():
-    text = printed(figures_table(make_identification(validation=make_pair(mean_mm=0.0278))))
+    text = printed(identification_summary(make_identification(validation=make_pair(mean_mm=0.0278))))
 
     lines = [line.split() for line in text.splitlines()]
     assert any("nominal" in line and "0.100" in line for line in lines)
@@ -83,23 +87,23 @@ def test_a_validation_ends_with_its_verdict(limit_mm, passed, sentence):
     text = printed(validation_summary(validation))
 
     assert " ".join(text.split()).endswith(sentence)
-    assert re.search(r"Distance between points\W+nominal", text)
+    assert re.search(r"Distance between points, all pairs\W+nominal", text)
     assert "0.0310" in text
 
 
 def test_cross_validation_stands_in_where_nothing_was_held_out():
-    text = printed(figures_table(make_identification()))
+    text = printed(identification_summary(make_identification()))
 
     assert "Cross-validation" in text
     assert "Validation" not in text
 
 
 def test_parameters_are_compared_in_units_of_their_uncertainty():
-    text = printed(truth_table([TrueParameter("a_3", 0.223, 0.2, 0.01, "mm")]))
+    text = printed(on_terminal(truth_table([TrueParameter("a_3", 0.223, 0.2, 0.01, "mm")])))
 
     line = next(line for line in text.splitlines() if "a_3" in line)
     assert re.findall(r"[\w.+-]+", line) == ["a_3", "0.223", "0.200", "0.010", "mm", "+2.3"]
 
 
 def test_names_in_square_brackets_are_no_markup():
-    assert "[red]a_3" in printed(truth_table([TrueParameter("[red]a_3", 1.0, 1.0, 0.1, "mm")]))
+    assert "[red]a_3" in printed(on_terminal(truth_table([TrueParameter("[red]a_3", 1.0, 1.0, 0.1, "mm")])))

@@ -3,9 +3,14 @@
 import numpy as np
 import pytest
 
-from truepose.domain.results.corrections import CorrectionTotals
-from truepose.reports.corrections import correction_sentences
-from truepose.words.catalogue import english
+from tests.helpers.domain.robots import IRB_120
+from tests.helpers.identification.models import model_of, parameters_of
+from tests.helpers.identification.synthetic import configurations
+from truepose.correction import Summary, correct, meant_by_joints
+from truepose.domain.campaign import Stops
+from truepose.domain.correction import CorrectionTotals
+from truepose.messages.catalogue import english
+from truepose.reports.correction import correction_sentences
 
 
 def totals(**changes):
@@ -39,3 +44,16 @@ def test_nothing_is_said_of_a_zone_that_holds_all_targets(known, word):
 
     assert "extrapolates" not in said
     assert word is None or word in said
+
+
+def test_a_model_that_does_not_know_its_uncertainty_promises_nothing():
+    lone = parameters_of("geometry", [("a_3", 0.2, "mm")])
+    model = model_of(IRB_120, *lone, covariance=np.full((1, 1), np.nan))
+    goals, summary = meant_by_joints(model, Stops(np.arange(3), configurations(3))), Summary()
+    summary.add(["P1", "P2", "P3"], correct(model, goals))
+
+    done, said, *_ = correction_sentences(summary.totals)
+
+    assert "3 of 3" in english(done)
+    assert "does not say how uncertain" in english(said)
+    assert np.isnan(summary.totals.largest_uncertainty_mm)

@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 
 from tests.helpers.domain.builders import make_identification, make_statistics
-from truepose.domain.results.identification import NominalAndIdentified, Status
+from truepose.domain.identification import NominalAndIdentified, Status
 from truepose.identification import identify
-from truepose.reports.headline import headline
-from truepose.reports.traceability.conditions import ReportConditions
-from truepose.reports.uncertainty.budget import budget
-from truepose.reports.uncertainty.judged import judged
+from truepose.reports.identification.headline import headline
+from truepose.reports.identification.judged_figures import judged
+from truepose.reports.traceability import ReportConditions
+from truepose.reports.uncertainty_budget import budget
 
 
 def headline_of(identification, campaign):

@@ -3,9 +3,8 @@ from dataclasses import replace
 import pytest
 
 from tests.helpers.diagnosis.diagnosed_cells import make_diagnosis, make_finding
-from truepose.domain.results.causes import Cause
-from truepose.domain.results.diagnosis import NextMeasurement, RuledOut
-from truepose.reports.causes_found.look_alikes import acts_alike, alternatives
+from truepose.domain.diagnosis import Cause, NextMeasurement, RuledOut
+from truepose.reports.diagnosis.findings import acts_alike, alternatives
 
 
 def finding(effect, subject):
@@ -56,8 +55,8 @@ def test_what_cannot_be_seen_is_told_from_what_was_excluded():
 
     answer = answered(make_finding(curve=None), (seen, unseen, entry("outliers", "readings")))
 
-    assert answer.excluded == (seen,)
-    assert answer.not_excluded == (unseen,)
+    assert [cause.remark for cause, *_ in answer.excluded.rows] == [seen.subject]
+    assert [cause for cause, _ in answer.not_excluded.rows] == [unseen.effect]
     assert answer.rivals == ()
 
 
@@ -67,7 +66,7 @@ def test_a_rival_is_not_said_to_be_excluded_as_well():
     answer = answered(make_finding(confusable_with=(rival,), curve=None), (entry("joint_gain", "joint 6"),))
 
     assert [r.name for r in answer.rivals] == ["joint gain, joint 6"]
-    assert answer.excluded == ()
+    assert answer.excluded.rows == []
 
 
 def test_the_measurement_that_separates_both_is_named_first():
@@ -89,7 +88,7 @@ def test_where_no_ballbar_was_nobody_asks_for_what_it_does(quantity, asked, effe
 
     answer = answered(finding("thermal_growth", "links"), (unseen,), quantity=quantity)
 
-    assert len(answer.not_excluded) == asked
+    assert len(answer.not_excluded.rows) == asked
 
 
 @pytest.mark.parametrize(

@@ -2,7 +2,7 @@ import math
 
 import pytest
 
-from truepose.reports.wording.rounding import (
+from truepose.reports.rounding import (
     MISSING,
     exact,
     interval,

@@ -6,11 +6,11 @@ import pytest
 
 from tests.helpers.ballbar.spheres import NESTS_MM, longer, sphere_campaign
 from tests.helpers.identification.models import IRB_120, model_of, parameters_of
-from truepose.domain.results.identification import NestCentre
-from truepose.exchange.results.spheres import sphere_document
-from truepose.judgement.sphere.judged import sphere_test
-from truepose.reports.spheres.sentences import order_sentences, sphere_rows, sphere_test_sentences
-from truepose.words.catalogue import IN_ENGLISH, catalogue, english
+from truepose.domain.identification import NestCentre
+from truepose.exchange.results.circles_and_spheres import sphere_document
+from truepose.messages.catalogue import IN_ENGLISH, catalogue, english
+from truepose.reports.spheres import order_sentences, sphere_table, sphere_test_sentences
+from truepose.validation.sphere_test import sphere_test
 
 
 def model(by_mm):
@@ -51,7 +51,7 @@ def test_stops_that_a_person_left_out_are_counted(skipped, said_first):
 def test_what_is_withheld_is_said_with_its_ball_and_has_no_row():
     test = sphere_test(sphere_campaign(per_nest=4, nests=(1,)))
 
-    assert list(sphere_rows(test, IN_ENGLISH)) == []
+    assert list(sphere_table(test, IN_ENGLISH).rows) == []
     said = [english(sentence) for sentence in sphere_test_sentences(test, IN_ENGLISH)]
     assert said[0] == "Placement 1, base point 1: There are 4 lengths to this ball; six are needed."
 
@@ -59,7 +59,7 @@ def test_what_is_withheld_is_said_with_its_ball_and_has_no_row():
 def test_the_nominal_arm_has_its_word_in_every_language():
     test = sphere_test(sphere_campaign(per_nest=8), {"laser": model(0.0)})
 
-    rows = list(sphere_rows(test, catalogue("fr")))
+    rows = list(sphere_table(test, catalogue("fr")).rows)
 
     assert {row[2] for row in rows} == {"nominal", "laser"}
     assert {row[3] for row in rows} == {"appris", "meilleur"}

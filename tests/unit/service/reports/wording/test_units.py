@@ -7,10 +7,9 @@ import pytest
 
 from tests.helpers.web.pages import Page
 from truepose.exchange.results.identification import identification_document
-from truepose.reports import ReportInput
-from truepose.reports.identification_report import identification_page
-from truepose.reports.wording.rounding import millimetres
-from truepose.words.catalogue import catalogue
+from truepose.messages.catalogue import catalogue
+from truepose.reports.identification.report import IdentificationReport
+from truepose.reports.rounding import millimetres
 
 MM_PER_IN = 25.4
 KEPT_UNIT = re.compile(r"(?<![\w/])(?:mm|.m|deg|°C)(?![\w/])")
@@ -18,7 +17,7 @@ KEPT_UNIT = re.compile(r"(?<![\w/])(?:mm|.m|deg|°C)(?![\w/])")
 
 @pytest.fixture(scope="module")
 def page(identification, campaign):
-    return Page(identification_page(ReportInput(identification, campaign, language="en-x-inch-rad-f")))
+    return Page(IdentificationReport(identification, campaign, language="en-x-inch-rad-f").page())
 
 
 def test_the_report_states_its_units_and_uses_no_other(page):

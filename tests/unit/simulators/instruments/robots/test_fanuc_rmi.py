@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from truepose_drivers.fanuc_rmi.protocol import refusals
-from truepose_drivers.fanuc_rmi.protocol.packets import Kind, Packet
+from truepose_drivers.fanuc_rmi import protocol
+from truepose_drivers.fanuc_rmi.protocol import Kind, Packet
 from truepose_simulators.instruments.robot.fanuc_rmi.controller import Controller
 from truepose_simulators.instruments.robot.fanuc_rmi.program import RmiMove
 
@@ -69,7 +69,7 @@ async def test_commands_of_public_clients_are_carried_out(controller):
     assert commanded(controller, "FRC_GetStatus")["Override"] == 50
     assert commanded(controller, "FRC_ReadError") == {"ErrorID": 0, "Count": 1, "ErrorData": "No Error"}
     assert commanded(controller, "FRC_Abort")["ErrorID"] == 0
-    assert commanded(controller, "FRC_Abort")["ErrorID"] == refusals.NOT_RUNNING
+    assert commanded(controller, "FRC_Abort")["ErrorID"] == protocol.NOT_RUNNING
 
 
 async def test_the_home_position_is_stated_in_the_frames_that_it_is_in(controller):
@@ -249,26 +249,26 @@ async def test_a_paused_program_can_be_aborted_and_begun_anew(controller, progra
 @pytest.mark.parametrize(
     ("name", "fields", "error"),
     [
-        ("FRC_SetUFrameUTool", {"UFrameNumber": 11, "UToolNumber": 1}, refusals.BAD_FRAME),
-        ("FRC_SetUFrameUTool", {"UFrameNumber": 0, "UToolNumber": 0}, refusals.BAD_TOOL),
-        ("FRC_ReadUFrameData", {"FrameNumber": 0}, refusals.BAD_FRAME),
-        ("FRC_ReadUToolData", {"ToolNumber": 12}, refusals.BAD_TOOL),
-        ("FRC_SetOverRide", {"Value": 0}, refusals.BAD_OVERRIDE),
-        ("FRC_SetOverRide", {}, refusals.BAD_VALUE),
-        ("FRC_ReadPositionRegister", {"RegisterNumber": 101}, refusals.BAD_POSITION_REGISTER),
-        ("FRC_ReadPositionRegister", {"RegisterNumber": 5}, refusals.BAD_POSITION_REGISTER),
+        ("FRC_SetUFrameUTool", {"UFrameNumber": 11, "UToolNumber": 1}, protocol.BAD_FRAME),
+        ("FRC_SetUFrameUTool", {"UFrameNumber": 0, "UToolNumber": 0}, protocol.BAD_TOOL),
+        ("FRC_ReadUFrameData", {"FrameNumber": 0}, protocol.BAD_FRAME),
+        ("FRC_ReadUToolData", {"ToolNumber": 12}, protocol.BAD_TOOL),
+        ("FRC_SetOverRide", {"Value": 0}, protocol.BAD_OVERRIDE),
+        ("FRC_SetOverRide", {}, protocol.BAD_VALUE),
+        ("FRC_ReadPositionRegister", {"RegisterNumber": 101}, protocol.BAD_POSITION_REGISTER),
+        ("FRC_ReadPositionRegister", {"RegisterNumber": 5}, protocol.BAD_POSITION_REGISTER),
         (
             "FRC_WritePositionRegister",
             {"RegisterNumber": 5, "Representation": "Matrix"},
-            refusals.BAD_REPRESENTATION,
+            protocol.BAD_REPRESENTATION,
         ),
         (
             "FRC_WritePositionRegister",
             {"RegisterNumber": 5, "Representation": "Joint", "JointAngle": {"J1": 1.0}},
-            refusals.BAD_VALUE,
+            protocol.BAD_VALUE,
         ),
-        ("FRC_Pause", {}, refusals.NOT_RUNNING),
-        ("FRC_MakeCoffee", {}, refusals.UNKNOWN_COMMAND),
+        ("FRC_Pause", {}, protocol.NOT_RUNNING),
+        ("FRC_MakeCoffee", {}, protocol.UNKNOWN_COMMAND),
     ],
 )
 def test_what_cannot_be_done_is_refused_by_number(controller, name, fields, error):
@@ -278,15 +278,15 @@ def test_what_cannot_be_done_is_refused_by_number(controller, name, fields, erro
 @pytest.mark.parametrize(
     ("instruction", "error"),
     [
-        (joints(ZEROS | {"J1": 175.0}), refusals.BAD_DESTINATION),
-        (joints({"J1": 1.0}), refusals.BAD_POSITION_DATA),
-        (joints(ZEROS, Speed=0), refusals.BAD_SPEED),
-        (joints(ZEROS, Speed=101), refusals.BAD_SPEED),
-        (joints(ZEROS, SpeedType="mmSec"), refusals.BAD_SPEED_TYPE),
-        (joints(ZEROS, TermType="SOFT"), refusals.BAD_TERM_TYPE),
-        (straight(HOME | {"X": 3000.0}), refusals.BAD_DESTINATION),
-        (joints(ZEROS, TermType="CNT", TermValue=101), refusals.BAD_TERM_VALUE),
-        (("FRC_SplineMotion", {}), refusals.UNKNOWN_INSTRUCTION),
+        (joints(ZEROS | {"J1": 175.0}), protocol.BAD_DESTINATION),
+        (joints({"J1": 1.0}), protocol.BAD_POSITION_DATA),
+        (joints(ZEROS, Speed=0), protocol.BAD_SPEED),
+        (joints(ZEROS, Speed=101), protocol.BAD_SPEED),
+        (joints(ZEROS, SpeedType="mmSec"), protocol.BAD_SPEED_TYPE),
+        (joints(ZEROS, TermType="SOFT"), protocol.BAD_TERM_TYPE),
+        (straight(HOME | {"X": 3000.0}), protocol.BAD_DESTINATION),
+        (joints(ZEROS, TermType="CNT", TermValue=101), protocol.BAD_TERM_VALUE),
+        (("FRC_SplineMotion", {}), protocol.UNKNOWN_INSTRUCTION),
     ],
 )
 async def test_a_motion_that_cannot_be_is_refused_and_moves_nothing(
@@ -303,11 +303,11 @@ async def test_after_an_error_all_is_held_until_the_program_is_begun_anew(contro
     told = await ended(program, joints(ZEROS | {"J1": 175.0}))
     program.tell = lambda packet: told.append(packet.fields["ErrorID"])
     program.take(Packet(Kind.INSTRUCTION, *_fields(joints(ZEROS), SequenceID=2)))
-    assert told[-1] == refusals.IN_HOLD
+    assert told[-1] == protocol.IN_HOLD
     assert commanded(controller, "FRC_ReadError", Count=2)["ErrorData"] == "MOTN-017 Limit error"
 
     commanded(controller, "FRC_Abort")
-    assert commanded(controller, "FRC_Initialize")["ErrorID"] == refusals.INVALID_STATE
+    assert commanded(controller, "FRC_Initialize")["ErrorID"] == protocol.INVALID_STATE
     commanded(controller, "FRC_Reset")
     commanded(controller, "FRC_Initialize")
 
@@ -330,7 +330,7 @@ async def test_after_a_reset_a_held_program_can_be_continued(controller, program
 
 
 async def test_without_initialising_nothing_is_taken(controller, program, cell):
-    assert await ended(program, joints(BENT)) == [(1, refusals.NOT_RUNNING)]
+    assert await ended(program, joints(BENT)) == [(1, protocol.NOT_RUNNING)]
     assert not cell.robot.target_rad.any()
 
 
@@ -338,4 +338,4 @@ async def test_without_initialising_nothing_is_taken(controller, program, cell):
 def test_a_controller_that_is_not_ready_is_not_initialised(controller, change):
     controller.status = replace(controller.status, **change)
 
-    assert commanded(controller, "FRC_Initialize")["ErrorID"] == refusals.INVALID_STATE
+    assert commanded(controller, "FRC_Initialize")["ErrorID"] == protocol.INVALID_STATE

@@ -7,11 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from truepose_drivers.kuka_variable_proxy.protocol.frames import Mode, Request
-from truepose_drivers.kuka_variable_proxy.protocol.variables import decode_aggregate, decode_axes
+from truepose_drivers.kuka_variable_proxy.protocol import Mode, Request, decode_aggregate, decode_axes
 from truepose_simulators.cell.robot import SpeedLimits, nominal_flange
-from truepose_simulators.instruments.robot.fanuc_joints import rotation_of
-from truepose_simulators.instruments.robot.kuka.variables import Variables
+from truepose_simulators.instruments.robot.kinematics import rotation_of
+from truepose_simulators.instruments.robot.kuka import Variables
 
 VECTORS = json.loads((Path(__file__).parents[4] / "vectors" / "kuka_variable_proxy.json").read_text())
 JOINTS = np.radians([30.0, -70.0, 40.0, 10.0, 20.0, 30.0])

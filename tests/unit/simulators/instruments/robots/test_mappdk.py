@@ -10,7 +10,8 @@ from hypothesis import strategies as st
 
 from truepose_simulators.cell.robot import nominal_flange
 from truepose_simulators.faults.kinds import RobotHangs, RobotRefuses
-from truepose_simulators.instruments.robot.fanuc_joints import (
+from truepose_simulators.instruments.robot.clients import ProgramStoppedError
+from truepose_simulators.instruments.robot.kinematics import (
     flange_angles_deg,
     joints_rad,
     rotation_of,
@@ -18,7 +19,6 @@ from truepose_simulators.instruments.robot.fanuc_joints import (
     world,
 )
 from truepose_simulators.instruments.robot.mappdk import MappdkProgram
-from truepose_simulators.instruments.robot.served_client import ProgramStoppedError
 from truepose_simulators.physics.robots import ARMS
 from truepose_simulators.scenarios.scenario import ArmSetup
 

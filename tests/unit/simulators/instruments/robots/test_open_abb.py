@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from truepose_simulators.faults.kinds import RobotHangs, RobotRefuses
+from truepose_simulators.instruments.robot.clients import ProgramStoppedError
 from truepose_simulators.instruments.robot.open_abb import MotionProgram
-from truepose_simulators.instruments.robot.served_client import ProgramStoppedError
 from truepose_simulators.scenarios.scenario import ArmSetup
 
 MOVE = b"02 +0010.00 -0020.55 +0030.00 +0000.00 +0045.00 +0000.00 #"

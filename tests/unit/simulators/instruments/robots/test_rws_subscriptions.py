@@ -5,12 +5,16 @@ import re
 
 import pytest
 
-from truepose_drivers.abb_rws.protocol.http import HttpRequest, form_body
-from truepose_drivers.abb_rws.protocol.panel import ControllerState
-from truepose_simulators.instruments.robot.abb_rws.answers import Answers, NotFoundError
-from truepose_simulators.instruments.robot.abb_rws.controller import AbbController
-from truepose_simulators.instruments.robot.abb_rws.programs import PublicProgram
-from truepose_simulators.instruments.robot.abb_rws.subscriptions import Subscriptions, switching, text_frame
+from truepose_drivers.abb_rws.http import HttpRequest, form_body
+from truepose_drivers.abb_rws.protocol import ControllerState
+from truepose_simulators.instruments.robot.abb_rws.answers import (
+    Answers,
+    NotFoundError,
+    Subscriptions,
+    switching,
+    text_frame,
+)
+from truepose_simulators.instruments.robot.abb_rws.controller import AbbController, PublicProgram
 
 pytestmark = pytest.mark.simulated_time
 

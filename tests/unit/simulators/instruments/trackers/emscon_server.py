@@ -3,9 +3,9 @@
 import struct
 
 from truepose_drivers.leica_emscon.protocol import FrameReader, decode_request, encode
-from truepose_simulators.instruments.tracker.device import seen_from
-from truepose_simulators.instruments.tracker.leica_emscon.dialogue import Dialogue
-from truepose_simulators.instruments.tracker.leica_emscon.steps import CutShort, HangUp, Wait
+from truepose_simulators.instruments.leica_emscon.dialogue import Dialogue
+from truepose_simulators.instruments.leica_emscon.settings import CutShort, HangUp, Wait
+from truepose_simulators.instruments.tracker import seen_from
 
 OK, NOT_IMPLEMENTED, NO_DISTANCE, NOT_INITIALIZED = 0, 2, 37, 39
 MILLIMETER, METER, INCH = 1, 0, 5

@@ -12,8 +12,8 @@ from tests.unit.simulators.instruments.trackers.emscon_server import (
     error,
     event,
 )
-from truepose_simulators.instruments.tracker.accuracy import ProbeSetup
-from truepose_simulators.instruments.tracker.device import seen_from
+from truepose_simulators.instruments.accuracy import ProbeSetup
+from truepose_simulators.instruments.tracker import seen_from
 
 CONTINUOUS_TIME = 1
 REACHED = 28

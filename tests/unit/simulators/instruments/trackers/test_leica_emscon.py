@@ -19,8 +19,8 @@ from tests.unit.simulators.instruments.trackers.emscon_server import (
 )
 from truepose_drivers.leica_emscon.protocol import StatusChange, encode, exchange
 from truepose_simulators.faults.kinds import BeamBroken, TrackerBlinded, TrackerCut, TrackerSilent
-from truepose_simulators.instruments.tracker.device import TrackerSetup, seen_from
-from truepose_simulators.instruments.tracker.leica_emscon.steps import CutShort, HangUp
+from truepose_simulators.instruments.leica_emscon.settings import CutShort, HangUp
+from truepose_simulators.instruments.tracker import TrackerSetup, seen_from
 
 
 @pytest.fixture

@@ -10,9 +10,9 @@ from tests.unit.simulators.instruments.trackers.emscon_server import NO_DISTANCE
 from truepose_simulators.cell.robot import SpeedLimits
 from truepose_simulators.errors import ScenarioError
 from truepose_simulators.faults.kinds import BeamBroken, TrackerBlinded
-from truepose_simulators.instruments.tracker.accuracy import ProbeSetup
-from truepose_simulators.instruments.tracker.device import seen_from
-from truepose_simulators.physics.registration import register
+from truepose_simulators.instruments.accuracy import ProbeSetup
+from truepose_simulators.instruments.tracker import seen_from
+from truepose_simulators.physics.rigid import register
 from truepose_simulators.scenarios.file import load_scenario
 from truepose_simulators.scenarios.scenario import ToolSetup
 

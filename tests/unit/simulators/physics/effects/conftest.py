@@ -6,8 +6,7 @@ import pytest
 from tests.unit.simulators.physics.circumstances import stops
 from truepose_simulators.physics.arm import CarriedMass
 from truepose_simulators.physics.effects import PlantedChange, Site, plant_effect
-from truepose_simulators.physics.equilibrium import find_rest
-from truepose_simulators.physics.plant import Plant
+from truepose_simulators.physics.plant import Plant, find_rest
 from truepose_simulators.physics.robots import ARMS
 
 ARM = ARMS["irb120"]

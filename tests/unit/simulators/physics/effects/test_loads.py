@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from truepose_simulators.physics.arm import CarriedMass
-from truepose_simulators.physics.effects.links.link_bending import Beam, bending, sag_mm
+from truepose_simulators.physics.effects.link_bending import Beam, bending, sag_mm
 from truepose_simulators.physics.loads import place_masses
 
 from .conftest import ARM, SPRINGS, TOOL

@@ -1,7 +1,6 @@
 // The steps listed beforehand: what will be done, how many readings, how long.
 
 import { element } from "../common/elements.js";
-import { inWords } from "../common/reasons.js";
 import { READ } from "./situation.js";
 import { pairInWords, stepInWords } from "./words.js";
 
@@ -71,7 +70,7 @@ function measuredLater({ config, attempt }, steps) {
 function leftOut({ of, steps }, texts) {
   const named = steps.filter((step) => step.points).map((step) => pairInWords(step.points));
   const what = `${texts.say(HEADS[of.head], of)}: ${texts.list(named) || stepInWords(steps[0], texts)}`;
-  return element("li", {}, element("b", {}, what), element("span", {}, ...inWords(steps[0].text ?? "", texts)));
+  return element("li", {}, element("b", {}, what), element("span", {}, steps[0].text ?? ""));
 }
 
 // What became of it: how much was measured, what was left out and why.

@@ -38,7 +38,7 @@ class SessionPage extends Page {
   #speaking = null;
 
   constructor(texts, storage) {
-    super(texts, storage, { path: `/api/v1/ballbar-sessions/${document.body.dataset.session}`, onlyNow });
+    super(texts, storage, { path: `/api/v1/sessions/${document.body.dataset.session}`, onlyNow });
     Object.assign(this.model, { steps: [], stepsById: new Map(), scene: null, sceneOf: null, sampleOf: null, stored: null, storedNow: false });
     this.#furnish();
   }
@@ -71,7 +71,7 @@ class SessionPage extends Page {
     this.top.show(this.model, this.texts);
     this.stage.show(screen, this.model, this.texts);
     this.dock.show(this.model, this.texts);
-    this.caution.show(mayMove(screen, session), session, this.texts);
+    this.caution.show(mayMove(screen, session), session);
     this.actions.show(screen, this.model, this.texts);
     this.#showLength();
     this.#showSimulated();
@@ -162,7 +162,7 @@ class SessionPage extends Page {
   }
 
   async #loadSteps() {
-    const { steps } = await answerTo(() => ask(`${this.path}/steps`));
+    const { steps } = await answerTo(() => ask(`${this.path}/plan`));
     this.model.steps = steps;
     this.model.stepsById = new Map(steps.map((step) => [step.id, step]));
     const last = steps.findLast(measured);

@@ -35,7 +35,7 @@ export function answeredBy(session) {
 // the ballbar that waits to be accepted.
 export function seen(session, sample, act) {
   if (!["confirm", "resume"].includes(act)) return {};
-  const asked = session.prompt_id ? { prompt_id: session.prompt_id } : {};
+  const asked = session.prompt ? { prompt_id: session.prompt.id } : {};
   if (act === "resume") return asked;
   const serial = answeredBy(session);
   return { ...asked, seen_time_s: sample?.time_s, ...(serial && { accept_serial_number: serial }) };

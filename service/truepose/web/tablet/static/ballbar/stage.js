@@ -99,8 +99,8 @@ export class Stage {
     const { panel } = this.#at;
     const { session, steps } = model;
     const scene = sceneNow(model);
-    const shown = [screen, session?.step?.id, texts.spoken, texts.units.name, session?.suspicion?.kind, session?.ballbar_attached, session?.reason, model.up].join();
-    const why = RESTS.includes(screen) ? reasonInWords(session.reason, texts) : null;
+    const shown = [screen, session?.step?.id, texts.language, texts.units.name, session?.suspicion?.kind, session?.ballbar_attached, session?.reason, model.up].join();
+    const why = RESTS.includes(screen) ? reasonInWords({ ...session, question: null }) : null;
     const placing = screen === "place_base" && scene !== null;
     showIf(panel, ["planned", "move", "doubt", ...ENDS].includes(screen) || why !== null || placing);
     if (this.#panel.shown === shown && this.#panel.steps === steps && this.#panel.scene === scene) return;

@@ -27,8 +27,8 @@ export class Actions {
   show(screen, model, texts) {
     const offers = this.#offer.of(screen, model.session);
     // Built anew for a new step only: a finger may rest on a button while the rest of the page changes.
-    const { step, prompt_id: prompt } = model.session ?? {};
-    const shown = `${screen} ${step?.id} ${prompt ?? ""} ${this.#offer.named(model.session) ?? ""}`;
+    const { step, prompt } = model.session ?? {};
+    const shown = `${screen} ${step?.id} ${prompt?.id ?? ""} ${this.#offer.named(model.session) ?? ""}`;
     if (shown !== this.#shown) this.#begin(shown, offers, texts, this.#offer.values(model.session));
     const fresh = performance.now() - this.#shown_ms < FRESH_MS;
     offers.forEach((offer, i) => this.#draw(this.#buttons[i], offer, fresh, model, texts));

@@ -2,6 +2,7 @@
 
 import { refusal } from "/static/person.js";
 import { hear } from "/static/service-time.js";
+import { inItsWords } from "/static/words.js";
 
 const PATIENCE_MS = 8000;
 const GATEWAY = [502, 504]; // said by something between here and the service
@@ -26,7 +27,7 @@ async function reached(path, request, patience_ms) {
   const patience = new AbortController();
   const timer = patience_ms === null ? null : setTimeout(() => patience.abort(), patience_ms);
   try {
-    const reply = await fetch(path, { cache: "no-store", ...request, signal: patience.signal });
+    const reply = await fetch(path, inItsWords({ cache: "no-store", ...request, signal: patience.signal }));
     if (!request.cache) hear(reply); // what was kept here tells the time of then
     return [reply, reply.status === 204 ? null : await bodyOf(reply)];
   } catch (error) {

@@ -1,33 +1,12 @@
-// What the program cannot do once the arm moves, beside the button that lets it: in the language of the page and in
-// few words where the service's sentence is known, else as the service says it.
+// What the program cannot do once the arm moves, beside the button that lets it.
 
 import { element, showIf } from "./elements.js";
 import { cautionShape } from "./shapes.js";
 
-const SAID = /^If this program or its connection fails while the arm moves, (.+)\. Only the emergency stop stops the arm at once\.$/;
-const ALONE = [
-  [/^the controller stops the arm by itself within ([\d.]+) s$/, "caution.stops"],
-  [/^the arm goes on for up to ([\d.]+) s, to the end of the piece that was sent$/, "caution.piece"],
-  [/^the arm goes on to the target that was sent$/, "caution.target"],
-];
-
-function inNumbers(seconds, texts) {
-  return texts.number(Number(seconds), (seconds.split(".")[1] ?? "").length);
-}
-
-// Returns what the arm does by itself, in few words; null where the sentence is not known.
-function aloneInWords(notice, texts) {
-  const alone = SAID.exec(notice)?.[1] ?? "";
-  const [pattern, key] = ALONE.find(([known]) => known.test(alone)) ?? [];
-  if (!key) return null;
-  const [, seconds] = pattern.exec(alone);
-  return texts.say(key, { seconds: seconds && inNumbers(seconds, texts) });
-}
-
-function words(notice, texts) {
-  const alone = aloneInWords(notice, texts);
-  if (alone === null) return element("p", { lang: "en" }, notice);
-  return element("p", {}, element("strong", {}, texts.say("caution.only")), " ", alone);
+// The first sentence stands out: it is the one that counts in danger.
+function inTwo(notice) {
+  const [, first, rest] = /^(.+?[.。])\s*(.*)$/s.exec(notice) ?? [null, notice, ""];
+  return element("p", {}, element("strong", {}, first), " ", rest);
 }
 
 export class Caution {
@@ -39,12 +18,11 @@ export class Caution {
   }
 
   // `moves`: the screen has a button that lets the arm move.
-  show(moves, session, texts) {
-    const notice = session?.motion_notice;
-    const shown = notice && moves ? `${texts.language} ${notice}` : null;
-    showIf(this.#place, shown !== null);
-    if (shown === null || shown === this.#shown) return;
-    this.#shown = shown;
-    this.#place.replaceChildren(cautionShape(), words(notice, texts));
+  show(moves, session) {
+    const notice = moves ? (session?.motion_notice ?? null) : null;
+    showIf(this.#place, notice !== null);
+    if (notice === null || notice === this.#shown) return;
+    this.#shown = notice;
+    this.#place.replaceChildren(cautionShape(), inTwo(notice));
   }
 }

@@ -4,6 +4,7 @@
 // fell silent without an end (Wi-Fi gone, lid closed) can be given up at once.
 
 import { hear } from "/static/service-time.js";
+import { inItsWords } from "/static/words.js";
 
 const SILENCE_MS = 1600; // the service is heard every second; the banner is due within 2 s
 const LOOK_MS = 150;
@@ -34,6 +35,7 @@ export class Live {
   #heard_ms = 0;
   #began_ms = 0;
   #again = () => {};
+  #inOtherWords = false;
 
   // `on`: { state(up), events by name }
   constructor(url, on) {
@@ -49,6 +51,12 @@ export class Live {
     this.#keepReading();
   }
 
+  // The page is read in another language or other units from now on: no link is lost.
+  inOtherWords() {
+    this.#inOtherWords = this.up;
+    if (this.up) this.#attempt.abort();
+  }
+
   // What was received before the tablet slept says nothing of now.
   restart() {
     this.#giveUp();
@@ -58,6 +66,10 @@ export class Live {
   async #keepReading() {
     for (;;) {
       await this.#read().catch(() => null);
+      if (this.#inOtherWords) {
+        this.#inOtherWords = false;
+        continue;
+      }
       this.#tell(false);
       await new Promise((resolve) => {
         this.#again = resolve;
@@ -69,7 +81,7 @@ export class Live {
   async #read() {
     this.#attempt = new AbortController();
     this.#began_ms = performance.now();
-    const reply = hear(await fetch(this.#url, { cache: "no-store", signal: this.#attempt.signal }));
+    const reply = hear(await fetch(this.#url, inItsWords({ cache: "no-store", signal: this.#attempt.signal })));
     if (!reply.ok) return;
     const reader = reply.body.getReader();
     const events = new EventReader();

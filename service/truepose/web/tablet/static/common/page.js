@@ -55,7 +55,6 @@ export class Page {
       sample: (sample) => this.sampled(sample),
       situation: (session) => this.accept(session),
     });
-    this.texts.heard = () => this.draw();
     this.#listen();
   }
 
@@ -73,7 +72,7 @@ export class Page {
     const at = this.at;
     document.addEventListener("keydown", oneTapAKey);
     at.language.addEventListener("change", () => this.#speak(at.language.value));
-    at.units.addEventListener("click", () => (this.texts.units.switch(), this.dialogues.again(), this.draw()));
+    at.units.addEventListener("click", () => (this.texts.units.switch(), this.#inOtherWords()));
     at.mute.addEventListener("click", () => ((this.tablet.muted = !this.tablet.muted), this.draw()));
     at.person.addEventListener("click", () => this.askName());
     at["take-over"].addEventListener("click", () => this.dialogues.takeOver(this.model.session.acting?.person, () => this.act("hand_over")));
@@ -101,7 +100,7 @@ export class Page {
   }
 
   async refresh() {
-    this.accept(await answerTo(() => ask(this.path)));
+    this.accept(await answerTo(() => ask(`${this.path}/situation`)));
     await this.reload();
   }
 
@@ -155,8 +154,15 @@ export class Page {
   async #speak(language) {
     await this.texts.choose(language);
     this.texts.translate(document);
+    this.#inOtherWords();
+  }
+
+  // What the service says comes in the new ones with its next word.
+  #inOtherWords() {
     this.dialogues.again();
     this.draw();
+    this.live.inOtherWords();
+    if (this.model.up) this.refresh().catch(() => null); // else as soon as there is a link
   }
 
   #linked(up) {

@@ -7,9 +7,8 @@ import { newKey } from "./tablet.js";
 const AGAIN_MS = 1000;
 const MOTION_PATIENCE_MS = 2000; // what is confirmed now must not happen later
 
-function body(tap) {
-  const { key, ...rest } = tap;
-  return rest;
+function body({ key, act, ...rest }) {
+  return { command: act, ...rest };
 }
 
 export class Sender {
@@ -20,7 +19,7 @@ export class Sender {
 
   // `path`: of the session; `on`: { changed(), answered(session), dropped(tap, error), unreached(tap) }
   constructor(path, queue, on) {
-    this.#path = `${path}/acts`;
+    this.#path = `${path}/commands`;
     this.#queue = queue;
     this.#on = on;
   }
@@ -36,7 +35,7 @@ export class Sender {
   // Sends now or never.
   async now(tap) {
     try {
-      const answer = await post(this.#path, { ...tap, pressed_at_s: now_s() }, newKey(), MOTION_PATIENCE_MS);
+      const answer = await post(this.#path, { ...body(tap), pressed_at_s: now_s() }, newKey(), MOTION_PATIENCE_MS);
       this.#on.answered(answer.session);
     } catch (error) {
       if (error instanceof Refused) this.#on.dropped(tap, error);

@@ -15,7 +15,7 @@ export function actsHere(session, tablet) {
 
 function offered(session, act) {
   if (act === "start") return session.state === "planned";
-  return session.acts.includes(act);
+  return session.commands.includes(act);
 }
 
 // `model`: { session, up, tablet, queue, onlyNow }; `onlyNow(session, act)`: it is sent while somebody looks at the

@@ -1,6 +1,5 @@
 // The one catalogue of what the pages say, and numbers and times as each language writes them.
 
-import { Stored } from "/static/stored.js";
 import { Units } from "/static/units.js";
 import { answerTo, ask } from "./api.js";
 
@@ -19,13 +18,11 @@ function choosable() {
 
 export class Texts {
   #catalogues = {};
-  #stored = {};
   #chosen = null;
   #storage;
   #rooms;
 
   constructor(storage, rooms, preferred) {
-    this.heard = () => {}; // when more is known of the language
     this.units = new Units();
     this.#storage = storage;
     this.#rooms = rooms;
@@ -36,7 +33,7 @@ export class Texts {
   // The other languages follow behind the page: choosing one of them must not need a connection.
   static async load(storage, rooms = ["common"]) {
     const texts = new Texts(storage, rooms, navigator.language ?? RECORDS);
-    await Promise.all([...[RECORDS, texts.language].map((language) => texts.#fetch(language)), texts.#hear(texts.language)]);
+    await Promise.all([RECORDS, texts.language].map((language) => texts.#fetch(language)));
     for (const language of choosable()) texts.#fetch(language).catch(() => {});
     return texts;
   }
@@ -45,36 +42,17 @@ export class Texts {
     this.#catalogues[language] ??= await catalogue(language, this.#rooms);
   }
 
-  // Only of the language that is spoken: without a connection these sentences stay as they are kept.
-  async #hear(language) {
-    if (this.#stored[language] || language === RECORDS) return;
-    const [english, mine] = await Promise.all([RECORDS, language].map((of) => catalogue(of, ["stored"])));
-    this.#stored[language] = new Stored(english, mine, language);
-    this.heard();
-  }
-
   // The one chosen last, as soon as it is here.
   async choose(language) {
     this.#chosen = language;
-    this.#hear(language).catch(() => {});
     await this.#fetch(language).catch(() => {});
     if (this.#chosen !== language || !this.#catalogues[language]) return;
     this.language = language;
     this.#storage.set(KEPT, language);
   }
 
-  // For whoever draws only what is new.
-  get spoken() {
-    return `${this.language} ${this.language in this.#stored}`;
-  }
-
   say(key, values = {}) {
     return this.#filled(this.#catalogues[this.language][key], values);
-  }
-
-  // The sentences of a text that the service keeps in English, each { text, lang }.
-  pieces(text) {
-    return (this.#stored[this.language] ?? Stored.NONE).pieces(text);
   }
 
   list(values) {

@@ -99,7 +99,7 @@ class OperatorPage {
 
   // However long it takes, and whatever becomes of the connection: the key makes a second arrival harmless.
   #planned(wish) {
-    return answerTo(() => made("/api/v1/ballbar-sessions", wish, this.#key));
+    return answerTo(() => made("/api/v1/sessions", { kind: "ballbar", ...wish }, this.#key));
   }
 
   // The answer may be lost on its way while the session is stored: the list shows it.

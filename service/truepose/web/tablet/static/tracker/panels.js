@@ -1,7 +1,6 @@
 // What stands beside the picture: who and what, the nests, drift, what the readings promise, what was left out.
 
 import { element } from "../common/elements.js";
-import { inWords } from "../common/reasons.js";
 
 const KINDS = { tracker: "device.tracker", robot: "device.robot", pose_tracker: "device.camera", linear_gauge: "device.gauge", ballbar: "device.ballbar" };
 const HIDDEN = { turned_away: "hidden.turned_away", behind_column: "hidden.behind_column", too_steep: "hidden.too_steep", too_near: "hidden.too_near" };
@@ -109,7 +108,7 @@ export function outlookInWords(outlook, texts, units) {
 export function leftOut(points, texts) {
   const missing = points.filter(({ status }) => ["failed", "left_out"].includes(status));
   if (!missing.length) return [element("p", { class: "verdict good" }, texts.say("ended.none_skipped"))];
-  const rows = missing.map((point) => element("li", {}, element("b", {}, String(point.config)), element("span", {}, ...inWords(point.reason, texts))));
+  const rows = missing.map((point) => element("li", {}, element("b", {}, String(point.config)), element("span", {}, point.reason)));
   return [element("h2", {}, texts.say("ended.skipped")), element("ul", { class: "left-out" }, ...rows)];
 }
 

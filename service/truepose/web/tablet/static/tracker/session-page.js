@@ -33,7 +33,7 @@ class SessionPage extends Page {
   #toned_ms = 0;
 
   constructor(texts, storage) {
-    const path = `/api/v1/sessions/${document.body.dataset.session}/guide`;
+    const path = `/api/v1/sessions/${document.body.dataset.session}`;
     super(texts, storage, { path, onlyNow });
     Object.assign(this.model, { sheet: null, scene: null, devices: [], outlook: null, placed: false, measuredNow: false });
     this.#furnish();
@@ -56,7 +56,7 @@ class SessionPage extends Page {
     this.top.show(this.model, this.texts);
     this.stage.show(screen, this.model, this.texts, this.texts.units);
     this.dock.show(this.model, this.texts);
-    this.caution.show(MOVING.includes(screen), session, this.texts);
+    this.caution.show(MOVING.includes(screen), session);
     this.actions.show(screen, this.model, this.texts);
     this.#showWatch();
     showIf(this.at.simulated, session?.simulated === true);
@@ -65,7 +65,7 @@ class SessionPage extends Page {
   taken(before, session) {
     if (before && session.last_stop && session.last_stop.number !== before.last_stop?.number) this.#stopEnded(session.last_stop);
     const asks = session.state === "awaiting_confirmation";
-    if (before && asks && before.prompt_id !== session.prompt_id) this.sound.play("move");
+    if (before && asks && before.prompt?.id !== session.prompt?.id) this.sound.play("move");
     if (before?.step?.id !== session.step?.id || before?.state !== session.state) this.dialogues.close();
     if (before && before.ledger_number !== session.ledger_number) this.#readAnew();
   }

@@ -36,7 +36,7 @@ export function onlyNow(session, act) {
 export function seen(session, act) {
   if (!["confirm", "resume"].includes(act)) return {};
   const foreign = session?.tracker_in_question?.serial_number;
-  return { ...(session?.prompt_id && { prompt_id: session.prompt_id }), ...(foreign && { accept_serial_number: foreign }) };
+  return { ...(session?.prompt && { prompt_id: session.prompt.id }), ...(foreign && { accept_serial_number: foreign }) };
 }
 
 // What a tap of the dock is about: the row that is chosen, else the present step (skip) or what was done last.

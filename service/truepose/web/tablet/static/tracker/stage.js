@@ -52,7 +52,7 @@ export class Stage {
   #showPanel(screen, model, texts, units) {
     const { session, sheet, scene, devices, outlook, sample, tablet } = model;
     const counts = sheet && screen !== "measure" ? sheet : [sheet?.looks.length, outlook];
-    const shown = JSON.stringify([screen, texts.spoken, units.name, session, counts, scene?.stops, scene?.better, devices, sample?.fixed_nest, this.table.chosen, tablet.person]);
+    const shown = JSON.stringify([screen, texts.language, units.name, session, counts, scene?.stops, scene?.better, devices, sample?.fixed_nest, this.table.chosen, tablet.person]);
     if (shown === this.#panel) return;
     this.#panel = shown;
     const parts = this.#parts(screen, model, texts, units).filter(Boolean);
@@ -62,7 +62,7 @@ export class Stage {
 
   #parts(screen, model, texts, units) {
     const { session, sheet, scene, outlook, sample } = model;
-    const asked = session && whyInWords(screen, session, texts);
+    const asked = session && whyInWords(screen, session);
     const drift = sheet && driftInWords(sheet.looks, texts, units);
     const ended = ENDS.includes(screen) && sheet;
     const shown = {

@@ -23,7 +23,7 @@ export class Table {
   }
 
   show(points, active, { texts, units }) {
-    const shown = JSON.stringify([points, texts.spoken, units.name]);
+    const shown = JSON.stringify([points, texts.language, units.name]);
     if (shown !== this.#shown) this.#build(points, texts, units);
     this.#shown = shown;
     for (const [config, row] of this.#rows) {
@@ -68,7 +68,7 @@ export class Table {
 
 // Why it is as it is, where there is a reason.
 function state({ reason, status }, texts) {
-  return reason ? texts.pieces(reason).map(({ text }) => text).join(" ") : texts.say(STATUS[status]);
+  return reason || texts.say(STATUS[status]);
 }
 
 function pointColumns(texts, units) {

@@ -36,9 +36,8 @@ export function wordsOf(screen, session, texts) {
   };
 }
 
-// What the service asks or why nothing goes on, in the language of the page where it is known.
-export function whyInWords(screen, session, texts) {
+// What the service asks, or why nothing goes on.
+export function whyInWords(screen, session) {
   if (!WHY.includes(screen)) return null;
-  const said = session.question ?? session.reason;
-  return said ? reasonInWords(said, texts) : null;
+  return reasonInWords(session);
 }

@@ -6,13 +6,10 @@ import numpy as np
 import pytest
 
 from tests.helpers.ballbar.cells import IRB_120, LR_MATE, ballbar_cell, fixture_before_the_arm, frame
-from truepose.planning.ballbar.clear_ways.away import ROOMS_MM, away
-from truepose.planning.ballbar.clear_ways.bodies import chain_of
-from truepose.planning.ballbar.clear_ways.clearance import bodies_at, hands_room_mm
-from truepose.planning.ballbar.clear_ways.short_moves import Stop, Surroundings, between, is_clear_along
-from truepose.planning.ballbar.fixture import base_fixture
-from truepose.planning.ballbar.poses import reach
-from truepose.planning.ballbar.setups import setups
+from truepose.planning.ballbar.bodies import base_fixture, chain_of
+from truepose.planning.ballbar.clearance import bodies_at, hands_room_mm
+from truepose.planning.ballbar.paths import ROOMS_MM, Stop, Surroundings, away, between, is_clear_along
+from truepose.planning.ballbar.poses import reach, setups
 from truepose.planning.errors import NoWayError
 
 NO_POSES = np.zeros((0, 6))

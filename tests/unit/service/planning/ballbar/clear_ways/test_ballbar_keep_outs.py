@@ -7,15 +7,14 @@ import numpy as np
 import pytest
 
 from tests.helpers.ballbar.cells import ballbar_cell, domain_cell, fixture_before_the_arm
-from truepose.domain.cell.description import CellLimits
-from truepose.domain.cell.keep_outs import Box, Cylinder, HalfSpace, KeepOuts
-from truepose.planning.ballbar.clear_ways.bodies import chain_of
-from truepose.planning.ballbar.clear_ways.short_moves import between
+from truepose.domain.cell import Box, CellLimits, Cylinder, HalfSpace, KeepOuts
+from truepose.planning.ballbar.bodies import chain_of
+from truepose.planning.ballbar.paths import between
 from truepose.planning.ballbar.placements import Wish, suggest
 from truepose.planning.ballbar.plan import plan_at
 from truepose.planning.ballbar.poses import reach
 from truepose.planning.errors import TooFewCandidatesError
-from truepose.planning.promise.ballbar import promised_at
+from truepose.planning.prediction.ballbar import promised_at
 
 FIXTURE = fixture_before_the_arm()
 LID = HalfSpace("lid", (0.0, 0.0, 740.0), (0.0, 0.0, -1.0))

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from truepose.planning.ballbar.clear_ways.capsules import (
+from truepose.planning.workspace.capsules import (
     joined,
     lowest_mm,
     segment_distances,

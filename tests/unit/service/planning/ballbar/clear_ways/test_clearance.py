@@ -4,8 +4,15 @@ import numpy as np
 import pytest
 
 from tests.helpers.ballbar.cells import ballbar_cell, fixture_before_the_arm, frame
-from truepose.planning.ballbar.clear_ways.bodies import arm_body, arm_links, chain_of, tool_body, tool_normal
-from truepose.planning.ballbar.clear_ways.clearance import (
+from truepose.planning.ballbar.bodies import (
+    arm_body,
+    arm_links,
+    base_fixture,
+    chain_of,
+    tool_body,
+    tool_normal,
+)
+from truepose.planning.ballbar.clearance import (
     LEAN_RAD,
     Bars,
     arm_room_mm,
@@ -13,7 +20,6 @@ from truepose.planning.ballbar.clear_ways.clearance import (
     bodies_at,
     is_clear,
 )
-from truepose.planning.ballbar.fixture import base_fixture
 from truepose.planning.ballbar.poses import reach
 
 FAR = base_fixture(1, frame(0, 2000, 100))

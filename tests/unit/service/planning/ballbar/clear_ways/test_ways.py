@@ -6,13 +6,10 @@ import numpy as np
 import pytest
 
 from tests.helpers.ballbar.cells import ballbar_cell, fixture_before_the_arm, frame
-from truepose.planning.ballbar.clear_ways.bodies import chain_of
-from truepose.planning.ballbar.clear_ways.clearance import arm_room_mm, bodies_at
-from truepose.planning.ballbar.clear_ways.short_moves import Stop, Surroundings, between, is_clear_along, lift
-from truepose.planning.ballbar.clear_ways.ways import way
-from truepose.planning.ballbar.fixture import base_fixture
-from truepose.planning.ballbar.poses import reach
-from truepose.planning.ballbar.setups import setups
+from truepose.planning.ballbar.bodies import base_fixture, chain_of
+from truepose.planning.ballbar.clearance import arm_room_mm, bodies_at
+from truepose.planning.ballbar.paths import Stop, Surroundings, between, is_clear_along, lift, way
+from truepose.planning.ballbar.poses import reach, setups
 from truepose.planning.errors import NoWayError
 
 CELL = ballbar_cell()

@@ -8,9 +8,9 @@ import pytest
 
 from tests.helpers.ballbar.cells import ballbar_cell, fixture_before_the_arm
 from tests.helpers.ballbar.nominal_poses import nominal_lengths, reachable
-from truepose.planning.ballbar.clear_ways.clearance import is_clear
-from truepose.planning.ballbar.clear_ways.short_moves import between
-from truepose.planning.ballbar.lengths.again import aimed_again
+from truepose.planning.ballbar.aiming import aimed_again
+from truepose.planning.ballbar.clearance import is_clear
+from truepose.planning.ballbar.paths import between
 
 CELL, FIXTURE = ballbar_cell(), fixture_before_the_arm()
 POSES = reachable(CELL, FIXTURE)[:30:2]

@@ -10,8 +10,8 @@ from tests.helpers.ballbar.nominal_poses import nominal_lengths, reachable
 from truepose.domain.errors import ConfigurationError
 from truepose.domain.robot import JointRange
 from truepose.kinematics.inverse import all_branches
-from truepose.planning.ballbar.clear_ways.bodies import chain_of
-from truepose.planning.ballbar.lengths.aiming import aimed, aimed_pose
+from truepose.planning.ballbar.aiming import aimed, aimed_pose
+from truepose.planning.ballbar.bodies import chain_of
 from truepose.planning.errors import AimError
 
 CELL, FIXTURE = ballbar_cell(), fixture_before_the_arm()

@@ -8,9 +8,9 @@ import pytest
 from tests.helpers.ballbar.cells import ballbar_cell, domain_cell
 from tests.helpers.ballbar.early_sessions import plan_of
 from tests.helpers.ballbar.true_session import TrueArm
-from truepose.domain.cell.artefacts import BallbarKit
+from truepose.domain.cell import BallbarKit
 from truepose.domain.robot import FramePlacement
-from truepose.planning.ballbar.lengths.beforehand import Beforehand, known_beforehand
+from truepose.planning.ballbar.length_forecast import SessionForecast, known_beforehand
 
 
 @pytest.fixture(scope="module")
@@ -25,7 +25,7 @@ def spread_mm(beforehand, kind, stop):
 
 def test_lengths_move_as_an_arm_with_other_links_moves_nests_and_cups(plan):
     cell = ballbar_cell()
-    beforehand = Beforehand(cell, plan, BallbarKit())
+    beforehand = SessionForecast(cell, plan, BallbarKit())
     placement = plan.placements[0]
     joints = np.array([pose.joints_rad for pose in placement.poses])
     stops = beforehand.poses(1, joints)
@@ -46,7 +46,7 @@ def test_lengths_move_as_an_arm_with_other_links_moves_nests_and_cups(plan):
 
 def test_real_sizes_of_errors_are_foreseen_within_their_spread(plan):
     cell = ballbar_cell()
-    beforehand = Beforehand(cell, plan, BallbarKit())
+    beforehand = SessionForecast(cell, plan, BallbarKit())
     placement = plan.placements[0]
     pose = placement.poses[0]
     stop = beforehand.poses(1, np.array([pose.joints_rad]))[0]
@@ -69,7 +69,7 @@ def test_where_the_base_stands_plays_no_part(plan):
     cell = ballbar_cell()
     joints = np.array([plan.placements[0].poses[0].joints_rad])
     stops = [
-        Beforehand(replace(cell, base=base), plan, BallbarKit()).poses(1, joints)[0]
+        SessionForecast(replace(cell, base=base), plan, BallbarKit()).poses(1, joints)[0]
         for base in (FramePlacement(), FramePlacement(100.0, -50.0, 3.0, 0.1, 0.2, 0.3))
     ]
 
@@ -77,13 +77,13 @@ def test_where_the_base_stands_plays_no_part(plan):
 
 
 def test_the_kinds_of_arms_are_all_arms(plan):
-    kinds = Beforehand(ballbar_cell(), plan, BallbarKit()).kinds()
+    kinds = SessionForecast(ballbar_cell(), plan, BallbarKit()).kinds()
 
     assert sum(kind.share for kind in kinds) == pytest.approx(1.0)
 
 
 def test_cups_are_known_from_each_other_as_well_as_the_ballbar_measures_their_sides(plan):
-    beforehand = Beforehand(ballbar_cell(), plan, BallbarKit())
+    beforehand = SessionForecast(ballbar_cell(), plan, BallbarKit())
     sides = beforehand.sides(1)
 
     assert sides.pairs == ((1, 2), (1, 3), (2, 3))

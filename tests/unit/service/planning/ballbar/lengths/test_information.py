@@ -4,9 +4,15 @@ import numpy as np
 import pytest
 
 from tests.helpers.ballbar.cells import ballbar_cell, fixture_before_the_arm, frame
-from truepose.planning.ballbar.choice import candidates, choose, known_after
-from truepose.planning.ballbar.fixture import base_fixture
-from truepose.planning.ballbar.lengths.information import (
+from truepose.planning.ballbar.bodies import base_fixture
+from truepose.planning.ballbar.choice import (
+    candidates,
+    choose,
+    exchanged_for_error,
+    known_after,
+    least_error_first,
+)
+from truepose.planning.ballbar.information import (
     Scatter,
     arm_model,
     error_weight,
@@ -18,8 +24,7 @@ from truepose.planning.ballbar.lengths.information import (
     with_placement,
     work_space_sample,
 )
-from truepose.planning.ballbar.lengths.least_error import exchanged_for_error, least_error_first
-from truepose.planning.ballbar.setups import setups
+from truepose.planning.ballbar.poses import setups
 
 CELL, FIXTURE = ballbar_cell(), fixture_before_the_arm()
 MODEL = arm_model(CELL)

@@ -6,8 +6,7 @@ import pytest
 
 from tests.helpers.ballbar.cells import ballbar_cell
 from tests.helpers.ballbar.early_sessions import KIT, plan_of
-from truepose.planning.ballbar.lengths.beforehand import Beforehand
-from truepose.planning.ballbar.lengths.unseen import unseen_swaps
+from truepose.planning.ballbar.length_forecast import SessionForecast, unseen_swaps
 
 
 @pytest.fixture(scope="module")
@@ -16,7 +15,7 @@ def plan():
 
 
 def test_the_first_poses_are_named_and_later_ones_are_not(plan):
-    unseen = unseen_swaps(Beforehand(ballbar_cell(), plan, KIT), plan, KIT)
+    unseen = unseen_swaps(SessionForecast(ballbar_cell(), plan, KIT), plan, KIT)
 
     assert unseen[:3] == (1, 2, 3)
     assert 12 not in unseen
@@ -25,4 +24,4 @@ def test_the_first_poses_are_named_and_later_ones_are_not(plan):
 def test_poses_after_the_pre_calibration_are_coded_and_never_named(plan):
     early = replace(plan, precalibrate_after=2)
 
-    assert unseen_swaps(Beforehand(ballbar_cell(), plan, KIT), early, KIT) == (1, 2)
+    assert unseen_swaps(SessionForecast(ballbar_cell(), plan, KIT), early, KIT) == (1, 2)

@@ -1,0 +1,283 @@
+"""What drivers of arms share in a motion: its target, an arm that stands still, a protocol that watches.
+
+A stop leaves some controllers silent, and at a low speed override a motion may take minutes. Whoever tells
+the joints meanwhile shows the difference. Joints that are not between start and target are not those of this
+motion: they come from a channel that tells what was, and prove nothing.
+"""
+
+import asyncio
+import math
+import sys
+from collections.abc import Awaitable, Callable, Coroutine, Sequence
+from dataclasses import dataclass
+from typing import Any, Final, Protocol, TypeAlias, TypeVar
+
+from truepose_drivers.api import (
+    DeviceIdentity,
+    FullRobot,
+    JointReading,
+    MotionGuard,
+    MotionLimits,
+)
+from truepose_drivers.arm_options import Angles, JointCounting
+from truepose_drivers.errors import (
+    ConfigurationError,
+    DriverError,
+    LinkError,
+    NoReplyError,
+    TargetRefusedError,
+)
+
+ARRIVED_DEG: Final = 0.02  # a joint at rest is nearer to its target: encoders resolve far better
+
+
+def require_speeds(limits: MotionLimits, fastest: float = sys.float_info.max) -> None:
+    """Raise ConfigurationError for a speed limit that is none, or above what the controller can hold."""
+    for name, value in (
+        ("tool_speed_mm_s", limits.tool_speed_mm_s),
+        ("orientation_speed_rad_s", limits.orientation_speed_rad_s),
+    ):
+        if not 0.0 < value <= fastest:  # nor where it is no number
+            raise ConfigurationError(f"{name} is {value}: a speed limit must be positive")
+
+
+def require_target(target_rad: Angles, joints: int, furthest_rad: float = math.inf) -> None:
+    """Raise TargetRefusedError for a target of other joints, or out of the range of any."""
+    if len(target_rad) != joints:
+        raise TargetRefusedError(f"the robot moves {joints} joints; the target has {len(target_rad)}")
+    for joint, angle in enumerate(target_rad, start=1):
+        if not abs(angle) <= furthest_rad:  # nor where it is no number
+            raise TargetRefusedError(
+                f"{math.degrees(angle)} deg of joint {joint} is out of any robot's range"
+            )
+
+
+def counted_target_deg(
+    target_rad: Angles, joints: int, counting: JointCounting, encode: Callable[[Angles], object]
+) -> Angles:
+    """Return a target as the controller counts it; raises TargetRefusedError where it cannot be sent."""
+    require_target(target_rad, joints)
+    counted_deg = counting.of_controller(tuple(map(math.degrees, target_rad)))
+    try:
+        encode(counted_deg)
+    except ValueError as error:
+        raise TargetRefusedError(str(error)) from error
+    return counted_deg
+
+
+def counted_reading(
+    counted_deg: Angles, counting: JointCounting, *, resolution_deg: float, time_s: float
+) -> JointReading:
+    """Return the reading of joints that a controller states as it counts them."""
+    return JointReading(
+        joints_rad=counting.of_robot(tuple(map(math.radians, counted_deg))),
+        resolution_rad=math.radians(resolution_deg),
+        time_s=time_s,
+    )
+
+
+def astray_text(stands_deg: Sequence[float], target_deg: Sequence[float]) -> str:
+    """Return what is wrong with where the arm rests after a motion, nothing where it has arrived."""
+    off_deg = farthest_off(stands_deg, target_deg)
+    if off_deg <= ARRIVED_DEG:
+        return ""
+    return f"the robot reported the end of its motion and stands {off_deg:.3f} deg off its target"
+
+
+def farthest_off(stands: Sequence[float], target: Sequence[float]) -> float:
+    """Return by how much that joint is off its target that is off most; in the unit of both."""
+    return max(abs(here - there) for here, there in zip(stands, target, strict=True))
+
+
+def degrees_text(angles_deg: Sequence[float]) -> str:
+    """Return angles as a sentence has them."""
+    return ", ".join(f"{angle:.3f}" for angle in angles_deg)
+
+
+_LOOK_EVERY_S: Final = 0.5  # wall time, as all here
+_STANDS_AFTER_S: Final = 3.0
+_BEGINS_WITHIN_S: Final = 5.0  # of the order: brakes open, programs start
+_BESIDE_THE_WAY_DEG: Final = 1.0  # joints brake neither at once nor exactly in step
+
+Look: TypeAlias = Callable[[], Awaitable[Angles | None]]
+Answer = TypeVar("Answer")
+
+
+@dataclass(frozen=True, slots=True)
+class CommandedMotion:
+    """A motion, as its controller counts joints [deg]."""
+
+    start_deg: Angles
+    target_deg: Angles
+    arrived_deg: float  # a joint at rest is nearer to its target
+    still_deg: float  # what is told of a joint at rest changes by no more
+
+    def before_target_deg(self, joints_deg: Angles) -> float:
+        """Return how far the joint has still to turn that has farthest."""
+        return _farthest(joints_deg, self.target_deg)
+
+    def leads_by(self, joints_deg: Angles) -> bool:
+        """Whether an arm on this motion can be there."""
+        return all(
+            min(ends) - _BESIDE_THE_WAY_DEG <= joint <= max(ends) + _BESIDE_THE_WAY_DEG
+            for joint, *ends in zip(joints_deg, self.start_deg, self.target_deg, strict=True)
+        )
+
+
+class Standstill:
+    """Judges one look at the joints after the other; times on any clock that goes with the arm [s]."""
+
+    def __init__(self, course: CommandedMotion, ordered_s: float) -> None:
+        self._course = course
+        self._stands_deg = course.start_deg
+        self._since_s = ordered_s
+        self._patience_s = _BEGINS_WITHIN_S
+
+    def lasts(self, joints_deg: Angles, now_s: float) -> bool:
+        """Take a look into account; return whether the arm stands still before its target."""
+        if not self._course.leads_by(joints_deg):
+            return False
+        # Compared with where it stood first, not with the last look: slow motion adds up.
+        if _farthest(joints_deg, self._stands_deg) > self._course.still_deg:
+            self._stands_deg, self._since_s, self._patience_s = joints_deg, now_s, _STANDS_AFTER_S
+        return now_s - self._since_s >= self._patience_s and self._is_before_target()
+
+    def _is_before_target(self) -> bool:
+        return self._course.before_target_deg(self._stands_deg) > self._course.arrived_deg
+
+
+async def answered_unless_it_stands(
+    motion: Coroutine[Any, Any, Answer], look: Look, course: CommandedMotion, advice: str
+) -> Answer:
+    """Return what a motion ends with; `look` returns the joints meanwhile, None where nobody tells them.
+
+    Where the arm stands still the motion is cancelled, which closes its link: a program that watches it gives
+    the motion up then, so that nothing goes on when the stop is released. Raises NoReplyError.
+    """
+    answered = asyncio.create_task(motion)
+    watched = asyncio.create_task(_stands_before_target_deg(look, course))
+    try:
+        await asyncio.wait({answered, watched}, return_when=asyncio.FIRST_COMPLETED)
+        if answered.done():
+            return answered.result()
+        raise NoReplyError(f"the arm stands still {watched.result():.2f} deg before its target: {advice}")
+    finally:
+        answered.cancel()
+        watched.cancel()
+        await asyncio.wait({answered, watched})
+
+
+async def _stands_before_target_deg(look: Look, course: CommandedMotion) -> float:
+    loop = asyncio.get_running_loop()
+    standstill = Standstill(course, loop.time())
+    while True:
+        await asyncio.sleep(_LOOK_EVERY_S)
+        joints_deg = await look()
+        if joints_deg is not None and standstill.lasts(joints_deg, loop.time()):
+            return course.before_target_deg(joints_deg)
+
+
+def _farthest(joints_deg: Angles, others_deg: Angles) -> float:
+    return max(abs(joint - other) for joint, other in zip(joints_deg, others_deg, strict=True))
+
+
+_BETWEEN_LOOKS_S: Final = 0.3  # at whether the arm can still move, while it does
+
+
+class Companion(Protocol):
+    """A second connection to the controller of a robot, which moves nothing."""
+
+    @property
+    def connected(self) -> bool:
+        """Whether it is there as far as known."""
+        ...
+
+    async def connect(self) -> None:
+        """Open it; raises ConnectFailedError."""
+        ...
+
+    async def close(self) -> None:
+        """Close it; never raises."""
+        ...
+
+    async def require_ready(self) -> None:
+        """Raise NotInitialisedError where the arm cannot move, by what the controller states now."""
+        ...
+
+    async def read_joints(self) -> JointReading:
+        """Ask where the joints are."""
+        ...
+
+    async def last_words(self) -> str:
+        """Return what the controller said last to people, empty where that is not known."""
+        ...
+
+
+class AccompaniedRobot:
+    """A robot whose companion reads the joints, and which moves only where that says that it can."""
+
+    def __init__(self, robot: FullRobot, companion: Companion) -> None:
+        self._robot = robot
+        self._companion = companion
+
+    @property
+    def connected(self) -> bool:
+        """Whether both are there as far as known."""
+        return self._robot.connected and self._companion.connected
+
+    @property
+    def can_stop_motion(self) -> bool:
+        """What the protocol says that moves it."""
+        return self._robot.can_stop_motion
+
+    @property
+    def motion_guard(self) -> MotionGuard:
+        """What the protocol says that moves it."""
+        return self._robot.motion_guard
+
+    async def connect(self) -> None:
+        """Connect both; raises ConnectFailedError."""
+        await self._robot.connect()
+        try:
+            await self._companion.connect()
+        except DriverError:
+            await self._robot.close()
+            raise
+
+    async def close(self) -> None:
+        """Close both; never raises."""
+        await self._companion.close()
+        await self._robot.close()
+
+    async def identify(self) -> DeviceIdentity:
+        """Ask the protocol that moves it."""
+        return await self._robot.identify()
+
+    async def set_limits(self, limits: MotionLimits) -> None:
+        """Set the speed limits of the following motions."""
+        await self._robot.set_limits(limits)
+
+    async def move_joints(self, target_rad: tuple[float, ...]) -> None:
+        """Move where the controller is ready now; raises NotInitialisedError, TargetRefusedError."""
+        await self._companion.require_ready()
+        motion = asyncio.create_task(self._robot.move_joints(target_rad))
+        try:
+            while not (await asyncio.wait({motion}, timeout=_BETWEEN_LOOKS_S))[0]:
+                await self._companion.require_ready()
+            motion.result()
+        except (LinkError, TargetRefusedError) as error:
+            raise type(error)(f"{error}{await self._said()}") from error
+        finally:
+            motion.cancel()
+            await asyncio.wait({motion})
+
+    async def read_joints(self) -> JointReading:
+        """Return where the joints are, by the companion; also while the arm moves."""
+        return await self._companion.read_joints()
+
+    async def _said(self) -> str:
+        try:
+            said = await self._companion.last_words()
+        except DriverError:
+            return ""
+        return f' (its event log ends with "{said}")' if said else ""

@@ -1,1 +1,0 @@
-"""What drivers of arms share: how a controller counts its joints, and how slow a motion must be."""

@@ -1,1 +1,0 @@
-"""What goes over the wire of FANUC's Remote Motion Interface."""

@@ -1,1 +1,0 @@
-"""What goes over the wire of the variable proxy, and what the variables say."""

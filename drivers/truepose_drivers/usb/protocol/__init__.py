@@ -1,1 +1,0 @@
-"""Bytes of USB and USB/IP; no I/O."""

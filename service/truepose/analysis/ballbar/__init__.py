@@ -1,1 +1,0 @@
-"""What is computed for a ballbar session, before, during and after it."""

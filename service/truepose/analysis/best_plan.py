@@ -1,0 +1,64 @@
+"""The best of several plans, each chosen from candidates of its own."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from truepose.analysis.cluster.tasks import Cluster, Part
+from truepose.messages.message import Text
+from truepose.planning.prediction.plan import PromisedPlan
+
+Told = Callable[[float, Text], None]
+_INDEX = "O1"
+
+
+class MakePlan(Protocol):
+    """Plans so many configurations; what a seed draws are the candidates."""
+
+    def __call__(self, *, n: int | None, seed: int) -> PromisedPlan:
+        """Return a plan; raises PlanningError."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class Try:
+    """A plan to make, as it travels to a worker."""
+
+    planned: MakePlan
+    n: int | None
+    seed: int
+
+
+def plan_of(one: Try, _seed: np.random.SeedSequence) -> PromisedPlan:
+    """Return the plan; its seed is the one that it would be given alone."""
+    return one.planned(n=one.n, seed=one.seed)
+
+
+def best_plan(
+    cluster: Cluster, planned: MakePlan, n: int | None, seed: int, tries: int, told: Told | None = None
+) -> tuple[PromisedPlan, int]:
+    """Return the plan with the largest O1 of those of `tries` seeds from `seed` on, and its seed.
+
+    The index says how well the parameters are seen, which is what candidates are chosen by. It knows nothing
+    of the places at which the promise was worked out, so that nobody picks a promise for being large. Without
+    `n`, as many configurations as the first plan advises. Of equal plans the first.
+
+    Raises
+    ------
+    PartFailedError
+        One of the plans cannot be made.
+    """
+    first, *_ = cluster.answers(plan_of, [_part(planned, n, seed)])
+    wanted = len(first.joints_rad) if n is None else n
+    if tries == 1 or not wanted:
+        return first, seed
+    others = [_part(planned, wanted, seed + k) for k in range(1, tries)]
+    plans = [first, *cluster.answers(plan_of, others, told=told)]
+    best = max(range(tries), key=lambda k: plans[k].observability.get(_INDEX, 0.0))
+    return plans[best], seed + best
+
+
+def _part(planned: MakePlan, n: int | None, seed: int) -> Part[Try]:
+    return Part(f"seed {seed}", Try(planned, n, seed))

@@ -1,0 +1,152 @@
+"""What one campaign tells of its robot, computed on a worker and kept as a file; which can be compared."""
+
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from datetime import date
+
+import numpy as np
+
+from truepose.domain.arrays import FloatArray
+from truepose.domain.campaign import Campaign
+from truepose.domain.identification import Unit
+from truepose.domain.robot import Robot
+from truepose.effects.ports import ParameterSpec
+from truepose.exchange.tables.files import Stated
+from truepose.fleet.campaigns import Information
+from truepose.fleet.outlying_campaigns import OutlyingCampaign
+from truepose.storage.documents import pack, unpack
+
+
+@dataclass(frozen=True, slots=True)
+class CampaignEstimate:
+    """What a campaign tells of P parameters, and whose it says that it is."""
+
+    robot: Robot  # nominal
+    robot_serial_number: str
+    instrument_serial_number: str
+    measured_on: str
+    simulated: bool
+    names: tuple[str, ...]  # (P,)
+    units: tuple[Unit, ...]
+    means: FloatArray  # (P,) as stated beforehand
+    widths: FloatArray
+    owners: tuple[str, ...]
+    normal: FloatArray  # (P, P)
+    right: FloatArray  # (P,)
+    motion_mm2: FloatArray  # (P, P)
+    readings: int
+    temperature_c: float | None = None
+
+    @property
+    def information(self) -> Information:
+        """As a fleet takes it."""
+        stated = zip(self.names, self.units, self.means.tolist(), self.widths.tolist(), strict=True)
+        specs = tuple(ParameterSpec(*one) for one in stated)
+        return Information(
+            specs,
+            self.owners,
+            self.normal,
+            self.right,
+            self.motion_mm2,
+            self.readings,
+            self.temperature_c,
+        )
+
+    @property
+    def stated(self) -> Stated:
+        """What the campaign itself says of its readings."""
+        day = date.fromisoformat(self.measured_on) if self.measured_on else None
+        return Stated(self.robot_serial_number, self.instrument_serial_number, day)
+
+
+def told_of(campaign: Campaign, told: Information) -> CampaignEstimate:
+    """Return what a campaign tells, with what it says of itself."""
+    return CampaignEstimate(
+        robot=campaign.robot,
+        robot_serial_number=campaign.robot_serial_number,
+        instrument_serial_number=campaign.instrument_serial_number,
+        measured_on="" if campaign.measured_on is None else campaign.measured_on.isoformat(),
+        simulated=bool(campaign.simulated),
+        names=told.names,
+        units=tuple(spec.unit for spec in told.specs),
+        means=np.array([spec.prior_mean for spec in told.specs]),
+        widths=np.array([spec.prior_width for spec in told.specs]),
+        owners=told.owners,
+        normal=told.normal,
+        right=told.right,
+        motion_mm2=told.motion_mm2,
+        readings=told.readings,
+        temperature_c=told.temperature_c,
+    )
+
+
+def tell(content: bytes, _seed: np.random.SeedSequence) -> bytes:
+    """Return what a campaign as it is stored tells, packed; nothing of it is drawn by chance.
+
+    Raises TrueposeError.
+    """
+    from truepose.analysis.workers.tasks import stored_campaign
+    from truepose.fleet.campaigns import information_of
+
+    campaign = stored_campaign(content)
+    return pack(told_of(campaign, information_of(campaign)))
+
+
+def told_from(data: bytes) -> CampaignEstimate:
+    """Read what `tell` returned; raises DamagedDatabaseError."""
+    return unpack(CampaignEstimate, data)
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """A campaign as a fleet takes it."""
+
+    campaign: str
+    stated: Stated
+    told: CampaignEstimate
+
+
+def unfit_of(entries: Sequence[Entry]) -> Iterator[tuple[Entry, str]]:
+    """Yield the campaigns of one type that cannot be compared, each with the sentence that says why."""
+    usual = Counter(one.told.robot.joints for one in entries).most_common(1)
+    before: dict[bytes, str] = {}
+    for one in entries:
+        readings = one.told.right.tobytes() + one.told.normal.tobytes()
+        if why := _lacking(one.stated):
+            yield one, why
+        elif one.told.robot.joints != usual[0][0]:
+            yield one, _OTHER_TABLE
+        elif readings in before:
+            yield one, f"It has the same readings as {before[readings]}: they count once."
+        else:
+            before[readings] = one.campaign
+
+
+_OTHER_TABLE = (
+    "Its nominal table of the robot is another than that of most campaigns of this type, and parameters "
+    "count from that table: give it the table of the others, or a type of its own."
+)
+
+
+def said_unlike(one: OutlyingCampaign) -> str:
+    """Return in a sentence why a campaign is not compared with the others of its robot."""
+    day = date.fromordinal(int(one.day)).isoformat()
+    other = f"It fits {one.resembles}" if one.resembles else "It fits no other robot of the fleet"
+    return (
+        f"On {day} {one.robot} is unlike itself on its other days. {other}: look which robot, tool and nests "
+        "were measured; if all are right, measure it again."
+    )
+
+
+def _lacking(stated: Stated) -> str:
+    """Return in a sentence what nobody says of a campaign; empty: all is said."""
+    known = {
+        "robot_serial_number": stated.robot,
+        "instrument_serial_number": stated.instrument,
+        "measured_on": stated.day,
+    }
+    lacking = [name for name, value in known.items() if not value]
+    if not lacking:
+        return ""
+    return f"Nobody says its {', '.join(lacking)}: write that into its campaign.json, or give a table."

@@ -1,1 +1,0 @@
-"""Connections: how many there may be, how slow they may be, and who goes first when there are too many."""

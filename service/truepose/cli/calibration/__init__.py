@@ -1,1 +1,0 @@
-"""Commands that plan, identify, judge, diagnose and correct."""

@@ -1,0 +1,255 @@
+"""The commands around the database: is it as it was written, a copy of it, a copy put back, what may go."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from truepose.cli.files import Json
+from truepose.cli.output import print_json, print_lines, shown_progress
+
+Url = Annotated[
+    str | None,
+    typer.Option(
+        "--database",
+        help="URL of the database, as 'truepose serve' has it; by default the one in the user's data folder.",
+    ),
+]
+_SERVICE_FAILED = 3
+_NO_PINS = "A copy holds no PINs: each person chooses one anew, with their password, at /account."
+
+
+def verify_command(
+    file: Annotated[
+        str | None,
+        typer.Argument(help="Database, a file or a URL; by default the one in the user's data folder."),
+    ] = None,
+    head: Annotated[
+        str | None, typer.Option(help="Chain head as a report prints it: is all that it stands for there?")
+    ] = None,
+    json: Json = False,
+) -> int:
+    """Check every page and every record of a database, which may be in use. Status 1: something is wrong.
+
+    Example: truepose verify truepose.sqlite3 --head 4711-K3QF-7ZWD-M2PA-XY5R --json
+    """
+    from truepose.storage.engine.address import shown_address
+    from truepose.storage.integrity.head_hash import read_head
+    from truepose.storage.integrity.verification import verify_left_at
+
+    url = _address(file)
+    database = file if file is not None and "://" not in file else shown_address(url)
+    printed = None if head is None else read_head(head)
+    with shown_progress() as told:
+        verdict = verify_left_at(url, lambda share: told(share, "records"), printed)
+    newest = "" if verdict.head is None else verdict.head.text
+    if json:
+        print_json({
+            "file": database,
+            "whole": not verdict.findings,
+            "records": verdict.records,
+            "findings": list(verdict.findings),
+            "newest_link": {"number": verdict.newest[0], "hash": verdict.newest[1]},
+            "head": newest or None,
+        })
+    else:
+        whole = f"{database}: {verdict.records} records, all as they were written. Chain head {newest}."
+        print_lines(verdict.findings or [whole])
+    return 1 if verdict.findings else 0
+
+
+def backup_command(
+    file: Annotated[Path, typer.Argument(help="Where the copy goes.")],
+    database: Url = None,
+    replace: Annotated[
+        bool, typer.Option("--replace", help="Put the copy in place of an earlier one.")
+    ] = False,
+    json: Json = False,
+) -> int:
+    """Copy the database into one file while the service runs, and verify the copy.
+
+    Example: truepose backup backups/monday.sqlite3 --database sqlite:///cell.db
+    """
+    from truepose.storage.backup.schedule import back_up_at
+    from truepose.storage.engine.address import shown_address
+
+    source = _url(database)
+    with shown_progress() as told:
+        made = back_up_at(source, file, told, replace=replace)
+    if json:
+        print_json({
+            "file": str(made.file),
+            "database": shown_address(source),
+            "bytes": made.size_bytes,
+            "records": made.head.links,
+            "head": made.head.text,
+            "drafts": made.drafts,
+        })
+    else:
+        beside = f" {made.drafts} drafts lie beside it." if made.drafts else ""
+        print_lines([
+            f"{made.file}: {made.head.links} records, {made.size_bytes / 1e6:.1f} MB, verified. "
+            f"Chain head {made.head.text}.{beside}"
+        ])
+    return 0
+
+
+def restore_command(
+    file: Annotated[Path, typer.Argument(help="Copy that 'truepose backup' made.")],
+    database: Url = None,
+    replace: Annotated[
+        bool, typer.Option("--replace", help="Put aside the database that is there, and keep it.")
+    ] = False,
+    at_next_start: Annotated[
+        bool,
+        typer.Option(
+            "--at-next-start", help="The service may run; it begins with the copy at its next start."
+        ),
+    ] = False,
+    json: Json = False,
+) -> int:
+    """Put a copy in the place of the database, or lay it ready for the next start of a service that runs.
+
+    Every record of the copy is verified before anything is touched. Status 3: a service has the database.
+
+    Example: truepose restore backups/monday.sqlite3 --database sqlite:///cell.db --replace --at-next-start
+    """
+    from truepose.cli.output import remark
+    from truepose.storage.backup.copying import restore_drafts
+    from truepose.storage.backup.schedule import restore_at
+    from truepose.storage.engine.address import database_file, is_server, parsed_url, shown_address
+    from truepose.storage.engine.reading import lies_beside
+    from truepose.storage.errors import BackupError, DatabaseInUseError
+
+    url = _url(database)
+    server = is_server(parsed_url(url))
+    if at_next_start:
+        if server:
+            raise BackupError("Nothing is laid ready for a server: restore into an empty database of it.")
+        return _lay_ready(file, database_file(url), replace=replace, json=json)
+    try:
+        with shown_progress() as told:
+            head, aside = restore_at(file, url, told, replace=replace)
+    except DatabaseInUseError as error:
+        let_it_run = "Or let it run: --at-next-start verifies the copy now and puts it in place then."
+        remark([str(error) if server else f"{error} {let_it_run}"])
+        return _SERVICE_FAILED
+    drafts = restore_drafts(file, lies_beside(url))
+    kept = None if aside is None else str(aside)
+    if json:
+        print_json({
+            "database": shown_address(url),
+            "records": head.links,
+            "head": head.text,
+            "kept": kept,
+            "drafts": drafts,
+        })
+    else:
+        before = "" if kept is None else f" What was there is kept as {kept}."
+        brought = f" {drafts} drafts are back." if drafts else ""
+        print_lines([
+            f"{shown_address(url)}: {head.links} records restored. Chain head {head.text}.{before}{brought} "
+            f"{_NO_PINS}"
+        ])
+    return 0
+
+
+def _lay_ready(file: Path, target: Path, *, replace: bool, json: bool) -> int:
+    from truepose.storage.backup.restoring import lay_ready
+
+    with shown_progress() as told:
+        head, ready = lay_ready(file, target, told, replace=replace)
+    if json:
+        waits = {"database": str(target), "records": head.links, "head": head.text, "waits": str(ready)}
+        print_json(waits)
+    else:
+        print_lines([
+            f"{ready}: {head.links} records, verified. Chain head {head.text}. Restart the service: it "
+            "begins with them and keeps what it has until then beside it. To call that off, delete this file."
+            f" {_NO_PINS}"
+        ])
+    return 0
+
+
+def copy_command(
+    source: Annotated[str, typer.Argument(help="Database that is copied, a file or a URL.")],
+    target: Annotated[str, typer.Argument(help="Empty database, a file or a URL.")],
+    json: Json = False,
+) -> int:
+    """Move a shop's database from a file to a PostgreSQL server, or back: every record and its link.
+
+    No service may have either. All of it arrives and is verified, or nothing. Status 3: a service has one.
+
+    Example: truepose copy truepose.sqlite3 postgresql://truepose@localhost/truepose --json
+    """
+    from truepose.cli.output import remark
+    from truepose.storage.backup.transfer import transfer
+    from truepose.storage.engine.address import shown_address
+    from truepose.storage.errors import DatabaseInUseError
+
+    read, written = _address(source), _address(target)
+    try:
+        with shown_progress() as told:
+            head, drafts = transfer(read, written, told)
+    except DatabaseInUseError as error:
+        remark([str(error)])
+        return _SERVICE_FAILED
+    if json:
+        print_json({
+            "source": shown_address(read),
+            "target": shown_address(written),
+            "records": head.links,
+            "head": head.text,
+            "drafts": drafts,
+        })
+    else:
+        print_lines([
+            f"{shown_address(written)}: {head.links} records, verified, and {drafts} drafts. "
+            f"Chain head {head.text}."
+        ])
+    return 0
+
+
+def _address(named: str | None) -> str:
+    """Return the URL of a database that somebody names by URL or file, or of the user's own."""
+    if named is None:
+        return _url(None)
+    return named if "://" in named else f"sqlite:///{Path(named).resolve()}"
+
+
+def _url(database: str | None) -> str:
+    from truepose.settings import default_database_url
+
+    return database or default_database_url()
+
+
+def retention_command(
+    database: Url = None,
+    copies: Annotated[Path | None, typer.Option(help="Folder of 'truepose serve --backup-to'.")] = None,
+    keep_copies: Annotated[int, typer.Option(min=1, help="So many of the newest stay.")] = 7,
+    logs_days: Annotated[float, typer.Option(min=0, help="Rotated logs stay so long.")] = 90.0,
+    drop: Annotated[bool, typer.Option("--drop", help="Remove it; without this it is only said.")] = False,
+    json: Json = False,
+) -> int:
+    """Say what may be removed beside the database: old logs, surplus copies, what was left behind.
+
+    Records stay for good: readings, acts, results, certificates, uploads. Live values are never stored.
+
+    Example: truepose retention --copies backups --drop
+    """
+    from truepose.settings import default_database_url
+    from truepose.storage.backup.schedule import Rules, surplus
+    from truepose.storage.backup.schedule import drop as drop_surplus
+    from truepose.storage.engine.address import database_file
+
+    found = surplus(database_file(database or default_database_url()), Rules(logs_days, copies, keep_copies))
+    if drop:
+        drop_surplus(found)
+    if json:
+        files = [{"file": str(one.file), "bytes": one.size_bytes, "why": one.why} for one in found]
+        print_json({"dropped": drop, "files": files, "bytes": sum(one.size_bytes for one in found)})
+    else:
+        word = "removed" if drop else "may go"
+        print_lines([f"{one.file}: {word} ({one.why}, {one.size_bytes / 1e6:.1f} MB)" for one in found])
+        print_lines([f"{len(found)} files {word}, {sum(one.size_bytes for one in found) / 1e6:.1f} MB."])
+    return 0

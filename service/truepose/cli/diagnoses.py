@@ -1,0 +1,113 @@
+"""The command that says what a model gets wrong. Heavy imports wait until it runs."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from truepose.cli.files import (
+    CampaignPath,
+    Json,
+    Language,
+    ReportFile,
+    effect_names,
+    read_measured,
+    require_folders,
+    writing,
+)
+from truepose.cli.output import print_json, print_lines, print_tables, remark, shown_progress
+from truepose.messages.catalogue import ENGLISH, Catalogue, catalogue
+
+if TYPE_CHECKING:
+    from truepose.domain.campaign import Campaign
+    from truepose.domain.diagnosis import Diagnosis
+
+
+def diagnose_command(
+    campaign: CampaignPath,
+    effects: Annotated[
+        str,
+        typer.Option(
+            help="Effects of the model to start from, separated by commas; none of them is a finding. "
+            "`auto`: base,tool,geometry,compliance."
+        ),
+    ] = "auto",
+    model_out: Annotated[Path | None, typer.Option(help="Write the extended model here (JSON).")] = None,
+    report: ReportFile = None,
+    language: Language = ENGLISH,
+    json: Json = False,
+) -> int:
+    """Say what the model of a campaign's robot gets wrong, name the causes, measure the gain.
+
+    Status 1: nothing could be fitted, so there is no answer.
+
+    Example: truepose diagnose my-campaign --model-out extended.json --report diagnosis.html
+    """
+    require_folders(model_out, report)
+    names, words = effect_names(effects), catalogue(language)
+    _check_known(names)
+    measured = read_measured(campaign)
+    remark(map(words.spoken, measured.ignored))
+    answer = _diagnosed(measured, names)
+    # Files first: who reads "explained" may rely on the model being there.
+    if model_out is not None:
+        _write_model(model_out, answer, words)
+    if report is not None:
+        _write_report(report, _named(campaign, measured, words), measured, answer, words)
+    _print(answer, words, as_json=json)
+    return 0 if answer.model is not None else 1
+
+
+def _check_known(names: tuple[str, ...] | None) -> None:
+    """Refuse a misspelt or doubled effect before a large campaign is read; raises TrueposeError."""
+    from truepose.effects.registry import chosen_effects
+
+    chosen_effects(names or ())
+
+
+def _diagnosed(campaign: "Campaign", effects: tuple[str, ...] | None) -> "Diagnosis":
+    from truepose.diagnosis.diagnose import diagnose
+
+    with shown_progress() as told:
+        return diagnose(campaign, effects, told)
+
+
+def _write_model(path: Path, answer: "Diagnosis", words: Catalogue) -> None:
+    from truepose.exchange.models.file import write_model
+
+    if answer.model is None:
+        remark([words.say("terminal.no_model", path=str(path), sentence=answer.message)])
+        return
+    with writing(path):
+        write_model(answer.model, path)
+
+
+def _named(campaign: Path, measured: "Campaign", words: Catalogue) -> str:
+    """Return what the readings are called: their folder, and their day."""
+    day = measured.measured_on
+    told = words.say("measured.unknown") if day is None else words.say("measured.on", day=str(day))
+    return f"{campaign.resolve().name}, {told}"
+
+
+def _write_report(
+    path: Path, named: str, measured: "Campaign", answer: "Diagnosis", words: Catalogue
+) -> None:
+    from truepose.reports.diagnosis.report import DiagnosisReport
+    from truepose.reports.traceability import ReportConditions
+
+    conditions = ReportConditions(simulated=bool(measured.simulated))
+    DiagnosisReport(answer, named, conditions=conditions, language=words.language).write(path)
+
+
+def _print(answer: "Diagnosis", words: Catalogue, *, as_json: bool) -> None:
+    if as_json:
+        from truepose.exchange.results.diagnosis import diagnosis_document
+
+        print_json(diagnosis_document(answer))
+        return
+    from truepose.cli.diagnosis_text import diagnosis_lines, errors_on_terminal
+
+    print_lines(diagnosis_lines(answer, words))
+    table = errors_on_terminal(answer, words)
+    if table is not None:
+        print_tables(table)

@@ -1,1 +1,0 @@
-"""Commands on other programs' files, and what commands on files share."""

@@ -1,1 +1,0 @@
-"""One simulated cell and its service under way: processes, the REST client, what the simulator knows."""

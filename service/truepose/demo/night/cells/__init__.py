@@ -1,1 +1,0 @@
-"""Cells that are calibrated in a night, each by another instrument, and judged."""

@@ -1,1 +1,0 @@
-"""What goes wrong in a night: bad lines, kills, faulty sessions, planted causes."""

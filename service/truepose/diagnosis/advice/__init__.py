@@ -1,1 +1,0 @@
-"""What to do or to measure next so that a diagnosis becomes surer."""

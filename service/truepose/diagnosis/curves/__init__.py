@@ -1,1 +1,0 @@
-"""Residuals along one variable, with what was fitted to them."""

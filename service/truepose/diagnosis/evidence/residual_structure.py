@@ -1,0 +1,281 @@
+"""Residual structure: what the errors left over depend on, or noise and of which kind.
+
+Fixed nests stand still: what moves them in time is the instrument. A model that they contradict lacks
+something that runs or happens in time, and what it says of the base or of a joint over time may be that. Such
+a finding is not certain, and the same of the instrument is its rival.
+
+Every family is tested as a random effect on the residuals (score test of a variance component); the level is
+controlled over all families. The noise is not known: its size is taken from the residuals themselves.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from truepose.diagnosis.angle_steps import AngleSteps, telling_steps
+from truepose.diagnosis.distributions import chi2_log_density
+from truepose.diagnosis.reading_faults import Tails, tails
+from truepose.diagnosis.screening.candidates import pooled, term_columns
+from truepose.diagnosis.screening.normal_equations import Products, Projection, products_of
+from truepose.diagnosis.screening.selection import LEVEL, Selection
+from truepose.diagnosis.screening.significance import chance, most_likely, screen
+from truepose.diagnosis.screening.smooth_families import Family, families, terms_of
+from truepose.diagnosis.start import Start
+from truepose.domain.arrays import FloatArray
+from truepose.domain.diagnosis import Cause, Gain, WorstPoint
+from truepose.effects.causes import Candidate, ErrorSignature, Scene
+from truepose.effects.names import joint_of_subject
+from truepose.effects.ports import Trait
+from truepose.effects.registry import CAUSES, effects_with
+from truepose.effects.signatures import signature_of
+from truepose.identification.distributions import chi2_median
+from truepose.identification.fit.robust import RobustFit
+from truepose.identification.verdict.judge import pure_error
+
+NEST_LEVEL = 1e-3  # chance that nests which stand still are taken for contradicting
+_SLOW = frozenset({"drift", "settling"})
+
+
+def speak_against(fit: RobustFit, cell: ErrorSignature) -> bool:
+    """Return whether fixed nests contradict a model and, with it, what it says of a cell."""
+    return cell.over == "time" and chance_of_nests(fit) < NEST_LEVEL
+
+
+def chance_of_nests(fit: RobustFit) -> float:
+    """Return the chance that nests which stand still read as they do; 1 where none was read."""
+    return min(block.contradiction(result) for block, result in zip(fit.blocks, fit.results, strict=True))
+
+
+def accused(selected: Selection, cell: ErrorSignature) -> tuple[Cause, ...]:
+    """Return what of the instrument would look like a cell, as far as it was tried and not found."""
+    found = {Cause(pick.effect, pick.subject) for pick in selected.picks}
+    tried = dict.fromkeys(
+        Cause(candidate.effect, candidate.subject)
+        for candidate in selected.pool.all
+        if _alike(signature_of(candidate), cell)
+    )
+    return tuple(cause for cause in tried if cause not in found)
+
+
+def _alike(other: ErrorSignature, cell: ErrorSignature) -> bool:
+    same = other.shape == cell.shape or {other.shape, cell.shape} <= _SLOW
+    return other.where == "tracker" and other.over == cell.over and same
+
+
+Prepared = tuple[Family, Products]
+
+
+@dataclass(frozen=True, slots=True)
+class FamilyTest:
+    """A family and how improbable its share of the residuals is by chance."""
+
+    family: Family
+    p_value: float  # corrected for all families
+    products: Products
+
+
+def prepared_families(fit: RobustFit, scene: Scene) -> tuple[Prepared, ...]:
+    """Return every family with its whitened columns; those of a variable that says nothing are left out."""
+    found = []
+    for family in families(scene):
+        terms = [terms_of(family, result.state) for result in fit.results]
+        count = 1 + max((term.parameter for acting in terms for term in acting), default=-1)
+        columns = term_columns(fit, terms, count)
+        if float(np.abs(columns).max(initial=0.0)) > 0.0:
+            found.append((family, products_of(fit, columns)))
+    return tuple(found)
+
+
+def structured(prepared: tuple[Prepared, ...], past: Projection) -> tuple[FamilyTest, ...]:
+    """Test every family past what is fitted, the most improbable first."""
+    found = [
+        FamilyTest(family, min(1.0, len(prepared) * _p_value(products, past)), products)
+        for family, products in prepared
+    ]
+    return tuple(sorted(found, key=lambda one: one.p_value))
+
+
+def _left(products: Products, past: Projection) -> tuple[FloatArray, FloatArray]:
+    """Products among columns, and with the residuals, once the present parameters took theirs."""
+    absorbed = past.absorbed(products)
+    gram = products.columns @ products.columns.T - absorbed @ absorbed.T
+    return np.asarray(gram), past.towards(products, absorbed)
+
+
+def _p_value(products: Products, past: Projection) -> float:
+    return chance(*_left(products, past), past.sums)
+
+
+@dataclass(frozen=True, slots=True)
+class RandomEffect:
+    """A family as a random effect of its most likely size."""
+
+    width: float  # standard deviation of its parameters, 0 where none is seen
+    score: float  # gain in BIC: twice the log likelihood, less what its one parameter costs
+
+
+def as_random_effect(products: Products, past: Projection) -> RandomEffect:
+    """Fit a family as a random effect (maximum likelihood, size of the noise profiled out)."""
+    found = most_likely(*_left(products, past), past.sums)
+    cost = float(np.log(max(past.sums.observations / past.sums.alike, 2.0)))
+    return RandomEffect(found.width, found.gain - cost)
+
+
+_STRUCTURE_LEVEL = 0.003  # chance that noise alone gives any dependence, over everything tried
+_NOISE_BEYOND = 3.5  # standard deviations by which the typical residual exceeds what is stated
+_AS_REPEATED = 0.01  # lack of fit beside pure error
+_FEW_REVISITS = 5  # fewer say too little of the scatter to overrule what is stated
+_AS_CALIBRATED = 1.5  # validation errors over the noise of the calibration that are no more than it
+_MOST_TOLD = 4  # dependences; more are the same structure seen through variables that resemble each other
+
+
+@dataclass(frozen=True, slots=True)
+class Relation:
+    """A dependence of what is left."""
+
+    variable: str
+    p_value: float
+    kind: str
+    joint: int | None
+    family: Family | None  # None for single waves of a joint
+    order: float = 0.0
+    products: Products | None = None  # of the family
+
+
+@dataclass(frozen=True, slots=True)
+class Remainder:
+    """What the extended model leaves."""
+
+    depends: tuple[Relation, ...]
+    noise_scale: float  # typical residual over the stated uncertainty
+    more_than_stated: bool
+    explained_by_repeats: bool  # revisits scatter as much
+    tails: Tails
+    worse_unseen: float = 0.0  # validation errors over what explains them where far beyond it, else 0
+    worse_at: WorstPoint | None = None  # a held-out point that is far worse than any was before
+    steps: AngleSteps | None = None  # of the joint angles, where they are noise beyond what is stated
+    contradicted: bool = False  # validation readings are foretold no better than by the start model
+    withheld: Gain | None = None  # of a description that foretells them no better: it is in no model
+
+    @property
+    def structure(self) -> bool:
+        """Whether something is left that is not noise."""
+        lacking = self.more_than_stated and not self.explained_by_repeats and self.steps is None
+        worse = self.clearly_worse_unseen or self.worse_at is not None or self.contradicted
+        return bool(self.depends) or lacking or worse
+
+    @property
+    def clearly_worse_unseen(self) -> bool:
+        """Whether validation errors are far beyond the noise, that of steps of the angles included."""
+        expected = 0.0 if self.steps is None else _AS_CALIBRATED * self.noise_scale
+        return self.worse_unseen > expected
+
+
+def left_by(
+    start: Start,
+    selected: Selection,
+    families: tuple[Prepared, ...],
+    without: tuple[str, ...],
+    refuted: frozenset[Cause] = frozenset(),
+) -> Remainder:
+    """Test what is left against everything that it might depend on: the families, and single waves.
+
+    Single waves of a cause that was refuted on unseen points are chance and do not count again.
+    """
+    fit, past = selected.fit, selected.pool.normal.past()
+    found = [
+        Relation(
+            one.family.variable,
+            one.p_value,
+            one.family.kind,
+            one.family.joint,
+            one.family,
+            products=one.products,
+        )
+        for one in structured(families, past)
+        if one.p_value <= _STRUCTURE_LEVEL
+    ]
+    found += _waves(start, selected, without, refuted)
+    found += _nests(fit)
+    found.sort(key=lambda one: one.p_value)
+    scale, beyond = _noise(selected, len(past.scale))
+    squared, components = _squared(selected)
+    repeated = _repeats_scatter_as_much(selected)
+    return Remainder(
+        depends=_distinct(found)[:_MOST_TOLD],
+        noise_scale=scale,
+        more_than_stated=beyond,
+        explained_by_repeats=repeated,
+        tails=tails(squared / max(scale, 1e-9) ** 2, components, fit.gross[0]),
+        steps=start.steps or (telling_steps(fit) if beyond and not repeated else None),
+    )
+
+
+def _nests(fit: RobustFit) -> list[Relation]:
+    """Return what fixed nests say where they contradict the model: something moves in time."""
+    chance = chance_of_nests(fit)
+    variable = "time (frame of the instrument)"
+    return [Relation(variable, chance, "time", None, None)] if chance < NEST_LEVEL else []
+
+
+def _distinct(found: list[Relation]) -> tuple[Relation, ...]:
+    kept: dict[str, Relation] = {}
+    for one in found:
+        kept.setdefault(one.variable, one)
+    return tuple(kept.values())
+
+
+def _waves(
+    start: Start, selected: Selection, without: tuple[str, ...], refuted: frozenset[Cause]
+) -> list[Relation]:
+    """Single waves of any order that are left: those that the selection did not try, or could not carry."""
+    pool, waves = selected.pool, effects_with(Trait.WAVES)
+    left_out = [name for name in waves if name in without]
+    if left_out:
+        pool = pooled(
+            selected.fit, [one for name in left_out for one in CAUSES[name].candidates(start.scene)]
+        )
+    if not pool.all:
+        return []
+    screened = screen(pool.view())
+    beyond = (screened.p_value <= LEVEL) & (screened.score > 0.0)
+    return [
+        _wave(candidate, float(p_value))
+        for candidate, left, p_value in zip(pool.all, beyond, screened.p_value, strict=True)
+        if left and candidate.effect in waves and Cause(candidate.effect, candidate.subject) not in refuted
+    ]
+
+
+def _wave(candidate: Candidate, p_value: float) -> Relation:
+    joint = joint_of_subject(candidate.subject)
+    return Relation(f"angle of {candidate.subject}", p_value, "angle", joint, None, candidate.variant)
+
+
+def _squared(selected: Selection) -> tuple[FloatArray, int]:
+    block, result = selected.fit.blocks[0], selected.fit.results[0]
+    stated = block.weighted(block.weights, 0.0)
+    return stated.squared(result), result.residual.shape[1]
+
+
+def _noise(selected: Selection, parameters: int) -> tuple[float, bool]:
+    """Typical residual over the stated one, by the median: blind to heavy tails.
+
+    Of whitened residuals: what the readings of a stop share counts once, not once a reading.
+    """
+    block, result = selected.fit.blocks[0], selected.fit.results[0]
+    if block.stated_sigma() == 0.0:
+        return 1.0, False
+    readings, components = result.residual.shape
+    white = block.weighted(block.weights, 0.0).whitened(result).reshape(readings, components)
+    squared = (white**2).sum(axis=1)
+    freedom = max(1.0 - parameters / max(selected.pool.normal.observations, 1.0), 0.05)
+    expected = chi2_median(components)
+    ratio = float(np.median(squared)) / (expected * freedom)
+    spread = 0.5 / (float(np.exp(chi2_log_density(expected, components))) * expected * np.sqrt(readings))
+    return float(np.sqrt(ratio)), bool(ratio > 1.0 + _NOISE_BEYOND * spread)
+
+
+def _repeats_scatter_as_much(selected: Selection) -> bool:
+    block, result = selected.fit.blocks[0], selected.fit.results[0]
+    pure = pure_error(block, result.residual, len(selected.fit.structure.specs))
+    return pure is not None and pure.revisits >= _FEW_REVISITS and pure.p_value > _AS_REPEATED

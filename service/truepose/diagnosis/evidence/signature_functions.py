@@ -1,0 +1,200 @@
+r"""Every error signature at once, each a random function that is as large as the data ask for.
+
+The signatures c have the columns X_c, each scaled to what is believed of it, and weights w_c ~ N(0, v_c I).
+Past the parameters that are fitted they keep the products G = X^T X and b = X^T r. With D = diag(v_c) over
+the variance of the noise, that noise profiled out of nu degrees of freedom, twice the log likelihood is
+
+    -nu ln(R - b^T (G + D^-1)^-1 b) - ln det(I + D G).
+
+It is raised one signature at a time: past those that are in, every other one is a single random function
+whose most likely size is known in closed form. The one that gains most comes in, those that are in are sized
+anew, and one that gains nothing any more goes out. What none needs stays at zero: the description is sparse
+in signatures, not in parameters.
+
+References
+----------
+D. A. Harville, J. American Statistical Association 72, 1977, 320-338 (REML).
+M. E. Tipping, A. C. Faul, 9th Workshop on Artificial Intelligence and Statistics, 2003 (one at a time).
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+from scipy.linalg import cholesky, solve_triangular
+
+from truepose.diagnosis.screening.candidates import Pool
+from truepose.diagnosis.screening.normal_equations import NormalEquations, Sums
+from truepose.diagnosis.screening.selection import names_of
+from truepose.diagnosis.screening.significance import Function, most_likely
+from truepose.domain.arrays import FloatArray, IntArray
+from truepose.effects.causes import Candidate
+from truepose.effects.signatures import signature_of
+
+_LEAST_GAIN = 4.0
+_SWEEPS = 2  # over the cells that are in, after each that comes in
+_MOST_CELLS = 40
+_HIGHEST_ORDER = 12.0  # of waves that are told apart from noise by a few readings
+_ROUNDING = 1e-12  # of a column's square, added to it: a direction that only rounding supports
+_NO_ROWS = np.zeros(0, dtype=np.int64)
+_SEARCHED = frozenset({"jump", "settling"})  # over moments: one is right, their sum says nothing
+
+
+@dataclass(frozen=True, slots=True)
+class _Cell:
+    """A place and a variable with everything that may depend on it there."""
+
+    candidates: tuple[Candidate, ...]  # with the widths that are believed
+    rows: IntArray  # (k,) their columns in the pool
+
+
+class _Size(NamedTuple):
+    """How large a cell is, past others."""
+
+    gain: float  # of twice the log likelihood
+    width: float  # over what is believed of it
+    precision: float  # of its scaled parameters, times the variance of the noise
+
+
+@dataclass(frozen=True, slots=True)
+class _Products:
+    """Products past what is fitted, of all columns scaled to their widths; cells are runs of them."""
+
+    gram: FloatArray  # (K, K)
+    towards: FloatArray  # (K,)
+    sums: Sums
+    runs: tuple[IntArray, ...]
+
+    def sizes(self, cells: Sequence[int], past: Mapping[int, _Size]) -> dict[int, _Size]:
+        """Return the most likely sizes of cells, each alone past some others and no larger than believed."""
+        rows = np.concatenate([_NO_ROWS, *(self.runs[cell] for cell in past)])
+        added = [np.full(len(self.runs[cell]), size.precision) for cell, size in past.items()]
+        root = cholesky(
+            self.gram[np.ix_(rows, rows)] + np.diag(np.concatenate([np.zeros(0), *added])), lower=True
+        )
+        taken = solve_triangular(root, self.towards[rows], lower=True)
+        left = max(self.sums.residual_square - float(taken @ taken), 1e-300)
+        sums = replace(self.sums, residual_square=left)
+        found = {}
+        for cell in cells:
+            run = self.runs[cell]
+            absorbed = solve_triangular(root, self.gram[np.ix_(rows, run)], lower=True)
+            gram = self.gram[np.ix_(run, run)] - absorbed.T @ absorbed
+            towards = self.towards[run] - absorbed.T @ taken
+            found[cell] = _sized(most_likely(gram, towards, sums, widest=1.0), sums)
+        return found
+
+
+def _sized(function: Function, sums: Sums) -> _Size:
+    noise = (sums.residual_square - function.explained) / max(sums.degrees, 1.0)
+    precision = noise / function.width**2 if function.width > 0.0 else np.inf
+    return _Size(function.gain, function.width, precision)
+
+
+@dataclass(frozen=True, slots=True)
+class SignatureComponents:
+    """The cells that the data ask for."""
+
+    candidates: tuple[Candidate, ...]  # functions whose prior widths are as large as the data ask for
+    rows: IntArray  # (k,) columns in the pool, of all their parameters
+
+    def fitted(self, pool: Pool) -> NormalEquations:
+        """Return the model of a pool with these cells fitted, to first order."""
+        widths = np.array([spec.prior_width for candidate in self.candidates for spec in candidate.specs])
+        return pool.normal.beside(pool.products.rows(self.rows), widths, names_of(self.candidates))
+
+
+def described(pool: Pool, picks: Sequence[Candidate] = ()) -> SignatureComponents:
+    """Return the cells that the data ask for, those of the picks among them.
+
+    Parameters
+    ----------
+    pool : Pool
+        Of a model with the picks fitted.
+    picks : sequence of Candidate
+    """
+    cells = _cells(pool, picks)
+    if not cells:
+        return SignatureComponents((), _NO_ROWS)
+    widths = _sizes(_products(pool, cells, names_of(picks)))
+    return SignatureComponents(
+        tuple(
+            candidate._replace(function=True).sized(width)
+            for cell, width in widths.items()
+            for candidate in cells[cell].candidates
+        ),
+        np.concatenate([_NO_ROWS, *(cells[cell].rows for cell in widths)]),
+    )
+
+
+def _cells(pool: Pool, picks: Sequence[Candidate]) -> list[_Cell]:
+    """Gather what the pool proposes by place and variable, each pick by itself; a parameter counts once."""
+    found: dict[tuple[str, str], list[tuple[Candidate, list[int]]]] = {}
+    known = set(pool.normal.names)
+    for index in sorted(range(len(pool.all)), key=lambda index: len(pool.all[index].specs)):
+        candidate, cell = pool.all[index], signature_of(pool.all[index])
+        high = cell.shape == "wave" and candidate.variant > _HIGHEST_ORDER
+        if candidate.function or high or cell.shape in _SEARCHED:
+            continue
+        kept = [k for k, name in enumerate(candidate.names) if name not in known]
+        known.update(candidate.names)
+        if kept:
+            believed = _believed(candidate, cell.shape == "wave")
+            part = believed._replace(specs=tuple(believed.specs[k] for k in kept))
+            rows = [pool.starts[index] + k for k in kept]
+            found.setdefault((cell.where, cell.over), []).append((part, rows))
+    own = [_Cell((pick,), pool.rows_of([pool.index_of(pick)])) for pick in picks]
+    others = [
+        _Cell(tuple(part for part, _ in parts), np.array([row for _, rows in parts for row in rows]))
+        for parts in found.values()
+    ]
+    return own + others
+
+
+def _believed(candidate: Candidate, wave: bool) -> Candidate:
+    """Return a candidate with its widths: fast waves are smaller than slow ones, as in smooth curves."""
+    if not wave or candidate.variant <= 1.0:
+        return candidate
+    specs = tuple(spec._replace(prior_width=spec.prior_width / candidate.variant) for spec in candidate.specs)
+    return candidate._replace(specs=specs)
+
+
+def _products(pool: Pool, cells: Sequence[_Cell], without: tuple[str, ...]) -> _Products:
+    view = pool.view(without)
+    rows = np.concatenate([cell.rows for cell in cells])
+    widths = np.array([
+        spec.prior_width for cell in cells for candidate in cell.candidates for spec in candidate.specs
+    ])
+    columns, absorbed = pool.products.columns[rows] * widths[:, None], view.absorbed[rows] * widths[:, None]
+    ends = np.cumsum([len(cell.rows) for cell in cells]).tolist()
+    runs = tuple(np.arange(end - len(cell.rows), end) for cell, end in zip(cells, ends, strict=True))
+    own = columns @ columns.T
+    gram = own - absorbed @ absorbed.T + _ROUNDING * np.diag(np.diag(own))
+    return _Products(gram, view.towards[rows] * widths, view.sums, runs)
+
+
+def _sizes(products: _Products) -> dict[int, float]:
+    """Return the width of every cell that the data ask for, over what is believed of it."""
+    held: dict[int, _Size] = {}
+    for _ in range(_MOST_CELLS):
+        others = [cell for cell in range(len(products.runs)) if cell not in held]
+        sizes = products.sizes(others, held)
+        best = max(sizes, key=lambda cell: sizes[cell].gain, default=None)
+        if best is None or sizes[best].gain < _LEAST_GAIN:
+            break
+        held[best] = sizes[best]
+        for _ in range(_SWEEPS):
+            held = _sized_anew(products, held)
+    return {cell: size.width for cell, size in held.items()}
+
+
+def _sized_anew(products: _Products, held: dict[int, _Size]) -> dict[int, _Size]:
+    """Return the cells that are in, each sized past the others; one that gains too little goes out."""
+    now = dict(held)
+    for cell in held:
+        del now[cell]
+        size = products.sizes((cell,), now)[cell]
+        if size.gain >= _LEAST_GAIN / 2.0:
+            now[cell] = size
+    return now

@@ -1,0 +1,263 @@
+"""Faults of readings: swapped labels, outliers that share something, heavy-tailed noise.
+
+Heavy tails are noise: what is left follows Student's t better than a normal distribution with a few wild
+readings besides (mixture). Readings are called bad only where the mixture is clearly the better story.
+
+What bad readings share may be their cause. A beam that was brushed or a reflector that was not seated spoils
+readings anywhere. Where more of the bad ones than chance gives are of one nest, of one mounting, or of one
+part of the campaign or of a joint's range, they are not bad one by one.
+
+References
+----------
+K. L. Lange, R. J. A. Little, J. M. G. Taylor, J. American Statistical Association 84, 1989, 881-896.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+from scipy.optimize import minimize
+from scipy.special import gammaln
+
+from truepose.diagnosis.distributions import chi2_log_density, so_many_drawn
+from truepose.domain.arrays import BoolArray, FloatArray, IntArray
+from truepose.domain.campaign import PointReadings
+from truepose.effects.causes import Scene, varied
+from truepose.effects.motions import spoken
+from truepose.effects.names import joint_subject
+from truepose.identification.fit.robust import RobustFit
+from truepose.identification.model.evaluation import Targets, evaluate
+from truepose.messages.message import Message, message
+
+_FITS = 0.2  # another nest must leave less than this share of the residual
+_CLEARLY = 5.0  # in log likelihood
+_HARDLY = 1.5  # in log likelihood: the others show no heavy tails
+_FAR_BEYOND = 150.0  # of the usual variance, twelve standard deviations: t noise of 4 degrees once in 10,000
+_MOST_DEGREES = 30.0  # Student's t beyond is normal for all that a campaign can tell
+
+
+def swapped_labels(points: PointReadings, suspect: BoolArray, model: RobustFit) -> IntArray:
+    """Return the nest that each reading fits: another than its own only where that explains a suspect one.
+
+    Parameters
+    ----------
+    points : PointReadings
+        n readings.
+    suspect : ndarray, shape (n,)
+    model : RobustFit
+        Whose predictions are compared.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        1-based nests.
+    """
+    nest = points.nest.copy()
+    rows = np.flatnonzero(suspect)
+    numbers = range(1, len(model.structure.nests_mm) + 1)
+    if rows.size == 0 or len(numbers) < 2:
+        return nest
+    distances = np.stack([_distance(points, rows, number, model) for number in numbers])
+    own = distances[points.nest[rows] - 1, np.arange(rows.size)]
+    best = np.argmin(distances, axis=0)
+    better = distances[best, np.arange(rows.size)] < _FITS * own
+    nest[rows[better]] = best[better] + 1
+    return nest
+
+
+def _distance(points: PointReadings, rows: IntArray, number: int, model: RobustFit) -> FloatArray:
+    asked = Targets(points.stops.taken(rows), np.full(rows.size, number))
+    predicted = evaluate(model.structure, model.values, asked).position_mm
+    return np.asarray(np.linalg.norm(points.position_mm[rows] - predicted, axis=1))
+
+
+@dataclass(frozen=True, slots=True)
+class Tails:
+    """How the squared normalised residuals of n readings of d components are distributed."""
+
+    bad: BoolArray  # (n,) readings that belong to no model; none where tails are merely heavy
+    degrees_of_freedom: float | None  # of Student's t where the tails are heavy
+
+
+def tails(squared: FloatArray, components: int, gross: BoolArray) -> Tails:
+    """Judge the tails of the residuals.
+
+    Parameters
+    ----------
+    squared : ndarray, shape (n,)
+        Squared residual of each reading in its own covariance.
+    components : int
+    gross : ndarray, shape (n,)
+        Readings that the fit gave no weight.
+    """
+    none = np.zeros(len(squared), dtype=bool)
+    if _stand_apart(squared, components, gross):
+        return Tails(gross, None)
+    normal = _normal(squared, components)
+    student, degrees = _student(squared, components)
+    mixed = _mixture(squared, components)
+    if gross.any() and mixed - max(normal, student) > _CLEARLY:
+        return Tails(gross, None)
+    heavy = student - normal > _CLEARLY and degrees < _MOST_DEGREES
+    return Tails(none, degrees if heavy else None)
+
+
+def _stand_apart(squared: FloatArray, components: int, gross: BoolArray) -> bool:
+    """Whether gross readings lie so far beyond others that scatter normally that no tail reaches there."""
+    if not gross.any() or gross.all():
+        return False
+    usual = squared[~gross]
+    typical = float(usual.mean()) / components
+    if float(squared[gross].min()) < _FAR_BEYOND * typical:
+        return False
+    student, _ = _student(usual, components)
+    return student - _normal(usual, components) < _HARDLY
+
+
+def _log_chi2(squared: FloatArray, components: int, variance: float) -> FloatArray:
+    return np.asarray(chi2_log_density(squared / variance, components) - np.log(variance))
+
+
+def _normal(squared: FloatArray, components: int) -> float:
+    variance = max(float(squared.mean()) / components, 1e-12)
+    return float(_log_chi2(squared, components, variance).sum())
+
+
+def _student(squared: FloatArray, components: int) -> tuple[float, float]:
+    """Squared radius of a multivariate t, scaled: its largest log likelihood and degrees of freedom."""
+    d, safe = components, np.maximum(squared, 1e-12)
+
+    def negative(p: FloatArray) -> float:
+        scale, nu = np.exp(p[0]), np.exp(p[1])
+        constant = gammaln((nu + d) / 2) - gammaln(nu / 2) - gammaln(d / 2) - d / 2 * np.log(nu * scale)
+        kernel = (d / 2 - 1) * np.log(safe) - (nu + d) / 2 * np.log1p(safe / (nu * scale))
+        return -float((constant + kernel).sum())
+
+    start = np.array([np.log(max(float(np.median(squared)) / d, 1e-12)), np.log(5.0)])
+    found = minimize(negative, start, method="Nelder-Mead", options={"xatol": 1e-3, "fatol": 1e-3})
+    return -float(found.fun), float(np.exp(found.x[1]))
+
+
+def _mixture(squared: FloatArray, components: int) -> float:
+    """Return the largest log likelihood of normal noise with a share of wild readings, less one.
+
+    One parameter more than Student's t has costs one unit (Akaike).
+    """
+    typical = max(float(np.median(squared)) / components, 1e-12)
+    largest = max(float(squared.max()) / components, 4.0 * typical)
+
+    def negative(p: FloatArray) -> float:
+        # the share of wild readings by its log odds p[0]: both logarithms stay finite
+        usual = _log_chi2(squared, components, float(np.exp(p[1]))) - np.logaddexp(0.0, p[0])
+        wild = _log_chi2(squared, components, float(np.exp(p[2]))) - np.logaddexp(0.0, -p[0])
+        return -float(np.logaddexp(usual, wild).sum())
+
+    start = np.array([-3.0, np.log(typical), np.log(largest / 2.0)])
+    found = minimize(negative, start, method="Nelder-Mead", options={"xatol": 1e-3, "fatol": 1e-3})
+    return -float(found.fun) - 1.0
+
+
+_LEVEL = 0.01  # chance that bad readings which fell anywhere gather, over everything that they may share
+_PARTS = 4  # of the campaign, or of a joint's range, with as many readings in each
+
+
+class Variable(NamedTuple):
+    """A variable that readings may depend on, in the words of the families."""
+
+    variable: str
+    kind: str
+    joint: int | None = None  # 0-based
+
+
+class OutlierCluster(NamedTuple):
+    """What bad readings share."""
+
+    on: Variable
+    p_value: float  # corrected for everything that they may share
+    sentence: Message
+
+
+class _Shared(NamedTuple):
+    """What some readings have in common."""
+
+    words: Message
+    on: Variable
+    readings: BoolArray  # (n,)
+    by_stop: bool  # all readings of a stop have it in common: they count once
+
+
+def gathered(scene: Scene, bad: BoolArray) -> OutlierCluster | None:
+    """Return what the bad readings (n,) share beyond chance; None where they may have fallen anywhere."""
+    everything = tuple(_shareable(scene)) if bad.any() else ()
+    chances = [len(everything) * _chance(scene.stops.config, bad, one) for one in everything]
+    p_value, nearest = min(zip(chances, range(len(chances)), strict=True), default=(1.0, 0))
+    if p_value > _LEVEL:
+        return None
+    shared = everything[nearest]
+    sentence = message(
+        "gathered",
+        bad=int((bad & shared.readings).sum()),
+        shared=shared.words,
+        readings=int(shared.readings.sum()),
+    )
+    return OutlierCluster(shared.on, p_value, sentence)
+
+
+def _chance(config: IntArray, bad: BoolArray, shared: _Shared) -> float:
+    """Return the chance that at least as many of the bad ones share it where they fall anywhere."""
+    marked = shared.readings
+    if shared.by_stop:
+        _, first = np.unique(config, return_index=True)
+        bad, marked = np.isin(config[first], config[bad]), marked[first]
+    return so_many_drawn(int((bad & marked).sum()), int(bad.sum()), int(marked.sum()), len(bad))
+
+
+def _shareable(scene: Scene) -> Iterator[_Shared]:
+    """Yield everything that readings may share."""
+    yield from _nests(scene)
+    time_s, turns_deg = scene.stops.time_s, np.rad2deg(scene.stops.joints_rad.T)
+    if time_s is not None and varied(time_s):
+        yield from _times(time_s - scene.origin_s)
+    for joint, turn_deg in enumerate(turns_deg):
+        yield from _angles(joint, turn_deg)
+
+
+def _nests(scene: Scene) -> Iterator[_Shared]:
+    """Yield nests, mountings of the tool, and each nest in each mounting."""
+    mounting, nests = scene.stops.attachment, np.unique(scene.nest).tolist()
+    for nest in nests:
+        yield _Shared(
+            message("gathered.nest", nest=nest), Variable("nest", "nest"), scene.nest == nest, by_stop=False
+        )
+    if mounting is None:
+        return
+    for number in np.unique(mounting).tolist():
+        words, mounted = message("gathered.mounting", mounting=number), mounting == number
+        yield _Shared(words, Variable("attachment of the tool", "attachment"), mounted, by_stop=True)
+        for nest in nests:
+            both = Variable("nest and attachment of the tool", "attachment")
+            words = message("gathered.nest_and_mounting", nest=nest, mounting=number)
+            yield _Shared(words, both, mounted & (scene.nest == nest), by_stop=False)
+
+
+def _times(time_s: FloatArray) -> Iterator[_Shared]:
+    for low, high, within in _parts(time_s):
+        words = message("gathered.time", low=spoken(low), high=spoken(high))
+        yield _Shared(words, Variable("time", "time"), within, by_stop=True)
+
+
+def _angles(joint: int, turn_deg: FloatArray) -> Iterator[_Shared]:
+    name = joint_subject(joint)
+    for low, high, within in _parts(turn_deg):
+        words = message("gathered.angle", joint=name, low_deg=low, high_deg=high)
+        yield _Shared(words, Variable(f"angle of {name}", "angle", joint), within, by_stop=True)
+
+
+def _parts(values: FloatArray) -> Iterator[tuple[float, float, BoolArray]]:
+    """Yield the ends of each part of a range, and the readings within."""
+    edges = np.nanquantile(values, np.linspace(0.0, 1.0, _PARTS + 1))
+    for part, (low, high) in enumerate(pairwise(edges.tolist())):
+        last = part == _PARTS - 1
+        yield low, high, (values >= low) & (values <= high if last else values < high)

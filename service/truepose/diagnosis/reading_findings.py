@@ -1,0 +1,140 @@
+"""Findings about readings instead of the robot: labels of nests that were swapped, single bad readings."""
+
+import itertools
+from dataclasses import replace
+
+import numpy as np
+
+from truepose.diagnosis.evidence.held_out_errors import Improvement, gain_of
+from truepose.diagnosis.evidence.residual_structure import Remainder
+from truepose.diagnosis.reading_faults import gathered
+from truepose.diagnosis.screening.selection import Selection
+from truepose.diagnosis.start import Start
+from truepose.domain.arrays import BoolArray
+from truepose.domain.diagnosis import Cause, Confidence, Finding, Gain
+from truepose.effects.causes import Candidate, Description, Fitted
+from truepose.effects.readings.label_swap import NAME as LABEL_SWAP
+from truepose.effects.readings.label_swap import pair_subject
+from truepose.effects.readings.outliers import NAME as OUTLIERS
+from truepose.effects.registry import CAUSES
+from truepose.effects.signatures import signature_of
+from truepose.identification.distributions import chi2_exceeded
+from truepose.identification.fit.robust import fit
+from truepose.identification.observations.poses import position_block
+from truepose.messages.message import together
+
+_FAR_MM = 10.0  # further than a bad reading goes: another nest or another row was read
+
+
+def readings_found(
+    start: Start, selected: Selection, left: Remainder, judged: Improvement
+) -> tuple[Finding, ...]:
+    """Return what is wrong with readings."""
+    return (*_swaps(start, selected), *_bad(start, selected, left, judged))
+
+
+def _swaps(start: Start, selected: Selection) -> tuple[Finding, ...]:
+    written, right = start.written.calibration, start.campaign.calibration
+    if written is None or right is None or written is right:
+        return ()
+    changed = written.nest != right.nest
+    pairs = {
+        (int(min(one)), int(max(one)))
+        for one in zip(written.nest[changed].tolist(), right.nest[changed].tolist(), strict=True)
+    }
+    found = []
+    for first, second in sorted(pairs):
+        of_pair = np.isin(written.nest, (first, second)) & np.isin(right.nest, (first, second))
+        swapped = int((changed & of_pair).sum())
+        shown = _shown(LABEL_SWAP, pair_subject(first, second), swapped, int(of_pair.sum()), start)
+        found.append(_finding(LABEL_SWAP, shown, 1e-12, _swap_gain(start, selected)))
+    return tuple(found)
+
+
+def _swap_gain(start: Start, selected: Selection) -> Gain | None:
+    """Gain on validation readings whose own labels are right or wrong as written."""
+    written, right = start.written.validation, start.campaign.validation
+    if written is None or right is None or np.array_equal(written.nest, right.nest):
+        return None
+    before = position_block(written, start.campaign.scatter_mm)
+    after = position_block(right, start.campaign.scatter_mm)
+    structure, values = selected.fit.structure, selected.fit.values
+    return gain_of(
+        before.result(structure, values, None).residual,
+        after.result(structure, values, None).residual,
+        right.stops.config,
+    )
+
+
+def _bad(start: Start, selected: Selection, left: Remainder, judged: Improvement) -> tuple[Finding, ...]:
+    bad = left.tails.bad
+    if not bad.any():
+        return ()
+    shown = _shown(OUTLIERS, "readings", int(bad.sum()), len(bad), start)
+    finding = _finding(OUTLIERS, shown, _chance(selected, bad), _bad_gain(start, selected, judged))
+    far = float(np.linalg.norm(selected.fit.results[0].residual[bad], axis=1).max()) >= _FAR_MM
+    if not (far or left.structure):
+        return (finding,)
+    swapped = tuple(Cause(LABEL_SWAP, subject) for subject in _pairs(start)) if far else ()
+    shared = gathered(start.scene, bad)
+    sentence = together(finding.sentence, shared.sentence) if shared else finding.sentence
+    doubted = replace(finding, sentence=sentence, confidence=Confidence.LIKELY, confusable_with=swapped)
+    return (doubted,)
+
+
+def _pairs(start: Start) -> tuple[str, ...]:
+    nests = np.unique(start.scene.nest).tolist()
+    return tuple(pair_subject(first, second) for first, second in itertools.pairwise(nests))
+
+
+def _chance(selected: Selection, bad: BoolArray) -> float:
+    """Chance, over all readings, that noise alone gives one as far out as the nearest of the bad ones."""
+    block, result = selected.fit.blocks[0], selected.fit.results[0]
+    nearest = float(block.squared(result)[bad].min())
+    return min(1.0, len(bad) * chi2_exceeded(nearest, result.residual.shape[1]))
+
+
+def _bad_gain(start: Start, selected: Selection, judged: Improvement) -> Gain | None:
+    """Gain on validation points over a fit that takes every reading as good."""
+    points = start.campaign.validation
+    if points is None or judged.source != "validation":
+        return None
+    full = selected.fit
+    trusting = tuple(
+        block.weighted(np.ones(len(block.weights)), 0.0 if block.stated_sigma() > 0.0 else block.discrepancy)
+        for block in full.blocks
+    )
+    plain = fit(full.structure, trusting, full.values)
+    block = position_block(points, start.campaign.scatter_mm)
+    before = block.result(full.structure, plain.values, None).residual
+    return gain_of(before, judged.errors.after_mm, judged.site)
+
+
+def _shown(effect: str, subject: str, number: int, readings: int, start: Start) -> Description:
+    share = number / max(readings, 1)
+    uncertainty = float(np.sqrt(max(share * (1.0 - share), 1.0 / max(readings, 1)) / max(readings, 1)))
+    fitted = Fitted((), np.array([share]), np.array([[uncertainty**2]]))
+    return CAUSES[effect].describe(subject, fitted, start.scene)
+
+
+def _finding(effect: str, shown: Description, p_value: float, gain: Gain | None) -> Finding:
+    cell = signature_of(Candidate(effect, shown.subject, ()))
+    sure = gain is not None and gain.interval_95_mm[0] > 0.0
+    return Finding(
+        effect=effect,
+        subject=shown.subject,
+        amplitude=shown.amplitude,
+        unit=shown.unit,
+        amplitude_standard_uncertainty=shown.standard_uncertainty,
+        p_value=p_value,
+        confidence=Confidence.CERTAIN if sure else Confidence.LIKELY,
+        details=shown.details,
+        sentence=shown.sentence,
+        confusable_with=(),
+        gain=gain,
+        parameters=(),
+        share=0.0,
+        where=cell.where,
+        over=cell.over,
+        shape=cell.shape,
+    )

@@ -1,1 +1,0 @@
-"""What single readings are: bad ones, swapped labels, rounded angles."""

@@ -1,0 +1,386 @@
+"""A campaign: one robot measured with one set-up, as tables of equal-length arrays.
+
+Last moves: how far each joint came to a stop, from the stop before it in time. An arm that approaches its
+stops by moves of its own comes from elsewhere: it gives itself away where a joint came against its way from
+the stop before.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from datetime import date
+from typing import ClassVar, Literal, TypeAlias, TypeVar
+
+import numpy as np
+
+from truepose.domain.arrays import BoolArray, FloatArray, IntArray, Table, distinct_values
+from truepose.domain.contacts import Target
+from truepose.domain.robot import FixedNest, FramePlacement, Nest, Robot, WorldRegistration
+from truepose.messages.message import Text
+
+Quantity = Literal["position", "length"]  # what the readings of a campaign are of
+NO_AXIS = -1  # of a reading that is along no axis of a sensor
+
+
+@dataclass(frozen=True, slots=True)
+class Stops(Table):
+    """What is known of the arm at each row, whatever was measured there; n rows, J joints.
+
+    A missing optional column is None; a missing entry is NaN (0 in `direction`).
+    """
+
+    config: IntArray  # (n,) number of the configuration
+    joints_rad: FloatArray  # (n, J) commanded where the robot was commanded, else reported
+    direction: IntArray | None = None  # (n, J) sign of each joint's last motion, 0 unknown
+    time_s: FloatArray | None = None  # (n,)
+    temperature_c: FloatArray | None = None  # (n,)
+    attachment: IntArray | None = None  # (n,) how often the tool has been mounted
+    torque_n_mm: FloatArray | None = None  # (n, J) measured joint torques
+    group: IntArray | None = None  # (n,) rows measured in one go
+    repeat_of: IntArray | None = None  # (n,) an earlier configuration with the same joints, -1 for none
+    move_rad: FloatArray | None = None  # (n, J) how far each joint came from the stop before
+
+    def __len__(self) -> int:
+        return int(self.config.size)
+
+
+@dataclass(frozen=True, slots=True)
+class PointReadings(Table):
+    """Positions of tool nests in the world frame; n rows."""
+
+    quantity: ClassVar[Quantity] = "position"
+    frozen_if_equal: ClassVar[bool] = True
+
+    stops: Stops
+    nest: IntArray  # (n,) 1-based
+    position_mm: FloatArray  # (n, 3)
+    standard_uncertainty_mm: FloatArray  # (n,) per axis
+    covariance_mm2: FloatArray | None = None  # (n, 3, 3) where the file gives more than u_mm
+    quaternion: FloatArray | None = None  # (n, 4) w first, orientation of the tool
+    rotation_uncertainty_rad: FloatArray | None = None  # (n,) NaN: estimate from the residuals
+
+    def __len__(self) -> int:
+        return len(self.stops)
+
+    @property
+    def observed_mm(self) -> FloatArray:
+        """What was read, shape (n, 3)."""
+        return self.position_mm
+
+    @property
+    def ends(self) -> IntArray:
+        """What tells the readings of one stop apart, shape (n, 1)."""
+        return self.nest[:, None]
+
+    @property
+    def seen_from(self) -> IntArray:
+        """Number of the place that each was read from, shape (n,): one instrument stands in one place."""
+        return np.zeros(len(self), dtype=np.int64)
+
+
+@dataclass(frozen=True, slots=True)
+class LegReadings(Table):
+    """Lengths between a base nest and a tool nest; n rows."""
+
+    quantity: ClassVar[Quantity] = "length"
+    frozen_if_equal: ClassVar[bool] = True
+
+    stops: Stops
+    placement: IntArray  # (n,) of the base fixture, from 1
+    base_point: IntArray  # (n,)
+    nest: IntArray  # (n,) tool point
+    length_mm: FloatArray  # (n,)
+    standard_uncertainty_mm: FloatArray  # (n,)
+    initialisation: IntArray | None = None  # (n,) number of the last one on the calibrator
+
+    def __len__(self) -> int:
+        return len(self.stops)
+
+    @property
+    def observed_mm(self) -> FloatArray:
+        """What was read, shape (n, 1)."""
+        return self.length_mm[:, None]
+
+    @property
+    def ends(self) -> IntArray:
+        """What tells the readings of one stop apart, shape (n, 2)."""
+        return np.column_stack([self.nest, self.base_point])
+
+    @property
+    def cups(self) -> list[tuple[int, int]]:
+        """Placement and base point of each leg."""
+        return list(zip(self.placement.tolist(), self.base_point.tolist(), strict=True))
+
+    @property
+    def seen_from(self) -> IntArray:
+        """Number of the cup that each was read from, shape (n,)."""
+        cups = np.column_stack([self.placement, self.base_point])
+        return np.unique(cups, axis=0, return_inverse=True)[1].reshape(-1)
+
+
+@dataclass(frozen=True, slots=True)
+class ContactReadings(Table):
+    """What probes, gauges, wires and sensors read against targets; n rows."""
+
+    quantity: ClassVar[Quantity] = "length"
+    frozen_if_equal: ClassVar[bool] = False  # an arm that stops where its probe touches reads nothing but 0
+
+    stops: Stops
+    target: IntArray  # (n,) its number
+    nest: IntArray  # (n,) of the tool, 1-based
+    reading_mm: FloatArray  # (n,)
+    standard_uncertainty_mm: FloatArray  # (n,)
+    axis: IntArray | None = None  # (n,) 0 to 2 of the sensor in the tool, NO_AXIS where it has none
+
+    def __len__(self) -> int:
+        return len(self.stops)
+
+    @property
+    def observed_mm(self) -> FloatArray:
+        """What was read, shape (n, 1)."""
+        return self.reading_mm[:, None]
+
+    @property
+    def axes(self) -> IntArray:
+        """Axis of the sensor of each reading, shape (n,)."""
+        return np.full(len(self), NO_AXIS) if self.axis is None else self.axis
+
+    @property
+    def ends(self) -> IntArray:
+        """What tells the readings of one stop apart, shape (n, 3)."""
+        return np.column_stack([self.nest, self.target, self.axes])
+
+    @property
+    def seen_from(self) -> IntArray:
+        """Number of the target that each was read against, shape (n,)."""
+        return self.target
+
+
+Readings: TypeAlias = PointReadings | LegReadings | ContactReadings
+
+
+@dataclass(frozen=True, slots=True)
+class FixedNestReadings:
+    """The tracker's looks at fixed nests; n rows, world frame."""
+
+    time_s: FloatArray
+    fixed_nest: IntArray  # 1-based
+    position_mm: FloatArray  # (n, 3)
+    standard_uncertainty_mm: FloatArray
+
+    def __len__(self) -> int:
+        return int(self.fixed_nest.size)
+
+
+@dataclass(frozen=True, slots=True)
+class FixtureLengths:
+    """Sides of the triangles, measured with the ballbar; n rows. Placement 0 is the tool."""
+
+    placement: IntArray
+    point_a: IntArray
+    point_b: IntArray
+    length_mm: FloatArray
+    standard_uncertainty_mm: FloatArray
+
+
+@dataclass(frozen=True, slots=True)
+class CupSetups:
+    """Joint angles at which the robot held the ball in tool nest 1 while a cup was clamped on it; n rows."""
+
+    placement: IntArray
+    base_point: IntArray
+    joints_rad: FloatArray  # (n, J)
+
+
+@dataclass(frozen=True, slots=True)
+class CupReadings:
+    """Tracker readings of base cups in the world frame of the validation: a judge, never used to identify."""
+
+    placement: IntArray
+    base_point: IntArray
+    position_mm: FloatArray  # (n, 3)
+    standard_uncertainty_mm: FloatArray
+
+
+@dataclass(frozen=True, slots=True)
+class TargetDistances:
+    """Certified distances between the centres of two targets; n rows."""
+
+    target_a: IntArray
+    target_b: IntArray
+    distance_mm: FloatArray
+    standard_uncertainty_mm: FloatArray
+
+
+@dataclass(frozen=True, slots=True)
+class Campaign:
+    """One robot, one set-up, its readings and what is known beforehand."""
+
+    robot: Robot
+    base_nominal: FramePlacement | None  # None: found from the data
+    nests: tuple[Nest, ...]
+    gravity_m_s2: tuple[float, float, float] = (0.0, 0.0, -9.81)  # world frame
+    calibration: PointReadings | None = None
+    validation: PointReadings | None = None
+    reference: FixedNestReadings | None = None
+    legs: LegReadings | None = None
+    validation_legs: LegReadings | None = None
+    fixture: FixtureLengths | None = None
+    setup: CupSetups | None = None
+    cups: CupReadings | None = None
+    contacts: ContactReadings | None = None
+    validation_contacts: ContactReadings | None = None
+    targets: tuple[Target, ...] = ()  # of the contacts
+    target_distances: TargetDistances | None = None
+    repeatability_in_uncertainty: bool = False  # u_mm already contains the robot's repeatability
+    tracker_position_mm: tuple[float, float, float] | None = None
+    # Of the measured orientations' frame in the last one, per axis: it is that frame to this; None: it is
+    # whatever the readings show.
+    tool_rotation_uncertainty_rad: float | None = None
+    fixed_nests: tuple[FixedNest, ...] = ()
+    registration: WorldRegistration | None = None
+    ballbar_nominal_mm: float | None = None
+    ballbar_range_mm: float | None = None
+    setup_uncertainty_mm: float | None = None
+    simulated: bool | None = None  # no robot and no instrument took part; None: nobody said
+    measured_on: date | None = None  # None: nobody said
+    robot_serial_number: str = ""  # empty: nobody said
+    instrument_serial_number: str = ""  # of the one that read all of it; empty: nobody said, or several did
+    notes: tuple[str, ...] = ()
+    ignored: tuple[Text, ...] = ()  # columns and keys kept but not understood, one sentence each
+
+    @property
+    def readings(self) -> Readings | None:
+        """What the robot is identified from: positions where there are any, else legs, else contacts."""
+        return self.calibration or self.legs or self.contacts
+
+    @property
+    def held_out(self) -> Readings | None:
+        """What judges a model of these readings: others of the same kind; None where there are none."""
+        if self.calibration is not None:
+            return self.validation or None
+        return (self.validation_contacts if self.legs is None else self.validation_legs) or None
+
+    @property
+    def scatter_mm(self) -> float:
+        """Scatter of the arm per axis beside the stated uncertainties; 0 where they contain it."""
+        return 0.0 if self.repeatability_in_uncertainty else self.robot.repeatability_mm
+
+    def of_rows(self, rows: IntArray) -> "Campaign":
+        """Return the campaign with some of the readings that identify, shape (m,) indices."""
+        if self.calibration is not None:
+            return replace(self, calibration=self.calibration.taken(rows))
+        if self.legs is not None:
+            return replace(self, legs=self.legs.taken(rows))
+        return self if self.contacts is None else replace(self, contacts=self.contacts.taken(rows))
+
+
+Values: TypeAlias = tuple[float | None, ...]  # of one reading, a column each; None: it was not read
+
+
+@dataclass(frozen=True, slots=True)
+class Series:
+    """What a program delivers: its columns are named as in the table that it would otherwise write."""
+
+    name: str
+    columns: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Delivery:
+    """Some readings of a series, in one piece; `first` is the number of the first of them."""
+
+    first: int
+    readings: tuple[Values, ...]
+
+    @property
+    def next_number(self) -> int:
+        """The number of the reading that follows."""
+        return self.first + len(self.readings)
+
+
+_Readings = TypeVar("_Readings", PointReadings, LegReadings, ContactReadings)
+_AGAINST = 0.02  # share of moves that may go against the stated direction before none is believed
+
+
+def with_last_moves(campaign: Campaign) -> Campaign:
+    """Return a campaign whose stops say how far each joint came, before any of its rows are left out."""
+    return replace(
+        campaign,
+        calibration=_told(campaign.calibration),
+        validation=_told(campaign.validation),
+        legs=_told(campaign.legs),
+        validation_legs=_told(campaign.validation_legs),
+        contacts=_told(campaign.contacts),
+        validation_contacts=_told(campaign.validation_contacts),
+    )
+
+
+def _told(readings: _Readings | None) -> _Readings | None:
+    return None if readings is None else replace(readings, stops=told_moves(readings.stops))
+
+
+def told_moves(stops: Stops) -> Stops:
+    """Return stops that say how far each joint came, as far as their times tell it."""
+    if stops.move_rad is not None or stops.time_s is None or not _ordered(stops.time_s, stops.config):
+        return stops
+    move = _from_the_stop_before(stops, np.argsort(stops.time_s, kind="stable"))
+    against = _against(stops, move)
+    moved = np.isfinite(move)
+    if against.sum() > _AGAINST * moved.sum():
+        return stops
+    return replace(stops, move_rad=np.where(against, np.nan, move))
+
+
+def _ordered(time_s: FloatArray, config: IntArray) -> bool:
+    """Whether every row has a time, and no two configurations share one."""
+    if not len(config) or not np.isfinite(time_s).all():
+        return False
+    timed = np.unique(np.stack([time_s, config], axis=1), axis=0)
+    return bool((np.diff(timed[:, 0]) > 0.0).all())
+
+
+def _from_the_stop_before(stops: Stops, order: IntArray) -> FloatArray:
+    """Return the moves between configurations in the order of time, shape (n, J) [rad]; NaN at the first."""
+    config, joints = stops.config[order], stops.joints_rad[order]
+    arrived = np.flatnonzero(np.diff(config) != 0) + 1  # in the order of time
+    steps = np.full_like(joints, np.nan)
+    steps[arrived] = joints[arrived] - joints[arrived - 1]
+    latest = np.zeros(len(config), dtype=int)
+    latest[arrived] = arrived
+    move = np.empty_like(joints)
+    move[order] = steps[np.maximum.accumulate(latest)]
+    return move
+
+
+def _against(stops: Stops, move: FloatArray) -> BoolArray:
+    """Return which joints came against the way from the stop before, shape (n, J)."""
+    if stops.direction is None:
+        return np.zeros(move.shape, dtype=bool)
+    return np.asarray(np.nan_to_num(move) * stops.direction < 0.0)
+
+
+def each_nest(stops: Stops, nests: IntArray) -> tuple[Stops, IntArray]:
+    """Return every stop once per nest, stops in their order, and the nest of each row."""
+    rows = np.repeat(np.arange(len(stops)), len(nests))
+    return stops.taken(rows), np.tile(nests, len(stops))
+
+
+def sites(stops: Stops) -> IntArray:
+    """Return the configuration of each row, a revisit counting as the one it revisits, shape (n,).
+
+    Revisits of revisits lead back to the first; names that go round in a circle count as one site.
+    """
+    if stops.repeat_of is None:
+        return stops.config
+    named = stops.repeat_of >= 0
+    earlier = dict(zip(stops.config[named].tolist(), stops.repeat_of[named].tolist(), strict=True))
+    first = {config: _first(config, earlier) for config in distinct_values(stops.config).tolist()}
+    return np.array([first[config] for config in stops.config.tolist()], dtype=np.int64)
+
+
+def _first(config: int, earlier: Mapping[int, int]) -> int:
+    seen: list[int] = []
+    while config in earlier and config not in seen:
+        seen.append(config)
+        config = earlier[config]
+    return min(seen[seen.index(config) :]) if config in seen else config

@@ -1,1 +1,0 @@
-"""What is measured: sessions, their ledgers and readings, and the campaigns that come of them."""

@@ -1,1 +1,0 @@
-"""People: their names, and who may ask for what."""

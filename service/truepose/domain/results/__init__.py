@@ -1,1 +1,0 @@
-"""What is answered: identifications, validations, diagnoses, corrected targets."""

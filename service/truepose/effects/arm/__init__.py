@@ -1,0 +1,1 @@
+"""Effects of the arm itself: its joints and its links."""

@@ -1,0 +1,237 @@
+"""Joint harmonics: a joint is off by waves of its own angle (gear, bearing, encoder).
+
+theta turns by s sin(order q) + c cos(order q), q the joint's own turn. Orders are searched from one wave per
+turn up to twice the gear's own cycle: a strain-wave gear has two waves per turn of its generator. Those that
+are looked for are whole; one that was found may lie between them, as the stages of a gear do.
+"""
+
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+
+from truepose.domain.arrays import BoolArray, FloatArray, IntArray, distinct_values
+from truepose.domain.campaign import Stops
+from truepose.effects.causes import (
+    OF_SUBJECT,
+    Candidate,
+    Description,
+    Fitted,
+    Scene,
+    Signature,
+    without_turning,
+)
+from truepose.effects.names import joint_of_subject, joint_subject
+from truepose.effects.ports import NOTHING, Need, ParameterSpec, Port, PortKind, Rows, Setting, Term, Trait
+from truepose.effects.waves import (
+    FittedWave,
+    fitted_waves,
+    gear_ratio,
+    is_whole,
+    joint_of_wave,
+    order_of_wave,
+    orders,
+    periods,
+    spoken_order,
+    wave_specs,
+)
+from truepose.messages.message import Message, Text, message
+
+NAME = "joint_harmonics"
+_HIGHEST_OF_CURVE = 60.0  # per turn, of curves that no few waves describe
+_FEW_WAVES = 24  # that are told as waves; more are a curve
+_SHARE_OF_ORDERS = 0.5  # of all up to the highest, from which it pays to work out every one
+_TOLD = 5  # waves of a curve that are told, the largest ones
+_ANGLES = 2000  # at which a curve is looked at: dozens a period of its highest order
+
+
+class JointHarmonics:
+    """Waves of any order on any joint."""
+
+    name = NAME
+    needs: frozenset[Need] = NOTHING
+    traits = frozenset({Trait.STEADY, Trait.WAVES, Trait.AGEING})
+    signature = Signature(
+        OF_SUBJECT,
+        "angle of {subject}",
+        "wave",
+        "amplitude of the wave: half of peak to peak",
+        function="curve",
+        drawn="joint",
+    )
+
+    def specs(self, setting: Setting) -> tuple[ParameterSpec, ...]:
+        """Return orders 1 and 2 of every joint but the waves once per turn that offsets and tilts mimic."""
+        return tuple(
+            spec
+            for joint in range(setting.robot.n_joints)
+            for order in (1.0, 2.0)
+            for spec in wave_specs(joint, order)
+        )
+
+    def terms(self, names: tuple[str, ...], rows: Rows) -> list[Term]:
+        """Turn the joint by its waves."""
+        if not names:
+            return []
+        table = _table(names)
+        found = []
+        for joint in distinct_values(table.joint).tolist():
+            own = np.flatnonzero(table.joint == joint)
+            weights = _waves(table.order[own], table.sine[own], rows.turn_rad[:, joint])
+            found += [Term(k, Port(PortKind.THETA, joint), weights[i]) for i, k in enumerate(own.tolist())]
+        return found
+
+    def sums(self, names: tuple[str, ...], values: FloatArray, rows: Rows) -> dict[Port, FloatArray]:
+        """Return the curves of the joints."""
+        table = _table(names)
+        found = {}
+        for joint in distinct_values(table.joint).tolist():
+            own = table.joint == joint
+            curve = _sum_of_waves(table.order[own], table.sine[own], values[own], rows.turn_rad[:, joint])
+            found[Port(PortKind.THETA, joint)] = curve
+        return found
+
+    def unmodelled(self, setting: Setting, stops: Stops) -> bool:
+        """Anywhere: gears and bearings are never round."""
+        return True
+
+    def unseen(self, scene: Scene) -> Text | None:
+        """Need joints that turn."""
+        return without_turning(scene)
+
+    def candidates(self, scene: Scene) -> tuple[Candidate, ...]:
+        """Propose of every joint that turns one wave per turn to two per turn of the motor, and a curve."""
+        found = []
+        for joint in scene.turning:
+            for order in orders(scene, joint):
+                specs = wave_specs(joint, order)
+                if specs[0].name not in scene.present:
+                    found.append(Candidate(NAME, joint_subject(joint), specs, order))
+            found += _curve(scene, joint)
+        return tuple(found)
+
+    def describe(self, subject: str, fitted: Fitted, scene: Scene) -> Description:
+        """Say how large the waves are and what has that many waves per turn."""
+        waves = fitted_waves(fitted)
+        if len(waves) > _FEW_WAVES:
+            return _describe_curve(subject, waves, fitted, scene)
+        details = tuple(detail for wave in waves for detail in wave.details(several=len(waves) > 1))
+        largest = max(waves, key=lambda wave: wave.amplitude_deg)
+        joint = joint_of_subject(subject)
+        sentence = message(
+            "causes.joint_harmonics.wave" if len(waves) == 1 else "causes.joint_harmonics.waves",
+            joint=subject,
+            orders=tuple(spoken_order(order) for order in sorted(wave.order for wave in waves)),
+            periods=periods(largest.order),
+            amplitude_deg=largest.amplitude_deg,
+            typical=_typical_of(largest.order, gear_ratio(scene, joint)),
+        )
+        return Description(subject, largest.amplitude_deg, "deg", largest.uncertainty_deg, sentence, details)
+
+
+def _curve(scene: Scene, joint: int) -> list[Candidate]:
+    """Propose the sum of all waves that a joint may have; none where the model has a curve of it."""
+    waves = [wave_specs(joint, order) for order in np.arange(1.0, _HIGHEST_OF_CURVE + 1.0).tolist()]
+    left = tuple(spec for wave in waves for spec in wave if spec.name not in scene.present)
+    if len(left) < len(waves):
+        return []
+    return [Candidate(NAME, joint_subject(joint), left, _HIGHEST_OF_CURVE, function=True)]
+
+
+def _describe_curve(subject: str, waves: list[FittedWave], fitted: Fitted, scene: Scene) -> Description:
+    """Say how far a curve goes either way over what was measured, and which of its waves are the largest."""
+    turn = scene.turn_rad[:, joint_of_subject(subject)]
+    angle = np.linspace(float(turn.min()), float(turn.max()), _ANGLES)
+    weights = _weights(fitted.names, angle)
+    curve = fitted.values @ weights
+    ends = 0.5 * (weights[:, int(np.argmax(curve))] - weights[:, int(np.argmin(curve))])
+    amplitude, uncertainty = np.rad2deg([fitted.values @ ends, np.sqrt(ends @ fitted.covariance @ ends)])
+    largest = sorted(waves, key=lambda wave: -wave.amplitude_deg)[:_TOLD]
+    sentence = message(
+        "causes.joint_harmonics.curve",
+        joint=subject,
+        amplitude_deg=float(amplitude),
+        orders=tuple(f"{wave.order:g}" for wave in sorted(largest, key=lambda wave: wave.order)),
+    )
+    details = tuple(detail for wave in largest for detail in wave.details(several=True))
+    return Description(subject, float(amplitude), "deg", float(uncertainty), sentence, details)
+
+
+class _Table(NamedTuple):
+    """What the names of p parameters say."""
+
+    joint: IntArray  # (p,) 0-based
+    order: FloatArray  # (p,)
+    sine: BoolArray  # (p,) else the cosine
+
+
+@lru_cache
+def _table(names: tuple[str, ...]) -> _Table:
+    return _Table(
+        np.array([joint_of_wave(name) for name in names]),
+        np.array([order_of_wave(name) for name in names]),
+        np.array([name.endswith("_sin") for name in names]),
+    )
+
+
+def _weights(names: tuple[str, ...], turn_rad: FloatArray) -> FloatArray:
+    """Return the sines and cosines that parameters of one joint are of, at angles (n,), shape (p, n)."""
+    table = _table(names)
+    return _waves(table.order, table.sine, turn_rad)
+
+
+def _waves(order: FloatArray, sine: BoolArray, turn_rad: FloatArray) -> FloatArray:
+    """Return sines and cosines of multiples (p,) of angles (n,), shape (p, n)."""
+    if _are_few(order):
+        angle = order[:, None] * turn_rad
+        return np.where(sine[:, None], np.sin(angle), np.cos(angle))
+    sines, cosines = _multiples(int(order.max()), turn_rad)
+    row = order.astype(np.int64)
+    return np.where(sine[:, None], sines[row], cosines[row])
+
+
+def _are_few(order: FloatArray) -> bool:
+    """Whether it pays to work out each wave by itself."""
+    return len(order) < _SHARE_OF_ORDERS * int(order.max()) or bool((order != np.round(order)).any())
+
+
+def _sum_of_waves(order: FloatArray, sine: BoolArray, value: FloatArray, turn_rad: FloatArray) -> FloatArray:
+    """Return the sum of waves (p,) at angles (n,): the real part of a polynomial in exp(i q), by Horner."""
+    if _are_few(order):
+        return np.asarray(value @ _waves(order, sine, turn_rad))
+    coefficient = np.zeros(int(order.max()) + 1, dtype=complex)
+    np.add.at(coefficient, order.astype(np.int64), np.where(sine, -1j, 1.0) * value)
+    turn = np.exp(1j * turn_rad)
+    curve = np.full(len(turn_rad), coefficient[-1])
+    for factor in coefficient[-2::-1]:
+        curve *= turn
+        curve += factor
+    return curve.real
+
+
+def _multiples(highest: int, angle_rad: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return sines and cosines of 0..highest times angles (n,), shape (highest + 1, n), by addition theorems.
+
+    A dozen times faster than a sine each; rounding grows to `highest` units of the last place.
+    """
+    sines, cosines = np.zeros((2, highest + 1, len(angle_rad)))
+    cosines[0] = 1.0
+    sine, cosine = np.sin(angle_rad), np.cos(angle_rad)
+    for k in range(highest):
+        sines[k + 1] = sines[k] * cosine + cosines[k] * sine
+        cosines[k + 1] = cosines[k] * cosine - sines[k] * sine
+    return sines, cosines
+
+
+def _typical_of(order: float, ratio: float) -> Message:
+    if ratio and abs(order - 2.0 * ratio) < 0.5:
+        return message("typical.wave_generator")
+    if ratio and abs(order - ratio) < 0.5:
+        return message("typical.motor")
+    if order <= 1.5:
+        return message("typical.out_of_true")
+    if order <= 2.5:
+        return message("typical.oval")
+    if not is_whole(order):
+        return message("typical.inside_the_gear")
+    return message("typical.repeats")

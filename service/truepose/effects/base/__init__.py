@@ -1,1 +1,0 @@
-"""Effects of the base: where the robot stands, and how that gives or moves."""

@@ -1,1 +1,0 @@
-"""Effects of the joints: what gears, springs and shafts make of the angle that was asked for."""

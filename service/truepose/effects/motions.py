@@ -1,0 +1,336 @@
+"""Rigid motions as parameters, and when they happen: jumps, drifts, and the times of readings.
+
+*Times.* While a model is made, nothing runs or happens for rows that do not tell when they are. Once it is
+made, such a row is about the robot as the last reading left it: what has happened is past.
+
+*Jumps:* something stood still, jumped once, and stood still again. A parameter `<prefix>_<time>_<component>`
+acts from that time [s] on. Every gap between two stops may hold the jump; a jump within a gap cannot be
+placed any better than the gap.
+
+*Drifts*, even or settling. A parameter `<prefix>_<shape>_<component>` is a rate [mm/h, rad/h]; after t hours
+
+    linear      rate t
+    exp<tau>    rate tau (1 - exp(-t / tau))        tau in seconds in the name
+
+the rate is that at the origin of times, and a motion that settles dies out.
+
+A made model knows an even drift as far as readings followed it, and holds it where they began and ended; one
+that settles is known to its end.
+"""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+
+from truepose.domain.arrays import BoolArray, FloatArray
+from truepose.domain.campaign import Stops
+from truepose.domain.diagnosis import Detail
+from truepose.domain.identification import Unit
+from truepose.effects.causes import Candidate, Description, Fitted, Scene, norm_with_uncertainty, varied
+from truepose.effects.ports import ParameterSpec, Port, Rows, Term
+from truepose.messages.message import Message, Text, message
+
+SECONDS_PER_HOUR = 3600.0
+
+
+def moments_s(rows: Rows) -> FloatArray:
+    """Return the time of each row [s], shape (n,); where it is unknown NaN, of a made model infinity."""
+    unknown = np.nan if rows.last_s is None else np.inf
+    time_s = rows.stops.time_s
+    if time_s is None:
+        return np.full(len(rows.stops), unknown)
+    return np.where(np.isfinite(time_s), time_s, unknown)
+
+
+def hours_since(rows: Rows, start_s: float) -> FloatArray:
+    """Return the time of each row after a moment [h], as `moments_s` where it is unknown, shape (n,)."""
+    return np.asarray((moments_s(rows) - start_s) / SECONDS_PER_HOUR)
+
+
+def hours_followed(rows: Rows) -> FloatArray:
+    """Return the time after the origin [h] as far as readings followed it, NaN where unknown, shape (n,).
+
+    Beyond the first and the last reading of a made model it stands still.
+    """
+    hours = hours_since(rows, rows.origin_s)
+    if rows.last_s is None:
+        return hours
+    return np.clip(hours, 0.0, (rows.last_s - rows.origin_s) / SECONDS_PER_HOUR)
+
+
+def duration_s(scene: Scene) -> float:
+    """Return how long after the origin of times the last reading was taken; 0 without times."""
+    time_s = scene.stops.time_s
+    known = np.zeros(0) if time_s is None else time_s[np.isfinite(time_s)]
+    return float(known.max() - scene.origin_s) if known.size else 0.0
+
+
+def without_times(scene: Scene) -> Text | None:
+    """Return why nothing that runs in time can be seen, None where it can."""
+    if varied(scene.stops.time_s):
+        return None
+    return message("unseen.no_times")
+
+
+def spoken(seconds: float) -> Message:
+    """Return a span of time as one says it, e.g. `21 min`."""
+    if seconds < 120.0:
+        return message("span.seconds", seconds=seconds)
+    if seconds < 2.0 * SECONDS_PER_HOUR:
+        return message("span.minutes", minutes=seconds / 60.0)
+    return message("span.hours", hours=seconds / SECONDS_PER_HOUR)
+
+
+COMPONENTS = ("x", "y", "z", "rx", "ry", "rz")
+
+
+class Widths(NamedTuple):
+    """What is believed of a motion before any reading: standard deviations per axis, and their units."""
+
+    shift: float
+    turn: float
+    shift_unit: Unit = "mm"
+    turn_unit: Unit = "rad"
+
+
+class Motion(NamedTuple):
+    """A small motion as it was fitted: shift and turn about the three axes [mm and rad, or both per h]."""
+
+    vector: FloatArray  # (6,)
+    covariance: FloatArray  # (6, 6)
+
+    @property
+    def shift(self) -> tuple[float, float]:
+        """Length of the shift and its standard uncertainty."""
+        return norm_with_uncertainty(self.vector[:3], self.covariance[:3, :3])
+
+    @property
+    def turn_deg(self) -> tuple[float, float]:
+        """Angle of the turn and its standard uncertainty, in degrees."""
+        angle, uncertainty = norm_with_uncertainty(self.vector[3:], self.covariance[3:, 3:])
+        return float(np.rad2deg(angle)), float(np.rad2deg(uncertainty))
+
+    def details(self, per: str = "") -> tuple[Detail, ...]:
+        """Return the components of the shift and the size of the turn; `per` is e.g. `/h`."""
+        spread = np.sqrt(np.diag(self.covariance))
+        shifts = [
+            Detail(axis, float(self.vector[k]), f"mm{per}", float(spread[k]))
+            for k, axis in enumerate(COMPONENTS[:3])
+        ]
+        return (*shifts, Detail("rotation", self.turn_deg[0], f"deg{per}", self.turn_deg[1]))
+
+    def seen_at(self, point_mm: FloatArray) -> "Motion":
+        """Return the motion whose shift is that of a point (3,), where this one's is that of the origin."""
+        x, y, z = (float(value) for value in point_mm)
+        carry = np.eye(6)
+        carry[:3, 3:] = [[0.0, z, -y], [-z, 0.0, x], [y, -x, 0.0]]  # turn x point
+        return Motion(carry @ self.vector, carry @ self.covariance @ carry.T)
+
+
+def motion_specs(prefix: str, widths: Widths) -> tuple[ParameterSpec, ...]:
+    """Return the six parameters `<prefix>_x` .. `<prefix>_rz`."""
+    shifts = (
+        ParameterSpec(f"{prefix}_{name}", widths.shift_unit, 0.0, widths.shift) for name in COMPONENTS[:3]
+    )
+    turns = (ParameterSpec(f"{prefix}_{name}", widths.turn_unit, 0.0, widths.turn) for name in COMPONENTS[3:])
+    return (*shifts, *turns)
+
+
+def split_motion(name: str) -> tuple[str, int]:
+    """Return prefix and component (0..5) of e.g. `seat_2_rx`."""
+    prefix, _, component = name.rpartition("_")
+    return prefix, COMPONENTS.index(component)
+
+
+def fitted_motion(fitted: Fitted, share: Callable[[str], float]) -> Motion:
+    """Add up fitted motions, each parameter counted by the share that its prefix has in the sum."""
+    gather = np.zeros((6, len(fitted.names)))
+    for k, name in enumerate(fitted.names):
+        prefix, component = split_motion(name)
+        gather[component, k] = share(prefix)
+    return Motion(gather @ fitted.values, gather @ fitted.covariance @ gather.T)
+
+
+_LEAST_POSITIONS = 4  # on either side: six parameters need more than two
+_LEAST_LENGTHS = 12
+_MOST = 120  # gaps that are tried; of more, every second or third
+
+
+class Gap(NamedTuple):
+    """A time between two stops."""
+
+    middle_s: float
+    width_s: float
+
+    @property
+    def label(self) -> str:
+        """The time as names carry it: with as many decimals as keep it within the gap."""
+        decimals = max(0, int(np.ceil(-np.log10(self.width_s / 4.0))))
+        return f"{self.middle_s:.{decimals}f}"
+
+
+def gaps_of_all(scene: Scene) -> tuple[Gap, ...]:
+    """Return the gaps with enough of all readings on either side for a rigid motion."""
+    least = _LEAST_LENGTHS if scene.legs else _LEAST_POSITIONS
+    return gaps(scene.stops, np.ones(len(scene.stops), dtype=bool), least)
+
+
+def gaps(stops: Stops, rows: BoolArray, least_readings: int) -> tuple[Gap, ...]:
+    """Return the gaps between stops that have enough readings on either side, in the order of time.
+
+    Parameters
+    ----------
+    stops : Stops
+    rows : ndarray, shape (n,)
+        Readings that count.
+    least_readings : int
+        On either side.
+    """
+    if stops.time_s is None:
+        return ()
+    chosen = np.flatnonzero(rows & np.isfinite(stops.time_s))
+    order = chosen[np.argsort(stops.time_s[chosen], kind="stable")]
+    time_s, config = stops.time_s[order], stops.config[order]
+    ends = np.arange(1, len(order))
+    apart = (config[1:] != config[:-1]) & (np.diff(time_s) > 0.0)
+    enough = (ends >= least_readings) & (len(order) - ends >= least_readings)
+    return tuple(
+        Gap(float(time_s[k - 1] + time_s[k]) / 2.0, float(time_s[k] - time_s[k - 1]))
+        for k in ends[apart & enough].tolist()
+    )
+
+
+def tried(
+    found: tuple[Gap, ...], between_s: tuple[float, float] | None, most: int = _MOST
+) -> tuple[Gap, ...]:
+    """Return the gaps at which a jump is tried: all between two moments, else at most so many, evenly."""
+    if between_s is None:
+        return found[:: max(1, -(-len(found) // most))]
+    return tuple(gap for gap in found if between_s[0] < gap.middle_s < between_s[1])
+
+
+def around(found: tuple[Gap, ...], time_s: float) -> Gap:
+    """Return the gap that holds a time, the nearest where none does."""
+    return min(found, key=lambda gap: abs(gap.middle_s - time_s))
+
+
+def jump_terms(names: tuple[str, ...], rows: Rows, port: Callable[[str, int], Port]) -> list[Term]:
+    """Move `port` of each prefix and component from the prefix's time on."""
+    split = [split_motion(name) for name in names]
+    later = {prefix: since(rows, jump_time_s(prefix)) for prefix, _ in split}
+    return [Term(k, port(prefix, component), later[prefix]) for k, (prefix, component) in enumerate(split)]
+
+
+def jump_time_s(prefix: str) -> float:
+    """Return the time of e.g. `jump_1234.5`."""
+    return float(prefix.rsplit("_", 1)[1])
+
+
+def since(rows: Rows, time_s: float) -> FloatArray:
+    """Return 1 from a moment [s] on, 0 before it and where a time is missing to make a model, shape (n,)."""
+    return np.asarray(moments_s(rows) >= time_s, dtype=float)
+
+
+LINEAR = "linear"
+_WIDTH_MM_PER_H = 0.3  # five times a drift that a calibration engineer would call serious
+_WIDTH_RAD_PER_H = 3e-4
+_SHORTEST_S = 600.0  # of the grid of time constants, which doubles from one to the next
+# Within a sixteenth of the measurements it is over before it is seen; beyond all of them it is even.
+_FASTEST, _SLOWEST = 1.0 / 16.0, 1.0
+
+
+def drift_specs(prefix: str, shape: str) -> tuple[ParameterSpec, ...]:
+    """Return the six rates of one shape.
+
+    A motion that dies out early has a way of its own to go: its rates may be larger in proportion.
+    """
+    tau_s = _time_constant_s(shape)
+    wider = 1.0 if tau_s is None else max(1.0, SECONDS_PER_HOUR / tau_s)
+    widths = Widths(_WIDTH_MM_PER_H * wider, _WIDTH_RAD_PER_H * wider, "mm/h", "rad/h")
+    return motion_specs(f"{prefix}_{shape}", widths)
+
+
+def drift_terms(names: tuple[str, ...], rows: Rows, port: Callable[[int], Port]) -> list[Term]:
+    """Move `port` of each component by its rate times the way of its shape, not at all where no time is."""
+    split = [split_motion(name) for name in names]
+    ways = {prefix: np.nan_to_num(_come_h(_shape_of(prefix), rows)) for prefix, _ in split}
+    return [Term(k, port(component), ways[prefix]) for k, (prefix, component) in enumerate(split)]
+
+
+def goes_on(names: tuple[str, ...]) -> bool:
+    """Return whether one of the shapes has no end of its own."""
+    return any(_shape_of(split_motion(name)[0]) == LINEAR for name in names)
+
+
+def drift_candidates(effect: str, subject: str, prefix: str, scene: Scene) -> tuple[Candidate, ...]:
+    """Propose an even drift, and settling ones with time constants that these measurements can tell."""
+    proposed = [Candidate(effect, subject, drift_specs(prefix, LINEAR))]
+    proposed += [
+        Candidate(effect, subject, drift_specs(prefix, f"exp{tau_s:g}"), tau_s)
+        for tau_s in _time_constants_s(duration_s(scene))
+    ]
+    return tuple(candidate for candidate in proposed if candidate.names[0] not in scene.present)
+
+
+def describe_drift(subject: str, fitted: Fitted, scene: Scene, who: Message) -> Description:
+    """Say how fast `who` moves, on average over the measurements; several shapes are added up."""
+    hours = max(duration_s(scene), 1.0) / SECONDS_PER_HOUR
+    motion = fitted_motion(fitted, lambda prefix: _mean_rate(_shape_of(prefix), hours))
+    rate, uncertainty = motion.shift
+    constants = _constants_s(fitted)
+    sentence = message(
+        "causes.drift",
+        who=who,
+        rate_mm_per_h=rate,
+        turn_deg_per_h=motion.turn_deg[0],
+        settling=tuple(message("causes.drift.settling", constant=spoken(tau_s)) for tau_s in constants),
+        way_mm=rate * hours,
+        span=spoken(SECONDS_PER_HOUR * hours),
+    )
+    details = (*motion.details("/h"), *_constant_details(constants))
+    return Description(subject, rate, "mm/h", uncertainty, sentence, details)
+
+
+def _constant_details(constants_s: list[float]) -> list[Detail]:
+    """Time constants are searched on a grid of factor two: known to its step, evenly spread."""
+    return [Detail("time_constant", tau_s, "s", tau_s / float(np.sqrt(12.0))) for tau_s in constants_s]
+
+
+def _constants_s(fitted: Fitted) -> list[float]:
+    shapes = {_shape_of(split_motion(name)[0]) for name in fitted.names}
+    return sorted(tau_s for tau_s in map(_time_constant_s, shapes) if tau_s is not None)
+
+
+def _shape_of(prefix: str) -> str:
+    return prefix.rsplit("_", 1)[1]
+
+
+def _time_constant_s(shape: str) -> float | None:
+    return None if shape == LINEAR else float(shape.removeprefix("exp"))
+
+
+def _come_h(shape: str, rows: Rows) -> FloatArray:
+    """Way per rate [h] that each row has come, NaN where no time is, shape (n,)."""
+    return _way_h(shape, hours_followed(rows) if shape == LINEAR else hours_since(rows, rows.origin_s))
+
+
+def _way_h(shape: str, hours: FloatArray) -> FloatArray:
+    """Way per rate [h]; a motion that settles begins with the measurements."""
+    tau_s = _time_constant_s(shape)
+    if tau_s is None:
+        return hours
+    tau_h = tau_s / SECONDS_PER_HOUR
+    return np.asarray(-tau_h * np.expm1(-np.maximum(hours, 0.0) / tau_h))
+
+
+def _mean_rate(shape: str, hours: float) -> float:
+    return float(_way_h(shape, np.array([hours]))[0] / hours)
+
+
+def _time_constants_s(duration_s: float) -> list[float]:
+    if duration_s <= 0.0:
+        return []
+    lowest = int(np.ceil(np.log2(_FASTEST * duration_s / _SHORTEST_S)))
+    highest = int(np.floor(np.log2(_SLOWEST * duration_s / _SHORTEST_S)))
+    return [_SHORTEST_S * 2.0**power for power in range(lowest, highest + 1)]

@@ -1,0 +1,1 @@
+"""Effects of what stands around the arm: base, tool, instruments."""

@@ -1,0 +1,139 @@
+"""Ballbar zero: what a ballbar reads too much since it was set on its calibrator, constant or growing.
+
+`zero_<initialisation>` is a constant until the next initialisation; `zerorate_<initialisation>_<time>` grows
+from nothing at that time [s], that of the first reading after the initialisation (magnetic snaps, handling).
+"""
+
+import numpy as np
+
+from truepose.domain.arrays import BoolArray, FloatArray
+from truepose.domain.diagnosis import Detail
+from truepose.effects.causes import Candidate, Description, Fitted, Scene, Signature
+from truepose.effects.motions import SECONDS_PER_HOUR, hours_since
+from truepose.effects.ports import Need, ParameterSpec, Port, PortKind, Rows, Setting, Term, Trait
+from truepose.messages.message import Text, message
+
+NAME = "ballbar_zero"
+_CONSTANT, _GROWING = "zero", "zerorate"
+_WIDTH_MM = 0.03  # ten times the walk of a good ballbar
+_WIDTH_MM_PER_H = 0.5  # the same in the few minutes between two initialisations
+
+
+class BallbarZero:
+    """One constant, or one rate, per initialisation."""
+
+    name = NAME
+    needs: frozenset[Need] = frozenset({"initialisation"})
+    traits = frozenset({Trait.OF_LENGTHS})
+    signature = Signature("ballbar", "constant", "group", "constant error of a length")
+
+    def specs(self, setting: Setting) -> tuple[ParameterSpec, ...]:
+        """Return one constant per initialisation."""
+        return _constants(setting)
+
+    def terms(self, names: tuple[str, ...], rows: Rows) -> list[Term]:
+        """Lengthen what is read after each initialisation."""
+        return [Term(k, Port(PortKind.LENGTH, 0), _weight(name, rows)) for k, name in enumerate(names)]
+
+    def unseen(self, scene: Scene) -> Text | None:
+        """Need lengths whose initialisations are known, and more than one where the length has an offset."""
+        if not scene.legs:
+            return message("unseen.no_lengths")
+        known = len(scene.setting.initialisations)
+        if known == 0:
+            return message("unseen.initialisations_not_numbered")
+        if known == 1 and "length_offset" in scene.present:
+            return message("unseen.one_initialisation")
+        return None
+
+    def candidates(self, scene: Scene) -> tuple[Candidate, ...]:
+        """Propose constants, and rates where times are known within initialisations."""
+        if self.unseen(scene):
+            return ()
+        proposed = (
+            Candidate(NAME, "ballbar", _constants(scene.setting)),
+            Candidate(NAME, "ballbar", _rates(scene), 1.0),
+        )
+        return tuple(
+            candidate for candidate in proposed if candidate.specs and candidate.names[0] not in scene.present
+        )
+
+    def describe(self, subject: str, fitted: Fitted, scene: Scene) -> Description:
+        """Say what the ballbar reads too much, root mean square over the initialisations."""
+        errors, covariance = _at_the_end(fitted, scene)
+        amplitude, uncertainty = _root_mean_square(errors, covariance)
+        growing = any(name.startswith(_GROWING) for name in fitted.names)
+        key = "causes.ballbar_zero.growing" if growing else "causes.ballbar_zero.constant"
+        sentence = message(key, amplitude_um=1e3 * amplitude, initialisations=len(errors))
+        details = (
+            Detail("mean", float(errors.mean()), "mm", float(np.sqrt(covariance.mean()))),
+            Detail("initialisations", float(len(errors)), "1", 0.0),
+        )
+        return Description(subject, amplitude, "mm", uncertainty, sentence, details)
+
+
+def _constants(setting: Setting) -> tuple[ParameterSpec, ...]:
+    return tuple(
+        ParameterSpec(f"{_CONSTANT}_{number}", "mm", 0.0, _WIDTH_MM) for number in setting.initialisations
+    )
+
+
+def _rates(scene: Scene) -> tuple[ParameterSpec, ...]:
+    spans = {number: _span_s(scene, number) for number in scene.setting.initialisations}
+    return tuple(
+        ParameterSpec(f"{_GROWING}_{number}_{first_s:.3f}", "mm/h", 0.0, _WIDTH_MM_PER_H)
+        for number, (first_s, last_s) in spans.items()
+        if last_s > first_s
+    )
+
+
+def _span_s(scene: Scene, number: int) -> tuple[float, float]:
+    """Return the times of the first and last reading after an initialisation, zeros where unknown."""
+    time_s, initialisation = scene.stops.time_s, scene.initialisation
+    if time_s is None or initialisation is None:
+        return 0.0, 0.0
+    known = time_s[(initialisation == number) & np.isfinite(time_s)]
+    return (float(known.min()), float(known.max())) if known.size else (0.0, 0.0)
+
+
+def _weight(name: str, rows: Rows) -> FloatArray:
+    kind, number, *start_s = name.split("_")
+    here = _after(int(number), rows)
+    if kind == _CONSTANT:
+        return here.astype(float)
+    return np.where(here, np.nan_to_num(hours_since(rows, float(start_s[0])), posinf=0.0), 0.0)
+
+
+def _after(number: int, rows: Rows) -> BoolArray:
+    if rows.initialisation is None:
+        return np.zeros(len(rows.stops), dtype=bool)
+    return np.asarray(rows.initialisation == number)
+
+
+def _at_the_end(fitted: Fitted, scene: Scene) -> tuple[FloatArray, FloatArray]:
+    """Return the error before the next initialisation, shape (M,) [mm], and its covariance."""
+    numbers = sorted({int(name.split("_")[1]) for name in fitted.names})
+    gather = np.zeros((len(numbers), len(fitted.names)))
+    for k, name in enumerate(fitted.names):
+        kind, number, *_ = name.split("_")
+        first_s, last_s = _span_s(scene, int(number))
+        gather[numbers.index(int(number)), k] = (
+            1.0 if kind == _CONSTANT else (last_s - first_s) / SECONDS_PER_HOUR
+        )
+    return gather @ fitted.values, gather @ fitted.covariance @ gather.T
+
+
+def _root_mean_square(errors: FloatArray, covariance: FloatArray) -> tuple[float, float]:
+    """Root mean square less what noise adds to it, and its standard uncertainty.
+
+    With few initialisations the next ones may differ: the scatter of a root mean square of M normal
+    numbers, 1 / sqrt(2 M) of it, is part of the uncertainty.
+    """
+    count = len(errors)
+    square = float(errors @ errors) / count
+    if square == 0.0:
+        return 0.0, float(np.sqrt(np.trace(covariance) / count))
+    direction = errors / (count * np.sqrt(square))
+    noise = float(direction @ covariance @ direction)
+    root = float(np.sqrt(max(square - float(np.trace(covariance)) / count, noise)))
+    return root, float(np.sqrt(noise + root**2 / (2.0 * count)))

@@ -1,0 +1,131 @@
+"""Fixture shift: the fixture that carries the base nests moved during one of its placements.
+
+A fixture that is placed anew is a new one; here all its nests move together, once, from a moment on. The
+parameters are about the world's origin, the amplitude is that of the fixture where it stands.
+"""
+
+import numpy as np
+
+from truepose.domain.arrays import FloatArray, distinct_values
+from truepose.domain.diagnosis import Detail
+from truepose.effects.causes import OF_SUBJECT, Candidate, Description, Fitted, Scene, Signature, varied
+from truepose.effects.motions import (
+    Gap,
+    Motion,
+    Widths,
+    around,
+    fitted_motion,
+    gaps,
+    jump_terms,
+    jump_time_s,
+    motion_specs,
+    split_motion,
+    spoken,
+    tried,
+    without_times,
+)
+from truepose.effects.ports import Need, ParameterSpec, Port, PortKind, Rows, Setting, Term, Trait
+from truepose.messages.message import Text, message
+
+NAME = "fixture_shift"
+_WIDTHS = Widths(0.5, 5e-4)
+_LEAST_READINGS = 12  # on either side: six parameters need more than one full pose
+_MOST_GAPS = 120  # over all placements
+
+
+class FixtureShift:
+    """Six components of one placement from a moment on that only a search in the data finds."""
+
+    name = NAME
+    needs: frozenset[Need] = frozenset({"time"})
+    traits = frozenset({Trait.SEARCHED, Trait.OF_LENGTHS})
+    signature = Signature(OF_SUBJECT, "time", "jump", "length of the translation", at="placement")
+
+    def specs(self, setting: Setting) -> tuple[ParameterSpec, ...]:
+        """Return none: when a fixture moved is not known beforehand."""
+        return ()
+
+    def terms(self, names: tuple[str, ...], rows: Rows) -> list[Term]:
+        """Move the base nests of the placement from the moment on."""
+        return jump_terms(names, rows, _port)
+
+    def unseen(self, scene: Scene) -> Text | None:
+        """Need lengths from base nests with times, several before and after."""
+        if not scene.legs:
+            return message("unseen.no_fixture")
+        if not varied(scene.stops.time_s):
+            return without_times(scene)
+        if not any(_gaps(scene, placement) for placement in _placements(scene)):
+            return message("unseen.few_lengths")
+        return None
+
+    def candidates(self, scene: Scene) -> tuple[Candidate, ...]:
+        """Propose every gap between stops of every placement that has readings enough on either side."""
+        placements = _placements(scene) if scene.legs else []
+        most = max(1, _MOST_GAPS // max(1, len(placements)))
+        proposed = (
+            Candidate(
+                NAME,
+                f"placement {placement}",
+                motion_specs(f"fixture_{placement}_{gap.label}", _WIDTHS),
+                gap.middle_s,
+            )
+            for placement in placements
+            for gap in tried(_gaps(scene, placement), scene.between_s, most)
+        )
+        return tuple(candidate for candidate in proposed if candidate.names[0] not in scene.present)
+
+    def describe(self, subject: str, fitted: Fitted, scene: Scene) -> Description:
+        """Say how far the fixture moved, and when; of several moves the largest is the amplitude."""
+        placement = int(subject.split()[1])
+        centre_mm = _centre_mm(scene, placement)
+        prefixes = sorted({split_motion(name)[0] for name in fitted.names}, key=jump_time_s)
+        motions = [_of(fitted, prefix).seen_at(centre_mm) for prefix in prefixes]
+        largest = int(np.argmax([motion.shift[0] for motion in motions]))
+        amplitude, uncertainty = motions[largest].shift
+        details = [
+            detail
+            for prefix, motion in zip(prefixes, motions, strict=True)
+            for detail in (_when(scene, placement, prefix), *motion.details())
+        ]
+        after = spoken(jump_time_s(prefixes[largest]) - scene.origin_s)
+        sentence = message(
+            "causes.fixture_shift",
+            placement=subject,
+            shift_mm=amplitude,
+            turn_deg=motions[largest].turn_deg[0],
+            after=after,
+        )
+        return Description(subject, amplitude, "mm", uncertainty, sentence, tuple(details))
+
+
+def _port(prefix: str, component: int) -> Port:
+    return Port(PortKind.FIXTURE, 6 * (int(prefix.split("_")[1]) - 1) + component)
+
+
+def _of(fitted: Fitted, chosen: str) -> Motion:
+    return fitted_motion(fitted, lambda prefix: float(prefix == chosen))
+
+
+def _placements(scene: Scene) -> list[int]:
+    return [] if scene.placement is None else distinct_values(scene.placement).tolist()
+
+
+def _gaps(scene: Scene, placement: int) -> tuple[Gap, ...]:
+    here = np.zeros(len(scene.stops), dtype=bool) if scene.placement is None else scene.placement == placement
+    return gaps(scene.stops, here, _LEAST_READINGS)
+
+
+def _when(scene: Scene, placement: int, prefix: str) -> Detail:
+    """Time of a move: anywhere within its gap, evenly spread."""
+    time_s = jump_time_s(prefix)
+    found = _gaps(scene, placement)
+    width_s = around(found, time_s).width_s if found else 0.0
+    return Detail("time", time_s, "s", width_s / float(np.sqrt(12.0)))
+
+
+def _centre_mm(scene: Scene, placement: int) -> FloatArray:
+    """Return the middle of where the tool was read from this placement: the fixture is a leg away from it."""
+    flange = scene.chain.end_origin
+    here = slice(None) if scene.placement is None else scene.placement == placement
+    return np.asarray(flange[here].mean(axis=0))

@@ -1,1 +1,0 @@
-"""Shapes that several effects share: drifts, jumps and rigid motions, in time or drawn anew each time."""

@@ -1,1 +1,0 @@
-"""Effects of the tool: its nests, how it sits on the flange, what it weighs."""

@@ -1,1 +1,0 @@
-"""Files as they come: archives, texts, workbooks, and the sheets in them."""

@@ -1,1 +1,0 @@
-"""Files of targets in, the same with corrected numbers out."""

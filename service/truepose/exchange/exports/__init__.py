@@ -1,1 +1,0 @@
-"""Identified models in the forms of other programs: one file a format, registered in `formats`."""

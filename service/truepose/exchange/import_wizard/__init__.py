@@ -1,0 +1,1 @@
+"""The import wizard: files of any program, with columns detected and shown before anything is made."""

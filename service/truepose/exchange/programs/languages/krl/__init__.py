@@ -1,1 +1,0 @@
-"""Programs and data lists of KUKA controllers (.src, .dat)."""

@@ -1,1 +1,0 @@
-"""RAPID modules of ABB controllers (.mod, .sys, .prg)."""

@@ -1,1 +1,0 @@
-"""Position lists: targets without a program around them."""

@@ -1,0 +1,189 @@
+"""A single-axis circle test and a ballbar sphere test as documents: angles in degrees."""
+
+from typing import Annotated, Self
+
+import numpy as np
+from pydantic import Field
+
+from truepose.exchange.results.document import (
+    Document,
+    Integers,
+    Quantities,
+    Quantity,
+    Spoken,
+    Taken,
+    in_degrees,
+)
+from truepose.validation.circle_test import CircleTest
+from truepose.validation.sphere_errors import SphereFigures
+from truepose.validation.sphere_test import Sphere, SphereOfModel, SphereTest
+from truepose.validation.uncertainty import Figure
+
+
+class ValueDocument(Document):
+    """A value with its standard uncertainty, in the unit of its name."""
+
+    value: Quantity
+    standard_uncertainty: Quantity
+
+
+def _figure_in_degrees(path: str) -> Taken:
+    return Taken(path, lambda it: Figure(*np.degrees([it.value, it.standard_uncertainty]).tolist()))
+
+
+class JointWaveDocument(Document):
+    """A wave of the angular error over the joint's angle: amplitude * cos(order * (angle - phase))."""
+
+    order: int = Field(description="Periods a turn.")
+    amplitude_deg: Annotated[ValueDocument, _figure_in_degrees("amplitude_rad")]
+    phase_deg: Annotated[Quantity, in_degrees("phase_rad")]
+
+
+class CircleStopsDocument(Document):
+    """Errors at the stops, against the circle through the place at `zero_deg`."""
+
+    config: Integers
+    angle_deg: Annotated[Quantities, in_degrees("errors.angle_rad")]
+    direction: Integers = Field(description="Sign of the joint's last motion, 0 unknown.")
+    radial_mm: Annotated[Quantities, Taken("errors.radial_mm")]
+    axial_mm: Annotated[Quantities, Taken("errors.axial_mm")]
+    tangential_mm: Annotated[Quantities, Taken("errors.tangential_mm")]
+    tangential_uncertainty_mm: Annotated[Quantities, Taken("errors.tangential_uncertainty_mm")]
+    angular_deg: Annotated[Quantities, in_degrees("errors.angular_rad")]
+
+
+class CircleDocument(Document):
+    """What a sweep of one joint shows at one nest; the columns of Table 2.3 of the thesis, and more."""
+
+    joint: int
+    nest: int
+    interval_deg: Annotated[Quantities, in_degrees("interval_rad")]
+    increment_deg: Annotated[Quantity, in_degrees("increment_rad")]
+    tangential_range_mm: ValueDocument
+    angular_range_deg: Annotated[ValueDocument, _figure_in_degrees("angular_range_rad")]
+    backlash_deg: Annotated[ValueDocument | None, _figure_in_degrees("backlash_rad")] = Field(
+        description="Null: no angle was visited from both sides."
+    )
+    radial_range_mm: Quantity
+    axial_range_mm: Quantity
+    radius_mm: Annotated[Quantity, Taken("errors.radius_mm")]
+    zero_deg: Annotated[Quantity, in_degrees("errors.zero_rad")]
+    noise_chance: Annotated[Quantity, Taken("curve.noise_chance")] = Field(
+        description="That scatter alone shows errors as large."
+    )
+    noise_alone: Annotated[bool, Taken("is_noise")]
+    gain: Annotated[ValueDocument | None, Taken("curve.gain")] = Field(
+        description="k1 - 1; null where the stops are too few."
+    )
+    waves: Annotated[list[JointWaveDocument], Taken("curve.waves")]
+    left_deg: Annotated[Quantity, in_degrees("curve.left_rad")] = Field(
+        description="RMS of what neither gain, waves nor backlash follow."
+    )
+    set_aside: list[int] = Field(description="Configurations whose readings lie far off plane or circle.")
+    stops: Annotated[CircleStopsDocument, Taken("")]
+
+
+class WithheldCircleDocument(Document):
+    """A sweep that gives no circle, and why."""
+
+    joint: int
+    nest: int
+    reason: Spoken
+
+
+class CircleTestDocument(Document):
+    """What `truepose circles --json` prints, and `GET /sessions/{id}/circles` shows."""
+
+    robot: str
+    circles: list[CircleDocument]
+    withheld: list[WithheldCircleDocument]
+
+
+def circle_document(test: CircleTest, robot: str) -> CircleTestDocument:
+    """Return the circles of a test, and what is withheld."""
+    return CircleTestDocument.of(test, robot=robot)
+
+
+class SphereFiguresDocument(Document):
+    """Radial errors, measured less predicted; the columns of Tables 2.12 and 2.13 of the thesis, and more."""
+
+    nest: int | None = Field(description="Null: of all nests.")
+    n: int
+    mean_mm: ValueDocument
+    sd_mm: ValueDocument
+    rms_mm: ValueDocument
+    max_mm: ValueDocument = Field(description="The largest size.")
+    config: int = Field(description="Configuration with the largest size.")
+    range_mm: ValueDocument = Field(description="Largest less smallest.")
+
+    @classmethod
+    def of_figures(cls, nest: int | None, figures: SphereFigures, sphere: Sphere) -> Self:
+        """Return the figures of a nest, or of all."""
+        return cls.of(figures, nest=nest, config=int(sphere.config[figures.max_at]))
+
+
+class SphereErrorsDocument(Document):
+    """Errors of one model about one centre."""
+
+    model: str = Field(description="`nominal`, or the name that a model was given.")
+    centre: Annotated[str, Taken("errors.centre.is_fitted", ("taught", "best").__getitem__)] = Field(
+        description="`taught`: where the arm held the ball; `best`: where the lengths fit."
+    )
+    centre_mm: Annotated[Quantities, Taken("errors.centre.place_mm")] = Field(
+        description="In the world of the model."
+    )
+    noise_chance: Annotated[Quantity, Taken("errors.noise_chance")] = Field(
+        description="That scatter alone shows errors as large."
+    )
+    noise_alone: Annotated[bool, Taken("is_noise")]
+    figures: list[SphereFiguresDocument]
+    error_mm: Annotated[Quantities, Taken("errors.errors_mm")]
+    standard_uncertainty_mm: Annotated[Quantities, Taken("errors.standard_uncertainty_mm")]
+
+    @classmethod
+    def of_model(cls, one: SphereOfModel, sphere: Sphere) -> Self:
+        """Return the errors of a model."""
+        figures = [*one.by_nest, *([(None, one.whole)] if len(one.by_nest) > 1 else [])]
+        return cls.of(one, figures=[SphereFiguresDocument.of_figures(*own, sphere) for own in figures])
+
+
+class SphereDocument(Document):
+    """All lengths about one ball."""
+
+    placement: int
+    base_point: int
+    config: Integers
+    nest: Integers
+    length_mm: Quantities
+    shown_mm: Quantities | None = Field(description="Lengths less the bar's; null: nobody said which bar.")
+    errors: list[SphereErrorsDocument]
+    withheld: list[Spoken]
+
+    @classmethod
+    def of_sphere(cls, sphere: Sphere) -> Self:
+        """Return a sphere."""
+        return cls.of(sphere, errors=[SphereErrorsDocument.of_model(one, sphere) for one in sphere.models])
+
+
+class SphereRankDocument(Document):
+    """RMS of all errors of a model."""
+
+    model: str
+    rms_mm: ValueDocument
+
+
+class SphereTestDocument(Document):
+    """What `truepose sphere --json` prints, and `GET /sessions/{id}/sphere` shows."""
+
+    robot: str
+    nominal_mm: Quantity | None = Field(description="Length of the bar.")
+    order: list[SphereRankDocument] = Field(description="Models, the most accurate first.")
+    spheres: list[SphereDocument]
+    skipped: int | None = Field(description="Stops that a person left out; null: nobody said.")
+
+
+def sphere_document(test: SphereTest, robot: str) -> SphereTestDocument:
+    """Return the spheres of a test, and the models in the order of their accuracy."""
+    spheres = [SphereDocument.of_sphere(sphere) for sphere in test.spheres]
+    order = [SphereRankDocument.of(model=model, rms_mm=rms) for model, rms in test.order]
+    return SphereTestDocument.of(test, robot=robot, spheres=spheres, order=order)

@@ -1,0 +1,252 @@
+"""What is being identified: nominal robot, start placement, parameters of effects, anchors and targets."""
+
+from collections import defaultdict
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from math import cos, sin
+from typing import TypeAlias
+
+import numpy as np
+
+from truepose.domain.arrays import FloatArray, IntArray
+from truepose.domain.contacts import Target
+from truepose.domain.robot import Robot
+from truepose.effects.ports import ParameterSpec, Port, PortKind, Rows, Term, Trait
+from truepose.effects.registry import effect_named, effects_with, summed_effects
+from truepose.kinematics.frames import rotation_xyz
+
+NOMINAL_EFFECTS = effects_with(Trait.PLACING)  # what is fitted around the nominal model
+
+
+@dataclass(frozen=True)  # without slots: what follows from the parameters is kept once it was asked for
+class Structure:
+    """A model without values: where it starts and which parameters move it.
+
+    `anchors` are unknown base nests of legs, named `anchor_<placement>_<point>_x`..; they and the
+    offset of the length come after the effects' parameters.
+    """
+
+    robot: Robot
+    base_rotation: FloatArray  # (3, 3) start
+    base_origin_mm: FloatArray  # (3,) start
+    nests_mm: FloatArray  # (K, 3) start, nest k in row k - 1
+    tool_rotation: FloatArray  # (3, 3) start
+    gravity_m_s2: FloatArray  # (3,)
+    effects: tuple[str, ...]
+    specs: tuple[ParameterSpec, ...]
+    owners: tuple[str, ...]  # effect of each parameter
+    anchors: tuple[tuple[int, int], ...] = ()  # (placement, base point)
+    targets: tuple[Target, ...] = ()  # of contacts, whose parameters `target_<number>_..` come last too
+    instrument_mm: FloatArray | None = None  # (3,) place of the instrument in the world
+    torques_measured: bool = False  # springs are loaded by measured torques, not by gravity's
+    origin_s: float = 0.0  # time from which drifts and warm-ups count
+    last_s: float | None = None  # of the readings that a model was made from; None while it is made
+
+    @property
+    def has_springs(self) -> bool:
+        """Whether an effect of it yields to the torque on each joint."""
+        return not set(effects_with(Trait.SPRINGS)).isdisjoint(self.effects)
+
+    @cached_property
+    def names(self) -> tuple[str, ...]:
+        """Names of the parameters, in order."""
+        return tuple(spec.name for spec in self.specs)
+
+    @cached_property
+    def prior_means(self) -> FloatArray:
+        """Prior means, shape (P,)."""
+        return np.array([spec.prior_mean for spec in self.specs])
+
+    @cached_property
+    def prior_widths(self) -> FloatArray:
+        """Prior standard deviations, shape (P,)."""
+        return np.array([spec.prior_width for spec in self.specs])
+
+    def indices_of(self, effect: str) -> tuple[int, ...]:
+        """Return the indices of the parameters of one effect."""
+        return self._members.get(effect, ())
+
+    def names_of(self, effect: str) -> tuple[str, ...]:
+        """Return the names of the parameters of one effect."""
+        return self._member_names.get(effect, ())
+
+    @cached_property
+    def _members(self) -> Mapping[str, tuple[int, ...]]:
+        return {
+            effect: tuple(k for k, owner in enumerate(self.owners) if owner == effect)
+            for effect in dict.fromkeys(self.owners)
+        }
+
+    @cached_property
+    def _member_names(self) -> Mapping[str, tuple[str, ...]]:
+        return {effect: tuple(self.names[k] for k in members) for effect, members in self._members.items()}
+
+    def index_of(self, name: str) -> int:
+        """Return the index of a parameter."""
+        return self._places[name]
+
+    @cached_property
+    def _places(self) -> Mapping[str, int]:
+        return {name: place for place, name in enumerate(self.names)}
+
+    def extended(self, effect: str, specs: tuple[ParameterSpec, ...]) -> "Structure":
+        """Return the structure with more parameters of an effect, at its end."""
+        effects = self.effects if effect in self.effects else (*self.effects, effect)
+        owners = (*self.owners, *(effect for _ in specs))
+        return replace(self, effects=effects, specs=(*self.specs, *specs), owners=owners)
+
+    def without(self, effects: tuple[str, ...]) -> "Structure":
+        """Return the structure without the parameters of these effects."""
+        left = np.array([k for k, owner in enumerate(self.owners) if owner not in effects], dtype=np.int64)
+        return replace(self.kept(left), effects=tuple(name for name in self.effects if name not in effects))
+
+    def kept(self, parameters: IntArray) -> "Structure":
+        """Return the structure with some of its parameters, shape (p,) indices."""
+        keep = parameters.tolist()
+        return replace(
+            self,
+            specs=tuple(self.specs[k] for k in keep),
+            owners=tuple(self.owners[k] for k in keep),
+        )
+
+
+def base_axes(start: FloatArray, angles_rad: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Rotation RotX RotY RotZ * start, and the three axes about which its angles turn, in rows.
+
+    Parameters
+    ----------
+    start : ndarray, shape (3, 3)
+    angles_rad : ndarray, shape (3,)
+
+    Returns
+    -------
+    rotation : ndarray, shape (3, 3)
+    axes : ndarray, shape (3, 3)
+    """
+    rx, ry, rz = angles_rad.tolist()
+    axes = np.array([
+        [1.0, 0.0, 0.0],
+        [0.0, cos(rx), sin(rx)],
+        [sin(ry), -sin(rx) * cos(ry), cos(rx) * cos(ry)],
+    ])
+    return rotation_xyz(rx, ry, rz) @ start, axes
+
+
+LEG_OWNER = "legs"  # stands for these parameters where others name their effect
+LEG_OFFSET = "length_offset"
+
+
+def anchor_name(anchor: tuple[int, int], component: int) -> str:
+    """Return e.g. `anchor_1_3_x` for placement 1, base point 3, component 0."""
+    return f"anchor_{anchor[0]}_{anchor[1]}_{'xyz'[component]}"
+
+
+def first_anchor(structure: Structure) -> int:
+    """Return the index of the first coordinate of the base cups, which follow one another."""
+    return structure.index_of(anchor_name(structure.anchors[0], 0))
+
+
+def anchor_places(structure: Structure, values: FloatArray) -> FloatArray:
+    """Return the places of the base cups at these values, shape (A, 3) [mm]."""
+    first = first_anchor(structure)
+    return np.asarray(values[first : first + 3 * len(structure.anchors)].reshape(-1, 3))
+
+
+TARGET_OWNER = "targets"  # stands for these parameters where others name their effect
+COUNTERPARTS = frozenset({LEG_OWNER, TARGET_OWNER})  # of what lengths are read against
+
+
+def target_prefix(target: Target) -> str:
+    """Return what the names of a target's parameters begin with, e.g. `target_2_`."""
+    return f"target_{target.number}_"
+
+
+def indices_of_target(structure: Structure, target: Target) -> slice:
+    """Return where the parameters of a target stand, which follow one another."""
+    prefix = target_prefix(target)
+    found = [k for k in structure.indices_of(TARGET_OWNER) if structure.names[k].startswith(prefix)]
+    return slice(found[0], found[-1] + 1)
+
+
+def certified_zeros(structure: Structure) -> frozenset[str]:
+    """Return the names of the parameters that only stand for the uncertainty of a certificate."""
+    return frozenset(
+        f"{target_prefix(target)}zero" for target in structure.targets if target.zero_mm is not None
+    )
+
+
+def centre_of(structure: Structure, values: FloatArray, target: Target) -> FloatArray:
+    """Return the centre of a target that has one, shape (3,) [mm, world frame]."""
+    return np.asarray(values[indices_of_target(structure, target)][:3])
+
+
+Moved: TypeAlias = dict[Port, FloatArray | float]
+Told: TypeAlias = Callable[[], tuple[Term, ...]]
+
+
+class ActiveEffects:
+    """The effects at the rows of one evaluation; those that no load changes are asked once."""
+
+    def __init__(self, structure: Structure, values: FloatArray, rows: Rows) -> None:
+        self.structure, self.values = structure, values
+        self._rows = rows
+
+    def under_load(self, rows: Rows) -> tuple[Told, Moved]:
+        """Return terms and moved ports, gearboxes loaded by what effects add to the torque too."""
+        told, moved = self._at(rows)
+        loads = [load for port, load in moved.items() if port.kind is PortKind.TORQUE]
+        if rows.torque_n_mm is None or not any(np.any(load) for load in loads):
+            return told, moved
+        return self._at(rows._replace(torque_n_mm=with_added_loads(rows.torque_n_mm, moved)))
+
+    def _at(self, rows: Rows) -> tuple[Told, Moved]:
+        following = [name for name in self.structure.effects if name not in effects_with(Trait.STEADY)]
+        steady, already = self._steady
+        told, moved = self._asked(following, rows, already)
+        return lambda: (*steady(), *told()), moved
+
+    @cached_property
+    def _steady(self) -> tuple[Told, Moved]:
+        steady = [name for name in self.structure.effects if name in effects_with(Trait.STEADY)]
+        return self._asked(steady, self._rows, {})
+
+    def _asked(self, effects: Sequence[str], rows: Rows, already: Moved) -> tuple[Told, Moved]:
+        """Return what effects move; those that add up themselves tell their terms only if somebody asks."""
+        summed = [name for name in effects if name in summed_effects()]
+        terms = self._collected([name for name in effects if name not in summed], rows)
+        moved = _moved(terms, self.values, already)
+        for name in summed:
+            values = self.values[list(self.structure.indices_of(name))]
+            for port, shift in (
+                summed_effects()[name].sums(self.structure.names_of(name), values, rows).items()
+            ):
+                moved[port] = moved.get(port, 0.0) + shift
+        return lambda: (*terms, *self._collected(summed, rows)), moved
+
+    def _collected(self, effects: Sequence[str], rows: Rows) -> tuple[Term, ...]:
+        """Ask effects how their parameters act; parameter indices are those of the structure."""
+        terms: list[Term] = []
+        for effect in effects:
+            indices = self.structure.indices_of(effect)
+            terms += [
+                Term(indices[term.parameter], term.port, term.weight)
+                for term in effect_named(effect).terms(self.structure.names_of(effect), rows)
+            ]
+        return tuple(terms)
+
+
+def _moved(terms: Iterable[Term], values: FloatArray, already: Moved) -> Moved:
+    moved: defaultdict[Port, FloatArray | float] = defaultdict(float, already)
+    for term in terms:
+        moved[term.port] = moved[term.port] + term.weight * float(values[term.parameter])
+    return dict(moved)
+
+
+def with_added_loads(torque: FloatArray, moved: Moved) -> FloatArray:
+    """Return torques (n, J) with the loads on ports added [N mm]."""
+    loaded = torque.copy()
+    for port, load in moved.items():
+        if port.kind is PortKind.TORQUE:
+            loaded[:, port.number] += load
+    return loaded

@@ -1,1 +1,0 @@
-"""Where a model holds: its robot, its zone, its days, and what it lacks."""

@@ -1,1 +1,0 @@
-"""Closed loops as observations: one file for each thing that readings are taken against."""

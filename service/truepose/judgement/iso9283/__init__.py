@@ -1,1 +1,0 @@
-"""ISO 9283:1998, pose characteristics: from commanded poses and attained ones to the standard's figures."""

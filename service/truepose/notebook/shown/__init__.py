@@ -1,1 +1,0 @@
-"""How a notebook sees answers: as DataFrames, small tables and text."""

@@ -1,1 +1,0 @@
-"""Ballbar sessions under way: planned, run, shown, and what counts of them."""

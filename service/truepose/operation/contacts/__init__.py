@@ -1,1 +1,0 @@
-"""Sessions of closed loops behind the desk."""

@@ -1,1 +1,0 @@
-"""How the service is at present: everything that who runs it watches, in one look."""

@@ -1,1 +1,0 @@
-"""Tracker sessions as the desk runs them."""

@@ -1,0 +1,264 @@
+"""Joint targets at which the legs have given lengths under a model, coded so that exchanges show.
+
+Coded lengths: the legs of a pose aim at lengths that differ, so that exchanged legs betray themselves. Six
+lengths fix six degrees of freedom, so every leg of a pose may have a length of its own. The levels are spread
+evenly over +-0.7 mm, which leaves 0.3 mm of the ballbar's range for what the aim misses.
+
+Legs that follow each other share a ball and are the ones that are confused most easily; their levels are at
+least two steps apart. From pose to pose all levels move on by one, so no leg has always the same.
+
+The lengths come from a function, so that any model serves: the nominal robot, or an identified one with cups
+where it found them. Derivatives are differences; the function is called once per pass with all of them.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Final, TypeAlias
+
+import numpy as np
+
+from truepose.domain.arrays import FloatArray
+from truepose.domain.ballbar import PlannedPose
+from truepose.domain.errors import ConfigurationError
+from truepose.domain.robot import JointRange
+from truepose.planning.ballbar.bodies import BallbarCell, BaseFixture
+from truepose.planning.ballbar.paths import Stop, Surroundings, tour
+from truepose.planning.errors import AimError
+
+SPAN_MM: Final = 0.7
+
+
+@dataclass(frozen=True, slots=True)
+class Code:
+    """Levels of the lengths of one pose, in the order of its legs."""
+
+    offsets_mm: tuple[float, ...]  # from the nominal length, all different
+    spacing_mm: float  # between neighbouring levels; 0 for a single leg
+
+
+def coded_lengths(n_legs: int, turn: int = 0) -> Code:
+    """Return the offsets of n legs from the nominal length.
+
+    Parameters
+    ----------
+    n_legs : int
+        Six in general: +-0.7 mm in steps of 0.28. Others: as many levels, spread over the same span.
+    turn : int
+        Number of the pose: which leg has which level.
+
+    Raises
+    ------
+    ConfigurationError
+        There is no leg.
+    """
+    if n_legs < 1:
+        raise ConfigurationError(f"{n_legs} legs cannot be coded; a pose has at least one.")
+    if n_legs == 1:
+        return Code((0.0,), 0.0)
+    spacing = 2.0 * SPAN_MM / (n_legs - 1)
+    levels = ((level + turn) % n_legs for level in _interleaved(n_legs))
+    return Code(tuple(spacing * level - SPAN_MM for level in levels), spacing)
+
+
+def _interleaved(n: int) -> list[int]:
+    """Numbers 0..n-1 with those that follow each other far apart: 0 3 1 4 2 5 for six."""
+    half = (n + 1) // 2
+    return [level for pair in range(half) for level in (pair, pair + half) if level < n]
+
+
+Lengths: TypeAlias = Callable[[FloatArray], FloatArray]  # joints (n, J) -> lengths (n, L) [mm]
+
+_DIFFERENCE_RAD: Final = 1e-5  # lengths of 300 mm are right to 1e-10 mm, so derivatives to 1e-5 mm/rad
+_PASSES: Final = 20
+_MET_MM: Final = 1e-4  # a fifth of the ballbar's scatter
+_FARTHEST_RAD: Final = float(np.radians(8.0))  # any joint from where it started
+_FLATTEST: Final = 1e-3  # smallest over largest singular value: beyond, a leg cannot be set on its own
+
+
+def aimed(
+    lengths: Lengths,
+    joints_rad: Sequence[float] | FloatArray,
+    wanted_mm: Sequence[float] | FloatArray,
+    ranges: tuple[JointRange, ...] | None = None,
+) -> FloatArray:
+    """Return joints near the given ones at which the legs have the wanted lengths.
+
+    Parameters
+    ----------
+    lengths : callable, (n, J) -> (n, L)
+        Lengths of the legs [mm] at joints [rad].
+    joints_rad : array_like, shape (J,)
+        Where to start: the planned pose.
+    wanted_mm : array_like, shape (L,)
+    ranges : tuple of JointRange, optional
+        That the joints must not leave.
+
+    Returns
+    -------
+    ndarray, shape (J,)
+        On the branch of the start: no joint moved by more than 8 deg, no singular arm on the way.
+
+    Raises
+    ------
+    AimError
+        No such joints are there; it says why.
+    ConfigurationError
+        The lengths are not as many as those wanted.
+    """
+    start = np.asarray(joints_rad, dtype=float)
+    wanted = np.asarray(wanted_mm, dtype=float)
+    joints, side = start, 0.0
+    for _ in range(_PASSES):
+        now, jacobian = _linearised(lengths, joints)
+        if now.shape != wanted.shape:
+            raise ConfigurationError(f"{wanted.size} lengths are wanted of {now.size} legs.")
+        side = _same_side(jacobian, side)
+        if np.max(np.abs(wanted - now)) < _MET_MM:
+            return _within(joints, ranges)
+        step = np.linalg.lstsq(jacobian, wanted - now, rcond=None)[0]
+        joints = joints + step
+        if np.max(np.abs(joints - start)) > _FARTHEST_RAD:
+            raise AimError(
+                f"Joint {int(np.argmax(np.abs(joints - start))) + 1} would have to turn by more than "
+                f"{np.degrees(_FARTHEST_RAD):.0f} deg to give the legs these lengths: aim the pose at others."
+            )
+    raise AimError(
+        "No joints near the pose give the legs these lengths: "
+        f"{np.max(np.abs(wanted - now)):.3f} mm are left."
+    )
+
+
+def _linearised(lengths: Lengths, joints: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Lengths (L,) and their derivatives (L, J)."""
+    steps = _DIFFERENCE_RAD * np.eye(len(joints))
+    found = np.asarray(lengths(np.concatenate([joints[None], joints + steps, joints - steps])))
+    if not np.all(np.isfinite(found)):
+        raise AimError("The model gives no lengths at this pose; check the joints and the cups it knows.")
+    plus, minus = np.split(found[1:], 2)
+    return found[0], np.asarray((plus - minus).T / (2 * _DIFFERENCE_RAD))
+
+
+def _same_side(jacobian: FloatArray, before: float) -> float:
+    """Sign of the determinant, 0 where there is none; refuses a singular arm and one that went through it."""
+    values = np.linalg.svd(jacobian, compute_uv=False)
+    if values[-1] < _FLATTEST * values[0]:
+        raise AimError(
+            "The arm or the legs are singular at this pose: their lengths cannot be set one by one."
+        )
+    rows, columns = jacobian.shape
+    side = float(np.sign(np.linalg.det(jacobian))) if rows == columns else 0.0
+    if side * before < 0.0:
+        raise AimError("The arm would pass a singularity to give the legs these lengths: aim at others.")
+    return side
+
+
+def _within(joints: FloatArray, ranges: tuple[JointRange, ...] | None) -> FloatArray:
+    for number, (angle, limit) in enumerate(zip(joints, ranges or (), strict=False), start=1):
+        if not limit.lower_rad <= angle <= limit.upper_rad:
+            raise AimError(
+                f"Joint {number} would have to turn to {np.degrees(angle):.2f} deg, out of its range "
+                f"({np.degrees(limit.lower_rad):g} to {np.degrees(limit.upper_rad):g} deg)."
+            )
+    return joints
+
+
+def aimed_pose(
+    pose: PlannedPose,
+    lengths: Lengths,
+    nominal_mm: float,
+    ranges: tuple[JointRange, ...] | None = None,
+) -> PlannedPose:
+    """Return a pose with coded lengths under a model; `lengths` are in the order of its legs.
+
+    Raises
+    ------
+    AimError
+        The code cannot be reached near the pose, whichever leg has which level.
+    """
+    refusals: list[AimError] = []
+    for turn in range(len(pose.legs)):
+        code = coded_lengths(len(pose.legs), pose.config + turn)
+        wanted = tuple(nominal_mm + offset for offset in code.offsets_mm)
+        try:
+            joints = aimed(lengths, pose.joints_rad, wanted, ranges)
+        except AimError as refusal:
+            refusals.append(refusal)
+        else:
+            return replace(pose, joints_rad=tuple(float(q) for q in joints), aimed_mm=wanted)
+    raise AimError(f"Configuration {pose.config} cannot be aimed at coded lengths. {refusals[0]}")
+
+
+# An aim moves the tool by a millimetre or two, and so far the cups may be from where they were planned.
+_ROOM_USED_MM: Final = 3.0
+
+
+@dataclass(frozen=True, slots=True)
+class AimedAgain:
+    """Poses in the order in which they are to be measured."""
+
+    poses: tuple[PlannedPose, ...]
+    refusals: tuple[str, ...]  # a sentence for each that could not be coded, or to which no way leads
+
+
+def aimed_again(
+    cell: BallbarCell,
+    fixture: BaseFixture,
+    poses: Sequence[PlannedPose],
+    lengths: Callable[[PlannedPose], Lengths],
+    here_rad: Sequence[float],
+    *,
+    last: int | None = None,
+    seed: int = 0,
+) -> AimedAgain:
+    """Aim the poses of one placement at coded lengths under a model, and plan the ways between them.
+
+    Parameters
+    ----------
+    cell : BallbarCell
+    fixture : BaseFixture
+        Of the placement of all these poses.
+    poses : sequence of PlannedPose
+        Those not measured yet, those skipped, those whose legs were exchanged.
+    lengths : callable
+        From a pose to the function that predicts the lengths of its legs, in their order.
+    here_rad : sequence of float
+        Where the arm is.
+    last : int, optional
+        Configuration that stays the last one: where the arm waits while the base fixture is put elsewhere.
+    seed : int
+        For the search for ways.
+
+    Returns
+    -------
+    AimedAgain
+        A pose that cannot be coded is aimed at nominal lengths, or stays as it was. One to which no clear way
+        leads is left out.
+    """
+    aims = [coded_or_kept(cell, pose, lengths(pose)) for pose in poses]
+    new = [pose for pose, _ in aims]
+    around = Surroundings(replace(cell, arm_room_mm=cell.arm_room_mm - _ROOM_USED_MM), fixture)
+    joints = np.array([pose.joints_rad for pose in new]).reshape(-1, cell.robot.n_joints)
+    groups = [
+        [row for row, pose in enumerate(new) if pose.config != last],
+        [row for row, pose in enumerate(new) if pose.config == last],
+    ]
+    found = tour(around, joints, groups, Stop(np.array(here_rad, dtype=float)), np.random.default_rng(seed))
+    ordered = tuple(replace(new[row], via_rad=via) for row, via in zip(found.order, found.vias, strict=True))
+    missed = (
+        f"No clear way leads to configuration {new[row].config}: it is left out." for row in found.missed
+    )
+    return AimedAgain(ordered, (*(said for _, said in aims if said is not None), *missed))
+
+
+def coded_or_kept(cell: BallbarCell, pose: PlannedPose, lengths: Lengths) -> tuple[PlannedPose, str | None]:
+    """Return a pose at coded lengths, else at nominal ones, else as it was; and why it is not coded."""
+    try:
+        return aimed_pose(pose, lengths, cell.leg_mm, cell.ranges), None
+    except AimError as refusal:
+        sentence = str(refusal)
+    try:
+        joints = aimed(lengths, pose.joints_rad, np.full(len(pose.legs), cell.leg_mm), cell.ranges)
+    except AimError:
+        return replace(pose, aimed_mm=None), f"{sentence} It stays where it was planned."
+    plain = replace(pose, joints_rad=tuple(float(q) for q in joints), aimed_mm=None)
+    return plain, f"{sentence} It is aimed at lengths that are all nominal."

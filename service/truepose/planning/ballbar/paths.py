@@ -1,0 +1,398 @@
+"""Collision-free paths from stop to stop, the ballbar off, checked all along, and the order of stops.
+
+*Between stops* joint motions through via points: a straight one first; then away from the fixture, straight
+across, and down again; then a search by two trees of random motions that grow towards each other (J. J.
+Kuffner, S. M. LaValle, RRT-Connect, Proc. IEEE ICRA, 2000, 995-1001), whose way is shortened afterwards. At a
+set-up the tool leaves the cup along the cup's axis.
+
+*Where the arm waits* once all cups are clamped, off the cups, with the ball and the base sides in reach:
+straight back from the last cup first, or up; where the arm cannot, one of the poses that follow will do:
+their nests stand a ballbar's length from the cups.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import pairwise, product
+from typing import Final, TypeAlias
+
+import numpy as np
+
+from truepose.domain.arrays import FloatArray
+from truepose.domain.ballbar import PlannedAway
+from truepose.kinematics.inverse import all_branches, brought_within
+from truepose.planning.ballbar.bodies import BallbarCell, BaseFixture, chain_of, pose_in_base
+from truepose.planning.ballbar.clearance import Bodies, arm_room_mm, bodies_at, hands_room_mm, without_cups
+from truepose.planning.errors import NoWayError
+
+RETREATS_MM: Final = (60.0, 120.0, 200.0)
+_CHECK_RAD: Final = float(np.radians(2.0))  # between two checks; a nest then moves by 30 mm at most
+_SAME_BRANCH_RAD: Final = 1.0  # a retreat that turns a joint by more is another branch
+_ROUNDING_MM: Final = 1e-6  # stops that just keep their room keep it still after a turn of their joints
+
+
+@dataclass(frozen=True, slots=True)
+class Stop:
+    """A configuration where the arm stops; at a set-up, which cup the tool touches there."""
+
+    joints_rad: FloatArray  # (J,)
+    base_point: int | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Surroundings:
+    """What the arm moves among."""
+
+    cell: BallbarCell
+    fixture: BaseFixture
+
+
+def lift(around: Surroundings, stop: Stop) -> list[FloatArray]:
+    """Return the stop, and at a set-up the configuration where the tool has left the cup along its axis.
+
+    Raises
+    ------
+    NoWayError
+        The tool cannot leave the cup.
+    """
+    if stop.base_point is None:
+        return [stop.joints_rad]
+    axis = around.fixture.axes[stop.base_point - 1]
+    for distance in RETREATS_MM:
+        lifted = shifted(around.cell, stop.joints_rad, distance * axis)
+        if lifted is not None and _lifts_clear(around, stop, lifted):
+            return [stop.joints_rad, lifted]
+    raise NoWayError(
+        f"The tool cannot leave base point {stop.base_point} of placement {around.fixture.number} along the "
+        "cup's axis: place the base fixture elsewhere."
+    )
+
+
+def can_lift(around: Surroundings, stop: Stop) -> bool:
+    """Whether the tool can leave the cup of a set-up."""
+    try:
+        lift(around, stop)
+    except NoWayError:
+        return False
+    return True
+
+
+def _lifts_clear(around: Surroundings, stop: Stop, lifted: FloatArray) -> bool:
+    """Whether the lift is clear but for the cups that part, and its end altogether."""
+    if not is_clear_along(around, lifted[None]):
+        return False
+    bodies = bodies_at(around.cell, around.fixture, between(stop.joints_rad, lifted))
+    return _roomy(around, without_cups(bodies, int(stop.base_point or 0)))
+
+
+def is_clear_along(around: Surroundings, joints_rad: FloatArray) -> bool:
+    """Whether all configurations (n, J) are clear and within the ranges."""
+    _, within = brought_within(joints_rad, around.cell.ranges)
+    if not within.all():
+        return False
+    return _roomy(around, bodies_at(around.cell, around.fixture, joints_rad))
+
+
+def _roomy(around: Surroundings, bodies: Bodies) -> bool:
+    return bool((arm_room_mm(bodies) >= around.cell.arm_room_mm - _ROUNDING_MM).all())
+
+
+def between(start: FloatArray, end: FloatArray) -> FloatArray:
+    """Return the configurations that are looked at along a straight joint motion, both ends included."""
+    steps = max(1, int(np.ceil(np.max(np.abs(end - start)) / _CHECK_RAD)))
+    share = np.linspace(0.0, 1.0, steps + 1)[:, None]
+    return np.asarray((1.0 - share) * start + share * end)
+
+
+def shifted(cell: BallbarCell, joints: FloatArray, shift_mm: FloatArray) -> FloatArray | None:
+    """Return joints (J,) on the same branch with the tool shifted (3,) in the world; None where none are."""
+    chain = chain_of(cell, joints[None])
+    pose = np.eye(4)
+    pose[:3, :3], pose[:3, 3] = chain.end_rotation[0], chain.end_origin[0] + shift_mm
+    found = all_branches(cell.robot, pose_in_base(cell, pose[None]))[0]
+    turned = found - 2 * np.pi * np.round((found - joints) / (2 * np.pi))
+    apart = np.where(np.isnan(turned).any(axis=1), np.inf, np.abs(turned - joints).max(axis=1))
+    best = int(np.argmin(apart))
+    if apart[best] > _SAME_BRANCH_RAD:
+        return None
+    low = np.array([limit.lower_rad for limit in cell.ranges])
+    high = np.array([limit.upper_rad for limit in cell.ranges])
+    return turned[best] if bool(np.all((turned[best] >= low) & (turned[best] <= high))) else None
+
+
+_LONGEST_GROWTH_RAD: Final = 0.6
+_GROWTHS: Final = 400
+_SHORTCUTS: Final = 40
+
+
+def way(
+    around: Surroundings, start: Stop, end: Stop, rng: np.random.Generator
+) -> tuple[tuple[float, ...], ...]:
+    """Return the via points between two stops, none where the straight joint motion is clear.
+
+    Parameters
+    ----------
+    around : Surroundings
+    start, end : Stop
+        Both clear themselves.
+    rng : numpy.random.Generator
+        For the search, where simple ways are not clear.
+
+    Returns
+    -------
+    tuple of joint angles [rad]
+
+    Raises
+    ------
+    NoWayError
+        None was found; the stops are in pockets of their own, or one of them is not clear.
+    """
+    leaving, arriving = lift(around, start), lift(around, end)
+    for ways in (_direct, _by_retreats, _by_search):
+        inner = ways(around, leaving[-1], arriving[-1], rng)
+        if inner is not None:
+            points = [*leaving[1:], *inner, *arriving[:0:-1]]
+            return tuple(tuple(float(q) for q in point) for point in points)
+    raise NoWayError(
+        "No clear way was found between two stops: move the base fixture away from the arm, or leave one out."
+    )
+
+
+def _joins(around: Surroundings, points: Sequence[FloatArray]) -> bool:
+    return all(is_clear_along(around, between(a, b)) for a, b in pairwise(points))
+
+
+def _direct(
+    around: Surroundings, start: FloatArray, end: FloatArray, rng: np.random.Generator
+) -> list[FloatArray] | None:
+    return [] if _joins(around, [start, end]) else None
+
+
+def _by_retreats(
+    around: Surroundings, start: FloatArray, end: FloatArray, rng: np.random.Generator
+) -> list[FloatArray] | None:
+    """Away from the fixture, across, and down again; the shortest retreats that do."""
+    starts, ends = _retreats(around, start), _retreats(around, end)
+    ways = sorted(product(starts, ends), key=lambda pair: pair[0][0] + pair[1][0])
+    for (_, up), (_, down) in ways:
+        if is_clear_along(around, between(up, down)):
+            return [point for point in (up, down) if point is not start and point is not end]
+    return None
+
+
+def _retreats(around: Surroundings, joints: FloatArray) -> list[tuple[float, FloatArray]]:
+    """How far the tool goes back from the fixture, and where it is then; not at all is one of them."""
+    found = [(0.0, joints)]
+    back = chain_of(around.cell, joints[None]).points(around.cell.nests_mm.mean(axis=0))[0]
+    away = back - around.fixture.hub_mm
+    away /= np.linalg.norm(away)
+    for distance in RETREATS_MM:
+        moved = shifted(around.cell, joints, distance * away)
+        if moved is not None and is_clear_along(around, between(joints, moved)):
+            found.append((distance, moved))
+    return found
+
+
+def _by_search(
+    around: Surroundings, start: FloatArray, end: FloatArray, rng: np.random.Generator
+) -> list[FloatArray] | None:
+    """Two trees that grow towards each other and towards random configurations in turn."""
+    trees = (_Tree([start], [-1]), _Tree([end], [-1]))
+    low = np.array([limit.lower_rad for limit in around.cell.ranges])
+    high = np.array([limit.upper_rad for limit in around.cell.ranges])
+    for growth in range(_GROWTHS):
+        here, there = trees[growth % 2], trees[(growth + 1) % 2]
+        reached = here.grow(around, low + (high - low) * rng.random(len(low)))
+        if reached is None:
+            continue
+        met = there.reach(around, here.points[reached])
+        if met is not None:
+            first, second = here.trunk(reached), there.trunk(met)
+            path = first[::-1] + second[1:] if growth % 2 == 0 else second[::-1] + first[1:]
+            return _shortened(around, path, rng)[1:-1]
+    return None
+
+
+@dataclass(frozen=True, slots=True)
+class _Tree:
+    """Configurations that are joined by clear motions; grows in place."""
+
+    points: list[FloatArray]
+    parents: list[int]
+
+    def grow(self, around: Surroundings, towards: FloatArray) -> int | None:
+        """Go one step towards a configuration; the new point's index, None where the step is not clear."""
+        nearest = self._nearest(towards)
+        step = towards - self.points[nearest]
+        longest = float(np.max(np.abs(step)))
+        point = self.points[nearest] + step * min(1.0, _LONGEST_GROWTH_RAD / max(longest, 1e-12))
+        if not is_clear_along(around, between(self.points[nearest], point)):
+            return None
+        self.points.append(point)
+        self.parents.append(nearest)
+        return len(self.points) - 1
+
+    def reach(self, around: Surroundings, goal: FloatArray) -> int | None:
+        """Go on towards a configuration until it is reached or the way is not clear."""
+        while True:
+            index = self.grow(around, goal)
+            if index is None:
+                return None
+            if np.allclose(self.points[index], goal, atol=1e-12):
+                return index
+
+    def _nearest(self, joints: FloatArray) -> int:
+        apart = np.max(np.abs(np.array(self.points) - joints), axis=1)
+        return int(np.argmin(apart))
+
+    def trunk(self, index: int) -> list[FloatArray]:
+        """Return the points from one to the root."""
+        found = []
+        while index >= 0:
+            found.append(self.points[index])
+            index = self.parents[index]
+        return found
+
+
+def _shortened(around: Surroundings, path: list[FloatArray], rng: np.random.Generator) -> list[FloatArray]:
+    """Leave out points between which the straight motion is clear."""
+    for _ in range(_SHORTCUTS):
+        if len(path) < 3:
+            break
+        first, last = sorted(rng.choice(len(path), 2, replace=False).tolist())
+        if last - first > 1 and is_clear_along(around, between(path[first], path[last])):
+            path = path[: first + 1] + path[last:]
+    return path
+
+
+Via: TypeAlias = tuple[tuple[float, ...], ...]
+
+_TRIES: Final = 3  # stops to which a way is searched before they are given up
+
+
+@dataclass(frozen=True, slots=True)
+class Tour:
+    """Stops in their order, each with the way from the one before."""
+
+    order: tuple[int, ...]
+    vias: tuple[Via, ...]
+    missed: tuple[int, ...]  # stops to which no clear way was found
+
+
+def tour(
+    around: Surroundings,
+    joints_rad: FloatArray,
+    groups: Sequence[Sequence[int]],
+    here: Stop,
+    rng: np.random.Generator,
+) -> Tour:
+    """Order stops by short motions, group after group, with the ways to them.
+
+    Parameters
+    ----------
+    around : Surroundings
+    joints_rad : ndarray, shape (n, J)
+    groups : sequences of rows of `joints_rad`
+        Those of one group are all visited before the next group.
+    here : Stop
+        Where the arm is.
+    rng : numpy.random.Generator
+        For the search for ways.
+    """
+    order: list[int] = []
+    vias: list[Via] = []
+    missed: list[int] = []
+    for group in groups:
+        left = list(group)
+        while left:
+            nearest = sorted(left, key=lambda row: _motion(joints_rad[row], here))[:_TRIES]
+            found = _first_way(around, joints_rad, nearest, here, rng)
+            if found is None:
+                missed += nearest
+                left = [row for row in left if row not in nearest]
+                continue
+            row, via = found
+            left.remove(row)
+            order.append(row)
+            vias.append(via)
+            here = Stop(joints_rad[row])
+    return Tour(tuple(order), tuple(vias), tuple(missed))
+
+
+def _motion(joints: FloatArray, here: Stop) -> float:
+    return float(np.max(np.abs(joints - here.joints_rad)))
+
+
+def _first_way(
+    around: Surroundings, joints: FloatArray, rows: Sequence[int], here: Stop, rng: np.random.Generator
+) -> tuple[int, Via] | None:
+    for row in rows:
+        try:
+            return row, way(around, here, Stop(joints[row]), rng)
+        except NoWayError:
+            continue
+    return None
+
+
+# Free about cups and sides: two hands at a cup are comfortable; one gets through with the bar in it.
+ROOMS_MM: Final = (100.0, 70.0)
+_BACK_MM: Final = (120.0, 160.0, 200.0, 250.0, 300.0, 400.0)
+_UP: Final = np.array([0.0, 0.0, 1.0])
+_NEAREST_POSES: Final = 8  # that are tried
+
+
+def away(around: Surroundings, held: Stop, poses_rad: FloatArray, rng: np.random.Generator) -> PlannedAway:
+    """Return where the arm goes from the last set-up, and the way there.
+
+    Parameters
+    ----------
+    around : Surroundings
+    held : Stop
+        The last set-up.
+    poses_rad : ndarray, shape (n, J)
+        Configurations of this placement, clear themselves.
+    rng : numpy.random.Generator
+        For the search for ways.
+
+    Raises
+    ------
+    NoWayError
+        Wherever the arm can go from there, it leaves no room for the hands.
+    """
+    places = list(_candidates(around, held, poses_rad))
+    rooms = [_room_mm(around, joints) for joints in places]
+    for wanted in ROOMS_MM:
+        for joints, room in zip(places, rooms, strict=True):
+            via = _way_to(around, held, joints, rng) if room >= wanted else None
+            if via is not None:
+                return PlannedAway(tuple(float(q) for q in joints), via)
+    raise NoWayError(
+        f"From base point {held.base_point} of placement {around.fixture.number} the arm cannot back off so "
+        f"far that {ROOMS_MM[-1]:g} mm are free about the cups: place the base fixture elsewhere."
+    )
+
+
+def _candidates(around: Surroundings, held: Stop, poses_rad: FloatArray) -> Iterator[FloatArray]:
+    axis = around.fixture.axes[(held.base_point or 1) - 1]
+    for distance in _BACK_MM:
+        for direction in (axis, _UP):
+            moved = shifted(around.cell, held.joints_rad, distance * direction)
+            if moved is not None:
+                yield moved
+    motion = np.abs(poses_rad - held.joints_rad).max(axis=1)
+    yield from poses_rad[np.argsort(motion)[:_NEAREST_POSES]]
+
+
+def _room_mm(around: Surroundings, joints: FloatArray) -> float:
+    """Return how much room the hands have [mm]; none where the arm cannot be."""
+    if not is_clear_along(around, joints[None]):
+        return 0.0
+    return float(hands_room_mm(bodies_at(around.cell, around.fixture, joints[None]))[0])
+
+
+def _way_to(
+    around: Surroundings, held: Stop, joints: FloatArray, rng: np.random.Generator
+) -> tuple[tuple[float, ...], ...] | None:
+    try:
+        return way(around, held, Stop(joints), rng)
+    except NoWayError:
+        return None

@@ -1,1 +1,0 @@
-"""Stops of closed loops, and the accuracy that they promise."""

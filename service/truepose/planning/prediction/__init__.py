@@ -1,0 +1,1 @@
+"""The accuracy that a plan predicts before anything is measured."""

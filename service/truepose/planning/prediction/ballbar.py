@@ -1,0 +1,293 @@
+"""Ballbar sessions: which poses, and what accuracy their lengths promise, in the frame of the cups."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+
+from truepose.domain.arrays import FloatArray, IntArray
+from truepose.domain.ballbar import BallbarPlan, Leg, PlannedPlacement, PlannedPose
+from truepose.domain.cell import BallbarKit, Cell, KeepOuts
+from truepose.domain.errors import ConfigurationError
+from truepose.domain.identification import NotIdentifiable
+from truepose.identification.verdict.identifiability import left_open
+from truepose.planning.ballbar.bodies import BaseFixture
+from truepose.planning.ballbar.choice import (
+    candidates,
+    known_after,
+    least_error_first,
+    of_candidates,
+    stacked_rows,
+)
+from truepose.planning.ballbar.information import (
+    ArmModel,
+    Scatter,
+    WorkSpaceSample,
+    arm_model,
+    error_gradient,
+    error_weight,
+)
+from truepose.planning.ballbar.placements import Wish, suggest
+from truepose.planning.ballbar.plan import ballbar_cell
+from truepose.planning.ballbar.poses import setups
+from truepose.planning.errors import TooFewCandidatesError
+from truepose.planning.prediction.errors import (
+    MOST,
+    NONE,
+    CurvePoint,
+    Discrepancy,
+    Errors,
+    curve,
+    knee,
+    sizes,
+)
+from truepose.planning.prediction.knowledge import LEAST_MM
+from truepose.planning.prediction.plan import (
+    VOLUME_CONFIGURATIONS,
+    Assumptions,
+    BallbarPoses,
+    PromisedPlan,
+    WorkVolume,
+    because_of,
+    indices,
+    parameters_of,
+    require_some,
+    sample,
+)
+from truepose.planning.tracker.plans import short_tour
+from truepose.planning.workspace.capsules import look_at
+from truepose.planning.workspace.space import WorkSpace
+
+_DRAWS: Final = 120  # random places of the base fixture: the search takes some seconds
+_MOVES: Final = 50
+_STREAM: Final = 3  # of random numbers: poses are chosen for other places than the promise is computed at
+_USUAL: Final = 40  # poses that a place should offer: the thesis of A. Nubiola has 39 there, section 3.5
+_MOVED_RAD: Final = np.deg2rad(0.5)  # a joint that stays within this has not moved
+
+
+def promised_ballbar_session(
+    cell: Cell,
+    n: int | None = None,
+    *,
+    volume: WorkVolume | None = None,
+    discrepancy: Discrepancy = NONE,
+    placements: int = 1,
+    seed: int = 0,
+) -> PromisedPlan:
+    """Choose the poses of a ballbar session and say what accuracy they promise.
+
+    Parameters
+    ----------
+    cell : Cell
+    n : int, optional
+        Poses to measure; by default as many as the knee of the curve says.
+    volume : WorkVolume, optional
+        Where accuracy counts; by default the joint ranges in which configurations are chosen.
+    discrepancy : Discrepancy
+    placements : int
+        How often the base fixture is put down.
+    seed : int
+
+    Returns
+    -------
+    PromisedPlan
+        Errors count in the frame that the cups define.
+
+    Raises
+    ------
+    ConfigurationError
+        The cell lacks what a ballbar needs, or fewer than one pose is asked for.
+    WorkSpaceError, TooFewCandidatesError
+        The arm does not offer that many poses, or has no place in the volume.
+    """
+    require_some(n)
+    base_points = 3 if cell.ballbar is None else cell.ballbar.base_points
+    wish = Wish(placements, base_points, n or _USUAL, draws=_DRAWS, moves=_MOVES, seed=seed)
+    fixtures = suggest(ballbar_cell(cell), wish).fixtures
+    return promised_at(cell, fixtures, n, volume=volume, discrepancy=discrepancy, seed=seed)
+
+
+def promised_at(
+    cell: Cell,
+    fixtures: Sequence[BaseFixture],
+    n: int | None = None,
+    *,
+    volume: WorkVolume | None = None,
+    discrepancy: Discrepancy = NONE,
+    seed: int = 0,
+) -> PromisedPlan:
+    """Plan with the base fixture at given places; all else as `promised_ballbar_session`."""
+    rng = np.random.default_rng(seed)
+    stop = float(np.hypot(cell.robot.repeatability_mm, discrepancy.per_axis_mm))
+    kit, limits = cell.ballbar or BallbarKit(), ballbar_cell(cell)
+    length_mm = max(float(np.hypot(kit.reading_u_mm, kit.zero_u_mm)), LEAST_MM)
+    scatter = Scatter(stop, length_mm, max(kit.setup_u_mm, LEAST_MM), length_mm, kit.zero_u_mm)
+    certified = [nest.standard_uncertainty_mm or 0.0 for nest in cell.nests]
+    model = arm_model(limits, scatter, certified)
+    weighed = _places(cell, volume or WorkVolume(), model, np.random.default_rng([seed, _STREAM]))
+    choice = _choice(model, fixtures, weighed)
+    if n is not None and n > len(choice.rows):
+        raise TooFewCandidatesError(
+            f"{n} poses were asked for, and the arm can be measured in {len(choice.rows)} from there: ask "
+            f"for fewer, or for more placements of the base fixture.{look_at(limits.keep_outs)}"
+        )
+    numbers = sizes(n, len(choice.rows))
+    places = _places(cell, volume or WorkVolume(), model, rng)
+    gradient = error_gradient(choice.cups_mm, places)
+    errors = Errors(lambda size: gradient @ choice.root(size), discrepancy, cell.robot.repeatability_mm)
+    points = curve(errors, numbers)
+    advised = knee(points)
+    size = advised if n is None else n
+
+    def open_without(keep_outs: KeepOuts) -> frozenset[str]:
+        free = arm_model(replace(limits, keep_outs=keep_outs), scatter, certified)
+        return parameters_of(_choice(free, fixtures, weighed).left_open(free, size))
+
+    plan = choice.plan(model, size, points, advised, discrepancy)
+    return replace(plan, left_open=because_of(limits.keep_outs, plan.left_open, open_without))
+
+
+def session_plan(cell: Cell, plan: PromisedPlan) -> BallbarPlan:
+    """Return the session that measures a plan, without ways from stop to stop."""
+    if plan.poses is None:
+        raise ConfigurationError("The plan is of positions; no ballbar session measures them.")
+    limits, poses = ballbar_cell(cell), plan.poses
+    return BallbarPlan(
+        tuple(
+            PlannedPlacement(
+                fixture.number,
+                fixture.frame,
+                tuple((float(x), float(y), float(z)) for x, y, z in fixture.cups_mm),
+                setups(limits, fixture),
+                _planned_poses(plan.joints_rad, poses, fixture.number),
+            )
+            for fixture in poses.fixtures
+        )
+    )
+
+
+def _planned_poses(joints_rad: FloatArray, poses: BallbarPoses, placement: int) -> tuple[PlannedPose, ...]:
+    return tuple(
+        PlannedPose(row + 1, placement, tuple(joints_rad[row].tolist()), poses.legs[row])
+        for row in np.flatnonzero(poses.placement == placement).tolist()
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class _Choice:
+    """Poses of all placements in the order in which they were chosen; arm first, then all cups."""
+
+    joints_rad: FloatArray  # (N, J)
+    legs: tuple[tuple[Leg, ...], ...]
+    placement: IntArray  # (N,)
+    rows: FloatArray  # (N, L, P + 3 C) whitened, per prior width
+    known: FloatArray  # (P + 3 C, P + 3 C) information of priors, set-ups and sides
+    erring_rows: FloatArray  # as rows, of readings as they err
+    erring_known: FloatArray  # as known, of readings as they err
+    cups_mm: FloatArray  # (C, 3)
+    fixtures: tuple[BaseFixture, ...]
+
+    def information(self, size: int) -> FloatArray:
+        """Return what is known after so many poses."""
+        flat = self.rows[:size].reshape(-1, self.rows.shape[2])
+        return np.asarray(self.known + flat.T @ flat)
+
+    def root(self, size: int) -> FloatArray:
+        """Return a root of the covariance after so many poses, shape (P + 3 C, P + 3 C).
+
+        Readings are weighed as they are stated and err as they do: with information M and the scatter N of
+        the sums that an identification forms, the covariance is M^-1 N M^-1.
+        """
+        flat = self.erring_rows[:size].reshape(-1, self.erring_rows.shape[2])
+        sums = np.linalg.cholesky(self.erring_known + flat.T @ flat)
+        return np.asarray(np.linalg.solve(self.information(size), sums))
+
+    def plan(
+        self,
+        model: ArmModel,
+        size: int,
+        points: tuple[CurvePoint, ...],
+        advised: int,
+        discrepancy: Discrepancy,
+    ) -> PromisedPlan:
+        """Return the plan of the first `size` poses, placement by placement on short ways."""
+        order = self._in_order(size)
+        reading = model.scatter.leg_mm
+        return PromisedPlan(
+            joints_rad=self.joints_rad[order],
+            nest=None,
+            poses=BallbarPoses(tuple(self.legs[row] for row in order), self.placement[order], self.fixtures),
+            curve=points,
+            advised=advised,
+            measured=0,
+            left_open=self.left_open(model, size),
+            observability=indices(self.rows[:size, :, : model.own_parameters]),
+            assumptions=Assumptions(
+                reading, model.cell.robot.repeatability_mm, discrepancy, model.cell.keep_outs.names
+            ),
+        )
+
+    def _in_order(self, size: int) -> IntArray:
+        parts = []
+        for number in np.unique(self.placement[:size]):
+            own = np.flatnonzero(self.placement[:size] == number)
+            parts.append(own[short_tour(self.joints_rad[own])])
+        return np.concatenate(parts)
+
+    def left_open(self, model: ArmModel, size: int) -> tuple[NotIdentifiable, ...]:
+        """Return what so many poses leave open."""
+        arm, widths = slice(model.parameters), model.structure.prior_widths
+        covariance = np.linalg.inv(self.information(size))[arm, arm] * np.outer(widths, widths)
+        flat = self.rows[:size, :, arm].reshape(-1, model.parameters)
+        moved = np.ptp(self.joints_rad[:size], axis=0) > _MOVED_RAD
+        return left_open(model.structure, covariance, flat.T / widths[:, None], moved)
+
+
+def _choice(model: ArmModel, fixtures: Sequence[BaseFixture], weighed: WorkSpaceSample) -> _Choice:
+    held = [setups(model.cell, fixture) for fixture in fixtures]
+    offers = [candidates(model, fixture, own) for fixture, own in zip(fixtures, held, strict=True)]
+    erring = replace(model, erring=True)
+    true = [of_candidates(erring, offer, own) for offer, own in zip(offers, held, strict=True)]
+    known, erring_known = (
+        known_after(one, own, [np.zeros(0, dtype=np.int64)] * len(own))
+        for one, own in ((model, offers), (erring, true))
+    )
+    rows = stacked_rows(model, offers, len(known.matrix))
+    order = least_error_first(rows, MOST, known.matrix, error_weight(known.cups_mm, weighed))
+    legs = [assembly.legs for own in offers for assembly in own.found.assembly]
+    return _Choice(
+        joints_rad=np.concatenate([own.found.joints_rad for own in offers])[order],
+        legs=tuple(tuple(legs[row]) for row in order),
+        placement=np.repeat([own.fixture.number for own in offers], [len(own) for own in offers])[order],
+        rows=rows[order],
+        known=known.matrix,
+        erring_rows=stacked_rows(erring, true, len(known.matrix))[order],
+        erring_known=erring_known.matrix,
+        cups_mm=known.cups_mm,
+        fixtures=tuple(fixtures),
+    )
+
+
+def work_space_of(cell: Cell) -> WorkSpace:
+    """Return the work space of a ballbar, which sees a nest from everywhere."""
+    limits = ballbar_cell(cell)
+    nests = tuple(replace(nest, facing=None) for nest in cell.nests)
+    own = cell.limits.joints or cell.robot.joint_limits
+    return WorkSpace(
+        cell.robot,
+        limits.base,
+        nests,
+        limits.ranges,
+        None,
+        own,
+        limits.table_z_mm,
+        keep_outs=limits.keep_outs,
+    )
+
+
+def _places(cell: Cell, volume: WorkVolume, model: ArmModel, rng: np.random.Generator) -> WorkSpaceSample:
+    found = sample(work_space_of(cell), volume, VOLUME_CONFIGURATIONS, rng)
+    position, motion = model.nests(found.joints_rad)
+    each = np.arange(len(found))
+    return WorkSpaceSample(position[each, found.nest - 1], motion[each, found.nest - 1])

@@ -1,1 +1,0 @@
-"""What a plan promises: the accuracy after calibration, computed before anything is measured."""

@@ -1,0 +1,358 @@
+"""Collision-free paths of chosen plans: orders that keep off the table, and repairs.
+
+Two stops that are clear of the table say nothing of the straight joint motion between them: a tenth of such
+ways dips below it. Who chooses the stops also chooses their order, so an order is found that avoids them.
+
+Looked at are points with room about them: that keeps more room than bodies that just do not touch.
+
+Points know the table only. What the bodies by which given paths are judged (`way_room`) still say touches is
+mended with the least change: a stop of such a way moves elsewhere, or changes places with another; where none
+of that helps, another configuration takes its place. A plan that is clear stays as it is.
+
+A way is a pair of rows of a pool: from the one to the approach of the other and to it. The pair of a row with
+itself leads to its approach and back, so it also stands for a first way that comes from nobody knows where.
+"""
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, field
+from itertools import islice, pairwise
+from typing import Final
+
+import numpy as np
+
+from truepose.domain.arrays import BoolArray, FloatArray, IntArray
+from truepose.messages.message import Text, message, together
+from truepose.planning.errors import NoWayError
+from truepose.planning.workspace.bodies import CellBodies, Ways, bodies_in, least_rooms_mm, what_touches
+from truepose.planning.workspace.space import WorkSpace, heights_above_table_mm
+
+_LOOKS: Final = 25  # along a way; a joint turns by some degrees between two of them
+_ROOM_MM: Final = 60.0  # what stops keep: bodies round the points, and what lies between two looks
+_ROWS_AT_ONCE: Final = 40  # stops that are tried together as the next one
+_EXCHANGES: Final = 100  # places that a stop is tried at in exchange
+_FEWEST: Final = 3  # stops of which one can stand between two others
+
+
+def clear_order(space: WorkSpace, joints_rad: FloatArray, start_rad: FloatArray | None = None) -> IntArray:
+    """Return the given order, changed as little as it takes to keep every way off the table.
+
+    Parameters
+    ----------
+    space : WorkSpace
+    joints_rad : ndarray, shape (n, J)
+        Stops in the order that is wanted.
+    start_rad : ndarray, shape (J,), optional
+        Where the arm comes from; None: nobody knows.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        Indices. Where no order is clear the ways that are not come last, the highest first.
+    """
+    stops = joints_rad if start_rad is None else np.vstack([start_rad, joints_rad])
+    left = list(range(1, len(stops)))
+    order = [0]
+    while left:
+        order.append(_next(space, stops[order[-1]], stops, left))
+        left.remove(order[-1])
+    mended = _mended(space, stops, order, fixed=start_rad is not None)
+    return mended if start_rad is None else mended[1:] - 1
+
+
+def room_mm(space: WorkSpace, starts_rad: FloatArray, ends_rad: FloatArray) -> FloatArray:
+    """Return the least height above the table on straight joint ways to the approaches of stops, shape (n,).
+
+    Parameters
+    ----------
+    space : WorkSpace
+    starts_rad, ends_rad : ndarray, shape (n, J)
+    """
+    share = np.linspace(0.0, 1.0, _LOOKS)[None, :, None]
+    approach = ends_rad + (space.approach_offset_rad or 0.0)
+    way = starts_rad[:, None] + share * (approach - starts_rad)[:, None]
+    heights = heights_above_table_mm(space, way.reshape(-1, way.shape[-1]))
+    return np.asarray(heights.reshape(len(starts_rad), _LOOKS).min(axis=1))
+
+
+def _next(space: WorkSpace, here: FloatArray, joints_rad: FloatArray, left: list[int]) -> int:
+    """Return the first of what is left to which the way is clear, else the one whose way is highest."""
+    best, highest_mm = left[0], -np.inf
+    for first, last in ((0, 1), *((k, k + _ROWS_AT_ONCE) for k in range(1, len(left), _ROWS_AT_ONCE))):
+        some = left[first:last]
+        rooms = room_mm(space, np.broadcast_to(here, joints_rad[some].shape), joints_rad[some])
+        clear = np.flatnonzero(rooms >= _ROOM_MM)
+        if clear.size:
+            return some[int(clear[0])]
+        if rooms.max() > highest_mm:
+            best, highest_mm = some[int(np.argmax(rooms))], float(rooms.max())
+    return best
+
+
+def _mended(space: WorkSpace, joints_rad: FloatArray, order: list[int], *, fixed: bool) -> IntArray:
+    """Move or exchange stops whose way is not clear, as long as that leaves fewer such ways.
+
+    With `fixed` the first one stays where it is.
+    """
+    while blocked := _blocked(space, joints_rad, order):
+        places = dict.fromkeys(place for end in blocked for place in (end, end - 1))
+        tried = (
+            changed
+            for at in places
+            if not (fixed and at == 0)
+            for changed in _reordered(space, joints_rad, order, at, fixed=fixed)
+        )
+        better = (other for other in tried if len(_blocked(space, joints_rad, other)) < len(blocked))
+        mended = next(better, None)
+        if mended is None:
+            break
+        order = mended
+    return np.array(order, dtype=np.int64)
+
+
+def _reordered(
+    space: WorkSpace, joints_rad: FloatArray, order: list[int], at: int, *, fixed: bool
+) -> Iterator[list[int]]:
+    """Yield the order with one stop at its best place elsewhere, then exchanged with others."""
+    yield _reinserted(space, joints_rad, order, at, fixed=fixed)
+    for other in range(int(fixed), min(len(order), _EXCHANGES)):
+        exchanged = [*order]
+        exchanged[at], exchanged[other] = order[other], order[at]
+        yield exchanged
+
+
+def _reinserted(
+    space: WorkSpace, joints_rad: FloatArray, order: list[int], at: int, *, fixed: bool
+) -> list[int]:
+    """Return the order with one stop where the ways to it and from it are highest."""
+    stop, others = order[at], order[:at] + order[at + 1 :]
+    here = np.broadcast_to(joints_rad[stop], (len(others), joints_rad.shape[1]))
+    to, onward = room_mm(space, joints_rad[others], here), room_mm(space, here, joints_rad[others])
+    # before the first there is only a way onward, behind the last only one that leads there
+    first = [-np.inf] if fixed else onward[:1]
+    place = int(np.argmax(np.concatenate([first, np.minimum(to[:-1], onward[1:]), to[-1:]])))
+    return [*others[:place], stop, *others[place:]]
+
+
+def _blocked(space: WorkSpace, joints_rad: FloatArray, order: list[int]) -> list[int]:
+    """Return the places in an order to which the way before is not clear."""
+    if len(order) < _FEWEST:
+        return []
+    rooms = room_mm(space, joints_rad[order[:-1]], joints_rad[order[1:]])
+    return [int(at) + 1 for at in np.flatnonzero(rooms < _ROOM_MM)]
+
+
+_KEPT_MM: Final = (10.0, 0.0)  # wanted on new ways, as round arm and tool in ballbar plans; else no touch
+_NEXT: Final = 4  # stops that are looked at together as the next one
+_NEAREST: Final = 40  # places that a stop is tried at
+_SUBSTITUTES: Final = 200  # configurations that are tried in the place of one
+_AT_ONCE: Final = 10  # changed orders whose ways are looked at together
+_MOST_TRIED: Final = 3000  # changed orders before a cell is given up: some seconds
+
+_Way = tuple[int, int]
+Allowed = Callable[[Sequence[int]], bool]
+Substitutes = Callable[[Sequence[int], int], IntArray]  # of an order and a place in it: rows, best first
+
+
+@dataclass(frozen=True, slots=True)
+class Pool:
+    """Configurations that stops are chosen from, and what is known of the ways between them."""
+
+    bodies: CellBodies
+    joints_rad: FloatArray  # (N, J)
+    approach_offset_rad: float
+    rooms_mm: dict[_Way, float] = field(default_factory=dict)
+
+    def look_at(self, ways: Iterable[_Way]) -> None:
+        """Find out the room on ways."""
+        new = [way for way in dict.fromkeys(ways) if way not in self.rooms_mm]
+        if not new:
+            return
+        legs = self.legs(new)
+        least = least_rooms_mm(self.bodies, legs).reshape(2, len(new)).min(axis=0)
+        self.rooms_mm.update(zip(new, least.tolist(), strict=True))
+
+    def legs(self, ways: Sequence[_Way]) -> Ways:
+        """Return the motions to the approaches, and after all of them those from there."""
+        start, end = self.joints_rad[np.array(ways).T]
+        approach = end + self.approach_offset_rad
+        return Ways((), np.vstack([start, approach]), np.vstack([approach, end]))
+
+    def stand(self, rows: IntArray, kept_mm: float) -> BoolArray:
+        """Return which configurations have that room themselves, and on the way from their approach."""
+        ways = [(int(row), int(row)) for row in rows]
+        self.look_at(ways)
+        return np.array([self.rooms_mm[way] >= kept_mm for way in ways], dtype=bool)
+
+
+def pool_of(space: WorkSpace, joints_rad: FloatArray) -> Pool:
+    """Return a pool of configurations (N, J) of a work space."""
+    return Pool(bodies_in(space), joints_rad, space.approach_offset_rad or 0.0)
+
+
+def is_clear(pool: Pool) -> bool:
+    """Whether nothing touches on any way from each configuration to the next."""
+    return not _Route(pool, [*range(len(pool.joints_rad))], None).blocked()
+
+
+def clear_tour(pool: Pool, tour: IntArray) -> IntArray:
+    """Return the order in which each is the nearest left on the way to which nothing touches.
+
+    It begins as `tour` does; where no way is clear, it goes to the nearest.
+    """
+    left, order = [int(row) for row in tour[1:]], [int(tour[0])]
+    while left:
+        away = np.abs(pool.joints_rad[left] - pool.joints_rad[order[-1]]).max(axis=1)
+        nearest = [left[k] for k in np.argsort(away, kind="stable")]
+        order.append(next(_reached(pool, order[-1], nearest), nearest[0]))
+        left.remove(order[-1])
+    return np.array(order, dtype=np.int64)
+
+
+def _reached(pool: Pool, here: int, rows: Sequence[int]) -> Iterator[int]:
+    """Yield the rows to which the way is clear, in their order."""
+    for first in range(0, len(rows), _NEXT):
+        ways = [(here, row) for row in rows[first : first + _NEXT]]
+        pool.look_at(ways)
+        yield from (way[1] for way in ways if pool.rooms_mm[way] >= 0.0)
+
+
+def mended(
+    pool: Pool,
+    order: Iterable[int],
+    substitutes: Substitutes,
+    *,
+    start: int | None = None,
+    allowed: Allowed = lambda _: True,
+) -> IntArray:
+    """Return an order of rows, changed as little as it takes for nothing to touch on any of its ways.
+
+    Parameters
+    ----------
+    pool : Pool
+    order : iterable of int
+        Rows of the pool, in the order that is wanted.
+    substitutes : callable
+        Returns what may take the place of one of them.
+    start : int, optional
+        The row that the arm comes from; None: nobody knows.
+    allowed : callable, optional
+        Whether an order may be at all.
+
+    Raises
+    ------
+    NoWayError
+        No such order was found.
+    """
+    route = _Route(pool, [int(row) for row in order], start)
+    while blocked := route.blocked():
+        better = (_better(route, blocked, substitutes, allowed, kept_mm) for kept_mm in _KEPT_MM)
+        found = next(filter(None, better), None)
+        if found is None:
+            raise NoWayError(_why(route, blocked))
+        route = found
+    return np.array(route.order, dtype=np.int64)
+
+
+def mended_or_toured(
+    pool: Pool,
+    order: IntArray,
+    substitutes: Substitutes,
+    *,
+    start: int | None = None,
+    allowed: Allowed = lambda _: True,
+) -> IntArray:
+    """Return an order as `mended` does, or else one that begins with the nearest of clear ways.
+
+    The second is no longer the order that is wanted: it comes where volumes in the midst of the work space
+    leave the first no chance. Raises NoWayError.
+    """
+    try:
+        return mended(pool, order, substitutes, start=start, allowed=allowed)
+    except NoWayError:
+        before = order[:0] if start is None else np.array([start], dtype=np.int64)
+        tour = clear_tour(pool, np.concatenate([before, order]))[len(before) :]
+        return mended(pool, tour, substitutes, start=start, allowed=allowed)
+
+
+@dataclass(frozen=True, slots=True)
+class _Route:
+    """An order of rows of a pool, and where it comes from."""
+
+    pool: Pool
+    order: list[int]
+    start: int | None
+
+    def ways(self) -> list[_Way]:
+        before = self.order[:1] if self.start is None else [self.start]
+        return list(pairwise([*before, *self.order]))
+
+    def blocked(self) -> list[int]:
+        """Return the places in the order on the way to which something touches."""
+        ways = self.ways()
+        self.pool.look_at(ways)
+        return [at for at, way in enumerate(ways) if self.pool.rooms_mm[way] < 0.0]
+
+    def but(self, order: list[int]) -> "_Route":
+        return _Route(self.pool, order, self.start)
+
+
+def _better(
+    route: _Route, blocked: Sequence[int], substitutes: Substitutes, allowed: Allowed, kept_mm: float
+) -> _Route | None:
+    """Return the first change after which something touches on fewer ways, with room kept on all new ones."""
+    known = set(route.ways())
+    orders = (
+        other for at in blocked for other in _changed(route, at, substitutes, kept_mm) if allowed(other)
+    )
+    tried = islice(orders, _MOST_TRIED)
+    while some := [route.but(order) for order in islice(tried, _AT_ONCE)]:
+        route.pool.look_at(way for other in some for way in other.ways())
+        for other in some:
+            new = set(other.ways()) - known
+            roomy = all(route.pool.rooms_mm[way] >= kept_mm for way in new)
+            if roomy and len(other.blocked()) < len(blocked):
+                return other
+    return None
+
+
+def _changed(route: _Route, at: int, substitutes: Substitutes, kept_mm: float) -> Iterator[list[int]]:
+    """Yield orders without the way to a place: its ends elsewhere, then others instead of them."""
+    ends = [at, at - 1] if at else [at]
+    for end in ends:
+        if route.pool.stand(np.array(route.order[end : end + 1]), 0.0).all():
+            yield from _elsewhere(route.order, end)
+    for end in ends:
+        others = substitutes(route.order, end)
+        for row in others[route.pool.stand(others, kept_mm)][:_SUBSTITUTES]:
+            yield [*route.order[:end], int(row), *route.order[end + 1 :]]
+
+
+def _elsewhere(order: list[int], at: int) -> Iterator[list[int]]:
+    """Yield the order with one stop at other places, then exchanged with others; the nearest come first."""
+    places = sorted(set(range(len(order))) - {at}, key=lambda place: abs(place - at))[:_NEAREST]
+    others = order[:at] + order[at + 1 :]
+    for place in places:
+        yield [*others[:place], order[at], *others[place:]]
+    for place in places:
+        exchanged = [*order]
+        exchanged[at], exchanged[place] = order[place], order[at]
+        yield exchanged
+
+
+def _why(route: _Route, blocked: Sequence[int]) -> Text:
+    """Return in words why an order cannot be mended."""
+    at = blocked[0]
+    legs = route.pool.legs([route.ways()[at]])
+    leg = int(np.argmin(least_rooms_mm(route.pool.bodies, legs)))
+    angles = tuple(f"{angle:.0f}" for angle in np.degrees(route.pool.joints_rad[route.order[at]]))
+    keep_outs = route.pool.bodies.keep_outs
+    return together(
+        message(
+            "room.no_clear_plan",
+            blocked=len(blocked),
+            planned=len(route.order),
+            angles=angles,
+            touches=what_touches(route.pool.bodies, legs, leg),
+        ),
+        message("room.look_at_keep_outs", volumes=keep_outs.names) if keep_outs else "",
+    )

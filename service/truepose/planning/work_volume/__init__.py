@@ -1,1 +1,0 @@
-"""The work volume: which configurations can be measured, and whether the arm has room there."""

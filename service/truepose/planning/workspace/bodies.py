@@ -1,0 +1,321 @@
+"""Arm and tool of a cell as capsules, and their room: at stops, and on the straight paths between them.
+
+One notion of room for stops (`stop_room`) and for the ways between them (`way_room`), by the capsules that
+ballbar plans have (`ballbar/bodies`). The links of the arm are not held against each other: their capsules
+are outlines rounded up, and say of a twentieth of what an LR Mate can be chosen to do that forearm and
+shoulder touch.
+
+Of stops that somebody gives, refused is what would touch; chosen stops keep more room than that (`space`).
+
+Of a straight joint path, from a stop to the approach of the next and to it, looked at is every second degree
+of the joint that turns most; between two looks the arm then sinks by less than a millimetre. Plans that the
+service chooses are mended until none of their ways touches (`tracker.paths`).
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from itertools import pairwise
+from typing import Final
+
+import numpy as np
+
+from truepose.domain.arrays import BoolArray, FloatArray, IntArray
+from truepose.domain.cell import Cell, KeepOuts
+from truepose.domain.robot import FramePlacement, JointRange, Nest, Robot
+from truepose.domain.session import PlaceOf, PlannedStop
+from truepose.kinematics.chain import Chain
+from truepose.messages.message import Message, Text, message, together
+from truepose.planning.ballbar.bodies import (
+    BallbarCell,
+    arm_body,
+    arm_links,
+    chain_of,
+    moved_pieces,
+)
+from truepose.planning.workspace.capsules import Capsules, gaps, gaps_mm
+from truepose.planning.workspace.space import WorkSpace
+
+_NEST_RADIUS_MM: Final = 8.0  # a cup with its reflector, which stands above its rim
+_COLUMN_LINKS: Final = 2  # foot and what the first joint turns: they stand on the floor
+_WRIST_LINKS: Final = 3  # that the tool is beside in every position
+# About keep-out volumes where the service chooses; a nest that passes an edge between two looks at a way then
+# keeps off it by some millimetres still.
+_KEPT_OFF_MM: Final = 10.0
+_BELOW: Final = message("room.below")
+_INSIDE: Final = message("room.inside_arm")
+
+
+@dataclass(frozen=True, slots=True)
+class CellBodies:
+    """What is looked at of a cell."""
+
+    arm: BallbarCell  # its outline; that asks for three nests, those of the tool are beside it
+    nests_mm: FloatArray  # (K, 3) in the last frame
+    floor_z_mm: float  # world
+    floor_is_stated: bool  # False: assumed
+    keep_outs: KeepOuts = field(default_factory=KeepOuts)
+    kept_off_mm: float = 0.0  # room that is wanted about keep-out volumes
+
+
+@dataclass(frozen=True, slots=True)
+class Rooms:
+    """Free space [mm] of each body at n configurations, negative where it would touch."""
+
+    names: tuple[Message, ...]  # of the m bodies
+    places: tuple[Message, ...]  # where a body without room would be
+    room_mm: FloatArray  # (m, n)
+
+    def least_mm(self) -> FloatArray:
+        """Return the least room of each configuration, shape (n,); inf where nothing is looked at."""
+        return np.asarray(self.room_mm.min(axis=0, initial=np.inf))
+
+    def what_touches(self, row: int) -> Message:
+        """Return in words the first body that has no room in a configuration; nests come first."""
+        body = int(np.argmax(self.room_mm[:, row] < 0.0))
+        deep_mm = float(-self.room_mm[body, row])
+        return message("room.touches", body=self.names[body], deep_mm=deep_mm, place=self.places[body])
+
+
+def bodies_of(cell: Cell) -> CellBodies:
+    """Return the bodies of a cell; a nest whose centre nobody knows is none."""
+    stated = cell.limits.floor_z_mm
+    floor_mm = min(0.0, cell.base_nominal.z_mm) if stated is None else stated
+    return CellBodies(
+        arm_outline(cell.robot, cell.base_nominal),
+        _centres_mm(cell.nests),
+        floor_mm,
+        stated is not None,
+        cell.limits.keep_outs,
+    )
+
+
+def bodies_in(space: WorkSpace) -> CellBodies:
+    """Return the bodies of a work space, whose table counts as stated."""
+    return CellBodies(
+        arm_outline(space.robot, space.base),
+        _centres_mm(space.nests),
+        space.table_z_mm,
+        floor_is_stated=True,
+        keep_outs=space.keep_outs,
+        kept_off_mm=_KEPT_OFF_MM,
+    )
+
+
+def are_outside_keep_outs(space: WorkSpace, joints_rad: FloatArray) -> BoolArray:
+    """Whether arm and tool keep their room about all keep-out volumes at configurations (n, J)."""
+    outside: BoolArray = np.ones(len(joints_rad), dtype=bool)
+    if not space.keep_outs or not len(joints_rad):
+        return outside
+    bodies = bodies_in(space)
+    frames = chain_of(bodies.arm, joints_rad)
+    arm, tool = arm_body(bodies.arm, frames), _tool(bodies, frames)
+    found = _outside_keep_outs(bodies, arm, arm_links(bodies.arm), tool)
+    for _, _, room_mm in found:
+        outside &= room_mm >= 0.0
+    return outside
+
+
+def arm_outline(robot: Robot, base: FramePlacement) -> BallbarCell:
+    """Return the arm alone, with nothing on its flange, free to turn anywhere."""
+    return BallbarCell(robot, base, np.zeros((3, 3)), (JointRange(-np.pi, np.pi),) * robot.n_joints)
+
+
+def _centres_mm(nests: Sequence[Nest]) -> FloatArray:
+    return np.array([nest.centre_mm for nest in nests if nest.centre_mm is not None]).reshape(-1, 3)
+
+
+def rooms(bodies: CellBodies, joints_rad: FloatArray, *, floor_only: bool = False) -> Rooms:
+    """Return the room of every body at configurations (n, J).
+
+    With `floor_only` the tool is not held against the arm: to the floor, and to keep-out volumes.
+    """
+    frames = chain_of(bodies.arm, joints_rad)
+    arm, links = arm_body(bodies.arm, frames), arm_links(bodies.arm)
+    tool = _tool(bodies, frames)
+    found = list(_above_floor(bodies, arm, links, tool))
+    found += list(_outside_keep_outs(bodies, arm, links, tool))
+    found += [] if floor_only else list(_off_the_arm(arm, links, tool))
+    names, places = tuple(name for name, _, _ in found), tuple(place for _, place, _ in found)
+    room_mm = np.array([room for _, _, room in found]).reshape(len(found), len(joints_rad))
+    return Rooms(names, places, room_mm)
+
+
+def _tool(bodies: CellBodies, frames: Chain) -> Capsules:
+    """Return what leads from the flange to each nest."""
+    flange = frames.points(np.zeros(3))
+    nests = np.array([frames.points(nest) for nest in bodies.nests_mm]).reshape(-1, *flange.shape)
+    return Capsules(np.broadcast_to(flange, nests.shape), nests, np.full(len(nests), _NEST_RADIUS_MM))
+
+
+def _above_floor(
+    bodies: CellBodies, arm: Capsules, links: tuple[int, ...], tool: Capsules
+) -> Iterator[tuple[Message, Message, FloatArray]]:
+    for nest, height in enumerate(_heights(tool), start=1):
+        yield message("room.nest", nest=nest), _BELOW, height - bodies.floor_z_mm
+    for link, height in zip(links, _heights(arm), strict=True):
+        if link >= _COLUMN_LINKS:
+            yield message("room.link", link=link), _BELOW, height - bodies.floor_z_mm
+
+
+def _outside_keep_outs(
+    bodies: CellBodies, arm: Capsules, links: tuple[int, ...], tool: Capsules
+) -> Iterator[tuple[Message, Message, FloatArray]]:
+    """Yield the rooms of tool and moving arm to every keep-out volume."""
+    moved = moved_pieces(bodies.arm)
+    names = [message("room.nest", nest=nest) for nest in range(1, len(tool) + 1)]
+    names += [message("room.link", link=links[piece]) for piece in moved]
+    for volume in bodies.keep_outs:
+        gap_mm = np.concatenate([gaps_mm(volume, tool), gaps_mm(volume, arm.some(moved))])
+        for name, own in zip(names, gap_mm - bodies.kept_off_mm, strict=True):
+            yield name, message("room.inside_keep_out", volume=volume.name), own
+
+
+def _off_the_arm(
+    arm: Capsules, links: tuple[int, ...], tool: Capsules
+) -> Iterator[tuple[Message, Message, FloatArray]]:
+    """Yield the rooms of the tool beside the links before the wrist."""
+    inner = [k for k, link in enumerate(links) if link <= max(links) - _WRIST_LINKS]
+    for nest, gap in enumerate(np.min(gaps(tool, arm.some(inner)), axis=1, initial=np.inf), start=1):
+        yield message("room.nest", nest=nest), _INSIDE, gap
+
+
+def _heights(capsules: Capsules) -> FloatArray:
+    """Return the height of the lowest point of each capsule [mm], shape (m, n)."""
+    ends = np.minimum(capsules.start_mm[..., 2], capsules.end_mm[..., 2])
+    return np.asarray(ends - capsules.radius_mm[:, None])
+
+
+_IN_THE_WAY: Final[dict[PlaceOf, str]] = {
+    "work": "room.at.work",
+    "approach": "room.at.approach",
+    "stop": "room.at.stop",
+}
+_AT_ONCE: Final = 2000  # configurations; keeps the arrays small
+
+
+def what_is_in_the_way(
+    bodies: CellBodies,
+    stops: Sequence[PlannedStop],
+    approach_offset_rad: float | None,
+    *,
+    floor_only: bool = False,
+) -> Message | None:
+    """Return one sentence for the first place on the way, or stop, at which something would touch."""
+    places = [(stop.config, *place) for stop in stops for place in stop.places(approach_offset_rad)]
+    for first in range(0, len(places), _AT_ONCE):
+        some = places[first : first + _AT_ONCE]
+        found = rooms(bodies, np.array([place_rad for _, _, place_rad in some]), floor_only=floor_only)
+        touching = found.least_mm() < 0.0
+        if touching.any():
+            row = int(np.argmax(touching))
+            config, what, _ = some[row]
+            return message(_IN_THE_WAY[what], config=config, touches=found.what_touches(row))
+    return None
+
+
+_LOOK_RAD: Final = float(np.radians(2.0))
+_NAMES: Final[dict[PlaceOf, str]] = {
+    "work": "room.end.work",
+    "approach": "room.end.approach",
+    "stop": "room.end.stop",
+}
+_WAYS_AT_ONCE: Final = 20_000  # configurations; keeps the arrays small
+
+
+@dataclass(frozen=True, slots=True)
+class Ways:
+    """Straight joint motions, one after the other where they come from stops."""
+
+    names: tuple[Message, ...]  # "from ... to ..."; none where nobody is told of them
+    start_rad: FloatArray  # (n, J)
+    end_rad: FloatArray  # (n, J)
+
+
+def ways_between(
+    stops: Sequence[PlannedStop], approach_offset_rad: float | None, here_rad: Sequence[float] | None = None
+) -> Ways:
+    """Return the motions of a session to its stops, the first one from `here_rad` where that is known."""
+    targets = [] if here_rad is None else [np.array(here_rad)]
+    names = [] if here_rad is None else [message("room.end.here")]
+    for stop in stops:
+        for what, place_rad in stop.places(approach_offset_rad):
+            targets.append(np.array(place_rad))
+            names.append(message(_NAMES[what], config=stop.config))
+    words = tuple(message("room.way", begin=a, end=b) for a, b in pairwise(names))
+    joints = np.array(targets)
+    return Ways(words, joints[:-1], joints[1:])
+
+
+def what_blocks_a_way(bodies: CellBodies, ways: Ways, *, floor_only: bool = False) -> Message | None:
+    """Return why a plan with these ways is refused.
+
+    Where nobody states the floor, only keep-out volumes are looked at.
+    """
+    if not bodies.floor_is_stated:
+        bodies, floor_only = replace(bodies, floor_z_mm=-np.inf), True
+    blocked = touching(bodies, ways, floor_only=floor_only)
+    if not blocked.size:
+        return None
+    what = what_touches(bodies, ways, blocked[0], floor_only=floor_only)
+    return message("room.way_blocked", way=ways.names[blocked[0]], touches=what)
+
+
+def what_to_watch(bodies: CellBodies, ways: Ways) -> Text:
+    """Return what whoever lets the arm go these ways has to know of them, empty where all look clear."""
+    found = touching(bodies, ways)
+    if not found.size:
+        return ""
+    unclear = message(
+        "room.way_unclear" if bodies.floor_is_stated else "room.way_unclear.assumed_floor",
+        way=ways.names[found[0]],
+        touches=what_touches(bodies, ways, found[0]),
+    )
+    others = message("room.other_ways", ways=len(found) - 1) if len(found) > 1 else ""
+    return together(unclear, others, message("room.be_ready"))
+
+
+def what_touches(bodies: CellBodies, ways: Ways, way: int, *, floor_only: bool = False) -> Message:
+    """Return in words what touches on a way, where it has least room."""
+    joints = _along(ways, np.array([way]), _looks(ways)[[way]])
+    found = rooms(bodies, joints, floor_only=floor_only)
+    return found.what_touches(int(np.argmin(found.least_mm())))
+
+
+def touching(bodies: CellBodies, ways: Ways, *, floor_only: bool = False) -> IntArray:
+    """Return which ways something would touch on."""
+    return np.flatnonzero(least_rooms_mm(bodies, ways, floor_only=floor_only) < 0.0)
+
+
+def least_rooms_mm(bodies: CellBodies, ways: Ways, *, floor_only: bool = False) -> FloatArray:
+    """Return the least room on each way [mm], negative where something would touch, shape (n,)."""
+    if not len(ways.start_rad):
+        return np.zeros(0)
+    looks = _looks(ways)
+    least = [
+        np.minimum.reduceat(
+            rooms(bodies, _along(ways, some, looks[some]), floor_only=floor_only).least_mm(),
+            np.cumsum(looks[some]) - looks[some],
+        )
+        for some in _batches(looks)
+    ]
+    return np.concatenate(least)
+
+
+def _looks(ways: Ways) -> IntArray:
+    """Return how many configurations are looked at on each way."""
+    turn = np.abs(ways.end_rad - ways.start_rad).max(axis=1)
+    return np.asarray(np.maximum(1.0, np.ceil(turn / _LOOK_RAD)), dtype=np.int64)
+
+
+def _batches(looks: IntArray) -> Iterator[IntArray]:
+    """Yield the ways in batches of not many more than so many configurations."""
+    places = np.flatnonzero(np.diff(np.cumsum(looks) // _WAYS_AT_ONCE)) + 1
+    yield from (some for some in np.split(np.arange(len(looks)), places) if some.size)
+
+
+def _along(ways: Ways, some: IntArray, looks: IntArray) -> FloatArray:
+    """Return the configurations looked at on some ways, one way after the other, their ends included."""
+    row = np.repeat(some, looks)
+    number = np.arange(1, len(row) + 1) - np.repeat(np.cumsum(looks) - looks, looks)
+    share = (number / np.repeat(looks, looks))[:, None]
+    return np.asarray((1.0 - share) * ways.start_rad[row] + share * ways.end_rad[row])

@@ -1,0 +1,187 @@
+"""Distances between round bars, and from them to keep-out volumes: bodies are capsules with a radius.
+
+A capsule set holds m capsules at n configurations; those that do not move have n = 1.
+
+Every volume is convex, so its signed distance is a convex function along a segment: the least of it is found
+by narrowing an interval (golden section).
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import reduce
+from typing import Final, assert_never
+
+import numpy as np
+
+from truepose.domain.arrays import FloatArray, IntArray
+from truepose.domain.cell import Box, Cylinder, HalfSpace, KeepOut, KeepOuts
+
+_TINY_MM2: Final = 1e-12  # squared length below which a segment is a point
+
+
+@dataclass(frozen=True, slots=True)
+class Capsules:
+    """Segments with radii."""
+
+    start_mm: FloatArray  # (m, n, 3)
+    end_mm: FloatArray  # (m, n, 3)
+    radius_mm: FloatArray  # (m,)
+
+    def __len__(self) -> int:
+        return len(self.radius_mm)
+
+    def at(self, rows: IntArray | slice) -> "Capsules":
+        """Return the capsules at some of the configurations."""
+        return Capsules(self.start_mm[:, rows], self.end_mm[:, rows], self.radius_mm)
+
+    def some(self, members: Sequence[int]) -> "Capsules":
+        """Return some of the capsules."""
+        chosen = list(members)
+        return Capsules(self.start_mm[chosen], self.end_mm[chosen], self.radius_mm[chosen])
+
+
+def joined(sets: Sequence[Capsules]) -> Capsules:
+    """Return the capsules of several sets at the same configurations."""
+    (n,) = np.broadcast_shapes(*((each.start_mm.shape[1],) for each in sets))
+
+    def spread(points: FloatArray) -> FloatArray:
+        return np.broadcast_to(points, (len(points), n, 3))
+
+    return Capsules(
+        np.concatenate([spread(each.start_mm) for each in sets]),
+        np.concatenate([spread(each.end_mm) for each in sets]),
+        np.concatenate([each.radius_mm for each in sets]),
+    )
+
+
+def still(segments: Sequence[tuple[FloatArray, FloatArray]], radius_mm: float) -> Capsules:
+    """Return capsules that do not move, from pairs of points (3,)."""
+    start = np.array([first for first, _ in segments]).reshape(-1, 1, 3)
+    end = np.array([second for _, second in segments]).reshape(-1, 1, 3)
+    return Capsules(start, end, np.full(len(segments), radius_mm))
+
+
+def gaps(first: Capsules, second: Capsules) -> FloatArray:
+    """Return the gap between every two capsules [mm], shape (m1, m2, n); negative where they overlap."""
+    distance = segment_distances(
+        first.start_mm[:, None], first.end_mm[:, None], second.start_mm[None], second.end_mm[None]
+    )
+    return np.asarray(distance - first.radius_mm[:, None, None] - second.radius_mm[None, :, None])
+
+
+def smallest_gap(first: Capsules, second: Capsules) -> FloatArray:
+    """Return the smallest free space between two sets [mm], shape (n,); inf where one is empty."""
+    if not len(first) or not len(second):
+        (n,) = np.broadcast_shapes(first.start_mm.shape[1:2], second.start_mm.shape[1:2])
+        return np.full(n, np.inf)
+    return np.asarray(gaps(first, second).min(axis=(0, 1)))
+
+
+def smallest_gap_of_pairs(first: Capsules, second: Capsules) -> FloatArray:
+    """Return the smallest free space of each capsule to its partner [mm], shape (n,); inf without any."""
+    distance = segment_distances(first.start_mm, first.end_mm, second.start_mm, second.end_mm)
+    free = distance - first.radius_mm[:, None] - second.radius_mm[:, None]
+    return np.asarray(free.min(axis=0, initial=np.inf))
+
+
+def lowest_mm(capsules: Capsules) -> FloatArray:
+    """Return the height of the lowest point of the set [mm], shape (n,); inf of an empty one."""
+    ends = np.minimum(capsules.start_mm[..., 2], capsules.end_mm[..., 2])
+    return np.asarray((ends - capsules.radius_mm[:, None]).min(axis=0, initial=np.inf))
+
+
+def segment_distances(p1: FloatArray, q1: FloatArray, p2: FloatArray, q2: FloatArray) -> FloatArray:
+    """Return the distances of segments p1 q1 and p2 q2 [mm], broadcast, without the last axis.
+
+    The nearest points of the two lines, each clamped to its segment (C. Ericson, Real-Time Collision
+    Detection, 2005, section 5.1.9); points and parallel segments included.
+    """
+    way1, way2, between = q1 - p1, q2 - p2, p1 - p2
+    a, e, b = _dot(way1, way1), _dot(way2, way2), _dot(way1, way2)
+    c, f = _dot(way1, between), _dot(way2, between)
+    safe_a, safe_e = np.maximum(a, _TINY_MM2), np.maximum(e, _TINY_MM2)
+    denominator = a * e - b * b
+    s = np.where(denominator > _TINY_MM2, (b * f - c * e) / np.maximum(denominator, _TINY_MM2), 0.0)
+    s = np.clip(s, 0.0, 1.0)
+    t = np.clip((b * s + f) / safe_e, 0.0, 1.0)
+    s = np.clip((b * t - c) / safe_a, 0.0, 1.0)
+    nearest = between + s[..., None] * way1 - t[..., None] * way2
+    return np.asarray(np.sqrt(_dot(nearest, nearest)))
+
+
+def _dot(first: FloatArray, second: FloatArray) -> FloatArray:
+    return np.asarray(np.einsum("...i,...i->...", first, second))
+
+
+_NARROWINGS: Final = 14  # to a thousandth of a segment: a third of a millimetre of a link
+_FAR_MM: Final = 200.0
+_GOLDEN: Final = (np.sqrt(5.0) - 1.0) / 2.0
+
+
+def signed_mm(volume: KeepOut, points_mm: FloatArray) -> FloatArray:
+    """Return the distances of points (..., 3) to a volume, negative inside, without the last axis."""
+    match volume:
+        case Box():
+            low, high = np.array(volume.lower_mm), np.array(volume.upper_mm)
+            beyond = np.abs(points_mm - (low + high) / 2.0) - (high - low) / 2.0
+            return _signed([beyond[..., axis] for axis in range(3)])
+        case Cylinder():
+            return _of_cylinder(volume, points_mm)
+        case HalfSpace():
+            outward = np.array(volume.outward) / np.linalg.norm(volume.outward)
+            return np.asarray((points_mm - np.array(volume.point_mm)) @ outward)
+    assert_never(volume)
+
+
+def _of_cylinder(volume: Cylinder, points_mm: FloatArray) -> FloatArray:
+    way = np.subtract(volume.end_mm, volume.start_mm)
+    length = float(np.linalg.norm(way))
+    from_middle = points_mm - volume.start_mm - way / 2.0
+    along = from_middle @ (way / length)
+    beside = np.sqrt(np.maximum(np.einsum("...i,...i", from_middle, from_middle) - along**2, 0.0))
+    return _signed([beside - volume.radius_mm, np.abs(along) - length / 2.0])
+
+
+def _signed(beyond: Sequence[FloatArray]) -> FloatArray:
+    """Return the signed distance from how far points are beyond each pair of sides at right angles."""
+    outside = np.sqrt(sum(np.maximum(one, 0.0) ** 2 for one in beyond))
+    return np.asarray(outside + np.minimum(reduce(np.maximum, beyond), 0.0))
+
+
+def least_mm(volume: KeepOut, start_mm: FloatArray, end_mm: FloatArray) -> FloatArray:
+    """Return the least signed distance on segments (m, n, 3) to a volume, shape (m, n).
+
+    Of segments that are farther than 0.2 m off, only that they are: no body of an arm is thicker.
+    """
+    if isinstance(volume, HalfSpace):
+        return np.minimum(signed_mm(volume, start_mm), signed_mm(volume, end_mm))
+    middle, half = (start_mm + end_mm) / 2.0, np.linalg.norm(end_mm - start_mm, axis=-1) / 2.0
+    least: FloatArray = signed_mm(volume, middle) - half
+    near = least < _FAR_MM
+    start, way = np.broadcast_to(start_mm, middle.shape)[near], (end_mm - start_mm)[near]
+    least[near] = _least(lambda share: signed_mm(volume, start + share[:, None] * way), len(way))
+    return least
+
+
+def _least(at: Callable[[FloatArray], FloatArray], n: int) -> FloatArray:
+    """Return the least of n convex functions on [0, 1], by golden section."""
+    left, width = np.zeros(n), 1.0
+    ends = np.minimum(at(left), at(left + 1.0))
+    first, second = at(left + 1.0 - _GOLDEN), at(left + _GOLDEN)
+    for _ in range(_NARROWINGS):
+        later = first > second
+        left = np.where(later, left + (1.0 - _GOLDEN) * width, left)
+        width *= _GOLDEN
+        new = at(left + np.where(later, _GOLDEN, 1.0 - _GOLDEN) * width)
+        first, second = np.where(later, second, new), np.where(later, new, first)
+    return np.minimum(ends, np.minimum(first, second))
+
+
+def gaps_mm(volume: KeepOut, bodies: Capsules) -> FloatArray:
+    """Return the gap of each capsule to a volume [mm], shape (m, n); negative where it would enter."""
+    return np.asarray(least_mm(volume, bodies.start_mm, bodies.end_mm) - bodies.radius_mm[:, None])
+
+
+def look_at(keep_outs: KeepOuts) -> str:
+    """Return the part of a refusal that names what else to look at, empty where there are no volumes."""
+    return f" Look at the keep-out volumes as well: {', '.join(keep_outs.names)}." if keep_outs else ""

@@ -1,0 +1,228 @@
+"""The work space of a measurement, and what makes a configuration feasible in it, by simple stated rules.
+
+The arm is looked at as four kinds of points: tool nests, flange, wrist, and its own column, the upright
+cylinder about axis 1 from the base to a little above the shoulder. The rules leave room for the bodies that
+they do not know; they are no collision check, and the person who confirms that the cell is clear watches the
+first pass. Keep-out volumes are held against the whole arm (`bodies`).
+
+Configurations in which gears stay loaded from one side: unloaded ones are much less stiff, and have play. The
+thesis keeps joints 2 and 3 so by their ranges (A. Nubiola, 2014, section 2.4); where masses are known, the
+torques say it themselves. Those of the wrist change sign whatever is chosen.
+"""
+
+from dataclasses import dataclass, field
+from typing import Final
+
+import numpy as np
+
+from truepose.domain.arrays import BoolArray, FloatArray
+from truepose.domain.cell import Camera, Cell, KeepOuts
+from truepose.domain.errors import ConfigurationError
+from truepose.domain.robot import FramePlacement, JointRange, Nest, Robot
+from truepose.kinematics.chain import Chain, forward, nominal_values
+from truepose.kinematics.frames import placement_rotation, placement_translation
+from truepose.kinematics.gravity import gravity_torques
+from truepose.planning.errors import WorkSpaceError
+
+# A corner cube is seen within 30 deg (thesis of A. Nubiola, 2014, section 2.2). One degree is kept from
+# that: the tracker may stand 40 mm beside its nominal place 2.6 m away, the arm errs by a tenth of it.
+SEEN_WITHIN_RAD: Final = float(np.radians(29.0))
+TABLE_CLEARANCE_MM: Final = 60.0  # half a wrist, and the reflector's cup
+COLUMN_RADIUS_MM: Final = 150.0  # foot and shoulder of a table robot
+COLUMN_ABOVE_SHOULDER_MM: Final = 100.0  # its second motor stands up there
+
+_WRIST_JOINTS = 3  # the last joints, whose origins are wrist and flange
+_SHOULDER_JOINTS = 2  # the first joints, whose origins stay with the column
+
+
+@dataclass(frozen=True, slots=True)
+class WorkSpace:
+    """A robot with its tool nests before a tracker."""
+
+    robot: Robot
+    base: FramePlacement  # nominal, in the world
+    nests: tuple[Nest, ...]  # tool nests, all with a centre
+    ranges: tuple[JointRange, ...]  # in which configurations are chosen
+    tracker_position_mm: tuple[float, float, float] | None  # nominal, in the world
+    joint_limits: tuple[JointRange, ...] | None = None  # that no motion may leave; None: unknown
+    table_z_mm: float = 0.0  # world; nothing goes near it
+    approach_offset_rad: float | None = None
+    keep_outs: KeepOuts = field(default_factory=KeepOuts)
+    seen_within_rad: float = SEEN_WITHIN_RAD  # of where a nest faces
+    camera: Camera | None = None  # reads poses at one nest; None: a tracker reads points, at any
+
+    @property
+    def motion_limits(self) -> tuple[JointRange, ...]:
+        """What no motion may leave, the approach included."""
+        return self.joint_limits or widened(self.ranges, self.approach_offset_rad)
+
+
+def widened(ranges: tuple[JointRange, ...], approach_offset_rad: float | None) -> tuple[JointRange, ...]:
+    """Return ranges that contain the approach, which begins outside them for stops at their edge."""
+    offset = approach_offset_rad or 0.0
+    return tuple(
+        JointRange(limit.lower_rad + min(0.0, offset), limit.upper_rad + max(0.0, offset)) for limit in ranges
+    )
+
+
+def require_consistent(space: WorkSpace) -> None:
+    """Raise WorkSpaceError, with one sentence, for what no configuration can satisfy."""
+    for what, limits in (("ranges", space.ranges), ("limits", space.motion_limits)):
+        if len(limits) != space.robot.n_joints:
+            raise WorkSpaceError(f"{len(limits)} joint {what} are given for {space.robot.n_joints} joints.")
+        for number, limit in enumerate(limits, start=1):
+            if not limit.lower_rad <= limit.upper_rad:
+                raise WorkSpaceError(f"The {what} of joint {number} end below where they begin.")
+    if not space.nests:
+        raise WorkSpaceError("The cell has no tool nest; there is nothing to measure.")
+    for number, nest in enumerate(space.nests, start=1):
+        if nest.centre_mm is None:
+            raise WorkSpaceError(f"Tool nest {number} has no centre; enter a rough one.")
+    if space.tracker_position_mm is None and any(nest.facing is not None for nest in space.nests):
+        raise WorkSpaceError(
+            "Where a tool nest faces matters only to a tracker whose nominal position is known: enter it."
+        )
+
+
+def nominal_chain(space: WorkSpace, joints_rad: FloatArray) -> Chain:
+    """Return the nominal frames of configurations (n, J) in the world."""
+    rotation, origin = placement_rotation(space.base), placement_translation(space.base)
+    return forward(nominal_values(space.robot, joints_rad), rotation, origin)
+
+
+def nest_places(space: WorkSpace, chain: Chain) -> FloatArray:
+    """Return the nominal centres of all K nests [mm, world], shape (K, n, 3)."""
+    return np.stack([chain.points(np.array(nest.centre_mm)) for nest in space.nests])
+
+
+def is_clear(space: WorkSpace, chain: Chain) -> BoolArray:
+    """Whether wrist, flange and nests keep off the table and the robot's own column, shape (n,)."""
+    points = np.concatenate([chain.origin[-_WRIST_JOINTS:], nest_places(space, chain)])
+    above_table = points[..., 2] >= space.table_z_mm + TABLE_CLEARANCE_MM
+    height, distance = _about_column(space, points)
+    beside_column = (distance >= COLUMN_RADIUS_MM) | (height >= _column_top_mm(space))
+    clear: BoolArray = np.all(above_table & beside_column, axis=0)
+    return clear
+
+
+def heights_above_table_mm(space: WorkSpace, joints_rad: FloatArray) -> FloatArray:
+    """Return how high the lowest of elbow, wrist, flange and nests is above the table, shape (n,)."""
+    chain = nominal_chain(space, joints_rad)
+    points = np.concatenate([chain.origin[_SHOULDER_JOINTS:], nest_places(space, chain)])
+    return np.asarray(points[..., 2].min(axis=0) - space.table_z_mm)
+
+
+def within(limits: tuple[JointRange, ...], joints_rad: FloatArray) -> BoolArray:
+    """Whether all joints are within their limits, shape (n,)."""
+    low = np.array([limit.lower_rad for limit in limits])
+    high = np.array([limit.upper_rad for limit in limits])
+    inside: BoolArray = np.all((joints_rad >= low) & (joints_rad <= high), axis=1)
+    return inside
+
+
+def cosines_to_tracker(space: WorkSpace, chain: Chain) -> FloatArray:
+    """Cosine between where each nest's reflector faces and the tracker, shape (K, n).
+
+    -inf where the beam would pass through the robot's column, and at nests that nothing reads; 1 for a
+    reflector seen from everywhere.
+    """
+    places = nest_places(space, chain)
+    if space.tracker_position_mm is None:
+        return np.ones(places.shape[:2])
+    tracker = np.array(space.tracker_position_mm)
+    beams = tracker - places
+    beams /= np.linalg.norm(beams, axis=-1, keepdims=True)
+    cosines = np.stack([_cosine(nest, chain, beam) for nest, beam in zip(space.nests, beams, strict=True)])
+    cosines[_crosses_column(space, places, tracker)] = -np.inf
+    if space.camera is not None:
+        cosines[np.arange(len(cosines)) != space.camera.nest - 1] = -np.inf
+    return cosines
+
+
+def _cosine(nest: Nest, chain: Chain, beam: FloatArray) -> FloatArray:
+    if nest.facing is None:
+        return np.ones(len(beam))
+    facing = np.array(nest.facing) / np.linalg.norm(nest.facing)
+    cosine: FloatArray = np.einsum("nij,j,ni->n", chain.rotation[-1], facing, beam)
+    return cosine
+
+
+def _about_column(space: WorkSpace, points: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Height above the base and distance from axis 1 of points (..., 3) [mm], both of shape (...)."""
+    in_base = (points - placement_translation(space.base)) @ placement_rotation(space.base)
+    return in_base[..., 2], np.hypot(in_base[..., 0], in_base[..., 1])
+
+
+def _column_top_mm(space: WorkSpace) -> float:
+    return space.robot.joints[0].d_mm + COLUMN_ABOVE_SHOULDER_MM
+
+
+def _crosses_column(space: WorkSpace, places: FloatArray, tracker: FloatArray) -> BoolArray:
+    """Whether the beam passes the column below its top; judged where it comes closest to axis 1."""
+    origin, rotation = placement_translation(space.base), placement_rotation(space.base)
+    start, end = (places - origin) @ rotation, (tracker - origin) @ rotation
+    way = end - start
+    flat = np.sum(way[..., :2] ** 2, axis=-1)
+    share = -np.sum(start[..., :2] * way[..., :2], axis=-1) / np.maximum(flat, 1e-12)
+    closest = start + np.clip(share, 0.0, 1.0)[..., None] * way
+    near = np.hypot(closest[..., 0], closest[..., 1]) < COLUMN_RADIUS_MM
+    crosses: BoolArray = near & (closest[..., 2] < _column_top_mm(space))
+    return crosses
+
+
+def space_of_cell(cell: Cell, ranges: tuple[JointRange, ...], approach_offset_rad: float | None) -> WorkSpace:
+    """Return the work space of `cell` for configurations in `ranges`, approached from that offset."""
+    return WorkSpace(
+        robot=cell.robot,
+        base=cell.base_nominal,
+        nests=cell.nests,
+        ranges=ranges,
+        tracker_position_mm=cell.tracker_position_mm,
+        joint_limits=cell.limits.joints or cell.robot.joint_limits,
+        table_z_mm=0.0 if cell.limits.floor_z_mm is None else cell.limits.floor_z_mm,
+        approach_offset_rad=approach_offset_rad,
+        keep_outs=cell.limits.keep_outs,
+        seen_within_rad=cell.limits.seen_within_rad or SEEN_WITHIN_RAD,
+        camera=cell.camera,
+    )
+
+
+def space_to_measure(cell: Cell, approach_offset_rad: float | None) -> WorkSpace:
+    """Return the work space in which the configurations of a session are chosen.
+
+    Raises ConfigurationError where neither cell nor robot says it.
+    """
+    ranges = cell.limits.calibration or cell.robot.calibration_ranges
+    if ranges is None:
+        raise ConfigurationError(
+            f"Neither the cell nor {cell.robot.name} says in which ranges configurations are chosen; "
+            "give them under [limits] of the cell file, or give the stops."
+        )
+    return space_of_cell(cell, ranges, approach_offset_rad)
+
+
+_GRAVITY_M_S2: Final = np.array([0.0, 0.0, -9.81])  # a robot on a table; world
+_JOINTS_OF_WRIST: Final = 3
+_MOSTLY: Final = 2.0 / 3.0  # of configurations: a gear loaded from either side alike is left so
+
+
+def are_loaded_one_way(space: WorkSpace, joints_rad: FloatArray) -> BoolArray:
+    """Whether gears keep the side from which most of these configurations (n, J) load them, shape (n,).
+
+    At the stop and at its approach, of the joints between the first and the wrist; all do where masses are
+    unknown.
+    """
+    if not space.robot.masses or not len(joints_rad):
+        return np.ones(len(joints_rad), dtype=bool)
+    ends = [joints_rad, joints_rad + (space.approach_offset_rad or 0.0)]
+    positive = np.array([_torques(space, joints) > 0.0 for joints in ends])  # (2, n, carrying joints)
+    share = positive.mean(axis=(0, 1))
+    kept = (positive == (share > 0.5)) | (np.maximum(share, 1.0 - share) < _MOSTLY)
+    one_way: BoolArray = kept.all(axis=(0, 2))
+    return one_way
+
+
+def _torques(space: WorkSpace, joints_rad: FloatArray) -> FloatArray:
+    """Return the torques of the joints that carry the arm, shape (n, k)."""
+    found = gravity_torques(nominal_chain(space, joints_rad), space.robot.masses, _GRAVITY_M_S2)
+    return found[:, 1 : space.robot.n_joints - _JOINTS_OF_WRIST]

@@ -1,1 +1,0 @@
-"""The report of a single-axis circle test, and its sentences."""

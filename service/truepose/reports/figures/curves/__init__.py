@@ -1,1 +1,0 @@
-"""Figures over one variable: residuals, waves, days, hours, configurations."""

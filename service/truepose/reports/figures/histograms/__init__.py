@@ -1,1 +1,0 @@
-"""Figures of how many: errors, distances, two models in the same bins."""

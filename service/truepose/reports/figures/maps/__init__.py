@@ -1,1 +1,0 @@
-"""Figures over a plane or two names: errors in space, shifts, causes, correlations."""

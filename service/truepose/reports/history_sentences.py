@@ -1,0 +1,60 @@
+"""What is said of a cause over the months."""
+
+from truepose.diagnosis.alarms import Alarm, NewCause
+from truepose.diagnosis.history import CauseObservation, CauseOverTime, Change
+from truepose.domain.diagnosis import Cause
+from truepose.messages.catalogue import Catalogue
+from truepose.reports.cause_words import cause_words, with_unit
+from truepose.reports.rounding import millimetres, p_value
+
+
+def cause_name(cause: CauseOverTime, words: Catalogue) -> str:
+    """Return what a cause is called, with the way in which it acts where it has several."""
+    name = cause_words(Cause(cause.effect, cause.subject), words)
+    if cause.variant is None:
+        return name
+    return words.say(
+        "over_time.variant", cause=name, what=cause.variant.name, value=f"{cause.variant.value:g}"
+    )
+
+
+def alarm_words(alarm: Alarm, words: Catalogue) -> str:
+    """Return what grew or appeared, as one sentence."""
+    if not isinstance(alarm, NewCause):
+        return change_words(alarm.cause, alarm.change, words)
+    return words.say(
+        "over_time.appeared",
+        cause=cause_name(alarm.cause, words),
+        earlier=alarm.absent_on[:10],
+        limit=millimetres(alarm.at_most_mm),
+        later=alarm.found_on[:10],
+        worth=millimetres(alarm.worth_mm),
+    )
+
+
+def change_words(cause: CauseOverTime, change: Change, words: Catalogue) -> str:
+    """Return a change as one sentence with its uncertainty and its chance."""
+    days = {sign.diagnosis_id: sign for sign in cause.signs}
+    earlier, later = days[change.from_id], days[change.to_id]
+    return words.say(
+        _direction(earlier, later),
+        cause=cause_name(cause, words),
+        size=with_unit(abs(change.difference), change.standard_uncertainty, cause.unit, words),
+        earlier=(earlier.measured_at or "")[:10],
+        later=(later.measured_at or "")[:10],
+        verdict=_verdict(change, words),
+    )
+
+
+def _direction(earlier: CauseObservation, later: CauseObservation) -> str:
+    before, after = earlier.amplitude or 0.0, later.amplitude or 0.0
+    if before * after < 0.0:
+        return "over_time.turned"
+    return "over_time.grew" if abs(after) >= abs(before) else "over_time.fell"
+
+
+def _verdict(change: Change, words: Catalogue) -> str:
+    if change.p_value is None:
+        return words.say("over_time.untested")
+    key = "over_time.beyond_chance" if change.significant else "over_time.within_chance"
+    return words.say(key, p=p_value(change.p_value))

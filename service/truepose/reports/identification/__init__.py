@@ -1,0 +1,1 @@
+"""The report of an identification: its headline, parameters, figures, and its short form on a terminal."""

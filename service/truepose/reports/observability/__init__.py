@@ -1,1 +1,0 @@
-"""How well a measurement determines each parameter: a picture, and a sentence."""

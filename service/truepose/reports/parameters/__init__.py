@@ -1,1 +1,0 @@
-"""The parameters of a model as a reader meets them: rows and meanings."""

@@ -1,1 +1,0 @@
-"""What a proof move says, for people."""

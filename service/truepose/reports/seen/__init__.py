@@ -1,1 +1,0 @@
-"""What a figure shows, in a sentence from its own statistics: something, or nothing."""

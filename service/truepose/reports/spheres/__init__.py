@@ -1,1 +1,0 @@
-"""The report of a ballbar sphere test, and its sentences."""

@@ -1,1 +1,0 @@
-"""What traces a printed figure: conditions, certified lengths, devices, records, the page's edge."""

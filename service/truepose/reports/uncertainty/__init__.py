@@ -1,1 +1,0 @@
-"""The uncertainty budget: judged readings, and what systematic sources do to them."""

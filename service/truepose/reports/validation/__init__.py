@@ -1,1 +1,0 @@
-"""The report of a validation: errors, their places, ISO 9283."""

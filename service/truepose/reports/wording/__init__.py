@@ -1,1 +1,0 @@
-"""How a reader sees names and numbers: causes in words, rounding, turns."""

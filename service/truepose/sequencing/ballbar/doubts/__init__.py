@@ -1,1 +1,0 @@
-"""Whether a length goes with the pair that was asked for."""

@@ -1,1 +1,0 @@
-"""The ballbar while it is watched, and lengths that can be kept."""

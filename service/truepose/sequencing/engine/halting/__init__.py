@@ -1,1 +1,0 @@
-"""Halts: they hold from the moment at which somebody asks, on record or not yet."""

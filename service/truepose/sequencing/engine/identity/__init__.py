@@ -1,1 +1,0 @@
-"""Which device answers, and whether it is the one that is expected."""

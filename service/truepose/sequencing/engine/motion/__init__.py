@@ -1,1 +1,0 @@
-"""The robot under way: the one call that moves it, what forbids it, and how far it goes in one piece."""

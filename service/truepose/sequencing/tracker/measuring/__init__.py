@@ -1,1 +1,0 @@
-"""Measuring with a tracker: following the reflector, tool nests, groups of readings."""

@@ -1,1 +1,0 @@
-"""The tracker's place in the world, from certified fixed nests."""

@@ -1,0 +1,60 @@
+"""What a person may do at the tablet, and when it may be pressed."""
+
+from enum import StrEnum
+from typing import Final
+
+from truepose.domain.ballbar import BallbarStep, StepKind
+from truepose.domain.session import SessionState
+from truepose.sessions.ballbar import step_ids
+from truepose.sessions.ballbar.state import READINGS
+from truepose.sessions.engine.commands import ActName
+
+
+class Answer(StrEnum):
+    """What a person says to a suspicion."""
+
+    RIGHT_PAIR = "right_pair"  # the reading is stored, with the doubt kept beside it
+    RECONNECTED = "reconnected"  # it is read again
+    EXCHANGED = "exchanged"  # both legs are read again
+
+
+_ALWAYS: Final = frozenset({ActName.HAND_OVER, ActName.ABORT})
+_RUNNING: Final = frozenset({ActName.PAUSE, ActName.STOP, *_ALWAYS})
+_BY_STATE: Final = {
+    SessionState.PLANNED: frozenset({ActName.START, ActName.ABORT}),
+    SessionState.RUNNING: _RUNNING,
+    SessionState.PAUSING: frozenset({ActName.STOP, *_ALWAYS}),
+    SessionState.PAUSED: frozenset({ActName.RESUME, *_ALWAYS}),
+    SessionState.AWAITING_CONFIRMATION: frozenset({ActName.CONFIRM, *_ALWAYS}),
+    SessionState.ABORTING: frozenset({ActName.HAND_OVER}),
+}
+
+
+def acts_allowed(
+    state: SessionState, step: BallbarStep | None, *, confirmed: bool, suspected: bool, can_go_back: bool
+) -> frozenset[ActName]:
+    """Return the acts that may be pressed now."""
+    acts: frozenset[ActName] = _BY_STATE.get(state, frozenset())
+    if step is None:
+        return acts
+    if state is SessionState.PAUSED and step.kind is StepKind.PRECALIBRATE:
+        return acts | {ActName.SKIP}  # it has failed, or was not wanted now
+    if state is not SessionState.RUNNING or confirmed or step.kind is StepKind.PRECALIBRATE:
+        return acts
+    acts |= _acts_of_the_step(step, suspected=suspected)
+    return acts | {ActName.BACK} if can_go_back and not suspected else acts
+
+
+def _acts_of_the_step(step: BallbarStep, *, suspected: bool) -> frozenset[ActName]:
+    skip = {ActName.SKIP} if may_be_skipped(step) else set()
+    if suspected:
+        return frozenset({ActName.ANSWER, ActName.RETRY, *skip})
+    do = ActName.STORE if step.kind in READINGS else ActName.CONFIRM
+    return frozenset({do, ActName.RETRY, *skip})
+
+
+def may_be_skipped(step: BallbarStep) -> bool:
+    """Whether the session can do without this step: what is of a pose, and a side of a triangle."""
+    if step.kind is StepKind.DETACH:
+        return False  # the arm could not move any more
+    return step_ids.is_of_a_pose(step.id) or step.kind in {StepKind.MEASURE_SIDE, StepKind.PRECALIBRATE}

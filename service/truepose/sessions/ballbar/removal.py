@@ -1,0 +1,113 @@
+"""Whether a session without the ballbar may move the arm: the bar may hang where an earlier session left it.
+
+A session with the ballbar that is ended early asks nobody to take it off. Whoever confirms the next one looks
+at a cell in which they expect no ballbar; so the bar is asked, where there is one that answers. Where what is
+on record leaves it attached, unknown counts as attached, as in a session with the ballbar: it must be seen to
+come off, or a person says how they know, on the record of the session that they confirm.
+"""
+
+import contextlib
+from dataclasses import replace
+from typing import Final
+
+from truepose.domain.cell import BallbarKit
+from truepose.domain.ledger import BALLBAR_OFF, BALLBAR_ON, EntryKind, LedgerEntry
+from truepose.messages.message import Text, message
+from truepose.sessions.ballbar.attachment import NOTHING_KNOWN, Evidence
+from truepose.sessions.ballbar.live import Seen
+from truepose.sessions.ballbar.state import leaves_attached
+from truepose.sessions.devices import Rack
+from truepose.sessions.engine.commands import Act
+from truepose.sessions.errors import MissingDeviceError, NotNowError, ReasonMissingError
+from truepose.storage.ledger.entries import LedgerRepository
+from truepose.storage.ledger.sessions import SessionRepository
+from truepose_drivers.api import Ballbar
+from truepose_drivers.errors import DriverError
+
+_SAMPLES: Final = 12  # enough to see that it is off, or that it does not move as in a hand
+_EVERY_S: Final = 0.05
+_LEFT_ON: Final = message("session.bar.left_on")
+_READ: Final = message("session.bar.seen_on")
+_SEEN_OFF: Final = message("session.bar.seen_off")
+
+
+class BarPutAway:
+    """Judges confirmations of sessions without the ballbar by the bar in their cell."""
+
+    def __init__(self, sessions: SessionRepository, ledger: LedgerRepository, rack: Rack) -> None:
+        self._sessions = sessions
+        self._ledger = ledger
+        self._rack = rack
+        self._followed: tuple[int, Evidence] | None = None  # since the session was first confirmed
+
+    async def judged(self, session_id: int, act: Act) -> Act:
+        """Return an act with why the ballbar counts as off, where that is to be put on record.
+
+        Raises NotNowError where it reads a length; ReasonMissingError where it may be attached, was not seen
+        to come off, and nobody says how they know.
+        """
+        try:
+            ballbar = self._rack.ballbar
+        except MissingDeviceError:
+            return act
+        setup = await self._sessions.setup(session_id)
+        seen = await self._looked_at(ballbar, self._evidence(session_id, setup.cell.ballbar))
+        left_on = await self._left_attached(simulated=setup.simulated)
+        if seen == "connected":
+            if not left_on:
+                await self._note_read(session_id)
+            raise NotNowError(_LEFT_ON)
+        return replace(act, ballbar_off=_why_off(seen, act)) if left_on else act
+
+    def _evidence(self, session_id: int, kit: BallbarKit | None) -> Evidence:
+        """Return what was seen of it since the session was first confirmed."""
+        if self._followed is None or self._followed[0] != session_id:
+            self._followed = session_id, Evidence((kit or BallbarKit()).range_mm)
+        return self._followed[1]
+
+    async def _looked_at(self, ballbar: Ballbar, evidence: Evidence) -> Seen:
+        was_open = ballbar.connected
+        try:
+            return await self._sampled(ballbar, evidence)
+        except DriverError:
+            evidence.note(None, None)
+            return "unknown"
+        finally:
+            if not was_open:
+                with contextlib.suppress(DriverError):
+                    await ballbar.close()
+
+    async def _sampled(self, ballbar: Ballbar, evidence: Evidence) -> Seen:
+        if not ballbar.connected:
+            await ballbar.connect()
+        for _ in range(_SAMPLES):
+            reading = await ballbar.read()
+            evidence.note(reading, reading.deviation_mm)  # nobody knows another zero than its own
+            await self._rack.clock.sleep(_EVERY_S)
+        return evidence.says(reading.time_s)
+
+    async def _left_attached(self, *, simulated: bool) -> bool:
+        """Whether what is on record last leaves it attached: of a session with it, or noted since."""
+        noted = await self._ledger.newest_at(BALLBAR_OFF, BALLBAR_ON, simulated=simulated)
+        for number in await self._sessions.with_ballbar(simulated=simulated):
+            lines = await self._ledger.whole(number)
+            attached = leaves_attached(line.entry for line in lines)
+            if attached is None:
+                continue
+            if noted is None or noted.id < lines[-1].id:
+                return attached
+            break
+        return noted is not None and noted.entry.step_id == BALLBAR_ON
+
+    async def _note_read(self, session_id: int) -> None:
+        time_s = await self._rack.clock.now_s()
+        await self._ledger.append(session_id, LedgerEntry(BALLBAR_ON, EntryKind.NOTED, time_s, text=_READ))
+
+
+def _why_off(seen: Seen, act: Act) -> Text:
+    if seen != "unknown":
+        return _SEEN_OFF
+    reason = act.reason.strip()
+    if not reason:
+        raise ReasonMissingError(NOTHING_KNOWN)
+    return message("session.bar.said_off", person=act.person, reason=reason)

@@ -1,0 +1,262 @@
+"""The arm as a session moves it: the one call of `move_joints`, behind the interlocks, in pieces.
+
+Where a protocol cannot stop a motion, whatever was sent last is gone through to its end: when this program
+is killed, and when somebody asks for a pause. Pieces make that short. They lie on one line of the joints,
+so the arm takes the same way and comes to every stop from the same side.
+"""
+
+import asyncio
+import math
+import time
+from collections.abc import Awaitable, Callable, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Final, TypeAlias
+
+import numpy as np
+
+from truepose.domain.arrays import FloatArray
+from truepose.domain.robot import FramePlacement, JointRange, Robot
+from truepose.domain.session import SessionState
+from truepose.kinematics.frames import vector_from_rotation
+from truepose.messages.message import Text, message
+from truepose.sessions.engine.interlocks import (
+    MAX_STATE_AGE_S,
+    MotionConditions,
+    what_forbids_motion,
+)
+from truepose.sessions.engine.nominal_arm import nominal_chain
+from truepose.sessions.errors import MotionForbiddenError
+from truepose_drivers.api import Clock, FullRobot, JointReading, MotionLimits
+from truepose_drivers.errors import TargetRefusedError
+
+_LOOKS: Final = 24  # along a way; between two of them the speeds hardly change
+_LONG_S: Final = 0.5  # of cell time, after which one can tell whether it costs wall time
+_SHARE_THAT_WAITS: Final = 0.5
+_MOST_PIECES: Final = 200  # of a way that takes minutes: finer makes no sense
+
+Joints = tuple[float, ...]
+
+
+class MotionSegments:
+    """Cuts motions of one robot at one speed; the flange is what its controller counts as the tool."""
+
+    def __init__(self, robot: Robot, speed: MotionLimits) -> None:
+        self._robot = robot
+        self._speed = speed
+
+    def of(self, start_rad: Joints, target_rad: Joints, longest_s: float) -> tuple[Joints, ...]:
+        """Return where the pieces of a straight joint motion end, the target last; none takes longer."""
+        slowest_s = self._slowest_look_s(np.array(start_rad), np.array(target_rad))
+        count = min(_MOST_PIECES, max(1, math.ceil(_LOOKS * slowest_s / longest_s)))
+        between = tuple(
+            tuple(a + (b - a) * piece / count for a, b in zip(start_rad, target_rad, strict=True))
+            for piece in range(1, count)
+        )
+        return (*between, target_rad)
+
+    def _slowest_look_s(self, start: FloatArray, target: FloatArray) -> float:
+        """Return the longest time between two of the equal steps of the joints [s]."""
+        share = np.linspace(0.0, 1.0, _LOOKS + 1)[:, None]
+        chain = nominal_chain(self._robot, FramePlacement(), start + share * (target - start))
+        last = chain.rotation[-1]
+        path_mm = np.linalg.norm(np.diff(chain.origin[-1], axis=0), axis=1)
+        turn_rad = np.linalg.norm(vector_from_rotation(np.swapaxes(last[:-1], -1, -2) @ last[1:]), axis=1)
+        speed = self._speed
+        times = np.maximum(path_mm / speed.tool_speed_mm_s, turn_rad / speed.orientation_speed_rad_s)
+        return float(times.max())
+
+
+class WallPace:
+    """Whether motions take wall time: in a simulated cell they may not, and then nothing interrupts them."""
+
+    def __init__(self, wall_s: Callable[[], float]) -> None:
+        self._wall_s = wall_s
+        self._began: tuple[float, float] | None = None  # cell time, wall time
+        self.waits = True  # until the contrary was seen; in a real cell the two times are one
+
+    def look(self, cell_s: float) -> None:
+        """Compare how far the cell's time and that of the wall have gone since the first look."""
+        wall_s = self._wall_s()
+        if self._began is None:
+            self._began = cell_s, wall_s
+        gone_s = cell_s - self._began[0]
+        if gone_s > _LONG_S:
+            self.waits = wall_s - self._began[1] > _SHARE_THAT_WAITS * gone_s
+
+    def begin_anew(self) -> None:
+        """Forget when the first look was: a person may have had hours since."""
+        self._began = None
+
+
+@dataclass(frozen=True, slots=True)
+class Permission:
+    """What the session says at this moment about motion."""
+
+    state: SessionState
+    stop_requested: bool
+    question: Text | None
+    obstacle: Text | None = None  # anything else that forbids motion, as a sentence
+
+
+_LOOK_TWICE_S: Final = 0.5  # between two looks; 0.02 deg/s is then seen in a reply rounded to 0.01 deg
+
+AskPermission: TypeAlias = Callable[[float], Permission]  # at a cell time
+BeforePiece: TypeAlias = Callable[[], Awaitable[None]]  # lets what the permission rests on be read anew
+
+
+class Arm:
+    """Moves the robot where the session allows it; knows where the last motion ended, from which side."""
+
+    def __init__(
+        self,
+        controller: FullRobot,
+        clock: Clock,
+        limits: tuple[JointRange, ...],
+        tolerance_rad: float,
+        ask_permission: AskPermission,
+        max_state_age_s: float = MAX_STATE_AGE_S,
+        pieces: MotionSegments | None = None,
+        wall_s: Callable[[], float] = time.monotonic,
+        before_piece: BeforePiece | None = None,
+    ) -> None:
+        self._controller = controller
+        self._clock = clock
+        self._limits = limits
+        self._tolerance_rad = tolerance_rad
+        self._ask_permission = ask_permission
+        self._max_state_age_s = max_state_age_s
+        self._pieces = pieces
+        self._pace = WallPace(wall_s)
+        self._before_piece = before_piece
+        self._left_at: tuple[float, ...] | None = None
+        self._direction = (0,) * len(limits)
+
+    @property
+    def direction(self) -> tuple[int, ...]:
+        """Sign of each joint's last motion; 0 where this session has not moved it yet."""
+        return self._direction
+
+    def forget(self) -> None:
+        """Forget where the arm was left: a person had it since, and confirmed where it stands now."""
+        self._left_at = None
+        self._direction = (0,) * len(self._limits)
+        self._pace.begin_anew()
+
+    async def read(self) -> JointReading:
+        """Ask where the joints are."""
+        return await self._controller.read_joints()
+
+    async def move(self, target_rad: tuple[float, ...]) -> None:
+        """Move to `target_rad` and come to rest; raises MotionForbiddenError and the driver's errors.
+
+        What the controller cannot stop goes out in pieces; before each of them everything is asked again.
+        """
+        if self._left_at is None:
+            await self._require_rest()
+        reading = await self._read_in_time()
+        for number, piece_rad in enumerate(self._pieces_to(target_rad, reading)):
+            if number > 0:
+                if self._before_piece is not None:
+                    await self._before_piece()
+                reading = await self._read_in_time()
+            await self._move_piece(piece_rad, target_rad, reading)
+
+    def _pieces_to(self, target_rad: Joints, reading: JointReading) -> tuple[Joints, ...]:
+        start_rad = self._left_at or reading.joints_rad
+        longest_s = self._controller.motion_guard.longest_piece_s
+        known = len(start_rad) == len(target_rad) and all(map(math.isfinite, (*start_rad, *target_rad)))
+        if self._pieces is None or longest_s is None or not known or not self._pace.waits:
+            return (target_rad,)
+        return self._pieces.of(start_rad, target_rad, longest_s)
+
+    async def _move_piece(self, piece_rad: Joints, target_rad: Joints, reading: JointReading) -> None:
+        now_s = await self._clock.now_s()
+        self._pace.look(now_s)
+        # nothing is awaited between the last look at the session's state and the motion
+        self._require_permission(target_rad, reading, now_s)
+        before = self._left_at
+        self._left_at = None
+        try:
+            await self._controller.move_joints(piece_rad)
+        except TargetRefusedError:
+            self._left_at = before
+            raise
+        self._left_at = piece_rad
+        # a reported angle is rounded: a smaller difference to it says nothing of the sign
+        smallest_rad = reading.resolution_rad if before is None else 0.0
+        came_from = reading.joints_rad if before is None else before
+        self._direction = _direction(came_from, piece_rad, self._direction, smallest_rad)
+
+    async def _read_in_time(self) -> JointReading:
+        """Ask where the joints are; what was under way for too long says nothing of now."""
+        try:
+            async with asyncio.timeout(self._max_state_age_s):
+                return await self.read()
+        except TimeoutError as error:
+            raise MotionForbiddenError(
+                message("session.joints.late", limit_s=self._max_state_age_s)
+            ) from error
+
+    async def _require_rest(self) -> None:
+        """Look twice where nobody knows how the arm came here: a lost motion may still be under way."""
+        before = await self.read()
+        await self._clock.sleep(_LOOK_TWICE_S)
+        after = await self.read()
+        pairs = zip(before.joints_rad, after.joints_rad, strict=False)
+        if any(abs(second - first) > after.resolution_rad for first, second in pairs):
+            raise MotionForbiddenError(message("session.still_moving"))
+
+    def _require_permission(self, target_rad: tuple[float, ...], reading: JointReading, now_s: float) -> None:
+        permission = self._ask_permission(now_s)
+        conditions = MotionConditions(
+            state=permission.state,
+            stop_requested=permission.stop_requested,
+            question=permission.question,
+            robot_connected=self._controller.connected,
+            reading=reading,
+            now_s=now_s,
+            left_at_rad=self._left_at,
+            tolerance_rad=self._tolerance_rad,
+            obstacle=permission.obstacle,
+            max_state_age_s=self._max_state_age_s,
+        )
+        forbidden = what_forbids_motion(conditions, target_rad, self._limits)
+        if forbidden is not None:
+            raise MotionForbiddenError(forbidden)
+
+
+def _direction(
+    came_from: tuple[float, ...], target: tuple[float, ...], before: tuple[int, ...], smallest_rad: float
+) -> tuple[int, ...]:
+    """Return the sign of each joint's last motion; one that stood still keeps that of its motion before."""
+    return tuple(
+        earlier if abs(to - start) <= smallest_rad else (1 if to > start else -1)
+        for start, to, earlier in zip(came_from, target, before, strict=True)
+    )
+
+
+def rest_of_way(way: Sequence[Joints], here: Joints, allowed_rad: float) -> tuple[Joints, ...]:
+    """Return what is left of a way for an arm that stands somewhere on it, the end in any case.
+
+    Halted between two of its points, on the straight line of the joints, the arm goes on to the later one.
+    From a place beside the way, and before its first point, it is the whole way.
+    """
+    passed = [n for n, joints in enumerate(way) if _apart(here, joints) <= allowed_rad]
+    between = [n for n, (a, b) in enumerate(pairwise(way)) if _off_line(here, a, b) <= allowed_rad]
+    last = max(passed or between, default=None)
+    return tuple(way if last is None else way[min(last + 1, len(way) - 1) :])
+
+
+def _apart(here: Joints, there: Joints) -> float:
+    """Return the largest difference of a joint [rad]; of arms that are not alike, infinity."""
+    return float(np.max(np.abs(np.subtract(here, there)))) if len(here) == len(there) else math.inf
+
+
+def _off_line(here: Joints, start: Joints, end: Joints) -> float:
+    """Return how far the joints are off the straight motion between two others [rad]."""
+    way = np.subtract(end, start)
+    if len(here) != len(way) or not np.any(way):
+        return math.inf
+    share = float(np.clip(np.dot(np.subtract(here, start), way) / np.dot(way, way), 0.0, 1.0))
+    return float(np.max(np.abs(np.subtract(here, np.add(start, share * way)))))

@@ -1,0 +1,166 @@
+"""Halts hold from the moment at which somebody asks for them, on record or not yet.
+
+A halt must not wait for the disk. One that the ledger refuses holds all the same, in memory, and is kept
+under the key of who asked for it as soon as lines are taken again.
+"""
+
+from collections.abc import Awaitable, Callable, Mapping
+from typing import Any, Final, Protocol
+
+from truepose.domain.errors import RecordRefusedError
+from truepose.domain.ledger import EntryKind
+from truepose.domain.session import SessionState
+from truepose.messages.message import Message, Text, message, together
+from truepose.sessions.engine.commands import HALTS, Act, ActName, ActOutcome
+from truepose.sessions.engine.ledger import Logbook
+from truepose.sessions.errors import SessionError
+
+_ASKED: Final = {
+    ActName.PAUSE: message("session.pause_asked"),
+    ActName.STOP: message("session.stopped"),
+    ActName.ABORT: message("session.end_asked"),
+}
+# What whoever asks is told: how the session takes it, and when the arm comes to rest, as parts of a sentence.
+_ANSWERS: Final = {
+    ActName.PAUSE: message("session.halt.pauses"),
+    ActName.STOP: message("session.halt.stopped"),
+    ActName.ABORT: message("session.halt.ends"),
+}
+ENDED_AT_REST = message("session.ended_at_rest")
+
+
+class Halts:
+    """Who asked for what while something may be in motion.
+
+    `end` says when the arm comes to rest that is asked to halt now, as the end of a sentence; `effects` what
+    the ledger says where a halt takes effect, by the state that it leads to; else the reason is repeated.
+    """
+
+    def __init__(
+        self, logbook: Logbook[Any], end: Callable[[], Text], effects: Mapping[SessionState, Text]
+    ) -> None:
+        self._logbook = logbook
+        self._end = end
+        self._effects = effects
+        self.wish: SessionState | None = None  # what was asked for, from the moment it is asked
+        self.moving = False  # something is in motion, or about to be
+
+    @property
+    def end(self) -> Text:
+        """When the arm comes to rest that is asked to halt now, as the end of a sentence."""
+        return self._end()
+
+    def not_on_record(self, act: Act) -> Message:
+        """Return what is said of a halt that holds and cannot be kept yet."""
+        return message("session.halt.not_on_record", halt=_ANSWERS[act.name], end=self.end)
+
+    def forget(self) -> None:
+        """Forget a pause or a stop that has taken effect: a person had the session go on."""
+        if self.wish is not SessionState.ABORTED:
+            self.wish = None
+
+    async def halt(self, act: Act) -> ActOutcome:
+        """Enter the state that is asked for, or have it entered when the motion under way has ended."""
+        state, answer = HALTS[act.name], _ANSWERS[act.name]
+        reason = together(_ASKED[act.name], act.reason.strip())
+        if self.moving:
+            self.wish = state
+            between = SessionState.ABORTING if state is SessionState.ABORTED else SessionState.PAUSING
+            number = await self._append(between, reason, act)
+            return ActOutcome(message("session.halt.later", halt=answer, end=self.end), number)
+        number = await self._halt_at_rest(act, state, reason)
+        self.wish = None  # on record from here on
+        ended = state is SessionState.ABORTED
+        at_rest = message("session.halt.at_rest", halt=answer)
+        return ActOutcome(ENDED_AT_REST if ended else at_rest, number)
+
+    async def _halt_at_rest(self, act: Act, state: SessionState, reason: Text) -> int:
+        book = self._logbook
+        if state is not SessionState.ABORTED:
+            return await book.enter(state, self._effects.get(state, reason), act)
+        if book.state in {SessionState.RUNNING, SessionState.PAUSING}:
+            number = await book.enter(SessionState.ABORTING, reason, act)
+            await book.enter(state, self._effects.get(state, reason))
+            return number
+        return await book.enter(state, reason, act)
+
+    async def _append(self, state: SessionState, reason: Text, act: Act) -> int:
+        return await self._logbook.append(EntryKind.CONTROL, act=act, entered=state, text=reason)
+
+    async def take_effect(self) -> bool:
+        """Enter the state that was asked for, at the end of a motion; returns whether one was."""
+        book, wish = self._logbook, self.wish
+        if wish is None or book.state is SessionState.RUNNING:
+            return False  # who asked for it waits for the ledger, and does it
+        await book.enter(wish, self._effects.get(wish, book.record.reason))
+        self.wish = None
+        return True
+
+
+class Waits(Protocol):
+    """Brings a session to where it waits; the caller holds `changing`."""
+
+    async def settle(self) -> None:
+        """Put what comes next on record."""
+        ...
+
+    async def hold(self, reason: Text) -> None:
+        """Have the session wait for a person."""
+        ...
+
+
+class PendingHalts:
+    """Brings a session to where it waits again after lines were refused."""
+
+    def __init__(
+        self,
+        logbook: Logbook[Any],
+        halts: Halts,
+        act: Callable[[Act], Awaitable[object]],
+        waits: Waits,
+    ) -> None:
+        self._logbook = logbook
+        self._halts = halts
+        self._act = act
+        self._waits = waits
+        self.owed: Act | None = None
+
+    @property
+    def due(self) -> bool:
+        """Whether anything waits for the ledger, so that nothing may move."""
+        return self.owed is not None or self._logbook.trouble is not None
+
+    def owe(self, act: Act) -> None:
+        """Have a halt hold that was refused; where nothing could move it was not done."""
+        if self._logbook.state in {SessionState.RUNNING, SessionState.PAUSING}:
+            self.owed = act
+        else:
+            self._halts.wish = None
+
+    async def follow(self) -> None:
+        """Keep what is owed and put the next prompt whenever lines are taken again."""
+        book = self._logbook
+        while True:
+            if self.owed is None:
+                await book.refused.wait()
+            await book.accepted()
+            await self._pay()
+            await book.keep(self._waits.settle)
+
+    async def _pay(self) -> None:
+        while self.owed is not None:
+            try:
+                await self._act(self.owed)
+            except RecordRefusedError:
+                await self._logbook.accepted()
+                continue
+            except SessionError:  # the session is elsewhere by now; it waits for a person all the same
+                self._halts.wish = None
+                await self._logbook.keep(lambda: self._waits.hold(message("session.halt_asked")))
+            if not self._halts.moving and self._logbook.state is SessionState.ABORTING:
+                await self._logbook.keep(self._end)  # the second line of an end
+            self.owed = None
+        self._logbook.tell()
+
+    async def _end(self) -> None:
+        await self._halts.take_effect()

@@ -1,0 +1,214 @@
+"""A session that runs by itself as those see it who ask: where it stands, what may be pressed. Pure."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Final, Literal, TypeAlias, cast
+
+from truepose.analysis.campaigns.assembly import MeasuredSession
+from truepose.analysis.workers.accuracy_tasks import Outlook, OutlookTask
+from truepose.analysis.workers.process import Perform, Turns
+from truepose.domain.contacts import ContactPlan
+from truepose.domain.ledger import EntryKind, LedgerEntry
+from truepose.domain.session import IdentityTaken, Progress, SessionPlan, SessionState, config_of, stop_id
+from truepose.messages.message import Text
+from truepose.sessions.contact.state import OPEN, ContactRecord, Open, Question, Visit
+from truepose.sessions.contact.state import situation_of as contact_situation
+from truepose.sessions.engine.commands import ActName
+from truepose.sessions.engine.states import after_restart
+from truepose.sessions.service import Attendance
+from truepose.sessions.tracker.revisions import can_be_skipped, newest_stop
+from truepose.sessions.tracker.state import TrackerRecord, situation_of
+from truepose.storage.records import SessionSetup
+
+Plan: TypeAlias = SessionPlan | ContactPlan
+Kind: TypeAlias = Literal["tracker", "camera", "contacts"]
+StepName: TypeAlias = Literal["instruments", "warm-up", "world-frame", "fixed-nests", "stop", "question"]
+
+_ALWAYS: Final = frozenset({ActName.ABORT})
+_BY_STATE: Final = {
+    SessionState.PLANNED: frozenset({ActName.START, ActName.ABORT}),
+    SessionState.RUNNING: frozenset({ActName.PAUSE, ActName.STOP, *_ALWAYS}),
+    SessionState.PAUSING: frozenset({ActName.STOP, *_ALWAYS}),
+    SessionState.PAUSED: frozenset({ActName.RESUME, *_ALWAYS}),
+    SessionState.AWAITING_CONFIRMATION: frozenset({ActName.CONFIRM, *_ALWAYS}),
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Fixed:
+    """What of a session changes only by configurations that are added."""
+
+    name: str
+    role: str
+    setup: SessionSetup
+    plan: Plan
+
+    @property
+    def kind(self) -> Kind:
+        """What measures in it."""
+        if isinstance(self.plan, ContactPlan):
+            return "contacts"
+        return "tracker" if self.plan.measures == "points" else "camera"
+
+
+@dataclass(frozen=True, slots=True)
+class GuideStep:
+    """What is due now."""
+
+    id: str
+    kind: StepName
+    config: int | None = None
+    nest: int | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class LastStop:
+    """How the newest configuration ended."""
+
+    config: int
+    measured: bool
+    text: Text  # why it was not
+    number: int  # of lines that ended one, this one included: two of the same configuration differ
+
+
+@dataclass(frozen=True, slots=True)
+class Standing:
+    """Where a session stands, by its plan and its ledger alone."""
+
+    state: SessionState
+    reason: Text
+    step: GuideStep | None
+    progress: Progress
+    acts: frozenset[ActName]
+    last: LastStop | None
+    identities: tuple[IdentityTaken, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Guide:
+    """A session as it stands now."""
+
+    id: int
+    fixed: Fixed
+    standing: Standing
+    attendance: Attendance
+    tracker_in_question: IdentityTaken | None = None
+
+
+def standing(fixed: Fixed, entries: Iterable[LedgerEntry], *, runs: bool) -> Standing:
+    """Return where a session stands after these lines; `runs`: a program does what is due."""
+    record = TrackerRecord() if isinstance(fixed.plan, SessionPlan) else ContactRecord()
+    for entry in entries:
+        record.apply(entry)
+    return standing_of(fixed, record, runs=runs)
+
+
+def standing_of(fixed: Fixed, record: TrackerRecord | ContactRecord, *, runs: bool) -> Standing:
+    """Return where a session stands after what is on record."""
+    step, progress, acts = _found(fixed, record)
+    state = record.state if runs else after_restart(record.state)
+    allowed = _BY_STATE.get(state, frozenset())
+    return Standing(
+        state=state,
+        reason=record.reason,
+        step=step,
+        progress=progress,
+        acts=allowed | acts if runs and state in _REVISED_IN else allowed,
+        last=_last(record),
+        identities=tuple(record.identities),
+    )
+
+
+_REVISED_IN: Final = frozenset({
+    SessionState.RUNNING, SessionState.PAUSING, SessionState.PAUSED, SessionState.AWAITING_CONFIRMATION,
+})  # fmt: skip
+_Found: TypeAlias = tuple[GuideStep | None, Progress, frozenset[ActName]]
+
+
+def _found(fixed: Fixed, record: TrackerRecord | ContactRecord) -> _Found:
+    match fixed.plan, record:
+        case SessionPlan() as plan, TrackerRecord() as of_tracker:
+            return _of_tracker(plan, len(fixed.setup.cell.fixed_nests), of_tracker)
+        case ContactPlan() as contact_plan, ContactRecord() as of_contacts:
+            return _of_contacts(contact_plan, of_contacts)
+    raise TypeError("the plan and the record are not of one kind of session")
+
+
+def _of_tracker(plan: SessionPlan, n_fixed_nests: int, record: TrackerRecord) -> _Found:
+    found = situation_of(plan, n_fixed_nests, record)
+    acts = set()
+    if can_be_skipped(found.step):
+        acts.add(ActName.SKIP)
+    if newest_stop(record) is not None:
+        acts.add(ActName.RETRY)
+    if record.ended and record.ended[-1] != OPENED:
+        acts.add(ActName.BACK)
+    step = found.step
+    if step is None:
+        return None, found.progress, frozenset(acts)
+    shown = GuideStep(step.id, "stop", step.stop.config, step.stop.nest) if step.stop else _plain(step.id)
+    return shown, found.progress, frozenset(acts)
+
+
+OPENED: Final = "instruments"
+_PLAIN: Final[dict[str, StepName]] = {
+    OPENED: "instruments", "warm-up": "warm-up", "world-frame": "world-frame", "fixed-nests": "fixed-nests",
+    OPEN: "instruments",
+}  # fmt: skip
+
+
+def _plain(step_id: str) -> GuideStep:
+    return GuideStep(step_id, _PLAIN[step_id])
+
+
+def _of_contacts(plan: ContactPlan, record: ContactRecord) -> _Found:
+    found = contact_situation(plan, record)
+    match found.step:
+        case Visit(stop):
+            step = GuideStep(stop_id(stop.config), "stop", stop.config, plan.nest)
+        case Open():
+            step = _plain(OPEN)
+        case Question() as question:
+            step = GuideStep(question.value, "question")
+        case None:
+            return None, found.progress, frozenset()
+    return step, found.progress, frozenset()
+
+
+def _last(record: TrackerRecord | ContactRecord) -> LastStop | None:
+    line = record.last_end
+    config = None if line is None else config_of(line.step_id)
+    if line is None or config is None:
+        return None
+    return LastStop(config, line.kind is EntryKind.MEASURED, line.text, record.ends)
+
+
+FEWEST: Final = 11  # configurations; fewer identify nothing that a promise could rest on
+_WAITING: Final = 3
+_PATIENCE_S: Final = 60.0
+
+
+class Outlooks:
+    """Keeps the newest one of each session."""
+
+    def __init__(self, perform: Perform) -> None:
+        self._perform = perform
+        self._turns = Turns(at_once=1, waiting=_WAITING, patience_s=_PATIENCE_S)
+        self._known: dict[int, tuple[tuple[int, int], Outlook]] = {}
+
+    async def of(self, session: MeasuredSession, left: int) -> Outlook | None:
+        """Return what a session promises, None before enough is measured; raises TrueposeError, BusyError."""
+        if len(session.points) < FEWEST:
+            return None
+        amounts = len(session.points), left
+        async with self._turns.taken():
+            known = self._known.get(session.id)
+            if known is not None and known[0] == amounts:
+                return known[1]
+            found = cast(Outlook, await self._perform(OutlookTask(session, left), _nobody))
+            self._known[session.id] = amounts, found
+            return found
+
+
+async def _nobody(fraction: float, doing: Text) -> None:
+    """Take progress that nobody follows."""

@@ -1,1 +1,0 @@
-"""What is made of readings: campaigns, jobs, identifications, models, validations, diagnoses."""

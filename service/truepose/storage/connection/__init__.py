@@ -1,1 +1,0 @@
-"""The database file: its address, lock and schema, the SQLite library, and connections to it."""

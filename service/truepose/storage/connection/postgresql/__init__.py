@@ -1,1 +1,0 @@
-"""PostgreSQL: a database of a server, which is held by a lock of the server."""

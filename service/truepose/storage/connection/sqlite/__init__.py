@@ -1,1 +1,0 @@
-"""SQLite: a file, and what lies beside it."""

@@ -1,0 +1,65 @@
+"""The folder of the user's own data, and files that nobody reads but their owner, whatever the umask.
+
+Windows knows no such modes: there a file has the rights of its folder.
+"""
+
+import contextlib
+import os
+import stat
+import sys
+from pathlib import Path
+from typing import Final
+
+
+def data_folder() -> Path:
+    """Return the folder of the user's own data, where the platform keeps such things.
+
+    Not the working directory: measurements must not depend on where somebody happened to stand.
+    """
+    if sys.platform == "win32":
+        return Path(os.environ.get("LOCALAPPDATA", Path.home() / "AppData" / "Local")) / "truepose"
+    if sys.platform == "darwin":
+        return Path.home() / "Library" / "Application Support" / "truepose"
+    return Path(os.environ.get("XDG_DATA_HOME") or Path.home() / ".local" / "share") / "truepose"
+
+
+_MODE: Final = 0o600
+_OTHERS: Final = 0o077
+
+
+def opened_alone(file: str | Path, flags: int) -> int:
+    """Open a file that its owner alone reads, also one that others could read before; for `open`'s opener."""
+    descriptor = os.open(file, flags, _MODE)
+    if os.name == "posix":
+        with contextlib.suppress(OSError):  # somebody else's file, which may be used all the same
+            os.fchmod(descriptor, _MODE)
+    return descriptor
+
+
+def make_alone(file: Path) -> None:
+    """Make an empty file that its owner alone reads; one that is there becomes so.
+
+    What is there is not opened: closing it again would drop the locks that SQLite has on it.
+    """
+    with contextlib.suppress(FileExistsError):
+        os.close(opened_alone(file, os.O_WRONLY | os.O_CREAT | os.O_EXCL))
+    tighten(file)
+
+
+def tighten(*files: Path) -> None:
+    """Take from everybody but the owner what they may do with files that are there."""
+    for file in files if os.name == "posix" else ():
+        with contextlib.suppress(OSError):
+            mode = stat.S_IMODE(file.stat().st_mode)
+            if mode & _OTHERS:
+                file.chmod(mode & ~_OTHERS)
+
+
+def sync_folder(folder: Path) -> None:
+    """See that a name that was just given or taken in a folder is on the disk."""
+    if os.name == "posix":
+        opened = os.open(folder, os.O_RDONLY)
+        try:
+            os.fsync(opened)
+        finally:
+            os.close(opened)

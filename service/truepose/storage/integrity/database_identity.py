@@ -1,0 +1,97 @@
+"""What lies beside a database and says how it was left: the newest link, and a digest of the whole file.
+
+The newest link is noted after each commit, without waiting for the disk: after a killed service the database
+holds at least that much, so a log that was cut, an older copy and newest records that were taken out show.
+The digest is written when the service ends in order. Whatever bit is changed while no service has the
+database open shows by it, also where SQLite keeps nothing.
+"""
+
+import contextlib
+import hashlib
+import json
+import os
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any, Final
+
+from truepose.storage.engine.files import opened_alone
+
+_LENGTH: Final = 256  # of the line, so that it is written over in place
+_CHUNK: Final = 1 << 20
+
+
+@dataclass(frozen=True, slots=True)
+class Left:
+    """How a database was left."""
+
+    link: int = 0
+    hash: str = ""
+    sha256: str | None = None  # of the file; None: a service has it open, or was killed
+
+
+class IdentityFile:
+    """The file beside one database; only the service that holds the database writes it."""
+
+    def __init__(self, database: Path) -> None:
+        self.file = database.with_name(f"{database.name}.seal")
+        self._database = database
+        self.noted = Left()
+        self._opened: int | None = None
+
+    def left(self) -> Left | None:
+        """Return how the database was left; None where nobody said."""
+        try:
+            return Left(**json.loads(self.file.read_text(encoding="utf-8")))
+        except (OSError, ValueError, TypeError):
+            return None
+
+    def break_open(self, connection: Any) -> None:
+        """Say that a service has the database open, from now on."""
+        with contextlib.suppress(OSError):  # it is a watchman, not a record
+            as_written = getattr(os, "O_BINARY", 0)  # Windows would write line ends of two bytes
+            self._opened = opened_alone(self.file, os.O_RDWR | os.O_CREAT | as_written)
+            self._write(newest_link(connection))
+            os.fsync(self._opened)
+
+    def note(self, newest: Left) -> None:
+        """Note the newest link, which is committed; whatever fails here, the records are kept."""
+        if newest != self.noted:
+            with contextlib.suppress(OSError):
+                self._write(newest)
+
+    def close(self, *, whole: bool) -> None:
+        """Say that nobody has the database open; `whole`: seal the file as it is now."""
+        with contextlib.suppress(OSError):
+            if whole:
+                self._write(Left(self.noted.link, self.noted.hash, digest(self._database)))
+        if self._opened is not None:
+            os.close(self._opened)
+            self._opened = None
+
+    def _write(self, left: Left) -> None:
+        self.noted = left
+        if self._opened is not None:
+            line = json.dumps(asdict(left)).ljust(_LENGTH - 1) + "\n"
+            os.lseek(self._opened, 0, os.SEEK_SET)
+            os.write(self._opened, line.encode())
+
+
+def newest_link(connection: Any) -> Left:
+    """Return the newest link that a plain connection sees."""
+    row = connection.execute("SELECT id, hash FROM links ORDER BY id DESC LIMIT 1").fetchone()
+    return Left() if row is None else Left(row[0], row[1].hex())
+
+
+def digest(file: Path) -> str:
+    """Return the SHA-256 of a file."""
+    found: Any = hashlib.sha256()
+    with file.open("rb") as opened:
+        while chunk := opened.read(_CHUNK):
+            found.update(chunk)
+    return str(found.hexdigest())
+
+
+def has_link(connection: Any, left: Left) -> bool:
+    """Whether a database holds the newest link that it was left with."""
+    row = connection.execute("SELECT hash FROM links WHERE id = ?", (left.link,)).fetchone()
+    return left.link == 0 or (row is not None and row[0].hex() == left.hash)

@@ -1,1 +1,0 @@
-"""Records as they leave a cell for its plant: which do, how they are written, and the chain around them."""

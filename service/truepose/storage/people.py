@@ -1,0 +1,240 @@
+"""People, what opens the service to them, and what they did.
+
+Of what opens the service only hashes are kept; what ends is revoked, never deleted.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from enum import StrEnum
+from typing import Any
+
+from sqlalchemy import Connection, Row, Select, func, or_, select
+
+from truepose.domain.people import Person, Role
+from truepose.storage.database import Database
+from truepose.storage.engine.plain import plain
+from truepose.storage.records import Page
+from truepose.storage.rows import add_row, add_rows
+from truepose.storage.secret_files import take_out_pins
+from truepose.storage.tables import acts, credentials, people, person_states, revocations
+
+
+class CredentialKind(StrEnum):
+    """What opens the service, and to what."""
+
+    PASSWORD = "password"
+    PIN = "pin"  # on a tablet that somebody signed in
+    BADGE = "badge"  # says who; the PIN proves it
+    TOKEN = "token"  # of a program
+    SIGN_IN = "sign_in"  # of a browser
+    LINK = "link"  # once, to choose a password
+    WATCH = "watch"  # one session, for looking at it
+
+
+@dataclass(frozen=True, slots=True)
+class CredentialRecord:
+    """Something that opens the service, without the secret itself."""
+
+    id: int
+    recorded_at: str
+    kind: CredentialKind
+    person_id: int | None  # None: of nobody yet
+    hash: str
+    expires_at: str | None  # UTC, ISO 8601; None: until it is revoked
+    document: dict[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
+class NewCredential:
+    """What is to be kept of something that opens the service."""
+
+    kind: CredentialKind
+    person_id: int | None
+    hash: str
+    expires_at: str | None = None
+    document: dict[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
+class ShownAt:
+    """From where somebody signed in, who may have signed out since."""
+
+    person_id: int
+    address: str
+    since: str  # UTC, ISO 8601
+
+
+@dataclass(frozen=True, slots=True)
+class Entered:
+    """Everybody who was ever entered, and what opens the service now."""
+
+    people: tuple[Person, ...]
+    credentials: tuple[CredentialRecord, ...]
+    newest: str | None  # when the last of these records was written
+    places: tuple[ShownAt, ...]  # oldest first
+
+
+class CredentialRepository:
+    """All queries about people and what opens the service to them."""
+
+    def __init__(self, database: Database) -> None:
+        self._database = database
+
+    async def entered(self) -> Entered:
+        """Return everything that counts now."""
+        return await self._database.read(_entered)
+
+    async def enter(self, name: str, role: Role, by: str) -> Person:
+        """Enter somebody."""
+
+        def work(connection: Connection) -> int:
+            number = add_row(connection, people, name=name)
+            add_row(connection, person_states, person_id=number, role=role.value, active=1, by=by)
+            return number
+
+        return Person(await self._database.write(work), name, role)
+
+    async def change(self, person: Person, by: str) -> None:
+        """Record what somebody may do from now on."""
+        values = {"person_id": person.id, "role": person.role.value, "active": int(person.active), "by": by}
+        await self._database.write(lambda c: add_row(c, person_states, **values))
+
+    async def add(self, new: NewCredential) -> CredentialRecord:
+        """Keep something that opens the service."""
+
+        def work(connection: Connection) -> CredentialRecord:
+            number = add_row(
+                connection,
+                credentials,
+                kind=new.kind.value,
+                person_id=new.person_id,
+                hash=new.hash,
+                expires_at=new.expires_at,
+                document=new.document,
+            )
+            found = connection.execute(select(credentials).where(credentials.c.id == number)).one()
+            return _credential(found)
+
+        return await self._database.write(work)
+
+    async def revoke(self, numbers: tuple[int, ...], by: str) -> None:
+        """Record that these open nothing any more."""
+        rows = [{"credential_id": number, "by": by} for number in numbers]
+
+        def work(connection: Connection) -> None:
+            add_rows(connection, revocations, rows)
+            take_out_pins(plain(connection), revoked_only=True)
+
+        if rows:
+            await self._database.write(work)
+
+
+def _entered(connection: Connection) -> Entered:
+    newest = select(func.max(person_states.c.id)).group_by(person_states.c.person_id)
+    known = (
+        select(people.c.id, people.c.name, person_states.c.role, person_states.c.active)
+        .join(person_states, person_states.c.person_id == people.c.id)
+        .where(person_states.c.id.in_(newest))
+        .order_by(people.c.id)
+    )
+    valid = (
+        select(credentials)
+        .where(credentials.c.id.not_in(select(revocations.c.credential_id)))
+        .order_by(credentials.c.id)
+    )
+    return Entered(
+        tuple(
+            Person(row.id, row.name, Role(row.role), bool(row.active)) for row in connection.execute(known)
+        ),
+        tuple(_credential(row) for row in connection.execute(valid)),
+        connection.scalar(select(func.max(credentials.c.recorded_at))),
+        tuple(_places(connection)),
+    )
+
+
+def _places(connection: Connection) -> Iterator[ShownAt]:
+    of_sign_ins = select(credentials).where(credentials.c.kind == CredentialKind.SIGN_IN.value)
+    for row in connection.execute(of_sign_ins.order_by(credentials.c.id)):
+        if row.document.get("address"):
+            yield ShownAt(row.person_id, row.document["address"], row.recorded_at)
+
+
+def _credential(row: Row[Any]) -> CredentialRecord:
+    kind = CredentialKind(row.kind)
+    return CredentialRecord(
+        row.id, row.recorded_at, kind, row.person_id, row.hash, row.expires_at, row.document
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class PersonsAct:
+    """One request that changed something, or that was refused."""
+
+    happened_at: str  # UTC, ISO 8601
+    operation: str
+    resource: str  # path, without what is secret in it
+    status: int
+    person: str | None = None  # None: nobody who is known
+    role: str | None = None
+    how: str | None = None  # sign_in, token
+    tablet: str | None = None
+    address: str | None = None
+    reason: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class ActRecord:
+    """An act as it was stored."""
+
+    id: int
+    recorded_at: str
+    act: PersonsAct
+
+
+class ActRepository:
+    """All queries about acts."""
+
+    def __init__(self, database: Database) -> None:
+        self._database = database
+
+    async def add(self, several: Sequence[PersonsAct]) -> None:
+        """Keep acts in their order, all or none."""
+        rows = [{name: getattr(act, name) for name in _COLUMNS} for act in several]
+        await self._database.write(lambda connection: add_rows(connection, acts, rows))
+
+    async def page(self, page: Page, search: str = "") -> list[ActRecord]:
+        """Return acts in which `search` stands, oldest first."""
+        query = _found(search).where(acts.c.id > page.after).order_by(acts.c.id).limit(page.limit)
+        return await self._read(query)
+
+    async def newest(self, before: int | None, limit: int, search: str = "") -> list[ActRecord]:
+        """Return the acts before number `before`, newest first."""
+        query = _found(search).order_by(acts.c.id.desc()).limit(limit)
+        return await self._read(query if before is None else query.where(acts.c.id < before))
+
+    async def with_reason(self, operation: str, resource: str) -> list[ActRecord]:
+        """Return the acts of an operation on a resource that succeeded and gave a reason, oldest first."""
+        done = (acts.c.operation == operation) & (acts.c.resource == resource) & (acts.c.status < 400)
+        return await self._read(select(acts).where(done, acts.c.reason.is_not(None)).order_by(acts.c.id))
+
+    async def count(self, search: str = "") -> int:
+        """Return in how many acts `search` stands."""
+        query = select(func.count()).select_from(_found(search).subquery())
+        return await self._database.read(lambda c: c.execute(query).scalar_one())
+
+    async def _read(self, query: Select[Any]) -> list[ActRecord]:
+        return await self._database.read(lambda c: [_record(row) for row in c.execute(query)])
+
+
+_COLUMNS = tuple(PersonsAct.__dataclass_fields__)
+_SEARCHED = (acts.c.person, acts.c.operation, acts.c.resource, acts.c.reason, acts.c.address)
+
+
+def _found(search: str) -> Select[Any]:
+    if not search:
+        return select(acts)
+    return select(acts).where(or_(*(column.icontains(search, autoescape=True) for column in _SEARCHED)))
+
+
+def _record(row: Row[Any]) -> ActRecord:
+    return ActRecord(row.id, row.recorded_at, PersonsAct(*(getattr(row, name) for name in _COLUMNS)))

@@ -1,1 +1,0 @@
-"""People, what opens the service to them, and what they did."""

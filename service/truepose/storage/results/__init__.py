@@ -1,0 +1,1 @@
+"""What is made of readings: campaigns, jobs, results, reports; and how one came of another."""

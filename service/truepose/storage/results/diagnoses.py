@@ -1,0 +1,136 @@
+"""Diagnoses: each stored with the end of its job, with when its readings were taken and of which robot."""
+
+import dataclasses
+from datetime import date
+from functools import partial
+from typing import Any, Final
+
+from sqlalchemy import Connection, Row, Select, select
+
+from truepose.domain.diagnosis import Diagnosis, Finding
+from truepose.storage.database import Database
+from truepose.storage.documents import from_document, to_document
+from truepose.storage.queries import NumberedRecords, Part
+from truepose.storage.records import DiagnosisRecord, JobState, Page
+from truepose.storage.results.campaigns import Origin, simulated_campaign
+from truepose.storage.results.jobs import add_job_state
+from truepose.storage.rows import add_row
+from truepose.storage.tables import campaigns, diagnoses, models
+
+_LISTED: Final = [column for column in diagnoses.c if column.name not in {"summary", "document"}]
+
+
+class DiagnosisRepository:
+    """All queries about diagnoses."""
+
+    def __init__(self, database: Database) -> None:
+        self._database = database
+        whole, undrawn = partial(_records, diagnoses.c.document), partial(_records, diagnoses.c.summary)
+        self._whole = NumberedRecords(database, "diagnosis", diagnoses, whole, _record)
+        self._undrawn = NumberedRecords(database, "diagnosis", diagnoses, undrawn, _record)
+
+    async def keep(self, job_id: int, campaign_id: int, found: Diagnosis, measured_on: date | None) -> int:
+        """Store a diagnosis, with its model as a record of its own, and end the job.
+
+        `measured_on` is the day of the readings. Else it is the day that the campaign states, or when the
+        session's last reading was stored; of an upload that says nothing it stays unknown.
+        """
+        document = to_document(dataclasses.replace(found, model=None))
+        summary = to_document(without_drawings(found))
+        model = None if found.model is None else (found.model.robot.name, to_document(found.model))
+
+        def work(connection: Connection) -> int:
+            origin = Origin(connection, campaign_id)
+            number = add_row(
+                connection,
+                diagnoses,
+                job_id=job_id,
+                campaign_id=campaign_id,
+                measured_at=origin.measured_at() if measured_on is None else measured_on.isoformat(),
+                robot_serial_number=origin.robot_serial_number(),
+                summary=summary,
+                document=document,
+            )
+            if model is not None:
+                add_row(connection, models, diagnosis_id=number, robot=model[0], document=model[1])
+            add_job_state(connection, job_id, JobState.SUCCEEDED, found.message, number)
+            return number
+
+        return await self._database.write(work)
+
+    async def get(self, diagnosis_id: int) -> DiagnosisRecord:
+        """Return a diagnosis; raises NotFoundError."""
+        return await self._whole.get(diagnosis_id)
+
+    async def page(self, page: Page) -> Part[DiagnosisRecord]:
+        """Return diagnoses without their drawings, oldest first."""
+        return await self._undrawn.page(page)
+
+    async def newest(self, count: int) -> list[DiagnosisRecord]:
+        """Return the latest diagnoses without their drawings, newest first."""
+        return await self._undrawn.newest(count)
+
+    async def newest_of_campaign(self, campaign_id: int) -> DiagnosisRecord | None:
+        """Return the latest diagnosis of a campaign without its drawings; None where it has none."""
+        found = await self._undrawn.newest(1, diagnoses.c.campaign_id == campaign_id)
+        return found[0] if found else None
+
+    async def newest_of(self, count: int, month: str) -> list[DiagnosisRecord]:
+        """Return the latest diagnoses of a month (`2026-11`), or of all where it is empty, newest first."""
+        return await self._undrawn.newest(count, diagnoses.c.recorded_at.startswith(month))
+
+    async def of_robot(self, robot: str, serial_number: str | None = None) -> list[DiagnosisRecord]:
+        """Return the diagnoses of robots of that name without their drawings, in the order of storing."""
+        named = diagnoses.c.summary["robot"].as_string() == robot
+        query = _records(diagnoses.c.summary).where(named).order_by(diagnoses.c.id)
+        if serial_number is not None:
+            query = query.where(diagnoses.c.robot_serial_number == serial_number)
+        return await self._database.read(lambda c: [_record(row) for row in c.execute(query)])
+
+
+def without_drawings(diagnosis: Diagnosis) -> Diagnosis:
+    """Return a diagnosis without curves, single errors and model: what lists and comparisons are made of."""
+    left = diagnosis.remaining
+    return dataclasses.replace(
+        diagnosis,
+        findings=_without_curves(diagnosis.findings),
+        small=_without_curves(diagnosis.small),
+        remaining=dataclasses.replace(
+            left, depends_on=tuple(dataclasses.replace(entry, curve=None) for entry in left.depends_on)
+        ),
+        errors=None,
+        model=None,
+    )
+
+
+def _without_curves(findings: tuple[Finding, ...]) -> tuple[Finding, ...]:
+    return tuple(dataclasses.replace(finding, curve=None, spectrum=None) for finding in findings)
+
+
+def _records(document: Any) -> Select[Any]:
+    return (
+        select(
+            *_LISTED,
+            document.label("told"),
+            models.c.id.label("model_id"),
+            campaigns.c.session_ids,
+            simulated_campaign(),
+        )
+        .join(campaigns, campaigns.c.id == diagnoses.c.campaign_id)
+        .outerjoin(models, models.c.diagnosis_id == diagnoses.c.id)
+    )
+
+
+def _record(row: Row[Any]) -> DiagnosisRecord:
+    return DiagnosisRecord(
+        id=row.id,
+        recorded_at=row.recorded_at,
+        measured_at=row.measured_at or None,
+        job_id=row.job_id,
+        campaign_id=row.campaign_id,
+        session_id=row.session_ids[0] if row.session_ids else None,
+        model_id=row.model_id,
+        robot_serial_number=row.robot_serial_number,
+        simulated=bool(row.simulated),
+        diagnosis=from_document(Diagnosis, row.told),
+    )

@@ -1,0 +1,260 @@
+"""Lists over all kinds of records, and how one came of others: session, campaign, result, model, proof."""
+
+from collections import defaultdict
+from collections.abc import Collection, Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from sqlalchemy import Connection, Select, cast, func, select, true, union_all
+
+from truepose.storage.database import Database
+from truepose.storage.engine.dialects import WHOLE, entries_at, number_at
+from truepose.storage.records import JobKind
+from truepose.storage.results.items import SOURCES, WorkItem, WorkKind, item_of
+from truepose.storage.tables import (
+    campaigns,
+    corrections,
+    diagnoses,
+    identifications,
+    job_states,
+    jobs,
+    models,
+    validations,
+)
+
+
+@dataclass(frozen=True, slots=True)
+class WorkPage:
+    """Some items of a list, and how many it has."""
+
+    items: tuple[WorkItem, ...]
+    total: int
+
+
+@dataclass(frozen=True, slots=True)
+class KnownRobot:
+    """A robot of which something is recorded."""
+
+    name: str
+    serial_number: str  # empty where nobody said it
+    campaigns: int
+    diagnoses: int
+
+
+class WorkList:
+    """Queries over all kinds of records at once."""
+
+    def __init__(self, database: Database) -> None:
+        self._database = database
+
+    async def page(
+        self, kinds: Collection[WorkKind], texts: Sequence[str] = (), *, skip: int = 0, limit: int = 50
+    ) -> WorkPage:
+        """Return the records of some kinds in which one of `texts` stands (none: all), newest first."""
+        return await self._database.read(lambda c: _page(c, kinds, tuple(texts), skip, limit))
+
+    async def robots(self) -> list[KnownRobot]:
+        """Return the robots of which there are campaigns, the busiest first."""
+        rows = await self._database.read(lambda c: c.execute(_robots()).all())
+        return [KnownRobot(row.robot, row.serial_number, row.campaigns, row.diagnoses) for row in rows]
+
+
+def _page(
+    connection: Connection, kinds: Collection[WorkKind], texts: tuple[str, ...], skip: int, limit: int
+) -> WorkPage:
+    listed = union_all(*(SOURCES[kind].numbers(kind, texts) for kind in kinds)).subquery()
+    total = connection.scalar(select(func.count()).select_from(listed)) or 0
+    newest = select(listed).order_by(listed.c.recorded_at.desc(), listed.c.id.desc(), listed.c.kind)
+    rows = connection.execute(newest.offset(skip).limit(limit)).all()
+    wanted = [(WorkKind(row.kind), int(row.id)) for row in rows]
+    found = items_of(connection, wanted)
+    return WorkPage(tuple(found[one] for one in wanted if one in found), total)
+
+
+def items_of(
+    connection: Connection, wanted: Collection[tuple[WorkKind, int]]
+) -> dict[tuple[WorkKind, int], WorkItem]:
+    """Return items by kind and number: one query a kind."""
+    numbers: dict[WorkKind, list[int]] = defaultdict(list)
+    for kind, number in wanted:
+        numbers[kind].append(number)
+    queries = [
+        SOURCES[kind].items(kind, SOURCES[kind].table.c.id.in_(some)) for kind, some in numbers.items()
+    ]
+    rows = [row for query in queries for row in connection.execute(query)]
+    return {(item.kind, item.id): item for item in map(item_of, rows)}
+
+
+def _robots() -> Select[Any]:
+    serial = func.coalesce(diagnoses.c.robot_serial_number, "")
+    return (
+        select(
+            campaigns.c.robot,
+            serial.label("serial_number"),
+            func.count(campaigns.c.id.distinct()).label("campaigns"),
+            func.count(diagnoses.c.id).label("diagnoses"),
+        )
+        .outerjoin_from(campaigns, diagnoses, diagnoses.c.campaign_id == campaigns.c.id)
+        .group_by(campaigns.c.robot, serial)
+        .order_by(func.count(campaigns.c.id).desc(), campaigns.c.robot)
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class Lineage:
+    """One record among those it came of and those that came of it, in the order of their making."""
+
+    items: tuple[WorkItem, ...]
+
+    def item(self, kind: WorkKind, number: int) -> WorkItem | None:
+        """Return the record of a kind and a number; None where it is not among them."""
+        return next((one for one in self.items if (one.kind, one.id) == (kind, number)), None)
+
+    def newest(self, kind: WorkKind, *roles: str) -> WorkItem | None:
+        """Return the newest record of a kind, in one of some roles; None where there is none."""
+        fitting = (
+            one for one in reversed(self.items) if one.kind is kind and (not roles or one.role in roles)
+        )
+        return next(fitting, None)
+
+
+class Lineages:
+    """Queries along what came of what."""
+
+    def __init__(self, database: Database) -> None:
+        self._database = database
+
+    async def of(self, kind: WorkKind, number: int) -> Lineage:
+        """Return a record with its forebears and its descendants; the record itself must exist."""
+        return await self._database.read(lambda c: _lineage(c, kind, number))
+
+
+def _lineage(connection: Connection, kind: WorkKind, number: int) -> Lineage:
+    family = _Family(connection)
+    family.add(kind, number)
+    family.rise(kind, number)
+    family.descend(kind, number)
+    items = items_of(connection, family.members)
+    # Moments alone do not order what one transaction made.
+    return Lineage(tuple(sorted(items.values(), key=lambda one: (one.recorded_at, _ORDER[one.kind], one.id))))
+
+
+_ORDER = {kind: place for place, kind in enumerate(WorkKind)}
+
+
+class _Family:
+    """Collects records from one of them on, first back and then forth."""
+
+    def __init__(self, connection: Connection) -> None:
+        self._connection = connection
+        self.members: set[tuple[WorkKind, int]] = set()
+
+    def add(self, kind: WorkKind, number: int) -> None:
+        self.members.add((kind, number))
+
+    def rise(self, kind: WorkKind, number: int) -> None:
+        for parent in list(self._found(_PARENTS[kind](number))) if kind in _PARENTS else ():
+            if parent not in self.members:
+                self.add(*parent)
+                self.rise(*parent)
+
+    def descend(self, kind: WorkKind, number: int) -> None:
+        for query in _CHILDREN.get(kind, ()):
+            for child in list(self._found(query(number))):
+                if child not in self.members:
+                    self.add(*child)
+                    self.descend(*child)
+
+    def _found(self, query: Select[Any]) -> Iterable[tuple[WorkKind, int]]:
+        for row in self._connection.execute(query).mappings():
+            yield from ((WorkKind(kind), number) for kind, number in row.items() if number is not None)
+
+
+def _sessions_of(campaign: int) -> Select[Any]:
+    listed = entries_at(campaigns.c.session_ids).table_valued("value", name="listed")
+    inside = campaigns.join(listed, true())
+    return (
+        select(cast(listed.c.value, WHOLE).label("session"))
+        .select_from(inside)
+        .where(campaigns.c.id == campaign)
+    )
+
+
+def _origin_of(table: Any) -> Any:
+    return lambda number: select(table.c.campaign_id.label("campaign")).where(table.c.id == number)
+
+
+def _origin_of_model(number: int) -> Select[Any]:
+    made_by = models.c.identification_id.label("identification"), models.c.diagnosis_id.label("diagnosis")
+    return select(*made_by).where(models.c.id == number)
+
+
+def _model_of(table: Any) -> Any:
+    return lambda number: select(table.c.model_id.label("model")).where(table.c.id == number)
+
+
+def _proved_by(session: int) -> Select[Any]:
+    """Return the query of the model that a session was planned to prove."""
+    return (
+        select(number_at(jobs.c.request, "$.proves_model_id").label("model"))
+        .join(job_states, job_states.c.job_id == jobs.c.id)
+        .where(jobs.c.kind == JobKind.PLAN.value, job_states.c.result_id == session)
+    )
+
+
+def _campaigns_of(session: int) -> Select[Any]:
+    listed = entries_at(campaigns.c.session_ids).table_valued("value", name="listed")
+    inside = campaigns.join(listed, true())
+    return (
+        select(campaigns.c.id.label("campaign"))
+        .select_from(inside)
+        .where(cast(listed.c.value, WHOLE) == session)
+    )
+
+
+def _made_of_campaign(table: Any, kind: WorkKind) -> Any:
+    return lambda number: select(table.c.id.label(kind.value)).where(table.c.campaign_id == number)
+
+
+def _model_made_by(column: Any) -> Any:
+    return lambda number: select(models.c.id.label("model")).where(column == number)
+
+
+def _made_with_model(table: Any, kind: WorkKind) -> Any:
+    return lambda number: select(table.c.id.label(kind.value)).where(table.c.model_id == number)
+
+
+def _proofs_of(model: int) -> Select[Any]:
+    return (
+        select(job_states.c.result_id.label("session"))
+        .join(jobs, jobs.c.id == job_states.c.job_id)
+        .where(
+            jobs.c.kind == JobKind.PLAN.value,
+            number_at(jobs.c.request, "$.proves_model_id") == model,
+        )
+    )
+
+
+_PARENTS = {
+    WorkKind.SESSION: _proved_by,
+    WorkKind.CAMPAIGN: _sessions_of,
+    WorkKind.IDENTIFICATION: _origin_of(identifications),
+    WorkKind.DIAGNOSIS: _origin_of(diagnoses),
+    WorkKind.MODEL: _origin_of_model,
+    WorkKind.VALIDATION: _model_of(validations),
+    WorkKind.CORRECTION: _model_of(corrections),
+}
+_CHILDREN = {
+    WorkKind.SESSION: (_campaigns_of,),
+    WorkKind.CAMPAIGN: (
+        _made_of_campaign(identifications, WorkKind.IDENTIFICATION),
+        _made_of_campaign(diagnoses, WorkKind.DIAGNOSIS),
+    ),
+    WorkKind.IDENTIFICATION: (_model_made_by(models.c.identification_id),),
+    WorkKind.DIAGNOSIS: (_model_made_by(models.c.diagnosis_id),),
+    WorkKind.MODEL: (
+        _made_with_model(validations, WorkKind.VALIDATION),
+        _made_with_model(corrections, WorkKind.CORRECTION),
+        _proofs_of,
+    ),
+}

@@ -1,0 +1,211 @@
+"""Drift of pose accuracy dAP and of pose repeatability dRP, ISO 9283:1998, 7.6, and when a robot is warm.
+
+A robot that has warmed up may end the test before its eight hours. Compared are two rates, each the slope of
+the barycentres over an hour: that of the first hour and that of the last. A slope, since the change between
+two groups ten minutes apart is mostly the scatter of the instrument.
+
+A pose is measured in groups of visits while the robot works from cold for eight hours. dAP and dRP are the
+largest changes of AP and RP against the first group. The change of AP alone hides a barycentre that walks
+around the commanded pose, so the largest way of the barycentre is said beside it.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import Final
+
+import numpy as np
+
+from truepose.domain.arrays import BoolArray, FloatArray
+from truepose.domain.errors import ConfigurationError
+from truepose.messages.message import Message, message
+from truepose.validation.iso9283.performance import one_pose
+from truepose.validation.iso9283.visits import (
+    Characteristic,
+    CommandedPose,
+    Component,
+    Missing,
+    Performance,
+    Symbol,
+    Visits,
+    barycentre,
+    barycentre_covariance,
+    mean_and_three_scatters,
+    norm_uncertainty,
+)
+
+SETTLED: Final = 0.1  # of the rate of the first hour
+_HOUR_S: Final = 3600.0
+_EARLY: Final = 0.05  # of an hour; groups are a little late, and never all by the same
+
+
+def has_settled(time_s: FloatArray, barycentre_mm: FloatArray) -> bool:
+    """Return whether the rate of change over the last hour is below a tenth of that over the first.
+
+    Parameters
+    ----------
+    time_s : ndarray, shape (k,)
+        Of groups, ascending.
+    barycentre_mm : ndarray, shape (k, 3)
+
+    Returns
+    -------
+    bool
+        False also where the two hours overlap, or one of them holds a single group.
+    """
+    first = time_s <= time_s[0] + (1.0 + _EARLY) * _HOUR_S
+    last = time_s >= time_s[-1] - (1.0 + _EARLY) * _HOUR_S
+    overlap = time_s[-1] - time_s[0] < (2.0 - _EARLY) * _HOUR_S
+    if overlap or first.sum() < 2 or last.sum() < 2:
+        return False
+    return _rate(time_s, barycentre_mm, last) < SETTLED * _rate(time_s, barycentre_mm, first)
+
+
+def _rate(time_s: FloatArray, places_mm: FloatArray, rows: BoolArray) -> float:
+    """Return the size of the slope of places over time [mm/s]."""
+    away_s = time_s[rows] - time_s[rows].mean()
+    return float(np.linalg.norm(away_s @ places_mm[rows]) / (away_s @ away_s))
+
+
+LEAST_VISITS: Final = 10  # of a group
+LEAST_S: Final = 8 * 3600.0
+_OF_POSITION: Final[tuple[tuple[Symbol, Symbol, Component], ...]] = (("dAP", "AP", "p"), ("dRP", "RP", "l"))
+_OF_ANGLES: Final[tuple[tuple[Symbol, Symbol, Component], ...]] = (
+    ("dAP", "AP", "a"),
+    ("dAP", "AP", "b"),
+    ("dAP", "AP", "c"),
+    ("dRP", "RP", "a"),
+    ("dRP", "RP", "b"),
+    ("dRP", "RP", "c"),
+)
+_CHANGES: Final = (*_OF_POSITION, *_OF_ANGLES)
+
+
+@dataclass(frozen=True, slots=True)
+class Group:
+    """Visits that were measured in one go, and when."""
+
+    time_s: float
+    visits: Visits
+
+
+@dataclass(frozen=True, slots=True)
+class DriftPoint:
+    """One group beside the first; uncertainties are of scatter, since what the instrument adds cancels."""
+
+    hours: float
+    visits: int
+    accuracy_mm: float  # AP
+    accuracy_uncertainty_mm: float
+    repeatability_mm: float  # RP
+    repeatability_uncertainty_mm: float
+    moved_mm: float  # of the barycentre, from that of the first group
+    moved_uncertainty_mm: float
+
+
+@dataclass(frozen=True, slots=True)
+class Drift:
+    """What changed over the hours."""
+
+    performance: Performance
+    walk_mm: float | None  # largest way of the barycentre from where it was first; None where withheld
+    hours: float
+    settled: bool  # the rate of change has fallen to less than a tenth
+    curve: tuple["DriftPoint", ...]
+
+
+def drift(pose: CommandedPose, groups: Sequence[Group]) -> Drift:
+    """Return dAP and dRP of one pose.
+
+    Parameters
+    ----------
+    pose : CommandedPose
+    groups : sequence of Group
+        In order of time, the first from cold.
+
+    Returns
+    -------
+    Drift
+        Withheld where the groups span less than eight hours and the drift has not become slow either, or
+        where one of them has fewer than ten visits. What the instrument has in common in two groups
+        cancels, and is not in the uncertainty. The curve leaves out groups with fewer than two visits.
+
+    Raises
+    ------
+    ConfigurationError
+        There are fewer than two groups, or they are not in order of time.
+    """
+    times = [group.time_s for group in groups]
+    if len(groups) < 2 or any(later <= earlier for earlier, later in pairwise(times)):
+        raise ConfigurationError("Drift is a change: give two groups of visits or more, in order of time.")
+    hours = (times[-1] - times[0]) / 3600.0
+    curve = tuple(_points(pose, groups))
+    settled = _settled(pose, groups)
+    found = [one_pose(pose, _without_instrument(group.visits), LEAST_VISITS) for group in groups]
+    reason = _reason(found, hours, settled=settled)
+    if reason is not None:
+        withheld = tuple(Missing(symbol, pose.name, reason) for symbol, _, _ in _OF_POSITION)
+        return Drift(Performance((), withheld), None, hours, settled, curve)
+    figures = [change for kind in _CHANGES if (change := _largest_change(found, *kind)) is not None]
+    walk_mm = max(point.moved_mm for point in curve)
+    return Drift(Performance(tuple(figures), ()), walk_mm, hours, settled, curve)
+
+
+def _without_instrument(visits: Visits) -> Visits:
+    nothing = np.zeros(len(visits))
+    return replace(visits, standard_uncertainty_mm=nothing, rotation_uncertainty_rad=None)
+
+
+def _settled(pose: CommandedPose, groups: Sequence[Group]) -> bool:
+    seen = [(group.time_s, group.visits.of_pose(pose.number).position_mm) for group in groups]
+    measured = [(time_s, barycentre(places)) for time_s, places in seen if len(places)]
+    times, places = zip(*measured, strict=True) if measured else ((), ())
+    return len(times) > 0 and has_settled(np.array(times), np.array(places))
+
+
+def _points(pose: CommandedPose, groups: Sequence[Group]) -> Iterator[DriftPoint]:
+    seen = [(group.time_s, _without_instrument(group.visits).of_pose(pose.number)) for group in groups]
+    measured = [(time_s, visits) for time_s, visits in seen if len(visits) > 1]
+    for time_s, visits in measured:
+        yield _point(pose, time_s - groups[0].time_s, visits, measured[0][1])
+
+
+def _point(pose: CommandedPose, since_s: float, visits: Visits, first: Visits) -> DriftPoint:
+    place, away = barycentre(visits.position_mm), barycentre_covariance(visits.position_mm)
+    error, moved = place - np.array(pose.position_mm), place - barycentre(first.position_mm)
+    radius = np.linalg.norm(visits.position_mm - place, axis=1)
+    apart = away + barycentre_covariance(first.position_mm)
+    return DriftPoint(
+        since_s / 3600.0,
+        len(visits),
+        float(np.linalg.norm(error)),
+        norm_uncertainty(error, away),
+        *mean_and_three_scatters(radius),
+        float(np.linalg.norm(moved)),
+        0.0 if visits is first else norm_uncertainty(moved, apart),
+    )
+
+
+def _reason(found: Sequence[Performance], hours: float, *, settled: bool) -> Message | None:
+    if 3600.0 * hours < LEAST_S and not settled:
+        return message("poses.hours", hours=hours)
+    for number, group in enumerate(found, start=1):
+        if group.withheld:
+            return message("poses.in_group", group=number, reason=group.withheld[0].reason)
+    return None
+
+
+def _largest_change(
+    found: Sequence[Performance], change: Symbol, of: Symbol, component: Component
+) -> Characteristic | None:
+    figures = [group.largest(of, component) for group in found]
+    known = [figure for figure in figures if figure is not None]
+    if len(known) < len(found):
+        return None
+    first, *later = known
+    far = max(later, key=lambda figure: abs(figure.value - first.value))
+    u = float(np.hypot(first.standard_uncertainty, far.standard_uncertainty))
+    value = abs(far.value - first.value)
+    return Characteristic(
+        change, component, first.subject, value, u, first.unit, sum(c.visits for c in known)
+    )

@@ -1,1 +1,0 @@
-"""Plans used again: a session as last time, in the cell of today."""

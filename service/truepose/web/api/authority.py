@@ -1,0 +1,126 @@
+"""Who acts in a session: many may look, one acts, and whoever takes over says so.
+
+Programs are not hindered by it: they answer for what they do by themselves. Halting is for everybody.
+"""
+
+from typing import Final
+
+from fastapi import status
+from pydantic import Field
+
+from truepose.domain.people import Role, reaches
+from truepose.domain.session import SessionState
+from truepose.messages.message import message
+from truepose.people.errors import FreshSignInNeededError, NotAllowedError
+from truepose.people.leases import LEASE_S, Lease
+from truepose.people.register import Caller
+from truepose.sessions.engine.commands import HALTS, LETS_MOVE, ActName
+from truepose.web.context import Context, Here
+from truepose.web.middleware.rights import CurrentCaller, current_request
+from truepose.web.resources import Id, problems, resource
+from truepose.web.schemas import Reply, Request, example
+
+
+class AuthorityRequest(Request):
+    """Whether to take the authority from whoever has it."""
+
+    model_config = example({"take_over": False})
+
+    take_over: bool = False
+
+
+class AuthorityReply(Reply):
+    """Who acts in a session."""
+
+    person: str | None = Field(description="Null: whoever acts next.", examples=["Ada Byron"])
+    tablet: str = Field(description="Where; empty: nobody said.", examples=["cell 3"])
+    mine: bool = Field(description="Whether it is whoever asks.")
+    left_s: float = Field(description="How long it lasts if nothing renews it.", examples=[LEASE_S])
+
+
+router = resource("/sessions", tags=["people"])
+TAKEN_FROM: Final = "taken over from "  # the reason of such an act, before the name of who had it
+_SHOWN_FIRST: Final = LETS_MOVE | {ActName.HAND_OVER}
+
+
+async def require_authority(here: Context, session_id: int, act: ActName) -> None:
+    """Raise where whoever asks may not do this in a session now.
+
+    Raises NotAllowedError, FreshSignInNeededError, SomebodyElseActsError.
+    """
+    caller = current_request().caller
+    if caller.everybody or act in HALTS:
+        return
+    if caller.role is None or not reaches(caller.role, Role.OPERATOR):
+        raise NotAllowedError(message("refused.role", who=caller.name, role=str(caller.role or "")))
+    if caller.sign_in is None:
+        return
+    if act in _SHOWN_FIRST and not _goes_on(here, session_id, act) and not _is_fresh(here, caller):
+        raise FreshSignInNeededError
+    if act is ActName.HAND_OVER:
+        here.people.leases.take_over(session_id, caller)
+    else:
+        here.people.leases.claim(session_id, caller)
+
+
+@router.get("/{id}/authority", responses=problems(404, 422, 503))
+async def get_authority(here: Here, asker: CurrentCaller, id: Id) -> AuthorityReply:
+    """Say who acts in a session."""
+    await here.sessions.get(id)
+    return _reply(here, here.people.leases.of(id), asker)
+
+
+@router.put("/{id}/authority", responses=problems(400, 403, 404, 409, 413, 415, 422, 503))
+async def claim_authority(
+    here: Here, asker: CurrentCaller, id: Id, wanted: AuthorityRequest
+) -> AuthorityReply:
+    """Have the authority over a session, or go on having it: a page renews it every few seconds.
+
+    Another person, or the same one at another tablet, takes it over only where they say so.
+    """
+    await here.sessions.get(id)
+    if asker.everybody or asker.sign_in is None:
+        return _reply(here, None, asker)
+    held = here.people.leases.of(id)
+    current_request().renews = held is not None and held.is_of(asker)
+    if wanted.take_over:
+        if not _is_fresh(here, asker):
+            raise FreshSignInNeededError
+        _give_reason(held, asker)
+        return _reply(here, here.people.leases.take_over(id, asker), asker)
+    return _reply(here, here.people.leases.claim(id, asker), asker)
+
+
+@router.delete("/{id}/authority", status_code=status.HTTP_204_NO_CONTENT, responses=problems(404, 422, 503))
+async def give_up_authority(here: Here, asker: CurrentCaller, id: Id) -> None:
+    """Leave the authority over a session to whoever acts next."""
+    await here.sessions.get(id)
+    here.people.leases.give_up(id, asker)
+
+
+def _give_reason(held: Lease | None, asker: Caller) -> None:
+    """Put on record from whom the authority is taken; to go on having it is no event."""
+    if held is not None and not held.is_of(asker):
+        current_request().reason = f"{TAKEN_FROM}{held.person}"
+
+
+def _goes_on(here: Context, session_id: int, act: ActName) -> bool:
+    """Whether a session is under way, so that each motion is confirmed by whoever has been acting."""
+    under_way = here.session_desk.under_way(session_id)
+    running = under_way is not None and under_way.runner.state is SessionState.RUNNING
+    return act is ActName.CONFIRM and running
+
+
+def _is_fresh(here: Context, caller: Caller) -> bool:
+    return here.people.accounts.sign_ins.is_fresh(caller)
+
+
+def _reply(here: Context, lease: Lease | None, asker: Caller) -> AuthorityReply:
+    if lease is None:
+        return AuthorityReply(person=None, tablet="", mine=False, left_s=0.0)
+    return AuthorityReply(
+        person=lease.person,
+        tablet=lease.tablet_name,
+        mine=lease.is_of(asker),
+        left_s=round(here.people.leases.left_s(lease), 1),
+    )

@@ -1,0 +1,127 @@
+"""The hash chain of records as a plant collects it: its head with the cell's clock, and its links in order.
+
+Nothing here waits for anybody: what is not asked for stays where it is, and is there when it is.
+"""
+
+import asyncio
+import json
+from collections.abc import AsyncIterator, Sequence
+from datetime import UTC, datetime
+from typing import Annotated, Any, Final
+
+from fastapi import Query
+from fastapi.responses import Response, StreamingResponse
+from pydantic import Field
+
+from truepose.storage.plant.outbox import Outbox, OutboxLink, typed
+from truepose.web.context import Here
+from truepose.web.resources import problems, resource
+from truepose.web.schemas import NUMBER_LIMIT, Reply
+
+LINES: Final = "application/x-ndjson"  # media type of links
+
+
+class ChainHeadReply(Reply):
+    """How far the chain of a cell goes, and what time it is there."""
+
+    cell: str = Field(description="Name in the cell file.", examples=["left arm"])
+    version: str = Field(description="Of the program.", examples=["0.1.0"])
+    schema_revision: str = Field(alias="schema", description="Of the database.", examples=["0001"])
+    newest: int = Field(description="Number of the newest link.", examples=[4711])
+    links: int = Field(description="How many links the head stands for.", examples=[4711])
+    head: str = Field(description="As reports print it.", examples=["4711-K3QF-7ZWD-M2PA-XY5R"])
+    hash: str | None = Field(
+        description="Of the last of these links, in hexadecimal; null: there is none.",
+        examples=["9f86d081884c7d659a2feaa0c55ad015a3bf4f1b2b0b822cd15d6c15b0f00a08"],
+    )
+    time: str = Field(
+        description="Time of day as this computer has it: UTC, ISO 8601.",
+        examples=["2026-05-04T09:12:33.125000+00:00"],
+    )
+
+
+router = resource("/chain", tags=["plant"])
+MOST_LINKS: Final = 5000
+MOST_BYTES: Final = 8 * 2**20  # of a page, unless its first record alone has more
+_CONTENT: Final = {
+    LINES: {
+        "schema": {"type": "string"},
+        "example": '{"link":1,"stream":0,"record":"campaigns","record_id":1,"hash":"9f86...",'
+        '"row":{"id":1,"name":"left arm"}}\n{"end":1,"newest":1}\n',
+    }
+}
+At = Annotated[
+    int | None,
+    Query(alias="links", ge=0, le=NUMBER_LIMIT, description="As it was with so many links; else as it is."),
+]
+After = Annotated[int, Query(ge=0, le=NUMBER_LIMIT, description="Links above this number.")]
+Limit = Annotated[int, Query(ge=1, le=MOST_LINKS, description="At most so many links.")]
+
+
+def wall_time() -> datetime:
+    """Return the time of day as this computer has it; it may be wrong, and may jump."""
+    return datetime.now(UTC)
+
+
+@router.get("/head", responses=problems(422, 503))
+async def get_chain_head(here: Here, at: At = None) -> ChainHeadReply:
+    """Tell how far the chain goes, its head as reports print it, and what time it is here."""
+    stand = await Outbox(here.database).stand(at)
+    return ChainHeadReply(
+        cell=here.cell.name,
+        version=here.version,
+        schema=here.database.schema,
+        newest=stand.newest,
+        links=stand.head.links,
+        head=stand.head.text,
+        hash=None if stand.hash is None else stand.hash.hex(),
+        time=wall_time().isoformat(timespec="microseconds"),
+    )
+
+
+@router.get(
+    "/links",
+    response_class=Response,
+    responses={
+        200: {"description": "A link a line, then one line that says how far it goes.", "content": _CONTENT},
+        **problems(422, 503),
+    },
+)
+async def list_links(here: Here, after: After = 0, limit: Limit = 500) -> StreamingResponse:
+    """Send links of the chain with their records, in their order, so that each hash can be computed anew.
+
+    Of a record that does not leave the cell only the link is sent. A page ends after `limit` links or 8 MB;
+    a page without its last line, `{"end": ..., "newest": ...}`, was cut off on its way.
+    """
+    records = Outbox(here.database)
+    first = await records.after(after, limit)  # refused before an answer has begun, where it is
+    return StreamingResponse(_lines(records, first, after, limit), media_type=LINES)
+
+
+async def _lines(records: Outbox, some: Sequence[OutboxLink], after: int, limit: int) -> AsyncIterator[str]:
+    left, room_bytes = limit, MOST_BYTES
+    while some:
+        text = await asyncio.to_thread(_text, some)  # a campaign has megabytes; a reading waits for none
+        after, left, room_bytes = some[-1].id, left - len(some), room_bytes - len(text)
+        yield text
+        some = await records.after(after, left) if left and room_bytes > 0 else ()
+    yield json.dumps({"end": after, "newest": await records.newest()}) + "\n"
+
+
+def _text(some: Sequence[OutboxLink]) -> str:
+    return "".join(_line(link) for link in some)
+
+
+def _line(link: OutboxLink) -> str:
+    said: dict[str, Any] = {
+        "link": link.id,
+        "stream": link.stream,
+        "record": link.record,
+        "record_id": link.record_id,
+        "hash": link.hash.hex(),
+    }
+    if link.row is not None:
+        said["row"] = typed(link.row)
+    if link.told is not None:
+        said["told"] = typed(link.told)
+    return json.dumps(said, ensure_ascii=False, separators=(",", ":")) + "\n"

@@ -1,0 +1,344 @@
+"""Corrections: a file of targets in, the same with corrected numbers out."""
+
+import asyncio
+import hashlib
+import math
+from dataclasses import dataclass, replace
+from pathlib import PureWindowsPath
+from typing import Annotated, Any, Final, Literal, get_args
+from urllib.parse import quote
+
+from fastapi import HTTPException, Query, Request, Response, status
+from fastapi.exceptions import RequestValidationError
+from pydantic import Field
+from starlette.datastructures import UploadFile
+
+from truepose.analysis.workers.file_tasks import MOST_TARGETS, TargetsFile
+from truepose.domain.correction import CorrectedTargets
+from truepose.domain.errors import ConfigurationError
+from truepose.exchange.programs.correction_request import CorrectionRequest, branch_named, frame_defined
+from truepose.exchange.programs.forms import Order
+from truepose.exchange.programs.program import Meant
+from truepose.exchange.results.corrections import CorrectionDocument, correction_of
+from truepose.exchange.results.document import Quantity
+from truepose.kinematics.inverse import BRANCH_NAMES
+from truepose.messages.catalogue import english
+from truepose.messages.message import message
+from truepose.storage.records import CorrectionRecord
+from truepose.web.api.jobs import JobReply, queued
+from truepose.web.context import Here
+from truepose.web.resources import (
+    Id,
+    IdempotencyKey,
+    Paged,
+    Sender,
+    listing,
+    problems,
+    request_key,
+    resource,
+    while_present,
+)
+from truepose.web.schemas import RecordedAt, RecordId, Reply, Simulated
+
+
+class AskedReply(Reply):
+    """How the file was meant; null: as its format has it."""
+
+    frame: str | None = None
+    define: list[str] = Field([], description="Frames that the file only names.")
+    branch: str | None = None
+    angles: str | None = None
+    coupled: bool = Field(False, description="Whether joint 3 of FANUC counts from the horizontal.")
+    as_written: bool = Field(
+        False, description="Whether the numbers are meant so where another unit or frame fits better."
+    )
+    beside: list[str] = Field([], description="Names of the files beside it.")
+
+
+class CorrectionReply(Reply):
+    """A stored correction of a file of targets."""
+
+    id: RecordId
+    recorded_at: RecordedAt
+    job_id: RecordId
+    model_id: RecordId
+    robot: str = Field(examples=["ABB IRB 120"])
+    simulated: Simulated
+    name: str = Field(description="Of the file.", examples=["weld.mod"])
+    original_sha256: str
+    corrected_sha256: str
+    asked: AskedReply
+    document: CorrectionDocument
+    left_alone_count: int = Field(description="The document tells the first 500 of them.")
+    largest_shift_mm: Quantity = Field(
+        description="From the place meant to the one that the controller is told; null: none was corrected."
+    )
+    cautions: list[str] = Field(
+        description="What the predictions do not contain, and what was not understood."
+    )
+    file_url: str = Field(examples=["/api/v1/corrections/3/file"])
+    targets_url: str = Field(examples=["/api/v1/corrections/3/targets"])
+
+
+class TargetReply(Reply):
+    """A target of a file."""
+
+    number: int = Field(ge=1, description="In the file, from 1.")
+    name: str
+    line: int
+    status: str = Field(examples=["ok"])
+    place_mm: list[Quantity] = Field(description="Meant for the origin of the last frame, in the base.")
+    shift_mm: list[Quantity] = Field(description="From there to where the controller is told to go.")
+    u_mm: Quantity = Field(description="Standard, per axis, of where the tool really goes.")
+    outside_mm: Quantity = Field(description="How far outside the measured zone; null: unknown.")
+    moved_deg: Quantity = Field(description="Of a joint, from the controller's own answer.")
+
+
+def correction_reply(record: CorrectionRecord) -> CorrectionReply:
+    """Return a correction as it travels."""
+    found, path = record.correction, f"/api/v1/corrections/{record.id}"
+    return CorrectionReply.of(
+        record,
+        asked=AskedReply(**record.asked),
+        document=correction_of(found.totals, found.left_alone),
+        left_alone_count=found.left_alone_count,
+        largest_shift_mm=found.largest_shift_mm,
+        cautions=list(map(english, found.cautions)),
+        file_url=f"{path}/file",
+        targets_url=f"{path}/targets",
+    )
+
+
+def target_replies(targets: CorrectedTargets, after: int, limit: int) -> list[TargetReply]:
+    """Return some targets as they travel, from the one behind number `after` on."""
+    return [
+        TargetReply(
+            number=row + 1,
+            name=targets.names[row],
+            line=int(targets.lines[row]),
+            status=targets.statuses[row],
+            place_mm=targets.place_mm[row].tolist(),
+            shift_mm=targets.shift_mm[row].tolist(),
+            u_mm=float(targets.uncertainty_mm[row]),
+            outside_mm=float(targets.outside_mm[row]),
+            moved_deg=math.degrees(targets.moved_rad[row]),
+        )
+        for row in range(after, min(after + limit, len(targets.names)))
+    ]
+
+
+router = resource(tags=["corrections"])
+_RECEIVING_S: Final = 60.0  # 16 MB at 2 Mbit/s
+_MOST_FILES: Final = 20
+_LONGEST_NAME: Final = 200
+_FILE = {"type": "string", "format": "binary"}
+_FORM = {
+    "type": "object",
+    "required": ["file"],
+    "properties": {
+        "file": {**_FILE, "description": "The program; the ending of its name says the format."},
+        "beside": {"type": "array", "items": _FILE, "description": "Other files of it; they are read only."},
+    },
+}
+_BODY: dict[str, Any] = {
+    "requestBody": {"required": True, "content": {"multipart/form-data": {"schema": _FORM}}}
+}
+_NO_FILE: Final = {
+    "loc": ("body", "file"),
+    "msg": "a robot program or a table of targets is required",
+    "type": "missing",
+}
+_ANY_FILE = {"application/octet-stream": {"schema": _FILE}}
+Frame = Annotated[
+    Literal["world", "base"] | None,
+    Query(
+        description="What targets are given in; null: of a table the frame of the readings, of a program the "
+        "robot's base."
+    ),
+]
+Define = Annotated[
+    list[Annotated[str, Query(max_length=500)]] | None,
+    Query(
+        max_length=50,
+        description="Of a program: a tool or work object that it only names, NAME=x,y,z,qw,qx,qy,qz.",
+        examples=[["tGun=0,0,150,1,0,0,0"]],
+    ),
+]
+Branch = Annotated[
+    str | None,
+    Query(
+        description="Of a program: branch of poses that do not say theirs.",
+        json_schema_extra={"enum": list(BRANCH_NAMES)},
+    ),
+]
+ANGLES: Final = get_args(Order)
+Angles = Annotated[Order | None, Query(description="Of G-code: axes of A, B, C.")]
+Coupled = Annotated[
+    bool,
+    Query(description="Of FANUC: joint 3 counts from the horizontal; its joint targets are corrected."),
+]
+AsWritten = Annotated[
+    bool,
+    Query(
+        description="Correct targets also where another unit or frame fits them better, or where nearly all "
+        "are out of reach."
+    ),
+]
+
+
+@dataclass(frozen=True, slots=True)
+class _SentFiles:
+    """The files of a form, and the fingerprint of all of it."""
+
+    name: str
+    data: bytes
+    beside: dict[str, bytes]
+
+    @property
+    def fingerprint(self) -> bytes:
+        """What tells another form from this one."""
+        files = {self.name: self.data, **self.beside}
+        return repr({name: hashlib.sha256(data).hexdigest() for name, data in files.items()}).encode()
+
+
+@router.post(
+    "/models/{id}/corrections",
+    status_code=status.HTTP_202_ACCEPTED,
+    responses=problems(400, 404, 408, 409, 413, 415, 422, 503),
+    openapi_extra=_BODY,
+)
+async def correct_file(
+    here: Here,
+    id: Id,
+    request: Request,
+    response: Response,
+    frame: Frame = None,
+    define: Define = None,
+    branch: Branch = None,
+    angles: Angles = None,
+    coupled: Coupled = False,
+    as_written: AsWritten = False,
+    key: IdempotencyKey = None,
+    sender: Sender = "",
+) -> JobReply:
+    """Correct a robot program or a table of targets, as `truepose correct` does.
+
+    The file is read before the answer: one that cannot be used is refused in a sentence that names the
+    place. RAPID, KRL, LS, URScript, INFORM, VAL3, G-code, JSON and CSV are known by the ending of the name.
+    The job's result is the correction. The job fails, and nothing is written, where the numbers seem to be
+    in another unit or frame or nearly all targets are out of reach, unless they are meant as written. More
+    than 100,000 targets are for the command, which takes tables of any length.
+    """
+    model = (await here.results.model(id)).model
+    asked = {
+        "frame": frame,
+        "define": define or [],
+        "branch": branch,
+        "angles": angles,
+        "coupled": coupled,
+        "as_written": as_written,
+    }
+    meant = CorrectionRequest(
+        meant=None if frame is None else Meant(frame),
+        defined=dict(frame_defined(text, "define") for text in define or []),
+        branch=None if branch is None else branch_named(branch, "branch"),
+        angles=angles,
+        coupled=coupled,
+        as_written=as_written,
+        most_targets=MOST_TARGETS,
+    )
+    async with here.campaign_desk.uploads.turn():
+        here.job_desk.require_room()
+        sent = await _received(request)
+        file = TargetsFile(model, sent.name, sent.data, replace(meant, beside=sent.beside))
+        await while_present(request, here.campaign_desk.uploads.check(file))
+        asked = {**asked, "beside": list(sent.beside)}
+        said = repr(asked).encode() + sent.fingerprint
+        by_key = None if key is None else request_key(request, key, said)
+        number = await here.job_desk.correct(id, file, asked, by_key, sender)
+    return await queued(here, number, response)
+
+
+@router.get("/models/{id}/corrections", responses=listing(404, 422, 503))
+async def list_corrections_of_model(here: Here, id: Id, paging: Paged) -> list[CorrectionReply]:
+    """List the corrections by a model, oldest first."""
+    await here.results.model(id)
+    return paging.shown(await here.corrections.of_model(id, paging.page), correction_reply)
+
+
+@router.get("/corrections", responses=listing(422, 503))
+async def list_corrections(here: Here, paging: Paged) -> list[CorrectionReply]:
+    """List corrections, oldest first."""
+    return paging.shown(await here.corrections.page(paging.page), correction_reply)
+
+
+@router.get("/corrections/{id}", responses=problems(404, 422, 503))
+async def get_correction(here: Here, id: Id) -> CorrectionReply:
+    """Show what a file came to: counts, extremes, and what was left alone."""
+    return correction_reply(await here.corrections.get(id))
+
+
+@router.get("/corrections/{id}/targets", responses=listing(404, 422, 503))
+async def list_targets(here: Here, id: Id, paging: Paged) -> list[TargetReply]:
+    """List the targets of a file with what became of each, in the order of the file."""
+    targets, page = await here.corrections.targets(id), paging.page
+    total, last = len(targets.names), page.after + page.limit
+    paging.say(total, last if last < total else None)
+    return target_replies(targets, page.after, page.limit)
+
+
+@router.get(
+    "/corrections/{id}/file",
+    response_class=Response,
+    responses={
+        200: {"description": "The corrected file.", "content": _ANY_FILE},
+        **problems(404, 422, 503),
+    },
+)
+async def download_corrected(here: Here, id: Id) -> Response:
+    """Download the corrected file: of a program all but the numbers of its targets is as it came."""
+    record = await here.corrections.get(id)
+    saved_as = quote(corrected_name(record.name))
+    headers = {"Content-Disposition": f"attachment; filename*=UTF-8''{saved_as}"}
+    return Response(await here.corrections.file(id), media_type="application/octet-stream", headers=headers)
+
+
+def corrected_name(name: str) -> str:
+    """Return how a corrected file is called."""
+    path = PureWindowsPath(name)
+    return f"{path.stem}-corrected{path.suffix}"
+
+
+async def _received(request: Request) -> _SentFiles:
+    """Return the files of a form; raises RequestValidationError where there is none."""
+    try:
+        async with asyncio.timeout(_RECEIVING_S), request.form(max_files=_MOST_FILES) as form:
+            sent = form.get("file")
+            if not isinstance(sent, UploadFile) or not sent.filename:
+                raise RequestValidationError([_NO_FILE])
+            beside = [one for one in form.getlist("beside") if isinstance(one, UploadFile) and one.filename]
+            name, data = await _read(sent)
+            return _SentFiles(name, data, await _all(beside, name))
+    except TimeoutError as error:
+        raise HTTPException(
+            status.HTTP_408_REQUEST_TIMEOUT,
+            f"The file did not arrive within {_RECEIVING_S:.0f} s; nothing was stored, send it again.",
+        ) from error
+
+
+async def _all(files: list[UploadFile], name: str) -> dict[str, bytes]:
+    """Return files by name; raises ConfigurationError where two have the same one."""
+    found: dict[str, bytes] = {}
+    for file in files:
+        beside, data = await _read(file)
+        if beside in found or beside == name:
+            raise ConfigurationError(message("refused.same_file", name=beside))
+        found[beside] = data
+    return found
+
+
+async def _read(file: UploadFile) -> tuple[str, bytes]:
+    name = PureWindowsPath(file.filename or "").name  # some clients send the whole path
+    if len(name) > _LONGEST_NAME:
+        raise ConfigurationError(message("refused.long_name", most=_LONGEST_NAME))
+    return name, await file.read()

@@ -1,0 +1,136 @@
+"""Identifications, and validations of their models on other readings: ask for one, read the answer."""
+
+from typing import Annotated
+
+from fastapi import Response, status
+from pydantic import Field
+
+from truepose.effects.registry import EFFECTS, chosen_effects
+from truepose.exchange.results.identification import IdentificationDocument
+from truepose.exchange.results.validation import ValidationDocument
+from truepose.storage.records import IdentificationRecord, ValidationRecord
+from truepose.web.api.jobs import JobReply, queued
+from truepose.web.context import Here
+from truepose.web.resources import Id, OptionalKey, Paged, Sender, listing, problems, resource
+from truepose.web.schemas import Number, RecordedAt, RecordId, Reply, Request, Simulated, example
+
+EffectName = Annotated[str, Field(examples=["geometry"], json_schema_extra={"enum": sorted(EFFECTS)})]
+
+EffectNames = Annotated[
+    list[EffectName], Field(min_length=1, max_length=32, json_schema_extra={"uniqueItems": True})
+]
+
+
+class IdentificationRequest(Request):
+    """A campaign to identify."""
+
+    model_config = example({"campaign_id": 1, "effects": ["base", "tool", "geometry", "compliance"]})
+
+    campaign_id: Number
+    effects: EffectNames | None = Field(
+        None,
+        description="Names of effects; null: base, tool as far as unknown, geometry, and compliance "
+        "where the campaign gives masses or torques.",
+    )
+
+
+class ValidationRequest(Request):
+    """A model to judge on the validation readings of a campaign."""
+
+    model_config = example({"model_id": 1, "campaign_id": 1, "limit_mm": 0.1})
+
+    model_id: Number
+    campaign_id: Number
+    limit_mm: float | None = Field(
+        None,
+        gt=0,
+        le=1000,
+        description="Largest error that passes; null: the mean error must be below the nominal model's "
+        "and in keeping with what the model claims.",
+    )
+
+
+class IdentificationReply(Reply):
+    """A stored identification; `model_id` is null where nothing could be identified."""
+
+    id: RecordId
+    recorded_at: RecordedAt
+    job_id: RecordId
+    campaign_id: RecordId
+    model_id: int | None = Field(examples=[3])
+    simulated: Simulated
+    document: IdentificationDocument
+
+
+class ValidationReply(Reply):
+    """A stored validation."""
+
+    id: RecordId
+    recorded_at: RecordedAt
+    job_id: RecordId
+    model_id: RecordId
+    campaign_id: RecordId
+    simulated: Simulated
+    document: ValidationDocument
+
+
+def identification_reply(record: IdentificationRecord) -> IdentificationReply:
+    """Return an identification as it travels."""
+    document = IdentificationDocument.of_robot(record.identification, record.robot)
+    return IdentificationReply.of(record, document=document)
+
+
+def validation_reply(record: ValidationRecord) -> ValidationReply:
+    """Return a validation as it travels."""
+    return ValidationReply.of(record, document=record.validation)
+
+
+router = resource("/identifications", tags=["identifications"])
+
+
+@router.post("", status_code=status.HTTP_202_ACCEPTED, responses=problems(400, 404, 409, 413, 415, 422, 503))
+async def identify_campaign(
+    here: Here, wanted: IdentificationRequest, response: Response, key: OptionalKey, sender: Sender
+) -> JobReply:
+    """Identify a campaign in a worker process; the job's result is the identification."""
+    effects = None if wanted.effects is None else chosen_effects(wanted.effects)
+    number = await here.job_desk.identify(wanted.campaign_id, effects, key, sender)
+    return await queued(here, number, response)
+
+
+@router.get("", response_model_exclude_unset=True, responses=listing(422, 503))
+async def list_identifications(here: Here, paging: Paged) -> list[IdentificationReply]:
+    """List identifications, oldest first."""
+    return paging.shown(await here.results.identifications(paging.page), identification_reply)
+
+
+@router.get("/{id}", response_model_exclude_unset=True, responses=problems(404, 422, 503))
+async def get_identification(here: Here, id: Id) -> IdentificationReply:
+    """Show an identification: the document that `truepose identify --json` prints."""
+    return identification_reply(await here.results.identification(id))
+
+
+validations_router = resource("/validations", tags=["validations"])
+
+
+@validations_router.post(
+    "", status_code=status.HTTP_202_ACCEPTED, responses=problems(400, 404, 409, 413, 415, 422, 503)
+)
+async def validate_model(
+    here: Here, wanted: ValidationRequest, response: Response, key: OptionalKey, sender: Sender
+) -> JobReply:
+    """Judge a model in a worker process; the job's result is the validation."""
+    number = await here.job_desk.validate(wanted.model_id, wanted.campaign_id, wanted.limit_mm, key, sender)
+    return await queued(here, number, response)
+
+
+@validations_router.get("", responses=listing(422, 503))
+async def list_validations(here: Here, paging: Paged) -> list[ValidationReply]:
+    """List validations, oldest first."""
+    return paging.shown(await here.results.validations(paging.page), validation_reply)
+
+
+@validations_router.get("/{id}", responses=problems(404, 422, 503))
+async def get_validation(here: Here, id: Id) -> ValidationReply:
+    """Show a validation: the document that `truepose validate --json` prints."""
+    return validation_reply(await here.results.validation(id))

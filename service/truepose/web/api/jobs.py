@@ -1,0 +1,170 @@
+"""Jobs: what a worker process was asked and how far it is; watch and cancel."""
+
+from typing import Any, Final
+
+from fastapi import Response
+from pydantic import Field
+
+from truepose.analysis.workers.queue import JobForecast
+from truepose.messages.message import message, together
+from truepose.storage.records import JobKind, JobRecord, JobState
+from truepose.web.context import Context, Here
+from truepose.web.middleware.language import Said, in_words
+from truepose.web.resources import RESPOND_ASYNC, Id, Paged, listing, problems, resource
+from truepose.web.schemas import RecordedAt, RecordId, Reply, example
+
+_RESULTS = {
+    JobKind.IDENTIFICATION: "identifications",
+    JobKind.VALIDATION: "validations",
+    JobKind.DIAGNOSIS: "diagnoses",
+    JobKind.PLAN: "sessions",
+    JobKind.BALLBAR_PLAN: "sessions",
+    JobKind.CONTACT_PLAN: "sessions",
+    JobKind.CORRECTION: "corrections",
+}
+
+_WAITS: Final = message("job.kept_in_memory")
+
+
+class JobRequestReply(Reply):
+    """What the job was asked; each kind has its own part of these."""
+
+    campaign_id: int | None = None
+    model_id: int | None = None
+    effects: list[str] | None = Field(None, description="Null: the usual ones.")
+    measured_on: str | None = Field(None, description="Day of the readings, where somebody said it.")
+    limit_mm: float | None = None
+    name: str | None = None
+    role: str | None = None
+    configurations: int | None = None
+    poses: int | None = Field(None, description="Of the plan of a ballbar session.")
+    placements: int | None = Field(None, description="Of its base fixture.")
+    seed: int | None = None
+    work_count: int | None = Field(
+        None,
+        description="How much there is to do: readings, configurations, poses, or kB of a file. From it, and "
+        "from how long earlier jobs took, the time is foreseen.",
+    )
+    proves_model_id: int | None = Field(None, description="Of the plan of a proof move.")
+    repeats_session_id: int | None = Field(None, description="Whose plan it takes over.")
+    method: str | None = Field(None, description="Of the plan of a test: `circles`, `iso9283`, `sphere`.")
+    test: str | None = Field(None, description="Of the plan of ISO 9283: `poses`, `directions`, `drift`.")
+    file: str | None = Field(None, description="Name of what is corrected.")
+    beside: list[str] | None = Field(None, description="Names of the files beside it.")
+    frame: str | None = None
+    define: list[str] | None = None
+    branch: str | None = None
+    angles: str | None = None
+    coupled: bool | None = Field(None, description="Whether joint 3 of FANUC counts from the horizontal.")
+    as_written: bool | None = Field(None, description="Whether targets are meant as they are written.")
+    joints: list[int] | None = Field(None, description="That are turned; none: the usual ones.")
+
+
+class JobReply(Reply):
+    """A job and where it stands."""
+
+    model_config = example({
+        "id": 7,
+        "recorded_at": "2026-05-04T09:12:33.125+00:00",
+        "kind": "identification",
+        "request": {"campaign_id": 3, "effects": ["base", "geometry"], "work_count": 150},
+        "state": "succeeded",
+        "state_since": "2026-05-04T09:12:36.410+00:00",
+        "message": "Converged.",
+        "fraction": 1.0,
+        "result_id": 4,
+        "result_url": "/api/v1/identifications/4",
+    })
+
+    id: RecordId
+    recorded_at: RecordedAt
+    kind: JobKind
+    request: JobRequestReply
+    state: JobState = Field(description="`interrupted`: the service ended before the job did.")
+    state_since: RecordedAt
+    message: Said = Field(description="What it is doing, how it ended, or why it failed.")
+    fraction: float = Field(
+        ge=0,
+        le=1,
+        description="How far it is: 0 to 1, by what the worker tells and by the time that was foreseen.",
+        examples=[0.4],
+    )
+    remaining_s: float | None = Field(
+        None,
+        description="How long it still runs, learnt from earlier jobs; null: it does not run.",
+        examples=[12.5],
+    )
+    ahead_count: int | None = Field(
+        None,
+        description="How many jobs are given a worker before this one; null: it has ended.",
+        examples=[0],
+    )
+    result_id: int | None = Field(description="Number of what it made, once it succeeded.")
+    result_url: str | None = Field(examples=["/api/v1/identifications/3"])
+    code: str | None = Field(
+        None, description="Of what it failed with, to be quoted; null: it did not.", examples=["TP-4002"]
+    )
+    code_url: str | None = Field(None, description="The page of the code.", examples=["/errors/TP-4002"])
+
+
+def job_reply(record: JobRecord, foreseen: JobForecast | None = None) -> JobReply:
+    """Return a job as it travels, with what is foreseen of one under way."""
+    made = record.result_id
+    reply = JobReply.of(
+        record,
+        result_url=None if made is None else f"/api/v1/{_RESULTS[record.kind]}/{made}",
+        code_url=None if record.code is None else f"/errors/{record.code}",
+    )
+    if foreseen is None or record.state.final:
+        return reply
+    reply.ahead_count = foreseen.ahead_count
+    if foreseen.refused is not None:
+        reply.message = in_words(together(_WAITS, foreseen.refused))
+    if foreseen.outlook is not None:
+        reply.fraction, reply.remaining_s = foreseen.outlook.fraction, foreseen.outlook.remaining_s
+    return reply
+
+
+router = resource("/jobs", tags=["jobs"])
+
+
+@router.get("", responses=listing(422, 503))
+async def list_jobs(here: Here, paging: Paged) -> list[JobReply]:
+    """List jobs, oldest first."""
+    return paging.shown(await here.jobs.page(paging.page), lambda record: _shown(here, record))
+
+
+@router.get("/{id}", responses=problems(404, 422, 503))
+async def get_job(here: Here, id: Id) -> JobReply:
+    """Show a job, how far it is, and what it made."""
+    return _shown(here, await here.jobs.get(id))
+
+
+@router.post("/{id}/cancel", responses=problems(404, 409, 422, 503))
+async def cancel_job(here: Here, id: Id) -> JobReply:
+    """End a job and its worker process at once; nothing of it is stored. Refused where it has ended."""
+    await here.job_desk.cancel(id)
+    return _shown(here, await here.jobs.get(id))
+
+
+def planned_or_queued(session: type[Reply], job: str) -> dict[int | str, dict[str, Any]]:
+    """Return what a route lists under `responses` that plans a session, at once or by a job."""
+    return {
+        201: {"model": session, "description": "The session is planned; nothing has moved."},
+        202: {"model": JobReply, "description": job},
+    }
+
+
+async def queued(here: Context, number: int, response: Response, *, preferred: bool = False) -> JobReply:
+    """Return a job that was queued just now, and say where it is watched.
+
+    `preferred`: the client would rather be told of it than wait (RFC 7240).
+    """
+    if preferred:
+        response.headers["Preference-Applied"] = RESPOND_ASYNC
+    response.headers["Location"] = f"/api/v1/jobs/{number}"
+    return _shown(here, await here.jobs.get(number))
+
+
+def _shown(here: Context, record: JobRecord) -> JobReply:
+    return job_reply(record, here.job_desk.foreseen(record.id))

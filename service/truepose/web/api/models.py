@@ -1,0 +1,107 @@
+"""Models: read, and download as themselves or for other programs."""
+
+import asyncio
+from typing import Annotated, Final
+
+from fastapi import Query, Response
+from pydantic import Field
+
+from truepose.exchange.models.exports import Format, export
+from truepose.exchange.models.file import model_text
+from truepose.exchange.results.document import Quantity
+from truepose.exchange.results.identification import ParameterDocument
+from truepose.storage.records import ModelRecord
+from truepose.web.context import Here
+from truepose.web.resources import Id, Paged, listing, problems, resource
+from truepose.web.schemas import RecordedAt, RecordId, Reply, Simulated
+
+
+class ModelReply(Reply):
+    """An identified model; its file holds all of it, for `truepose predict` and `correct`."""
+
+    id: RecordId
+    recorded_at: RecordedAt
+    identification_id: RecordId | None = Field(description="Which made it; null: it did not come of one.")
+    diagnosis_id: RecordId | None = Field(description="Which made it; null: it did not come of one.")
+    handed_down_id: RecordId | None = Field(
+        description="Under which number a plant handed it down; null: it was made here."
+    )
+    accepted_by: str | None = Field(description="Who accepted it; null: it was made here.")
+    robot: str = Field(examples=["ABB IRB 120"])
+    simulated: Simulated
+    effects: list[str] = Field(examples=[["base", "geometry", "compliance"]])
+    parameters: list[ParameterDocument]
+    repeatability_mm: Quantity = Field(description="Of the arm, per axis.", examples=[0.0035])
+    discrepancy_mm: Quantity = Field(description="What held-out residuals show beyond noise, per axis.")
+    program_version: str
+    file_url: str = Field(examples=["/api/v1/models/3/file"])
+
+
+def model_reply(record: ModelRecord) -> ModelReply:
+    """Return a model as it travels."""
+    file_url = f"/api/v1/models/{record.id}/file"
+    return ModelReply.of(record, record.model, robot=record.robot, file_url=file_url)
+
+
+router = resource("/models", tags=["models"])
+_MEDIA: Final[dict[Format, tuple[str, str]]] = {  # media type, and how the file is called
+    "urdf": ("application/xml", "model-{id}.urdf"),
+    "ros": ("application/yaml", "model-{id}-calibrated_kinematics.yaml"),
+    "dhm": ("text/plain", "model-{id}-table.txt"),
+    "controller": ("text/plain", "model-{id}-controller.txt"),
+}
+_FILE = {"schema": {"type": "object"}, "example": {"format": "truepose-model", "version": 1}}
+
+
+@router.get("", responses=listing(422, 503))
+async def list_models(here: Here, paging: Paged) -> list[ModelReply]:
+    """List models, oldest first."""
+    return paging.shown(await here.results.models(paging.page), model_reply)
+
+
+@router.get("/{id}", responses=problems(404, 422, 503))
+async def get_model(here: Here, id: Id) -> ModelReply:
+    """Show a model: its parameters with their uncertainties."""
+    return model_reply(await here.results.model(id))
+
+
+@router.get(
+    "/{id}/file",
+    response_class=Response,
+    responses={
+        200: {"description": "The model file.", "content": {"application/json": _FILE}},
+        **problems(404, 422, 503),
+    },
+)
+async def download_model(here: Here, id: Id) -> Response:
+    """Download the model file, which `truepose predict`, `validate` and `correct` take."""
+    record = await here.results.model(id)
+    saved_as = {"Content-Disposition": f'attachment; filename="model-{id}.json"'}
+    return Response(model_text(record.model), media_type="application/json", headers=saved_as)
+
+
+@router.get(
+    "/{id}/exports/{form}",
+    response_class=Response,
+    responses={
+        200: {
+            "description": "The file; what it does not hold stands in it.",
+            "content": {media: {"schema": {"type": "string"}} for media, _ in _MEDIA.values()},
+        },
+        **problems(404, 409, 422, 503),
+    },
+)
+async def download_export(
+    here: Here,
+    id: Id,
+    form: Format,
+    fitted: Annotated[
+        bool, Query(description="Fit the table to the full model over the measured zone.")
+    ] = False,
+) -> Response:
+    """Download a model for another program, as `truepose export` writes it."""
+    record = await here.results.model(id)
+    exported = await asyncio.to_thread(export, record.model, form, fitted=fitted)
+    media, name = _MEDIA[form]
+    saved_as = {"Content-Disposition": f'attachment; filename="{name.format(id=id)}"'}
+    return Response(exported.text, media_type=media, headers=saved_as)

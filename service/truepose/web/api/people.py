@@ -1,0 +1,304 @@
+"""People and programs that are let in, for administrators; and the record of what they did."""
+
+import json
+from collections.abc import AsyncIterator
+from typing import Annotated, Final
+
+from fastapi import Query, status
+from fastapi.responses import Response, StreamingResponse
+from pydantic import Field
+
+from truepose.domain.people import Person, Role
+from truepose.messages.message import message
+from truepose.people.accounts import LINK_DAYS
+from truepose.people.errors import UnknownPersonError
+from truepose.storage.people import ActRecord, CredentialKind, CredentialRecord
+from truepose.storage.records import Page
+from truepose.web.api.sign_ins import Label, Name
+from truepose.web.context import Context, Here
+from truepose.web.middleware.rights import CurrentCaller
+from truepose.web.resources import Id, problems, resource
+from truepose.web.schemas import NUMBER_LIMIT, RecordedAt, RecordId, Reply, Request, example
+
+RoleName = Annotated[Role, Field(strict=False)]
+
+
+class EnterRequest(Request):
+    """Somebody who shall be let in."""
+
+    model_config = example({"name": "Grace Hopper", "role": "operator"})
+
+    name: Name
+    role: RoleName
+
+
+class RoleRequest(Request):
+    """What somebody may do from now on."""
+
+    model_config = example({"role": "metrologist"})
+
+    role: RoleName
+
+
+class TokenRequest(Request):
+    """A program that shall be let in, on behalf of a person."""
+
+    model_config = example({"name": "line 3", "owner": "Ada Byron", "role": "device", "hours": 8760})
+
+    name: Label = Field(description="What the program is called.", examples=["line 3"])
+    owner: Name = Field(description="Who answers for it; it ends with them.")
+    role: RoleName
+    hours: int = Field(ge=1, le=10 * 8784, description="After which it ends.", examples=[8760])
+
+
+class PersonReply(Reply):
+    """Somebody who is entered."""
+
+    id: RecordId
+    name: Name
+    role: Role
+    has_password: bool
+    has_pin: bool
+    has_badge: bool
+    invited: bool = Field(description="A link to choose a password waits to be used.")
+
+    @classmethod
+    def about(cls, person: Person, kinds: set[str], *, has_pin: bool) -> "PersonReply":
+        """Return somebody with what opens the service to them."""
+        return cls(
+            id=person.id,
+            name=person.name,
+            role=person.role,
+            has_password="password" in kinds,
+            has_pin=has_pin,
+            has_badge="badge" in kinds,
+            invited="link" in kinds,
+        )
+
+
+class PeopleReply(Reply):
+    """Everybody who is entered."""
+
+    people: list[PersonReply]
+
+
+class EnteredReply(Reply):
+    """Somebody who was entered, and the link for them."""
+
+    person: PersonReply
+    link: str = Field(
+        description=f"To choose a password, once, within {LINK_DAYS} days; shown this once.",
+        examples=["/welcome/5Yl1pMGRTsAjn3ySZyfRcN0t1RZ3Rlbn8Zt4Yk4mG5k"],
+    )
+
+
+class TokenReply(Reply):
+    """A program that is let in."""
+
+    id: RecordId
+    recorded_at: RecordedAt
+    name: str = Field(examples=["line 3"])
+    owner: str = Field(description="Who answers for it.", examples=["Ada Byron"])
+    role: Role
+    expires_at: RecordedAt
+
+    @classmethod
+    def about(cls, record: CredentialRecord, owner: str) -> "TokenReply":
+        """Return a token without its secret."""
+        return cls(
+            id=record.id,
+            recorded_at=record.recorded_at,
+            name=record.document["name"],
+            owner=owner,
+            role=Role(record.document["role"]),
+            expires_at=record.expires_at or "",
+        )
+
+
+class TokensReply(Reply):
+    """All programs that are let in."""
+
+    tokens: list[TokenReply]
+
+
+class NewTokenReply(Reply):
+    """A token and its secret."""
+
+    token: TokenReply
+    secret: str = Field(
+        description="Shown this once; send it as `Authorization: Bearer ...`.",
+        examples=["5Yl1pMGRTsAjn3ySZyfRcN0t1RZ3Rlbn8Zt4Yk4mG5k"],
+    )
+
+
+class ActOfPersonReply(Reply):
+    """One request that changed something, or that was refused."""
+
+    id: RecordId
+    happened_at: RecordedAt
+    person: str | None
+    role: str | None
+    how: str | None = Field(description="sign_in or token.", examples=["sign_in"])
+    tablet: str | None
+    address: str | None
+    operation: str = Field(examples=["start_session"])
+    resource: str = Field(examples=["/api/v1/sessions/3/commands"])
+    status: int = Field(description="HTTP status of the answer.", examples=[202])
+    reason: str | None = Field(description="Why, where it was given.")
+
+    @classmethod
+    def about(cls, record: ActRecord) -> "ActOfPersonReply":
+        """Return a stored act."""
+        act = record.act
+        return cls(id=record.id, **{name: getattr(act, name) for name in type(act).__dataclass_fields__})
+
+
+class ActsReply(Reply):
+    """A part of the acts, newest first."""
+
+    acts: list[ActOfPersonReply]
+    total: int = Field(description="How many there are that were searched for.", examples=[214])
+
+
+router = resource(tags=["people"])
+_CHANGE = problems(400, 404, 409, 413, 415, 422, 503)
+_REVOKE = problems(404, 409, 422, 503)
+_HOURS_A_DAY = 24
+_OF_MACHINE = "somebody at this computer"  # nobody is asked who they are
+
+
+@router.get("/people", responses=problems(503))
+async def list_people(here: Here) -> PeopleReply:
+    """List everybody who is let in."""
+    return PeopleReply(people=listed_people(here))
+
+
+@router.post("/people", status_code=status.HTTP_201_CREATED, responses=_CHANGE)
+async def enter_person(here: Here, asker: CurrentCaller, wanted: EnterRequest) -> EnteredReply:
+    """Enter somebody; they choose their password by the link in the answer."""
+    accounts = here.people.accounts
+    if asker.machine:
+        person, secret = await accounts.enter_by_machine(wanted.name, wanted.role)
+    else:
+        person, secret = await accounts.enter(wanted.name, wanted.role, asker.name or _OF_MACHINE)
+    return EnteredReply(person=_reply(here, person), link=f"/welcome/{secret}")
+
+
+@router.put("/people/{id}/role", responses=_CHANGE)
+async def change_role(here: Here, asker: CurrentCaller, id: Id, wanted: RoleRequest) -> PersonReply:
+    """Change what somebody may do, from this moment on."""
+    found = await here.people.accounts.register.change_role(
+        _person(here, id), wanted.role, asker.name or _OF_MACHINE
+    )
+    return _reply(here, found)
+
+
+@router.delete("/people/{id}", status_code=status.HTTP_204_NO_CONTENT, responses=_REVOKE)
+async def remove_person(here: Here, asker: CurrentCaller, id: Id) -> None:
+    """Let somebody in no more; their browsers and programs are out at once, their acts stay."""
+    await here.people.accounts.register.remove(_person(here, id), asker.name or _OF_MACHINE)
+
+
+@router.post("/people/{id}/link", status_code=status.HTTP_201_CREATED, responses=_REVOKE)
+async def make_link(here: Here, asker: CurrentCaller, id: Id) -> EnteredReply:
+    """Make somebody a new link to choose a password; the one before opens nothing any more."""
+    person = _person(here, id)
+    secret = await here.people.accounts.link(person, asker.name or _OF_MACHINE)
+    return EnteredReply(person=_reply(here, person), link=f"/welcome/{secret}")
+
+
+@router.get("/tokens", responses=problems(503))
+async def list_tokens(here: Here) -> TokensReply:
+    """List the programs that are let in."""
+    return TokensReply(tokens=listed_tokens(here))
+
+
+@router.post("/tokens", status_code=status.HTTP_201_CREATED, responses=_CHANGE)
+async def make_token(here: Here, asker: CurrentCaller, wanted: TokenRequest) -> NewTokenReply:
+    """Let a program in, on behalf of somebody; the secret is shown this once."""
+    owner = here.people.accounts.register.require(wanted.owner)
+    by = asker.name or _OF_MACHINE
+    record, secret = await here.people.accounts.make_token(
+        owner, wanted.name, wanted.role, wanted.hours / _HOURS_A_DAY, by
+    )
+    return NewTokenReply(token=_token(here, record), secret=secret)
+
+
+@router.delete("/tokens/{id}", status_code=status.HTTP_204_NO_CONTENT, responses=_REVOKE)
+async def revoke_token(here: Here, asker: CurrentCaller, id: Id) -> None:
+    """Let a program in no more, from this moment on."""
+    if id not in {record.id for record in _tokens(here)}:
+        raise UnknownPersonError(message("refused.no_token", number=id))
+    await here.people.accounts.register.revoke(id, by=asker.name or _OF_MACHINE)
+
+
+def listed_people(here: Context) -> list[PersonReply]:
+    """Return everybody who is let in."""
+    return [_reply(here, person) for person in here.people.accounts.register.people if person.active]
+
+
+def listed_tokens(here: Context) -> list[TokenReply]:
+    """Return the programs that are let in."""
+    return [_token(here, record) for record in _tokens(here)]
+
+
+def _tokens(here: Context) -> list[CredentialRecord]:
+    return [r for r in here.people.accounts.register.credentials if r.kind is CredentialKind.TOKEN]
+
+
+def _token(here: Context, record: CredentialRecord) -> TokenReply:
+    owner = here.people.accounts.register.person(record.person_id)
+    return TokenReply.about(record, "" if owner is None else owner.name)
+
+
+def _person(here: Context, number: int) -> Person:
+    found = here.people.accounts.register.person(number)
+    if found is None:
+        raise UnknownPersonError(message("refused.no_person", number=number))
+    return found
+
+
+def _reply(here: Context, person: Person) -> PersonReply:
+    accounts = here.people.accounts
+    kinds = {record.kind.value for record in accounts.register.of(person.id, *CredentialKind)}
+    return PersonReply.about(person, kinds, has_pin=accounts.has_pin(person))
+
+
+_TOGETHER: Final = 500
+_LINES: Final = {"application/jsonl": {"schema": {"type": "string"}}}
+Search = Annotated[
+    str, Query(max_length=200, description="In person, operation, resource, reason or address.")
+]
+Before = Annotated[int | None, Query(ge=1, le=NUMBER_LIMIT, description="Number; acts before it.")]
+Limit = Annotated[int, Query(ge=1, le=_TOGETHER, description="How many at most.")]
+
+
+@router.get("/audit", responses=problems(422, 503))
+async def list_acts(here: Here, search: Search = "", before: Before = None, limit: Limit = 100) -> ActsReply:
+    """List what was changed or refused, newest first."""
+    await here.people.log.written()
+    found = await here.people.acts.newest(before, limit, search)
+    return ActsReply(
+        acts=[ActOfPersonReply.about(record) for record in found], total=await here.people.acts.count(search)
+    )
+
+
+@router.get(
+    "/audit/lines",
+    response_class=Response,
+    responses={
+        200: {"description": "One act a line, oldest first.", "content": _LINES},
+        **problems(422, 503),
+    },
+)
+async def download_acts(here: Here, search: Search = "") -> StreamingResponse:
+    """Download all acts as JSON lines, oldest first."""
+    headers = {"Content-Disposition": 'attachment; filename="acts.jsonl"'}
+    return StreamingResponse(_lines(here, search), media_type="application/jsonl", headers=headers)
+
+
+async def _lines(here: Context, search: str) -> AsyncIterator[str]:
+    after = 0
+    while found := await here.people.acts.page(Page(after, _TOGETHER), search):
+        yield "".join(f"{json.dumps(ActOfPersonReply.about(act).model_dump())}\n" for act in found)
+        after = found[-1].id

@@ -1,0 +1,169 @@
+"""Series: readings that a program of one's own delivers as they come."""
+
+from typing import Annotated, Final
+
+from fastapi import Response, status
+from pydantic import Field, field_validator
+
+from truepose.analysis.drafts import draft_of_series
+from truepose.domain.campaign import Delivery, Series
+from truepose.storage.ledger.series import SeriesRecord
+from truepose.web.api.drafts import DraftReply, draft_reply
+from truepose.web.context import Here
+from truepose.web.resources import Id, Paged, listing, problems, resource
+from truepose.web.schemas import NUMBER_LIMIT, VISIBLE, RecordedAt, RecordId, Reply, Request, example
+
+_MOST_COLUMNS: Final = 64
+_MOST_READINGS: Final = 1000  # of one delivery: a second of the fastest instrument
+Column = Annotated[str, Field(min_length=1, max_length=80, pattern=VISIBLE)]
+Columns = Annotated[
+    list[Column],
+    Field(
+        min_length=1,
+        max_length=_MOST_COLUMNS,
+        description="What each value of a reading is, with its unit, as the header of a table says it.",
+        examples=[["q1 [deg]", "q2 [deg]", "x [mm]", "y [mm]", "z [mm]"]],
+    ),
+]
+Values = Annotated[
+    list[float | None],
+    Field(
+        min_length=1,
+        max_length=_MOST_COLUMNS,
+        description="A value for each column; null where it was not read.",
+        examples=[[0.0, -30.0, 512.4, -33.1, 640.2]],
+    ),
+]
+First = Annotated[
+    int,
+    Field(
+        ge=1,
+        le=NUMBER_LIMIT,
+        description="Number of the first of these readings: 1 to begin with, then `next_number` of the "
+        "last answer.",
+        examples=[1],
+    ),
+]
+
+
+class SeriesRequest(Request):
+    """What a program is going to deliver."""
+
+    model_config = example({"name": "left arm", "columns": ["q1 [deg]", "x [mm]", "y [mm]", "z [mm]"]})
+    name: str = Field(min_length=1, max_length=200, pattern=VISIBLE, examples=["left arm"])
+    columns: Columns
+
+    @field_validator("columns")
+    @classmethod
+    def _each_once(cls, columns: list[str]) -> list[str]:
+        if len(set(columns)) < len(columns):
+            raise ValueError("each column needs a name of its own")
+        return columns
+
+    def series(self) -> Series:
+        """Return what is asked for."""
+        return Series(self.name, tuple(self.columns))
+
+
+class DeliveryRequest(Request):
+    """Readings, in the order in which they were taken."""
+
+    model_config = example({"first": 1, "readings": [[0.0, 512.4, -33.1, 640.2]]})
+    first: First
+    readings: list[Values] = Field(min_length=1, max_length=_MOST_READINGS)
+
+
+class SeriesReply(Reply):
+    """A series and how far it has come."""
+
+    id: RecordId
+    recorded_at: RecordedAt
+    name: str
+    columns: Columns
+    readings: int = Field(description="How many it holds.")
+    next_number: int = Field(description="Number of the reading that it goes on at.")
+
+
+class DeliveredReply(Reply):
+    """Readings that are on disk."""
+
+    next_number: int = Field(description="Number of the reading that the series goes on at.", examples=[2])
+
+
+class DeliveredReadingReply(Reply):
+    """A reading of a series."""
+
+    number: int = Field(examples=[1])
+    recorded_at: RecordedAt
+    values: Values
+
+
+def series_reply(record: SeriesRecord) -> SeriesReply:
+    """Return a series as it travels."""
+    return SeriesReply(
+        id=record.id,
+        recorded_at=record.recorded_at,
+        name=record.series.name,
+        columns=list(record.series.columns),
+        readings=record.readings,
+        next_number=record.readings + 1,
+    )
+
+
+router = resource("/series", tags=["series"])
+
+
+@router.post("", status_code=status.HTTP_201_CREATED, responses=problems(400, 413, 415, 422, 503))
+async def start_series(here: Here, response: Response, wanted: SeriesRequest) -> SeriesReply:
+    """Begin a series: say what its columns are, as the header of a table would."""
+    number = await here.series.begin(wanted.series())
+    response.headers["Location"] = f"/api/v1/series/{number}"
+    return series_reply(await here.series.get(number))
+
+
+@router.get("", responses=listing(422, 503))
+async def list_series(here: Here, paging: Paged) -> list[SeriesReply]:
+    """List series, oldest first."""
+    return paging.shown(await here.series.page(paging.page), series_reply)
+
+
+@router.get("/{id}", responses=problems(404, 422, 503))
+async def get_series(here: Here, id: Id) -> SeriesReply:
+    """Show a series, and the number of the reading that it goes on at."""
+    return series_reply(await here.series.get(id))
+
+
+@router.post(
+    "/{id}/readings",
+    status_code=status.HTTP_201_CREATED,
+    responses=problems(400, 404, 409, 413, 415, 422, 503),
+)
+async def add_readings(here: Here, id: Id, wanted: DeliveryRequest) -> DeliveredReply:
+    """Deliver readings; the answer comes when they are on disk.
+
+    `first` numbers them: a delivery whose answer was lost is sent again as it was, and kept once. One that
+    leaves a gap, or says something else of a number that is taken, is refused (409).
+    """
+    delivery = Delivery(wanted.first, tuple(map(tuple, wanted.readings)))
+    await here.series.deliver(id, delivery)
+    return DeliveredReply(next_number=delivery.next_number)
+
+
+@router.get("/{id}/readings", responses=listing(404, 422, 503))
+async def list_readings_of_series(here: Here, id: Id, paging: Paged) -> list[DeliveredReadingReply]:
+    """List the readings of a series in their order."""
+    record = await here.series.get(id)
+    readings = await here.series.readings(id, paging.page)
+    last = readings[-1].number if readings else paging.page.after
+    paging.say(record.readings, last if last < record.readings and readings else None)
+    return [DeliveredReadingReply.of(one, values=list(one.values)) for one in readings]
+
+
+@router.post(
+    "/{id}/draft", status_code=status.HTTP_201_CREATED, responses=problems(404, 409, 413, 415, 422, 503)
+)
+async def make_draft_of_series(here: Here, response: Response, id: Id) -> DraftReply:
+    """Bring what a series holds so far, as if its table had been dropped at `/bring`."""
+    draft = await draft_of_series(here.series, here.draft_desk, id)
+    response.headers["Location"] = f"/api/v1/drafts/{draft.id}"
+    return draft_reply(draft)

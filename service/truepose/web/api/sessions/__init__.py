@@ -1,0 +1,1 @@
+"""Sessions over REST: one resource, one route for every command, one line a kind."""

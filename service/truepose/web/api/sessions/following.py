@@ -1,0 +1,235 @@
+"""Following a session: where it stands, what its instrument sees, what to draw of it, what happened in it.
+
+A slow reader gets the newest of both, not a queue of old ones.
+"""
+
+import asyncio
+import contextlib
+import json
+from collections.abc import AsyncIterator
+from contextlib import AbstractContextManager
+from dataclasses import dataclass
+from typing import Annotated, Any, Final
+
+from fastapi import Depends, Query
+from fastapi.responses import StreamingResponse
+from pydantic import AfterValidator
+
+from truepose.analysis.campaigns.contacts import taken_of
+from truepose.domain.people import NAME_PATTERN, tidy_name
+from truepose.web.api.events import EVENT_STREAM, Seconds, stream_content
+from truepose.web.api.sessions.ballbar import entry_reply
+from truepose.web.api.sessions.ballbar_replies import LedgerReply
+from truepose.web.api.sessions.contact_schemas import ContactReadingReply
+from truepose.web.api.sessions.guides import OutlookReply, SheetReply, sheet_reply
+from truepose.web.api.sessions.kind import KindOfSession
+from truepose.web.api.sessions.kinds import AnyPlan, AnyScene, AnySituation, kind_of
+from truepose.web.context import Context, Here
+from truepose.web.resources import Counted, Id, Paged, listing, problems, resource
+from truepose.web.schemas import Reply
+
+router = resource("/sessions/{id}", tags=["sessions"])
+_READ: Final = problems(404, 422, 503)
+_UNATTENDED: Final = problems(404, 409, 422, 503)
+_SAMPLE: Final = {
+    "time_s": 812.35,
+    "length_mm": 300.4213,
+    "deviation_mm": 0.4213,
+    "state": "in_range",
+    "stable_share": 0.6,
+    "spread_mm": 0.0012,
+    "robot_still": True,
+    "sampled_at_ms": 1777885953125.0,
+    "ballbar": "connected",
+    "reason_needed": False,
+    "can_store": True,
+    "why_not": None,
+    "let_go": True,
+}
+_LIVE: Final[dict[int | str, dict[str, Any]]] = {
+    200: {
+        "description": "Samples of the instrument, here of a ballbar, and situations as they come.",
+        "content": stream_content(f"event: sample\ndata: {json.dumps(_SAMPLE)}\n\n"),
+    },
+    **problems(404, 422, 503),
+}
+_HEARTBEAT_S: Final = 1.0  # a page tells a person within two seconds that the link is gone
+TabletName = Annotated[
+    str,
+    Query(
+        min_length=1,
+        max_length=100,
+        pattern=NAME_PATTERN,
+        description="Who follows; as long as the stream is open this tablet watches.",
+        examples=["tablet-1"],
+    ),
+    AfterValidator(tidy_name),
+]
+
+
+@dataclass(frozen=True, slots=True)
+class Follower:
+    """A tablet that follows a session, for as long as it wants."""
+
+    here: Context
+    session_id: int
+    tablet: str
+    stop_after_s: float | None = None
+
+    def streamed(self, situations: AsyncIterator[str], samples: AsyncIterator[str]) -> StreamingResponse:
+        """Return the answer that sends situations and samples, as JSON, while the tablet is counted."""
+        headers = {"Cache-Control": "no-store", "X-Accel-Buffering": "no"}
+        watching = self.here.session_desk.watching.by(self.session_id, self.tablet)
+        stream = _stream(self.here, watching, situations, samples, self.stop_after_s)
+        return StreamingResponse(stream, media_type=EVENT_STREAM, headers=headers)
+
+
+async def _kind(here: Here, id: Id) -> KindOfSession:
+    return kind_of(await here.sessions.get(id))
+
+
+Kind = Annotated[KindOfSession, Depends(_kind)]
+
+
+async def _follower(here: Here, id: Id, tablet: TabletName, stop_after_s: Seconds = None) -> Follower:
+    return Follower(here, id, tablet, stop_after_s)
+
+
+Following = Annotated[Follower, Depends(_follower)]
+
+
+class _Mailbox:
+    """Holds what the reader has not had yet: the newest sample and the newest situation."""
+
+    def __init__(self) -> None:
+        self._sample: str | None = None
+        self._situation: str | None = None
+        self._filled = asyncio.Event()
+
+    def put_sample(self, text: str) -> None:
+        self._sample = text
+        self._filled.set()
+
+    def put_situation(self, text: str) -> None:
+        self._situation = text
+        self._filled.set()
+
+    async def take(self) -> str:
+        """Return what is there, the situation first; a comment where nothing came for a second."""
+        # not wait_for: before Python 3.12 it drops a cancellation that comes together with the sample
+        with contextlib.suppress(TimeoutError):
+            async with asyncio.timeout(_HEARTBEAT_S):
+                await self._filled.wait()
+        self._filled.clear()
+        texts = [text for text in (self._situation, self._sample) if text is not None]
+        self._situation = self._sample = None
+        return "".join(texts) or ": still here\n\n"
+
+
+async def _stream(
+    here: Context,
+    watching: AbstractContextManager[None],
+    situations: AsyncIterator[str],
+    samples: AsyncIterator[str],
+    stop_after_s: float | None,
+) -> AsyncIterator[str]:
+    mailbox = _Mailbox()
+    with watching, contextlib.suppress(TimeoutError):
+        feeding = [
+            asyncio.create_task(_feed_situations(situations, mailbox)),
+            asyncio.create_task(_feed_samples(samples, mailbox)),
+        ]
+        try:
+            async with asyncio.timeout(stop_after_s):
+                yield "retry: 1000\n\n"  # EventSource comes back after a second when the service restarts
+                while not here.stopping.is_set():
+                    yield await mailbox.take()
+        finally:
+            for task in feeding:
+                task.cancel()
+            await asyncio.gather(*feeding, return_exceptions=True)
+
+
+async def _feed_situations(situations: AsyncIterator[str], mailbox: _Mailbox) -> None:
+    told = None
+    async for text in situations:
+        if text != told:
+            mailbox.put_situation(f"event: situation\ndata: {text}\n\n")
+            told = text
+
+
+async def _feed_samples(samples: AsyncIterator[str], mailbox: _Mailbox) -> None:
+    async for text in samples:
+        mailbox.put_sample(f"event: sample\ndata: {text}\n\n")
+
+
+@router.get("/situation", response_model=AnySituation, responses=_READ)
+async def get_situation(here: Here, id: Id, kind: Kind) -> Reply:
+    """Show where a session stands and what may be asked of it; follow `live` instead of asking again."""
+    return await kind.situation(here, id)
+
+
+@router.get("/plan", response_model=AnyPlan, responses=_READ)
+async def get_plan(here: Here, id: Id, kind: Kind) -> Reply:
+    """List what a session does, in order; also before the start."""
+    return await kind.planned_steps(here, id)
+
+
+@router.get("/scene", response_model=AnyScene, responses=_READ)
+async def get_scene(here: Here, id: Id, kind: Kind) -> Reply:
+    """Show what to draw: the cell as its instrument sees it, or the present step with the ballbar."""
+    return await kind.scene(here, id)
+
+
+@router.get("/sheet", responses=_UNATTENDED)
+async def get_sheet(here: Here, id: Id) -> SheetReply:
+    """List what was read so far without a ballbar: warm-up, fixed nests, looks at them, configurations."""
+    return sheet_reply(await here.guided_sessions.sheet(id))
+
+
+@router.get("/outlook", responses=_UNATTENDED)
+async def get_outlook(here: Here, id: Id) -> OutlookReply:
+    """Say what accuracy the readings so far promise, and the rest of the plan; a worker computes it."""
+    found = await here.guided_sessions.outlook(id)
+    if found is None:
+        return OutlookReply(state="too_early", now=None, at_end=None)
+    return OutlookReply.of(found, state="known")
+
+
+@router.get("/ledger", responses=listing(404, 422, 503))
+async def read_ledger(here: Here, id: Id, paging: Paged) -> LedgerReply:
+    """Read what happened, oldest first; `after` is the number of the last entry that is known."""
+    await here.sessions.require(id)
+    return LedgerReply(
+        entries=paging.shown(await here.session_desk.ledger.page(id, paging.page), entry_reply)
+    )
+
+
+@router.get("/contact-readings", responses=listing(404, 422, 503))
+async def list_contact_readings(here: Here, id: Id, paging: Counted) -> list[ContactReadingReply]:
+    """List what the gauges read, configuration by configuration."""
+    await here.contact_sessions.get(id)
+    lines = await here.session_desk.ledger.whole(id)
+    return paging.of(taken_of(line.entry for line in lines), ContactReadingReply.of)
+
+
+@router.get("/live", response_class=StreamingResponse, responses=_LIVE)
+async def follow_session(following: Following) -> StreamingResponse:
+    """Follow a session: `sample` is what its instrument sees now, `situation` the session as it changes.
+
+    The stream begins with the session as it is; a comment each second shows that the service lives.
+    """
+    here, id = following.here, following.session_id
+    kind = kind_of(await here.sessions.get(id))
+    await kind.situation(here, id)
+    return following.streamed(_situations(kind, here, id), _samples(kind, here, id))
+
+
+async def _situations(kind: KindOfSession, here: Context, id: int) -> AsyncIterator[str]:
+    async for reply in kind.situations(here, id):
+        yield reply.model_dump_json()
+
+
+async def _samples(kind: KindOfSession, here: Context, id: int) -> AsyncIterator[str]:
+    async for sample in kind.samples(here, id):
+        yield json.dumps(sample)

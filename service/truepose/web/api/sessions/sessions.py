@@ -1,0 +1,216 @@
+"""Sessions of every kind: planned, listed, shown, added to, and what their readings say."""
+
+import math
+from dataclasses import replace
+
+from fastapi import Request, Response, status
+
+from truepose.analysis.campaigns.records import circles_by_session, proof_by_session
+from truepose.domain.session import Registration
+from truepose.exchange.results.circles_and_spheres import (
+    CircleTestDocument,
+    SphereTestDocument,
+    circle_document,
+    sphere_document,
+)
+from truepose.exchange.results.corrections import ProofDocument, proof_document
+from truepose.exchange.results.validation import AccuracyDocument, accuracy_document
+from truepose.messages.message import key_of
+from truepose.sessions.engine.commands import ActName
+from truepose.sessions.tracker.runner import TrackerRunner
+from truepose.storage.errors import ConflictError
+from truepose.storage.records import SessionRecord
+from truepose.web.api.authority import require_authority
+from truepose.web.api.jobs import JobReply, planned_or_queued, queued
+from truepose.web.api.sessions.additions import (
+    AdditionReply,
+    AdditionRequest,
+    addition_reply,
+    wanted_stops,
+)
+from truepose.web.api.sessions.kind import Planning
+from truepose.web.api.sessions.kinds import AnySessionRequest, kind_called
+from truepose.web.api.sessions.schemas import (
+    ProgressReply,
+    RegistrationReply,
+    SessionDetailReply,
+    SessionReply,
+)
+from truepose.web.api.sessions.situations import identity_reply, prompt_reply
+from truepose.web.context import Context, Here
+from truepose.web.middleware.language import in_words
+from truepose.web.pages.accuracy_results import accuracy_of
+from truepose.web.pages.geometry_results import sphere_of
+from truepose.web.pages.session_results import Chosen, origin_of
+from truepose.web.resources import (
+    Id,
+    Later,
+    ModelId,
+    ModelIds,
+    OptionalKey,
+    Paged,
+    Sender,
+    listing,
+    problems,
+    resource,
+)
+
+router = resource("/sessions", tags=["sessions"])
+_READ = problems(404, 422, 503)
+_ACT = problems(400, 404, 409, 413, 415, 422, 503)
+
+
+@router.post(
+    "",
+    status_code=status.HTTP_201_CREATED,
+    response_model=SessionDetailReply | JobReply,
+    responses=planned_or_queued(
+        SessionDetailReply, "A worker chooses the configurations; the job's result is the session."
+    )
+    | problems(400, 404, 409, 413, 415, 422, 503),
+)
+async def plan_session(
+    here: Here,
+    request: Request,
+    wanted: AnySessionRequest,
+    response: Response,
+    key: OptionalKey,
+    later: Later,
+    sender: Sender,
+) -> SessionDetailReply | JobReply:
+    """Plan a session of any kind: with configurations given (201), or to be chosen (201, or 202 by a job).
+
+    Nothing moves. The configurations of a tracker session are chosen by a job; those of a contact or ballbar
+    session at once, within a minute, or by a job with `Prefer: respond-async`. A path between given
+    configurations on which the arm would touch floor, table or itself is refused where the cell states its
+    floor; else the `notes` of the session say so, and the question before it moves.
+    """
+    planning = Planning(request, key, later, sender)
+    made = await kind_called(wanted.kind).plan(here, wanted, planning)
+    if made.by_job:
+        response.status_code = status.HTTP_202_ACCEPTED
+        return await queued(here, made.number, response, preferred=later)
+    response.headers["Location"] = f"/api/v1/sessions/{made.number}"
+    return await get_session(here, made.number)
+
+
+@router.get("/{id}/proof", responses=problems(404, 409, 422, 503))
+async def get_proof(here: Here, id: Id, model_id: ModelId) -> ProofDocument:
+    """Say what the corrections of a model are worth, by a session that was planned to prove it."""
+    model = (await here.results.model(model_id)).model
+    return proof_document(await proof_by_session(here.sessions, here.readings, id, model))
+
+
+@router.get("/{id}/circles", responses=problems(404, 409, 422, 503))
+async def get_circles(here: Here, id: Id) -> CircleTestDocument:
+    """Say what each joint errs by, by a session that turned one joint at a time."""
+    found = await circles_by_session(here.sessions, here.readings, id)
+    return circle_document(found, (await here.sessions.setup(id)).cell.robot.name)
+
+
+@router.get("/{id}/sphere", responses=problems(404, 409, 422, 503))
+async def get_sphere(here: Here, id: Id, model_id: ModelIds) -> SphereTestDocument:
+    """Say how true the arm holds a ballbar's length to one ball, by a ballbar session, also while it runs.
+
+    Told of are the nominal robot, the models that are asked for, and the one that commanded the arm.
+    """
+    test, robot = await sphere_of(here, id, model_id)
+    return sphere_document(test, robot)
+
+
+@router.get("/{id}/accuracy", responses=problems(404, 409, 422, 503))
+async def get_accuracy(here: Here, id: Id, choice: Chosen) -> AccuracyDocument:
+    """Judge a model by the points of a session; of a test of ISO 9283 with its figures."""
+    _, found = await accuracy_of(here, await origin_of(here, id), choice)
+    return accuracy_document(found.validation, found.test)
+
+
+@router.get("", responses=listing(422, 503))
+async def list_sessions(here: Here, paging: Paged) -> list[SessionReply]:
+    """List sessions, oldest first."""
+    return paging.shown(await here.sessions.page(paging.page), lambda record: _reply(here, record))
+
+
+@router.get("/{id}", responses=_READ)
+async def get_session(here: Here, id: Id) -> SessionDetailReply:
+    """Show a session with its progress and history."""
+    shown = await _shown(here, id)
+    progress = await here.sessions.progress(id)
+    registration = await here.sessions.registration(id)
+    return SessionDetailReply.of(
+        shown,
+        progress=progress,
+        states=await here.sessions.states(id),
+        skipped_stops=await here.sessions.skipped(id),
+        registration=None if registration is None else _registration(registration),
+        identities=[identity_reply(taken) for taken in await here.sessions.identities(id)],
+        notes=await here.sessions.notes(id),
+    )
+
+
+@router.get("/{id}/progress", responses=_READ)
+async def get_progress(here: Here, id: Id) -> ProgressReply:
+    """Say how far the session is; follow `events` instead of asking again and again."""
+    record = await here.sessions.get(id)
+    progress = await here.sessions.progress(id)
+    if progress is not None:
+        return ProgressReply.of(progress)
+    return ProgressReply(
+        done=0,
+        skipped=0,
+        planned=record.planned,
+        elapsed_s=0.0,
+        remaining_s=None,
+        doing=in_words(record.reason),
+    )
+
+
+@router.post("/{id}/configurations", status_code=status.HTTP_201_CREATED, responses=_ACT)
+async def add_configurations(
+    here: Here, id: Id, wanted: AdditionRequest, response: Response, key: OptionalKey
+) -> AdditionReply:
+    """Add configurations to a session that has not ended, e.g. those that a diagnosis proposes.
+
+    They are judged as planned ones are, and measured after all others once a person has confirmed that the
+    cell is clear for them.
+    """
+    await require_authority(here, id, ActName.SKIP)
+    await _check_proposed(here, id, wanted.diagnosis_id)
+    found = await here.tracker_sessions.add_stops(id, wanted_stops(wanted), wanted.person, key)
+    response.headers["Location"] = f"/api/v1/sessions/{id}/plan"
+    return addition_reply(found, await _shown(here, id))
+
+
+async def _check_proposed(here: Context, session_id: int, diagnosis_id: int | None) -> None:
+    """Raise NotFoundError for a diagnosis that is not there, ConflictError for one of other readings."""
+    if diagnosis_id is not None and (await here.diagnoses.get(diagnosis_id)).session_id != session_id:
+        raise ConflictError(
+            f"Diagnosis {diagnosis_id} is not of the readings of session {session_id}; name one that is."
+        )
+
+
+async def _shown(here: Context, number: int) -> SessionReply:
+    return _reply(here, await here.sessions.get(number))
+
+
+def _reply(here: Context, record: SessionRecord) -> SessionReply:
+    # The record was read a moment ago, and a line is on disk before the runner goes by it.
+    under_way, now = here.session_desk.under_way(record.id), here.session_desk.attendance(record.id)
+    runner = None if under_way is None else under_way.runner
+    if runner is not None:
+        moment = runner.moment
+        record = replace(record, state=moment.state, reason=moment.reason)
+    foreign = runner.tracker_in_question if isinstance(runner, TrackerRunner) else None
+    return SessionReply.of(
+        record,
+        reason_key=key_of(record.reason),
+        tracker_in_question=None if foreign is None else identity_reply(foreign),
+        prompt=prompt_reply(record.id, now.prompt),
+        trouble=now.trouble,
+        motion_notice=now.motion_notice,
+    )
+
+
+def _registration(found: Registration) -> RegistrationReply:
+    rms_mm = found.rms_mm if math.isfinite(found.rms_mm) else None
+    return RegistrationReply.of(found, tracker_position_mm=found.translation_mm.tolist(), rms_mm=rms_mm)

@@ -1,0 +1,45 @@
+"""Sessions in space: where the plan sends the arm, what was measured there, and what comes next."""
+
+import asyncio
+from typing import TYPE_CHECKING, Final
+
+from truepose.domain.cell import Cell
+from truepose.web.api.sessions.kinds import kind_of
+from truepose.web.api.spaces import PlanSpaceReply, StopState, plan_space_reply
+from truepose.web.context import Here
+from truepose.web.resources import Id, problems, resource
+
+if TYPE_CHECKING:
+    from truepose.reports.plan_space import Place
+
+router = resource("/sessions", tags=["spaces"])
+_MOST: Final = 120  # stops, of which a picture is still read
+
+
+@router.get("/{id}/space", responses=problems(404, 409, 422, 503))
+async def get_session_space(here: Here, id: Id) -> PlanSpaceReply:
+    """Show a session in space by the nominal robot: arm, tool and bars at each stop, measured or to come."""
+    record = await here.sessions.get(id)
+    cell = (await here.sessions.setup(id)).cell
+    places, states = await kind_of(record).places(here, id)
+    registration = await here.sessions.registration(id)
+    seen_from = None if registration is None else tuple(registration.translation_mm.tolist())
+    return await asyncio.to_thread(_drawn, cell, places, states, seen_from)
+
+
+def _drawn(
+    cell: Cell,
+    places: "list[Place]",
+    states: dict[int, StopState],
+    instrument_mm: tuple[float, float, float] | None,
+) -> PlanSpaceReply:
+    from truepose.reports.plan_space import plan_space
+
+    return plan_space_reply(plan_space(cell, _selected(places, states), states, instrument_mm))
+
+
+def _selected(places: "list[Place]", states: dict[int, StopState]) -> "list[Place]":
+    """Return an even selection of many stops, the next one always among them."""
+    every = -(-len(places) // _MOST)
+    coming = next((place for place in places if place.config not in states), None)
+    return [place for row, place in enumerate(places) if row % every == 0 or place is coming]

@@ -1,0 +1,250 @@
+"""Signing in and out, and showing once more who it is."""
+
+from typing import Annotated
+
+from fastapi import Request as HttpRequest
+from fastapi import Response, status
+from pydantic import AfterValidator, Field
+
+from truepose.domain.people import LONGEST_NAME, NAME_PATTERN, Person, Role, tidy_name
+from truepose.messages.message import message
+from truepose.people.accounts import LONGEST_SECRET, SHORTEST_PASSWORD, Chosen
+from truepose.people.errors import SignInRefusedError
+from truepose.people.register import Caller
+from truepose.people.sign_ins import LONGEST_DAYS, SignedIn
+from truepose.storage.people import CredentialKind
+from truepose.web.context import Context, Here
+from truepose.web.middleware.authorization import cookie_name
+from truepose.web.middleware.rights import CurrentRequest
+from truepose.web.resources import problems, resource
+from truepose.web.schemas import Reply, Request, example
+
+_ANY = r"^[^\u0000-\u001f\u007f]+$"
+Name = Annotated[
+    str,
+    Field(min_length=1, max_length=LONGEST_NAME, pattern=NAME_PATTERN, examples=["Ada Byron"]),
+    AfterValidator(tidy_name),
+]
+Label = Annotated[str, Field(min_length=1, max_length=100, pattern=NAME_PATTERN), AfterValidator(tidy_name)]
+Password = Annotated[str, Field(min_length=1, max_length=LONGEST_SECRET, pattern=_ANY)]
+NewPassword = Annotated[str, Field(min_length=SHORTEST_PASSWORD, max_length=LONGEST_SECRET, pattern=_ANY)]
+Pin = Annotated[str, Field(pattern=r"^[0-9]{4,12}$", description="4 to 12 digits.", examples=["4071"])]
+Badge = Annotated[
+    str, Field(min_length=4, max_length=100, pattern=r"^[!-~]+$", description="As the reader types it.")
+]
+Secret = Annotated[str, Field(pattern=r"^[A-Za-z0-9_-]{43}$", description="The last part of the link.")]
+
+
+class SignInRequest(Request):
+    """Who comes in, and where they sit."""
+
+    model_config = example({"name": "Ada Byron", "password": "on the looms of Lyon", "tablet": "cell 3"})
+
+    name: Name
+    password: Password
+    tablet: Label | None = Field(None, description="What this browser is called, for whoever looks later.")
+
+
+class ProofRequest(Request):
+    """Something that only the person knows who is signed in; one of the two."""
+
+    model_config = example({"pin": "4071"})
+
+    pin: Pin | None = None
+    password: Password | None = None
+
+
+class SwitchRequest(Request):
+    """Who stands before the tablet now: by name or by badge, and a PIN in any case."""
+
+    model_config = example({"name": "Grace Hopper", "pin": "1906"})
+
+    name: Name | None = None
+    badge: Badge | None = None
+    pin: Pin
+
+
+class ChosenRequest(Request):
+    """What somebody chooses for themselves; the present password proves who they are."""
+
+    model_config = example({"present_password": "on the looms of Lyon", "pin": "4071"})
+
+    present_password: Password
+    password: NewPassword | None = None
+    pin: Pin | None = None
+    badge: Badge | None = None
+
+
+class FirstPersonRequest(Request):
+    """The first person, who becomes administrator."""
+
+    model_config = example({
+        "secret": "5Yl1pMGRTsAjn3ySZyfRcN0t1RZ3Rlbn8Zt4Yk4mG5k",
+        "name": "Ada Byron",
+        "password": "on the looms of Lyon",
+        "pin": "4071",
+    })
+
+    secret: Secret
+    name: Name
+    password: NewPassword
+    pin: Pin | None = None
+
+
+class AcceptRequest(Request):
+    """What somebody chooses who was given a link."""
+
+    model_config = example({
+        "secret": "5Yl1pMGRTsAjn3ySZyfRcN0t1RZ3Rlbn8Zt4Yk4mG5k",
+        "password": "on the looms of Lyon",
+        "pin": "4071",
+    })
+
+    secret: Secret
+    password: NewPassword
+    pin: Pin | None = None
+    badge: Badge | None = None
+
+
+class CallerReply(Reply):
+    """Who is asking."""
+
+    accounts: str = Field(description="off, open (until somebody is entered), or on.", examples=["on"])
+    name: str | None = Field(description="Null: nobody is signed in.", examples=["Ada Byron"])
+    role: Role | None
+    tablet: str = Field(description="What this browser is called; empty: nothing.", examples=["cell 3"])
+    fresh: bool = Field(description="Whether it was shown within five minutes who it is.")
+    people: list[str] = Field(
+        description="Who may take over this browser by a PIN; empty: nobody signed it in."
+    )
+
+
+def chosen_of(wanted: FirstPersonRequest | AcceptRequest | ChosenRequest) -> Chosen:
+    """Return what somebody chose."""
+    return Chosen(wanted.password, wanted.pin, getattr(wanted, "badge", None))
+
+
+router = resource(tags=["people"])
+_SECRETS = problems(400, 401, 409, 413, 415, 422, 429, 503)
+_DAY_S = 24 * 3600
+
+
+@router.post("/sign-ins", status_code=status.HTTP_201_CREATED, responses=_SECRETS)
+async def sign_in(
+    here: Here, request: HttpRequest, response: Response, asked: CurrentRequest, wanted: SignInRequest
+) -> CallerReply:
+    """Sign a browser in with name and password; the answer's cookie keeps it so."""
+    known = here.people.accounts.register.named(wanted.name)
+    asked.about = None if known is None else known.name
+    signed_in = await here.people.accounts.sign_ins.sign_in(
+        wanted.name, wanted.password, wanted.tablet or "", asked.address
+    )
+    return _signed_in(here, request, response, signed_in)
+
+
+@router.get("/sign-ins/present", responses=problems(503))
+async def get_caller(here: Here, asked: CurrentRequest) -> CallerReply:
+    """Say who is signed in, and whether anybody has to be."""
+    return caller_reply(here, asked.caller)
+
+
+@router.delete("/sign-ins/present", status_code=status.HTTP_204_NO_CONTENT, responses=problems(503))
+async def sign_out(here: Here, request: HttpRequest, response: Response, asked: CurrentRequest) -> None:
+    """Sign this browser out."""
+    await here.people.accounts.sign_ins.sign_out(asked.caller)
+    response.delete_cookie(cookie_name(request.scope), secure=_is_secure(request), httponly=True)
+
+
+@router.post("/sign-ins/present/fresh", responses=_SECRETS)
+async def show_again(here: Here, asked: CurrentRequest, wanted: ProofRequest) -> CallerReply:
+    """Show once more, by PIN or password, who it is; for five minutes an arm may be let move."""
+    kind = CredentialKind.PASSWORD if wanted.pin is None else CredentialKind.PIN
+    secret = wanted.password if wanted.pin is None else wanted.pin
+    await here.people.accounts.sign_ins.show(asked.caller, kind, secret or "")
+    return caller_reply(here, asked.caller)
+
+
+@router.post("/sign-ins/present/person", responses=_SECRETS)
+async def switch_person(
+    here: Here, request: HttpRequest, response: Response, asked: CurrentRequest, wanted: SwitchRequest
+) -> CallerReply:
+    """Have somebody else stand before this browser: by name or badge, and a PIN."""
+    who = await _meant(here, wanted)
+    switched = await here.people.accounts.sign_ins.switch(asked.caller, who, wanted.pin)
+    return _signed_in(here, request, response, switched)
+
+
+@router.put("/sign-ins/present/secrets", responses=_SECRETS)
+async def choose_secrets(
+    here: Here, request: HttpRequest, response: Response, asked: CurrentRequest, wanted: ChosenRequest
+) -> CallerReply:
+    """Choose another password, PIN or badge; a new password signs out every other browser."""
+    person = asked.caller.person
+    if person is None or asked.caller.sign_in is None:
+        raise SignInRefusedError(message("refused.sign_in"))
+    sign_ins = here.people.accounts.sign_ins
+    await sign_ins.show(asked.caller, CredentialKind.PASSWORD, wanted.present_password)
+    await here.people.accounts.choose(person, chosen_of(wanted))
+    if sign_ins.lasts(asked.caller):
+        return caller_reply(here, asked.caller)
+    opened = await sign_ins.opened(person, asked.caller.tablet_name, asked.address)
+    return _signed_in(here, request, response, opened)
+
+
+@router.post("/first-person", status_code=status.HTTP_201_CREATED, responses=_SECRETS)
+async def enter_first_person(
+    here: Here, request: HttpRequest, response: Response, asked: CurrentRequest, wanted: FirstPersonRequest
+) -> CallerReply:
+    """Enter the first person, who becomes administrator; from then on everybody signs in."""
+    asked.about = wanted.name
+    signed_in = await here.people.accounts.enter_first(
+        wanted.secret, wanted.name, chosen_of(wanted), asked.address
+    )
+    return _signed_in(here, request, response, signed_in)
+
+
+@router.post("/links/accepted", status_code=status.HTTP_201_CREATED, responses=_SECRETS)
+async def accept_link(
+    here: Here, request: HttpRequest, response: Response, asked: CurrentRequest, wanted: AcceptRequest
+) -> CallerReply:
+    """Choose a password, and a PIN, by the link that an administrator gave; it works once."""
+    invited = here.people.accounts.invited(wanted.secret)
+    asked.about = None if invited is None else invited.name
+    signed_in = await here.people.accounts.accept(wanted.secret, chosen_of(wanted), asked.address)
+    return _signed_in(here, request, response, signed_in)
+
+
+def caller_reply(here: Context, caller: Caller) -> CallerReply:
+    """Return who is asking, as a page shows it."""
+    accounts = here.people.accounts
+    with_pin = [p.name for p in accounts.register.people if p.active and accounts.has_pin(p)]
+    return CallerReply(
+        accounts="off" if not accounts.asked_for else "open" if accounts.are_open else "on",
+        name=caller.name or None,
+        role=caller.role,
+        tablet=caller.tablet_name,
+        fresh=accounts.sign_ins.is_fresh(caller),
+        people=with_pin if caller.sign_in is not None else [],
+    )
+
+
+async def _meant(here: Context, wanted: SwitchRequest) -> Person | None:
+    if wanted.badge is not None:
+        return await here.people.accounts.sign_ins.badge_of(wanted.badge)
+    return None if wanted.name is None else here.people.accounts.register.named(wanted.name)
+
+
+def _signed_in(here: Context, request: HttpRequest, response: Response, signed_in: SignedIn) -> CallerReply:
+    response.set_cookie(
+        cookie_name(request.scope),
+        signed_in.secret,
+        max_age=LONGEST_DAYS * _DAY_S,
+        secure=_is_secure(request),
+        httponly=True,
+        samesite="strict",
+    )
+    return caller_reply(here, signed_in.caller)
+
+
+def _is_secure(request: HttpRequest) -> bool:
+    return str(request.scope["scheme"]) == "https"

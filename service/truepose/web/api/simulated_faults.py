@@ -1,0 +1,131 @@
+"""The faults of a simulated cell, given by hand."""
+
+from typing import Annotated, Any, Literal
+
+from fastapi import status
+from pydantic import Field
+
+from truepose.web.context import Here
+from truepose.web.resources import Id, problems, resource
+from truepose.web.schemas import Number, PersonName, Reply, Request, example, whole
+
+FaultKind = Annotated[
+    str,
+    Field(
+        min_length=1,
+        max_length=40,
+        pattern="^[a-z_]+$",
+        description="Which kind of fault (docs/faults.md).",
+        examples=["beam_broken"],
+    ),
+]
+Text = Annotated[str, Field(max_length=64)]
+Components = Annotated[list[float], Field(min_length=3, max_length=3)]
+Value = float | Text | Components
+
+
+class FaultRequest(Request):
+    """What is to go wrong: a `[[fault]]` of a file."""
+
+    model_config = example({
+        "person": "Ada Byron",
+        "kind": "link_cut",
+        "keys": {"device": "robot", "configuration": 12, "for_s": 8},
+    })
+
+    person: PersonName
+    kind: FaultKind
+    keys: dict[str, Value] = Field(
+        default_factory=dict,
+        max_length=16,
+        description="Its keys, its trigger among them; numbers with the unit that the name ends in.",
+        examples=[{"configuration": 12}],
+    )
+
+    def said(self) -> dict[str, object]:
+        """Return the keys as the cell takes them: whole numbers without a fraction."""
+        return {key: whole(value) for key, value in self.keys.items()}
+
+
+class EndFaultRequest(Request):
+    """Who ends a fault."""
+
+    person: PersonName
+
+
+class FaultKeyReply(Reply):
+    """A key of a kind of fault."""
+
+    key: str = Field(examples=["by_mm"])
+    type: Literal["number", "whole", "text", "vector"] = Field(description="`vector`: three numbers.")
+    required: bool
+
+
+class FaultKindReply(Reply):
+    """A kind of fault with its keys; those that say when come last."""
+
+    kind: FaultKind
+    keys: list[FaultKeyReply]
+
+
+class FaultReply(Reply):
+    """A fault that was given to the cell."""
+
+    number: Number
+    kind: FaultKind
+    keys: dict[str, Value] = Field(description="As they were given.", examples=[{"configuration": 12}])
+    state: Literal["waiting", "active", "over"]
+    begun_s: float | None = Field(description="When its trigger came, cell time; null: not yet.")
+    over_s: float | None = Field(description="When it was over, cell time; null: not yet.")
+    struck: int = Field(description="How many readings, motions or connections it has befallen.")
+    person: str | None = Field(description="Who gave it; null: it is of a file.", examples=["Ada Byron"])
+
+
+class FaultsReply(Reply):
+    """What may go wrong, and what does."""
+
+    simulated: bool = Field(description="False: the cell is real, and nothing goes wrong on order.")
+    now_s: float | None = Field(description="The cell's time.", examples=[312.5])
+    kinds: list[FaultKindReply]
+    faults: list[FaultReply]
+
+
+class FaultGivenReply(Reply):
+    """The number of a fault."""
+
+    number: Number
+
+
+def faults_reply(kinds: list[dict[str, Any]], given: dict[str, Any]) -> FaultsReply:
+    """Return what the cell says of its faults."""
+    return FaultsReply.model_validate({
+        "simulated": True,
+        "now_s": given["now_s"],
+        "kinds": kinds,
+        "faults": given["faults"],
+    })
+
+
+router = resource("/simulated-faults", tags=["simulated faults"])
+_ACT = problems(400, 409, 413, 415, 422, 503)
+
+
+@router.get("", responses=problems(503))
+async def get_faults(here: Here) -> FaultsReply:
+    """Say what may go wrong in the simulated cell, and what became of each fault; nothing on a real cell."""
+    desk = here.faults_desk
+    if not desk.simulated:
+        return FaultsReply(simulated=False, now_s=None, kinds=[], faults=[])
+    return faults_reply(await desk.kinds(), await desk.given())
+
+
+@router.post("", status_code=status.HTTP_201_CREATED, responses=_ACT)
+async def give_fault(here: Here, wanted: FaultRequest) -> FaultGivenReply:
+    """Have something go wrong in the simulated cell; 422 with a sentence where that makes no sense."""
+    return FaultGivenReply(number=await here.faults_desk.give(wanted.person, wanted.kind, wanted.said()))
+
+
+@router.post("/{id}/end", status_code=status.HTTP_204_NO_CONTENT, responses=_ACT)
+async def end_fault(here: Here, id: Id, who: EndFaultRequest) -> None:
+    """End a fault now, whatever it waits for."""
+    await here.faults_desk.end(who.person, id)

@@ -1,1 +1,0 @@
-"""Campaigns, models, results and robots as REST resources."""

@@ -1,1 +1,0 @@
-"""Health in depth: what is looked at, what it means, and the page that says so."""

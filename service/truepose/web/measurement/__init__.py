@@ -1,1 +1,0 @@
-"""Sessions, readings and devices as REST resources."""

@@ -1,1 +1,0 @@
-"""Ballbar sessions as REST resources: planned, acted upon, followed live."""

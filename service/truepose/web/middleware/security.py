@@ -1,0 +1,235 @@
+"""Whether a request may come in, by its host and the page it comes from; headers that protect answers.
+
+A browser tells from which page a request comes (Origin, Sec-Fetch-*, Referer); scripts and spreadsheets tell
+nothing of that kind and go on as they always did. What is told must be one of our own pages, on every route
+and for every method: also reading is not for pages of others.
+"""
+
+import re
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from http import HTTPStatus
+from typing import Final, TypeAlias
+
+from starlette.requests import Request
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+from truepose.messages.error_codes import code_named
+from truepose.web.middleware.hosts import AllowedHosts, AskedHost, Proxies, asked_host
+from truepose.web.problems import problem_response
+from truepose.web.schemas import TIME_HEADER, time_s
+
+Headers: TypeAlias = Sequence[tuple[bytes, bytes]]
+
+# Where a link on somebody else's page may lead; whatever is not here can only be asked by our own pages.
+PAGES: Final = re.compile(
+    r"/|/docs|/work|/hand-downs|/operator(/[^/]+)?|/diagnoses(/[^/]+)?|/corrections(/[^/]+)?|/plan(/checklist)?|/faults|/errors(/[^/]+)?"
+    r"|/(?:jobs|campaigns|identifications|validations|models)/[^/]+|/(?:robots|instruments|cells)/.+"
+    r"|/sessions(/[^/]+(/result|/closing|/checklist|/again)?)?|/reports(/[^/]+/[^/.]+)?"
+    r"|/fleet|/bring(/[^/]+)?|/sign-in|/first-person/[^/]+|/welcome/[^/]+|/account|/not-yours|/people|/audit|/watch/[^/]+"
+)
+_READING: Final = frozenset({"GET", "HEAD", "OPTIONS"})
+_FRAMES: Final = frozenset({"iframe", "frame", "fencedframe", "embed", "object", "portal"})
+_OURS: Final = frozenset({"same-origin", "none"})  # none: typed in, or from the bookmarks
+_LONGEST: Final = 100  # letters of what somebody sent, in a sentence
+
+
+@dataclass(frozen=True, slots=True)
+class RequestOrigin:
+    """What of a request tells where it comes from."""
+
+    method: str
+    path: str
+    headers: Headers
+
+    def all(self, name: bytes) -> list[str]:
+        """Return every header of that name."""
+        return [value.decode("latin-1").strip() for found, value in self.headers if found == name]
+
+
+@dataclass(frozen=True, slots=True)
+class Welcome:
+    """The request may come in; browsers know the service under this scheme."""
+
+    scheme: str
+
+
+@dataclass(frozen=True, slots=True)
+class Refusal:
+    """The request may not come in."""
+
+    status: HTTPStatus
+    sentence: str
+
+
+def judge(asked: RequestOrigin, hosts: AllowedHosts) -> Welcome | Refusal:
+    """Return whether a request may come in."""
+    if not asked.path.startswith("/"):
+        return Refusal(HTTPStatus.BAD_REQUEST, "The target of the request must be a path that begins with /.")
+    host = _host(asked, hosts)
+    if isinstance(host, Refusal):
+        return host
+    refused = _upgrade(asked) or _foreign_origin(asked, hosts, host) or _foreign_fetch(asked)
+    refused = refused or _unproven_change(asked, hosts, host)
+    return refused or Welcome(hosts.scheme(host) or "http")
+
+
+def _host(asked: RequestOrigin, hosts: AllowedHosts) -> AskedHost | Refusal:
+    sent = asked.all(b"host")
+    host = asked_host(sent[0]) if len(sent) == 1 else None
+    if host is None:
+        return Refusal(
+            HTTPStatus.BAD_REQUEST, "The request must name the host that it asks, once: a name and a port."
+        )
+    if hosts.scheme(host) is None:
+        return Refusal(
+            HTTPStatus.MISDIRECTED_REQUEST,
+            f"This service does not answer as {_shown(host.name)}; if that is its name or address here, "
+            f"start it with --allowed-host {_shown(host.name)} (or TRUEPOSE_ALLOWED_HOSTS).",
+        )
+    return host
+
+
+def _upgrade(asked: RequestOrigin) -> Refusal | None:
+    wanted = {token.strip().lower() for value in asked.all(b"upgrade") for token in value.split(",")}
+    if "websocket" not in wanted:
+        return None
+    return Refusal(
+        HTTPStatus.BAD_REQUEST, "There are no WebSockets here; /api/v1/events streams what happens."
+    )
+
+
+def _foreign_origin(asked: RequestOrigin, hosts: AllowedHosts, host: AskedHost) -> Refusal | None:
+    foreign = [origin for origin in asked.all(b"origin") if not hosts.is_origin(origin, host)]
+    return _foreign(f"a page of {_shown(foreign[0])}") if foreign else None
+
+
+def _foreign_fetch(asked: RequestOrigin) -> Refusal | None:
+    if _FRAMES.intersection(asked.all(b"sec-fetch-dest")):
+        return Refusal(HTTPStatus.FORBIDDEN, "Pages of this service are not shown within other pages.")
+    sites = asked.all(b"sec-fetch-site")
+    if _OURS.issuperset(sites) and (asked.method in _READING or "none" not in sites):
+        return None
+    return None if _is_link_to_page(asked) else _foreign("another page")
+
+
+def _is_link_to_page(asked: RequestOrigin) -> bool:
+    return (
+        asked.method == "GET"
+        and asked.all(b"sec-fetch-mode") == ["navigate"]
+        and asked.all(b"sec-fetch-dest") == ["document"]
+        and PAGES.fullmatch(asked.path) is not None
+    )
+
+
+def _unproven_change(asked: RequestOrigin, hosts: AllowedHosts, host: AskedHost) -> Refusal | None:
+    """Return a refusal of what would change something, comes from a browser, and does not say from where."""
+    if asked.method in _READING or asked.all(b"origin") or asked.all(b"sec-fetch-site"):
+        return None
+    referers = asked.all(b"referer")
+    if any(not hosts.is_origin(_origin_of(referer), host) for referer in referers):
+        return _foreign("another page")
+    told = any(name == b"cookie" or name.startswith(b"sec-fetch-") for name, _ in asked.headers)
+    return _foreign("a browser that does not say from which page") if told and not referers else None
+
+
+def _origin_of(address: str) -> str:
+    scheme, _, rest = address.partition("://")
+    return f"{scheme}://{re.split('[/?#]', rest, maxsplit=1)[0]}"
+
+
+def _foreign(whence: str) -> Refusal:
+    return Refusal(
+        HTTPStatus.FORBIDDEN,
+        f"The request comes from {whence}; in a browser only the service's own pages may ask it. "
+        "A proxy in front must pass on the Host that was asked.",
+    )
+
+
+def _shown(text: str) -> str:
+    return text if len(text) <= _LONGEST else f"{text[:_LONGEST]}..."
+
+
+RawHeaders: TypeAlias = list[tuple[bytes, bytes]]
+
+_NOTHING: Final = b"default-src 'none'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
+_PAGE: Final = (
+    b"default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; connect-src 'self'; "
+    b"base-uri 'none'; form-action 'self'; frame-ancestors 'none'"
+)
+_ALWAYS: Final[RawHeaders] = [
+    (b"x-content-type-options", b"nosniff"),
+    (b"x-frame-options", b"DENY"),
+    (b"referrer-policy", b"no-referrer"),
+    (b"cross-origin-opener-policy", b"same-origin"),
+    (b"cross-origin-resource-policy", b"same-origin"),
+    # A tablet stays awake while somebody measures; of its other senses the pages need none.
+    (
+        b"permissions-policy",
+        b"screen-wake-lock=(self), fullscreen=(self), camera=(), microphone=(), geolocation=(), "
+        b"display-capture=(), payment=(), usb=(), serial=(), hid=(), midi=()",
+    ),
+]
+_POLICY: Final = b"content-security-policy"
+_CACHE: Final = b"cache-control"
+
+
+def with_protection(headers: Iterable[tuple[bytes, bytes]]) -> RawHeaders:
+    """Return the headers of an answer with those that every answer has.
+
+    What an answer says of its keeping stands; else it is kept nowhere, as it is old a moment later.
+    """
+    given = [(name.lower(), value) for name, value in headers]
+    named = dict(given)
+    fixed = dict(_ALWAYS)
+    fixed[_POLICY] = _PAGE if named.get(b"content-type", b"").startswith(b"text/html") else _NOTHING
+    kept = [(name, value) for name, value in given if name not in fixed]
+    missing = [] if _CACHE in named else [(_CACHE, b"no-store")]
+    return [*kept, *fixed.items(), *missing, (TIME_HEADER, b"%.3f" % time_s())]
+
+
+_POLICY_VIOLATION = 1008  # of the WebSocket protocol
+
+
+class SecurityMiddleware:
+    """ASGI middleware: refuses whom we do not know, and protects every answer."""
+
+    def __init__(self, app: ASGIApp, hosts: AllowedHosts, proxies: Proxies) -> None:
+        self._app = app
+        self._hosts = hosts
+        self._proxies = proxies
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Answer a request, or pass it on."""
+        if scope["type"] == "lifespan":
+            await self._app(scope, receive, send)
+        elif scope["type"] == "http":
+            await self._request(scope, receive, _protecting(send))
+        else:
+            await send({"type": "websocket.close", "code": _POLICY_VIOLATION})
+
+    async def _request(self, scope: Scope, receive: Receive, send: Send) -> None:
+        asked = RequestOrigin(scope["method"], scope["path"], scope["headers"])
+        if scope.get("client"):
+            peer, port = scope["client"]
+            scope["client"] = (self._proxies.who_asks(peer, asked.all(b"x-forwarded-for")), port)
+        verdict = judge(asked, self._hosts)
+        if isinstance(verdict, Refusal):
+            # Without the headers: the address of a problem must not be made of a Host that is none.
+            request = Request({**scope, "headers": []})
+            code = code_named("ForeignPage") if verdict.status is HTTPStatus.FORBIDDEN else None
+            headers = {"Connection": "close"}
+            answer = problem_response(request, verdict.status, verdict.sentence, headers, code=code)
+            await answer(scope, receive, send)
+        else:
+            scope["scheme"] = verdict.scheme  # in place: who watches from outside learns of the route in it
+            await self._app(scope, receive, send)
+
+
+def _protecting(send: Send) -> Send:
+    async def protect(message: Message) -> None:
+        if message["type"] == "http.response.start":
+            message = {**message, "headers": with_protection(message.get("headers", ()))}
+        await send(message)
+
+    return protect

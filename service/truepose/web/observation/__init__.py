@@ -1,1 +1,0 @@
-"""What is seen of the service from outside: its requests, its figures, how it is."""

@@ -1,0 +1,211 @@
+"""Identifications, validations and models: their pages, and the reports of the first two."""
+
+import asyncio
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+from fastapi import APIRouter
+from fastapi.responses import HTMLResponse
+
+from truepose.analysis.workers.tasks import held_out, stored_campaign
+from truepose.domain.errors import TrueposeError
+from truepose.domain.identification import Model
+from truepose.exchange.models.exports import FORMATS, Format, export
+from truepose.messages.catalogue import Catalogue
+from truepose.storage.records import IdentificationRecord, ModelRecord, ValidationRecord
+from truepose.storage.results.items import WorkKind
+from truepose.web.context import Context
+from truepose.web.pages.conditions import conditions_of_campaign
+from truepose.web.pages.records import missing, record_at, trail_of
+from truepose.web.pages.rendering import Visit, Visited, Whole, render, render_part
+from truepose.web.pages.report_kinds import LISTED, Drawable, ReportKind, ReportRow, drawn_as_report
+from truepose.web.pages.session_results import Choice
+
+if TYPE_CHECKING:
+    from truepose.domain.identification import Identification
+    from truepose.domain.validation import Validation
+    from truepose.reports.traceability import ReportConditions
+
+
+router = APIRouter(include_in_schema=False)
+
+
+@router.get("/identifications/{id}", response_class=HTMLResponse)
+async def identification_page(visit: Visited, id: str, whole: Whole = False) -> HTMLResponse:
+    """Show an identification as its report."""
+    record = await record_at(id, visit.here.results.identification)
+    return await _report_page(visit, record, WorkKind.IDENTIFICATION, IDENTIFICATION, whole=whole)
+
+
+@router.get("/validations/{id}", response_class=HTMLResponse)
+async def validation_page(visit: Visited, id: str, whole: Whole = False) -> HTMLResponse:
+    """Show a validation as its report."""
+    record = await record_at(id, visit.here.results.validation)
+    return await _report_page(visit, record, WorkKind.VALIDATION, VALIDATION, whole=whole)
+
+
+async def _report_page(
+    visit: Visit,
+    record: IdentificationRecord | ValidationRecord | None,
+    kind: WorkKind,
+    report: ReportKind,
+    *,
+    whole: bool,
+) -> HTMLResponse:
+    if record is None:
+        return missing(visit)
+    content = await drawn_as_report(visit, report, record.id, whole=whole)
+    trail = await trail_of(visit, kind, record.id)
+    return visit.page(f"results/{kind.value}.html", record=record, content=content, trail=trail)
+
+
+@router.get("/models/{id}", response_class=HTMLResponse)
+async def model_page(visit: Visited, id: str, whole: Whole = False) -> HTMLResponse:
+    """Show a model: what it says of the robot, and the forms in which it can be taken."""
+    record = await record_at(id, visit.here.results.model)
+    if record is None:
+        return missing(visit)
+    of = f"model {record.id} {record.recorded_at}"
+    told = await render_part(
+        visit, of, lambda: asyncio.to_thread(_rendered, record, visit.words), whole=whole
+    )
+    trail = await trail_of(visit, WorkKind.MODEL, record.id)
+    return visit.page("results/model.html", record=record, told=told, trail=trail)
+
+
+def _rendered(record: ModelRecord, words: Catalogue) -> str:
+    from truepose.reports.identification.observability import correlation_map
+    from truepose.reports.identification.parameters import model_table
+
+    model = record.model
+    return render(
+        "results/model_told.html",
+        record=record,
+        parameters=model_table(model, words),
+        effects=[words.effect(name) for name in model.effects],
+        exports=[
+            (form, _refusal(model, form)) for form in FORMATS
+        ],  # and why it has no such form; empty: it has
+        correlation=correlation_map(model, words),
+        words=words,
+        say=words.say,
+    )
+
+
+def _refusal(model: Model, form: Format) -> str:
+    """Return why a model has no such form; empty: it has."""
+    try:
+        export(model, form)
+    except TrueposeError as error:
+        return str(error)
+    return ""
+
+
+@dataclass(frozen=True, slots=True)
+class StoredIdentification:
+    """An identification with its campaign as it is stored: unpacked where the report is drawn."""
+
+    identification: "Identification"
+    campaign: bytes
+    conditions: "ReportConditions"
+    language: str
+
+    def page(self) -> str:
+        """Return its report as a page."""
+        from truepose.reports.identification.report import IdentificationReport
+
+        campaign = stored_campaign(self.campaign)
+        return IdentificationReport(
+            self.identification, campaign, conditions=self.conditions, language=self.language
+        ).page()
+
+
+async def _identification_rows(here: Context, month: str) -> list[ReportRow]:
+    return [
+        ReportRow(
+            "identification",
+            one.id,
+            "reports.identification",
+            one.recorded_at,
+            one.robot,
+            one.identification.message,
+            one.simulated,
+        )
+        for one in await here.results.newest_identifications(LISTED, month)
+    ]
+
+
+async def _identification(here: Context, number: int, choice: Choice, words: Catalogue) -> Drawable:
+    record = await here.results.identification(number)
+    found = record.identification
+    if record.model_id is not None:
+        found = replace(found, model=(await here.results.model(record.model_id)).model)
+    content = await here.campaigns.content(record.campaign_id)
+    return Drawable(
+        record.id,
+        lambda spoken: conditions_of_campaign(here, record.campaign_id, spoken),
+        lambda whole: StoredIdentification(found, content, whole, words.tag),
+    )
+
+
+IDENTIFICATION = ReportKind("identification", "reports.identification", _identification_rows, _identification)
+
+
+@dataclass(frozen=True, slots=True)
+class StoredValidation:
+    """A validation with what it is of, as it is stored: unpacked where the report is drawn."""
+
+    validation: "Validation"
+    model: "Model"
+    campaign: bytes
+    conditions: "ReportConditions"
+    language: str
+
+    def page(self) -> str:
+        """Return its report as a page."""
+        from truepose.reports.validation import ValidationReport
+        from truepose.validation.cautions import validation_cautions
+
+        readings = held_out(stored_campaign(self.campaign))
+        remarks = tuple(validation_cautions(self.model, readings))
+        return ValidationReport(
+            self.validation,
+            self.model,
+            readings,
+            remarks,
+            conditions=self.conditions,
+            language=self.language,
+        ).page()
+
+
+async def _validation_rows(here: Context, month: str) -> list[ReportRow]:
+    from truepose.reports.validation import verdict_sentence
+
+    records = await here.results.newest_validations(LISTED, month)
+    robots = {one.model_id: (await here.results.model(one.model_id)).robot for one in records}
+    return [
+        ReportRow(
+            "validation",
+            one.id,
+            "reports.validation",
+            one.recorded_at,
+            robots[one.model_id],
+            verdict_sentence(one.validation),
+            one.simulated,
+        )
+        for one in records
+    ]
+
+
+async def _validation(here: Context, number: int, choice: Choice, words: Catalogue) -> Drawable:
+    record = await here.results.validation(number)
+    model = (await here.results.model(record.model_id)).model
+    content = await here.campaigns.content(record.campaign_id)
+    return Drawable(
+        record.id,
+        lambda spoken: conditions_of_campaign(here, record.campaign_id, spoken),
+        lambda whole: StoredValidation(record.validation, model, content, whole, words.tag),
+    )
+
+
+VALIDATION = ReportKind("validation", "reports.validation", _validation_rows, _validation)

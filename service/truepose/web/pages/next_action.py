@@ -1,0 +1,151 @@
+"""The one next step, from where things stand: measure, identify, diagnose, correct, prove, report."""
+
+import dataclasses
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, Final
+
+from truepose.domain.session import SessionState
+from truepose.messages.message import Message, message
+from truepose.sessions.engine.states import has_ended
+from truepose.storage.results.items import PROOF, TEST, WorkItem, WorkKind
+from truepose.storage.results.lineage import Lineage
+
+_TESTING: Final = ("validation", TEST)  # roles of sessions whose readings judge
+
+
+@dataclass(frozen=True, slots=True)
+class Ask:
+    """One request to the API; `takes` names what it is told of the one before: its number."""
+
+    path: str
+    body: Mapping[str, Any] = field(default_factory=dict)
+    takes: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class NextAction:
+    """What to do next: a page to go to, or requests whose last one makes something that has a page."""
+
+    why: Message
+    action: str  # key of the catalogue
+    href: str = ""
+    asks: tuple[Ask, ...] = ()
+    leads: str = ""  # the page of what was made, before its number; empty: this page again
+
+    @property
+    def asked(self) -> list[dict[str, Any]]:
+        """Its requests, as a page hands them to its script."""
+        return [dataclasses.asdict(ask) for ask in self.asks]
+
+
+@dataclass(frozen=True, slots=True)
+class CellProgress:
+    """How far a cell has come."""
+
+    devices: tuple[str, ...] = ()
+    connected: int = 0
+    session: WorkItem | None = None  # the newest
+    lineage: Lineage | None = None  # of the session
+    job_id: int | None = None  # under way
+
+
+def next_action(progress: CellProgress) -> NextAction:
+    """Return what to do next in a cell."""
+    session = progress.session
+    if session is not None and _moves(session):
+        return _go_to(session)
+    if progress.job_id is not None:
+        return NextAction(message("step.job.why"), "step.job", f"/jobs/{progress.job_id}")
+    waits = session is not None and session.state == SessionState.PLANNED
+    made = None if session is None or waits else action_after(progress.lineage or Lineage((session,)))
+    if made is not None:
+        return made
+    if progress.devices and not progress.connected:
+        asks = tuple(Ask(f"/api/v1/devices/{name}/connect") for name in progress.devices)
+        return NextAction(message("step.connect.why"), "step.connect", asks=asks)
+    return _start(session) if session is not None and waits else _plan()
+
+
+def action_after(lineage: Lineage) -> NextAction | None:
+    """Return what to do with what was measured, identified or made; None where all is done."""
+    proof = lineage.newest(WorkKind.SESSION, PROOF)
+    if proof is not None:
+        return _of_proof(proof)
+    for find in (_of_correction, _of_model, _of_campaign, _of_session):
+        step = find(lineage)
+        if step is not None:
+            return step
+    return None
+
+
+def _moves(session: WorkItem) -> bool:
+    state = SessionState(session.state)
+    return not has_ended(state) and state is not SessionState.PLANNED
+
+
+def _go_to(session: WorkItem) -> NextAction:
+    return NextAction(
+        message("step.session.why", name=session.name), "step.session", f"/sessions/{session.id}"
+    )
+
+
+def _start(session: WorkItem) -> NextAction:
+    return NextAction(message("step.start.why", name=session.name), "step.start", f"/sessions/{session.id}")
+
+
+def _plan() -> NextAction:
+    return NextAction(message("step.plan.why"), "step.plan", "/plan")
+
+
+def _of_proof(proof: WorkItem) -> NextAction | None:
+    if proof.state == SessionState.PLANNED:
+        return _start(proof)
+    if _moves(proof):
+        return _go_to(proof)
+    if proof.state == SessionState.FINISHED:
+        return NextAction(message("step.report.why"), "step.report", f"/reports/session/{proof.id}")
+    return None
+
+
+def _of_correction(lineage: Lineage) -> NextAction | None:
+    correction, model = lineage.newest(WorkKind.CORRECTION), lineage.newest(WorkKind.MODEL)
+    if correction is None or model is None:
+        return None
+    address = f"/sessions/new?model_id={model.id}#prove"
+    return NextAction(message("step.prove.why", name=correction.name), "step.prove", address)
+
+
+def _of_model(lineage: Lineage) -> NextAction | None:
+    """Return the step after a model: a diagnosis first, which says what it leaves; then a correction."""
+    diagnosis, model = lineage.newest(WorkKind.DIAGNOSIS), lineage.newest(WorkKind.MODEL)
+    if model is None:
+        return None
+    campaign = lineage.newest(WorkKind.CAMPAIGN)
+    if diagnosis is None and campaign is not None:
+        asks = (Ask("/api/v1/diagnoses", {"campaign_id": campaign.id}),)
+        return NextAction(message("step.diagnose.why"), "step.diagnose", asks=asks, leads="/diagnoses")
+    return NextAction(message("step.correct.why"), "step.correct", f"/corrections?model_id={model.id}")
+
+
+def _of_campaign(lineage: Lineage) -> NextAction | None:
+    campaign = lineage.newest(WorkKind.CAMPAIGN)
+    if campaign is None:
+        return None
+    if lineage.newest(WorkKind.DIAGNOSIS) or lineage.newest(WorkKind.IDENTIFICATION):
+        return NextAction(message("step.again.why"), "step.plan", "/plan")  # nothing could be fitted
+    asks = (Ask("/api/v1/identifications", {"campaign_id": campaign.id}),)
+    return NextAction(message("step.identify.why"), "step.identify", asks=asks, leads="/identifications")
+
+
+def _of_session(lineage: Lineage) -> NextAction | None:
+    session = lineage.newest(WorkKind.SESSION)
+    if session is None or session.state != SessionState.FINISHED:
+        return None
+    if session.role in _TESTING:
+        return NextAction(message("step.result.why"), "step.result", f"/sessions/{session.id}/result")
+    asks = (
+        Ask(f"/api/v1/sessions/{session.id}/campaign", {"name": session.name}),
+        Ask("/api/v1/identifications", takes="campaign_id"),
+    )
+    return NextAction(message("step.identify.why"), "step.identify", asks=asks, leads="/identifications")

@@ -1,0 +1,149 @@
+"""What every kind of report has in common; a report is made once for each content and shown again."""
+
+import hashlib
+from collections.abc import Awaitable, Callable
+from dataclasses import dataclass, replace
+from datetime import UTC, datetime
+from typing import TYPE_CHECKING, Any, Final, Protocol, TypeAlias
+
+from truepose.messages.catalogue import IN_ENGLISH, Catalogue
+from truepose.messages.message import Text
+from truepose.storage.errors import NotFoundError
+from truepose.storage.results.reports import ReportRecord, ReportSubject
+from truepose.web.context import Context
+from truepose.web.pages.rendering import Visit, moment, render_part
+from truepose.web.pages.session_results import Choice
+
+if TYPE_CHECKING:
+    from markupsafe import Markup
+
+    from truepose.reports.traceability import ReportConditions
+
+
+LISTED: Final = 100  # of a kind, at most
+
+
+@dataclass(frozen=True, slots=True)
+class ReportRow:
+    """A report as lists name it."""
+
+    kind: str
+    id: int
+    title: str  # key of the catalogue
+    recorded_at: str
+    robot: str
+    sentence: Text
+    simulated: bool
+    serial: str = ""
+    name: str = ""
+
+
+class Drawn(Protocol):
+    """A report, or a result as it is stored, which a worker unpacks."""
+
+    def page(self) -> str:
+        """Return the report as a page."""
+
+
+@dataclass(frozen=True, slots=True)
+class Drawable:
+    """What a report is made from, but for its number and the moment."""
+
+    result: object  # what tells one from another, beside the conditions; records themselves never change
+    conditions: Callable[[Catalogue], Awaitable["ReportConditions"]]
+    of: Callable[["ReportConditions"], Drawn]  # the report, once the conditions are whole
+
+
+Rows: TypeAlias = Callable[[Context, str], Awaitable[list[ReportRow]]]
+Made: TypeAlias = Callable[[Context, int, Choice, Catalogue], Awaitable[Drawable]]
+
+
+@dataclass(frozen=True, slots=True)
+class ReportKind:
+    """A kind of report."""
+
+    name: str  # in its address
+    title: str  # key of the catalogue
+    rows: Rows  # the latest of a month (`2026-11`), or of all
+    drawable: Made
+
+
+async def report_of(
+    here: Context, kind: ReportKind, number: int, choice: Choice, words: Catalogue
+) -> ReportRecord:
+    """Return the report of a result as it is now, made anew where it would state something else."""
+    subject, drawable = ReportSubject(kind.name, number), await kind.drawable(here, number, choice, words)
+    stated = await _stated(drawable)
+    revision = await here.reports.revision_for(subject, stated)
+    made = await _made(here, subject, revision, words)
+    if made is not None:
+        return made
+    page = await _drawn(here, drawable, _numbered(kind, number, revision, words), words)
+    await here.reports.keep(ReportRecord("", subject, revision, words.tag, stated, page))
+    return await here.reports.get(subject, revision, words.tag)
+
+
+async def drawn_as_report(
+    visit: Visit, kind: ReportKind, number: int, *, whole: bool, cover: bool = True
+) -> "Markup | None":
+    """Return what a report of a result says, for its page; it is no revision. None while it is drawn."""
+    from truepose.reports.pages import content_of
+
+    here, words = visit.here, visit.words
+    drawable = await kind.drawable(here, number, Choice(), words)
+    conditions = await drawable.conditions(words)
+
+    async def draw() -> str:
+        report = drawable.of(conditions)
+        if not cover:
+            return await here.drawing_desk.draw(draw_content, report)
+        return content_of(await here.drawing_desk.draw(draw_page, report))
+
+    stated = _hash(drawable.result, conditions)
+    return await render_part(visit, f"{kind.name} {number} {stated}", draw, whole=whole)
+
+
+async def _made(
+    here: Context, subject: ReportSubject, revision: int, words: Catalogue
+) -> ReportRecord | None:
+    """Return a revision in this language; None where it was not made in it yet."""
+    try:
+        found = await here.reports.get(subject, revision, words.tag)
+    except NotFoundError:
+        return None
+    return found if found.language == words.tag else None
+
+
+async def _stated(drawable: Drawable) -> str:
+    """Return a hash of all that a report states, but for the moment when it is made."""
+    return _hash(drawable.result, await drawable.conditions(IN_ENGLISH))
+
+
+def _hash(result: object, conditions: "ReportConditions") -> str:
+    stated = repr((result, replace(conditions, written_at="")))
+    return hashlib.sha256(stated.encode()).hexdigest()
+
+
+def _numbered(kind: ReportKind, number: int, revision: int, words: Catalogue) -> str:
+    return words.say("front.number", kind=words.say(kind.title), number=number, revision=revision)
+
+
+async def _drawn(here: Context, drawable: Drawable, number: str, words: Catalogue) -> str:
+    conditions = replace(
+        await drawable.conditions(words),
+        number=number,
+        written_at=moment(datetime.now(UTC).isoformat()),
+        chain_head=(await here.database.head()).text,
+    )
+    return await here.drawing_desk.draw(draw_page, drawable.of(conditions))
+
+
+def draw_content(report: Any) -> str:
+    """Return a report without its frame and cover; a worker calls it."""
+    content: str = report.content()
+    return content
+
+
+def draw_page(report: Drawn) -> str:
+    """Return a report as a page; a worker calls it."""
+    return report.page()

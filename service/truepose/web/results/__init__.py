@@ -1,1 +1,0 @@
-"""What sessions came to, for people: a kind of result is one file here, and its line in the registry."""

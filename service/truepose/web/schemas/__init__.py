@@ -1,1 +1,0 @@
-"""What travels over REST: every quantity names its unit, angles are in degrees."""

@@ -1,1 +1,0 @@
-"""Campaigns, what is brought, results and corrections as they travel."""

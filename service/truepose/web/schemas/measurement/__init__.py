@@ -1,1 +1,0 @@
-"""Sessions, readings, faults and certificates as they travel."""

@@ -1,1 +1,0 @@
-"""What every page for people rests on: who visits, in which language and look, and the templates."""

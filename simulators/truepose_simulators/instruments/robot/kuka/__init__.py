@@ -1,1 +1,0 @@
-"""A controller of KUKA behind a variable proxy."""

@@ -1,1 +1,0 @@
-"""A controller of Universal Robots: RTDE, scripts and dashboard."""

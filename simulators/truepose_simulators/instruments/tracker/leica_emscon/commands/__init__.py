@@ -1,1 +1,0 @@
-"""Commands of the emScon interface, and what the simulated tracker does for each."""

@@ -1,1 +1,0 @@
-"""Physical effects of joints."""

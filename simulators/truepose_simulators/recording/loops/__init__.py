@@ -1,1 +1,0 @@
-"""Closed loops recorded from the simulated cell: probes, gauges, wires and sensors."""

@@ -1,1 +1,0 @@
-"""A measured campaign measured once more, in the simulated cell."""

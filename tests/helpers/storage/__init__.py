@@ -1,0 +1,1 @@
+"""A database that a demo run left, for tests that look at records of every kind."""

@@ -1,0 +1,302 @@
+"""Sessions of closed loops on a cell of plain objects: questions, ways, readings, faults, restarts."""
+
+import asyncio
+
+import numpy as np
+import pytest
+
+from tests.helpers.domain import asking
+from tests.unit.service.sessions.contacts.fakes import RADII_MM, Bench, planned
+from tests.unit.service.sessions.tracker.operators import PatientOperator
+from truepose.domain.robot import JointRange
+from truepose.domain.session import SessionState
+from truepose.sessions.contact.runner import ContactRunner
+from truepose.sessions.contact.state import Question
+from truepose.sessions.errors import NotNowError, PersonMissingError, PlanRefusedError
+from truepose_drivers.errors import ConnectionLostError
+
+PLAN = planned()
+
+
+async def until(condition):
+    """Let other tasks run until `condition` holds; a stop takes some hundred turns of the event loop."""
+    for _ in range(20_000):
+        if condition():
+            return
+        await asyncio.sleep(0)
+    raise AssertionError("the session never came to that")
+
+
+@pytest.fixture
+def bench():
+    return Bench()
+
+
+def runner_of(bench, plan=PLAN, **changes):
+    return ContactRunner(plan, bench.cell(**changes), bench.journal, tuple(bench.journal.entries))
+
+
+async def run(bench, patience=10, plan=PLAN, **changes):
+    operator = PatientOperator(patience)
+    state = await operator.attend_from_the_start(runner_of(bench, plan, **changes))
+    return state, operator.questions
+
+
+def at(joints):
+    return pytest.approx(joints, abs=1e-12)
+
+
+async def test_everything_is_asked_before_anything_moves_and_then_read(bench):
+    operator, moved = PatientOperator(), []
+    operator.before_answer = lambda _: moved.append(len(bench.robot.moves))
+
+    state = await operator.attend_from_the_start(runner_of(bench))
+
+    assert state is SessionState.FINISHED
+    assert moved == [0, 0, 0]
+    fixture, zero, clear = operator.questions
+    assert "sphere 1 at (400, 0, 150) mm" in fixture
+    assert "zero it" in zero
+    assert "emergency stop" in clear
+    assert [taken.config for taken in bench.read] == [stop.config for stop in PLAN.stops]
+
+
+async def test_a_probe_is_read_at_its_zero_where_it_truly_touches(bench):
+    await run(bench)
+
+    for taken in bench.read:
+        assert abs(taken.reading_mm[0]) <= PLAN.null_mm
+        bench.robot.joints = taken.commanded_rad
+        pushed_mm = bench.probe._pushed_mm()
+        assert taken.reading_mm == (pytest.approx(-pushed_mm, abs=1e-9),)
+        assert taken.targets == (1,)
+        assert taken.axes == ()
+
+
+async def test_the_arm_comes_and_goes_by_the_planned_way(bench):
+    await run(bench)
+
+    way = PLAN.stops[0].way_rad
+    back = bench.robot.moves.index(way[0], 1)
+    first = bench.robot.moves[: back + 1]
+    assert first[: len(way)] == [at(place) for place in way]
+    assert first[1 - len(way) :] == [at(place) for place in reversed(way[:-1])]
+
+
+async def test_no_gauge_is_ever_pushed_further_than_its_stroke_without_the_margin(bench):
+    await run(bench)
+
+    assert 0.0 < bench.probe.deepest_mm <= PLAN.stroke_mm - PLAN.margin_mm
+
+
+async def test_a_sphere_that_stands_too_near_is_left_alone(bench):
+    bench.probe.centre_mm = np.add(bench.probe.centre_mm, (0.0, 0.0, 8.0))  # towards the probe
+
+    await run(bench, patience=5)
+
+    assert any("stands elsewhere" in skipped.reason for skipped in bench.journal.skipped)
+    assert bench.probe.deepest_mm <= PLAN.stroke_mm
+    assert bench.robot.moves[-1] in [stop.way_rad[0] for stop in PLAN.stops]
+
+
+async def test_a_sphere_that_is_not_there_is_no_reading(bench):
+    bench.probe.centre_mm = np.array([400.0, 0.0, -500.0])
+
+    await run(bench, patience=4)
+
+    assert bench.read == []
+    assert all("is not touched" in skipped.reason for skipped in bench.journal.skipped)
+
+
+async def test_a_stop_whose_zero_is_beyond_the_limits_is_left_out_and_nobody_is_asked_for_ever(bench):
+    places = np.array([place for stop in PLAN.stops for place in stop.way_rad])
+    limits = tuple(map(JointRange, places.min(axis=0).tolist(), places.max(axis=0).tolist()))
+
+    state, _ = await run(bench, patience=20, joint_limits=limits)
+
+    assert state is SessionState.FINISHED
+    assert any("would leave the limits: joint" in skipped.reason for skipped in bench.journal.skipped)
+    assert all(
+        np.all(np.abs(np.clip(move, places.min(axis=0), places.max(axis=0)) - move) < 1e-6)
+        for move in bench.robot.moves
+    )
+
+
+async def test_a_gauge_that_counts_the_other_way_round_is_noticed(bench):
+    bench.probe.sign = -1.0
+
+    _, questions = await run(bench, patience=3)
+
+    assert "counts up as it comes out" in questions[3]
+    assert bench.read == []
+
+
+async def test_a_lost_gauge_has_a_person_look_and_the_stop_begins_again(bench):
+    bench.probe.lost_after = 25
+
+    state, questions = await run(bench)
+
+    assert state is SessionState.FINISHED
+    assert questions[3].startswith("the gauge's cable is out")
+    assert len({taken.config for taken in bench.read}) == len(bench.read) == len(PLAN.stops)
+
+
+async def test_a_lost_robot_in_the_middle_of_an_approach_goes_back_by_the_way_it_came(bench):
+    way = PLAN.stops[0].way_rad
+    bench.robot.faults[3] = ConnectionLostError("the robot's link is down")
+
+    state, _ = await run(bench)
+
+    after = bench.robot.moves[4:]
+    assert state is SessionState.FINISHED
+    assert after[0] in way
+    assert way.index(after[0]) < 3
+    assert len(bench.read) == len(PLAN.stops)
+
+
+async def test_an_arm_that_somebody_drove_elsewhere_goes_straight_to_where_nothing_is_near(bench):
+    bench.robot.joints = (0.3, 0.2, -0.1, 0.0, 0.5, 0.0)
+
+    await run(bench)
+
+    assert bench.robot.moves[0] == at(PLAN.stops[0].way_rad[0])
+    assert bench.robot.limits is not None
+
+
+async def test_a_restarted_session_asks_for_the_cell_and_goes_on_with_the_stop_it_was_at(bench):
+    bench.robot.before_move = lambda: asyncio.sleep(0)
+    interrupted = asyncio.create_task(PatientOperator().attend_from_the_start(runner_of(bench)))
+    await until(lambda: len(bench.read) == 2)
+    interrupted.cancel()
+    await asyncio.gather(interrupted, return_exceptions=True)
+    bench.probe.connected = bench.robot.connected = False
+
+    state, questions = await run(bench)
+
+    assert state is SessionState.FINISHED
+    assert len(questions) == 1
+    assert "started anew" in questions[0]
+    assert "emergency stop" in questions[0]
+    assert [taken.config for taken in bench.read] == [stop.config for stop in PLAN.stops]
+
+
+async def test_a_session_that_was_restarted_before_its_fixture_stood_asks_for_that_again(bench):
+    first = runner_of(bench)
+    task = asyncio.create_task(first.run())
+    await until(lambda: first.prompt is not None)
+    task.cancel()
+    await asyncio.gather(task, return_exceptions=True)
+
+    _, questions = await run(bench)
+
+    assert [Question.FIXTURE.value in text.lower() or "Bolt" in text for text in questions] == [
+        True,
+        False,
+        False,
+    ]
+
+
+async def test_a_pause_while_the_arm_creeps_is_kept_and_nothing_moves_until_it_is_resumed(bench):
+    runner = runner_of(bench)
+    task = asyncio.create_task(runner.run())
+    for _ in Question:
+        await until(lambda: runner.prompt is not None)
+        await asking.confirm(runner, "Eva")
+    bench.robot.before_move = lambda: asking.pause(runner, "Eva")
+
+    await until(lambda: runner.state is SessionState.PAUSED)
+
+    moves = len(bench.robot.moves)
+    bench.robot.before_move = None
+    for _ in range(100):
+        await asyncio.sleep(0)
+    assert len(bench.robot.moves) == moves == 1
+    await asking.resume(runner, "Eva")
+    assert await task is SessionState.FINISHED
+    assert len(bench.read) == len(PLAN.stops)
+
+
+async def test_a_refused_line_is_kept_once_and_somebody_looks_before_the_next_motion(bench):
+    operator = PatientOperator(10)
+    bench.robot.before_move = lambda: asyncio.sleep(0)
+    session = asyncio.create_task(operator.attend_from_the_start(runner_of(bench)))
+    await until(lambda: len(bench.read) == 1)
+    bench.journal.fill()
+    await bench.journal.refused.wait()
+    moves = len(bench.robot.moves)
+    for _ in range(100):
+        await asyncio.sleep(0)
+    assert len(bench.robot.moves) == moves
+
+    bench.journal.make_room()
+
+    assert await session is SessionState.FINISHED
+    assert any("could not be written" in question for question in operator.questions)
+    assert len({taken.config for taken in bench.read}) == len(bench.read) == len(PLAN.stops)
+
+
+async def test_another_gauge_than_the_cell_file_names_measures_nothing(bench):
+    bench.probe.serial = "7"
+
+    state, questions = await run(bench, patience=3, gauge_serial="8")
+
+    assert state is SessionState.ABORTED
+    assert "serial number 7 instead of 8" in questions[2]
+    assert bench.robot.moves == []
+
+
+async def test_another_robot_than_the_cell_file_names_does_not_move(bench):
+    _, questions = await run(bench, patience=3, robot_serial="120-2")
+
+    assert "Another robot answers" in questions[2]
+    assert bench.robot.moves == []
+
+
+async def test_a_box_with_another_number_of_gauges_is_told(bench):
+    two = bench.cell()
+    cell = type(two)(two.gauges * 2, *(getattr(two, name) for name in ("robot_controller", "clock", "robot")))
+    operator = PatientOperator(2)
+
+    await operator.attend_from_the_start(ContactRunner(PLAN, cell, bench.journal))
+
+    assert "has 2 gauges, and the session reads 1" in operator.questions[2]
+
+
+async def test_nobody_confirms_without_a_name_or_what_is_not_asked(bench):
+    runner = runner_of(bench)
+    task = asyncio.create_task(runner.run())
+    await until(lambda: runner.prompt is not None)
+
+    with pytest.raises(PersonMissingError):
+        await asking.confirm(runner, " ")
+    with pytest.raises(NotNowError):
+        await asking.resume(runner, "Eva")
+    await asking.end(runner, "Eva")
+
+    assert await task is SessionState.ABORTED
+    assert bench.robot.moves == []
+
+
+@pytest.mark.parametrize(
+    ("changes", "sentence"),
+    [
+        ({"stops": ()}, "no stop"),
+        ({"margin_mm": 2.6}, "half the stroke"),
+        ({"touch_speed_mm_s": 0.0}, "touch_speed_mm_s"),
+        ({"stroke_mm": 2.2}, "half the stroke is 1.10 mm"),
+        ({"targets": ()}, "does not list"),
+        ({"stops": (PLAN.stops[0], PLAN.stops[0])}, "twice"),
+    ],
+)
+def test_a_plan_that_cannot_be_done_is_refused_beforehand(bench, changes, sentence):
+    plan = type(PLAN)(**{
+        **{name: getattr(PLAN, name) for name in PLAN.__dataclass_fields__},
+        **changes,
+    })
+
+    with pytest.raises(PlanRefusedError, match=sentence):
+        runner_of(bench, plan)
+
+
+def test_the_probe_is_taken_to_where_its_centre_is_as_far_from_the_sphere_as_both_radii():
+    assert PLAN.targets[0].zero_mm == RADII_MM
