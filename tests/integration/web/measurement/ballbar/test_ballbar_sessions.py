@@ -4,7 +4,7 @@ import asyncio
 
 import pytest
 
-from tests.helpers.web.clients import served
+from tests.helpers.web.clients import command, served
 from tests.integration.web.ballbar_bench import PLACEMENT, SESSIONS, WANTED, Tablet, with_ballbar
 from tests.integration.web.bench import Bench, session_request
 from tests.integration.web.leaving_clients import LeavingClient, Waiting
@@ -29,16 +29,22 @@ async def until_step(tablet, step_id):
     return session
 
 
+async def until_step_after(tablet, step_id):
+    async with asyncio.timeout(10):
+        while (await tablet.see())["step"]["id"] == step_id:
+            await asyncio.sleep(0.005)
+
+
 async def test_a_planned_session_lists_its_steps_before_the_start(client, tablet):
     session = await tablet.see()
-    steps = (await client.get(f"{tablet.path}/steps")).json()["steps"]
+    steps = (await client.get(f"{tablet.path}/plan")).json()["steps"]
 
     assert (session["state"], session["step"]["id"], session["simulated"]) == (
         "planned",
         "tool/initialise",
         False,
     )
-    assert session["acts"] == ["abort", "start"]
+    assert session["commands"] == ["abort", "start"]
     assert {step["outcome"] for step in steps} == {"open"}
     assert len(steps) == session["step"]["count"]
     assert [step["points"] for step in steps if step["id"].startswith("tool/side")] == [
@@ -115,19 +121,11 @@ async def test_the_key_of_an_act_is_not_for_another_act(tablet):
     assert (await tablet.see())["state"] == "running"
 
 
-async def test_an_act_needs_a_key(client, tablet):
-    body = {"act": "start", "person": "Ada", "tablet": "t1"}
-
-    refused = await client.post(f"{tablet.path}/acts", json=body)
-
-    assert refused.status_code == 422
-    assert "Idempotency-Key" in refused.json()["detail"]
-
-
 async def test_a_step_that_is_no_longer_there_is_refused_and_the_key_stays_free(tablet):
     await tablet.press("start")
+    await until_step_after(tablet, "tool/initialise")
 
-    refused = await tablet.press("store", key="k", step_id="tool/side-1-2")
+    refused = await tablet.press("store", key="k", step_id="tool/initialise")
 
     assert refused.status_code == 409
     assert (await tablet.press("abort", key="k")).status_code == 200
@@ -161,7 +159,7 @@ async def test_one_session_runs_at_a_time_whichever_its_instrument(client, table
     await client.post("/api/v1/sessions", json=session_request())
     await client.post(SESSIONS, json=WANTED)
 
-    tracker = await client.post("/api/v1/sessions/2/start")
+    tracker = await command(client, "/api/v1/sessions/2", "start")
     ballbar = await Tablet(client, session_id=3).press("start")
 
     for refused in (tracker, ballbar):
@@ -172,7 +170,7 @@ async def test_one_session_runs_at_a_time_whichever_its_instrument(client, table
 async def test_of_two_sessions_of_both_kinds_that_start_at_once_one_starts(client, tablet):
     await client.post("/api/v1/sessions", json=session_request())
 
-    answers = await asyncio.gather(client.post("/api/v1/sessions/2/start"), tablet.press("start"))
+    answers = await asyncio.gather(command(client, "/api/v1/sessions/2", "start"), tablet.press("start"))
     states = [session["state"] for session in (await client.get("/api/v1/sessions")).json()]
 
     assert sorted(answer.is_success for answer in answers) == [False, True]
@@ -180,18 +178,12 @@ async def test_of_two_sessions_of_both_kinds_that_start_at_once_one_starts(clien
     assert states.count("planned") == 1
 
 
-async def test_the_acts_of_a_tracker_session_are_not_for_a_ballbar_session(client, tablet):
-    for what in ("start", "confirm", "pause", "resume", "abort"):
-        refused = await client.post(f"/api/v1/sessions/1/{what}", json={"person": "Ada"})
-        assert refused.status_code == 409
-        assert "ballbar-sessions/1/acts" in refused.json()["detail"]
-
-
 async def test_a_tracker_session_is_no_ballbar_session(client):
     await client.post("/api/v1/sessions", json=session_request())
 
-    for path in ("", "/steps", "/scene", "/ledger"):
-        assert (await client.get(f"{SESSIONS}/1{path}")).status_code == 404
+    assert (await client.get(f"{SESSIONS}/1/situation")).json()["kind"] == "tracker"
+    assert "stops" in (await client.get(f"{SESSIONS}/1/plan")).json()
+    assert (await client.get(f"{SESSIONS}/1/ledger")).json() == {"entries": []}
 
 
 async def test_a_session_that_was_never_started_can_be_ended(tablet):
@@ -288,7 +280,7 @@ async def test_a_session_without_a_leg_makes_no_campaign(client, tablet):
     refused = await client.post("/api/v1/campaigns", json={"session_ids": [1]})
 
     assert refused.status_code == 409
-    assert "no leg" in refused.json()["detail"]
+    assert "no valid ballbar length" in refused.json()["detail"]
 
 
 async def test_a_ballbar_session_judges_no_other(client, tablet):
@@ -305,14 +297,13 @@ async def test_a_session_that_was_not_started_leaves_the_devices_to_others(clien
 
     assert too_early.status_code == 409
     await client.post("/api/v1/sessions", json=session_request())
-    assert (await client.post("/api/v1/sessions/2/start")).status_code == 202
+    assert (await command(client, "/api/v1/sessions/2", "start")).status_code == 200
 
 
 async def test_the_plan_of_a_ballbar_session_is_its_list_of_steps(client, tablet):
-    refused = await client.get("/api/v1/sessions/1/plan")
+    plan = (await client.get("/api/v1/sessions/1/plan")).json()
 
-    assert refused.status_code == 409
-    assert "ballbar-sessions/1/steps" in refused.json()["detail"]
+    assert plan["steps"][0]["kind"] == "initialise"
     assert (await client.get("/api/v1/sessions/1")).json()["role"] == "ballbar"
     assert (await client.get("/api/v1/sessions/1/progress")).status_code == 200
 
@@ -320,7 +311,9 @@ async def test_the_plan_of_a_ballbar_session_is_its_list_of_steps(client, tablet
 async def test_a_plan_ends_with_the_connection_of_whoever_asked_for_it(app, client):
     planning = Waiting()
     app.state.context.ballbar_sessions._choose = planning
-    leaving = LeavingClient(app, SESSIONS, b'{"name": "six legs", "poses": 6}', "application/json")
+    leaving = LeavingClient(
+        app, SESSIONS, b'{"kind": "ballbar", "name": "six legs", "poses": 6}', "application/json"
+    )
     async with asyncio.timeout(10):
         await planning.begun.wait()
 
@@ -330,6 +323,7 @@ async def test_a_plan_ends_with_the_connection_of_whoever_asked_for_it(app, clie
     assert (await client.get("/api/v1/sessions")).json() == []
 
 
+SIX_POSES = {"kind": "ballbar", "name": "six legs", "poses": 6}
 LATER = {"Prefer": "wait=5, respond-async"}
 
 
@@ -354,7 +348,7 @@ async def chooser(app, tablet):
 
 
 async def test_poses_are_chosen_by_a_job_where_that_is_preferred(client, chooser, until):
-    told = await client.post(SESSIONS, json={"name": "six legs", "poses": 6}, headers=LATER)
+    told = await client.post(SESSIONS, json=SIX_POSES, headers=LATER)
     running = await until(told.headers["Location"], "message", "choosing placements and poses")
     chooser.may.set()
     job = await until(told.headers["Location"], "state", "succeeded", "failed")
@@ -367,7 +361,7 @@ async def test_poses_are_chosen_by_a_job_where_that_is_preferred(client, chooser
 
 
 async def test_a_plan_that_is_cancelled_leaves_no_session(client, chooser, until):
-    told = await client.post(SESSIONS, json={"name": "six legs", "poses": 6}, headers=LATER)
+    told = await client.post(SESSIONS, json=SIX_POSES, headers=LATER)
     await until(told.headers["Location"], "state", "running")
 
     cancelled = await client.post(f"{told.headers['Location']}/cancel")
@@ -395,19 +389,19 @@ async def test_a_tracker_session_moves_nothing_while_the_ballbar_hangs_where_it_
     """As after a session with the ballbar that was ended early: nobody was asked to take it off."""
     created = await client.post("/api/v1/sessions", json=session_request())
     path = created.headers["Location"]
-    await client.post(f"{path}/start")
+    await command(client, path, "start")
 
-    left_on = await client.post(f"{path}/confirm", json={"person": "Ada"})
+    left_on = await command(client, path, "confirm")
 
     assert left_on.status_code == 409
     assert "since the last session" in left_on.json()["detail"]
     assert bench.robot.moves == 0
     bench.ballbar.deviation_mm = -17.2  # run to its end
-    assert (await client.post(f"{path}/confirm", json={"person": "Ada"})).is_success
+    assert (await command(client, path, "confirm")).is_success
     assert (await until(path, "state", "finished", "failed"))["state"] == "finished"
 
 
-_SPHERE = {"name": "sphere", "plan": {"method": "sphere"}}
+_SPHERE = {"kind": "ballbar", "name": "sphere", "plan": {"method": "sphere"}}
 
 
 @pytest.mark.parametrize(
