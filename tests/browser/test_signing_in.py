@@ -159,3 +159,17 @@ def test_what_is_sent_before_the_scripts_are_there_is_sent_once_and_in_no_addres
 
     assert [url for method, url in asked if method == "POST"] == [f"{house.url}/api/v1/sign-ins"]
     assert not any("Lyon" in url for _, url in asked)
+
+
+def test_what_is_pressed_before_the_scripts_are_there_is_pressed_then(chromium, house):
+    with before(chromium, house) as page:
+        come_in(page, house)
+        expect(present(page)).to_have_text(ADA)
+        waiting = []
+        page.route("**/static/shell.js", lambda route: waiting.append(route))
+        page.goto(house.url, wait_until="commit")
+        present(page).click()
+        page.get_by_role("button", name="Somebody else").click()
+        for route in waiting:
+            route.continue_()
+        expect(page.locator("dialog [name=badge]")).to_be_visible()
