@@ -50,8 +50,13 @@ def held_out_residuals(fit: RobustFit) -> tuple[FloatArray, FloatArray]:
     Returns
     -------
     residual : ndarray, shape (n, d)
+        Observed minus predicted [mm, or rad of orientations], not whitened.
     variance : ndarray, shape (n,)
-        What the uncertainty of the fold's parameters adds per component.
+        What the uncertainty of the fold's parameters adds per component [mm2 or rad2].
+
+    Notes
+    -----
+    Up to 40 configurations one is left out at a time, beyond that a tenth of them.
     """
     final, first = fit.solution.final, fit.results[0]
     precision = 1.0 / fit.structure.prior_widths**2
@@ -62,6 +67,7 @@ def held_out_residuals(fit: RobustFit) -> tuple[FloatArray, FloatArray]:
     residual, variance = first.residual.copy(), np.zeros(len(first.residual))
     for fold, covariance in enumerate(_covariances(final.jacobian, columns, parts, precision)):
         held, out = columns[fold], np.flatnonzero(owners[0] == fold)
+        # The slope is not quite zero: the solver ends where a step is invisible beside the uncertainty.
         step = covariance @ (whole_slope - parts[fold] @ final.residual[held])
         motion = first.jacobian[:, out].reshape(len(step), first.residual[out].size)  # also of no parameter
         residual[out] -= (step @ motion).reshape(len(out), -1)
@@ -77,10 +83,13 @@ def _folds(fit: RobustFit) -> list[IntArray]:
     if len(distinct) <= _LEAVE_ONE_OUT:
         fold = np.arange(len(distinct))
     else:
+        # Shuffled, as neighbours in a file are often neighbours in space; the same folds each time, as the
+        # same campaign must give the same figures.
         shuffled = np.random.default_rng(0).permutation(len(distinct))
         fold = np.empty(len(distinct), dtype=np.int64)
         for number, members in enumerate(np.array_split(shuffled, _FOLDS)):
             fold[members] = number
+    # Sides, clamped cups and fixed nests have configurations of their own: they stay in every fold.
     places = [np.minimum(np.searchsorted(distinct, owner), len(distinct) - 1) for owner in owners]
     return [
         np.where(distinct[place] == owner, fold[place], -1)
@@ -127,11 +136,21 @@ def _normals_of_others(parts: list[FloatArray]) -> FloatArray:
 
 @dataclass(frozen=True, slots=True)
 class Considered:
-    """Covariances of the parameters, term by term."""
+    """Covariances of the parameters, term by term; internal units.
 
-    readings: FloatArray  # (P, P) from the observations and the priors
-    nests: FloatArray  # (P, P) added by the certified tool nests
-    registration: FloatArray  # (P, P) added by the registration of the world frame
+    Attributes
+    ----------
+    readings : ndarray, shape (P, P)
+        From the observations and the priors.
+    nests : ndarray, shape (P, P)
+        Added by the certified tool nests.
+    registration : ndarray, shape (P, P)
+        Added by the registration of the world frame.
+    """
+
+    readings: FloatArray
+    nests: FloatArray
+    registration: FloatArray
 
     @property
     def total(self) -> FloatArray:
@@ -140,7 +159,25 @@ class Considered:
 
 
 def considered(campaign: Campaign, fit: RobustFit) -> Considered:
-    """Carry the certified uncertainties into the covariance of the parameters."""
+    """Carry the certified uncertainties into the covariance of the parameters.
+
+    Parameters
+    ----------
+    campaign : Campaign
+        Whose certificates hold nests and world.
+    fit : RobustFit
+        Of that campaign.
+
+    Returns
+    -------
+    Considered
+        Three terms; the last two are zero of lengths, whose certified nests are parameters and which know no
+        world.
+
+    References
+    ----------
+    B. D. Tapley, B. E. Schutz, G. H. Born, Statistical Orbit Determination, 2004, chapter 6.
+    """
     covariance, gain = fit.solution.covariance, _Gain(fit)
     each = list(zip(fit.blocks, fit.results, strict=True))
     held = _held_nests(campaign, fit)
@@ -186,7 +223,18 @@ def _nest_sensitivity(held: dict[int, float], block: Block, result: BlockResult)
 
 
 def world_registration(campaign: Campaign) -> WorldRegistration | None:
-    """Return how well the world frame is known: as stated, else from the looks at the fixed nests."""
+    """Return how well the world frame is known: as stated, else from the looks at the fixed nests.
+
+    Parameters
+    ----------
+    campaign : Campaign
+
+    Returns
+    -------
+    WorldRegistration or None
+        Covariance (6, 6) of a small shift [mm] and turn [rad] about the world's origin; None where
+        nothing was stated and fewer than three fixed nests are certified or none was looked at.
+    """
     if campaign.registration is not None:
         return campaign.registration
     if campaign.reference is None or len(campaign.fixed_nests) < 3:
@@ -200,6 +248,7 @@ def _registration_covariance(readings: FixedNestReadings, nests: tuple[FixedNest
         here = readings.fixed_nest == number
         if not here.any():
             continue
+        # Looks average out; the error of the certificate is the same in each and does not.
         mean_variance = 1.0 / float((1.0 / readings.standard_uncertainty_mm[here] ** 2).sum())
         variance = mean_variance + nest.standard_uncertainty_mm**2
         motion = np.hstack([np.eye(3), -cross_matrix(np.array(nest.centre_mm))])

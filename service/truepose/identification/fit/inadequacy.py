@@ -16,6 +16,10 @@ for k functions of one variance. Where functions can explain all that the parame
 bounds s^2 from below: what readings state of their noise then counts as one reading more. What even they
 leave of the residuals, beyond what readings state, is the rest: of no shape, and the same everywhere.
 
+In the code G is `white` (c functions, whitened, in units of their prior width), A is `squares`, y is
+`towards`, K is `absorbed`, v is `variance`, s^2 is `noise` (over the variance by which readings were
+weighed), and k - tr B / v is the sum of `told`: how many functions' worth the readings tell.
+
 References
 ----------
 D. J. C. MacKay, Neural Computation 4(3), 1992, 415-447 (the iteration).
@@ -59,8 +63,15 @@ def shortfall(fit: RobustFit, setting: Setting) -> Shortfall | None:
     Parameters
     ----------
     fit : RobustFit
+        Of positions in its first block, at the weights that it settled on.
     setting : Setting
         Of the campaign: it tells which functions may be there.
+
+    Returns
+    -------
+    Shortfall or None
+        Functions in their internal units with their covariance, and the rest [mm] per axis. Without
+        functions where the readings show none; None where lengths were read.
     """
     if not isinstance(fit.blocks[0], PositionBlock):
         return None
@@ -71,7 +82,14 @@ def shortfall(fit: RobustFit, setting: Setting) -> Shortfall | None:
 
 
 def typical_mm(found: Shortfall, fit: RobustFit) -> float:
-    """Return the root mean square per axis of what a model lacks at its own readings."""
+    """Return the root mean square per axis of what a model lacks at its own readings [mm].
+
+    Parameters
+    ----------
+    found : Shortfall
+        Of that fit.
+    fit : RobustFit
+    """
     result = fit.results[0]
     return float(np.sqrt(shortfall_variance(found, result.state, result.jacobian).mean()))
 
@@ -109,6 +127,7 @@ class _Tried:
         """
         result, covariance = fit.results[0], fit.solution.covariance
         columns, joint = function_columns(functions, result.state)
+        # In units of what is believed of each, functions of angles, torques and directions are comparable.
         columns *= np.array([one.spec.prior_width for one in functions]).reshape(-1, 1, 1)
         white = result.whitening.apply(columns).reshape(len(functions), result.residual.size)
         across, residual = result.white_jacobian @ white.T, result.white_residual
@@ -148,13 +167,23 @@ class _Tried:
         for _ in range(_ROUNDS):
             found = self.found(variance, noise)
             square, told = np.bincount(self.group, found.mean**2), np.bincount(self.group, found.told)
+            # One variance a group: a single function has too little to tell its own size from chance.
             variance = np.maximum(square / np.maximum(told, _NONE), _NONE)[self.group]
             noise = found.noise
         return variance, noise
 
     def found(self, variance: FloatArray, noise: float) -> _Found:
-        """Return the functions of given variances beside given noise."""
+        """Return the functions of given variances beside given noise.
+
+        Parameters
+        ----------
+        variance : ndarray, shape (c,)
+            v, over what is believed of each.
+        noise : float
+            s^2, over the variance by which the readings were weighed.
+        """
         root = np.sqrt(variance)
+        # In units of the roots of v the matrix is at least 1 along every direction, whatever v has gone to 0.
         half = whitening_root(self.squares * np.outer(root, root) / noise + np.eye(len(root)))
         unit = half.T @ half
         covariance = unit * np.outer(root, root)

@@ -59,18 +59,19 @@ class _At(NamedTuple):
 
 
 def crossing(function: Callable[[float], float], low: float, high: float) -> float:
-    """Return where `function` is zero.
+    """Return where `function` is zero, by Chandrupatla's method.
 
     Parameters
     ----------
     function : callable
         Continuous; of different signs at the two ends.
     low, high : float
+        The two ends, in the unit of the argument.
 
     Returns
     -------
     float
-        Within a millionth of itself.
+        Within a millionth of itself, or within 1e-12 where it is near zero.
     """
     new, other = (_At(x, function(x)) for x in (high, low))
     before = other
@@ -114,13 +115,26 @@ _CAUCHY = 2.4  # 95 % efficiency on normal noise
 
 @dataclass(frozen=True, slots=True)
 class RobustFit:
-    """The fit with the weights it settled on."""
+    """The fit with the weights it settled on.
+
+    Attributes
+    ----------
+    structure : Structure
+        With the prior widths of the fit, which may be wider than stated.
+    blocks : tuple of Block
+        With final weights and discrepancies.
+    solution : Solution
+    gross : tuple of ndarray of bool, shape (n,) each
+        Readings without weight, of each block.
+    chi2_per_dof : float
+        Of the readings kept, against the stated uncertainties alone; 1 where these are right.
+    """
 
     structure: Structure
-    blocks: tuple[Block, ...]  # with final weights and discrepancies
+    blocks: tuple[Block, ...]
     solution: Solution[StackedBlocks]
-    gross: tuple[BoolArray, ...]  # per block, (n,)
-    chi2_per_dof: float  # of the readings kept, against the stated uncertainties alone
+    gross: tuple[BoolArray, ...]
+    chi2_per_dof: float
 
     @property
     def values(self) -> FloatArray:
@@ -139,7 +153,15 @@ class RobustFit:
 
 
 def fit(structure: Structure, blocks: tuple[Block, ...], start: FloatArray) -> Solution[StackedBlocks]:
-    """Fit with the weights as they are."""
+    """Fit with the weights as they are.
+
+    Parameters
+    ----------
+    structure : Structure
+    blocks : tuple of Block
+    start : ndarray, shape (P,)
+        Internal units.
+    """
     return solve(
         lambda values, previous: linearise_blocks(structure, blocks, values, previous),
         start,
@@ -170,10 +192,12 @@ def robust_fit(structure: Structure, blocks: tuple[Block, ...], start: FloatArra
     blocks : tuple of Block
         With unit weights and the stated uncertainties.
     start : ndarray, shape (P,)
+        Internal units.
 
     Returns
     -------
     RobustFit
+        Its `solution` says whether the last solving converged.
     """
     structure, soft, nearly = _soft_rounds(structure, blocks, start)
     gentle = _refit(structure, soft, nearly.values, nearly.final)
@@ -196,7 +220,7 @@ def robust_fit(structure: Structure, blocks: tuple[Block, ...], start: FloatArra
 def counted_fit(structure: Structure, blocks: tuple[Block, ...], start: FloatArray) -> RobustFit:
     """Fit with every reading counting in full: what moves many at once makes none of them gross.
 
-    Parameters and start as of `robust_fit`.
+    A discrepancy is still added. Parameters and start as of `robust_fit`.
     """
     solution = fit(structure, blocks, start)
     blocks = _with_discrepancy(blocks, solution)
@@ -208,7 +232,10 @@ def counted_fit(structure: Structure, blocks: tuple[Block, ...], start: FloatArr
 def settled(
     structure: Structure, blocks: tuple[Block, ...], start: FloatArray, rounds: int = _HARD_ROUNDS
 ) -> RobustFit:
-    """Fit from a start that is close: decisions of an earlier fit stand in `blocks` and are made again."""
+    """Fit from a start that is close: decisions of an earlier fit stand in `blocks` and are made again.
+
+    Parameters and start as of `robust_fit`; `rounds` is the most times that decisions are made anew.
+    """
     blocks, gross, solution = _hard_rounds(structure, blocks, fit(structure, blocks, start), rounds)
     return RobustFit(structure, blocks, solution, gross, _stated_chi2(blocks, solution))
 
@@ -233,6 +260,7 @@ def _hard_rounds(
         )
         blocks = _with_discrepancy(blocks, solution)
         solution = _refit(structure, blocks, solution.values, solution.final)
+        # Readings at the limit may come and go by turns for ever: weights that were there before end it.
         key = b"".join(np.round(weights, 2).tobytes() for _, weights in judged)
         if key in seen:
             break
@@ -250,6 +278,7 @@ def _soft_rounds(
         before, typical = typical, _typical(point.results[0])
         if abs(before - typical) < _SETTLED * typical:
             break
+        # Widths are scaled from the stated ones every time: from the last ones they could only grow.
         blocks = tuple(_softly(block, result) for block, result in zip(blocks, point.results, strict=True))
         solution = _refit(structure, blocks, values, point)
         values, point = solution.values, solution.final
@@ -349,6 +378,7 @@ def _discrepancy(block: Block, result: BlockResult, solution: Solution[StackedBl
         white = block.weighted(block.weights, extra).whitened(result)
         return float(white @ white) - dof
 
+    # Readings that state nothing must be off by something, or they would weigh infinitely much.
     smallest = 0.0 if block.stated_sigma() > 0.0 else 1e-6
     if smallest == 0.0 and excess(0.0) + dof <= chi2_limit(_EXCESS_LEVEL, dof):
         return 0.0
@@ -383,7 +413,21 @@ def _by_median(block: Block, result: BlockResult, dof: float, bounds: tuple[floa
 
 
 def degrees_of_freedom(block: Block, result: BlockResult, covariance: FloatArray) -> float:
-    """Return the readings kept, less what the parameters absorb of them: the trace of the leverage."""
+    """Return the readings kept, less what the parameters absorb of them: the trace of the leverage.
+
+    Parameters
+    ----------
+    block : Block
+    result : BlockResult
+        At the solution, with n readings of d components.
+    covariance : ndarray, shape (P, P)
+        Posterior: a parameter that its prior holds absorbs nothing.
+
+    Returns
+    -------
+    float
+        sum of weights * d - tr(J^T C J) of whitened J; 1 at least.
+    """
     kept = float(block.weights.sum()) * result.residual.shape[1]
     white = result.white_jacobian
     absorbed = float(np.einsum("pm,pq,qm->", white, covariance, white, optimize=True))
