@@ -5,8 +5,16 @@ fixture. With e = (p - b) / |p - b| a length |p - b| changes by
 
     e . (dp - db)    and what the instrument reads too much.
 
+A parameter moves a nest by the sum over its terms of weight * (motion of p per unit of the port); what the
+instrument sees of a point u that moves by du, with s, c, T, d as in `evaluation`, is
+
+    dp = T ((1 + s) du + ds (u - c)) + w x (p - d) + dd
+
+with w the turn that its angles make. Orientations change by the axes of the same screws.
+
 They are taken at the torques in force and with the masses where they are: that a torque or a weight's lever
-itself changes with a parameter is left out (a hundredth of the derivative at most), not of the prediction.
+itself changes with a parameter is left out (a hundredth of the derivative at most), not of the prediction
+(docs/decisions/0003).
 """
 
 from dataclasses import replace
@@ -30,6 +38,11 @@ from truepose.kinematics.frames import cross, turned_axes
 def position_jacobian(state: State) -> FloatArray:
     """Differentiate the positions, as the instrument sees them, in the parameters.
 
+    Parameters
+    ----------
+    state : State
+        At n targets.
+
     Returns
     -------
     ndarray, shape (P, n, 3)
@@ -39,9 +52,20 @@ def position_jacobian(state: State) -> FloatArray:
 
 
 def mean_variance(jacobian: FloatArray, covariance: FloatArray) -> FloatArray:
-    """Return the mean variance of d components, shape (n,), from (P, n, d) and that of the parameters.
+    """Return the mean over d components of the variance that uncertain parameters give predictions.
 
-    Never below 0, which a covariance written with few digits may give; NaN where it is not known.
+    Parameters
+    ----------
+    jacobian : ndarray, shape (P, n, d)
+        Derivatives of n predictions, per unit of each parameter.
+    covariance : ndarray, shape (P, P)
+        Of the parameters.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        trace(J^T C J) / d, in the squared unit of the predictions. Never below 0, which a covariance written
+        with few digits may give; NaN where it is not known.
     """
     parameters, n, d = jacobian.shape
     flat = jacobian.reshape(parameters, n * d)
@@ -51,6 +75,11 @@ def mean_variance(jacobian: FloatArray, covariance: FloatArray) -> FloatArray:
 
 def place_jacobian(state: State) -> FloatArray:
     """Differentiate where the nests are, whatever the instrument sees, in the parameters.
+
+    Parameters
+    ----------
+    state : State
+        At n targets.
 
     Returns
     -------
@@ -76,12 +105,12 @@ def seen_jacobian(state: State, points_mm: FloatArray, jacobian: FloatArray) -> 
     points_mm : ndarray, shape (n, 3)
         Where the points are in the world.
     jacobian : ndarray, shape (P, n, 3)
-        Motion of the points per parameter; written over.
+        Motion of the points per parameter [mm per internal unit]; written over.
 
     Returns
     -------
     ndarray, shape (P, n, 3)
-        Lengths and frame of the instrument included.
+        The same of what is seen, lengths and frame of the instrument included.
     """
     if state.scale:
         jacobian *= 1.0 + state.scale
@@ -92,6 +121,7 @@ def seen_jacobian(state: State, points_mm: FloatArray, jacobian: FloatArray) -> 
     if state.instrument_motion is None:
         return jacobian
     turn, axes = turned_axes(state.instrument_motion[:, 3:])
+    # An instrument under trial stands still: its turn is the identity, and the product is saved.
     if state.instrument_motion.any():
         jacobian = np.einsum("nij,pnj->pni", turn, jacobian)
     turned = state.seen(points_mm) - state.instrument_motion[:, :3]
@@ -155,6 +185,7 @@ def _nest_gradients(state: State) -> dict[Port, FloatArray]:
     for term in state.terms:
         if term.port.kind is PortKind.NEST:
             nest, component = divmod(term.port.number, 3)
+            # Only readings of that nest move with it; its coordinates are along the axes of the last frame.
             here = (state.targets.nest == nest + 1)[:, None]
             gradients[term.port] = np.where(here, last[:, :, component], 0.0)
     return gradients
@@ -178,10 +209,24 @@ def _torque_gradients(state: State) -> dict[Port, FloatArray]:
 
 
 def softness_of(state: State, joint: int) -> FloatArray:
-    """Return how far a joint (0-based) turns per torque at its load, shape (n,) [rad/(N mm)]; 0 if rigid."""
+    """Return how far a joint turns per torque at its load.
+
+    Parameters
+    ----------
+    state : State
+        At n targets.
+    joint : int
+        0-based.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        Sum over the effects by which it yields [rad/(N mm)]; 0 if it is rigid.
+    """
     load = None
     if state.torque_n_mm is not None:
         load = state.torque_n_mm[:, joint] + state.moved.get(Port(PortKind.TORQUE, joint), 0.0)
+        # A torque that was not measured turned no joint in the prediction either.
         load = np.nan_to_num(load, nan=0.0)
     softness = np.zeros(len(state.targets))
     for name, effect in compliant_effects().items():
@@ -191,7 +236,12 @@ def softness_of(state: State, joint: int) -> FloatArray:
 
 
 def rotation_jacobian(state: State) -> FloatArray:
-    """Rotations of the tool per parameter, as rotation vectors in the world.
+    """Differentiate the orientation of the tool in the parameters, as rotation vectors in the world.
+
+    Parameters
+    ----------
+    state : State
+        At n targets.
 
     Returns
     -------
@@ -222,6 +272,7 @@ def _rotation_axis(state: State, port: Port) -> FloatArray | None:
             axis = chain.end_rotation @ state.tool_axes[port.number]
         case PortKind.TORQUE:
             axis = softness_of(state, port.number)[:, None] * chain.z[port.number]
+        # Shifts of bodies, of nests and of links turn nothing: they have no axis.
         case PortKind.MOTION if port.number % 6 >= 3:
             body = port.number // 6
             _, axes = turned_axes(state.motions[body][:, 3:])
@@ -231,7 +282,20 @@ def _rotation_axis(state: State, port: Port) -> FloatArray | None:
 
 
 def moved_feet(state: State, feet_mm: FloatArray) -> FloatArray:
-    """Return where the base nest of each leg is once its fixture has moved, shape (n, 3) in and out."""
+    """Return where the base nest of each leg is once its fixture has moved.
+
+    Parameters
+    ----------
+    state : State
+        At n legs.
+    feet_mm : ndarray, shape (n, 3)
+        Where they were before.
+
+    Returns
+    -------
+    ndarray, shape (n, 3)
+        [mm], world frame.
+    """
     motion = _fixture_motion(state)
     if motion is None:
         return feet_mm
@@ -240,7 +304,20 @@ def moved_feet(state: State, feet_mm: FloatArray) -> FloatArray:
 
 
 def foot_gradient(state: State, component: int) -> FloatArray:
-    """Return how the base nests move per component of the places that they had before, shape (n, 3)."""
+    """Return how the base nests move per component of the places that they had before.
+
+    Parameters
+    ----------
+    state : State
+        At n legs.
+    component : int
+        0 to 2, of the world.
+
+    Returns
+    -------
+    ndarray, shape (n, 3)
+        mm per mm: a column of the turn of each fixture.
+    """
     motion = _fixture_motion(state)
     if motion is None:
         return np.broadcast_to(np.eye(3)[component], (len(state.targets), 3))
@@ -249,12 +326,12 @@ def foot_gradient(state: State, component: int) -> FloatArray:
 
 
 def excess_mm(state: State) -> FloatArray | float:
-    """Return what each length reads too much, shape (n,), 0 where no effect says so."""
+    """Return what each length reads too much [mm], shape (n,); 0 where no effect says so."""
     return state.moved.get(Port(PortKind.LENGTH, 0), 0.0)
 
 
 def length_jacobian(state: State, feet_mm: FloatArray) -> FloatArray:
-    """Differentiate the lengths in the parameters of effects, shape (P, n) [mm per unit].
+    """Differentiate the lengths in the parameters of effects.
 
     Parameters
     ----------
@@ -262,6 +339,11 @@ def length_jacobian(state: State, feet_mm: FloatArray) -> FloatArray:
         At n legs.
     feet_mm : ndarray, shape (n, 3)
         Base nests before their fixtures moved.
+
+    Returns
+    -------
+    ndarray, shape (P, n)
+        In mm per internal unit of each parameter; those of anchors and offset have zeros.
     """
     feet = moved_feet(state, feet_mm)
     arm = state.position_mm - feet
@@ -270,6 +352,7 @@ def length_jacobian(state: State, feet_mm: FloatArray) -> FloatArray:
     for term in state.terms:
         if term.port.kind is PortKind.LENGTH:
             jacobian[term.parameter] += term.weight
+        # A base nest that comes along the leg shortens it, hence the sign.
         elif term.port.kind is PortKind.FIXTURE:
             moved = _fixture_gradient(state, term.port.number, feet)
             jacobian[term.parameter] -= term.weight * np.einsum("ni,ni->n", moved, direction)
@@ -309,7 +392,18 @@ _TRIAL = "trial"
 
 
 def candidate_terms(state: State, effect: str, names: tuple[str, ...], first: int) -> tuple[Term, ...]:
-    """Return the terms of parameters `names` of an effect, numbered from `first`."""
+    """Return the terms of parameters of an effect that may not be in the model.
+
+    Parameters
+    ----------
+    state : State
+        At n targets, with the loads in force.
+    effect : str
+    names : tuple of str
+        Of its parameters.
+    first : int
+        Number of the first of them in the terms.
+    """
     terms = effect_named(effect).terms(names, rows_of(state))
     return tuple(Term(first + parameter, port, weight) for parameter, port, weight in terms)
 
@@ -330,6 +424,7 @@ def tried(state: State, specs: tuple[ParameterSpec, ...], terms: tuple[Term, ...
     present = len(state.structure.specs)
     n = len(state.targets)
     bodies = {term.port.number // 6 for term in terms if term.port.kind is PortKind.MOTION}
+    # Bodies and instruments that stood still so far need axes to be turned about.
     still = {body: np.zeros((n, 6)) for body in bodies - set(state.motions)}
     instrument = state.instrument_motion
     if instrument is None and any(term.port.kind is PortKind.INSTRUMENT for term in terms):
@@ -346,5 +441,5 @@ def tried(state: State, specs: tuple[ParameterSpec, ...], terms: tuple[Term, ...
 
 
 def trial_derivatives(derivatives: FloatArray, state: State) -> FloatArray:
-    """Return the part of the derivatives that belongs to the further parameters."""
+    """Return the part (p, ...) of derivatives (P + p, ...) that belongs to the p further parameters."""
     return derivatives[len(state.structure.specs) :]

@@ -4,6 +4,12 @@ Other programs take what is the same in every configuration: table, base and too
 where it moves the table, the base, the tool or a nest by the same in every configuration, whatever its effect
 is called. Springs, waves, backlash, drifts, what the instrument does to lengths: all that is left out, and
 said.
+
+A quantity q of row i (alpha, a, beta, theta offset, d) of the rigid arm and its variance are
+
+    q_i = nominal + w . p        u^2(q_i) = w^T C w
+
+with p the parameters, C their covariance and w the weights of the terms that move q_i.
 """
 
 from collections import defaultdict
@@ -42,11 +48,20 @@ from truepose.kinematics.frames import (
 
 @dataclass(frozen=True, slots=True)
 class Estimate:
-    """A structure with values of its parameters, and how well these are known."""
+    """A structure with values of its parameters, and how well these are known.
+
+    Attributes
+    ----------
+    structure : Structure
+    values : ndarray, shape (P,)
+        Internal units.
+    covariance : ndarray, shape (P, P)
+        Of the values.
+    """
 
     structure: Structure
-    values: FloatArray  # (P,)
-    covariance: FloatArray  # (P, P)
+    values: FloatArray
+    covariance: FloatArray
 
 
 def identified_estimate(model: Model) -> Estimate:
@@ -55,7 +70,18 @@ def identified_estimate(model: Model) -> Estimate:
 
 
 def nominal_estimate(model: Model) -> Estimate:
-    """Return the nominal robot as fitted: of its parameters only those that legs need are left."""
+    """Return the nominal robot as fitted: of its parameters only those that legs and contacts need are left.
+
+    Parameters
+    ----------
+    model : Model
+
+    Returns
+    -------
+    Estimate
+        Base and nests start where they were fitted around the nominal robot; anchors, offset and targets are
+        its parameters. Its covariance is zero: how well a nominal robot is known is not asked.
+    """
     anchors = {(anchor.placement, anchor.base_point): anchor.centre_mm for anchor in model.nominal_anchors}
     fitted = {
         anchor_name(anchor, component): centre_mm[component]
@@ -116,7 +142,7 @@ def values_of(model: Model) -> FloatArray:
 
 
 def identified_anchors(model: Model) -> tuple[Anchor, ...]:
-    """Return the base cups as identified."""
+    """Return the base cups as identified [mm, world frame]."""
     value = {p.name: p.value for p in model.parameters}
     return tuple(
         Anchor(
@@ -128,7 +154,19 @@ def identified_anchors(model: Model) -> tuple[Anchor, ...]:
 
 
 def check_targets(model: Model, targets: Targets) -> None:
-    """Refuse targets that a model cannot predict; raises ConfigurationError."""
+    """Refuse targets that a model cannot predict.
+
+    Parameters
+    ----------
+    model : Model
+    targets : Targets
+
+    Raises
+    ------
+    ConfigurationError
+        Another number of joints, a nest that the model does not have, or a row without the measured joint
+        torques that it was identified with.
+    """
     stops, nest = targets.stops, targets.nest
     if stops.joints_rad.shape[1] != model.robot.n_joints:
         raise ConfigurationError(
@@ -157,18 +195,44 @@ _RIGID: Final = {*FIELDS, PortKind.BASE, PortKind.NEST, PortKind.TOOL_ROTATION}
 
 @dataclass(frozen=True, slots=True)
 class RigidArm:
-    """The identified arm without anything that yields, wears, warms or drifts."""
+    """The identified arm without anything that yields, wears, warms or drifts.
 
-    robot: Robot  # its table is the identified one
-    base: FramePlacement  # in the world
+    Attributes
+    ----------
+    robot : Robot
+        Its table is the identified one [rad, mm].
+    base : FramePlacement
+        In the world.
+    nests : tuple of NestCentre
+        [mm], last frame.
+    tool_rotation_rad : tuple of float, length 3
+        RotX RotY RotZ of the tool in the last frame.
+    uncertainty : tuple of mapping, length J
+        Standard uncertainty of each row by field [rad, mm], where a parameter moves it.
+    left_out : tuple of Parameter
+        What the arm does not contain; where lengths were read from is none of the robot's, and not among
+        them.
+    """
+
+    robot: Robot
+    base: FramePlacement
     nests: tuple[NestCentre, ...]
-    tool_rotation_rad: tuple[float, float, float]  # RotX RotY RotZ of the tool in the last frame
-    uncertainty: tuple[Mapping[str, float], ...]  # standard, of each row by field [rad, mm], where known
-    left_out: tuple[Parameter, ...]  # where lengths were read from is none of the robot's
+    tool_rotation_rad: tuple[float, float, float]
+    uncertainty: tuple[Mapping[str, float], ...]
+    left_out: tuple[Parameter, ...]
 
 
 def rigid_arm(model: Model) -> RigidArm:
-    """Return the rigid part of a model; it is exact where nothing is left out."""
+    """Return the rigid part of a model; it is exact where nothing is left out.
+
+    Parameters
+    ----------
+    model : Model
+
+    Returns
+    -------
+    RigidArm
+    """
     state = _anywhere(model)
     fixed = _fixed(state.terms)
     terms = [term for term in state.terms if term.parameter in fixed]
@@ -182,6 +246,7 @@ def rigid_arm(model: Model) -> RigidArm:
         nests=_nests(nest_centres(start, moved)[:-1]),
         tool_rotation_rad=angles_xyz(tool_rotation),
         uncertainty=_uncertainties(model, terms),
+        # Cups and targets belong to what lengths were read against: an arm is complete without them.
         left_out=tuple(
             parameter
             for k, parameter in enumerate(model.parameters)
@@ -196,6 +261,7 @@ def _anywhere(model: Model) -> State:
     # A model that knows no nest is looked at in the origin of its last frame.
     looked_at = np.vstack([estimate.structure.nests_mm, np.zeros(3)])
     structure = replace(estimate.structure, nests_mm=looked_at)
+    # One configuration is enough: a weight that varies is an array, of however few rows.
     zero = np.zeros((1, model.robot.n_joints))
     stops = Stops(np.array([1]), zero, torque_n_mm=zero if model.torques_measured else None)
     return evaluate(structure, estimate.values, Targets(stops, np.array([len(looked_at)])))
@@ -203,6 +269,7 @@ def _anywhere(model: Model) -> State:
 
 def _fixed(terms: Iterable[Term]) -> set[int]:
     """Return the parameters that only ever move rigid quantities, by the same everywhere."""
+    # A parameter that moves a rigid quantity and something else besides is taken whole or not at all.
     acting, varying = set(), set()
     for term in terms:
         acting.add(term.parameter)

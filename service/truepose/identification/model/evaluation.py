@@ -1,7 +1,18 @@
 """Predictions: effects move ports, the chain turns ports into positions; `derivatives` differentiates them.
 
-The torques that load the gearboxes are those at the deflected arm, found by repeating the forward
-kinematics until they balance.
+With ports moved by t = sum over parameters of weight * value, base (R_0 + ..., o_0 + ...), links and joints
+as `kinematics.chain` has them, (R, o) the last frame and x a tool nest in it, the nest is at
+
+    u = o + R (x + dx)                        `unscaled_mm`
+
+and the instrument, which stands at c, reads lengths too long by the share s, and is moved by (T, d), sees it
+at
+
+    p = T (u + s (u - c)) + d                 `position_mm`
+
+The torques that load the gearboxes are those at the deflected arm, found by repeating the forward kinematics
+until they balance (docs/decisions/0003): the thesis of A. Nubiola, 2014, annex I, takes them at the
+undeflected one, which is off by a micrometre or so.
 """
 
 from collections import defaultdict
@@ -35,14 +46,30 @@ _NEARLY_BALANCED = 2e-3
 
 @dataclass(frozen=True, slots=True)
 class Targets(Table):
-    """Where a prediction is asked for: n stops and the nest at each, of legs what else they depend on."""
+    """Where a prediction is asked for: n stops and the nest at each, of legs what else they depend on.
+
+    Attributes
+    ----------
+    stops : Stops
+        n rows.
+    nest : ndarray of int, shape (n,)
+        1-based.
+    placement : ndarray of int, shape (n,), optional
+        Of the base fixture, from 1.
+    initialisation : ndarray of int, shape (n,), optional
+        Of the ballbar.
+    length_mm : ndarray, shape (n,), optional
+        As read: what a length reads too much may depend on how long it is.
+    fixed_mm : ndarray, shape (n, 3), optional
+        World: what stands there, where it is not the tool.
+    """
 
     stops: Stops
-    nest: IntArray  # (n,)
-    placement: IntArray | None = None  # (n,) of the base fixture
-    initialisation: IntArray | None = None  # (n,) of the ballbar
-    length_mm: FloatArray | None = None  # (n,) as read
-    fixed_mm: FloatArray | None = None  # (n, 3) world: what stands there, where it is not the tool
+    nest: IntArray
+    placement: IntArray | None = None
+    initialisation: IntArray | None = None
+    length_mm: FloatArray | None = None
+    fixed_mm: FloatArray | None = None
 
     def __len__(self) -> int:
         return len(self.stops)
@@ -81,7 +108,18 @@ class State:
         return turned
 
     def seen(self, points_mm: FloatArray) -> FloatArray:
-        """Return where the instrument sees points (n, 3) of the world, at the times of the targets."""
+        """Return where the instrument sees points of the world, at the times of the targets.
+
+        Parameters
+        ----------
+        points_mm : ndarray, shape (n, 3)
+            Where they are, one for each target.
+
+        Returns
+        -------
+        ndarray, shape (n, 3)
+            [mm], world frame.
+        """
         instrument = instrument_place(self.structure)
         return _seen(points_mm, self.scale, instrument, self.instrument_motion)
 
@@ -103,6 +141,8 @@ def evaluate(
     Returns
     -------
     State
+        Under torques that are balanced to 1e-5 of the largest, four passes at most; as measured, where they
+        were.
     """
     prediction = _Prediction(structure, values, targets)
     if not prediction.loaded:
@@ -114,19 +154,28 @@ def evaluate(
         change = _change(load.torque_n_mm, state.torque_n_mm)
         if change > _BALANCED:
             state = prediction.under(load)
+        # The pass above has brought them a thousand times closer: to look once more would only cost a pass.
         if change <= _NEARLY_BALANCED:
             break
     return state
 
 
 class Load(NamedTuple):
-    """What winds up the springs of n rows: torques, and the frames in which weights pull."""
+    """What winds up the springs of n rows: torques, and the frames in which weights pull.
+
+    Attributes
+    ----------
+    torque_n_mm : ndarray, shape (n, J), or None
+        About each joint; None where there are no masses.
+    frames : callable
+        Gives the chain of the n rows.
+    """
 
     torque_n_mm: FloatArray | None  # (n, J); None: there are no masses
     frames: Callable[[], Chain]
 
     def taken(self, rows: IntArray) -> "Load":
-        """Return the load of some rows."""
+        """Return the load of some rows, shape (m,) indices."""
         torque = None if self.torque_n_mm is None else self.torque_n_mm[rows]
         return Load(torque, cache(lambda: self.frames().taken(rows)))
 
@@ -140,7 +189,10 @@ class Load(NamedTuple):
 
 
 def load_of(state: State) -> Load:
-    """Return what loads the arm where it is, which is what it was predicted with once both are in balance."""
+    """Return what loads the arm where it is: gravity's torques (n, J) [N mm] and its frames.
+
+    It is what the state was predicted with once both are in balance.
+    """
     return Load(_gravity(state.structure, state.chain), known_frames(state.chain))
 
 
@@ -153,7 +205,9 @@ def evaluate_once(
     ----------
     structure : Structure
     values : ndarray, shape (P,)
+        Internal units.
     targets : Targets
+        n of them.
     load : Load, optional
         Of the same targets at joint angles near by; without it, that of the arm whose springs are not wound.
 
@@ -163,7 +217,7 @@ def evaluate_once(
     load : Load, optional
         Of that state; None where nothing yields, or torques are measured.
     imbalance : ndarray, shape (n,)
-        By how much the torques of a row differ from those it was predicted with, of the largest torque.
+        By how much the torques of a row differ from those it was predicted with, of the largest torque [1].
     """
     prediction = _Prediction(structure, values, targets)
     if prediction.loaded and load is None:
@@ -189,12 +243,13 @@ class _Prediction:
         measured = targets.stops.torque_n_mm if structure.torques_measured else None
         self.loaded = measured is None and _is_loaded(structure)
         self._nominal = nominal_values(structure.robot, targets.stops.joints_rad)
+        # Frames are worked out only where an effect asks for them: a fit without springs does not.
         unloaded = cache(partial(forward, self._nominal, structure.base_rotation, structure.base_origin_mm))
         self._targets, self._rows = targets, _rows(structure, targets, measured, unloaded)
         self._acting = ActiveEffects(structure, values, self._rows)
 
     def under(self, load: Load | None) -> State:
-        """Return the state under a load; None: torques as measured, or those of the arm with no errors."""
+        """Return the state under a load; None: as measured, or of an arm whose springs are not wound."""
         rows = self._rows
         if load is not None:
             rows = rows._replace(torque_n_mm=load.torque_n_mm, frames=load.frames)
@@ -281,6 +336,16 @@ def rows_of(state: State) -> Rows:
     """Return the rows that effects see at a state, with the loads in force.
 
     Gravity's are there also where the model has no spring that they could wind up: one may be tried.
+
+    Parameters
+    ----------
+    state : State
+        At n targets.
+
+    Returns
+    -------
+    Rows
+        Torques [N mm] with what effects add to them; None where neither masses nor measured torques tell.
     """
     torque = _gravity(state.structure, state.chain) if state.torque_n_mm is None else state.torque_n_mm
     rows = _rows(state.structure, state.targets, torque, known_frames(state.chain))
@@ -296,7 +361,21 @@ def _motions(moved: dict[Port, FloatArray | float], n: int) -> dict[int, FloatAr
 def six_components(
     moved: dict[Port, FloatArray | float], kind: PortKind, first: int, n: int
 ) -> FloatArray | None:
-    """Return what six ports in a row are moved by, shape (n, 6); None where none of them is moved."""
+    """Return what six ports in a row are moved by.
+
+    Parameters
+    ----------
+    moved : dict of Port to float or ndarray, shape (n,)
+    kind : PortKind
+    first : int
+        Number of the first of the six.
+    n : int
+
+    Returns
+    -------
+    ndarray, shape (n, 6), or None
+        Three shifts [mm], three turns RotX RotY RotZ [rad]; None where none of the ports is moved.
+    """
     ports = [Port(kind, first + k) for k in range(6)]
     if not any(port in moved for port in ports):
         return None
@@ -317,7 +396,19 @@ def _triple(moved: dict[Port, FloatArray | float], kind: PortKind, first: int) -
 
 
 def nest_centres(structure: Structure, moved: dict[Port, FloatArray | float]) -> FloatArray:
-    """Return the tool nests with what moves them, last frame, shape (K, 3) [mm]."""
+    """Return the tool nests with what moves them.
+
+    Parameters
+    ----------
+    structure : Structure
+        With K nests.
+    moved : dict of Port to float
+
+    Returns
+    -------
+    ndarray, shape (K, 3)
+        [mm], last frame.
+    """
     shifts = np.array([moved.get(Port(PortKind.NEST, k), 0.0) for k in range(structure.nests_mm.size)])
     centres: FloatArray = structure.nests_mm + shifts.reshape(-1, 3)
     return centres
@@ -345,6 +436,7 @@ def _shifted(start: FloatArray, shifts: dict[int, FloatArray | float]) -> FloatA
     """Return link values, (J,) or (n, J), with the joints shifted that are; by rows where one shift is."""
     rows = [shift for shift in shifts.values() if isinstance(shift, np.ndarray)]
     by_joint = start.T if start.ndim == 2 or not rows else np.repeat(start[:, None], len(rows[0]), axis=1)
+    # Joint by joint in memory, as the chain runs over them: a column of rows would be strided.
     by_joint = np.array(by_joint, order="C")
     for joint, shift in shifts.items():
         by_joint[joint] += shift

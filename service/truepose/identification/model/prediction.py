@@ -1,9 +1,17 @@
 """Prediction with an identified model: positions, and how well they are known.
 
+With J the derivatives of a position in the parameters, C their covariance, and all variances per axis, the
+mean of the three, a predicted position has
+
+    u^2 = tr(J^T C J) / 3 + u_unknown^2 + repeatability^2 + u_lacking^2
+
 Readings may show small functions of single joints beside a model: its inadequacy. It is used without them.
 Where they would take it, and what is not known of them, is part of its uncertainty: a known effect that is
 not corrected for counts with its square (JCGM 100:2008, F.2.4.5). The parameters have taken over what they
-could of each function, which the function no longer does.
+could of each function, which the function no longer does: with F how functions of values b and covariance B
+move the nests, and K what the parameters absorbed of each,
+
+    u_lacking^2 = tr(L^T (B + b b^T) L) / 3 + rest^2        L = F - K^T J
 """
 
 from dataclasses import replace
@@ -31,7 +39,13 @@ from truepose.messages.message import Message
 
 
 class Function(NamedTuple):
-    """A parameter of an effect that turns joints, and nothing else."""
+    """A parameter of an effect that turns joints, and nothing else.
+
+    Attributes
+    ----------
+    effect : str
+    spec : ParameterSpec
+    """
 
     effect: str
     spec: ParameterSpec
@@ -69,12 +83,13 @@ def function_columns(functions: tuple[Function, ...], state: State) -> tuple[Flo
 
 def _with_ways(rows: Rows) -> Rows:
     stops = rows.stops
+    # A gap that a target does not tell the side of is still there: left out, it would count for nothing.
     told = np.zeros(stops.joints_rad.shape, dtype=np.int64) if stops.direction is None else stops.direction
     return rows._replace(stops=replace(stops, direction=np.where(told == 0, 1, told)))
 
 
 def lacking_variance(model: Model, state: State, jacobian: FloatArray) -> FloatArray:
-    """Return the variance per axis of what the model lacks, mean of the three, shape (n,) [mm2].
+    """Return the variance per axis of what the model lacks, mean of the three.
 
     Parameters
     ----------
@@ -82,7 +97,12 @@ def lacking_variance(model: Model, state: State, jacobian: FloatArray) -> FloatA
     state : State
         At n targets.
     jacobian : ndarray, shape (P, n, 3)
-        How the parameters move the nests there.
+        How the parameters move the nests there [mm per internal unit].
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        [mm2]; the square of the discrepancy everywhere, where the model describes nothing that it lacks.
     """
     if model.shortfall is None:
         return np.full(len(state.targets), model.discrepancy_mm**2)
@@ -90,7 +110,22 @@ def lacking_variance(model: Model, state: State, jacobian: FloatArray) -> FloatA
 
 
 def shortfall_variance(short: Shortfall, state: State, jacobian: FloatArray) -> FloatArray:
-    """Return the variance per axis of a shortfall, shape (n,) [mm2]; parameters as of `lacking_variance`."""
+    """Return the variance per axis of a shortfall, mean of the three.
+
+    Parameters
+    ----------
+    short : Shortfall
+        c functions, and the rest.
+    state : State
+        At n targets.
+    jacobian : ndarray, shape (P, n, 3)
+        How the parameters move the nests there [mm per internal unit].
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        [mm2]
+    """
     if not short.functions:
         return np.full(len(state.targets), short.rest_mm**2)
     own, _ = function_columns(tuple(map(_function, short.functions)), state)
@@ -140,10 +175,21 @@ def predict(model: Model, stops: Stops, nest: IntArray) -> tuple[FloatArray, Flo
 
 
 def placed_variance(model: Model, state: State) -> FloatArray:
-    """Return the variance per axis of where the nests are, mean of the three, shape (n,) [mm2].
+    """Return the variance per axis of where the nests are, mean of the three.
 
     As that of predictions, but for what only concerns the instrument: whoever sends a tool somewhere wants
     it there, not seen there.
+
+    Parameters
+    ----------
+    model : Model
+    state : State
+        Of that model at n targets.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        [mm2]: parameters, what rows do not tell, scatter of the arm and what the model lacks.
     """
     jacobian = place_jacobian(state)
     variance = mean_variance(jacobian, model.covariance) + unknown_variance(model, state)
@@ -151,13 +197,32 @@ def placed_variance(model: Model, state: State) -> FloatArray:
 
 
 def turned_variance(model: Model, state: State) -> FloatArray:
-    """Return the variance per axis of the last frame's turn, of the parameters alone, shape (n,) [rad2]."""
+    """Return the variance per axis of the last frame's turn, of the parameters alone, mean of the three.
+
+    Parameters
+    ----------
+    model : Model
+    state : State
+        Of that model at n targets.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        [rad2]; what the model lacks and the scatter of the arm are known in mm only, and not in it.
+    """
     jacobian = rotation_jacobian(state)
     return mean_variance(jacobian, model.covariance)
 
 
 def unpredictable(model: Model, stops: Stops) -> tuple[Message, ...]:
-    """Return one sentence for every effect whose part in the positions of some rows is not known well."""
+    """Return one sentence for every effect whose part in the positions of some rows is not known well.
+
+    Parameters
+    ----------
+    model : Model
+    stops : Stops
+        The rows; which nest does not matter.
+    """
     return unpredictable_at(model, Targets(told_moves(stops), np.ones(len(stops), dtype=np.int64)))
 
 
@@ -168,7 +233,19 @@ def unpredictable_at(model: Model, targets: Targets) -> tuple[Message, ...]:
 
 
 def unknown_variance(model: Model, state: State) -> FloatArray:
-    """Return the variance per axis of what rows do not tell, or nobody followed, shape (n,) [mm2]."""
+    """Return the variance per axis of what rows do not tell, or nobody followed, mean of the three.
+
+    Parameters
+    ----------
+    model : Model
+    state : State
+        Of that model at n targets.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        [mm2]; 0 where the rows tell all and are within the time of the readings.
+    """
     structure, values, targets = state.structure, state.values, state.targets
     missing = left_out_variance(structure, values, targets, state.position_mm, span_of(model.identified_from))
     return np.asarray(missing + held_variance(structure, values, model.covariance, targets))

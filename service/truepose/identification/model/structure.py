@@ -1,4 +1,17 @@
-"""What is being identified: nominal robot, start placement, parameters of effects, anchors and targets."""
+"""What is being identified: nominal robot, start placement, parameters of effects, anchors and targets.
+
+Parameters p are numbered once: effects in their order, then anchors and offset of legs, or targets of
+contacts; what is added to a structure later comes last. An effect says by terms (parameter, port, weight) how
+they act; a port is moved by
+
+    t = sum over its terms of weight * p[parameter]        weight a number, or one for each of n rows
+
+Base and tool start at rotations R_start, about which they turn by three angles:
+
+    R = RotX(rx) RotY(ry) RotZ(rz) R_start
+
+so that near the start the angles are small and none of them locks.
+"""
 
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -25,23 +38,54 @@ class Structure:
 
     `anchors` are unknown base nests of legs, named `anchor_<placement>_<point>_x`..; they and the
     offset of the length come after the effects' parameters.
+
+    Attributes
+    ----------
+    robot : Robot
+        Nominal.
+    base_rotation : ndarray, shape (3, 3)
+        Start; of the base in the world.
+    base_origin_mm : ndarray, shape (3,)
+        Start; in the world.
+    nests_mm : ndarray, shape (K, 3)
+        Start; last frame, nest k in row k - 1.
+    tool_rotation : ndarray, shape (3, 3)
+        Start; of the tool in the last frame.
+    gravity_m_s2 : ndarray, shape (3,)
+        In the world.
+    effects : tuple of str
+    specs : tuple of ParameterSpec, length P
+        Names, internal units, prior means and widths.
+    owners : tuple of str, length P
+        Effect of each parameter.
+    anchors : tuple of (placement, base point)
+    targets : tuple of Target
+        Of contacts, whose parameters `target_<number>_..` come last too.
+    instrument_mm : ndarray, shape (3,), optional
+        Place of the instrument in the world.
+    torques_measured : bool
+        Whether springs are loaded by measured torques, not by gravity's.
+    origin_s : float
+        Time from which drifts and warm-ups count.
+    last_s : float, optional
+        Time of the last of the readings that a model was made from; None while it is made.
     """
 
     robot: Robot
-    base_rotation: FloatArray  # (3, 3) start
-    base_origin_mm: FloatArray  # (3,) start
-    nests_mm: FloatArray  # (K, 3) start, nest k in row k - 1
-    tool_rotation: FloatArray  # (3, 3) start
-    gravity_m_s2: FloatArray  # (3,)
+    base_rotation: FloatArray
+    base_origin_mm: FloatArray
+    nests_mm: FloatArray
+    tool_rotation: FloatArray
+    gravity_m_s2: FloatArray
     effects: tuple[str, ...]
     specs: tuple[ParameterSpec, ...]
-    owners: tuple[str, ...]  # effect of each parameter
-    anchors: tuple[tuple[int, int], ...] = ()  # (placement, base point)
-    targets: tuple[Target, ...] = ()  # of contacts, whose parameters `target_<number>_..` come last too
-    instrument_mm: FloatArray | None = None  # (3,) place of the instrument in the world
-    torques_measured: bool = False  # springs are loaded by measured torques, not by gravity's
-    origin_s: float = 0.0  # time from which drifts and warm-ups count
-    last_s: float | None = None  # of the readings that a model was made from; None while it is made
+    owners: tuple[str, ...]
+    anchors: tuple[tuple[int, int], ...] = ()
+    targets: tuple[Target, ...] = ()
+    instrument_mm: FloatArray | None = None
+    torques_measured: bool = False
+    origin_s: float = 0.0
+    last_s: float | None = None
 
     @property
     def has_springs(self) -> bool:
@@ -91,7 +135,14 @@ class Structure:
         return {name: place for place, name in enumerate(self.names)}
 
     def extended(self, effect: str, specs: tuple[ParameterSpec, ...]) -> "Structure":
-        """Return the structure with more parameters of an effect, at its end."""
+        """Return the structure with more parameters of an effect, at its end.
+
+        Parameters
+        ----------
+        effect : str
+            Their owner; added to the effects where it is none yet.
+        specs : tuple of ParameterSpec
+        """
         effects = self.effects if effect in self.effects else (*self.effects, effect)
         owners = (*self.owners, *(effect for _ in specs))
         return replace(self, effects=effects, specs=(*self.specs, *specs), owners=owners)
@@ -117,13 +168,17 @@ def base_axes(start: FloatArray, angles_rad: FloatArray) -> tuple[FloatArray, Fl
     Parameters
     ----------
     start : ndarray, shape (3, 3)
+        Rotation at angles of 0.
     angles_rad : ndarray, shape (3,)
+        rx, ry, rz.
 
     Returns
     -------
     rotation : ndarray, shape (3, 3)
     axes : ndarray, shape (3, 3)
+        Unit vectors: x, then RotX y, then RotX RotY z, in the frame in which `start` is given.
     """
+    # Written out for one rotation, not by `turned_axes` of rows: it is asked for in every evaluation.
     rx, ry, rz = angles_rad.tolist()
     axes = np.array([
         [1.0, 0.0, 0.0],
@@ -148,7 +203,19 @@ def first_anchor(structure: Structure) -> int:
 
 
 def anchor_places(structure: Structure, values: FloatArray) -> FloatArray:
-    """Return the places of the base cups at these values, shape (A, 3) [mm]."""
+    """Return the places of the base cups at these values.
+
+    Parameters
+    ----------
+    structure : Structure
+        With A anchors.
+    values : ndarray, shape (P,)
+
+    Returns
+    -------
+    ndarray, shape (A, 3)
+        [mm], world frame, in the order of `structure.anchors`.
+    """
     first = first_anchor(structure)
     return np.asarray(values[first : first + 3 * len(structure.anchors)].reshape(-1, 3))
 
@@ -177,7 +244,20 @@ def certified_zeros(structure: Structure) -> frozenset[str]:
 
 
 def centre_of(structure: Structure, values: FloatArray, target: Target) -> FloatArray:
-    """Return the centre of a target that has one, shape (3,) [mm, world frame]."""
+    """Return the centre of a target that has one.
+
+    Parameters
+    ----------
+    structure : Structure
+    values : ndarray, shape (P,)
+    target : Target
+        One of the structure's: a sphere, the end of a wire or a ball.
+
+    Returns
+    -------
+    ndarray, shape (3,)
+        [mm], world frame.
+    """
     return np.asarray(values[indices_of_target(structure, target)][:3])
 
 
@@ -193,11 +273,25 @@ class ActiveEffects:
         self._rows = rows
 
     def under_load(self, rows: Rows) -> tuple[Told, Moved]:
-        """Return terms and moved ports, gearboxes loaded by what effects add to the torque too."""
+        """Return terms and moved ports, gearboxes loaded by what effects add to the torque too.
+
+        Parameters
+        ----------
+        rows : Rows
+            n of them, with torques (n, J) [N mm] where they are known, and frames.
+
+        Returns
+        -------
+        told : callable
+            Gives all terms, where derivatives are asked for.
+        moved : dict of Port to float or ndarray, shape (n,)
+            By how much every port is moved, in its unit.
+        """
         told, moved = self._at(rows)
         loads = [load for port, load in moved.items() if port.kind is PortKind.TORQUE]
         if rows.torque_n_mm is None or not any(np.any(load) for load in loads):
             return told, moved
+        # Springs were asked at the bare torques above; once more, now that the added loads are known.
         return self._at(rows._replace(torque_n_mm=with_added_loads(rows.torque_n_mm, moved)))
 
     def _at(self, rows: Rows) -> tuple[Told, Moved]:
@@ -208,11 +302,13 @@ class ActiveEffects:
 
     @cached_property
     def _steady(self) -> tuple[Told, Moved]:
+        # Balancing springs takes some passes; waves of gears would be worked out anew in each.
         steady = [name for name in self.structure.effects if name in effects_with(Trait.STEADY)]
         return self._asked(steady, self._rows, {})
 
     def _asked(self, effects: Sequence[str], rows: Rows, already: Moved) -> tuple[Told, Moved]:
         """Return what effects move; those that add up themselves tell their terms only if somebody asks."""
+        # Sixty orders on six joints would be 720 columns of n rows where only their sum is wanted.
         summed = [name for name in effects if name in summed_effects()]
         terms = self._collected([name for name in effects if name not in summed], rows)
         moved = _moved(terms, self.values, already)
@@ -244,7 +340,19 @@ def _moved(terms: Iterable[Term], values: FloatArray, already: Moved) -> Moved:
 
 
 def with_added_loads(torque: FloatArray, moved: Moved) -> FloatArray:
-    """Return torques (n, J) with the loads on ports added [N mm]."""
+    """Return torques with the loads on ports added.
+
+    Parameters
+    ----------
+    torque : ndarray, shape (n, J)
+        [N mm]; left as it is.
+    moved : dict of Port to float or ndarray, shape (n,)
+
+    Returns
+    -------
+    ndarray, shape (n, J)
+        [N mm]
+    """
     loaded = torque.copy()
     for port, load in moved.items():
         if port.kind is PortKind.TORQUE:

@@ -1,10 +1,16 @@
 """Rows that do not tell what an effect depends on: it is left out there, and the uncertainty says so.
 
-What the effect would have done is unknown, but not how much it usually does: the prediction is made again
-with everything that the row might have said (temperatures within the campaign's range, every direction of
-approach, moves of the usual size either way, every mounting that the model knows), and the root mean square
-of what that changes is added to the uncertainty. A row without a time is later than all readings: `validity`
-tells how much less is known there.
+What the effect would have done is unknown, but not how much it usually does: the prediction p is made again
+with each of m things that the row might have said (temperatures within the campaign's range, every direction
+of approach, moves of the usual size either way, every mounting that the model knows), and
+
+    u^2 = sum over the m of |p_i - p|^2 / (3 m)        per axis
+
+is added to the variance of its positions. A row without a time is later than all readings: `validity` tells
+how much less is known there.
+
+A usual move is that between two configurations drawn evenly from a range of width w: root mean square
+w / sqrt(6).
 """
 
 from collections.abc import Iterator, Sequence
@@ -36,15 +42,29 @@ _STEPS = 8  # temperatures that stand for the whole of their range
 
 @dataclass(frozen=True, slots=True)
 class Span:
-    """What the readings covered that made a model and judged it."""
+    """What the readings covered that made a model and judged it.
 
-    duration_s: float = SECONDS_PER_HOUR  # of a model that does not say so: an hour's campaign
-    lowest_c: float = 15.0  # a workshop's year
+    Attributes
+    ----------
+    duration_s : float
+        From the origin of times to the last reading; an hour's campaign where the model does not say.
+    lowest_c, highest_c : float
+        Temperatures; those of a workshop's year where the model does not say.
+    """
+
+    duration_s: float = SECONDS_PER_HOUR
+    lowest_c: float = 15.0
     highest_c: float = 30.0
 
 
 def span_of(identified_from: dict[str, str | int | float]) -> Span:
-    """Return what a model says about the readings that it was made from."""
+    """Return what a model says about the readings that it was made from.
+
+    Parameters
+    ----------
+    identified_from : dict
+        With `duration_s`, `lowest_temperature_c`, `highest_temperature_c` as far as they were known.
+    """
     known = {
         key: float(value)
         for key, name in (
@@ -58,7 +78,19 @@ def span_of(identified_from: dict[str, str | int | float]) -> Span:
 
 
 def spanned(read: Sequence[Stops], origin_s: float) -> dict[str, float]:
-    """Return what a model is to say about its readings, those that judge it too, as far as it is known."""
+    """Return what a model is to say about its readings, those that judge it too, as far as it is known.
+
+    Parameters
+    ----------
+    read : sequence of Stops
+    origin_s : float
+        Time from which drifts and warm-ups count.
+
+    Returns
+    -------
+    dict
+        `duration_s`, `lowest_temperature_c`, `highest_temperature_c`; without what no row tells.
+    """
     found = {}
     times, temperatures = (
         np.concatenate([_known(column) for column in columns])
@@ -77,7 +109,15 @@ def _known(column: FloatArray | None) -> FloatArray:
 
 
 def left_out(structure: Structure, targets: Targets) -> tuple[Message, ...]:
-    """Return one sentence for every effect that some of the targets do not tell enough about."""
+    """Return one sentence for every effect that some of the targets do not tell enough about.
+
+    Parameters
+    ----------
+    structure : Structure
+        Of a made model.
+    targets : Targets
+        Whose rows are counted in the sentences.
+    """
     sentences = []
     for effect, need in _asked(structure, targets):
         rows = int(_lacking(structure, effect, need, targets).sum())
@@ -89,21 +129,29 @@ def left_out(structure: Structure, targets: Targets) -> tuple[Message, ...]:
 def left_out_variance(
     structure: Structure, values: FloatArray, targets: Targets, position_mm: FloatArray, span: Span
 ) -> FloatArray:
-    """Return the variance per axis that what is left out adds to each position, shape (n,) [mm2].
+    """Return the variance per axis that what is left out adds to each position.
 
     Parameters
     ----------
     structure : Structure
     values : ndarray, shape (P,)
+        Internal units.
     targets : Targets
+        n of them.
     position_mm : ndarray, shape (n, 3)
         As predicted with what the targets tell.
     span : Span
         Of the readings that the model was made from.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        [mm2], mean of the three axes.
     """
     variance = np.zeros(len(targets))
     asked = _asked(structure, targets)
     for need in sorted({need for _, need in asked}):
+        # Effects that need the same are left out together: one temperature would move all of them.
         effects = [effect for effect, own in asked if own == need]
         masks = [_lacking(structure, effect, need, targets) for effect in effects]
         rows = np.flatnonzero(np.any(masks, axis=0))
@@ -136,6 +184,7 @@ def _lacking(structure: Structure, effect: str, need: Need, targets: Targets) ->
     stops, names = targets.stops, structure.names_of(effect)
     joints = _joints(names, structure.robot.n_joints)
     match need:
+        # Only the joints of the effect's parameters: others may come from anywhere.
         case "direction" if stops.direction is not None:
             return np.asarray((stops.direction[:, joints] == 0).any(axis=1))
         case "move" if stops.move_rad is not None:
@@ -202,6 +251,8 @@ def _usual_move_rad(robot: Robot) -> FloatArray:
 
 def _signs(joints: int) -> IntArray:
     """Directions of approach in which every two joints agree as often as not, shape (m, J)."""
+    # All 2^J combinations are not needed: the mean square of a sum is that of its parts where every two
+    # signs agree as often as not. The first column, which never changes, is left out.
     signs = np.ones((1, 1), dtype=np.int64)
     while len(signs) <= joints:  # Sylvester's construction of Hadamard matrices
         signs = np.block([[signs, signs], [signs, -signs]])

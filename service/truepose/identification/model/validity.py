@@ -43,7 +43,19 @@ _SAME_ROW: Final = 1e-6  # mm or rad: files round tables no further
 
 
 def require_same_robot(model: Model, robot: Robot) -> None:
-    """Raise ConfigurationError that says where a model's nominal robot is another one."""
+    """Raise where a model's nominal robot is another one.
+
+    Parameters
+    ----------
+    model : Model
+    robot : Robot
+
+    Raises
+    ------
+    ConfigurationError
+        Another number of joints, or alpha, a, theta offset, d or sign of a row differ by more than 1e-6 mm or
+        rad.
+    """
     ours, theirs = model.robot.joints, robot.joints
     if len(ours) != len(theirs):
         raise ConfigurationError(
@@ -66,7 +78,21 @@ DIRECTIONS: Final = _CUBE / np.linalg.norm(_CUBE, axis=1, keepdims=True)  # (26,
 
 
 def measured_zone(robot: Robot, joints_rad: FloatArray) -> MeasuredZone:
-    """Return the zone of configurations, shape (n, J), n >= 1."""
+    """Return the zone of configurations that were measured.
+
+    Parameters
+    ----------
+    robot : Robot
+        Nominal.
+    joints_rad : ndarray, shape (n, J)
+        n >= 1.
+
+    Returns
+    -------
+    MeasuredZone
+        Ranges of the joints [rad], and how far out the last frame's origin came along each of the 26
+        directions [mm, base of the robot].
+    """
     low, high = joints_rad.min(axis=0), joints_rad.max(axis=0)
     ranges = tuple(JointRange(*ends) for ends in zip(low.tolist(), high.tolist(), strict=True))
     return MeasuredZone(ranges, tuple(_along(robot, joints_rad).max(axis=0).tolist()))
@@ -79,6 +105,7 @@ def outside(zone: MeasuredZone, robot: Robot, joints_rad: FloatArray) -> tuple[F
     ----------
     zone : MeasuredZone
     robot : Robot
+        Nominal, whose zone it is.
     joints_rad : ndarray, shape (n, J)
 
     Returns
@@ -95,7 +122,19 @@ def outside(zone: MeasuredZone, robot: Robot, joints_rad: FloatArray) -> tuple[F
 
 
 def beyond_zone_mm(zone: MeasuredZone, place_mm: FloatArray) -> FloatArray:
-    """Return how far places (n, 3) of the last frame in the robot's base are outside, at least, (n,)."""
+    """Return how far places of the last frame are outside the polytope, at least.
+
+    Parameters
+    ----------
+    zone : MeasuredZone
+    place_mm : ndarray, shape (n, 3)
+        In the robot's base.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        The largest distance beyond a face [mm]; beside an edge or a corner the zone is farther. 0 within.
+    """
     beyond = (place_mm @ DIRECTIONS.T - np.array(zone.extents_mm)).max(axis=1)
     return np.asarray(np.maximum(beyond, 0.0))
 
@@ -106,7 +145,15 @@ def _along(robot: Robot, joints_rad: FloatArray) -> FloatArray:
 
 
 def held(structure: Structure, targets: Targets) -> tuple[Message, ...]:
-    """Return one sentence for every effect that is held in some rows because nobody followed it there."""
+    """Return one sentence for every effect that is held in some rows because nobody followed it there.
+
+    Parameters
+    ----------
+    structure : Structure
+        Of a made model, whose `last_s` is known.
+    targets : Targets
+    """
+    # NaN, of rows without a time, is not above 0: `left_out` tells of these.
     hours = _hours_beyond(structure, targets.stops)
     rows = int((hours > 0.0).sum())
     if rows == 0:
@@ -120,17 +167,26 @@ def held(structure: Structure, targets: Targets) -> tuple[Message, ...]:
 def held_variance(
     structure: Structure, values: FloatArray, covariance: FloatArray, targets: Targets
 ) -> FloatArray:
-    """Return the variance per axis that drifts add beyond the readings, shape (n,) [mm2].
+    """Return the variance per axis that drifts add beyond the readings, mean of the three.
 
     Parameters
     ----------
     structure : Structure
-        Of a made model.
+        Of a made model, whose `last_s` is known.
     values : ndarray, shape (P,)
+        Internal units.
     covariance : ndarray, shape (P, P)
+        Of the values.
     targets : Targets
+        n of them.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        r^2 t (t + T) [mm2] with t and T in hours; 0 between the first and the last reading.
     """
     variance, lasted_h = np.zeros(len(targets)), _lasted_h(structure)
+    # Nobody says when such a row is; decision 0028 takes it for a campaign's length after the last one.
     hours = np.nan_to_num(_hours_beyond(structure, targets.stops), nan=lasted_h)
     rows = np.flatnonzero(hours > 0.0)
     if rows.size and _going_on(structure):
@@ -143,6 +199,7 @@ def _mean_square_per_h(
     structure: Structure, values: FloatArray, covariance: FloatArray, targets: Targets
 ) -> FloatArray:
     """Mean square per axis of what drifts move each position by in an hour, shape (n,) [mm2/h2]."""
+    # Rows without a time stand where the last reading left the robot: what an hour more makes of them is r.
     later = replace(targets, stops=replace(targets.stops, time_s=None))
     longer = replace(structure, last_s=(structure.last_s or 0.0) + SECONDS_PER_HOUR)
     before, after = evaluate(structure, values, later), evaluate(longer, values, later)
