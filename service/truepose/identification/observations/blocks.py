@@ -1,8 +1,12 @@
 """Observations: what enters the identification, block by block, each with its residuals and weights.
 
 The scatter of the arm is drawn once per stop, so readings of one stop are correlated: with D the covariance
-of the readings and S what one standard deviation of each shared thing does to each of them, cov = D + S S^T.
-Whitening multiplies residuals and derivatives by the inverse of its Cholesky factor.
+of the readings and S what one standard deviation of each shared thing does to each of them,
+
+    cov = D + S S^T = L L^T        white = L^-1 (observed - predicted)
+
+and derivatives are multiplied by L^-1 alike. A weight w of a reading divides its part of D, so that a weight
+of 0 takes it out; the discrepancy d adds d^2 to the diagonal of D.
 
 A block holds readings of one kind. It predicts them, differentiates the predictions and whitens both.
 `weights` (1 or 0 per reading) carry the decision about gross readings; `discrepancy` is a standard deviation
@@ -30,13 +34,31 @@ _ROUNDING = 1e-12
 
 @dataclass(frozen=True, slots=True)
 class Whitener:
-    """Inverse Cholesky factors, grouped by the number of readings of a stop."""
+    """Inverse Cholesky factors, grouped by the number of readings of a stop.
 
-    groups: tuple[tuple[IntArray, FloatArray], ...]  # rows (S, m) and factors (S, m*d, m*d)
-    isotropic: FloatArray | None  # (n,) where every factor is a number, else None
+    Attributes
+    ----------
+    groups : tuple of (rows, factors)
+        Rows (S, m) of S stops of m readings each, and their factors (S, m*d, m*d) [1/mm or 1/rad].
+    isotropic : ndarray, shape (n,), or None
+        Where every factor is a number; then there are no groups.
+    """
+
+    groups: tuple[tuple[IntArray, FloatArray], ...]
+    isotropic: FloatArray | None
 
     def apply(self, array: FloatArray) -> FloatArray:
-        """Whiten an array of shape (..., n, d)."""
+        """Whiten residuals or derivatives.
+
+        Parameters
+        ----------
+        array : ndarray, shape (..., n, d)
+
+        Returns
+        -------
+        ndarray, shape (..., n, d)
+            In standard deviations; 0 for readings without weight.
+        """
         if self.isotropic is not None:  # one long row: over d at a time it takes several times as long
             scale = np.repeat(self.isotropic, array.shape[-1])
             white: FloatArray = array.reshape(*array.shape[:-2], len(scale)) * scale
@@ -79,6 +101,7 @@ def whitener(covariance: FloatArray, weights: FloatArray, stop: IntArray, shared
     Whitener
     """
     counts = (weights > _LEAST_WEIGHT)[:, None, None]
+    # What does not count is whitened by its own variance and multiplied by 0 after it: no division by 0.
     share = np.where(counts, weights[:, None, None], 1.0)
     inflated = covariance / share
     _, inverse, sizes = np.unique(stop, return_inverse=True, return_counts=True)
@@ -95,16 +118,33 @@ def whitener(covariance: FloatArray, weights: FloatArray, stop: IntArray, shared
 
 
 def of_independent(variance: FloatArray, weights: FloatArray) -> Whitener:
-    """Whitening of n readings that share nothing, of so much variance (n,) in every component.
+    """Whitening of n readings that share nothing and have one variance in all their components.
 
     What states no uncertainty weighs nothing before residuals have told how much it may.
+
+    Parameters
+    ----------
+    variance : ndarray, shape (n,)
+        Per component [mm2 or rad2].
+    weights : ndarray, shape (n,)
     """
     weighs = (weights > _LEAST_WEIGHT) & (variance > 0.0)
     return Whitener((), np.sqrt(np.where(weighs, weights, 0.0) / np.where(weighs, variance, 1.0)))
 
 
 def equal_variance(covariance: FloatArray) -> FloatArray | None:
-    """Variance of n readings, shape (n,), where each has the same in all its components; else None."""
+    """Return the variance of readings that have the same in all their components.
+
+    Parameters
+    ----------
+    covariance : ndarray, shape (n, d, d)
+        [mm2 or rad2]
+
+    Returns
+    -------
+    ndarray, shape (n,), or None
+        None where one of them has axes of its own, to rounding.
+    """
     diagonal = covariance[:, 0, 0]
     apart = np.abs(covariance - diagonal[:, None, None] * np.eye(covariance.shape[1]))
     return diagonal.copy() if np.all(apart <= _ROUNDING * diagonal[:, None, None]) else None
@@ -121,6 +161,7 @@ def _of_single(total: FloatArray, counts: BoolArray) -> Whitener:
 def _factors(inflated: FloatArray, shared: FloatArray, counts: BoolArray, rows: IntArray) -> FloatArray:
     stops, size = rows.shape
     d = inflated.shape[1]
+    # A weight inflates what a reading has by itself; what it shares with others stays theirs as well.
     blocks = np.zeros((stops, size, d, size, d))
     for k in range(size):
         blocks[:, k, :, k, :] = inflated[rows[:, k]]
@@ -137,14 +178,28 @@ _HALF = 0.5  # weight from which on a reading counts as one
 
 @dataclass(frozen=True, slots=True)
 class BlockResult:
-    """One block at one point of the parameters: raw residuals and derivatives, n readings of d components."""
+    """One block at one point of the parameters: raw residuals and derivatives, n readings of d components.
 
-    residual: FloatArray  # (n, d)
-    derivatives: Callable[[], FloatArray]  # (P, n, d), worked out once somebody asks for them
+    Attributes
+    ----------
+    residual : ndarray, shape (n, d)
+        Observed minus predicted [mm or rad].
+    derivatives : callable
+        Gives (P, n, d), worked out once somebody asks for them.
+    state : State
+    whitening : Whitener
+    direction : ndarray, shape (n, 3), optional
+        Of lengths: unit vector along which they grow with the tool's place.
+    lever_mm : ndarray, shape (n, J), optional
+        Of lengths: change per angle of each joint [mm/rad].
+    """
+
+    residual: FloatArray
+    derivatives: Callable[[], FloatArray]
     state: State
     whitening: Whitener
-    direction: FloatArray | None = None  # (n, 3) of the legs
-    lever_mm: FloatArray | None = None  # (n, J) of the legs: change of the length per angle of each joint
+    direction: FloatArray | None = None
+    lever_mm: FloatArray | None = None
 
     @property
     def jacobian(self) -> FloatArray:
@@ -182,11 +237,20 @@ class Block(Table, ABC):
 
     @abstractmethod
     def result(self, structure: Structure, values: FloatArray, previous: BlockResult | None) -> BlockResult:
-        """Return residuals and derivatives at `values`."""
+        """Return residuals and derivatives at `values`.
+
+        Parameters
+        ----------
+        structure : Structure
+        values : ndarray, shape (P,)
+            Internal units.
+        previous : BlockResult or None
+            At nearby values, whose torques are the first guess.
+        """
 
     @abstractmethod
     def derivatives(self, state: State) -> FloatArray:
-        """Return what the terms of `state` do to the predictions, shape (P, n, d), not whitened."""
+        """Return what terms of `state` do to predictions [mm or rad per unit], (P, n, d), not whitened."""
 
     def differentiated(self, state: State) -> Callable[[], FloatArray]:
         """Return what gives the derivatives at `state`: many a point is looked at for its residuals alone."""
@@ -217,7 +281,7 @@ class Block(Table, ABC):
         return self.rewhitened(result).white_residual
 
     def weighted(self, weights: FloatArray, discrepancy: float) -> Self:
-        """Return the block with other weights and another discrepancy."""
+        """Return the block with other weights (n,) and another discrepancy [mm or rad]."""
         return replace(self, weights=weights, discrepancy=discrepancy)
 
     def evaluated(self, structure: Structure, values: FloatArray, previous: BlockResult | None) -> State:
@@ -258,15 +322,15 @@ class Block(Table, ABC):
         return frozenset()
 
     def moved_by_nest(self, result: BlockResult, nest: int) -> FloatArray:
-        """Return the motion of each prediction per motion of a held tool nest, shape (3, n, d)."""
+        """Return the motion of each prediction per mm of a held tool nest, last frame, shape (3, n, d)."""
         return np.zeros((3, *result.residual.shape))
 
     def moved_by_world(self, result: BlockResult) -> FloatArray:
-        """Return the motion of each prediction per shift and turn of the held world, shape (6, n, d)."""
+        """Return the motion of each prediction per mm and rad, three each, of the held world, (6, n, d)."""
         return np.zeros((6, *result.residual.shape))
 
     def moved_by_growth(self, result: BlockResult, origin_mm: FloatArray) -> FloatArray:
-        """Return the motion of each prediction where all lengths from a place grow by their size, (n, d)."""
+        """Return the motion [mm] of each prediction where lengths from a place grow by their size, (n, d)."""
         return np.zeros_like(result.residual)
 
 
@@ -303,11 +367,20 @@ class IndependentReadings(Block):
 
 @dataclass(frozen=True, slots=True)
 class StackedBlocks:
-    """All blocks at one point, stacked for the solver."""
+    """All blocks at one point, stacked for the solver.
+
+    Attributes
+    ----------
+    results : tuple of BlockResult
+    residual : ndarray, shape (m,)
+        Whitened, block after block.
+    derivatives : callable
+        Gives (P, m), whitened.
+    """
 
     results: tuple[BlockResult, ...]
-    residual: FloatArray  # (m,) whitened
-    derivatives: Callable[[], FloatArray]  # (P, m) whitened
+    residual: FloatArray
+    derivatives: Callable[[], FloatArray]
 
     @property
     def jacobian(self) -> FloatArray:
@@ -326,7 +399,17 @@ class StackedBlocks:
 def linearise_blocks(
     structure: Structure, blocks: tuple[Block, ...], values: FloatArray, previous: StackedBlocks | None
 ) -> StackedBlocks:
-    """Stack the whitened residuals and derivatives of all blocks."""
+    """Stack the whitened residuals and derivatives of all blocks.
+
+    Parameters
+    ----------
+    structure : Structure
+    blocks : tuple of Block
+    values : ndarray, shape (P,)
+        Internal units.
+    previous : StackedBlocks or None
+        The same blocks at nearby values.
+    """
     earlier = previous.results if previous else (None,) * len(blocks)
     return _stacked(
         tuple(block.result(structure, values, before) for block, before in zip(blocks, earlier, strict=True))

@@ -53,19 +53,37 @@ PLACE_WIDTH_MM = 10.0  # about the start found from the data, as for an unknown 
 
 @dataclass(frozen=True, slots=True)
 class Probe(Table):
-    """Where the tool was at n readings, world frame."""
+    """Where the tool was at n readings, world frame.
 
-    place_mm: FloatArray  # (n, 3) of its nest
-    along: FloatArray  # (n, 3) unit vector of the sensor's axis, zeros of a reading that has none
+    Attributes
+    ----------
+    place_mm : ndarray, shape (n, 3)
+        Of its nest.
+    along : ndarray, shape (n, 3)
+        Unit vector of the sensor's axis; zeros of a reading that has none.
+    """
+
+    place_mm: FloatArray
+    along: FloatArray
 
 
 @dataclass(frozen=True, slots=True)
 class Slope:
-    """How n predicted readings change."""
+    """How n predicted readings change.
 
-    place: FloatArray  # (n, 3) per mm of the tool nest
-    turn: FloatArray  # (n, 3) per rad of the tool about its nest, axes of the world
-    own: FloatArray  # (p, n) per unit of the target's own parameters
+    Attributes
+    ----------
+    place : ndarray, shape (n, 3)
+        Per mm of the tool nest [1], axes of the world.
+    turn : ndarray, shape (n, 3)
+        Per rad of the tool about its nest [mm], axes of the world.
+    own : ndarray, shape (p, n)
+        Per unit of the target's own parameters [mm].
+    """
+
+    place: FloatArray
+    turn: FloatArray
+    own: FloatArray
 
 
 class TargetModel(Protocol):
@@ -76,19 +94,48 @@ class TargetModel(Protocol):
         ...
 
     def reading_mm(self, target: Target, values: FloatArray, probe: Probe) -> FloatArray:
-        """Return what is read, shape (n,)."""
+        """Return what is read.
+
+        Parameters
+        ----------
+        target : Target
+        values : ndarray, shape (p,)
+        probe : Probe
+            At n readings.
+
+        Returns
+        -------
+        ndarray, shape (n,)
+            [mm]
+        """
         ...
 
     def slope(self, target: Target, values: FloatArray, probe: Probe) -> Slope:
-        """Return how it changes."""
+        """Return how what is read changes; parameters as of `reading_mm`."""
         ...
 
     def started(self, target: Target, probe: Probe, reading_mm: FloatArray) -> tuple[Target, FloatArray]:
-        """Return the target where readings (n,) of a nominal robot put it, and values to start from."""
+        """Return the target where readings of a nominal robot put it.
+
+        Parameters
+        ----------
+        target : Target
+            With what was stated of its place, normal or zero.
+        probe : Probe
+            Where the nominal robot had the tool at n readings.
+        reading_mm : ndarray, shape (n,)
+
+        Returns
+        -------
+        target : Target
+            About what its parameters count from.
+        values : ndarray, shape (p,)
+            To start from.
+        """
         ...
 
     def centred(self, target: Target, values: FloatArray) -> tuple[Target, FloatArray]:
-        """Return the same about where these values put it."""
+        """Return the same target, and values (p,), about where these values put it."""
         ...
 
 
@@ -146,6 +193,8 @@ class Centre:
         elif np.std(reading_mm) > _LONG_MM:
             centre = _trilaterated(places, reading_mm, with_zero=True)
         else:
+            # Readings that hardly vary tell nothing of the zero: the places are on a sphere, whatever its
+            # radius.
             centre = _trilaterated(places, np.zeros(len(places)))
         away = float(np.median(np.linalg.norm(places - centre, axis=1) - reading_mm))
         zero = away if target.zero_mm is None else target.zero_mm
@@ -212,6 +261,7 @@ class Plane:
         normal = _best_normal(off, reading_mm) if told is None else np.array(told) / np.linalg.norm(told)
         x, y, z = middle.tolist()
         nx, ny, nz = normal.tolist()
+        # A median: a probe that missed the plane at one stop must not shift where the search begins.
         shift = float(np.median(off @ normal - reading_mm))
         return replace(target, place_mm=(x, y, z), normal=(nx, ny, nz)), np.array([shift, 0.0, 0.0])
 
@@ -227,9 +277,25 @@ def point_of(target: Target) -> FloatArray:
 
 
 def tilted(target: Target, values: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return the normal, shape (3,), and its change per slope, shape (2, 3)."""
+    """Return the normal of a plane and how it changes.
+
+    Parameters
+    ----------
+    target : Target
+        With the normal that its slopes start from.
+    values : ndarray, shape (3,)
+        Shift [mm] and two slopes [1].
+
+    Returns
+    -------
+    normal : ndarray, shape (3,)
+        Unit vector in the world, n as above.
+    across : ndarray, shape (2, 3)
+        Its change per unit of each slope.
+    """
     start = np.array([0.0, 0.0, 1.0]) if target.normal is None else np.array(target.normal)
     start = start / np.linalg.norm(start)
+    # The axis that the normal is least along is never parallel to it.
     beside = np.eye(3)[int(np.argmin(np.abs(start)))]
     first = np.cross(beside, start)
     first /= np.linalg.norm(first)

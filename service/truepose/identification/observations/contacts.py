@@ -1,5 +1,11 @@
 """Contacts as observations: readings against targets of unknown place, and distances between targets.
 
+What a target of a kind reads is in `contact_targets`; with x what effects say that is read too much,
+
+    reading = (what the target reads from the tool's place and turn) + x
+
+Such readings weigh as lengths do (`legs`), the form of the target beside the stated uncertainty.
+
 Certified distances between targets, such as two spheres on a bar of known length: with centres A and B,
 
     distance = |B - A|
@@ -32,13 +38,22 @@ from truepose.kinematics.frames import directions
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ContactBlock(LengthBlock):
-    """Readings against targets, whose places are parameters themselves."""
+    """Readings against targets, whose places are parameters themselves.
+
+    Attributes
+    ----------
+    target : ndarray of int, shape (n,)
+        Index in the structure's targets.
+    axis : ndarray of int, shape (n,)
+        Of the sensor, NO_AXIS where it has none.
+    reading_mm : ndarray, shape (n,)
+    """
 
     table: ClassVar[str] = "contacts"
 
-    target: IntArray  # (n,) index in the structure's targets
-    axis: IntArray  # (n,) of the sensor, NO_AXIS where it has none
-    reading_mm: FloatArray  # (n,)
+    target: IntArray
+    axis: IntArray
+    reading_mm: FloatArray
 
     def result(self, structure: Structure, values: FloatArray, previous: BlockResult | None) -> BlockResult:
         """Return residuals [mm] and derivatives."""
@@ -49,6 +64,7 @@ class ContactBlock(LengthBlock):
         residual = (self.reading_mm - predicted - excess_mm(state))[:, None]
         place, turn = self._slopes(state)
         lever = np.einsum("jni,ni->nj", theta_gradient(state.chain, state.position_mm), place)
+        # A sensor of the tool turns with each joint besides: its axis swings, wherever its nest is.
         lever += np.einsum("jni,ni->nj", state.chain.z, turn)
         return BlockResult(
             residual, self.differentiated(state), state, self.whitening(place, lever), place, lever
@@ -97,6 +113,20 @@ class ContactBlock(LengthBlock):
 def contact_block(contacts: ContactReadings, scatter_mm: float, targets: tuple[Target, ...]) -> ContactBlock:
     """Return the block of contacts for a structure with these targets.
 
+    Parameters
+    ----------
+    contacts : ContactReadings
+        n of them.
+    scatter_mm : float
+        Of the arm per axis, beside what the readings state.
+    targets : tuple of Target
+        Of the structure, in its order.
+
+    Returns
+    -------
+    ContactBlock
+        Uncertainty of each reading: as stated, and the form of its target, squares added.
+
     Raises
     ------
     ConfigurationError
@@ -123,15 +153,23 @@ def contact_block(contacts: ContactReadings, scatter_mm: float, targets: tuple[T
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DistanceBlock(IndependentReadings):
-    """Certified distances; they are no stops of the arm: joints 0, configurations of their own."""
+    """Certified distances; they are no stops of the arm: joints 0, configurations of their own.
+
+    Attributes
+    ----------
+    pair : ndarray of int, shape (n, 2)
+        Indices in the structure's targets.
+    distance_mm : ndarray, shape (n,)
+        Between the two centres.
+    """
 
     quantity: ClassVar[str] = "length"
     table: ClassVar[str] = "target_distances"
     components: ClassVar[int] = 1
     of_arm: ClassVar[bool] = False
 
-    pair: IntArray  # (n, 2) indices in the structure's targets
-    distance_mm: FloatArray  # (n,)
+    pair: IntArray
+    distance_mm: FloatArray
 
     def result(self, structure: Structure, values: FloatArray, previous: BlockResult | None) -> BlockResult:
         """Return residuals [mm] and derivatives."""

@@ -1,10 +1,14 @@
 """Readings of fixed nests as observations: they stand still, so that what moves them is the instrument.
 
-Nests that stand still are the witnesses of the instrument: a model that they contradict must not judge them.
-So the scatter of their readings is told by the differences between successive ones of the same nest (von
-Neumann et al. 1941), of which a kick of the instrument makes one large and a drift none; the median passes it
-over. And where most readings of one look are off, it is not a nest that moved: none of them is gross, unless
-it is far from those before and after it as well.
+Nests that stand still are the witnesses of the instrument: a model that they contradict must not judge them
+(docs/decisions/0029). So the scatter of their readings is told by the differences between successive ones of
+the same nest (von Neumann et al. 1941),
+
+    variance per axis = median(|x_(k+1) - x_k|^2 / 2) / (median of chi-square with 3 degrees of freedom)
+
+of which a kick of the instrument makes one large and a drift none; the median passes it over. And where most
+readings of one look are off, it is not a nest that moved: none of them is gross, unless it is far from those
+before and after it as well.
 
 A certified place c, off by its own error e, is registered in the world with the error f of a small rigid
 motion about the world's origin, and then seen as the instrument sees everything:
@@ -51,15 +55,38 @@ class _Scatter(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class NestLooks:
-    """Readings of fixed nests."""
+    """Readings of fixed nests.
 
-    time_s: FloatArray | None  # (n,)
-    fixed_nest: IntArray  # (n,)
-    measured_mm: FloatArray  # (n, 3)
-    variance_mm2: FloatArray  # (n,) per axis
+    Attributes
+    ----------
+    time_s : ndarray, shape (n,), or None
+        None: in the order of their rows.
+    fixed_nest : ndarray of int, shape (n,)
+        1-based.
+    measured_mm : ndarray, shape (n, 3)
+        World frame.
+    variance_mm2 : ndarray, shape (n,)
+        Per axis.
+    """
+
+    time_s: FloatArray | None
+    fixed_nest: IntArray
+    measured_mm: FloatArray
+    variance_mm2: FloatArray
 
     def discrepancy_mm(self, stated_mm2: float) -> float:
-        """Return by how much readings scatter beyond a variance per axis [mm]; 0 where few tell."""
+        """Return by how much readings scatter beyond what is stated.
+
+        Parameters
+        ----------
+        stated_mm2 : float
+            Stated variance per axis.
+
+        Returns
+        -------
+        float
+            Standard deviation per axis [mm] to be added; 0 where few tell, or no more than chance shows.
+        """
         scatter = self._scatter()
         if scatter is None:
             return 0.0
@@ -67,7 +94,19 @@ class NestLooks:
         return float(np.sqrt(scatter.variance_mm2 - stated_mm2)) if scatter.variance_mm2 > clearly else 0.0
 
     def bad_among(self, off: BoolArray) -> BoolArray:
-        """Return which readings off the model are bad ones, shape (n,); the others speak against it."""
+        """Return which readings off the model are bad ones; the others speak against it.
+
+        Parameters
+        ----------
+        off : ndarray of bool, shape (n,)
+            Readings that are off the model.
+
+        Returns
+        -------
+        ndarray of bool, shape (n,)
+            Of these, where at most half of their look is off, or they are far from their nest's neighbours in
+            time.
+        """
         look = self._numbers()
         shared = np.bincount(look, off)[look] > 0.5 * np.bincount(look)[look]
         return np.asarray(off & (~shared | self._alone()))
@@ -77,6 +116,18 @@ class NestLooks:
 
         The scatter is the stated one, or what looks show of it where that is more, known as a median
         knows it.
+
+        Parameters
+        ----------
+        squared : float
+            Sum over residuals of square over stated variance.
+        degrees : float
+            Of freedom.
+
+        Returns
+        -------
+        float
+            0 to 1; small where the readings contradict the model.
         """
         scatter = self._scatter()
         if scatter is None or degrees == 0.0:
@@ -112,6 +163,7 @@ class NestLooks:
         alone = np.zeros(len(self.fixed_nest), dtype=bool)
         limit = chi2_limit(FALSE_ALARM / len(alone), 3)
         for now, both in self._between():
+            # A kick between two readings leaves each of them near one of its neighbours.
             apart = ((self.measured_mm[now] - self.measured_mm[both]) ** 2).sum(axis=1)
             expected = self.variance_mm2[now] + self.variance_mm2[both]
             alone[now] = bool(np.all(apart > limit * expected))
@@ -143,6 +195,15 @@ class ReferenceBlock(IndependentReadings):
 
     A model that they contradict does not judge them: they judge one another (`looks`). What the world is off
     by is among their own parameters and carries nothing into the others.
+
+    Attributes
+    ----------
+    fixed_nest : ndarray of int, shape (n,)
+        1-based.
+    certified_mm : ndarray, shape (n, 3)
+        Place of the nest of each reading, world frame.
+    measured_mm : ndarray, shape (n, 3)
+        World frame.
     """
 
     quantity: ClassVar[str] = "position"
@@ -150,9 +211,9 @@ class ReferenceBlock(IndependentReadings):
     components: ClassVar[int] = 3
     of_arm: ClassVar[bool] = False
 
-    fixed_nest: IntArray  # (n,) 1-based
-    certified_mm: FloatArray  # (n, 3) place of the nest of each reading
-    measured_mm: FloatArray  # (n, 3)
+    fixed_nest: IntArray
+    certified_mm: FloatArray
+    measured_mm: FloatArray
 
     def result(self, structure: Structure, values: FloatArray, previous: BlockResult | None) -> BlockResult:
         """Return residuals [mm] and derivatives."""
@@ -214,7 +275,13 @@ class ReferenceBlock(IndependentReadings):
 
 
 def reference_block(campaign: Campaign) -> ReferenceBlock | None:
-    """Return the readings of certified fixed nests; None where the campaign has none."""
+    """Return the readings of certified fixed nests; None where the campaign has none.
+
+    Parameters
+    ----------
+    campaign : Campaign
+        Readings of nests without a certificate are passed over.
+    """
     readings = campaign.reference
     if readings is None:
         return None
@@ -243,7 +310,23 @@ def reference_block(campaign: Campaign) -> ReferenceBlock | None:
 def with_reference_parameters(
     structure: Structure, start: FloatArray, block: ReferenceBlock, campaign: Campaign
 ) -> tuple[Structure, FloatArray]:
-    """Return structure and start values with the parameters that the readings of fixed nests need."""
+    """Return structure and start values with the parameters that the readings of fixed nests need.
+
+    Parameters
+    ----------
+    structure : Structure
+    start : ndarray, shape (P,)
+        Internal units.
+    block : ReferenceBlock
+    campaign : Campaign
+        Whose certificates are the priors of the nests' places.
+
+    Returns
+    -------
+    structure : Structure
+    start : ndarray, shape (P + p,)
+        Registration and places of the nests begin at 0.
+    """
     read = distinct_values(block.fixed_nest).tolist()
     specs = reference_specs({k: campaign.fixed_nests[k - 1].standard_uncertainty_mm for k in read})
     return structure.extended(NAME, specs), np.concatenate([start, np.zeros(len(specs))])

@@ -4,6 +4,13 @@ The sides are lengths between two cups, or between two tool nests, measured with
 the legs. A cup was clamped on the ball in tool nest 1 while the robot held it: its place, of the fixture as
 it then stood, is where the robot was. Together they fix the frame that lengths alone leave open.
 
+With cups b_i (parameters), tool nests x_k in the last frame, x what effects say that a length reads too much
+and p where the ball was held,
+
+    side = |b_j - b_i| + x, or |x_l - x_k| + x        0 = b_i - p, three coordinates
+
+No arm is in a side: whatever a model of it lacks, a side does not (docs/decisions/0017).
+
 Source of the procedure: A. Nubiola, thesis, 2014, sections 3.5 and 4.1.
 """
 
@@ -32,6 +39,12 @@ class SideBlock(IndependentReadings):
     """Measured sides; a point is an anchor of the structure, or a tool nest counted on after the anchors.
 
     The targets are no stops of the arm: joints 0, configurations of their own.
+
+    Attributes
+    ----------
+    points : ndarray of int, shape (n, 2)
+        That each side joins.
+    length_mm : ndarray, shape (n,)
     """
 
     quantity: ClassVar[str] = "length"
@@ -39,8 +52,8 @@ class SideBlock(IndependentReadings):
     components: ClassVar[int] = 1
     of_arm: ClassVar[bool] = False
 
-    points: IntArray  # (n, 2) that each side joins
-    length_mm: FloatArray  # (n,)
+    points: IntArray
+    length_mm: FloatArray
 
     def result(self, structure: Structure, values: FloatArray, previous: BlockResult | None) -> BlockResult:
         """Return residuals [mm] and derivatives."""
@@ -63,6 +76,7 @@ class SideBlock(IndependentReadings):
         for term in state.terms:
             if term.port.kind is PortKind.NEST:
                 nest, component = divmod(term.port.number, 3)
+                # A side runs from its first end to its second: what moves the first one shortens it.
                 moves = (self.points == n_anchors + nest).astype(float) @ np.array([-1.0, 1.0])
                 jacobian[term.parameter] += term.weight * moves * direction[:, component]
             elif term.port.kind is PortKind.LENGTH:
@@ -90,13 +104,18 @@ class ClampBlock(IndependentReadings):
 
     The uncertainty is of cup against ball and of the arm's stop: each cup is clamped at a stop of its own,
     which shares its configuration with no other.
+
+    Attributes
+    ----------
+    anchor : ndarray of int, shape (n,)
+        Index in the structure's anchors.
     """
 
     quantity: ClassVar[str] = "position"
     table: ClassVar[str] = "setup"
     components: ClassVar[int] = 3
 
-    anchor: IntArray  # (n,) index in the structure's anchors
+    anchor: IntArray
 
     def result(self, structure: Structure, values: FloatArray, previous: BlockResult | None) -> BlockResult:
         """Return how far each cup is from the ball [mm], shape (n, 3), and derivatives."""
@@ -132,6 +151,7 @@ def side_block(fixture: FixtureLengths, anchors: Anchors, nests: int, robot: Rob
     if rows.size == 0:
         return None
     length = fixture.length_mm[rows]
+    # Numbers that no configuration of a campaign has: no fold leaves a side out, no stop shares with it.
     stops = Stops(-1 - np.arange(len(rows)), np.zeros((len(rows), robot.n_joints)))
     targets = Targets(stops, np.ones(len(rows), dtype=np.int64), length_mm=length)
     return SideBlock(

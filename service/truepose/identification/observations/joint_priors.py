@@ -1,4 +1,17 @@
-"""What is believed of parameters together, as readings of sums of them: one a row, each of variance 1."""
+"""What is believed of parameters together, as readings of sums of them: one a row, each of variance 1.
+
+A belief of Q parameters has mean m and covariance S. Its rows a and readings z, one for each direction of
+which it knows more than was stated, enter as
+
+    residual = z - a . p        variance 1
+
+so that they and the stated priors together are the belief (`problem.build`). Of a robot of the type the
+estimate p with covariance C then lies off the mean by
+
+    (p - m)' (S - C)^+ (p - m)  ~  chi-square
+
+over the directions of which readings have taught something.
+"""
 
 from dataclasses import dataclass
 from typing import ClassVar, Final, NamedTuple, Self
@@ -17,27 +30,51 @@ _TAUGHT: Final = 0.01  # share of a direction's variance that readings took away
 
 
 class Unlikeness(NamedTuple):
-    """How far a robot lies off what is believed of its type."""
+    """How far a robot lies off what is believed of its type.
 
-    chance: float  # that a robot of the type lies as far off
-    parameter: str  # that lies off most
-    off_u: float  # by how much, in the standard uncertainties of what readings taught
+    Attributes
+    ----------
+    chance : float
+        That a robot of the type lies as far off, 0 to 1.
+    parameter : str
+        That lies off most.
+    off_u : float
+        By how much, in the standard uncertainties of what readings taught.
+    """
+
+    chance: float
+    parameter: str
+    off_u: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class BeliefBlock(Block):
-    """Sums of parameters and what they are believed to be; none is ever gross, and each counts in full."""
+    """Sums of parameters and what they are believed to be; none is ever gross, and each counts in full.
+
+    Attributes
+    ----------
+    names : tuple of str, length Q
+        Of the parameters.
+    rows : ndarray, shape (S, Q)
+        Sums of them, per internal unit of each.
+    read : ndarray, shape (S,)
+        What the sums are believed to be [1].
+    mean : ndarray, shape (Q,)
+        What is believed of the parameters altogether, internal units.
+    believed : ndarray, shape (Q, Q)
+        Its covariance.
+    """
 
     quantity: ClassVar[str] = QUANTITY
     table: ClassVar[str] = "belief"
     components: ClassVar[int] = 1
     of_arm: ClassVar[bool] = False
 
-    names: tuple[str, ...]  # of the Q parameters
-    rows: FloatArray  # (S, Q) sums of them, per unit
-    read: FloatArray  # (S,)
-    mean: FloatArray  # (Q,) what is believed of them altogether
-    believed: FloatArray  # (Q, Q) its covariance
+    names: tuple[str, ...]
+    rows: FloatArray
+    read: FloatArray
+    mean: FloatArray
+    believed: FloatArray
 
     def result(self, structure: Structure, values: FloatArray, previous: BlockResult | None) -> BlockResult:
         """Return residuals and derivatives; parameters that a structure lacks stand at 0."""
@@ -96,12 +133,30 @@ class BeliefBlock(Block):
         """Return how far a robot that was identified with the belief lies off it.
 
         Of a robot of the type the estimate p lies off the mean m by as much as the readings taught,
-        p - m ~ N(0, S - C), with the belief's covariance S and the estimate's C (R. A. Johnson,
-        D. W. Wichern, Applied Multivariate Statistical Analysis, 6th ed., 2007, section 4.6).
+        p - m ~ N(0, S - C), with the belief's covariance S and the estimate's C.
+
+        Parameters
+        ----------
+        structure : Structure
+            Of the fit, with all Q parameters.
+        values : ndarray, shape (P,)
+            Internal units.
+        covariance : ndarray, shape (P, P)
+            Of the values.
+
+        Returns
+        -------
+        Unlikeness
+            With a chance of 1 where readings taught nothing.
+
+        References
+        ----------
+        R. A. Johnson, D. W. Wichern, Applied Multivariate Statistical Analysis, 6th ed., 2007, section 4.6.
         """
         at = np.array([structure.names.index(name) for name in self.names], dtype=np.int64)
         off = values[at] - self.mean
         taught = self.believed - covariance[np.ix_(at, at)]
+        # In units of the belief: of its directions those are asked that readings made narrower.
         root = np.linalg.cholesky(self.believed)
         white = np.linalg.solve(root, np.linalg.solve(root, taught).T)
         share, turns = np.linalg.eigh(0.5 * (white + white.T))
@@ -119,7 +174,17 @@ def belief_block(
     believed: tuple[FloatArray, FloatArray],
     n_joints: int,
 ) -> BeliefBlock:
-    """Return the block of Q named parameters: S sums (S, Q) with what they are, and mean and covariance."""
+    """Return the block of Q named parameters.
+
+    Parameters
+    ----------
+    names : tuple of str
+    told : tuple of ndarray, shapes (S, Q) and (S,)
+        Sums of the parameters, and what they are, each of variance 1.
+    believed : tuple of ndarray, shapes (Q,) and (Q, Q)
+        Mean and covariance of the parameters, internal units.
+    n_joints : int
+    """
     rows, read = told
     n = len(read)
     # Numbers that no configuration of an arm has: nothing is shared with one.

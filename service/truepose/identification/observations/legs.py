@@ -1,8 +1,20 @@
 """Legs as observations: measured lengths from base nests, which are parameters themselves, to tool nests.
 
+With the tool nest at p, the base nest (anchor) at b, the constant c that is added to every length and x what
+effects say that a length reads too much,
+
+    length = |p - b| + c + x
+
 What a model of an arm lacks is angles of joints first of all: gears, backlash, couplings. The lengths of a
 stop see such an angle together, each at its own lever; a discrepancy of d mm is one of d / 400 mm in every
-joint, and besides a part of d in each length by itself, for what is no angle of a joint.
+joint, and besides a part of d in each length by itself, for what is no angle of a joint. With u the stated
+uncertainty, s the arm's scatter, e the direction of a length and l_j its lever of joint j, lengths of a stop
+have
+
+    cov = diag(u^2 + (0.6 d)^2) + s^2 e . e' + sum over j (d / 400 mm)^2 l_j l_j'
+
+and one that is alone at its stop u^2 + d^2 + s^2. Without the shared part six legs would count as six
+witnesses where they are six views of one error (docs/decisions/0017).
 """
 
 from dataclasses import dataclass, replace
@@ -19,6 +31,7 @@ from truepose.identification.model.structure import LEG_OFFSET, Structure, ancho
 from truepose.identification.observations.blocks import Block, BlockResult, Whitener, whitener
 from truepose.kinematics.chain import theta_gradient
 
+# Turns a discrepancy in mm, which is what other readings have, into an angle.
 _ARM_MM = 400.0
 _OWN_SHARE = 0.6
 
@@ -29,12 +42,17 @@ class LengthBlock(Block):
 
     Certified tool nests are parameters too, and what is read against has no known place in the world:
     nothing moves these lengths that is held.
+
+    Attributes
+    ----------
+    uncertainty_mm : ndarray, shape (n,)
+        Standard uncertainty of each, as stated.
     """
 
     quantity: ClassVar[str] = "length"
     components: ClassVar[int] = 1
 
-    uncertainty_mm: FloatArray  # (n,)
+    uncertainty_mm: FloatArray
 
     def covariance(self) -> FloatArray:
         """Return the variance of each length, shape (n, 1, 1) [mm2]."""
@@ -60,7 +78,16 @@ class LengthBlock(Block):
         return np.asarray(result.residual[:, 0] ** 2 / (self.component_variance() + self.scatter_mm**2))
 
     def whitening(self, direction: FloatArray, lever_mm: FloatArray) -> Whitener:
-        """Return the weights of lengths that grow along `direction` (n, 3), with angles by `lever_mm`."""
+        """Return the weights of lengths.
+
+        Parameters
+        ----------
+        direction : ndarray, shape (n, 3)
+            Along which they grow with the tool's place.
+        lever_mm : ndarray, shape (n, J)
+            By which they grow with the angle of each joint [mm/rad].
+        """
+        # Alone at its stop a length has nobody to share with: the whole discrepancy is its own.
         together = self._together()
         part = np.where(together, _OWN_SHARE, 1.0) * self.discrepancy
         own = (self.uncertainty_mm**2 + part**2)[:, None, None]
@@ -76,12 +103,19 @@ class LengthBlock(Block):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LegBlock(LengthBlock):
-    """Measured lengths from base nests, which are parameters themselves, to tool nests."""
+    """Measured lengths from base nests, which are parameters themselves, to tool nests.
+
+    Attributes
+    ----------
+    anchor : ndarray of int, shape (n,)
+        Index in the structure's anchors.
+    length_mm : ndarray, shape (n,)
+    """
 
     table: ClassVar[str] = "legs"
 
-    anchor: IntArray  # (n,) index in the structure's anchors
-    length_mm: FloatArray  # (n,)
+    anchor: IntArray
+    length_mm: FloatArray
 
     def result(self, structure: Structure, values: FloatArray, previous: BlockResult | None) -> BlockResult:
         """Return residuals [mm] and derivatives."""
@@ -130,6 +164,15 @@ def leg_targets(legs: LegReadings) -> Targets:
 
 def leg_block(legs: LegReadings, scatter_mm: float, anchors: tuple[tuple[int, int], ...]) -> LegBlock:
     """Return the block of leg readings for a structure with these anchors.
+
+    Parameters
+    ----------
+    legs : LegReadings
+        n of them.
+    scatter_mm : float
+        Of the arm per axis, beside what the readings state.
+    anchors : tuple of (placement, base point)
+        Of the structure, in its order.
 
     Raises
     ------

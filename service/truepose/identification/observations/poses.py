@@ -32,17 +32,29 @@ from truepose.kinematics.frames import cross_matrix, rotation_from_quaternion, v
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PositionBlock(Block):
-    """Measured nest positions."""
+    """Measured nest positions.
+
+    Attributes
+    ----------
+    measured_mm : ndarray, shape (n, 3)
+        World frame.
+    covariance_mm2 : ndarray, shape (n, 3, 3)
+        Of the readings alone.
+    lone_mm2 : ndarray, shape (n,), or None
+        Variance per axis with the arm's scatter, where no reading has a fellow at its stop or an axis of its
+        own.
+    ready : Whitener or None
+        The whitening, computed once.
+    """
 
     quantity: ClassVar[str] = "position"
     table: ClassVar[str] = "calibration"
     components: ClassVar[int] = 3
 
-    measured_mm: FloatArray  # (n, 3)
-    covariance_mm2: FloatArray  # (n, 3, 3) of the readings alone
-    # (n,) per axis with the arm's scatter, where no reading has a fellow at its stop or an axis of its own
+    measured_mm: FloatArray
+    covariance_mm2: FloatArray
     lone_mm2: FloatArray | None = None
-    ready: Whitener | None = None  # the whitening, computed once
+    ready: Whitener | None = None
 
     def result(self, structure: Structure, values: FloatArray, previous: BlockResult | None) -> BlockResult:
         """Return residuals [mm] and derivatives."""
@@ -125,7 +137,20 @@ class PositionBlock(Block):
 
 
 def position_block(points: PointReadings, scatter_mm: float) -> PositionBlock:
-    """Return the block of position readings, the arm's scatter [mm] per axis beside what they state."""
+    """Return the block of position readings.
+
+    Parameters
+    ----------
+    points : PointReadings
+        n of them.
+    scatter_mm : float
+        Of the arm per axis, beside what the readings state.
+
+    Returns
+    -------
+    PositionBlock
+        With the covariance that each reading states, else the same uncertainty along all axes.
+    """
     covariance = points.covariance_mm2
     if covariance is None:
         covariance = points.standard_uncertainty_mm[:, None, None] ** 2 * np.eye(3)
@@ -150,13 +175,19 @@ _UNSTATED_RAD = 1e-3  # first guess of an orientation's uncertainty; the residua
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class OrientationBlock(IndependentReadings):
-    """Measured orientations of the tool; an uncertainty of 0 is only known from the residuals."""
+    """Measured orientations of the tool; an uncertainty of 0 is only known from the residuals.
+
+    Attributes
+    ----------
+    measured : ndarray, shape (n, 3, 3)
+        Of the tool in the world.
+    """
 
     quantity: ClassVar[str] = "orientation"
     table: ClassVar[str] = "calibration"
     components: ClassVar[int] = 3
 
-    measured: FloatArray  # (n, 3, 3)
+    measured: FloatArray
 
     def result(self, structure: Structure, values: FloatArray, previous: BlockResult | None) -> BlockResult:
         """Return residuals as rotation vectors in the world [rad] and derivatives."""
@@ -183,6 +214,7 @@ def _log_gradient(vector: FloatArray) -> FloatArray:
     Source: J. Sola, J. Deray, D. Atchuthan, arXiv 1812.01537, 2018, equation 144.
     """
     angle = np.linalg.norm(vector, axis=1)[:, None, None]
+    # Below it both terms are large and nearly equal; their limit is 1/12, right to 1e-11.
     safe = np.maximum(angle, 1e-4)
     second = np.where(
         angle > 1e-4, 1.0 / safe**2 - (1.0 + np.cos(safe)) / (2.0 * safe * np.sin(safe)), 1.0 / 12.0
@@ -192,7 +224,19 @@ def _log_gradient(vector: FloatArray) -> FloatArray:
 
 
 def orientation_block(points: PointReadings) -> OrientationBlock | None:
-    """Return the block of orientations; None where none was measured."""
+    """Return the block of orientations.
+
+    Parameters
+    ----------
+    points : PointReadings
+        With quaternions (n, 4), w first.
+
+    Returns
+    -------
+    OrientationBlock or None
+        Uncertainty as stated [rad], the median of the others' where a reading states none; where no reading
+        does it is 0 and a discrepancy of 1 mrad the first guess. None where no orientation was measured.
+    """
     if points.quaternion is None:
         return None
     stated = points.rotation_uncertainty_rad
