@@ -59,13 +59,26 @@ from truepose.kinematics.frames import (
 
 @dataclass(frozen=True, slots=True)
 class Problem:
-    """What the solver needs."""
+    """What the solver needs.
+
+    Attributes
+    ----------
+    structure : Structure
+    blocks : tuple of Block
+        The readings that identify come first.
+    start : ndarray, shape (P,)
+        Internal units.
+    nominal_residual_mm : ndarray, shape (n, d)
+        Observed minus predicted, of the first block and the placed nominal robot.
+    setting : Setting
+        From which the effects chose their parameters.
+    """
 
     structure: Structure
     blocks: tuple[Block, ...]
-    start: FloatArray  # (P,)
-    nominal_residual_mm: FloatArray  # (n, d) of the placed nominal robot
-    setting: Setting  # from which the effects chose their parameters
+    start: FloatArray
+    nominal_residual_mm: FloatArray
+    setting: Setting
 
     @property
     def quantity(self) -> Quantity:
@@ -85,8 +98,14 @@ def build(campaign: Campaign, effects: tuple[str, ...], *, with_reference: bool 
     ----------
     campaign : Campaign
     effects : tuple of str
+        Names of effects that are registered.
     with_reference : bool
         Take readings of fixed nests as observations; they are in any case where an effect moves them.
+
+    Returns
+    -------
+    Problem
+        Times count from its first reading.
 
     Raises
     ------
@@ -154,11 +173,14 @@ def _check(campaign: Campaign, stops: Stops, effects: tuple[str, ...]) -> None:
 def _point_problem(campaign: Campaign, points: PointReadings, effects: tuple[str, ...]) -> Problem:
     chain = nominal_chain(campaign.robot, points.stops.joints_rad)
     known = known_placement(campaign)
+    # A base that is to be identified is searched for even where a nominal one is stated: it may stand
+    # elsewhere.
     search = replace(known, base=None) if BASE in effects else known
     placement = place(chain, points.nest, points.position_mm, search)
     found = placement.rotation if campaign.base_nominal is None else None
     setting = setting_of(campaign, points.stops, found)
     certified = campaign.tool_rotation_uncertainty_rad is not None
+    # Of a certified artefact readings are of the last frame itself: its turn is a parameter near 0.
     tool = np.eye(3) if certified else _tool_rotation(chain, placement, points)
     structure, start = started_structure(campaign, effects, placement, tool, setting)
     if certified:
@@ -184,7 +206,8 @@ def _tool_rotation(chain: Chain, placement: Placement, points: PointReadings) ->
     seen = rotation_from_quaternion(points.quaternion)
     in_last = np.swapaxes(placement.rotation @ chain.rotation[-1], 1, 2) @ seen
     middle = in_last[0]
-    for _ in range(3):  # the mean rotation, by means of rotation vectors about the last one
+    # By medians of rotation vectors about the last one, which a few gross orientations do not turn.
+    for _ in range(3):
         middle = middle @ _mean_turn(np.swapaxes(middle[None], 1, 2) @ in_last)
     return np.asarray(middle)
 
@@ -206,6 +229,7 @@ def _length_problem(
 
         structure, blocks, start = contact_structure(campaign, lengths, effects, setting)
     nominal = structure.without(tuple(name for name in effects if name not in NOMINAL_EFFECTS))
+    # Anchors and targets stay: without them a nominal robot predicts no length.
     keep = [structure.index_of(name) for name in nominal.names]
     residual = blocks[0].result(nominal, start[keep], None).residual
     return Problem(structure, blocks, start, residual, setting)
@@ -213,12 +237,24 @@ def _length_problem(
 
 @dataclass(frozen=True, slots=True)
 class JointPrior:
-    """Parameters as they are believed to be before a robot is measured; internal units."""
+    """Parameters as they are believed to be before a robot is measured; internal units.
 
-    specs: tuple[ParameterSpec, ...]  # as stated
-    owners: tuple[str, ...]  # effect of each
-    mean: FloatArray  # (Q,)
-    covariance: FloatArray  # (Q, Q)
+    Attributes
+    ----------
+    specs : tuple of ParameterSpec, length Q
+        As stated: name, unit, prior mean n and width w of each.
+    owners : tuple of str, length Q
+        Effect of each.
+    mean : ndarray, shape (Q,)
+        What is believed of all together, m.
+    covariance : ndarray, shape (Q, Q)
+        Of what is believed, S.
+    """
+
+    specs: tuple[ParameterSpec, ...]
+    owners: tuple[str, ...]
+    mean: FloatArray
+    covariance: FloatArray
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -226,9 +262,15 @@ class JointPrior:
         return tuple(spec.name for spec in self.specs)
 
     def beyond_stated(self) -> tuple[FloatArray, FloatArray]:
-        """Return rows (Q, Q) and readings (Q,) of what it knows beyond the stated priors.
+        """Return what it knows beyond the stated priors, as readings of variance 1.
 
-        Rows are per unit of each parameter.
+        Returns
+        -------
+        rows : ndarray, shape (Q, Q)
+            sqrt(l - 1) v' / w, per unit of each parameter; zeros for directions of which less is known than
+            stated.
+        read : ndarray, shape (Q,)
+            What rows times parameters are [1].
 
         Raises
         ------
@@ -249,6 +291,16 @@ class JointPrior:
 
 def with_belief(problem: Problem, belief: JointPrior) -> Problem:
     """Return the problem with what is believed of its parameters; those that it lacks are added.
+
+    Parameters
+    ----------
+    problem : Problem
+    belief : JointPrior
+
+    Returns
+    -------
+    Problem
+        With one further block, of the directions of which the belief knows more than was stated.
 
     Raises
     ------
@@ -275,7 +327,24 @@ def with_belief(problem: Problem, belief: JointPrior) -> Problem:
 
 
 def precision_of(structure: Structure, belief: JointPrior | None) -> FloatArray:
-    """Return what is known beforehand of a structure's parameters in their stated widths, shape (P, P)."""
+    """Return what is known beforehand of a structure's parameters.
+
+    Parameters
+    ----------
+    structure : Structure
+        With all parameters of the belief.
+    belief : JointPrior, optional
+
+    Returns
+    -------
+    ndarray, shape (P, P)
+        Inverse covariance in units of the stated widths: the identity without a belief.
+
+    Raises
+    ------
+    ConfigurationError
+        The covariance of the belief is none.
+    """
     precision = np.eye(len(structure.specs))
     if belief is None:
         return precision

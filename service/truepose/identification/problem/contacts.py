@@ -1,9 +1,14 @@
 """Identification from closed loops: readings against targets whose places are parameters too.
 
-Targets, unknown nests and the sensor's turn are found without a starting guess. For given nests every kind of
-target has a start that is linear in it; a coarse set of nests is tried where one is unknown, and what fits
-best is refined with a loss that far readings do not bend. A sensor's turn in the tool is what turns the
-places of the ball, as seen from it, onto its readings.
+Targets, unknown nests and the sensor's turn are found without a starting guess. With the nominal arm (R_n,
+o_n) at stop n and the nest t that takes part, the tool is at P_n = o_n + R_n t. For given nests every kind of
+target has a start that is linear in it (`observations.contact_targets`); a coarse set of nests is tried where
+one is unknown, and what fits best is refined with a loss that far readings do not bend. An arm that comes to
+each target k at one place C_k (gauges of a few millimetres' travel, small spheres) tells its nests at once:
+
+    o_n + R_n t - C_k = 0        linear in t and C_k
+
+A sensor's turn in the tool is what turns the places of the ball, as seen from it, onto its readings.
 """
 
 from dataclasses import dataclass, replace
@@ -39,26 +44,57 @@ _SUBSET = 400  # readings used for the search; plenty for some twenty unknowns
 
 @dataclass(frozen=True, slots=True)
 class ContactPlacement:
-    """Where the nominal robot puts targets and nests, and how it turns the sensor."""
+    """Where the nominal robot puts targets and nests, and how it turns the sensor.
+
+    Attributes
+    ----------
+    targets : tuple of Target
+        About what the parameters of each count from.
+    values : tuple of ndarray
+        Of the parameters of each, internal units.
+    nests_mm : ndarray, shape (K, 3)
+        Last frame.
+    tool_rotation : ndarray, shape (3, 3)
+        In the last frame.
+    """
 
     targets: tuple[Target, ...]
-    values: tuple[FloatArray, ...]  # of the parameters of each
-    nests_mm: FloatArray  # (K, 3)
-    tool_rotation: FloatArray  # (3, 3) in the last frame
+    values: tuple[FloatArray, ...]
+    nests_mm: FloatArray
+    tool_rotation: FloatArray
 
 
 @dataclass(frozen=True, slots=True)
 class Contacts:
-    """What was read, as the search looks at it."""
+    """What was read, as the search looks at it.
 
-    rotation: FloatArray  # (n, 3, 3) of the last frame in the world, nominal
-    origin_mm: FloatArray  # (n, 3)
-    nest: IntArray  # (n,) 1-based
-    target: IntArray  # (n,) index
-    axis: IntArray  # (n,)
-    reading_mm: FloatArray  # (n,)
-    nests_mm: FloatArray  # (K, 3)
-    nest_unknown: BoolArray  # (K,)
+    Attributes
+    ----------
+    rotation : ndarray, shape (n, 3, 3)
+        Of the last frame in the world, nominal.
+    origin_mm : ndarray, shape (n, 3)
+        Of the last frame.
+    nest : ndarray of int, shape (n,)
+        1-based.
+    target : ndarray of int, shape (n,)
+        Index in `targets`.
+    axis : ndarray of int, shape (n,)
+        Of the sensor, NO_AXIS where it has none.
+    reading_mm : ndarray, shape (n,)
+    nests_mm : ndarray, shape (K, 3)
+        Last frame; rows of unknown nests are ignored.
+    nest_unknown : ndarray of bool, shape (K,)
+    targets : tuple of Target
+    """
+
+    rotation: FloatArray
+    origin_mm: FloatArray
+    nest: IntArray
+    target: IntArray
+    axis: IntArray
+    reading_mm: FloatArray
+    nests_mm: FloatArray
+    nest_unknown: BoolArray
     targets: tuple[Target, ...]
 
     @property
@@ -81,7 +117,7 @@ class Contacts:
         return Probe(place, sensor_axes(self.rotation @ placement.tool_rotation, self.axis))
 
     def residual(self, unknowns: "_Unknowns") -> FloatArray:
-        """Return what is left of the readings, shape (n,)."""
+        """Return what is left of the readings, observed minus predicted [mm], shape (n,)."""
         placement = self.answer(unknowns)
         probe, left = self.probe(placement), self.reading_mm.copy()
         for number, (target, own) in enumerate(zip(placement.targets, placement.values, strict=True)):
@@ -119,10 +155,13 @@ def place_contacts(contacts: Contacts) -> ContactPlacement:
     Returns
     -------
     ContactPlacement
+        Of the smallest median residual among the starts that were refined.
     """
     starts = [_started(contacts, nests) for nests in _nests_to_try(contacts)]
     starts.sort(key=lambda start: _typical(contacts, start))
     ends = [_refined(contacts, start) for start in starts[:_REFINED]]
+    # A turn is told from targets that are in place already, and may be far from the one they were placed
+    # with.
     if contacts.turning:
         ends += [_refined(contacts, _turned(contacts, end)) for end in ends]
     return _centred(contacts.answer(min(ends, key=lambda end: _typical(contacts, end))))
@@ -216,7 +255,18 @@ def _turned(contacts: Contacts, unknowns: _Unknowns) -> _Unknowns:
 
 
 def spread_over_targets(target: IntArray) -> IntArray:
-    """Return rows of every target, few enough to search with, shape (m,)."""
+    """Return rows of every target, few enough to search with.
+
+    Parameters
+    ----------
+    target : ndarray of int, shape (n,)
+        Number or index of each reading's target.
+
+    Returns
+    -------
+    ndarray of int, shape (m,)
+        In order; 30 of each target at least, where it has as many.
+    """
     numbers = distinct_values(target)
     most = max(30, _SUBSET // len(numbers))
     chosen = []
@@ -230,9 +280,25 @@ def spread_over_targets(target: IntArray) -> IntArray:
 def contact_structure(
     campaign: Campaign, contacts: ContactReadings, effects: tuple[str, ...], setting: Setting
 ) -> tuple[Structure, tuple[Block, ...], FloatArray]:
-    """Place targets and unknown nests, and return structure, observations and start values, shape (P,).
+    """Place targets and unknown nests, and return structure, observations and start values.
 
     The contacts come first; certified distances follow where the campaign has them.
+
+    Parameters
+    ----------
+    campaign : Campaign
+    contacts : ContactReadings
+        Of the campaign.
+    effects : tuple of str
+    setting : Setting
+        Of campaign and stops.
+
+    Returns
+    -------
+    structure : Structure
+    blocks : tuple of Block
+    start : ndarray, shape (P,)
+        Internal units.
 
     Raises
     ------
@@ -269,6 +335,7 @@ def _placed(campaign: Campaign, contacts: ContactReadings, base: FramePlacement)
     targets = tuple(target for target in campaign.targets if target.number in touched)
     index = np.searchsorted(touched, contacts.target)
     targets = tuple(sorted(targets, key=_number))
+    # The search need not see thousands of readings: the fit that follows does.
     few = spread_over_targets(index)
     nominal = nominal_values(campaign.robot, contacts.stops.joints_rad[few])
     chain = forward(nominal, placement_rotation(base), placement_translation(base))

@@ -2,10 +2,10 @@
 
 For a given attachment, with nest places p_n, an anchor a and lengths l_n,
 
-    |p_n - a|^2 = (l_n - offset)^2
+    |p_n - a|^2 = (l_n - offset)^2        or, with offset 0,        -2 p_n . a + |a|^2 = l_n^2 - |p_n|^2
 
-is linear in the anchor a and |a|^2 once two readings are subtracted; a coarse set of attachments is tried,
-the best are refined robustly.
+which is linear in a and |a|^2, taken as unknowns of their own; a coarse set of attachments is tried, the best
+are refined robustly, the offset with them.
 
 An anchor whose place is told is started there. A few legs from nests that lie close together fit nearly as
 well to the anchor's image in the plane of the nests, and no refinement leads from one to the other.
@@ -39,10 +39,20 @@ _SCALE_MM = 2.0  # residuals beyond this count linearly: the size of a nominal r
 
 @dataclass(frozen=True, slots=True)
 class LegPlacement:
-    """Where the nominal robot puts anchors and nests."""
+    """Where the nominal robot puts anchors and nests.
 
-    anchors_mm: FloatArray  # (A, 3)
-    nests_mm: FloatArray  # (K, 3)
+    Attributes
+    ----------
+    anchors_mm : ndarray, shape (A, 3)
+        Base at the identity.
+    nests_mm : ndarray, shape (K, 3)
+        Last frame.
+    offset_mm : float
+        Added to every length.
+    """
+
+    anchors_mm: FloatArray
+    nests_mm: FloatArray
     offset_mm: float
 
 
@@ -171,7 +181,20 @@ _ANCHOR_WIDTH_MM = 10.0  # about the start found from the data, as for an unknow
 
 
 def leg_anchors(legs: LegReadings) -> tuple[tuple[tuple[int, int], ...], IntArray]:
-    """Return the distinct (placement, base point) pairs and the index of each reading among them."""
+    """Return the cups that legs are from.
+
+    Parameters
+    ----------
+    legs : LegReadings
+        n of them.
+
+    Returns
+    -------
+    anchors : tuple of (placement, base point)
+        Distinct, in order.
+    index : ndarray of int, shape (n,)
+        Of each reading's anchor among them.
+    """
     distinct = sorted(set(legs.cups))
     return tuple(distinct), np.array([distinct.index(cup) for cup in legs.cups])
 
@@ -179,9 +202,25 @@ def leg_anchors(legs: LegReadings) -> tuple[tuple[tuple[int, int], ...], IntArra
 def leg_structure(
     campaign: Campaign, legs: LegReadings, effects: tuple[str, ...], setting: Setting
 ) -> tuple[Structure, tuple[Block, ...], FloatArray]:
-    """Place anchors and unknown nests, and return structure, observations and start values, shape (P,).
+    """Place anchors and unknown nests, and return structure, observations and start values.
 
     The legs come first; sides of triangles and clamped cups follow as far as the campaign has them.
+
+    Parameters
+    ----------
+    campaign : Campaign
+    legs : LegReadings
+        Of the campaign.
+    effects : tuple of str
+    setting : Setting
+        Of campaign and stops.
+
+    Returns
+    -------
+    structure : Structure
+    blocks : tuple of Block
+    start : ndarray, shape (P,)
+        Internal units.
 
     Raises
     ------
@@ -195,6 +234,7 @@ def leg_structure(
         )
     anchors, index = leg_anchors(legs)
     known = known_placement(campaign)
+    # A ballbar is set on its calibrator; a draw wire reads from a zero that nobody states.
     with_offset = campaign.ballbar_nominal_mm is None
     found = place_legs(
         nominal_chain(campaign.robot, legs.stops.joints_rad),
@@ -240,6 +280,7 @@ def _fixture_blocks(campaign: Campaign, anchors: tuple[tuple[int, int], ...]) ->
     if fixture is not None:
         blocks.append(side_block(fixture, anchors, len(campaign.nests), campaign.robot))
     if setup is not None and clamped_mm is not None:
+        # The arm stood where it came to stand, not where it was sent: its scatter is in the cup's place.
         off_mm = float(np.hypot(clamped_mm, campaign.robot.repeatability_mm))
         blocks.append(clamp_block(setup, anchors, off_mm))
     return [block for block in blocks if block is not None]

@@ -33,13 +33,27 @@ _DEPENDENT = 1e-12  # of the largest eigenvalue: a sum of squares below it is ro
 
 @dataclass(frozen=True, slots=True)
 class Placement:
-    """Base and nests that place the nominal robot best, and what is left."""
+    """Base and nests that place the nominal robot best, and what is left.
 
-    rotation: FloatArray  # (3, 3) of the base
-    origin_mm: FloatArray  # (3,)
-    nests_mm: FloatArray  # (K, 3)
-    residual_mm: FloatArray  # (n, 3) observation minus prediction, world frame
-    weights: FloatArray  # (n,) final robust weights
+    Attributes
+    ----------
+    rotation : ndarray, shape (3, 3)
+        Of the base in the world.
+    origin_mm : ndarray, shape (3,)
+        Of the base in the world.
+    nests_mm : ndarray, shape (K, 3)
+        Last frame.
+    residual_mm : ndarray, shape (n, 3)
+        Observation minus prediction, world frame.
+    weights : ndarray, shape (n,)
+        Final robust weights, 0 to 1.
+    """
+
+    rotation: FloatArray
+    origin_mm: FloatArray
+    nests_mm: FloatArray
+    residual_mm: FloatArray
+    weights: FloatArray
 
     @property
     def typical_mm(self) -> float:
@@ -49,11 +63,20 @@ class Placement:
 
 @dataclass(frozen=True, slots=True)
 class PriorPlacement:
-    """What is known of base and nests beforehand."""
+    """What is known of base and nests beforehand.
 
-    base: tuple[FloatArray, FloatArray] | None  # rotation (3, 3), origin (3,) [mm]
-    nests_mm: FloatArray  # (K, 3); rows of unknown nests are ignored
-    nest_unknown: BoolArray  # (K,)
+    Attributes
+    ----------
+    base : tuple of ndarray, shapes (3, 3) and (3,), or None
+        Rotation, and origin [mm] in the world; None: to be found.
+    nests_mm : ndarray, shape (K, 3)
+        Last frame; rows of unknown nests are ignored.
+    nest_unknown : ndarray of bool, shape (K,)
+    """
+
+    base: tuple[FloatArray, FloatArray] | None
+    nests_mm: FloatArray
+    nest_unknown: BoolArray
 
 
 def place(chain: Chain, nest: IntArray, measured_mm: FloatArray, known: PriorPlacement) -> Placement:
@@ -63,14 +86,17 @@ def place(chain: Chain, nest: IntArray, measured_mm: FloatArray, known: PriorPla
     ----------
     chain : Chain
         Nominal chain at n configurations in the base frame (base at the identity).
-    nest : ndarray, shape (n,)
+    nest : ndarray of int, shape (n,)
         1-based.
     measured_mm : ndarray, shape (n, 3)
-    known : Known
+        World frame.
+    known : PriorPlacement
+        A base that is known is held.
 
     Returns
     -------
     Placement
+        What no reading tells, such as a nest that was never measured, is 0.
     """
     form = _Form(chain.rotation[-1], chain.origin[-1], nest, measured_mm, known)
     weights = np.ones(len(nest))
@@ -90,6 +116,7 @@ def _robust_rounds(
     """Weigh far readings down and take a step, by turns, until the weights stay."""
     for _ in range(_ROBUST_ROUNDS):
         lengths = np.linalg.norm(form.residual(rotation, form.reduced(weights)), axis=0)
+        # Readings without any error would leave a scale of 0 to divide by.
         scale = max(1.4826 * float(np.median(lengths)), 1e-9)
         before, weights = weights, 1.0 / (1.0 + (lengths / (2.0 * scale)) ** 2)
         if searched:
@@ -100,7 +127,25 @@ def _robust_rounds(
 
 
 def quick_typical_mm(chain: Chain, nest: IntArray, measured_mm: FloatArray, known: PriorPlacement) -> float:
-    """Median residual of the least-squares placement, without robust weights: to compare hypotheses [mm]."""
+    """Return the median residual of the least-squares placement, without robust weights.
+
+    So hypotheses are compared, of which there are hundreds.
+
+    Parameters
+    ----------
+    chain : Chain
+        Nominal chain at n configurations in the base frame (base at the identity).
+    nest : ndarray of int, shape (n,)
+        1-based.
+    measured_mm : ndarray, shape (n, 3)
+        World frame.
+    known : PriorPlacement
+
+    Returns
+    -------
+    float
+        Median length of the residuals [mm].
+    """
     form = _Form(chain.rotation[-1], chain.origin[-1], nest, measured_mm, known)
     reduced = form.reduced(np.ones(len(nest)))
     rotation = known.base[0] if known.base is not None else _best_rotation(reduced, _FEW_STARTS)
@@ -187,6 +232,7 @@ def _step(q: FloatArray, reduced: _Reduced) -> FloatArray:
     gradient = tangent @ (flat @ reduced.normal - reduced.right)[:, :, None]
     hessian = tangent @ reduced.normal @ np.swapaxes(tangent, 1, 2)
     slope = np.trace(hessian, axis1=1, axis2=2)[:, None, None]
+    # Motions of one joint alone leave a turn about its axis open: the step must be finite all the same.
     hessian += (1e-9 * slope + np.finfo(float).tiny) * np.eye(3)  # also where no rotation matters
     step = -np.linalg.solve(hessian, gradient)[:, :, 0]
     length = np.sqrt((step**2).sum(axis=1, keepdims=True))
@@ -206,6 +252,7 @@ class _Form:
     ) -> None:
         self._known, self._held = known, np.repeat(~known.nest_unknown, 3)
         self._nests = np.where(known.nest_unknown[:, None], 0.0, known.nests_mm)
+        # Counted from the middle of the readings: an origin of the world that is far away costs no digits.
         self._about = measured.mean(axis=0) if known.base is None else known.base[1]
         target = origin + np.einsum("nij,nj->ni", rotation, self._nests[nest - 1])
         rows = [-np.where(nest == k + 1, rotation.T, 0.0) for k in np.flatnonzero(known.nest_unknown)]
@@ -221,6 +268,7 @@ class _Form:
         """Return what is left of the sum of squares for given weights (n,)."""
         rows, c = self._rows.reshape(len(self._rows), -1), self._eliminated
         sums = (self._rows * weights).reshape(rows.shape) @ rows.T
+        # What readings tell only together is shared out with the least length; what none tells is 0.
         solved = -np.linalg.pinv(sums[:c, :c], rcond=_DEPENDENT, hermitian=True) @ sums[:c, c:]
         left = sums[c:, c:] + sums[c:, :c] @ solved
         return _Reduced(left[:9, :9], -left[:9, 9], solved[:, :9], -solved[:, 9])

@@ -1,4 +1,17 @@
-"""What a campaign knows before any fit, and the structure and start values that follow from it."""
+"""What a campaign knows before any fit, and the structure and start values that follow from it.
+
+Parameters of base and tool are found by the placement and begin there; those of all other effects begin at
+their prior mean. Base and tool are turned by RotX RotY RotZ about a start rotation,
+
+    R = RotX(rx) RotY(ry) RotZ(rz) R_start        |ry| < 80 deg, else R_start = R and all three are 0
+
+A measured triangle of the tool is held against the certificates of its nests: with sides l of uncertainty u_l
+between nests certified c_a, c_b to u_a, u_b,
+
+    chi2 = sum (l - |c_a - c_b|)^2 / (u_l^2 + u_a^2 + u_b^2)
+
+and where k sides give more than chance at 0.1 % allows, the certificates are widened by sqrt(chi2 / k).
+"""
 
 import numpy as np
 
@@ -41,7 +54,7 @@ def has_orientations(campaign: Campaign) -> bool:
 
 
 def known_placement(campaign: Campaign) -> PriorPlacement:
-    """Return what the campaign says of base and nests."""
+    """Return what the campaign says of base and nests; the centres of unknown nests are zeros."""
     unknown = np.array([nest.centre_mm is None for nest in campaign.nests])
     centres = np.array([nest.centre_mm or (0.0, 0.0, 0.0) for nest in campaign.nests])
     base = campaign.base_nominal
@@ -70,9 +83,15 @@ def setting_of(campaign: Campaign, stops: Stops, base_rotation: FloatArray | Non
     ----------
     campaign : Campaign
     stops : Stops
+        At which the robot was measured.
     base_rotation : ndarray, shape (3, 3), optional
         Of the base as found from the data, which says where gravity points; without it the campaign's,
         and the world's where the campaign has none.
+
+    Returns
+    -------
+    Setting
+        With the largest torque about each joint (J,) [N mm] over the stops; zeros where it is unknown.
     """
     known = outline(campaign)
     source, largest = known.torque_source, known.largest_torque_n_mm
@@ -83,6 +102,7 @@ def setting_of(campaign: Campaign, stops: Stops, base_rotation: FloatArray | Non
         rotation = base_rotation
         if rotation is None:
             rotation = np.eye(3) if base is None else base[0]
+        # In the frame of the robot's base, which is where the chain below has its own.
         gravity = rotation.T @ np.array(campaign.gravity_m_s2)
         chain = nominal_chain(campaign.robot, stops.joints_rad)
         largest = np.abs(gravity_torques(chain, campaign.robot.masses, gravity)).max(axis=0)
@@ -113,9 +133,27 @@ _CONTRADICTION_LEVEL = 1e-3  # at which a measured triangle is found to contradi
 def with_certified_nests(
     structure: Structure, start: FloatArray, campaign: Campaign, nest: IntArray
 ) -> tuple[Structure, FloatArray]:
-    """Let the certified ones among the nests (n,) of lengths move within their certificates."""
+    """Let the certified ones among the nests of lengths move within their certificates.
+
+    Parameters
+    ----------
+    structure : Structure
+    start : ndarray, shape (P,)
+        Internal units.
+    campaign : Campaign
+    nest : ndarray of int, shape (n,)
+        1-based, of each reading.
+
+    Returns
+    -------
+    structure : Structure
+    start : ndarray, shape (P + p,)
+        Nests begin where they are certified.
+    """
     known = sorted(set(distinct_values(nest).tolist()) - set(unknown_nests(campaign)))
     stated = {k: campaign.nests[k - 1].standard_uncertainty_mm for k in known}
+    # Beside lengths a certificate is the poorer statement: the tool's triangle is measured ten times finer
+    # (docs/decisions/0017).
     wider = _certificates_contradicted(campaign)
     specs = certificate_specs({k: wider * u for k, u in stated.items() if u})
     if not specs:
@@ -194,6 +232,7 @@ def started_structure(
         robot=campaign.robot,
         base_rotation=base_start[0],
         base_origin_mm=base_start[1],
+        # Unknown nests are parameters that count from the origin of the last frame.
         nests_mm=np.where(unknown[:, None], 0.0, placement.nests_mm),
         tool_rotation=tool_start,
         gravity_m_s2=np.array(campaign.gravity_m_s2),
@@ -210,6 +249,7 @@ def _about_start(
     specs: tuple[ParameterSpec, ...], owners: tuple[str, ...], start: FloatArray, *, base_found: bool
 ) -> tuple[ParameterSpec, ...]:
     """Put the priors of what was found from the data about where it was found."""
+    # About 0 the prior of a found base would pull it towards the world's origin, metres away.
     found = NOMINAL_EFFECTS if base_found else (TOOL,)
     return tuple(
         spec._replace(prior_mean=float(value)) if owner in found else spec
