@@ -2,7 +2,16 @@
 
 Every hypothesis changes what was read (units, handedness) or the table (sign, zero or coupling of a
 joint); base and unknown nests are then found anew (`placement`), and the typical residual of the
-nominal robot is compared. A robot's own errors leave some millimetres, a wrong convention tens.
+nominal robot is compared:
+
+    typical = median over the readings of |p - predicted|
+    reach = sum over the joints of |a| + |d|        plausible = 0.006 reach
+
+A hypothesis holds where it leaves less than a fifth of the typical residual, and less than is plausible. A
+robot's own errors leave some millimetres, a wrong convention tens.
+
+Most hypotheses need no search. Where a placement leaves less than a limit e at half of the readings, every
+two of these satisfy | |p_i - p_j| - |q_i - q_j| | < 2 e with q the predictions, wherever the base stands.
 """
 
 from collections.abc import Callable, Iterator, Mapping
@@ -35,11 +44,20 @@ _OF_ALL_READINGS: Final = {
 
 @dataclass(frozen=True, slots=True)
 class Evidence:
-    """Readings as the hypotheses see them."""
+    """Readings as the hypotheses see them.
 
-    joints_rad: FloatArray  # (n, J)
-    nest: IntArray  # (n,)
-    position_mm: FloatArray  # (n, 3)
+    Attributes
+    ----------
+    joints_rad : ndarray, shape (n, J)
+    nest : ndarray of int, shape (n,)
+        1-based.
+    position_mm : ndarray, shape (n, 3)
+        World frame.
+    """
+
+    joints_rad: FloatArray
+    nest: IntArray
+    position_mm: FloatArray
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,12 +70,22 @@ class Interpretation:
 
 @dataclass(frozen=True, slots=True)
 class Change:
-    """One change of convention; joints count from 0, nests from 1."""
+    """One change of convention; joints count from 0, nests from 1.
+
+    Attributes
+    ----------
+    kind : str
+        One of `KINDS`.
+    first, second : int
+        Joints or nests that it concerns.
+    amount : float
+        Factor of a coupling; shift of a zero [rad].
+    """
 
     kind: str
     first: int = 0
     second: int = 0
-    amount: float = 0.0  # factor of a coupling; shift of a zero [rad]
+    amount: float = 0.0
 
     @property
     def sentence(self) -> Message:
@@ -133,7 +161,16 @@ def _other_way(change: Change, meant: Interpretation) -> Interpretation:
 
 
 def with_zero(robot: Robot, joint: int, shift_rad: float) -> Robot:
-    """Return the robot with the zero of one joint (0-based) moved."""
+    """Return the robot with the zero of one joint moved.
+
+    Parameters
+    ----------
+    robot : Robot
+    joint : int
+        0-based.
+    shift_rad : float
+        Added to the theta offset of its row.
+    """
     rows = list(robot.joints)
     rows[joint] = replace(rows[joint], theta_offset_rad=rows[joint].theta_offset_rad + shift_rad)
     return replace(robot, joints=tuple(rows))
@@ -163,19 +200,36 @@ _COLLAPSED = 0.02  # readings that spread so much less than the flange are in an
 
 
 def reach_mm(robot: Robot) -> float:
-    """Sum of the link lengths: what a residual is compared with."""
+    """Return the sum of the link lengths [mm]: what a residual is compared with."""
     return float(sum(abs(row.a_mm) + abs(row.d_mm) for row in robot.joints))
 
 
 def plausible_mm(robot: Robot) -> float:
-    """Typical residual that a nominal robot of this size may leave [mm]."""
+    """Return the typical residual that a nominal robot of this size may leave [mm]."""
     return _PLAUSIBLE_SHARE * reach_mm(robot)
 
 
 def change_that_fits(
     robot: Robot, evidence: Evidence, known: PriorPlacement, *, search_zeros: bool = True
 ) -> Change | None:
-    """Return the change that makes the nominal robot fit, None where none does."""
+    """Return the change that makes the nominal robot fit, None where none does.
+
+    Parameters
+    ----------
+    robot : Robot
+        Nominal.
+    evidence : Evidence
+    known : PriorPlacement
+        Of base and nests; the base is searched for anew.
+    search_zeros : bool
+        Whether a joint may count from another angle: ten times the work of all other changes.
+
+    Returns
+    -------
+    Change or None
+        That of the smallest typical residual; metres at once, where readings hardly spread beside the arm.
+    """
+    # A base that was stated is stated in a convention, too.
     free = replace(known, base=None)
     if spread_mm(evidence.position_mm) < _COLLAPSED * spread_mm(
         nominal_chain(robot, evidence.joints_rad).origin[-1]
@@ -194,7 +248,17 @@ def change_that_fits(
 
 
 def spread_mm(points_mm: FloatArray) -> float:
-    """Mean distance of points from their centre."""
+    """Return the mean distance of points from their centre.
+
+    Parameters
+    ----------
+    points_mm : ndarray, shape (n, 3)
+
+    Returns
+    -------
+    float
+        [mm]
+    """
     return float(np.linalg.norm(points_mm - points_mm.mean(axis=0), axis=1).mean())
 
 
@@ -207,17 +271,39 @@ def thinned(evidence: Evidence) -> Evidence:
 
 
 def typical_mm(meant: Interpretation, known: PriorPlacement) -> float:
-    """Median residual of the nominal robot where it is placed best."""
+    """Return the median residual of the nominal robot where it is placed best.
+
+    Parameters
+    ----------
+    meant : Interpretation
+    known : PriorPlacement
+
+    Returns
+    -------
+    float
+        [mm]
+    """
     evidence = meant.evidence
     chain = nominal_chain(meant.robot, evidence.joints_rad)
     return quick_typical_mm(chain, evidence.nest, evidence.position_mm, known)
 
 
 def may_leave(meant: Interpretation, known: PriorPlacement, limit_mm: float) -> bool:
-    """Whether the typical residual may be below a limit, wherever the robot is placed; no search is needed.
+    """Return whether the typical residual may be below a limit, wherever the robot is placed: no search.
 
     Then half of the readings are nearer to where they are predicted than the limit, and every two of these
     are as far apart as predicted to twice the limit. Unknown nests may be anywhere: of them nothing is told.
+
+    Parameters
+    ----------
+    meant : Interpretation
+    known : PriorPlacement
+    limit_mm : float
+
+    Returns
+    -------
+    bool
+        False only where a search is sure to leave more.
     """
     if known.nest_unknown.any():
         return True
@@ -262,6 +348,7 @@ def _of_joints(n_joints: int) -> Iterator[Change]:
 def _zero_that_fits(meant: Interpretation, known: PriorPlacement, limit_mm: float) -> Change | None:
     """Try other zeros of one joint: coarse steps, then golden sections around each joint's best."""
     best: tuple[float, int, float] = (limit_mm, 0, 0.0)
+    # A zero of joint 1 is a turn of the base, which is free.
     for joint in range(1, meant.robot.n_joints):
         steps = np.arange(-np.pi + _ZERO_STEP_RAD, np.pi + 1e-9, _ZERO_STEP_RAD)
         coarse = [_with_zero_mm(meant, known, joint, float(shift)) for shift in steps]

@@ -1,14 +1,19 @@
 """Which parameters, or combinations of them, the data do not determine, and why.
 
+With the posterior covariance C of the parameters and their stated prior widths w,
+
+    C~ = C / (w w') = V diag(l) V'
+
+a direction of V is undetermined when its standard uncertainty exceeds half its stated prior width: l > 1/4
+(docs/decisions/0004). These span a space; a sparse basis of it (one pivot parameter each, found by
+column-pivoted QR) says which parameters are seen only together.
+
 *Size of a closed loop.* Contacts with targets of unknown place are the same for an arm whose lengths, tool,
 targets and zeros are all larger by a factor, but for readings of a known size, which are small. Source: J. M.
 Hollerbach, C. W. Wampler, Int. J. Robotics Research 15(6), 1996, 573-591 (a loop without a length has no
-scale).
+scale). The direction of the size is, over the widths,
 
-A direction is undetermined when its standard uncertainty exceeds half its stated prior width: the
-eigenvectors of the posterior covariance, scaled by the widths, with eigenvalues above one quarter. They span
-a space; a sparse basis of it (one pivot parameter each, found by column-pivoted QR) says which parameters are
-seen only together.
+    s = (a_i / w(a_i), d_i / w(d_i), 0 elsewhere) / |...|
 """
 
 import numpy as np
@@ -28,9 +33,17 @@ _HARDLY_KNOWN = 0.2
 
 
 def size_direction(structure: Structure) -> FloatArray | None:
-    """Return how the parameters grow with the size of the arm, over their prior widths: a unit vector (P,).
+    """Return how the parameters grow with the size of the arm.
 
-    None where nothing of a length is a parameter.
+    Parameters
+    ----------
+    structure : Structure
+        With the stated prior widths.
+
+    Returns
+    -------
+    ndarray, shape (P,), or None
+        Unit vector over the prior widths [1]; None where nothing of a length is a parameter.
     """
     joints = structure.robot.joints
     lengths = {f"a_{k}": row.a_mm for k, row in enumerate(joints, start=1)}
@@ -41,7 +54,7 @@ def size_direction(structure: Structure) -> FloatArray | None:
 
 
 def size_left_open(structure: Structure, variances: FloatArray, directions: FloatArray) -> FloatArray | None:
-    """Return the direction of the size where it is hardly known, a unit vector (P,); else None.
+    """Return the direction of the size where it is hardly known.
 
     Parameters
     ----------
@@ -50,6 +63,12 @@ def size_left_open(structure: Structure, variances: FloatArray, directions: Floa
         Of the posterior over the prior widths, along each of its own directions.
     directions : ndarray, shape (P, P)
         These directions in columns, orthonormal.
+
+    Returns
+    -------
+    ndarray, shape (P,), or None
+        Unit vector over the prior widths, within the directions known to no better than a fifth of them; None
+        where the size is known better, or the readings are not against targets.
     """
     grown = size_direction(structure) if structure.targets else None
     if grown is None:
@@ -61,9 +80,19 @@ def size_left_open(structure: Structure, variances: FloatArray, directions: Floa
 
 
 def without(space: FloatArray, direction: FloatArray) -> FloatArray:
-    """Return the directions of a space (P, k) in columns that are across another one (P,), (P, k - 1).
+    """Return the directions of a space that are across another one.
 
-    All k of them where the other one is not among them.
+    Parameters
+    ----------
+    space : ndarray, shape (P, k)
+        Orthonormal directions in columns.
+    direction : ndarray, shape (P,)
+        Unit vector.
+
+    Returns
+    -------
+    ndarray, shape (P, k - 1)
+        Orthonormal; all k of them where the other one is not among them.
     """
     share = space.T @ direction
     if float(np.linalg.norm(share)) < _ALIKE:
@@ -103,11 +132,11 @@ def not_identifiable(
     structure : Structure
         With the stated prior widths.
     covariance : ndarray, shape (P, P)
-        Posterior with exactly these widths.
+        Posterior with exactly these widths, internal units.
     jacobian : ndarray, shape (P, m)
-        Whitened derivatives.
+        Whitened derivatives, per unit of each parameter.
     setting : Setting
-    moved : ndarray, shape (J,)
+    moved : ndarray of bool, shape (J,)
         Whether each joint moved.
 
     Returns
@@ -122,7 +151,19 @@ def not_identifiable(
 def left_open(
     structure: Structure, covariance: FloatArray, jacobian: FloatArray, moved: BoolArray
 ) -> tuple[NotIdentifiable, ...]:
-    """Name what these configurations leave open, others need not; parameters as above."""
+    """Name what these configurations leave open, others need not.
+
+    Parameters
+    ----------
+    structure : Structure
+        With the stated prior widths.
+    covariance : ndarray, shape (P, P)
+        Posterior with exactly these widths, internal units.
+    jacobian : ndarray, shape (P, m)
+        Whitened derivatives, per unit of each parameter.
+    moved : ndarray of bool, shape (J,)
+        Whether each joint moved.
+    """
     # What the readings leave open of a place within its certificate is nobody's question.
     certificates = effects_with(Trait.NUISANCE)
     held = certified_zeros(structure)
@@ -155,6 +196,7 @@ def _by_data(
     open_space = vectors[:, eigenvalues > UNDETERMINED**2]
     size = size_left_open(structure, eigenvalues, vectors)
     entries = [] if size is None else [_of_size(size * widths, jacobian, structure)]
+    # The size is told by its own name, and not once more as a part of other combinations.
     open_space = open_space if size is None else without(open_space, size)
     if open_space.shape[1] == 0:
         return entries
@@ -177,6 +219,7 @@ def _sparse_basis(space: FloatArray) -> FloatArray:
 
 def _pivots(space: FloatArray) -> list[int]:
     """Return one row for each column: every time the longest of what the rows before leave (pivoted QR)."""
+    # Eigenvectors of equal size are mixed at will: pivots bring out pairs that are seen only together.
     left, pivots = space, list[int]()
     for _ in range(space.shape[1]):
         lengths = np.linalg.norm(left, axis=1)
@@ -188,6 +231,7 @@ def _pivots(space: FloatArray) -> list[int]:
 
 def _members(direction: FloatArray, jacobian: FloatArray, structure: Structure) -> tuple[str, ...]:
     """Parameters that take part: each alone would move the predictions, together they hardly do."""
+    # Judged by what it moves, not by its share: units and widths of parameters differ by powers of ten.
     motion = np.linalg.norm(jacobian, axis=1) * np.abs(direction)
     by_width = np.abs(direction) / structure.prior_widths
     # A parameter that moves nothing at all is open by itself; its weight in the direction says so.

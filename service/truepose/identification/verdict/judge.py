@@ -2,8 +2,15 @@
 
 *Pure error* is what repeat measurements say about repeatability and about the model. Readings of one nest in
 one configuration and its revisits differ by noise and scatter alone. Their variance needs no model; the
-model's residuals beyond it are lack of fit (N. R. Draper, H. Smith, Applied Regression Analysis, 3rd ed.,
-1998, section 2.1).
+model's residuals r beyond it are lack of fit (N. R. Draper, H. Smith, Applied Regression Analysis, 3rd ed.,
+1998, section 2.1). With m the mean of the residuals of each group of repeats,
+
+    within = sum |r - m|^2        lack = sum |r|^2 - within
+    F = (lack / lack_dof) / (within / pure_dof)
+
+*Discrepancy.* What residuals show per component beyond all that was to be expected of them:
+
+    d^2 = mean of |r|^2 / d - (stated variance + scatter^2 + variance of the prediction)        0 at least
 
 Who identifies, validates, diagnoses or reports holds a model against readings here, the one place that asks
 of which kind they are. What answers for a kind is imported where it comes: most campaigns have one.
@@ -37,8 +44,14 @@ def statistics(residual_mm: FloatArray, noise_mm: float) -> Statistics:
     Parameters
     ----------
     residual_mm : ndarray, shape (n, d)
+        n >= 1.
     noise_mm : float
         Mean norm expected from the stated uncertainties alone.
+
+    Returns
+    -------
+    Statistics
+        [mm]; a single residual has a standard deviation of 0.
     """
     norms = np.linalg.norm(residual_mm, axis=1)
     return Statistics(
@@ -57,11 +70,21 @@ def expected_noise_mm(block: Block) -> float:
 
 
 def mean_norm(covariance: FloatArray) -> float:
-    r"""Mean length of normal vectors, averaged over n covariances, shape (n, d, d) with d of 1 or 3.
+    r"""Mean length of normal vectors, averaged over n covariances.
 
     E|x| = sqrt(8 / pi) R_G(l1, l2, l3) with the eigenvalues l of the covariance and Carlson's
     completely symmetric integral of the second kind (NIST DLMF 19.16.3: R_G is the mean of
-    sqrt(u^T L u) over the unit sphere); of a single component sqrt(2 l / pi). NaN where one is not known.
+    sqrt(u^T L u) over the unit sphere); of a single component sqrt(2 l / pi).
+
+    Parameters
+    ----------
+    covariance : ndarray, shape (n, d, d)
+        With d of 1 or 3 [mm2 or rad2].
+
+    Returns
+    -------
+    float
+        [mm or rad]; NaN where one of them is not known.
     """
     if not np.isfinite(covariance).all():
         return float("nan")
@@ -75,14 +98,22 @@ _NOTHING_MM2 = 1e-12  # readings of a simulator without noise: there is no pure 
 
 
 def pure_error(block: Block, residual_mm: FloatArray, n_parameters: int) -> PureError | None:
-    """Compare lack of fit with pure error; None without revisits.
+    """Compare lack of fit with pure error.
 
     Parameters
     ----------
     block : Block
+        With the weights of the fit: readings that do not count take no part.
     residual_mm : ndarray, shape (n, d)
         Of the identified model.
     n_parameters : int
+        Of the identified model.
+
+    Returns
+    -------
+    PureError or None
+        None without revisits, with fewer than 3 degrees of freedom of them or none of lack of fit, and where
+        repeats agree to rounding.
     """
     repeat_of = block.targets.stops.repeat_of
     if repeat_of is None or not np.any(repeat_of >= 0):
@@ -120,6 +151,11 @@ def observed(readings: Readings, scatter_mm: float, structure: Structure) -> Blo
     structure : Structure
         Of the model that they are held against.
 
+    Returns
+    -------
+    Block
+        With unit weights.
+
     Raises
     ------
     ConfigurationError
@@ -141,12 +177,21 @@ USUAL = 25.0  # typical squares; readings as far out as those found gross say no
 
 @dataclass(frozen=True, slots=True)
 class Assessment:
-    """n readings of d components against two models."""
+    """n readings of d components against two models.
+
+    Attributes
+    ----------
+    block : Block
+    nominal, identified : BlockResult
+        Residuals and derivatives of each model.
+    variance : ndarray, shape (n,)
+        Per component, of the identified predictions [mm2 or rad2].
+    """
 
     block: Block
     nominal: BlockResult
     identified: BlockResult
-    variance: FloatArray  # (n,) per component, of the identified predictions [mm2 or rad2]
+    variance: FloatArray
 
     @property
     def stops(self) -> Stops:
@@ -180,7 +225,13 @@ class Assessment:
         return np.asarray(self.block.component_variance() + self.block.scatter_mm**2)
 
     def pair(self, rows: BoolArray | None = None) -> NominalAndIdentified:
-        """Return the statistics before and after, of some of the readings (n,) alone where asked."""
+        """Return the statistics before and after.
+
+        Parameters
+        ----------
+        rows : ndarray of bool, shape (n,), optional
+            Of these readings alone.
+        """
         kept = np.ones(len(self.variance), dtype=bool) if rows is None else rows
         noise = expected_noise_mm(self.block.taken(np.flatnonzero(kept)))
         return NominalAndIdentified(
@@ -188,19 +239,30 @@ class Assessment:
         )
 
     def claimed_mm(self) -> float:
-        """Return the mean error that noise, scatter and what is said of the predictions let expect."""
+        """Return the mean error that noise, scatter and what is said of the predictions let expect [mm]."""
         own = self.variance + self.block.scatter_mm**2
         return mean_norm(self.block.covariance() + own[:, None, None] * np.eye(self.block.components))
 
     def discrepancy_mm(self) -> float:
-        """Return what residuals show per component beyond noise, scatter and the parameters' share."""
+        """Return what residuals show per component beyond noise, scatter and parameters' share [mm]; >= 0."""
         squared = (self.identified_mm**2).mean(axis=1)
+        # One reading far off would stand for a model that lacks as much everywhere.
         usual = squared <= USUAL * float(np.median(squared))
         beyond = squared - (self.noise_variance + self.variance)
         return float(np.sqrt(max(float(beyond[usual].mean()), 0.0)))
 
     def vectors_mm(self, residual_mm: FloatArray) -> FloatArray:
-        """Return residuals as vectors in the world, shape (n, 3): those of legs lie along the leg."""
+        """Return residuals as vectors in the world: those of legs lie along the leg.
+
+        Parameters
+        ----------
+        residual_mm : ndarray, shape (n, d)
+
+        Returns
+        -------
+        ndarray, shape (n, 3)
+            [mm]
+        """
         along = self.identified.direction
         return residual_mm if along is None else residual_mm * along
 
@@ -216,7 +278,8 @@ def judge_estimates(block: Block, nominal: Estimate, identified: Estimate) -> As
 
     Returns
     -------
-    Judged
+    Assessment
+        Its variance is that of the identified parameters alone.
     """
     before, after = (block.result(model.structure, model.values, None) for model in (nominal, identified))
     return Assessment(block, before, after, mean_variance(after.jacobian, identified.covariance))
@@ -237,7 +300,7 @@ def judge(model: Model, readings: Readings, scatter_mm: float) -> Assessment:
 
     Returns
     -------
-    Judged
+    Assessment
 
     Raises
     ------

@@ -29,11 +29,20 @@ _ACCIDENTS: Final = 0.2  # share of the readings beyond which they are none: the
 
 @dataclass(frozen=True, slots=True)
 class ReachableCampaign:
-    """A campaign without the readings that were set aside."""
+    """A campaign without the readings that were set aside.
+
+    Attributes
+    ----------
+    campaign : Campaign
+    outliers : tuple of Outlier
+        Set aside, by their rows in the table.
+    rows : ndarray of int, shape (m,)
+        Where the readings that are left stand in their table.
+    """
 
     campaign: Campaign
     outliers: tuple[Outlier, ...]
-    rows: IntArray  # (m,) where the readings that are left stand in their table
+    rows: IntArray
 
     @property
     def sentence(self) -> Text:
@@ -53,12 +62,23 @@ class ReachableCampaign:
 
 
 def within_reach(campaign: Campaign) -> ReachableCampaign:
-    """Set aside the readings that identify and that the arm cannot have reached, where they are few."""
+    """Set aside the readings that identify and that the arm cannot have reached, where they are few.
+
+    Parameters
+    ----------
+    campaign : Campaign
+
+    Returns
+    -------
+    ReachableCampaign
+        With all readings where more than a fifth are out of reach: then the table is of another robot.
+    """
     readings = campaign.readings
     if readings is None:
         return ReachableCampaign(campaign, (), np.zeros(0, dtype=np.int64))
     reach = _with_tool_mm(campaign)
     away_mm = _away_mm(readings)
+    # Before the fit: the square of a number of another order would leave no digits to the others.
     beyond = ~(away_mm <= _FAR * reach)  # also what is no number
     if beyond.mean() > _ACCIDENTS:
         beyond = np.zeros(len(readings), dtype=bool)
@@ -81,6 +101,7 @@ def _with_tool_mm(campaign: Campaign) -> float:
 def _away_mm(readings: Readings) -> FloatArray:
     """Return how far each reading is from the middle one of all it can be compared with [mm], shape (n,)."""
     away, seen_from = np.empty(len(readings)), readings.seen_from
+    # Lengths from different cups cannot be compared: each cup may stand anywhere.
     for number in distinct_values(seen_from):
         here = seen_from == number
         seen = readings.observed_mm[here]
@@ -141,6 +162,7 @@ def _rival(fit: RobustFit, number: int, row: int, places_mm: FloatArray, limit_m
     nest = _fitting_nest(fit, targets.taken(np.array([row])), places_mm[row], limit_mm)
     if nest:
         return message("gross.other_nest", nest=nest)
+    # Rows exchanged in a table: what was read here fits where another row says the arm was.
     distance = np.linalg.norm(fit.results[number].state.position_mm - places_mm[row], axis=1)
     distance[row] = np.inf
     other = int(np.argmin(distance))

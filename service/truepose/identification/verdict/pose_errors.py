@@ -2,7 +2,10 @@
 
 *Relative accuracy* is what is left of position errors once the base may stand anywhere. An absolute figure
 counts where the model believes the robot to stand, a relative one does not (thesis of A. Nubiola, 2014,
-section 1.1): whoever sets up a work object by the robot itself sees the relative one.
+section 1.1): whoever sets up a work object by the robot itself sees the relative one. With wanted places w
+and places p that were read,
+
+    e_n = p_n - (R w_n + t)        R, t the rigid motion of least sum |e_n|^2 (`kinematics.frames`)
 
 *Positions judge a model of lengths*, whose frame lengths alone leave open. Two answers: tied to the world by
 the cups that a tracker measured there, and after the best rigid alignment. Neither the cups nor the positions
@@ -48,7 +51,17 @@ _FEWEST: Final = 4  # three places on a plane are aligned to almost nothing
 
 
 def relative_errors(judged: Assessment) -> NominalAndIdentified | None:
-    """Return the statistics after the best rigid alignment; None of lengths, or of too few readings."""
+    """Return the statistics after the best rigid alignment.
+
+    Parameters
+    ----------
+    judged : Assessment
+
+    Returns
+    -------
+    NominalAndIdentified or None
+        [mm]; None of lengths, of fewer than four readings, or of places on a line.
+    """
     places = judged.block.place_mm
     if places is None:
         return None
@@ -81,13 +94,35 @@ def relative_statistics(wanted_mm: FloatArray, places_mm: FloatArray, noise_mm: 
 
 
 def aligned_errors(wanted_mm: FloatArray, places_mm: FloatArray) -> FloatArray:
-    """Return what the best rigid alignment leaves of errors, shape (n, 3) [mm]."""
+    """Return what the best rigid alignment leaves of errors.
+
+    Parameters
+    ----------
+    wanted_mm, places_mm : ndarray, shape (n, 3)
+        Where they should be, and where they were read; n >= 3.
+
+    Returns
+    -------
+    ndarray, shape (n, 3)
+        Read minus wanted [mm].
+    """
     rotation, translation = rigid_alignment(wanted_mm, places_mm)
     return np.asarray(places_mm - (wanted_mm @ rotation.T + translation))
 
 
 def rigid_motions(places_mm: FloatArray) -> FloatArray:
-    """Return how places move with shifts and small turns about their middle, shape (3 n, 6)."""
+    """Return how places move with shifts and small turns about their middle.
+
+    Parameters
+    ----------
+    places_mm : ndarray, shape (n, 3)
+
+    Returns
+    -------
+    ndarray, shape (3 n, 6)
+        Three shifts, then three turns over the largest coordinate about the middle, so that all columns are
+        of one size [1].
+    """
     arms = places_mm - places_mm.mean(axis=0)
     turns = np.cross(np.eye(3)[:, None], arms) / max(float(np.abs(arms).max()), 1.0)
     shifts = np.broadcast_to(np.eye(3)[:, None], turns.shape)
@@ -105,8 +140,16 @@ _OF_THE_TOOL = "tool_rx"
 def turn_errors(model: Model, readings: Readings | None) -> TurnPair | None:
     """Return the angles between measured orientations and those of a model.
 
-    None where none were read, and of a model that was made without: it does not know how the frame of the
-    readings is turned against the last one.
+    Parameters
+    ----------
+    model : Model
+    readings : PointReadings, LegReadings or ContactReadings, optional
+
+    Returns
+    -------
+    TurnPair or None
+        [rad]; None where no orientation was read, and of a model that was made without: it does not know how
+        the frame of the readings is turned against the last one.
     """
     if not isinstance(readings, PointReadings) or _OF_THE_TOOL not in {p.name for p in model.parameters}:
         return None
@@ -137,7 +180,7 @@ _FEWEST_POINTS = 3  # points, not on a line, that place a frame
 def judged_by_positions(
     campaign: Campaign, model: Model, cups: tuple[Anchor, ...] | None = None
 ) -> PositionsJudged | None:
-    """Judge a model of lengths on the positions of its campaign; None where there are too few.
+    """Judge a model of lengths on the positions of its campaign.
 
     Parameters
     ----------
@@ -146,6 +189,11 @@ def judged_by_positions(
     model : Model
     cups : tuple of Anchor, optional
         The base cups in the frame of the model; by default the model's own.
+
+    Returns
+    -------
+    PositionsJudged or None
+        [mm]; None of fewer than three positions. Tied figures are None with fewer than three cups.
     """
     points = campaign.validation
     if points is None or len(points) < _FEWEST_POINTS:

@@ -23,11 +23,21 @@ _SHORT_LIST = 3  # single changes after which a second one is looked for
 
 @dataclass(frozen=True, slots=True)
 class Match:
-    """A robot held against readings."""
+    """A robot held against readings.
 
-    robot: Robot  # as it was given
-    changes: tuple[Change, ...]  # that readings or table need for it
-    typical_mm: float  # median residual of the nominal robot, after them
+    Attributes
+    ----------
+    robot : Robot
+        As it was given.
+    changes : tuple of Change
+        That readings or table need for it.
+    typical_mm : float
+        Median residual of the nominal robot, after them.
+    """
+
+    robot: Robot
+    changes: tuple[Change, ...]
+    typical_mm: float
 
     @property
     def fits(self) -> bool:
@@ -43,7 +53,7 @@ def match(robot: Robot, evidence: Evidence, known: PriorPlacement, *, search_zer
     robot : Robot
         Of as many joints as the readings.
     evidence : Evidence
-    known : Known
+    known : PriorPlacement
         Of base and nests; the base is searched for anew.
     search_zeros : bool
         Whether a joint may count from another angle: ten times the work of all other changes.
@@ -102,11 +112,20 @@ def matches(robots: Sequence[Robot], evidence: Evidence, known: PriorPlacement) 
     """Return how robots of as many joints fit, the best first.
 
     One that fits as it is goes before all that need a change; then those with fewer changes go first.
+
+    Parameters
+    ----------
+    robots : sequence of Robot
+        Those of another number of joints are passed over.
+    evidence : Evidence
+    known : PriorPlacement
+        Of base and nests; the base is searched for anew.
     """
     able = [robot for robot in robots if robot.n_joints == evidence.joints_rad.shape[1]]
     free = replace(known, base=None)
     plain = [_unchanged(Interpretation(robot, thinned(evidence)), free) for robot in able]
     fitting = [one for one in plain if one.fits]
+    # Of many robots zeros are not searched for: that would be ten times the work for each of them.
     found = fitting or [match(robot, evidence, known, search_zeros=len(able) == 1) for robot in able]
     return tuple(sorted(found, key=lambda one: (not one.fits, len(one.changes), _share(one))))
 

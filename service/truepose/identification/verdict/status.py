@@ -1,4 +1,13 @@
-"""What an identification may claim: enough data, the right table, few enough gross readings, an end."""
+"""What an identification may claim: enough data, the right table, few enough gross readings, an end.
+
+What readings teach of a parameter of prior width w and posterior variance C is
+
+    1 - C / w^2        0 for its prior alone, 1 for the data alone
+
+and summed up over the parameters that were asked for, how many parameters' worth was learnt: less than one is
+nothing. Errors of the geometry beyond ten prior widths, and tables after whose identification more than
+0.0015 of the reach is left, are no robot's.
+"""
 
 import numpy as np
 
@@ -39,7 +48,14 @@ _FAR_WIDTHS = 3.0  # of the base's prior
 
 
 def too_few_data(campaign: Campaign, effects: tuple[str, ...]) -> Message | None:
-    """Return the sentence that says what is missing, None where there is enough to fit."""
+    """Return the sentence that says what is missing, None where there is enough to fit.
+
+    Parameters
+    ----------
+    campaign : Campaign
+    effects : tuple of str
+        Whose parameters are to be found.
+    """
     readings = campaign.readings
     if readings is None:
         return None
@@ -54,6 +70,7 @@ def too_few_data(campaign: Campaign, effects: tuple[str, ...]) -> Message | None
     observations = per_reading * different
     if configurations == 1:
         return message("status.one_configuration", readings=len(readings))
+    # An instrument that is stuck reads the same wherever the arm is; a probe that stops the arm may read 0.
     if readings.frozen_if_equal and np.ptp(readings.observed_mm, axis=0).max() < _SAME_MM:
         key = "status.same_position" if readings.quantity == "position" else "status.same_length"
         return message(key, readings=len(readings))
@@ -69,7 +86,14 @@ def too_few_data(campaign: Campaign, effects: tuple[str, ...]) -> Message | None
 
 
 def before_fitting(campaign: Campaign, problem: Problem) -> Message | None:
-    """Return the sentence of a wrong convention where the nominal robot cannot be placed at all."""
+    """Return the sentence of a wrong convention where the nominal robot cannot be placed at all.
+
+    Parameters
+    ----------
+    campaign : Campaign
+    problem : Problem
+        Whose nominal residuals [mm] are those of the placed robot.
+    """
     points = campaign.calibration
     if points is None:
         return None
@@ -97,11 +121,24 @@ def _evidence(points: PointReadings) -> Evidence:
 
 
 def outcome(campaign: Campaign, problem: Problem, identified: RobustFit) -> tuple[Status, Message]:
-    """Return status and message of a fit."""
+    """Return status and message of a fit.
+
+    Parameters
+    ----------
+    campaign : Campaign
+    problem : Problem
+    identified : RobustFit
+
+    Returns
+    -------
+    status : Status
+    message : Message
+    """
     share = float(np.mean(identified.gross[0]))
     typical = _typical(identified)
     gross = int(identified.gross[0].sum())
     n = len(identified.gross[0])
+    # Gross readings come first: where they dominate, no other figure of the fit means what it says.
     if share > _TOO_MANY_GROSS or _majority_gross(campaign, typical):
         key = "status.gross" if share > _TOO_MANY_GROSS else "status.half_gross"
         return Status.OUTLIERS_DOMINATE, message(key, gross=gross, readings=n)
@@ -176,7 +213,19 @@ def _wrong_model(
 
 
 def implausible_parameter(problem: Problem, identified: RobustFit) -> str | None:
-    """Name a geometric error that is certainly larger than any robot's."""
+    """Name a geometric error that is certainly larger than any robot's.
+
+    Parameters
+    ----------
+    problem : Problem
+        With the stated prior widths.
+    identified : RobustFit
+
+    Returns
+    -------
+    str or None
+        Name and value [deg or mm] of the first that is beyond ten widths by three standard uncertainties.
+    """
     uncertainty = np.sqrt(np.diag(identified.solution.covariance))
     for spec, owner, value, u in zip(
         problem.structure.specs, problem.structure.owners, identified.values, uncertainty, strict=True
