@@ -4,8 +4,13 @@ Incomplete gamma and beta functions and Carlson's R_G, for what every identifica
 scipy.special has them too, but to import it takes longer than to identify a robot from a hundred readings.
 Equations are those of the NIST Digital Library of Mathematical Functions (DLMF).
 
-A power over a gamma function is the exponential of a small difference of large numbers; so the two are taken
-together, as a deviance and what Stirling's formula leaves.
+    Q(a, x) = integral of t^(a-1) e^-t from x on, over Gamma(a)              P(chi2_k > c) = Q(k/2, c/2)
+    I_x(a, b) = integral of t^(a-1) (1-t)^(b-1) up to x, over B(a, b)        P(F_(m,k) > f) = I_y(k/2, m/2)
+
+with y = k / (k + m f). A power over a gamma function is the exponential of a small difference of large
+numbers; so the two are taken together, as a deviance D(u) = u - 1 - ln u and what Stirling's formula leaves:
+
+    x^a e^-x / Gamma(a + 1) = exp(-a D(x / a) - rest(a)) / sqrt(2 pi a)
 
 References
 ----------
@@ -33,9 +38,23 @@ _ALIKE = 2e-3  # spread of its arguments at which Carlson's series is exact to r
 
 
 def gamma_above(shape: float, start: float) -> float:
-    """Return Q(a, x), the share of the gamma function above x = `start` (DLMF 8.2.4)."""
+    """Return Q(a, x), the share of the gamma function above x = `start` (DLMF 8.2.4).
+
+    Parameters
+    ----------
+    shape : float
+        a > 0.
+    start : float
+        x; all lies above what is not positive.
+
+    Returns
+    -------
+    float
+        0 to 1; NaN of what is no number.
+    """
     if start <= 0.0 or start == math.inf:
         return float(start <= 0.0)
+    # Series and fraction each converge fast on one side of the mean.
     if start < shape + 1.0:
         return 1.0 - _gamma_power(shape, start) * _gamma_series(shape, start)
     fraction = _continued(start + 1.0 - shape, _gamma_terms(shape, start))
@@ -46,6 +65,18 @@ def gamma_limit(shape: float, chance: float) -> float:
     """Return x with Q(a, x) = `chance`, by Newton's method on ln Q.
 
     ln Q is concave for a > 1 and convex for a < 1, so that one step at most passes the root.
+
+    Parameters
+    ----------
+    shape : float
+        a > 0.
+    chance : float
+        Above 0 and below 1.
+
+    Returns
+    -------
+    float
+        x, with a relative error of the order of rounding.
     """
     limit = step = _rough_gamma_limit(shape, chance)
     while abs(step) > _SQUARED_TO_ROUNDING * limit:
@@ -59,7 +90,19 @@ def gamma_limit(shape: float, chance: float) -> float:
 def beta_below(a: float, b: float, end: float, left: float) -> float:
     """Return I_x(a, b), the share of the beta function below x = `end` (DLMF 8.17.2).
 
-    `left` is 1 - x, which may have more digits than x leaves of it.
+    Parameters
+    ----------
+    a, b : float
+        Above 0.
+    end : float
+        x.
+    left : float
+        1 - x, which may have more digits than x leaves of it.
+
+    Returns
+    -------
+    float
+        0 to 1.
     """
     if end <= 0.0 or left <= 0.0:
         return float(left <= 0.0)
@@ -201,13 +244,34 @@ WITHIN_95 = 1.96  # standard deviations either way that hold 95 % of all normal 
 
 
 def chi2_exceeded(squared: float, degrees: float) -> float:
-    """Return the chance that a chi-square variate is larger."""
+    """Return the chance that a chi-square variate is larger.
+
+    Parameters
+    ----------
+    squared : float
+        Sum of squares of standard normal variates.
+    degrees : float
+        Of freedom, > 0.
+
+    Returns
+    -------
+    float
+        0 to 1.
+    """
     return gamma_above(0.5 * degrees, 0.5 * squared)
 
 
 @lru_cache
 def chi2_limit(chance: float, degrees: float) -> float:
-    """Return what a chi-square variate exceeds with that chance."""
+    """Return what a chi-square variate exceeds with that chance.
+
+    Parameters
+    ----------
+    chance : float
+        Above 0 and below 1.
+    degrees : float
+        Of freedom, > 0.
+    """
     return 2.0 * gamma_limit(0.5 * degrees, chance)
 
 
@@ -217,7 +281,20 @@ def chi2_median(degrees: float) -> float:
 
 
 def f_exceeded(ratio: float, above: float, below: float) -> float:
-    """Return the chance that the ratio of two mean squares, of so many degrees of freedom, is larger."""
+    """Return the chance that the ratio of two mean squares is larger.
+
+    Parameters
+    ----------
+    ratio : float
+        Mean square over mean square.
+    above, below : float
+        Degrees of freedom of the two, > 0.
+
+    Returns
+    -------
+    float
+        0 to 1.
+    """
     both = below + above * ratio
     return beta_below(0.5 * below, 0.5 * above, below / both, above * ratio / both)
 
@@ -225,12 +302,26 @@ def f_exceeded(ratio: float, above: float, below: float) -> float:
 def holm(p_values: Sequence[float | None]) -> list[float | None]:
     """Return p values corrected for all that are known, in their order.
 
-    Source: S. Holm, Scand. J. Statist. 6, 1979, 65-70.
+    Parameters
+    ----------
+    p_values : sequence of float or None
+        None of tests that were not made: they do not count.
+
+    Returns
+    -------
+    list of float or None
+        Each at most 1: the level at which its test is refused while the chance of any false one is that
+        level.
+
+    References
+    ----------
+    S. Holm, Scand. J. Statist. 6, 1979, 65-70.
     """
     known = sorted((p, index) for index, p in enumerate(p_values) if p is not None)
     corrected: list[float | None] = [None] * len(p_values)
     largest = 0.0
     for rank, (p, index) in enumerate(known):
+        # A test is refused only where all of smaller p are: its level is never below theirs.
         largest = max(largest, min(1.0, (len(known) - rank) * p))
         corrected[index] = largest
     return corrected

@@ -1,4 +1,13 @@
-"""The identification of a campaign, from its readings to the answer: the one function that others call."""
+"""The identification of a campaign, from its readings to the answer: the one function that others call.
+
+Enough data? -> readings out of reach set aside -> base, nests, cups and targets placed for the nominal robot
+-> could any convention be wrong? -> robust fit of all parameters, and of base and nests alone around the
+nominal robot -> certificates carried into the covariance -> held-out readings, else cross-validation -> what
+the model lacks -> status and what is not identifiable.
+
+All residuals are observation minus prediction. The discrepancy that a model states comes from readings that
+it never saw.
+"""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -60,8 +69,8 @@ def identify(
         Names of effects; None chooses base, tool as far as unknown, geometry, and compliance where
         masses or torques are known.
     progress : callable, optional
-        Told the fraction done and what is being done.
-    believed : Belief, optional
+        Told the fraction done, 0 to 1, and what is being done.
+    believed : JointPrior, optional
         What robots of the type say of this one beforehand; its parameters are identified besides.
 
     Returns
@@ -84,6 +93,7 @@ def identify(
     campaign = reached.campaign
     problem = build(campaign, chosen)
     problem = problem if believed is None else with_belief(problem, believed)
+    # A table or unit that is wrong is told before the fit, which would bend everything to it.
     collapsed = verdict.before_fitting(campaign, problem)
     if collapsed:
         return _unfitted(campaign, chosen, Status.WRONG_NOMINAL_MODEL, collapsed)
@@ -110,9 +120,22 @@ def _silent(_fraction: float, _doing: Text) -> None:
 
 
 def nominal_fit(problem: Problem, identified: RobustFit) -> RobustFit:
-    """Nominal robot with only base and unknown nests fitted, without the readings found gross."""
+    """Fit only base and unknown nests around the nominal robot, without the readings found gross.
+
+    Parameters
+    ----------
+    problem : Problem
+    identified : RobustFit
+        Of that problem, which tells the gross readings and the discrepancy.
+
+    Returns
+    -------
+    RobustFit
+        Its chi-square is NaN: what the nominal robot leaves is no noise.
+    """
     left = tuple(name for name in problem.structure.effects if name not in NOMINAL_EFFECTS)
     structure = problem.structure.without(left)
+    # Both models are held against the same readings: neither is better for what it left out.
     blocks = tuple(
         block.weighted(np.where(flags, 0.0, 1.0), block.discrepancy)
         for block, flags in zip(identified.blocks, identified.gross, strict=True)
@@ -133,6 +156,7 @@ def _answer(
     # uncertainty cannot show in their residuals.
     validation = _validation(campaign, replace(draft, covariance=carried.readings))
     crossed = None if validation else _crossed(calibration, identified, nominal)
+    # Readings that were held out on purpose come before those that take turns.
     held_out = validation or crossed
     model = replace(draft, shortfall=shortfall(identified, problem.setting))
     model = model if held_out is None else replace(model, discrepancy_mm=held_out.discrepancy_mm())
@@ -180,6 +204,7 @@ def _counts(problem: Problem, identified: RobustFit, outliers_found: int) -> Cou
 def _calibration(identified: RobustFit, nominal: RobustFit) -> Assessment:
     """Return the readings of the fits against these, with the uncertainties as stated."""
     block, result = identified.blocks[0], identified.results[0]
+    # Noise is what readings state, not what the model lacks besides.
     stated = block.weighted(block.weights, 0.0)
     return Assessment(stated, nominal.results[0], result, np.zeros(len(block.weights)))
 
@@ -209,6 +234,7 @@ def _pure_error(identified: RobustFit) -> PureError | None:
 
 def _not_identifiable(problem: Problem, identified: RobustFit) -> tuple[NotIdentifiable, ...]:
     jacobian = identified.solution.final.jacobian
+    # With the stated widths: those that the fit widened would call less undetermined than is.
     covariance = posterior_covariance(jacobian, 1.0 / problem.structure.prior_widths**2)
     stops = problem.blocks[0].targets.stops
     moved = np.ptp(stops.joints_rad, axis=0) > _MOVED_RAD

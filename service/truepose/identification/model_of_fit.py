@@ -1,4 +1,8 @@
-"""From a fit to a model that can be saved and predicts."""
+"""From a fit to a model that can be saved and predicts.
+
+The standard uncertainty of a parameter is the root of its variance in the covariance that the model keeps,
+readings, priors, certificates and registration together.
+"""
 
 from dataclasses import dataclass
 
@@ -23,16 +27,39 @@ from truepose.kinematics.frames import angles_xyz, placement_of
 
 @dataclass(frozen=True, slots=True)
 class Fits:
-    """What a model is made from."""
+    """What a model is made from.
+
+    Attributes
+    ----------
+    campaign : Campaign
+    identified, nominal : RobustFit
+        All parameters, and base and unknown nests alone.
+    covariance : ndarray, shape (P, P)
+        Of the identified parameters with what certificates add, internal units.
+    """
 
     campaign: Campaign
     identified: RobustFit
     nominal: RobustFit
-    covariance: FloatArray  # (P, P) with what certificates add
+    covariance: FloatArray
 
 
 def model_of(fits: Fits, *, discrepancy_mm: float, program_version: str) -> Model:
-    """Return the model of a fit."""
+    """Return the model of a fit.
+
+    Parameters
+    ----------
+    fits : Fits
+    discrepancy_mm : float
+        What the model lacks, per axis.
+    program_version : str
+        Kept in the model.
+
+    Returns
+    -------
+    Model
+        Without a shortfall: what the model lacks is described elsewhere.
+    """
     structure, campaign = fits.identified.structure, fits.campaign
     nominal_base, nominal_nests = _placed(fits.nominal)
     return Model(
@@ -77,6 +104,7 @@ def _placed(nominal: RobustFit) -> tuple[FramePlacement, tuple[NestCentre, ...]]
     shift = np.array([_value(nominal, name) for name in ("base_x", "base_y", "base_z")])
     turn = np.array([_value(nominal, name) for name in ("base_rx", "base_ry", "base_rz")])
     rotation, _ = base_axes(structure.base_rotation, turn)
+    # Certified nests have no parameters of these names and stay where they are.
     moved = structure.nests_mm + np.array([
         [_value(nominal, f"nest_{number}_{axis}") for axis in "xyz"]
         for number in range(1, len(structure.nests_mm) + 1)

@@ -45,25 +45,51 @@ _LEVEL: Final = 0.95
 
 @dataclass(frozen=True, slots=True)
 class ParameterSpread:
-    """How a parameter scattered over the draws, in its own unit."""
+    """How a parameter scattered over the draws, in its own unit.
+
+    Attributes
+    ----------
+    name, effect, unit : str
+    value : float
+        Of the fit.
+    standard_uncertainty : float
+        Of the fit, from its readings and priors.
+    standard_deviation : float
+        Of the draws.
+    bias : float
+        Mean of the draws less the value.
+    interval_95 : tuple of float, length 2
+        The 2.5 % and 97.5 % quantiles of the draws.
+    """
 
     name: str
     effect: str
     unit: Unit
-    value: float  # of the fit
-    standard_uncertainty: float  # of the fit, from its readings and priors
-    standard_deviation: float  # of the draws
-    bias: float  # mean of the draws less the value
-    interval_95: tuple[float, float]  # percentiles of the draws
+    value: float
+    standard_uncertainty: float
+    standard_deviation: float
+    bias: float
+    interval_95: tuple[float, float]
 
 
 @dataclass(frozen=True, slots=True)
 class Spread:
-    """How all parameters scattered."""
+    """How all parameters scattered.
+
+    Attributes
+    ----------
+    way : str
+        "noise" or "configurations".
+    draws : int
+        That converged.
+    not_converged : int
+        Draws that were left out.
+    parameters : tuple of ParameterSpread
+    """
 
     way: Way
     draws: int
-    not_converged: int  # draws that were left out
+    not_converged: int
     parameters: tuple[ParameterSpread, ...]
 
 
@@ -89,16 +115,41 @@ class Resampling:
         self.fitted: RobustFit = robust_fit(problem.structure, problem.blocks, problem.start)
 
     def draw(self, way: Way, rng: np.random.Generator) -> FloatArray | None:
-        """Return the parameters of one draw, shape (P,); None where its fit did not converge."""
+        """Return the parameters of one draw.
+
+        Parameters
+        ----------
+        way : str
+            "noise" or "configurations".
+        rng : Generator
+            Its state alone decides the draw.
+
+        Returns
+        -------
+        ndarray, shape (P,), or None
+            Internal units; None where the fit of the draw did not converge.
+
+        Raises
+        ------
+        ConfigurationError
+            Configurations are to be drawn, and there are fewer than ten.
+        """
         return self._with_noise(rng) if way == "noise" else self._with_configurations(rng)
 
     def spread(self, way: Way, drawn: Sequence[FloatArray | None]) -> Spread:
         """Return how the parameters of many draws scatter.
 
+        Parameters
+        ----------
+        way : str
+            By which they were drawn.
+        drawn : sequence of ndarray, shape (P,), or None
+            As `draw` gives them.
+
         Raises
         ------
         ConfigurationError
-            Too few draws converged for that.
+            Fewer than ten draws converged.
         """
         kept = [values for values in drawn if values is not None]
         if len(kept) < FEWEST:
@@ -110,6 +161,7 @@ class Resampling:
     def _with_noise(self, rng: np.random.Generator) -> FloatArray | None:
         structure, blocks = self.fitted.structure, self.fitted.blocks
         noise = rng.standard_normal(len(self.fitted.solution.final.residual))
+        # Priors are moved as readings are: otherwise what they hold would not scatter at all.
         means = structure.prior_means + structure.prior_widths * rng.standard_normal(len(structure.specs))
 
         def moved(values: FloatArray, previous: StackedBlocks | None) -> StackedBlocks:
@@ -163,6 +215,7 @@ def _drawn(block: Block, configurations: IntArray) -> Block:
     """Return the readings of configurations that were drawn; one drawn twice is two of them."""
     config = block.targets.stops.config
     rows = [np.flatnonzero(config == one) for one in configurations]
+    # Two of one configuration must not share the scatter of one stop: each is numbered anew.
     again = np.repeat(np.arange(len(rows)), [len(own) for own in rows])
     taken = block.taken(np.concatenate(rows))
     stops = replace(taken.targets.stops, config=again)

@@ -40,15 +40,35 @@ THESIS_EFFECTS = ("base", "geometry_dhm", "compliance")
 
 @dataclass(frozen=True, slots=True)
 class Positions:
-    """A ballbar campaign turned into one of positions."""
+    """A ballbar campaign turned into one of positions.
 
-    campaign: Campaign  # calibration instead of legs
-    cups: tuple[Anchor, ...]  # where the procedure puts the base cups
-    lost: tuple[int, ...]  # configurations without a pose
+    Attributes
+    ----------
+    campaign : Campaign
+        With calibration instead of legs.
+    cups : tuple of Anchor
+        Where the procedure puts the base cups [mm, world frame].
+    lost : tuple of int
+        Configurations without a pose.
+    """
+
+    campaign: Campaign
+    cups: tuple[Anchor, ...]
+    lost: tuple[int, ...]
 
 
 def positions_from_legs(campaign: Campaign) -> Positions:
     """Turn the legs of a campaign into positions of the tool nests, as the thesis does.
+
+    Parameters
+    ----------
+    campaign : Campaign
+        With legs, sides of triangles and set-ups of cups.
+
+    Returns
+    -------
+    Positions
+        Three readings a pose, in the world as the nominal robot placed the cups.
 
     Raises
     ------
@@ -80,6 +100,17 @@ def positions_from_legs(campaign: Campaign) -> Positions:
 def identify_as_thesis(campaign: Campaign) -> tuple[Identification, Positions]:
     """Identify a ballbar campaign as the thesis does, with its own parameters.
 
+    Parameters
+    ----------
+    campaign : Campaign
+        With legs, sides of triangles and set-ups of cups.
+
+    Returns
+    -------
+    answer : Identification
+        Judged by the campaign's positions, where it has any, tied by the procedure's own cups.
+    positions : Positions
+
     Raises
     ------
     ConfigurationError
@@ -89,6 +120,7 @@ def identify_as_thesis(campaign: Campaign) -> tuple[Identification, Positions]:
     answer = identify(positions.campaign, THESIS_EFFECTS)
     if answer.model is None:
         return answer, positions
+    # The model of positions knows no cups; those that the procedure laid down are the ones it was made from.
     judged = judged_by_positions(campaign, answer.model, positions.cups)
     return replace(answer, validation=None, positions=judged), positions
 
