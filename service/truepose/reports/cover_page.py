@@ -95,7 +95,7 @@ _WIDTH = 390.0  # of the longest bar, in units of the picture
 
 @dataclass(frozen=True, slots=True)
 class Bar:
-    """A model's errors; lengths in units of the picture."""
+    """Errors before or after; lengths in units of the picture."""
 
     name: str
     colour: str
@@ -108,12 +108,16 @@ class Bar:
 
 
 def error_bars(
-    before: Statistics, after: Statistics, words: Catalogue, limit_mm: float | None = None
+    before: Statistics,
+    after: Statistics,
+    words: Catalogue,
+    limit_mm: float | None = None,
+    names: tuple[str, str] = ("model.nominal", "model.identified"),
 ) -> Markup:
-    """Draw both models on one scale from 0; the limit is a line across both."""
+    """Draw both errors on one scale from 0; the limit is a line across both."""
     longest = max(before.max_mm, after.max_mm, limit_mm or 0.0) or 1.0
     limit = None if limit_mm is None else _WIDTH * limit_mm / longest
-    models = (("model.nominal", "before", before), ("model.identified", "after", after))
+    models = zip(names, ("before", "after"), (before, after), strict=True)
     bars = [
         Bar(
             words.say(name),

@@ -107,7 +107,7 @@ def proof_front(proof: Proof, robot: str, words: Catalogue) -> Front:
         sentence=words.spoken(proof_sentence(proof)),
         robot=robot,
         figure=gain,
-        picture=error_bars(proof.before, proof.after, words),
+        picture=error_bars(proof.before, proof.after, words, names=("before", "after")),
         caption=words.say("front.bars.proof"),
         rule=words.say(verdict.next_step),
     )

@@ -1,7 +1,7 @@
 """The report of a diagnosis: what the model gets wrong, why, and how anyone can check it."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from markupsafe import Markup
@@ -89,17 +89,22 @@ def diagnosis_front(diagnosis: Diagnosis, words: Catalogue) -> Front:
     """Return what the model gets wrong, and what knowing it brings."""
     answered = diagnosis.model is not None
     verdict = verdict_words(diagnosis.verdict, answered=answered, words=words)
-    before, after = diagnosis.before, diagnosis.after
-    return Front(
+    front = Front(
         title=words.say("report.title", robot=diagnosis.robot),
         look=verdict.look,
         word=verdict.word,
         sentence=words.spoken(diagnosis.message),
         robot=diagnosis.robot,
-        figure=None if before is None or after is None else _gained(before, after, words),
-        picture=None if before is None or after is None else error_bars(before, after, words),
-        caption=words.say("front.bars.diagnosis") if before is not None and after is not None else "",
         rule=verdict.meaning,
+    )
+    before, after = diagnosis.before, diagnosis.after
+    if before is None or after is None:
+        return front
+    return replace(
+        front,
+        figure=_gained(before, after, words),
+        picture=error_bars(before, after, words, names=("before", "after")),
+        caption=words.say("front.bars.diagnosis"),
     )
 
 

@@ -81,6 +81,13 @@ def test_a_diagnosis_without_an_answer_has_neither_figure_nor_picture():
     assert diagnosis_front(consistent(), IN_ENGLISH).look == "consistent"
 
 
+def test_bars_of_a_diagnosis_are_not_named_after_the_nominal_model():
+    page = Page(str(diagnosis_front(consistent(), IN_ENGLISH).picture))
+
+    assert "before" in page.text
+    assert "nominal" not in page.text
+
+
 def test_bars_stand_on_one_scale_with_the_limit():
     page = Page(str(error_bars(*_both(), IN_ENGLISH, 4.0)))
     widths = [float(one["width"]) for tag, one in page.elements if tag == "rect"]
