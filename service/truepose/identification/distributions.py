@@ -82,6 +82,7 @@ def gamma_limit(shape: float, chance: float) -> float:
     while abs(step) > _SQUARED_TO_ROUNDING * limit:
         above = gamma_above(shape, limit)
         step = math.log(above / chance) * above * limit / (_gamma_power(shape, limit) * shape)
+        # A step beyond 0 would leave where the logarithm is defined.
         step = max(step, -0.9 * limit)
         limit += step
     return limit
@@ -140,6 +141,7 @@ def _gamma_series(shape: float, x: float) -> float:
     """Return 1 + x / (a + 1) + x^2 / ((a + 1) (a + 2)) + ... (DLMF 8.11.4)."""
     total = term = 1.0
     denominator = shape
+    # All terms are positive: where the next one no longer counts, none after it does.
     while term > _EPSILON * total:
         denominator += 1.0
         term *= x / denominator
@@ -201,6 +203,7 @@ def carlson_rg(arguments: FloatArray) -> FloatArray:
     """
     largest = arguments.max(axis=1, initial=0.0)
     share = arguments / np.where(largest > 0.0, largest, 1.0)[:, None]
+    # An argument of 0 is allowed in R_G, but R_F and R_D of two zeros are not finite.
     x, z, y = np.maximum(np.sort(share, axis=1), _FLAT).T
     rf, rd = _carlson_rf_rd(x, y, z)
     double = z * rf + (z - x) * (y - z) * rd / 3.0 + np.sqrt(x * y / z)
@@ -211,6 +214,7 @@ def _carlson_rf_rd(x: FloatArray, y: FloatArray, z: FloatArray) -> tuple[FloatAr
     """Return R_F and R_D, by duplication until the arguments are alike (DLMF 19.26.18, 19.26.20)."""
     alike, share = np.stack([x, y, z]), 1.0
     passed = np.zeros_like(x)
+    # Each round brings the arguments four times closer, whatever they were.
     while np.any(np.ptp(alike, axis=0) > _ALIKE * alike[2]):
         root = np.sqrt(alike)
         common = root[0] * root[1] + root[1] * root[2] + root[2] * root[0]
@@ -261,6 +265,7 @@ def chi2_exceeded(squared: float, degrees: float) -> float:
     return gamma_above(0.5 * degrees, 0.5 * squared)
 
 
+# A fit asks for the same few limits in every round.
 @lru_cache
 def chi2_limit(chance: float, degrees: float) -> float:
     """Return what a chi-square variate exceeds with that chance.
@@ -310,8 +315,7 @@ def holm(p_values: Sequence[float | None]) -> list[float | None]:
     Returns
     -------
     list of float or None
-        Each at most 1: the level at which its test is refused while the chance of any false one is that
-        level.
+        Each at most 1: the smallest level of all tests together at which this one is refused.
 
     References
     ----------

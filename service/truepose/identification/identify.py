@@ -6,7 +6,7 @@ nominal robot -> certificates carried into the covariance -> held-out readings, 
 the model lacks -> status and what is not identifiable.
 
 All residuals are observation minus prediction. The discrepancy that a model states comes from readings that
-it never saw.
+it never saw; 0 where there are none.
 """
 
 from collections.abc import Callable
@@ -86,6 +86,7 @@ def identify(
     tell = progress or _silent
     chosen = automatic_effects(campaign) if effects is None else chosen_effects(effects)
     tell(0.05, message("job.doing.placing"))
+    # Before anything is placed: a search among too few readings finds some place for anything.
     too_few = verdict.too_few_data(campaign, chosen)
     if too_few:
         return _unfitted(campaign, chosen, Status.TOO_FEW_DATA, too_few)
@@ -106,6 +107,7 @@ def identify(
 
 def _with_set_aside(answer: Identification, reached: ReachableCampaign) -> Identification:
     """Return the answer with the readings that took no part in it, by their rows in the table."""
+    # The fit numbered the rows that were left; people look them up in their own table.
     outliers = reached.with_rows_of_table(answer.outliers)
     return replace(
         answer,
@@ -150,6 +152,7 @@ def _answer(
 ) -> Identification:
     carried = considered(campaign, identified)
     fits = Fits(campaign, identified, nominal, carried.total)
+    # Without what it lacks: that is told by holding this draft against readings.
     draft = model_of(fits, discrepancy_mm=0.0, program_version=__version__)
     calibration = _calibration(identified, nominal)
     # Held-out readings share certificates and registration with those of the fit: that part of the
@@ -184,6 +187,7 @@ def _answer(
         chi2_per_dof=identified.chi2_per_dof,
         pure_error=_pure_error(identified),
         model=model,
+        # Lengths leave the frame open: only such models need to be tied before positions judge them.
         positions=judged_by_positions(campaign, model) if problem.quantity == "length" else None,
         calibration_turns=turn_errors(model, campaign.calibration),
         validation_turns=turn_errors(model, campaign.validation),
@@ -192,6 +196,7 @@ def _answer(
 
 def _counts(problem: Problem, identified: RobustFit, outliers_found: int) -> Counts:
     each = zip(identified.blocks, identified.results, strict=True)
+    # A belief is no observation of this robot.
     sizes = [result.residual.size for block, result in each if block.quantity != BELIEF]
     return Counts(
         configurations=len(distinct_values(sites(problem.blocks[0].targets.stops))),
@@ -229,6 +234,7 @@ def _crossed(calibration: Assessment, identified: RobustFit, nominal: RobustFit)
 
 
 def _pure_error(identified: RobustFit) -> PureError | None:
+    # Of the first block: others are not read at revisits.
     return pure_error(identified.blocks[0], identified.results[0].residual, len(identified.structure.specs))
 
 

@@ -61,6 +61,7 @@ def model_of(fits: Fits, *, discrepancy_mm: float, program_version: str) -> Mode
         Without a shortfall: what the model lacks is described elsewhere.
     """
     structure, campaign = fits.identified.structure, fits.campaign
+    # Kept with the model, so that whoever validates it later compares with the same nominal robot.
     nominal_base, nominal_nests = _placed(fits.nominal)
     return Model(
         robot=structure.robot,
@@ -77,6 +78,7 @@ def model_of(fits: Fits, *, discrepancy_mm: float, program_version: str) -> Mode
         nominal_nests=nominal_nests,
         nominal_tool_rotation_rad=_turned(fits.nominal),
         instrument_mm=campaign.tracker_position_mm,
+        # Without a spring no torque takes part: rows need not tell it.
         torques_measured=structure.torques_measured and structure.has_springs,
         origin_s=structure.origin_s,
         nominal_leg_offset_mm=_value(fits.nominal, LEG_OFFSET),
@@ -143,6 +145,7 @@ def _of_targets(fit: RobustFit) -> tuple[float, ...]:
 
 def _origin(fits: Fits) -> dict[str, str | int | float]:
     stops, held_out = fits.identified.blocks[0].targets.stops, fits.campaign.held_out
+    # Readings that judge the model were taken in the same campaign: what drifted was followed until then.
     judging = () if held_out is None else (held_out.stops,)
     return {
         "robot": fits.campaign.robot.name,

@@ -111,6 +111,7 @@ class Resampling:
             The request cannot be understood, or the campaign has nothing to identify from.
         """
         chosen = automatic_effects(campaign) if effects is None else chosen_effects(effects)
+        # Readings out of reach stay aside in every draw, as they do in the identification.
         problem = build(within_reach(campaign).campaign, chosen)
         self.fitted: RobustFit = robust_fit(problem.structure, problem.blocks, problem.start)
 
@@ -181,6 +182,7 @@ class Resampling:
                 "says nothing: resample by noise."
             )
         drawn = rng.choice(configurations, len(configurations))
+        # Sides, distances and fixed nests belong to no configuration and are there in every draw.
         blocks = tuple(_drawn(block, drawn) if block.of_arm else block for block in self.fitted.blocks)
         solution = solve(
             lambda values, previous: linearise_blocks(structure, blocks, values, previous),
@@ -194,6 +196,7 @@ class Resampling:
         structure, values = self.fitted.structure, self.fitted.values
         stated = np.sqrt(np.diag(self.fitted.solution.covariance))
         tail = (1.0 - _LEVEL) / 2.0
+        # Quantiles, not a multiple of the deviation: what is not linear need not scatter evenly.
         low, high = np.quantile(drawn, [tail, 1.0 - tail], axis=0)
         scatter, bias = drawn.std(axis=0, ddof=1), drawn.mean(axis=0) - values
         return tuple(

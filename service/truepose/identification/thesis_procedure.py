@@ -141,6 +141,7 @@ def _side(fixture: FixtureLengths, placement: int, first: int, second: int) -> f
     if not here.any():
         what = "of the tool" if placement == TOOL_PLACEMENT else f"of placement {placement}"
         raise ConfigurationError(f"Side {first}-{second} {what} was not measured: the triangle stays open.")
+    # A side may have been measured more than once.
     return float(fixture.length_mm[here].mean())
 
 
@@ -155,6 +156,7 @@ def _placed_cups(campaign: Campaign, fixture: FixtureLengths, setup: CupSetups, 
     if len(points) > _NESTS:
         fourth = fourth_cup(cups, *(_side(fixture, placement, point, 4) for point in (1, 2, 3)))
         cups = np.vstack([cups, fourth])
+    # Where the nominal robot held the ball: its errors go into the frame, which is what the thesis does.
     held = _nominal(campaign, setup.joints_rad[here]).points(
         np.broadcast_to(known_placement(campaign).nests_mm[0], (len(here), 3))
     )
@@ -176,12 +178,14 @@ def _direct_kinematics(
     rows, places, lost = [], [], []
     for config in distinct_values(legs.stops.config).tolist():
         mine = np.flatnonzero(legs.stops.config == config)
+        # Direct kinematics has several solutions; the commanded pose is near the right one.
         commanded = Pose(chain.rotation[-1][mine[0]], chain.origin[-1][mine[0]])
         fixtures = Fixtures(cups[int(legs.placement[mine[0]])], nests_mm)
         pairs = list(zip(legs.base_point[mine].tolist(), legs.nest[mine].tolist(), strict=True))
         covariance = np.diag(legs.standard_uncertainty_mm[mine] ** 2)
         try:
             found = least_squares_pose(fixtures, pairs, legs.length_mm[mine], covariance, commanded=commanded)
+        # A pose without six legs is lost to this procedure, not filled in.
         except (ConfigurationError, UnderdeterminedError):
             lost.append(config)
             continue

@@ -163,6 +163,7 @@ class _Tried:
 
     def most_likely(self) -> tuple[FloatArray, float]:
         """Return the variances of the functions, shape (c,), and that of the noise."""
+        # From what is believed: from 0 no step of this iteration would ever lead away.
         variance, noise = np.ones(len(self.functions)), 1.0
         for _ in range(_ROUNDS):
             found = self.found(variance, noise)
@@ -202,6 +203,7 @@ class _Tried:
 def _told(fit: RobustFit, tried: _Tried, variance: FloatArray, noise: float) -> Shortfall:
     found = tried.found(variance, noise)
     believed = np.array([one.spec.prior_width for one in tried.functions])
+    # Back from units of what is believed to those of each function.
     covariance = found.covariance * np.outer(believed, believed)
     means, spreads = (found.mean * believed).tolist(), np.sqrt(np.diag(covariance)).tolist()
     widths = (np.sqrt(variance) * believed).tolist()
@@ -227,8 +229,11 @@ def _rest_mm(fit: RobustFit, tried: _Tried, found: _Found) -> float:
     moved = tried.columns - np.tensordot(tried.absorbed.T, result.jacobian, 1)
     left, counts = result.residual - np.tensordot(found.mean, moved, 1), ~fit.gross[0]
     degrees = max(tried.degrees - found.told.sum(), 1.0)
+    # Residuals are smaller than errors by what parameters and functions absorbed.
     free = max(degrees / (block.weights.sum() * block.components), _LEAST_FREE)
+    # Without the discrepancy that the fit has added: that is what is asked for.
     stated = block.weighted(block.weights, 0.0).component_variance() + block.scatter_mm**2
     variance = float((left[counts] ** 2).mean() / free)
     beyond = variance - float(stated[counts].mean())
+    # sqrt(2 / k) of itself is the standard deviation of a variance with k degrees of freedom.
     return float(np.sqrt(beyond)) if beyond > np.sqrt(2.0 / degrees) * variance else 0.0

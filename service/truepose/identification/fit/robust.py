@@ -324,6 +324,7 @@ def _softly(block: Block, result: BlockResult) -> Block:
     stated = block.stated_sigma()
     if typical == stated == 0.0:
         return block  # nothing lies off the model, as far as anybody says
+    # By the median: gross readings make neither the scale nor the discrepancy larger.
     excess = np.sqrt(max(typical**2 - stated**2, 0.0))
     weights = 1.0 / (1.0 + (length / (_CAUCHY * max(typical, stated))) ** 2)
     return block.weighted(weights, excess)
@@ -401,6 +402,7 @@ def _by_median(block: Block, result: BlockResult, dof: float, bounds: tuple[floa
         return bounds[0]
     sizes, which = np.unique(np.bincount(stop), return_inverse=True)
     medians = np.array([chi2_median(d * size) for size in sizes.tolist()])
+    # Residuals are smaller than errors by what the parameters absorbed.
     usual = medians[which] * dof / (float(block.weights.sum()) * d)
 
     def excess(extra: float) -> float:

@@ -121,6 +121,7 @@ def solve(
     less next time. After a step too short for derivatives to change, those of the point before stand.
     """
     precision = 1.0 / prior_widths**2
+    # Starts come from a placement and are near: damping is for the few steps that overshoot all the same.
     values, damping = start.copy(), 0.0
     current = linearise(values, None) if first is None else first
     cost = _cost(current, values - prior_means, precision)
@@ -128,6 +129,7 @@ def solve(
     converged, iteration = len(values) == 0, 0  # a model without parameters is where it should be
     while not converged and iteration < max_iterations:
         iteration += 1
+        # Where the derivatives of the point before stayed, residuals are the present ones all the same.
         gradient = slope(current, precision, values - prior_means)
         step = normal.solved(gradient, damping)
         # What remains to go is the undamped step: a damped one is short wherever it stands.
@@ -249,6 +251,7 @@ class _Factor(NamedTuple):
 
     def solved(self, gradient: FloatArray) -> FloatArray:
         """Return the step from the downhill slope (P,): the solution of the damped equations, shape (P,)."""
+        # Triangular solvers are scipy's, whose import takes longer than an identification.
         half = np.linalg.solve(self.root.T, self.scale * gradient)
         return np.asarray(self.scale * np.linalg.solve(self.root, half))
 
@@ -266,6 +269,8 @@ def _factored(normal: FloatArray, damping: float) -> _Factor | None:
         root = np.swapaxes(np.linalg.cholesky(unit), -1, -2)
     except np.linalg.LinAlgError:
         return None
+    # Cholesky succeeds on matrices that rounding has emptied; a small pivot shows it. Without parameters
+    # there is none, and nothing is lost.
     pivots = np.diagonal(root, axis1=-2, axis2=-1)
     return _Factor(root, scale) if pivots.min(initial=1.0) > _SMALLEST_PIVOT else None
 

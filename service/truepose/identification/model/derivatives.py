@@ -148,6 +148,7 @@ def _position_gradients(state: State) -> dict[Port, FloatArray]:
     chain, points = state.chain, state.unscaled_mm
     kinds = {term.port.kind for term in state.terms}
     stacks: dict[PortKind, FloatArray] = {}
+    # Only kinds that some term asks for: each is a product over all joints and rows.
     if PortKind.THETA in kinds:
         stacks[PortKind.THETA] = theta_gradient(chain, points)
     if PortKind.ALPHA in kinds:

@@ -99,6 +99,7 @@ def nominal_estimate(model: Model) -> Estimate:
         nests_mm=_centres(model.nominal_nests),
         tool_rotation=rotation_xyz(*model.nominal_tool_rotation_rad),
         effects=tuple(name for name in model.effects if name in NOMINAL_EFFECTS),
+        # Priors of a model that is not fitted again are never asked for.
         specs=tuple(ParameterSpec(name, "mm", 0.0, 0.0) for name in fitted),
         owners=(LEG_OWNER,) * (len(fitted) - len(targets)) + (TARGET_OWNER,) * len(targets),
         anchors=tuple(anchors),
@@ -123,6 +124,7 @@ def structure_of(model: Model) -> Structure:
         instrument_mm=None if model.instrument_mm is None else np.array(model.instrument_mm),
         torques_measured=model.torques_measured,
         origin_s=model.origin_s,
+        # What drifted is held there.
         last_s=model.origin_s + span_of(model.identified_from).duration_s,
     )
 
@@ -243,6 +245,7 @@ def rigid_arm(model: Model) -> RigidArm:
     return RigidArm(
         robot=replace(model.robot, joints=_rows(model.robot, moved)),
         base=placement_of(base_rotation, start.base_origin_mm + _three(moved, PortKind.BASE, 0)),
+        # Without the origin of the last frame, which was only looked at.
         nests=_nests(nest_centres(start, moved)[:-1]),
         tool_rotation_rad=angles_xyz(tool_rotation),
         uncertainty=_uncertainties(model, terms),
@@ -279,6 +282,7 @@ def _fixed(terms: Iterable[Term]) -> set[int]:
 
 
 def _moved(terms: Iterable[Term], values: FloatArray) -> dict[Port, FloatArray | float]:
+    # One port may be moved by several parameters: an error of the table and the zero of a joint.
     moved: defaultdict[Port, FloatArray | float] = defaultdict(float)
     for term in terms:
         moved[term.port] += term.weight * float(values[term.parameter])
@@ -298,6 +302,7 @@ def _shifted(row: JointRow, number: int, shifts: Mapping[tuple[int, str], FloatA
     alpha, a, beta, theta, d = (
         float(getattr(row, field) + shifts.get((number, field), 0.0)) for field in FIELDS.values()
     )
+    # A row has beta last, as tables that know none leave it out.
     return JointRow(alpha, a, theta, d, row.sign, beta)
 
 
@@ -316,6 +321,7 @@ def _uncertainties(model: Model, terms: Iterable[Term]) -> tuple[Mapping[str, fl
             weights[term.port][term.parameter] += float(term.weight)
     known: list[dict[str, float]] = [{} for _ in model.robot.joints]
     for port, weight in weights.items():
+        # A covariance written with few digits may be a little negative along a direction.
         variance = np.maximum(weight @ model.covariance @ weight, 0.0)
         known[port.number][FIELDS[port.kind]] = float(np.sqrt(variance))
     return tuple(known)

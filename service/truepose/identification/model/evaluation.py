@@ -147,6 +147,7 @@ def evaluate(
     prediction = _Prediction(structure, values, targets)
     if not prediction.loaded:
         return prediction.under(None)
+    # From a nearby state one pass mostly balances what would else take two or three.
     guess = None if previous is None else Load(previous.torque_n_mm, known_frames(previous.chain))
     state = prediction.under(guess)
     for _ in range(_MOST_PASSES):
@@ -232,6 +233,7 @@ def evaluate_once(
 def _imbalance(torque: FloatArray | None, before: FloatArray | None, n: int) -> FloatArray:
     if torque is None or before is None:
         return np.zeros(n)
+    # An arm that hangs straight carries no torque at all, and is in balance.
     largest = np.abs(torque).max(initial=1e-300)
     return np.asarray(np.abs(torque - before).max(axis=1) / largest)
 

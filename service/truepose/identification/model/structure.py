@@ -231,6 +231,7 @@ def target_prefix(target: Target) -> str:
 
 def indices_of_target(structure: Structure, target: Target) -> slice:
     """Return where the parameters of a target stand, which follow one another."""
+    # With its underscore at the end: target_1 is not the beginning of target_12.
     prefix = target_prefix(target)
     found = [k for k in structure.indices_of(TARGET_OWNER) if structure.names[k].startswith(prefix)]
     return slice(found[0], found[-1] + 1)
@@ -296,6 +297,7 @@ class ActiveEffects:
 
     def _at(self, rows: Rows) -> tuple[Told, Moved]:
         following = [name for name in self.structure.effects if name not in effects_with(Trait.STEADY)]
+        # The order of effects does not matter: what they move adds up.
         steady, already = self._steady
         told, moved = self._asked(following, rows, already)
         return lambda: (*steady(), *told()), moved
@@ -334,6 +336,7 @@ class ActiveEffects:
 
 def _moved(terms: Iterable[Term], values: FloatArray, already: Moved) -> Moved:
     moved: defaultdict[Port, FloatArray | float] = defaultdict(float, already)
+    # Not added in place: arrays of `already` are kept from pass to pass, and weights may be an effect's own.
     for term in terms:
         moved[term.port] = moved[term.port] + term.weight * float(values[term.parameter])
     return dict(moved)
@@ -353,6 +356,7 @@ def with_added_loads(torque: FloatArray, moved: Moved) -> FloatArray:
     ndarray, shape (n, J)
         [N mm]
     """
+    # The bare torques stay: balance is judged by them.
     loaded = torque.copy()
     for port, load in moved.items():
         if port.kind is PortKind.TORQUE:

@@ -92,6 +92,7 @@ def spanned(read: Sequence[Stops], origin_s: float) -> dict[str, float]:
         `duration_s`, `lowest_temperature_c`, `highest_temperature_c`; without what no row tells.
     """
     found = {}
+    # Readings that judge a model belong to its campaign, as they were taken in one go with the others.
     times, temperatures = (
         np.concatenate([_known(column) for column in columns])
         for columns in ([stops.time_s for stops in read], [stops.temperature_c for stops in read])
@@ -157,6 +158,7 @@ def left_out_variance(
         rows = np.flatnonzero(np.any(masks, axis=0))
         if rows.size == 0:
             continue
+        # Only the rows that lack something are predicted anew.
         some = targets.taken(rows)
         changes = [
             evaluate(structure, values, replace(some, stops=stops)).position_mm - position_mm[rows]
@@ -169,6 +171,7 @@ def left_out_variance(
 
 def _asked(structure: Structure, targets: Targets) -> list[tuple[str, Need]]:
     """Effects of the model with what each needs; joint torques are asked for before any prediction."""
+    # What a ballbar reads too much moves no position.
     idle = effects_with(Trait.OF_LENGTHS) if targets.length_mm is None else ()
     return [
         (effect, need)
@@ -197,11 +200,13 @@ def _lacking(structure: Structure, effect: str, need: Need, targets: Targets) ->
             return _unknown(stops.attachment, names)
         case "initialisation" if targets.initialisation is not None:
             return _unknown(targets.initialisation, names)
+    # The whole column is missing.
     return np.ones(len(targets), dtype=bool)
 
 
 def _unknown(column: IntArray, names: tuple[str, ...]) -> BoolArray:
     """Return the rows of mountings or initialisations that the parameters do not know."""
+    # A parameter a mounting: one that was not there when the model was made has none.
     numbers = _numbers(names)
     return np.asarray(~np.isin(column, numbers) if numbers else column < 0)
 
@@ -224,6 +229,7 @@ def _imagined(
     structure: Structure, effects: list[str], need: Need, stops: Stops, span: Span
 ) -> Iterator[Stops]:
     """Yield the stops with everything that they might have said."""
+    # In the middle of equal parts: their mean square is that of an even spread over the whole range.
     middles = (np.arange(_STEPS) + 0.5) / _STEPS
     match need:
         case "temperature":
@@ -244,6 +250,7 @@ def _imagined(
 
 def _usual_move_rad(robot: Robot) -> FloatArray:
     """Return the root mean square of moves between configurations drawn from the ranges, shape (J,)."""
+    # The difference of two draws from an even spread of width w has the variance w^2 / 6.
     width = [limit.upper_rad - limit.lower_rad for limit in robot.calibration_ranges or ()]
     usual: FloatArray = np.array(width or [_ANY_RANGE_RAD] * robot.n_joints) / np.sqrt(6.0)
     return usual

@@ -61,6 +61,7 @@ def require_same_robot(model: Model, robot: Robot) -> None:
         raise ConfigurationError(
             f"The model has {len(ours)} joints, this robot {len(theirs)}: the model is of another one."
         )
+    # Rows are named by where the tables differ most: a person looks there first.
     away = np.abs(_table(ours) - _table(theirs)).max(axis=1)
     if away.max() > _SAME_ROW:
         raise ConfigurationError(
@@ -94,6 +95,7 @@ def measured_zone(robot: Robot, joints_rad: FloatArray) -> MeasuredZone:
         directions [mm, base of the robot].
     """
     low, high = joints_rad.min(axis=0), joints_rad.max(axis=0)
+    # Ranges alone would count corners of their box that no configuration was near; hence places besides.
     ranges = tuple(JointRange(*ends) for ends in zip(low.tolist(), high.tolist(), strict=True))
     return MeasuredZone(ranges, tuple(_along(robot, joints_rad).max(axis=0).tolist()))
 
@@ -135,6 +137,7 @@ def beyond_zone_mm(zone: MeasuredZone, place_mm: FloatArray) -> FloatArray:
     ndarray, shape (n,)
         The largest distance beyond a face [mm]; beside an edge or a corner the zone is farther. 0 within.
     """
+    # The distance from a polytope is that from its farthest face, at least.
     beyond = (place_mm @ DIRECTIONS.T - np.array(zone.extents_mm)).max(axis=1)
     return np.asarray(np.maximum(beyond, 0.0))
 
@@ -204,6 +207,7 @@ def _mean_square_per_h(
     longer = replace(structure, last_s=(structure.last_s or 0.0) + SECONDS_PER_HOUR)
     before, after = evaluate(structure, values, later), evaluate(longer, values, later)
     way = after.position_mm - before.position_mm
+    # What an hour more makes of the derivatives is the derivative of the rate.
     change = position_jacobian(after) - position_jacobian(before)
     estimate = np.einsum("pni,pq,qni->n", change, covariance, change, optimize=True)
     return np.asarray(((way**2).sum(axis=1) + estimate) / 3.0)
@@ -217,6 +221,7 @@ def _hours_beyond(structure: Structure, stops: Stops) -> FloatArray:
     """Time from the nearest reading [h], 0 between them, NaN where it is unknown, shape (n,)."""
     if stops.time_s is None or structure.last_s is None:
         return np.full(len(stops), np.nan)
+    # Within the campaign both are negative.
     beyond_s = np.maximum(structure.origin_s - stops.time_s, stops.time_s - structure.last_s)
     return np.asarray(np.maximum(beyond_s, 0.0) / SECONDS_PER_HOUR)
 

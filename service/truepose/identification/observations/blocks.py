@@ -107,6 +107,7 @@ def whitener(covariance: FloatArray, weights: FloatArray, stop: IntArray, shared
     _, inverse, sizes = np.unique(stop, return_inverse=True, return_counts=True)
     if not shared.any() or sizes.max(initial=1) == 1:
         return _of_single(inflated + shared @ np.swapaxes(shared, 1, 2) / share, counts)
+    # Stops of as many readings are factored in one batch.
     order = np.argsort(inverse, kind="stable")
     ends = np.cumsum(sizes)
     groups = []
@@ -146,6 +147,7 @@ def equal_variance(covariance: FloatArray) -> FloatArray | None:
         None where one of them has axes of its own, to rounding.
     """
     diagonal = covariance[:, 0, 0]
+    # Readings without axes of their own are whitened by one number each.
     apart = np.abs(covariance - diagonal[:, None, None] * np.eye(covariance.shape[1]))
     return diagonal.copy() if np.all(apart <= _ROUNDING * diagonal[:, None, None]) else None
 
@@ -154,6 +156,7 @@ def _of_single(total: FloatArray, counts: BoolArray) -> Whitener:
     diagonal = equal_variance(total)
     if diagonal is not None:
         return of_independent(diagonal, counts[:, 0, 0].astype(float))
+    # Nothing is shared beyond a reading: the scatter is a part of its own covariance.
     rows = np.arange(len(total))[:, None]
     return Whitener(((rows, counts * whitening_root(total)),), None)
 
@@ -418,6 +421,7 @@ def linearise_blocks(
 
 def reweighed(blocks: tuple[Block, ...], point: StackedBlocks) -> StackedBlocks:
     """Return a point with its blocks as they weigh now, their predictions unchanged."""
+    # Weights change no prediction; a fit linearises half as often for it.
     return _stacked(
         tuple(block.rewhitened(result) for block, result in zip(blocks, point.results, strict=True))
     )

@@ -163,6 +163,7 @@ class Centre:
     def parameters(self, target: Target, values: FloatArray) -> tuple[ParameterSpec, ...]:
         """Return the coordinates of the centre in the world, and the distance that reads 0."""
         at = dict(zip(("x", "y", "z", "zero"), values.tolist(), strict=False))
+        # A zero with a certificate is held by it; one that nobody stated has the prior of a place.
         zero = target.zero_mm
         known = zero is not None
         told = {"zero": zero} if zero is not None else {}
@@ -190,6 +191,7 @@ class Centre:
             centre = np.array(target.place_mm)
         elif target.zero_mm is not None:
             centre = _trilaterated(places, reading_mm + target.zero_mm)
+        # A draw wire: its length varies enough to tell the zero with the centre.
         elif np.std(reading_mm) > _LONG_MM:
             centre = _trilaterated(places, reading_mm, with_zero=True)
         else:
@@ -215,6 +217,7 @@ def _zero(target: Target, values: FloatArray) -> float:
 
 def _trilaterated(places: FloatArray, length_mm: FloatArray, *, with_zero: bool = False) -> FloatArray:
     """Solve 2 P.C + 2 l z + (z^2 - |C|^2) = |P|^2 - l^2 for the centre; without zero, z = 0 in it."""
+    # From the middle of the places: squares of coordinates metres away would cost digits.
     middle = places.mean(axis=0)
     off = places - middle
     columns = [2.0 * off, np.ones((len(off), 1))]
@@ -267,6 +270,7 @@ class Plane:
 
     def centred(self, target: Target, values: FloatArray) -> tuple[Target, FloatArray]:
         """Return it about the normal as it is tilted."""
+        # Slopes count from the normal that was found: a prior about a rough start would pull it back.
         nx, ny, nz = tilted(target, values)[0].tolist()
         return replace(target, normal=(nx, ny, nz)), np.array([values[0], 0.0, 0.0])
 
@@ -301,6 +305,7 @@ def tilted(target: Target, values: FloatArray) -> tuple[FloatArray, FloatArray]:
     first /= np.linalg.norm(first)
     axes = np.stack([first, np.cross(start, first)])
     tilted = start + values[1:3] @ axes
+    # A unit vector again, or a tilted plane would read too long.
     length = float(np.linalg.norm(tilted))
     normal = tilted / length
     return normal, (axes - np.outer(axes @ normal, normal)) / length
@@ -314,6 +319,7 @@ def _best_normal(off_mm: FloatArray, reading_mm: FloatArray) -> FloatArray:
     flattest = np.linalg.svd(off_mm - off_mm.mean(axis=0), full_matrices=False)[2][-1]
     design = np.column_stack([off_mm, np.ones(len(off_mm))])
     growing = np.linalg.lstsq(design, reading_mm, rcond=1e-9)[0][:3]
+    # A plane has two sides; readings grow towards one of them.
     candidates = [flattest, -flattest]
     if np.linalg.norm(growing) > 0.0:
         candidates.append(growing / np.linalg.norm(growing))
@@ -339,6 +345,7 @@ class Face(Plane):
         arm = probe.place_mm - point_of(target)
         facing = probe.along @ normal
         reading = self.reading_mm(target, values, probe)
+        # A tool that turns by w swings the axis by w x a; the reading changes with n . a alone.
         turn = -(reading / facing)[:, None] * np.cross(probe.along, normal)
         tilts = -(across @ arm.T + reading * (across @ probe.along.T)) / facing
         return Slope(-normal / facing[:, None], turn, np.vstack([1.0 / facing, tilts]))
@@ -372,6 +379,7 @@ class BallPlace:
         """Return the place that the axes meet in."""
         if target.place_mm is not None:
             return target, np.array(target.place_mm)
+        # Each reading says in which plane across its axis the ball is.
         right = (probe.place_mm * probe.along).sum(axis=1) + reading_mm
         return target, np.linalg.lstsq(probe.along, right, rcond=1e-9)[0]
 
@@ -380,6 +388,7 @@ class BallPlace:
         return target, values
 
 
+# A further kind is a class and a line here (docs/decisions/0048).
 KINDS: Final[Mapping[TargetKind, TargetModel]] = {
     TargetKind.SPHERE: Centre(),
     TargetKind.WIRE: Centre(),

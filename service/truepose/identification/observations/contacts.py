@@ -74,6 +74,7 @@ class ContactBlock(LengthBlock):
         """Return the changes of the predicted readings, the targets' own included, shape (P, n, 1)."""
         place, turn = self._slopes(state)
         jacobian = np.einsum("pni,ni->pn", position_jacobian(state), place)
+        # Only sensors that look along an axis of the tool see it turn: for others the derivatives are saved.
         if turn.any():
             jacobian += np.einsum("pni,ni->pn", rotation_jacobian(state), turn)
         for target, rows, own, probe in self._each(state):
@@ -139,6 +140,7 @@ def contact_block(contacts: ContactReadings, scatter_mm: float, targets: tuple[T
             f"Target {missing[0]} was not among the contacts that the model was made from."
         )
     index = np.array([numbers.index(number) for number in contacts.target.tolist()])
+    # Where on it a target is touched differs from stop to stop: its form is noise, and none of the arm's.
     form_mm = np.array([target.form_mm for target in targets])[index]
     return ContactBlock(
         targets=Targets(contacts.stops, contacts.nest, length_mm=contacts.reading_mm),
@@ -166,6 +168,7 @@ class DistanceBlock(IndependentReadings):
     quantity: ClassVar[str] = "length"
     table: ClassVar[str] = "target_distances"
     components: ClassVar[int] = 1
+    # A certificate is never off by what a model of the arm lacks.
     of_arm: ClassVar[bool] = False
 
     pair: IntArray
@@ -184,6 +187,7 @@ class DistanceBlock(IndependentReadings):
         jacobian = np.zeros((len(state.structure.names), len(direction), 1))
         for row, (first, second) in enumerate(self.pair.tolist()):
             for number, sign in ((first, -1.0), (second, 1.0)):
+                # The centre comes first among a target's parameters, its zero after it.
                 start = indices_of_target(state.structure, state.structure.targets[number]).start
                 jacobian[start : start + 3, row, 0] += sign * direction[row]
         return jacobian
@@ -218,6 +222,7 @@ def distance_block(
     """
     numbers = [target.number for target in targets]
     pairs = list(zip(distances.target_a.tolist(), distances.target_b.tolist(), strict=True))
+    # A target that nothing was read against has no place among the parameters.
     rows = [row for row, pair in enumerate(pairs) if set(pair) <= set(numbers)]
     if not rows:
         return None

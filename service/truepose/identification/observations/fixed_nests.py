@@ -90,6 +90,7 @@ class NestLooks:
         scatter = self._scatter()
         if scatter is None:
             return 0.0
+        # Fewer looks must scatter more to be believed.
         clearly = stated_mm2 * (1.0 + _BEYOND / np.sqrt(scatter.differences))
         return float(np.sqrt(scatter.variance_mm2 - stated_mm2)) if scatter.variance_mm2 > clearly else 0.0
 
@@ -108,6 +109,7 @@ class NestLooks:
             time.
         """
         look = self._numbers()
+        # What most of a look shows is the instrument, not a nest.
         shared = np.bincount(look, off)[look] > 0.5 * np.bincount(look)[look]
         return np.asarray(off & (~shared | self._alone()))
 
@@ -132,6 +134,7 @@ class NestLooks:
         scatter = self._scatter()
         if scatter is None or degrees == 0.0:
             return chi2_exceeded(squared, max(degrees, 1.0))
+        # Never less than stated: a few looks may agree by chance.
         more = max(scatter.variance_mm2 / float(np.mean(self.variance_mm2)), 1.0)
         return f_exceeded(squared / more / degrees, degrees, _WORTH * scatter.differences)
 
@@ -140,6 +143,7 @@ class NestLooks:
         apart = np.concatenate([np.diff(self.measured_mm[rows], axis=0) for rows in nests])
         if len(apart) < _FEWEST * len(nests):
             return None
+        # A difference of two readings has twice the variance of one.
         squared = (apart**2).sum(axis=1) / 2.0
         return _Scatter(float(np.median(squared) / chi2_median(3)), len(apart))
 
@@ -179,6 +183,7 @@ class NestLooks:
         number, alone = 0, len(distinct_values(self.fixed_nest)) == 1
         for row in self._in_time().tolist():
             nest = int(self.fixed_nest[row])
+            # A nest that is read again at once is still the same look; after others it begins a new one.
             if seen and (alone or (nest in seen[:-1] and nest != seen[-1])):
                 number, seen = number + 1, []
             seen.append(nest)
@@ -242,6 +247,7 @@ class ReferenceBlock(IndependentReadings):
         """Return the places in the world (n, 3), the registration's turn (3, 3), its axes, and its arms."""
         value = dict(zip(state.structure.names, state.values.tolist(), strict=True))
         frame = np.array([value.get(name, 0.0) for name in _FRAME])
+        # One registration for the whole campaign: that of the start.
         turn, axes = turned_axes(frame[None, 3:])
         errors = {
             nest: [value.get(place_name(nest, component), 0.0) for component in range(3)]
@@ -285,6 +291,7 @@ def reference_block(campaign: Campaign) -> ReferenceBlock | None:
     readings = campaign.reference
     if readings is None:
         return None
+    # A nest without a certified place says nothing of where the instrument is.
     certified = np.flatnonzero(
         (readings.fixed_nest >= 1) & (readings.fixed_nest <= len(campaign.fixed_nests))
     )
@@ -292,6 +299,7 @@ def reference_block(campaign: Campaign) -> ReferenceBlock | None:
         return None
     nest = readings.fixed_nest[certified]
     places = np.array([fixed.centre_mm for fixed in campaign.fixed_nests])
+    # Numbers that no configuration of the arm has: nothing is shared with one, no fold leaves it out.
     stops = Stops(
         config=-1 - certified,
         joints_rad=np.zeros((len(certified), campaign.robot.n_joints)),

@@ -74,6 +74,7 @@ class SideBlock(IndependentReadings):
                 parameter = first + 3 * self.points[base, end] + component
                 jacobian[parameter, rows[base]] += sign * direction[base, component]
         for term in state.terms:
+            # Tool nests move within their certificates, which their measured sides tell better.
             if term.port.kind is PortKind.NEST:
                 nest, component = divmod(term.port.number, 3)
                 # A side runs from its first end to its second: what moves the first one shortens it.
@@ -120,6 +121,7 @@ class ClampBlock(IndependentReadings):
     def result(self, structure: Structure, values: FloatArray, previous: BlockResult | None) -> BlockResult:
         """Return how far each cup is from the ball [mm], shape (n, 3), and derivatives."""
         state = self.evaluated(structure, values, previous)
+        # Where the ball was is what the model says of the arm; where the cup is, its own parameters.
         residual = anchor_places(structure, values)[self.anchor] - state.position_mm
         return BlockResult(residual, self.differentiated(state), state, self.whitening())
 
@@ -147,6 +149,7 @@ def side_block(fixture: FixtureLengths, anchors: Anchors, nests: int, robot: Rob
     every = range(len(fixture.placement))
     ends = np.array([[_point(fixture, row, end, anchors, nests) for end in "ab"] for row in every])
     ends = ends.reshape(-1, 2)
+    # A cup without legs is no parameter: a side to it says nothing of the others.
     rows = np.flatnonzero((ends >= 0).all(axis=1))
     if rows.size == 0:
         return None
@@ -167,6 +170,7 @@ def _point(fixture: FixtureLengths, row: int, end: str, anchors: Anchors, nests:
     """Return the number of a point as `SideBlock` counts them, -1 for one that has no legs."""
     placement = int(fixture.placement[row])
     number = int((fixture.point_a if end == "a" else fixture.point_b)[row])
+    # Tool nests have a place whether legs were read from them or not.
     if placement == TOOL_PLACEMENT:
         return len(anchors) + number - 1 if number <= nests else -1
     return anchors.index((placement, number)) if (placement, number) in anchors else -1

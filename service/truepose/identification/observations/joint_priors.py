@@ -68,6 +68,7 @@ class BeliefBlock(Block):
     quantity: ClassVar[str] = QUANTITY
     table: ClassVar[str] = "belief"
     components: ClassVar[int] = 1
+    # What a model lacks is no reason to know less of the robots of a type.
     of_arm: ClassVar[bool] = False
 
     names: tuple[str, ...]
@@ -162,6 +163,7 @@ class BeliefBlock(Block):
         share, turns = np.linalg.eigh(0.5 * (white + white.T))
         known = share > _TAUGHT
         squared = (turns.T @ np.linalg.solve(root, off))[known] ** 2 / share[known]
+        # A parameter of which nothing was taught has a variance of 0 here and must not look infinitely off.
         each = np.abs(off) / np.sqrt(np.maximum(np.diag(taught), _TAUGHT * np.diag(self.believed)))
         most = int(np.argmax(each))
         chance = chi2_exceeded(float(squared.sum()), float(known.sum())) if known.any() else 1.0

@@ -126,6 +126,7 @@ class LegBlock(LengthBlock):
         offset = values[structure.index_of(LEG_OFFSET)] if LEG_OFFSET in structure.names else 0.0
         residual = (self.length_mm - distance - offset - excess_mm(state))[:, None]
         lever = np.einsum("jni,ni->nj", theta_gradient(state.chain, state.position_mm), direction)
+        # Directions and levers of the present arm: what lengths share follows from where it stands.
         whitening = self.whitening(direction, lever)
         return BlockResult(residual, self.differentiated(state), state, whitening, direction, lever)
 
@@ -137,6 +138,7 @@ class LegBlock(LengthBlock):
         jacobian = length_jacobian(state, feet)
         rows = np.arange(len(self.anchor))
         first = first_anchor(structure)
+        # A base nest counts from where its fixture stood first: it moves along with the turn of the fixture.
         for component in range(3):
             own = np.einsum("ni,ni->n", foot_gradient(state, component), direction)
             jacobian[first + 3 * self.anchor + component, rows] = -own
@@ -179,6 +181,7 @@ def leg_block(legs: LegReadings, scatter_mm: float, anchors: tuple[tuple[int, in
     ConfigurationError
         A leg is from a cup that the structure does not know.
     """
+    # Legs that judge are held against the cups of the model, never numbered anew.
     missing = sorted(set(legs.cups) - set(anchors))
     if missing:
         raise ConfigurationError(

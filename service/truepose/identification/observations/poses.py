@@ -104,6 +104,7 @@ class PositionBlock(Block):
 
     def moved_by_world(self, result: BlockResult) -> FloatArray:
         """Return three shifts, and three turns about the origin, shape (6, n, 3)."""
+        # About the world's origin, as the covariance of a registration is stated.
         points = result.state.position_mm
         turns = np.stack([np.cross(axis, points) for axis in np.eye(3)])
         return np.concatenate([np.broadcast_to(np.eye(3)[:, None, :], (3, len(points), 3)), turns])
@@ -122,6 +123,7 @@ class PositionBlock(Block):
 
     def weighted(self, weights: FloatArray, discrepancy: float) -> Self:
         """Return the block with other weights and another discrepancy [mm]."""
+        # Once for all steps of a solving: nothing in it depends on the parameters.
         return replace(self, weights=weights, discrepancy=discrepancy, ready=None).prepared()
 
     def taken(self, rows: IntArray) -> Self:
@@ -166,6 +168,7 @@ def position_block(points: PointReadings, scatter_mm: float) -> PositionBlock:
 
 def _lone_mm2(stop: IntArray, covariance_mm2: FloatArray, scatter_mm: float) -> FloatArray | None:
     variance = equal_variance(covariance_mm2)
+    # One position a stop, as a tracker reads it: one number whitens each.
     shared = scatter_mm > 0.0 and len(distinct_values(stop)) < len(stop)
     return None if variance is None or shared else variance + scatter_mm**2
 
@@ -196,6 +199,7 @@ class OrientationBlock(IndependentReadings):
 
     def derivatives(self, state: State) -> FloatArray:
         """Return the turns of the predictions as the residual sees them, shape (P, n, 3)."""
+        # Of large residuals the turn of a prediction is not the change of its rotation vector.
         gradient = _log_gradient(self._residual(state))
         return np.asarray(np.einsum("nij,pnj->pni", gradient, rotation_jacobian(state)))
 

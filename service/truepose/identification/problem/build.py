@@ -139,6 +139,7 @@ def _with_reference(campaign: Campaign, problem: Problem) -> Problem:
     """Add the readings of fixed nests to the readings of positions."""
     from truepose.identification.observations.fixed_nests import reference_block, with_reference_parameters
 
+    # Lengths have no frame that fixed nests could tell of.
     block = None if problem.quantity == "length" else reference_block(campaign)
     if block is None:
         return problem
@@ -148,6 +149,7 @@ def _with_reference(campaign: Campaign, problem: Problem) -> Problem:
 
 def _first_s(campaign: Campaign, stops: Stops) -> float:
     """Return the time of the first reading, fixed nests included, 0 where no times are known."""
+    # An instrument drifts from its first reading on, which may be of a fixed nest.
     fixed = campaign.reference if campaign.calibration is not None else None
     columns = (stops.time_s, None if fixed is None else fixed.time_s)
     known = [column[np.isfinite(column)] for column in columns if column is not None]
@@ -160,6 +162,7 @@ def _check(campaign: Campaign, stops: Stops, effects: tuple[str, ...]) -> None:
     unknown = unknown_nests(campaign)
     if unknown and TOOL not in effects:
         raise ConfigurationError(f"The campaign does not know nest {unknown[0]}: add `tool` to the effects.")
+    # A gap in measured torques would wind up no spring in its row, and bend all others.
     springs = [name for name in effects_with(Trait.SPRINGS) if name in effects]
     if springs and torque_source(campaign) == "measured" and stops.torque_n_mm is not None:
         gaps = ~np.isfinite(stops.torque_n_mm).all(axis=1)
@@ -279,6 +282,7 @@ class JointPrior:
         """
         widths = np.array([spec.prior_width for spec in self.specs])
         means = np.array([spec.prior_mean for spec in self.specs])
+        # In units of the stated widths: there the stated prior is 1 along every direction.
         spread, turns = np.linalg.eigh(self.covariance / np.outer(widths, widths))
         if not np.all(np.isfinite(spread)) or spread[0] <= 0.0:
             raise ConfigurationError("A belief has a covariance whose variances are all above 0.")
@@ -317,6 +321,7 @@ def with_belief(problem: Problem, belief: JointPrior) -> Problem:
         structure = structure.extended(effect, new)
         start = np.append(start, [spec.prior_mean for spec in new])
     rows, read = belief.beyond_stated()
+    # Directions of which the belief knows no more than was stated add nothing.
     telling = rows.any(axis=1)
     rows, read = rows[telling], read[telling]
     block = belief_block(

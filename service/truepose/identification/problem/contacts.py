@@ -205,6 +205,7 @@ def _at_one_place(contacts: Contacts) -> FloatArray:
 def _started(contacts: Contacts, unknown: FloatArray) -> _Unknowns:
     start = _Unknowns(contacts.targets, (), unknown, np.zeros(3))
     probe = contacts.probe(contacts.answer(start))
+    # For given nests each target is found by itself, from its own readings.
     found = []
     for number, target in enumerate(contacts.targets):
         rows = np.flatnonzero(contacts.target == number)
@@ -249,6 +250,7 @@ def _turned(contacts: Contacts, unknowns: _Unknowns) -> _Unknowns:
             read = np.eye(3)[contacts.axis[rows]] * contacts.reading_mm[rows, None]
             sums += seen.T @ read
     left, _, right = np.linalg.svd(sums)
+    # Without the sign the best match might be a mirror image.
     rotation = left @ np.diag([1.0, 1.0, np.linalg.det(left @ right)]) @ right
     turn = vector_from_rotation(rotation[None])[0]
     return _Unknowns(unknowns.targets, unknowns.values, unknowns.nests_mm, turn)
@@ -272,6 +274,7 @@ def spread_over_targets(target: IntArray) -> IntArray:
     chosen = []
     for number in numbers.tolist():
         rows = np.flatnonzero(target == number)
+        # Evenly, as a session goes through its zone: the first rows alone would see a part of it.
         spread = np.linspace(0, len(rows) - 1, min(len(rows), most)).astype(np.int64)
         chosen.append(rows[distinct_values(spread)])
     return np.sort(np.concatenate(chosen))
@@ -310,6 +313,7 @@ def contact_structure(
             "Contacts with targets of unknown place do not see where the base stands: "
             "leave `base` out of the effects."
         )
+    # Nobody can tell the world from the base: without a stated one they are the same.
     base = campaign.base_nominal or FramePlacement()
     campaign = replace(campaign, base_nominal=base)
     found = _placed(campaign, contacts, base)

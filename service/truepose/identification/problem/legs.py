@@ -133,6 +133,8 @@ class _Search:
     def start(self, attachment: FloatArray) -> FloatArray:
         nests = np.where(self.unknown[:, None], attachment, self.nests)
         points = self._points(nests)
+        # A cup that was clamped is started there: a handful of legs would place it badly or at its mirror
+        # image.
         known = ~np.isnan(self.told[:, 0])
         anchors = [place if known[k] else self._trilaterate(points, k) for k, place in enumerate(self.told)]
         return np.concatenate([
@@ -158,6 +160,7 @@ class _Search:
         return np.asarray(self.length - np.linalg.norm(arms, axis=1) - answer.offset_mm)
 
     def typical(self, unknowns: FloatArray) -> float:
+        # A median: lengths of confused pairs must not decide where the search ends.
         return float(np.median(np.abs(self.residual(unknowns))))
 
     def refined(self, start: FloatArray) -> FloatArray:
@@ -246,6 +249,7 @@ def leg_structure(
         _clamped(campaign, anchors, known),
         with_offset=with_offset,
     )
+    # The search was made with the base at the identity; what it found is carried to where the base stands.
     placement = _at_base(campaign.base_nominal or FramePlacement(), found)
     structure, start = started_structure(_with_base(campaign), effects, placement, np.eye(3), setting)
     structure, start = with_certified_nests(structure, start, campaign, legs.nest)

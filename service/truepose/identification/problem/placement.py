@@ -158,6 +158,7 @@ def _typical_mm(form: "_Form", rotation: FloatArray, reduced: "_Reduced") -> flo
 
 def _best_rotation(reduced: "_Reduced", starts: int = _STARTS) -> FloatArray:
     spread = _rotation_starts(starts)
+    # All costs come at once from the form; descents, a batch too, are for the lowest.
     lowest = np.argsort(reduced.cost(spread), kind="stable")[:_LOWEST]
     ends = _descended(spread[lowest], reduced)
     return np.asarray(ends[int(np.argmin(reduced.cost(ends)))])
@@ -219,6 +220,7 @@ def _descended(rotations: FloatArray, reduced: _Reduced, steps: int = _DESCENT_S
     for _ in range(steps):
         step = _step(q[under_way], reduced)
         q[under_way] = rotation_from_vector(step) @ q[under_way]
+        # Those that have arrived take no further step: the batch grows smaller.
         under_way = under_way[np.abs(step).max(axis=1) > _ARRIVED_RAD]
         if not len(under_way):
             break
@@ -284,5 +286,6 @@ class _Form:
         nests = self._nests.reshape(-1).copy()
         nests[~self._held] = unknowns[: int((~self._held).sum())]
         origin = self._about if self._known.base is not None else self._about - rotation @ unknowns[-3:]
+        # From the base frame, in which the form counts, to the world.
         left = self.residual(rotation, reduced).T @ rotation.T
         return Placement(rotation, origin, nests.reshape(-1, 3), left, weights)

@@ -36,6 +36,7 @@ def torque_source(campaign: Campaign) -> str:
     """Where joint torques come from: `measured`, `masses` or `unknown`."""
     readings = campaign.readings
     torque = None if readings is None else readings.stops.torque_n_mm
+    # Measured torques contain what masses do not: payloads, hoses, friction.
     if torque is not None and np.isfinite(torque).any():
         return "measured"
     return "masses" if campaign.robot.masses else "unknown"
@@ -56,6 +57,7 @@ def has_orientations(campaign: Campaign) -> bool:
 def known_placement(campaign: Campaign) -> PriorPlacement:
     """Return what the campaign says of base and nests; the centres of unknown nests are zeros."""
     unknown = np.array([nest.centre_mm is None for nest in campaign.nests])
+    # Zeros stand for what is not known; `nest_unknown` says of which.
     centres = np.array([nest.centre_mm or (0.0, 0.0, 0.0) for nest in campaign.nests])
     base = campaign.base_nominal
     if base is None:
@@ -96,6 +98,7 @@ def setting_of(campaign: Campaign, stops: Stops, base_rotation: FloatArray | Non
     known = outline(campaign)
     source, largest = known.torque_source, known.largest_torque_n_mm
     if source == "measured" and stops.torque_n_mm is not None:
+        # Effects ask whether a spring is ever loaded enough to be seen.
         largest = np.nanmax(np.abs(stops.torque_n_mm), axis=0)
     elif source == "masses":
         base = known_placement(campaign).base
@@ -118,6 +121,7 @@ def setting_of(campaign: Campaign, stops: Stops, base_rotation: FloatArray | Non
 def _certified_nests(campaign: Campaign) -> tuple[int, ...]:
     readings = campaign.readings
     unknown = unknown_nests(campaign)
+    # A nest that nothing was read of moves no prediction.
     measured = () if readings is None else _numbers(readings.nest)
     return tuple(nest for nest in measured if nest not in unknown)
 
@@ -182,6 +186,7 @@ def _against_certificate(campaign: Campaign, fixture: FixtureLengths, row: int) 
     if max(ends) > len(campaign.nests):
         return None
     first, second = (campaign.nests[end - 1] for end in ends)
+    # An unknown nest has no certificate to contradict.
     if first.centre_mm is None or second.centre_mm is None:
         return None
     off_mm = float(fixture.length_mm[row] - np.linalg.norm(np.subtract(first.centre_mm, second.centre_mm)))
@@ -296,6 +301,7 @@ def _specs(effects: tuple[str, ...], setting: Setting) -> tuple[tuple[ParameterS
                 "leave it out of the effects, `diagnose` looks for it."
             )
         for spec in effect_named(name).specs(setting):
+            # Two effects that move the same would share it at will, and names must tell parameters apart.
             if spec.name in {earlier.name for earlier in specs}:
                 raise ConfigurationError(
                     f"Effect {name!r} brings the parameter {spec.name!r}, which another effect has already: "

@@ -106,6 +106,7 @@ class Change:
 
     def applied(self, meant: Interpretation) -> Interpretation:
         """Return robot and readings with this change."""
+        # A change is a value, so that one that was found can be applied to further readings too.
         return _APPLIED[self.kind](self, meant)
 
 
@@ -125,11 +126,13 @@ def _scaled(meant: Interpretation, size: float) -> Interpretation:
 
 def _radians(meant: Interpretation) -> Interpretation:
     evidence = meant.evidence
+    # The file held radians and was read as degrees.
     return replace(meant, evidence=replace(evidence, joints_rad=np.rad2deg(evidence.joints_rad)))
 
 
 def _mirrored(meant: Interpretation) -> Interpretation:
     evidence = meant.evidence
+    # Which axis does not matter: the base is free, and two mirrors differ by a rotation.
     flipped = evidence.position_mm * np.array([1.0, -1.0, 1.0])
     return replace(meant, evidence=replace(evidence, position_mm=flipped))
 
@@ -236,12 +239,15 @@ def change_that_fits(
     ):
         return Change("metres")
     meant = Interpretation(robot, thinned(evidence))
+    # Clearly better than the table as it is: every hypothesis explains some of a robot's own errors by
+    # chance.
     best, best_mm = None, min(_CLEARLY_BETTER * typical_mm(meant, free), plausible_mm(robot))
     for change in changes(meant, known):
         changed = change.applied(meant)
         typical = typical_mm(changed, free) if may_leave(changed, free, best_mm) else np.inf
         if typical < best_mm:
             best, best_mm = change, typical
+    # Last, as zeros cost ten times the work of all other changes.
     if best or not search_zeros:
         return best
     return _zero_that_fits(meant, free, best_mm)
@@ -330,6 +336,8 @@ def changes(meant: Interpretation, known: PriorPlacement) -> Iterator[Change]:
 
 def _exchanged_nests(known: PriorPlacement) -> Iterator[Change]:
     """Two labels exchanged throughout; unknown nests have no place that could contradict a label."""
+    # Labels are exchanged throughout: two exchanged in some rows are outliers with another nest as their
+    # reason.
     certified = [int(number) + 1 for number in np.flatnonzero(~known.nest_unknown)]
     for first, second in combinations(certified, 2):
         yield Change("nests", first, second)
@@ -350,6 +358,7 @@ def _zero_that_fits(meant: Interpretation, known: PriorPlacement, limit_mm: floa
     best: tuple[float, int, float] = (limit_mm, 0, 0.0)
     # A zero of joint 1 is a turn of the base, which is free.
     for joint in range(1, meant.robot.n_joints):
+        # The whole turn: cables and couplings are put back at any angle.
         steps = np.arange(-np.pi + _ZERO_STEP_RAD, np.pi + 1e-9, _ZERO_STEP_RAD)
         coarse = [_with_zero_mm(meant, known, joint, float(shift)) for shift in steps]
         shift = _refined(meant, known, joint, float(steps[int(np.argmin(coarse))]))

@@ -46,6 +46,7 @@ def size_direction(structure: Structure) -> FloatArray | None:
         Unit vector over the prior widths [1]; None where nothing of a length is a parameter.
     """
     joints = structure.robot.joints
+    # Relative to the nominal lengths: what is 0 in the table does not grow.
     lengths = {f"a_{k}": row.a_mm for k, row in enumerate(joints, start=1)}
     lengths |= {f"d_{k}": row.d_mm for k, row in enumerate(joints, start=1)}
     grown = np.array([lengths.get(name, 0.0) for name in structure.names]) / structure.prior_widths
@@ -191,6 +192,7 @@ def _by_data(
     structure: Structure, covariance: FloatArray, jacobian: FloatArray, moved: BoolArray
 ) -> list[NotIdentifiable]:
     widths = structure.prior_widths
+    # In units of the priors, so that a border of one half means the same of millimetres and of springs.
     scaled = covariance / np.outer(widths, widths)
     eigenvalues, vectors = np.linalg.eigh(scaled)
     open_space = vectors[:, eigenvalues > UNDETERMINED**2]
@@ -203,6 +205,7 @@ def _by_data(
     for direction in _sparse_basis(open_space):
         members = _members(direction * widths, jacobian, structure)
         entry = NotIdentifiable(members, _reason(members, structure, moved))
+        # Directions that differ in no member are the same to a reader.
         if entry not in entries:
             entries.append(entry)
     return entries
@@ -246,6 +249,7 @@ def _reason(members: tuple[str, ...], structure: Structure, moved: BoolArray) ->
     joints_named = {int(name.split("*")[0].rsplit("_", 1)[1]) for name in members if _of_joint(name)}
     nests = sorted({name.split("_")[1] for name in members if name.startswith("nest_")})
     last = structure.robot.n_joints
+    # From the particular to the general: the first sentence that holds is the one that helps.
     if {"length_offset", *(name for name in members if name.startswith("anchor_"))} & set(members):
         return message("open.anchor")
     if any(name.startswith("target_") for name in members):

@@ -90,6 +90,7 @@ def mean_norm(covariance: FloatArray) -> float:
         return float("nan")
     if covariance.shape[-1] == 1:
         return float(np.sqrt(2.0 / np.pi) * np.sqrt(covariance[:, 0, 0]).mean())
+    # Rounding may leave an eigenvalue of a flat ellipsoid a little below 0.
     eigenvalues = np.maximum(np.linalg.eigvalsh(covariance), 0.0)
     return float(np.sqrt(8.0 / np.pi) * carlson_rg(eigenvalues).mean())
 
@@ -118,6 +119,7 @@ def pure_error(block: Block, residual_mm: FloatArray, n_parameters: int) -> Pure
     repeat_of = block.targets.stops.repeat_of
     if repeat_of is None or not np.any(repeat_of >= 0):
         return None
+    # A revisit counts as the configuration that it revisits.
     site = sites(block.targets.stops)
     kept = block.counts
     keys = np.stack([site, *block.ends()], axis=1)[kept]
@@ -233,6 +235,7 @@ class Assessment:
             Of these readings alone.
         """
         kept = np.ones(len(self.variance), dtype=bool) if rows is None else rows
+        # Expected of the same readings: those left out may be the noisy ones.
         noise = expected_noise_mm(self.block.taken(np.flatnonzero(kept)))
         return NominalAndIdentified(
             statistics(self.nominal_mm[kept], noise), statistics(self.identified_mm[kept], noise)
@@ -311,6 +314,7 @@ def judge(model: Model, readings: Readings, scatter_mm: float) -> Assessment:
     block = _observed(model, readings, scatter_mm, identified.structure)
     found = judge_estimates(block, nominal_estimate(model), identified)
     state = found.identified.state
+    # What a model lacks moves the tool itself, whatever the instrument makes of it.
     lacking = lacking_variance(model, state, place_jacobian(state)) + unknown_variance(model, state)
     return replace(found, variance=found.variance + lacking)
 

@@ -93,6 +93,7 @@ def within_reach(campaign: Campaign) -> ReachableCampaign:
 
 def _with_tool_mm(campaign: Campaign) -> float:
     nests = [np.zeros(3) if nest.centre_mm is None else np.array(nest.centre_mm) for nest in campaign.nests]
+    # Where a nest is unknown the tool may be as long as tools are: nothing is set aside for a long one.
     unknown = any(nest.centre_mm is None for nest in campaign.nests)
     longest = max((float(np.abs(nest).sum()) for nest in nests), default=0.0)
     return reach_mm(campaign.robot) + max(longest, _TOOL_MM if unknown else 0.0)
@@ -127,6 +128,7 @@ def outliers(fit: RobustFit) -> tuple[Outlier, ...]:
     return tuple(
         _outlier(fit, number, row)
         for number, block in enumerate(fit.blocks)
+        # Rows count in one table: sides, cups and fixed nests stand in others.
         if block.table == fit.blocks[0].table
         for row in np.flatnonzero(fit.gross[number]).tolist()
     )
@@ -134,6 +136,7 @@ def outliers(fit: RobustFit) -> tuple[Outlier, ...]:
 
 def _outlier(fit: RobustFit, number: int, row: int) -> Outlier:
     block, norm = fit.blocks[number], float(np.linalg.norm(fit.results[number].residual[row]))
+    # An angle has no residual in mm; the reason tells it.
     turned = block.quantity == "orientation"
     return Outlier(
         row=row,
@@ -150,6 +153,7 @@ def _turned(turn_rad: float) -> Message:
 
 def _off(fit: RobustFit, number: int, row: int, norm_mm: float) -> Message:
     block = fit.blocks[number]
+    # With the discrepancy of the fit: beside it the reading was judged.
     expected = float(np.sqrt(np.mean(block.component_variance()) + block.scatter_mm**2))
     plain = message("gross.off", norm_mm=norm_mm, expected_mm=expected)
     rival = None if block.place_mm is None else _rival(fit, number, row, block.place_mm, _EXPLAINED * norm_mm)
@@ -159,6 +163,7 @@ def _off(fit: RobustFit, number: int, row: int, norm_mm: float) -> Message:
 def _rival(fit: RobustFit, number: int, row: int, places_mm: FloatArray, limit_mm: float) -> Message | None:
     """Another nest or another row that this place fits, if there is one."""
     targets = fit.blocks[number].targets
+    # First, as it needs no other row to have gone wrong.
     nest = _fitting_nest(fit, targets.taken(np.array([row])), places_mm[row], limit_mm)
     if nest:
         return message("gross.other_nest", nest=nest)

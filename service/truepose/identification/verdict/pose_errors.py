@@ -131,6 +131,7 @@ def rigid_motions(places_mm: FloatArray) -> FloatArray:
 
 def _on_a_line(places_mm: FloatArray) -> bool:
     widths = np.linalg.svd(places_mm - places_mm.mean(axis=0), compute_uv=False)
+    # About a line that thin a rotation is told by the errors alone.
     return bool(widths[1] < 1e-3 * max(widths[0], 1e-12))
 
 
@@ -207,7 +208,9 @@ def judged_by_positions(
             statistics(points.position_mm - first, noise), statistics(points.position_mm - second, noise)
         )
 
+    # Each model by its own best motion: aligned by that of the other, it would carry the other's errors.
     aligned = pair(*(_aligned(places, places, points.position_mm) for places in (nominal, identified)))
+    # Each model is tied by the cups as it has them itself.
     before = _matched(cups or model.nominal_anchors, campaign.cups)
     after = _matched(cups or identified_anchors(model), campaign.cups)
     if before is None or after is None:
@@ -221,6 +224,7 @@ def _matched(anchors: tuple[Anchor, ...], cups: CupReadings | None) -> tuple[Flo
         return None
     places = {(anchor.placement, anchor.base_point): anchor.centre_mm for anchor in anchors}
     pairs = list(zip(cups.placement.tolist(), cups.base_point.tolist(), strict=True))
+    # The tracker may have measured cups that no leg was read from.
     rows = [row for row, pair in enumerate(pairs) if pair in places]
     if len(rows) < _FEWEST_POINTS:
         return None

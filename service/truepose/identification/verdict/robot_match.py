@@ -69,6 +69,8 @@ def match(robot: Robot, evidence: Evidence, known: PriorPlacement, *, search_zer
     if as_it_is.fits:
         return as_it_is
     singles = sorted((_with(meant, free, one) for one in changes(meant, known)), key=_typical)
+    # Two mistakes at once (a unit and a sign) leave neither alone plausible; the better first one is still
+    # best.
     pairs = _pairs(meant, free, singles[:_SHORT_LIST])
     for found in (singles[0], min(pairs, key=_typical, default=as_it_is)):
         if found.fits:
@@ -84,6 +86,7 @@ def _unchanged(meant: Interpretation, known: PriorPlacement) -> Match:
         return quick
     evidence = meant.evidence
     chain = nominal_chain(meant.robot, evidence.joints_rad)
+    # Least squares without weights is quick, and a few readings far off spoil it: asked once more, robustly.
     return Match(meant.robot, (), place(chain, evidence.nest, evidence.position_mm, known).typical_mm)
 
 
@@ -127,6 +130,7 @@ def matches(robots: Sequence[Robot], evidence: Evidence, known: PriorPlacement) 
     fitting = [one for one in plain if one.fits]
     # Of many robots zeros are not searched for: that would be ten times the work for each of them.
     found = fitting or [match(robot, evidence, known, search_zeros=len(able) == 1) for robot in able]
+    # By shares of what is plausible: a large robot may leave more millimetres than a small one.
     return tuple(sorted(found, key=lambda one: (not one.fits, len(one.changes), _share(one))))
 
 

@@ -66,6 +66,7 @@ def too_few_data(campaign: Campaign, effects: tuple[str, ...]) -> Message | None
     configurations = len(distinct)
     pairs = np.column_stack([place.reshape(-1), readings.ends])
     per_reading = readings.observed_mm.shape[1]
+    # Repeats of a reading say nothing new of the parameters.
     different = len(readings) if configurations == len(readings) else len(distinct_values(pairs, axis=0))
     observations = per_reading * different
     if configurations == 1:
@@ -145,6 +146,7 @@ def outcome(campaign: Campaign, problem: Problem, identified: RobustFit) -> tupl
     nothing = _nothing_learnt(campaign, problem, identified)
     if nothing:
         return Status.TOO_FEW_DATA, nothing
+    # Before convergence: where the table is wrong, whether the solver settled is of no interest.
     wrong = _wrong_model(campaign, problem, identified, typical)
     if wrong:
         return Status.WRONG_NOMINAL_MODEL, wrong
@@ -161,6 +163,7 @@ def _nothing_learnt(campaign: Campaign, problem: Problem, identified: RobustFit)
     unasked = (*NOMINAL_EFFECTS, *effects_with(Trait.NUISANCE))
     asked = [name for name in structure.effects if name not in unasked]
     wanted = np.isin(structure.owners, asked or list(NOMINAL_EFFECTS))
+    # Over the widths of the fit, not the stated ones: widened priors know less to begin with.
     left = np.diag(identified.solution.covariance) / identified.structure.prior_widths**2
     learnt = float(np.clip(1.0 - left[wanted], 0.0, 1.0).sum())
     if learnt >= min(_ONE_PARAMETER, 0.5 * wanted.sum()):
@@ -187,6 +190,7 @@ def _majority_gross(campaign: Campaign, typical_mm: float) -> bool:
     seen = (points.position_mm - placement_translation(base)) @ placement_rotation(base)
     off_mm = np.linalg.norm(seen - here, axis=1)
     usual_mm = plausible_mm(campaign.robot)  # 0 of a table without lengths
+    # Two crowds: of one wrong table all readings would be off alike.
     return bool((off_mm < usual_mm).mean() > _PART and (off_mm > 4.0 * usual_mm).mean() > _PART)
 
 
@@ -199,6 +203,7 @@ def _wrong_model(
     # stands for something else that the model lacks, and is said so in the message.
     strange = nominal_mm > plausible_mm(campaign.robot) and implausible_parameter(problem, identified)
     unfit = typical_mm > _IDENTIFIED_SHARE * reach_mm(campaign.robot)
+    # Small tables and wide priors let a wrong convention hide in the parameters; chi-square still shows it.
     if points is not None and (strange or unfit or identified.chi2_per_dof > _SUSPICIOUS_CHI2):
         change = change_that_fits(
             campaign.robot, _evidence(points), known_placement(campaign), search_zeros=bool(strange or unfit)
@@ -245,6 +250,7 @@ def _converged_message(problem: Problem, identified: RobustFit, gross: int) -> M
     if fixed:
         parts.append(message("status.nest_outliers", n=fixed))
     parts += [told for told in (_base_elsewhere(problem, identified), _unlike_its_type(identified)) if told]
+    # Converged, with a parameter that stands for something else which the model lacks: said, not refused.
     strange = implausible_parameter(problem, identified)
     if strange:
         parts.append(message("status.strange", parameter=strange))
@@ -281,6 +287,7 @@ def _unlike_its_type(identified: RobustFit) -> Message | None:
 
 def _springs_that_push(problem: Problem, identified: RobustFit) -> list[str]:
     """Name the springs that yield against their load; a product with an unknown moment may have any sign."""
+    # No gearbox turns against its load: such a spring stands for something else.
     uncertainty = np.sqrt(np.diag(identified.solution.covariance))
     return [
         spec.name
