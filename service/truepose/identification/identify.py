@@ -234,7 +234,7 @@ def _crossed(calibration: Assessment, identified: RobustFit, nominal: RobustFit)
 
 
 def _pure_error(identified: RobustFit) -> PureError | None:
-    # Of the first block: others are not read at revisits.
+    # Of the first block, which all figures are of.
     return pure_error(identified.blocks[0], identified.results[0].residual, len(identified.structure.specs))
 
 

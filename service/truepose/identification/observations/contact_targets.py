@@ -174,11 +174,11 @@ class Centre:
         )
 
     def reading_mm(self, target: Target, values: FloatArray, probe: Probe) -> FloatArray:
-        """Return the distances from the centre, less the zero."""
+        """Return |P - C| - z, the distances from the centre less the zero [mm], shape (n,)."""
         return np.asarray(np.linalg.norm(probe.place_mm - values[:3], axis=1) - _zero(target, values))
 
     def slope(self, target: Target, values: FloatArray, probe: Probe) -> Slope:
-        """Return the directions away from the centre, and their opposites for the centre itself."""
+        """Return the directions away from the centre, their opposites for the centre, -1 for the zero [1]."""
         arm = probe.place_mm - values[:3]
         away = arm / np.linalg.norm(arm, axis=1)[:, None]
         own = -away.T if len(values) == 3 else np.vstack([-away.T, np.full(len(arm), -1.0)])
@@ -244,12 +244,12 @@ class Plane:
         )
 
     def reading_mm(self, target: Target, values: FloatArray, probe: Probe) -> FloatArray:
-        """Return the distances from the plane."""
+        """Return n . (P - Q) - s, the distances from the plane [mm], shape (n,)."""
         normal, _ = tilted(target, values)
         return np.asarray((probe.place_mm - point_of(target)) @ normal - values[0])
 
     def slope(self, target: Target, values: FloatArray, probe: Probe) -> Slope:
-        """Return the normal, and what tilting it does."""
+        """Return the normal [1], and what tilting it does [mm per unit of slope]; -1 for the shift."""
         normal, across = tilted(target, values)
         arm = probe.place_mm - point_of(target)
         own = np.vstack([np.full(len(arm), -1.0), across @ arm.T])
@@ -335,7 +335,7 @@ class Face(Plane):
     """Shift and two slopes of a plane that is read askew."""
 
     def reading_mm(self, target: Target, values: FloatArray, probe: Probe) -> FloatArray:
-        """Return the distances along the axes."""
+        """Return -h / (n . a), the distances along the axes [mm], shape (n,)."""
         normal, _ = tilted(target, values)
         return -super().reading_mm(target, values, probe) / (probe.along @ normal)
 
@@ -367,7 +367,7 @@ class BallPlace:
         )
 
     def reading_mm(self, target: Target, values: FloatArray, probe: Probe) -> FloatArray:
-        """Return how far the ball is along the axis."""
+        """Return a . (C - P), how far the ball is along the axis [mm], shape (n,)."""
         return np.asarray(((values - probe.place_mm) * probe.along).sum(axis=1))
 
     def slope(self, target: Target, values: FloatArray, probe: Probe) -> Slope:

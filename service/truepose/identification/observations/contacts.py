@@ -56,7 +56,14 @@ class ContactBlock(LengthBlock):
     reading_mm: FloatArray
 
     def result(self, structure: Structure, values: FloatArray, previous: BlockResult | None) -> BlockResult:
-        """Return residuals [mm] and derivatives."""
+        """Return residuals and derivatives, parameters as of `Block.result`.
+
+        Returns
+        -------
+        BlockResult
+            Residual (n, 1) [mm]: reading minus what the target reads and what is read too much; with the
+            directions (n, 3) and levers (n, J) [mm/rad] along which readings grow.
+        """
         state = self.evaluated(structure, values, previous)
         predicted = np.zeros(len(self.reading_mm))
         for target, rows, own, probe in self._each(state):
@@ -71,7 +78,18 @@ class ContactBlock(LengthBlock):
         )
 
     def derivatives(self, state: State) -> FloatArray:
-        """Return the changes of the predicted readings, the targets' own included, shape (P, n, 1)."""
+        """Return the changes of the predicted readings, the targets' own included.
+
+        Parameters
+        ----------
+        state : State
+            At n readings.
+
+        Returns
+        -------
+        ndarray, shape (P, n, 1)
+            mm per internal unit of each parameter.
+        """
         place, turn = self._slopes(state)
         jacobian = np.einsum("pni,ni->pn", position_jacobian(state), place)
         # Only sensors that look along an axis of the tool see it turn: for others the derivatives are saved.
@@ -175,14 +193,30 @@ class DistanceBlock(IndependentReadings):
     distance_mm: FloatArray
 
     def result(self, structure: Structure, values: FloatArray, previous: BlockResult | None) -> BlockResult:
-        """Return residuals [mm] and derivatives."""
+        """Return residuals and derivatives, parameters as of `Block.result`.
+
+        Returns
+        -------
+        BlockResult
+            Residual (n, 1) [mm]: certified distance minus |B - A|.
+        """
         state = self.evaluated(structure, values, previous)
         distance = np.linalg.norm(self._joined(state), axis=1)
         residual = (self.distance_mm - distance)[:, None]
         return BlockResult(residual, self.differentiated(state), state, self.whitening())
 
     def derivatives(self, state: State) -> FloatArray:
-        """Return the changes of the distances, shape (P, n, 1)."""
+        """Return the changes of the distances.
+
+        Parameters
+        ----------
+        state : State
+
+        Returns
+        -------
+        ndarray, shape (P, n, 1)
+            mm per mm of the centres, zeros for all other parameters.
+        """
         direction, _ = directions(self._joined(state))
         jacobian = np.zeros((len(state.structure.names), len(direction), 1))
         for row, (first, second) in enumerate(self.pair.tolist()):

@@ -221,13 +221,30 @@ class ReferenceBlock(IndependentReadings):
     measured_mm: FloatArray
 
     def result(self, structure: Structure, values: FloatArray, previous: BlockResult | None) -> BlockResult:
-        """Return residuals [mm] and derivatives."""
+        """Return residuals and derivatives, parameters as of `Block.result`.
+
+        Returns
+        -------
+        BlockResult
+            Residual (n, 3) [mm]: measured place minus where the instrument should see the registered nest.
+        """
         state = self.evaluated(structure, values, previous)
         residual = self.measured_mm - state.seen(self._registered(state)[0])
         return BlockResult(residual, self.differentiated(state), state, self.whitening())
 
     def derivatives(self, state: State) -> FloatArray:
-        """Return the motions of the predictions, shape (P, n, 3)."""
+        """Return the motions of the predictions.
+
+        Parameters
+        ----------
+        state : State
+            At n readings.
+
+        Returns
+        -------
+        ndarray, shape (P, n, 3)
+            mm per internal unit: of registration, places of nests, and all that moves the instrument.
+        """
         names = state.structure.names
         points, turn, axes, arms = self._registered(state)
         jacobian = np.zeros((len(names), len(points), 3))
@@ -266,11 +283,32 @@ class ReferenceBlock(IndependentReadings):
         return self._looks().discrepancy_mm(self.stated_sigma() ** 2)
 
     def bad_among(self, off: BoolArray) -> BoolArray:
-        """Return which readings that are off the model are bad ones; the others speak against it."""
+        """Return which readings that are off the model are bad ones; the others speak against it.
+
+        Parameters
+        ----------
+        off : ndarray of bool, shape (n,)
+
+        Returns
+        -------
+        ndarray of bool, shape (n,)
+            As of `NestLooks.bad_among`.
+        """
         return self._looks().bad_among(off)
 
     def contradiction(self, result: BlockResult) -> float:
-        """Return the chance that readings without a bad one lie so far off the model by scatter alone."""
+        """Return the chance that readings without a bad one lie so far off the model by scatter alone.
+
+        Parameters
+        ----------
+        result : BlockResult
+            At the solution.
+
+        Returns
+        -------
+        float
+            0 to 1; as of `NestLooks.chance_of`, with three degrees of freedom a reading.
+        """
         squared = float((self.weights * self.squared(result)).sum())
         return self._looks().chance_of(squared, 3.0 * float(self.weights.sum()))
 

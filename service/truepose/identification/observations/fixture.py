@@ -56,14 +56,31 @@ class SideBlock(IndependentReadings):
     length_mm: FloatArray
 
     def result(self, structure: Structure, values: FloatArray, previous: BlockResult | None) -> BlockResult:
-        """Return residuals [mm] and derivatives."""
+        """Return residuals and derivatives, parameters as of `Block.result`.
+
+        Returns
+        -------
+        BlockResult
+            Residual (n, 1) [mm]: measured side minus distance of its ends and what is read too much.
+        """
         state = self.evaluated(structure, values, previous)
         distance = np.linalg.norm(self._joined(state), axis=1)
         residual = (self.length_mm - distance - excess_mm(state))[:, None]
         return BlockResult(residual, self.differentiated(state), state, self.whitening())
 
     def derivatives(self, state: State) -> FloatArray:
-        """Return the changes of the predicted sides, shape (P, n, 1)."""
+        """Return the changes of the predicted sides.
+
+        Parameters
+        ----------
+        state : State
+
+        Returns
+        -------
+        ndarray, shape (P, n, 1)
+            mm per internal unit: of anchors, of tool nests, of what is read too
+            much.
+        """
         direction, _ = directions(self._joined(state))
         first, n_anchors = first_anchor(state.structure), len(state.structure.anchors)
         rows = np.arange(len(direction))
@@ -119,14 +136,31 @@ class ClampBlock(IndependentReadings):
     anchor: IntArray
 
     def result(self, structure: Structure, values: FloatArray, previous: BlockResult | None) -> BlockResult:
-        """Return how far each cup is from the ball [mm], shape (n, 3), and derivatives."""
+        """Return how far each cup is from the ball, and derivatives; parameters as of `Block.result`.
+
+        Returns
+        -------
+        BlockResult
+            Residual (n, 3) [mm]: cup minus ball, world frame.
+        """
         state = self.evaluated(structure, values, previous)
         # Where the ball was is what the model says of the arm; where the cup is, its own parameters.
         residual = anchor_places(structure, values)[self.anchor] - state.position_mm
         return BlockResult(residual, self.differentiated(state), state, self.whitening())
 
     def derivatives(self, state: State) -> FloatArray:
-        """Return the motions of the ball away from the cups, shape (P, n, 3)."""
+        """Return the motions of the ball away from the cups.
+
+        Parameters
+        ----------
+        state : State
+            At n set-ups.
+
+        Returns
+        -------
+        ndarray, shape (P, n, 3)
+            mm per internal unit; -1 for the cup itself, which the residual holds with the opposite sign.
+        """
         jacobian = position_jacobian(state)
         first, rows = first_anchor(state.structure), np.arange(len(self.anchor))
         for component in range(3):

@@ -78,7 +78,14 @@ class BeliefBlock(Block):
     believed: FloatArray
 
     def result(self, structure: Structure, values: FloatArray, previous: BlockResult | None) -> BlockResult:
-        """Return residuals and derivatives; parameters that a structure lacks stand at 0."""
+        """Return residuals and derivatives; parameters as of `Block.result`.
+
+        Returns
+        -------
+        BlockResult
+            Residual (S, 1) [1]: what sums are believed to be minus what they are. Parameters that a structure
+            lacks stand at 0.
+        """
         state = self.evaluated(structure, values, previous)
         value = dict(zip(structure.names, values.tolist(), strict=True))
         believed = self.rows @ np.array([value.get(name, 0.0) for name in self.names])
@@ -86,7 +93,17 @@ class BeliefBlock(Block):
         return BlockResult(residual, self.differentiated(state), state, _each_alone(len(self.read)))
 
     def derivatives(self, state: State) -> FloatArray:
-        """Return the sums, shape (P, S, 1)."""
+        """Return the sums themselves.
+
+        Parameters
+        ----------
+        state : State
+
+        Returns
+        -------
+        ndarray, shape (P, S, 1)
+            Per internal unit; zeros for parameters of which nothing is believed.
+        """
         names = state.structure.names
         jacobian = np.zeros((len(names), len(self.read), 1))
         for column, name in enumerate(self.names):

@@ -74,7 +74,17 @@ class LengthBlock(Block):
         return replace(result, whitening=self.whitening(direction, lever))
 
     def squared(self, result: BlockResult) -> FloatArray:
-        """Return each length's squared residual over its variance, scatter included, shape (n,)."""
+        """Return each length's squared residual over its variance.
+
+        Parameters
+        ----------
+        result : BlockResult
+
+        Returns
+        -------
+        ndarray, shape (n,)
+            r^2 / (u^2 + d^2 + s^2), with symbols as above: what a length shares counts as if it were its own.
+        """
         return np.asarray(result.residual[:, 0] ** 2 / (self.component_variance() + self.scatter_mm**2))
 
     def whitening(self, direction: FloatArray, lever_mm: FloatArray) -> Whitener:
@@ -118,7 +128,14 @@ class LegBlock(LengthBlock):
     length_mm: FloatArray
 
     def result(self, structure: Structure, values: FloatArray, previous: BlockResult | None) -> BlockResult:
-        """Return residuals [mm] and derivatives."""
+        """Return residuals and derivatives, parameters as of `Block.result`.
+
+        Returns
+        -------
+        BlockResult
+            Residual (n, 1) [mm]: measured length minus distance, offset and what is read too much; with the
+            directions (n, 3) and levers (n, J) [mm/rad] along which lengths grow.
+        """
         state = self.evaluated(structure, values, previous)
         arm = state.position_mm - moved_feet(state, self._feet(state))
         distance = np.linalg.norm(arm, axis=1)
@@ -131,7 +148,18 @@ class LegBlock(LengthBlock):
         return BlockResult(residual, self.differentiated(state), state, whitening, direction, lever)
 
     def derivatives(self, state: State) -> FloatArray:
-        """Return the changes of the predicted lengths, anchors and offset included, shape (P, n, 1)."""
+        """Return the changes of the predicted lengths, anchors and offset included.
+
+        Parameters
+        ----------
+        state : State
+            At n legs.
+
+        Returns
+        -------
+        ndarray, shape (P, n, 1)
+            mm per internal unit of each parameter.
+        """
         structure, feet = state.structure, self._feet(state)
         arm = state.position_mm - moved_feet(state, feet)
         direction = arm / np.linalg.norm(arm, axis=1)[:, None]
@@ -160,7 +188,12 @@ class LegBlock(LengthBlock):
 
 
 def leg_targets(legs: LegReadings) -> Targets:
-    """Return where lengths were read, with what effects of ballbar and fixture depend on."""
+    """Return where lengths were read, with what effects of ballbar and fixture depend on.
+
+    Parameters
+    ----------
+    legs : LegReadings
+    """
     return Targets(legs.stops, legs.nest, legs.placement, legs.initialisation, legs.length_mm)
 
 

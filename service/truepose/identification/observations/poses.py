@@ -57,7 +57,13 @@ class PositionBlock(Block):
     ready: Whitener | None = None
 
     def result(self, structure: Structure, values: FloatArray, previous: BlockResult | None) -> BlockResult:
-        """Return residuals [mm] and derivatives."""
+        """Return residuals and derivatives, parameters as of `Block.result`.
+
+        Returns
+        -------
+        BlockResult
+            Residual (n, 3) [mm]: measured minus predicted position, world frame.
+        """
         state = self.evaluated(structure, values, previous)
         residual = self.measured_mm - state.position_mm
         return BlockResult(residual, self.differentiated(state), state, self._whitening())
@@ -67,7 +73,18 @@ class PositionBlock(Block):
         return replace(result, whitening=self._whitening())
 
     def derivatives(self, state: State) -> FloatArray:
-        """Return the motions of the predictions, shape (P, n, 3)."""
+        """Return the motions of the predictions.
+
+        Parameters
+        ----------
+        state : State
+            At n readings.
+
+        Returns
+        -------
+        ndarray, shape (P, n, 3)
+            mm per internal unit of each parameter.
+        """
         return position_jacobian(state)
 
     def covariance(self) -> FloatArray:
@@ -84,7 +101,17 @@ class PositionBlock(Block):
         return float(np.sqrt(mean + self.scatter_mm**2))
 
     def squared(self, result: BlockResult) -> FloatArray:
-        """Return each reading's squared residual in its own covariance, scatter included, shape (n,)."""
+        """Return each reading's squared residual in its own covariance.
+
+        Parameters
+        ----------
+        result : BlockResult
+
+        Returns
+        -------
+        ndarray, shape (n,)
+            r^T (D + d^2 1 + s^2 1)^-1 r [1], with the stated covariance D, discrepancy d and scatter s.
+        """
         if self.lone_mm2 is not None:
             return np.asarray((result.residual**2).sum(axis=1) / (self.lone_mm2 + self.discrepancy**2))
         covariance = self._lacking() + self.scatter_mm**2 * np.eye(3)
@@ -97,20 +124,54 @@ class PositionBlock(Block):
         return self.measured_mm
 
     def moved_by_nest(self, result: BlockResult, nest: int) -> FloatArray:
-        """Return the axes of the last frame for readings of that nest, shape (3, n, 3)."""
+        """Return how readings of a held nest move with it.
+
+        Parameters
+        ----------
+        result : BlockResult
+        nest : int
+            1-based.
+
+        Returns
+        -------
+        ndarray, shape (3, n, 3)
+            Axes of the last frame in the world [mm per mm]; zeros for readings of other nests.
+        """
         here = (self.targets.nest == nest)[:, None]
         last = result.state.chain.end_rotation
         return np.stack([np.where(here, last[:, :, k], 0.0) for k in range(3)])
 
     def moved_by_world(self, result: BlockResult) -> FloatArray:
-        """Return three shifts, and three turns about the origin, shape (6, n, 3)."""
+        """Return how predictions move with the held world.
+
+        Parameters
+        ----------
+        result : BlockResult
+
+        Returns
+        -------
+        ndarray, shape (6, n, 3)
+            Three shifts [mm per mm], and three turns about the origin [mm/rad].
+        """
         # About the world's origin, as the covariance of a registration is stated.
         points = result.state.position_mm
         turns = np.stack([np.cross(axis, points) for axis in np.eye(3)])
         return np.concatenate([np.broadcast_to(np.eye(3)[:, None, :], (3, len(points), 3)), turns])
 
     def moved_by_growth(self, result: BlockResult, origin_mm: FloatArray) -> FloatArray:
-        """Return how far each nest is from the place that stays, shape (n, 3)."""
+        """Return how far each nest is from the place that stays.
+
+        Parameters
+        ----------
+        result : BlockResult
+        origin_mm : ndarray, shape (3,)
+            The place, in the world.
+
+        Returns
+        -------
+        ndarray, shape (n, 3)
+            [mm] per unit of growth.
+        """
         return np.asarray(result.state.position_mm - origin_mm)
 
     def prepared(self) -> Self:
@@ -193,12 +254,33 @@ class OrientationBlock(IndependentReadings):
     measured: FloatArray
 
     def result(self, structure: Structure, values: FloatArray, previous: BlockResult | None) -> BlockResult:
-        """Return residuals as rotation vectors in the world [rad] and derivatives."""
+        """Return residuals and derivatives, parameters as of `Block.result`.
+
+        Returns
+        -------
+        BlockResult
+            Residual (n, 3) [rad]: log(M R^T), as a rotation vector in the world.
+        """
         state = self.evaluated(structure, values, previous)
         return BlockResult(self._residual(state), self.differentiated(state), state, self.whitening())
 
     def derivatives(self, state: State) -> FloatArray:
-        """Return the turns of the predictions as the residual sees them, shape (P, n, 3)."""
+        """Return the turns of the predictions as the residual sees them.
+
+        Parameters
+        ----------
+        state : State
+            At n readings.
+
+        Returns
+        -------
+        ndarray, shape (P, n, 3)
+            rad per internal unit of each parameter.
+
+        References
+        ----------
+        J. Sola, J. Deray, D. Atchuthan, arXiv 1812.01537, 2018, equation 144.
+        """
         # Of large residuals the turn of a prediction is not the change of its rotation vector.
         gradient = _log_gradient(self._residual(state))
         return np.asarray(np.einsum("nij,pnj->pni", gradient, rotation_jacobian(state)))

@@ -110,7 +110,19 @@ def _spread(anchor: IntArray) -> IntArray:
 
 
 def attachments(unknown: bool) -> list[FloatArray]:
-    """Return the places in the last frame where an unknown nest is tried first, shape (3,) each."""
+    """Return the places in the last frame where an unknown nest is tried first.
+
+    Parameters
+    ----------
+    unknown : bool
+        Whether there is one.
+
+    Returns
+    -------
+    list of ndarray, shape (3,)
+        [mm]: the origin; where there is one, also on three spheres the 26 directions to faces, edges and
+        corners of a cube.
+    """
     if not unknown:
         return [np.zeros(3)]
     directions = [np.array(d, dtype=float) for d in np.ndindex(3, 3, 3)]

@@ -65,7 +65,18 @@ def statistics(residual_mm: FloatArray, noise_mm: float) -> Statistics:
 
 
 def expected_noise_mm(block: Block) -> float:
-    """Mean norm of the residuals that readings and the arm's scatter alone would give [mm]."""
+    """Return the mean norm of the residuals that readings and the arm's scatter alone would give.
+
+    Parameters
+    ----------
+    block : Block
+        n readings of d components.
+
+    Returns
+    -------
+    float
+        [mm]; without the discrepancy, which no instrument states.
+    """
     return mean_norm(block.covariance() + block.scatter_mm**2 * np.eye(block.components))
 
 

@@ -69,8 +69,7 @@ def match(robot: Robot, evidence: Evidence, known: PriorPlacement, *, search_zer
     if as_it_is.fits:
         return as_it_is
     singles = sorted((_with(meant, free, one) for one in changes(meant, known)), key=_typical)
-    # Two mistakes at once (a unit and a sign) leave neither alone plausible; the better first one is still
-    # best.
+    # Two mistakes at once, a unit and a sign, leave neither alone plausible; one is still among the best.
     pairs = _pairs(meant, free, singles[:_SHORT_LIST])
     for found in (singles[0], min(pairs, key=_typical, default=as_it_is)):
         if found.fits:

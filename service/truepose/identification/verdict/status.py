@@ -203,7 +203,7 @@ def _wrong_model(
     # stands for something else that the model lacks, and is said so in the message.
     strange = nominal_mm > plausible_mm(campaign.robot) and implausible_parameter(problem, identified)
     unfit = typical_mm > _IDENTIFIED_SHARE * reach_mm(campaign.robot)
-    # Small tables and wide priors let a wrong convention hide in the parameters; chi-square still shows it.
+    # A wrong convention may hide in the parameters and show in chi-square alone.
     if points is not None and (strange or unfit or identified.chi2_per_dof > _SUSPICIOUS_CHI2):
         change = change_that_fits(
             campaign.robot, _evidence(points), known_placement(campaign), search_zeros=bool(strange or unfit)
