@@ -57,6 +57,7 @@ def gamma_above(shape: float, start: float) -> float:
     # Series and fraction each converge fast on one side of the mean.
     if start < shape + 1.0:
         return 1.0 - _gamma_power(shape, start) * _gamma_series(shape, start)
+    # Above the mean the complement of the series would lose the digits of a small chance.
     fraction = _continued(start + 1.0 - shape, _gamma_terms(shape, start))
     return _gamma_power(shape, start) * shape / fraction
 
@@ -127,6 +128,7 @@ def _beta_power(a: float, b: float, x: float, left: float) -> float:
 
 
 def _deviance(ratio: float) -> float:
+    # Near 1 this loses digits of a small number, which in an exponent do no harm.
     return ratio - 1.0 - math.log(ratio)
 
 
@@ -165,6 +167,7 @@ def _continued(first: float, terms: Iterator[tuple[float, float]]) -> float:
     """Return first + a1 / (b1 + a2 / (b2 + ...)), by Lentz's method."""
     value = above = first or _NO_ZERO
     below = 0.0
+    # Lentz's two ratios never overflow, as numerator and denominator of the fraction by themselves would.
     for numerator, denominator in terms:
         below = 1.0 / (denominator + numerator * below or _NO_ZERO)
         above = denominator + numerator / above or _NO_ZERO
@@ -277,6 +280,7 @@ def chi2_limit(chance: float, degrees: float) -> float:
     degrees : float
         Of freedom, > 0.
     """
+    # A chi-square variate is twice a gamma variate of half as many degrees of freedom.
     return 2.0 * gamma_limit(0.5 * degrees, chance)
 
 

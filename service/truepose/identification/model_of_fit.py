@@ -115,6 +115,8 @@ def _placed(nominal: RobustFit) -> tuple[FramePlacement, tuple[NestCentre, ...]]
 
 
 def _turned(nominal: RobustFit) -> tuple[float, float, float]:
+    # Angles turn about the start, which may be far from the identity; the model states the rotation that
+    # results.
     turn = np.array([_value(nominal, name) for name in ("tool_rx", "tool_ry", "tool_rz")])
     return angles_xyz(base_axes(nominal.structure.tool_rotation, turn)[0])
 
@@ -127,6 +129,7 @@ def _nests(centres_mm: FloatArray) -> tuple[NestCentre, ...]:
 
 
 def _value(fit: RobustFit, name: str) -> float:
+    # What a structure has no parameter of is as it was at the start.
     structure: Structure = fit.structure
     return float(fit.values[structure.index_of(name)]) if name in structure.names else 0.0
 

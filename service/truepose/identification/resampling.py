@@ -169,12 +169,14 @@ class Resampling:
             point = linearise_blocks(structure, blocks, values, previous)
             return replace(point, residual=point.residual + noise)
 
+        # From the fit: a draw is a standard uncertainty or two away.
         solution = solve(moved, self.fitted.values, means, structure.prior_widths)
         return solution.values if solution.converged else None
 
     def _with_configurations(self, rng: np.random.Generator) -> FloatArray | None:
         structure = self.fitted.structure
         of_arm = [block for block in self.fitted.blocks if block.of_arm]
+        # Whole configurations: their readings share the scatter of one stop and what the model lacks there.
         configurations = np.unique(np.concatenate([block.targets.stops.config for block in of_arm]))
         if len(configurations) < FEWEST:
             raise ConfigurationError(
@@ -221,6 +223,7 @@ def _drawn(block: Block, configurations: IntArray) -> Block:
     # Two of one configuration must not share the scatter of one stop: each is numbered anew.
     again = np.repeat(np.arange(len(rows)), [len(own) for own in rows])
     taken = block.taken(np.concatenate(rows))
+    # Weights and discrepancy were decided once, and go with the readings.
     stops = replace(taken.targets.stops, config=again)
     return replace(taken, targets=replace(taken.targets, stops=stops)).weighted(
         taken.weights, taken.discrepancy

@@ -205,6 +205,7 @@ def _torque_gradients(state: State) -> dict[Port, FloatArray]:
     return {
         Port(PortKind.TORQUE, joint): softness_of(state, joint)[:, None]
         * theta_gradient_of(state.chain, state.unscaled_mm, joint)
+        # The slope of the gear at the load that is there, not torque over angle from rest.
         for joint in {term.port.number for term in state.terms if term.port.kind is PortKind.TORQUE}
     }
 
@@ -366,6 +367,7 @@ def _fixture_motion(state: State) -> FloatArray | None:
     if placement is None or not any(port.kind is PortKind.FIXTURE for port in state.moved):
         return None
     motion = np.zeros((len(state.targets), 6))
+    # Each placement of the fixture has a motion of its own; legs of others do not know of it.
     for number in distinct_values(placement).tolist():
         own = six_components(state.moved, PortKind.FIXTURE, 6 * (number - 1), len(state.targets))
         if own is not None:

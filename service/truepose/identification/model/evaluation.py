@@ -287,6 +287,7 @@ def _evaluate_loaded(acting: ActiveEffects, targets: Targets, nominal: LinkValue
     rotation, axes = base_axes(structure.base_rotation, _triple(moved, PortKind.BASE, 3))
     origin = structure.base_origin_mm + _triple(moved, PortKind.BASE, 0)
     tool_rotation, tool_axes = base_axes(structure.tool_rotation, _triple(moved, PortKind.TOOL_ROTATION, 0))
+    # Base, tool and lengths of the instrument are the same in every row; bodies may move from row to row.
     motions = _motions(moved, len(targets))
     chain = forward(_displaced(nominal, moved), rotation, origin, motions)
     unscaled = chain.points(nest_centres(structure, moved)[targets.nest - 1])
@@ -388,6 +389,7 @@ def _seen(points: FloatArray, scale: float, instrument: FloatArray, motion: Floa
     scaled: FloatArray = points + scale * (points - instrument)
     if motion is None:
         return scaled
+    # Lengths first, as they are read from where the instrument stands; then what moves its frame.
     turn, _ = turned_axes(motion[:, 3:])
     seen: FloatArray = np.einsum("nij,nj->ni", turn, scaled) + motion[:, :3]
     return seen

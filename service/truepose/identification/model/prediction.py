@@ -139,6 +139,7 @@ def shortfall_variance(short: Shortfall, state: State, jacobian: FloatArray) -> 
 
 
 def _function(parameter: Parameter) -> Function:
+    # From a model file it comes back as a parameter; effects take specs.
     spec = ParameterSpec(parameter.name, parameter.unit, 0.0, parameter.prior_width)
     return Function(parameter.effect, spec)
 
@@ -196,6 +197,7 @@ def placed_variance(model: Model, state: State) -> FloatArray:
     ndarray, shape (n,)
         [mm2]: parameters, what rows do not tell, scatter of the arm and what the model lacks.
     """
+    # Scale, drift and kick of the instrument move readings, not the tool.
     jacobian = place_jacobian(state)
     variance = mean_variance(jacobian, model.covariance) + unknown_variance(model, state)
     return np.asarray(variance + model.repeatability_mm**2 + lacking_variance(model, state, jacobian))
@@ -233,6 +235,7 @@ def unpredictable(model: Model, stops: Stops) -> tuple[Message, ...]:
 
 def unpredictable_at(model: Model, targets: Targets) -> tuple[Message, ...]:
     """Return one sentence for every effect whose part in some of the predictions is not known well."""
+    # First what rows do not tell, then what nobody followed as far.
     structure = structure_of(model)
     return left_out(structure, targets) + held(structure, targets)
 

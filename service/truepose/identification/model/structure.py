@@ -117,6 +117,7 @@ class Structure:
 
     @cached_property
     def _members(self) -> Mapping[str, tuple[int, ...]]:
+        # Owners need not follow one another: what a diagnosis adds to an effect comes at the end.
         return {
             effect: tuple(k for k, owner in enumerate(self.owners) if owner == effect)
             for effect in dict.fromkeys(self.owners)
@@ -149,6 +150,7 @@ class Structure:
 
     def without(self, effects: tuple[str, ...]) -> "Structure":
         """Return the structure without the parameters of these effects."""
+        # With a type, as an empty list of indices would be one of floats.
         left = np.array([k for k, owner in enumerate(self.owners) if owner not in effects], dtype=np.int64)
         return replace(self.kept(left), effects=tuple(name for name in self.effects if name not in effects))
 
@@ -239,6 +241,7 @@ def indices_of_target(structure: Structure, target: Target) -> slice:
 
 def certified_zeros(structure: Structure) -> frozenset[str]:
     """Return the names of the parameters that only stand for the uncertainty of a certificate."""
+    # Nobody asks whether readings determine what a certificate has stated.
     return frozenset(
         f"{target_prefix(target)}zero" for target in structure.targets if target.zero_mm is not None
     )

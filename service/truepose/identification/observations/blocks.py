@@ -217,6 +217,7 @@ class BlockResult:
     @property
     def white_jacobian(self) -> FloatArray:
         """Whitened derivatives, shape (P, n * d)."""
+        # By the size of the residual: -1 is no shape where there are no parameters.
         return self.whitening.apply(self.jacobian).reshape(len(self.jacobian), self.residual.size)
 
 
@@ -314,10 +315,12 @@ class Block(Table, ABC):
 
     def bad_among(self, off: BoolArray) -> BoolArray:
         """Return which of the readings that are off a model are bad ones, shape (n,)."""
+        # A reading of the arm that is off is bad: nothing beside it says otherwise.
         return off
 
     def contradiction(self, result: BlockResult) -> float:
         """Return the chance that readings lie so far off a model that does not judge them; else 1."""
+        # The model judges readings of the arm; only witnesses of their own may contradict it.
         return 1.0
 
     def held(self) -> frozenset[str]:
@@ -428,10 +431,12 @@ def reweighed(blocks: tuple[Block, ...], point: StackedBlocks) -> StackedBlocks:
 
 
 def _stacked(results: tuple[BlockResult, ...]) -> StackedBlocks:
+    # Derivatives are stacked only when asked for: a step that is refused needs none.
     residual = np.concatenate([result.white_residual for result in results])
     return StackedBlocks(results, residual, cache(partial(_stacked_derivatives, results)))
 
 
 def _stacked_derivatives(results: tuple[BlockResult, ...]) -> FloatArray:
+    # Most campaigns have one block, whose derivatives need not be copied.
     each = [result.white_jacobian for result in results]
     return each[0] if len(each) == 1 else np.concatenate(each, axis=1)

@@ -165,6 +165,7 @@ def contact_block(contacts: ContactReadings, scatter_mm: float, targets: tuple[T
         target=index,
         axis=contacts.axes,
         reading_mm=contacts.reading_mm,
+        # Readings and form err independently.
         uncertainty_mm=np.hypot(contacts.standard_uncertainty_mm, form_mm),
         scatter_mm=scatter_mm,
         weights=np.ones(len(contacts)),
@@ -217,6 +218,7 @@ class DistanceBlock(IndependentReadings):
         ndarray, shape (P, n, 1)
             mm per mm of the centres, zeros for all other parameters.
         """
+        # Two centres may start at one place: no direction then, and no division by 0.
         direction, _ = directions(self._joined(state))
         jacobian = np.zeros((len(state.structure.names), len(direction), 1))
         for row, (first, second) in enumerate(self.pair.tolist()):

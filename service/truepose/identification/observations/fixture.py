@@ -81,6 +81,7 @@ class SideBlock(IndependentReadings):
             mm per internal unit: of anchors, of tool nests, of what is read too
             much.
         """
+        # Unknown nests may begin at one place: their side has no direction there, and must not divide by 0.
         direction, _ = directions(self._joined(state))
         first, n_anchors = first_anchor(state.structure), len(state.structure.anchors)
         rows = np.arange(len(direction))
@@ -103,6 +104,8 @@ class SideBlock(IndependentReadings):
 
     def _joined(self, state: State) -> FloatArray:
         """Return the vector from the first to the second end of each side, shape (n, 3)."""
+        # Of the placement as it was when its cups were clamped: fixtures move later, and take whole triangles
+        # along.
         anchors = anchor_places(state.structure, state.values)
         points = np.concatenate([anchors, nest_centres(state.structure, state.moved)])
         return np.asarray(points[self.points[:, 1]] - points[self.points[:, 0]])

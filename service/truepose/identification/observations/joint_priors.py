@@ -178,6 +178,8 @@ class BeliefBlock(Block):
         root = np.linalg.cholesky(self.believed)
         white = np.linalg.solve(root, np.linalg.solve(root, taught).T)
         share, turns = np.linalg.eigh(0.5 * (white + white.T))
+        # Along a direction of which readings taught nothing the estimate is the belief, off by rounding
+        # alone.
         known = share > _TAUGHT
         squared = (turns.T @ np.linalg.solve(root, off))[known] ** 2 / share[known]
         # A parameter of which nothing was taught has a variance of 0 here and must not look infinitely off.

@@ -69,6 +69,7 @@ class LengthBlock(Block):
     def rewhitened(self, result: BlockResult) -> BlockResult:
         """Return a result with this block's weights."""
         n, joints = self.targets.stops.joints_rad.shape
+        # Directions and levers are those of the result: weights change while the arm stays.
         direction = np.zeros((n, 3)) if result.direction is None else result.direction
         lever = np.zeros((n, joints)) if result.lever_mm is None else result.lever_mm
         return replace(result, whitening=self.whitening(direction, lever))
@@ -140,6 +141,7 @@ class LegBlock(LengthBlock):
         arm = state.position_mm - moved_feet(state, self._feet(state))
         distance = np.linalg.norm(arm, axis=1)
         direction = arm / distance[:, None]
+        # A ballbar whose nominal length is stated reads lengths; others read from an unknown zero.
         offset = values[structure.index_of(LEG_OFFSET)] if LEG_OFFSET in structure.names else 0.0
         residual = (self.length_mm - distance - offset - excess_mm(state))[:, None]
         lever = np.einsum("jni,ni->nj", theta_gradient(state.chain, state.position_mm), direction)

@@ -112,6 +112,7 @@ class PositionBlock(Block):
         ndarray, shape (n,)
             r^T (D + d^2 1 + s^2 1)^-1 r [1], with the stated covariance D, discrepancy d and scatter s.
         """
+        # As in the whitening: lone readings of one variance need no 3 by 3 equations.
         if self.lone_mm2 is not None:
             return np.asarray((result.residual**2).sum(axis=1) / (self.lone_mm2 + self.discrepancy**2))
         covariance = self._lacking() + self.scatter_mm**2 * np.eye(3)
@@ -214,6 +215,7 @@ def position_block(points: PointReadings, scatter_mm: float) -> PositionBlock:
     PositionBlock
         With the covariance that each reading states, else the same uncertainty along all axes.
     """
+    # What a file states in full goes before one number for all axes.
     covariance = points.covariance_mm2
     if covariance is None:
         covariance = points.standard_uncertainty_mm[:, None, None] ** 2 * np.eye(3)
@@ -326,6 +328,8 @@ def orientation_block(points: PointReadings) -> OrientationBlock | None:
     if points.quaternion is None:
         return None
     stated = points.rotation_uncertainty_rad
+    # Residuals tell the scale only where no reading states one: a discrepancy would be added to the others
+    # too.
     known = np.zeros(0) if stated is None else stated[np.isfinite(stated)]
     if stated is None or known.size == 0:
         uncertainty, extra = np.zeros(len(points)), _UNSTATED_RAD

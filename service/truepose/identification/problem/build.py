@@ -121,6 +121,7 @@ def build(campaign: Campaign, effects: tuple[str, ...], *, with_reference: bool 
             "give one of them under `files`."
         )
     _check(campaign, readings.stops, effects)
+    # Positions are placed by a search over base and nests, lengths by one over what they are read against.
     problem = (
         _point_problem(campaign, readings, effects)
         if isinstance(readings, PointReadings)
@@ -195,6 +196,7 @@ def _point_problem(campaign: Campaign, points: PointReadings, effects: tuple[str
 
 def _orientations(points: PointReadings, effects: tuple[str, ...]) -> tuple[Block, ...]:
     """Return the block of measured orientations; without the tool's as a parameter they say nothing."""
+    # Orientations are of a frame of the tool: unless its turn is a parameter, they would bend the arm.
     if points.quaternion is None or TOOL not in effects:
         return ()
     from truepose.identification.observations.poses import orientation_block
@@ -356,6 +358,7 @@ def precision_of(structure: Structure, belief: JointPrior | None) -> FloatArray:
     rows, _ = belief.beyond_stated()
     place: Callable[[str], int] = structure.index_of
     at = np.array([place(name) for name in belief.names], dtype=np.int64)
+    # Stated priors are 1 along every parameter; the rows add what is known beyond.
     white = rows * structure.prior_widths[at]
     precision[np.ix_(at, at)] += white.T @ white
     return precision

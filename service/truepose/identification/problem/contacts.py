@@ -119,6 +119,7 @@ class Contacts:
     def residual(self, unknowns: "_Unknowns") -> FloatArray:
         """Return what is left of the readings, observed minus predicted [mm], shape (n,)."""
         placement = self.answer(unknowns)
+        # What effects say is read too much is left to the fit: the search knows no parameters of theirs.
         probe, left = self.probe(placement), self.reading_mm.copy()
         for number, (target, own) in enumerate(zip(placement.targets, placement.values, strict=True)):
             rows = np.flatnonzero(self.target == number)
@@ -173,6 +174,7 @@ def _centred(found: ContactPlacement) -> ContactPlacement:
         KINDS[target.kind].centred(target, values)
         for target, values in zip(found.targets, found.values, strict=True)
     ]
+    # The fit begins where the search ended, and priors are about there.
     targets, values = zip(*each, strict=True)
     return replace(found, targets=targets, values=values)
 
@@ -226,6 +228,7 @@ def _refined(contacts: Contacts, start: _Unknowns) -> _Unknowns:
     end = least_squares(
         residual,
         start.packed(turning=contacts.turning),
+        # Squares of readings that were confused would draw targets towards them.
         loss="soft_l1",
         f_scale=_SCALE_MM,
         max_nfev=60,
@@ -366,6 +369,7 @@ def _number(target: Target) -> int:
 def _with_targets(
     structure: Structure, start: FloatArray, found: ContactPlacement
 ) -> tuple[Structure, FloatArray]:
+    # About what was found: a certificate alone holds a target to a stated number.
     specs = tuple(
         spec._replace(name=f"{target_prefix(target)}{spec.name}")
         for target, values in zip(found.targets, found.values, strict=True)

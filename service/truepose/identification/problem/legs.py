@@ -178,6 +178,7 @@ class _Search:
     def refined(self, start: FloatArray) -> FloatArray:
         from scipy.optimize import least_squares  # its import takes longer than a campaign of points needs
 
+        # Far readings count linearly: a nominal robot is off by millimetres, a confused pair by far more.
         end = least_squares(
             self.residual, start, loss="soft_l1", f_scale=_SCALE_MM, max_nfev=100, x_scale=10.0
         )
@@ -279,6 +280,7 @@ def _clamped(campaign: Campaign, anchors: tuple[tuple[int, int], ...], known: Pr
     """Return where the nominal arm, base at the identity, held each anchor's ball; NaN where none."""
     places = np.full((len(anchors), 3), np.nan)
     setup, nest = campaign.setup, BALL_NEST - 1
+    # Where the ball was is known only as well as the nest that held it.
     if setup is None or known.nest_unknown[nest]:
         return places
     held = nominal_chain(campaign.robot, setup.joints_rad).points(known.nests_mm[nest])
@@ -315,6 +317,7 @@ def _at_base(base: FramePlacement, found: LegPlacement) -> Placement:
 
 def _with_base(campaign: Campaign) -> Campaign:
     """Return the campaign with the world at the nominal base: legs alone cannot tell them apart."""
+    # It then counts as stated, and its prior is not about something that was found.
     if campaign.base_nominal is not None:
         return campaign
     return replace(campaign, base_nominal=FramePlacement())

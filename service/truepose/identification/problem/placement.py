@@ -105,6 +105,7 @@ def place(chain: Chain, nest: IntArray, measured_mm: FloatArray, known: PriorPla
     reduced = form.reduced(weights)
     if known.base is None:
         # a wrong first answer would keep its own followers: try all starts again with the weights on
+        # Judged by medians of all readings, not by the sums of those that each has kept.
         candidates = (_descended(rotation[None], reduced)[0], _best_rotation(reduced))
         rotation = min(candidates, key=lambda candidate: _typical_mm(form, candidate, reduced))
     return form.placement(rotation, reduced, weights)
@@ -219,6 +220,7 @@ def _descended(rotations: FloatArray, reduced: _Reduced, steps: int = _DESCENT_S
     under_way = np.arange(len(q))
     for _ in range(steps):
         step = _step(q[under_way], reduced)
+        # Steps are turns from the left, so that Q stays a rotation whatever their length.
         q[under_way] = rotation_from_vector(step) @ q[under_way]
         # Those that have arrived take no further step: the batch grows smaller.
         under_way = under_way[np.abs(step).max(axis=1) > _ARRIVED_RAD]

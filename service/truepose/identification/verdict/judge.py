@@ -58,6 +58,7 @@ def statistics(residual_mm: FloatArray, noise_mm: float) -> Statistics:
         n=len(norms),
         mean_mm=float(norms.mean()),
         rms_mm=float(np.sqrt((norms**2).mean())),
+        # Of norms, as the thesis states its position errors.
         sd_mm=float(norms.std(ddof=1)) if len(norms) > 1 else 0.0,
         max_mm=float(norms.max()),
         noise_mm=noise_mm,
@@ -132,6 +133,7 @@ def pure_error(block: Block, residual_mm: FloatArray, n_parameters: int) -> Pure
         return None
     # A revisit counts as the configuration that it revisits.
     site = sites(block.targets.stops)
+    # A gross reading is no repeat: its group would say that the arm scatters.
     kept = block.counts
     keys = np.stack([site, *block.ends()], axis=1)[kept]
     _, group, sizes = np.unique(keys, axis=0, return_inverse=True, return_counts=True)
@@ -295,6 +297,7 @@ def judge_estimates(block: Block, nominal: Estimate, identified: Estimate) -> As
     Assessment
         Its variance is that of the identified parameters alone.
     """
+    # Each from its own torques: the arms stand apart.
     before, after = (block.result(model.structure, model.values, None) for model in (nominal, identified))
     return Assessment(block, before, after, mean_variance(after.jacobian, identified.covariance))
 

@@ -159,6 +159,8 @@ def turn_errors(model: Model, readings: Readings | None) -> TurnPair | None:
     block = orientation_block(readings)
     if block is None:
         return None
+    # The nominal robot with the tool as it was fitted around it, too: otherwise its angle would be the
+    # tool's.
     nominal, identified = (_turns(block, one(model)) for one in (nominal_estimate, identified_estimate))
     return TurnPair(nominal, identified)
 
@@ -171,6 +173,7 @@ def _turns(block: "OrientationBlock", model: Estimate) -> TurnStatistics:
         rms_rad=float(np.sqrt((angles**2).mean())),
         sd_rad=float(angles.std(ddof=1)) if len(angles) > 1 else 0.0,
         max_rad=float(angles.max()),
+        # Where readings state nothing, nothing was to be expected of them.
         noise_rad=mean_norm(block.covariance()) if block.stated_sigma() > 0.0 else math.nan,
     )
 
