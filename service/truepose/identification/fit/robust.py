@@ -2,20 +2,22 @@ r"""Robust fit: outliers get no weight, and model inadequacy is added to the sta
 
 Rounds of solving alternate with three decisions.
 
-*Prior.* The stated widths hold what the data do not see. Where the data clearly ask for larger errors of the
-geometry than stated, its widths are scaled up together, never down.
+*Prior.* The stated widths w hold what the data do not see. Where the data clearly ask for larger errors p - m
+of the geometry, its widths are scaled up together, never down; with C the posterior variances
 
-*Discrepancy.* Where the residuals of the readings kept are larger than their stated uncertainty (chi-square
-test at 0.1 %), a standard deviation per component is added to every reading such that the weighted sum of
-squares equals its degrees of freedom (REML with one variance component), or their median its expectation
-where that is less: heavy tails are no reason to doubt all readings.
+    factor^2 = sum ((p - m) / w)^2 / sum (1 - C / w^2)        between 1 and 10
+
+*Discrepancy.* Where the residuals r of the readings kept are larger than their stated variance v (chi-square
+test at 0.1 %), a standard deviation d per component is added to every reading such that
+
+    sum of weight * r^2 / (v + d^2) = degrees of freedom        (REML with one variance component)
+
+or their median its expectation where that is less: heavy tails are no reason to doubt all readings.
 
 *Gross readings.* A reading whose squared normalised residual exceeds the chi-square quantile that noise would
 exceed in one campaign of a hundred (Bonferroni over all readings) gets no weight. The first rounds weigh
-softly (Cauchy), so that a start spoilt by gross readings does not decide.
-
-Readings of fixed nests are judged by one another (`observations.fixed_nests`): a model that they contradict
-does not judge them.
+softly (Cauchy), so that a start spoilt by gross readings does not decide. Readings of fixed nests are judged
+by one another (`observations.fixed_nests`): a model that they contradict does not judge them.
 
 References
 ----------

@@ -14,7 +14,7 @@ compliances meet on equal terms; damping is added to that diagonal, so that it h
 undamped step would gain, g^T H^-1 g, is the square of its length in standard uncertainties: that is what
 the end of the iteration is judged by. At the end H^-1 is the covariance of the parameters (posterior).
 
-Cost, r and s have no unit once r is whitened; parameters are in internal units (mm, rad, rad/(N mm), ...).
+Cost and r have no unit, as r is whitened; p and s are in internal units (mm, rad, rad/(N mm), ...).
 
 References
 ----------

@@ -1,7 +1,7 @@
 """Predictions: effects move ports, the chain turns ports into positions; `derivatives` differentiates them.
 
-With ports moved by t = sum over parameters of weight * value, base (R_0 + ..., o_0 + ...), links and joints
-as `kinematics.chain` has them, (R, o) the last frame and x a tool nest in it, the nest is at
+With (R, o) the last frame of the chain whose ports the parameters have moved (`structure`,
+`kinematics.chain`) and x a tool nest in it that ports move by dx, the nest is at
 
     u = o + R (x + dx)                        `unscaled_mm`
 

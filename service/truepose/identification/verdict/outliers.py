@@ -2,7 +2,12 @@
 
 What no place of the arm can have given is set aside before anything is squared. Wherever the base stands: two
 tool nests are never further from each other than twice the arm's reach with its tool, and two lengths from
-one cup never differ by more. A reading beyond twice that is none of this arm.
+one cup never differ by more. A reading beyond twice that is none of this arm: with the median over the
+readings that it can be compared with,
+
+    away = largest component of |observed - median| > 4 (sum over the joints of |a| + |d|, and the tool)
+
+unless more than a fifth are: then it is the table that is wrong.
 """
 
 from dataclasses import dataclass, replace

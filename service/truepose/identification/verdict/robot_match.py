@@ -1,4 +1,10 @@
-"""Which of several nominal robots readings are of, and by which changes of convention."""
+"""Which of several nominal robots readings are of, and by which changes of convention.
+
+A robot fits where the median residual of its nominal table, placed best (`problem.placement`), is below what
+is plausible for its size (`verdict.conventions`). As it is, with one change, with two, then with another zero
+of one joint: the first of these that fits is the answer. Between robots the share of what is plausible
+decides.
+"""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
