@@ -237,7 +237,8 @@ def world_registration(campaign: Campaign) -> WorldRegistration | None:
     -------
     WorldRegistration or None
         Covariance (6, 6) of a small shift [mm] and turn [rad] about the world's origin; None where
-        nothing was stated and fewer than three fixed nests are certified or none was looked at.
+        nothing was stated and fewer than three fixed nests are certified or none was looked at. A turn that
+        the nests which were looked at leave open counts as known.
     """
     if campaign.registration is not None:
         return campaign.registration

@@ -159,6 +159,7 @@ class NestLooks:
         return [order[self.fixed_nest[order] == nest] for nest in distinct_values(self.fixed_nest)]
 
     def _in_time(self) -> IntArray:
+        # Without times the order of the rows stands for that of the readings.
         count = len(self.fixed_nest)
         return np.arange(count) if self.time_s is None else np.argsort(self.time_s, kind="stable")
 

@@ -138,6 +138,7 @@ class PositionBlock(Block):
         ndarray, shape (3, n, 3)
             Axes of the last frame in the world [mm per mm]; zeros for readings of other nests.
         """
+        # Certificates state coordinates in the last frame; its axes carry them into the world.
         here = (self.targets.nest == nest)[:, None]
         last = result.state.chain.end_rotation
         return np.stack([np.where(here, last[:, :, k], 0.0) for k in range(3)])
@@ -289,6 +290,7 @@ class OrientationBlock(IndependentReadings):
 
     def moved_by_world(self, result: BlockResult) -> FloatArray:
         """Return no shift, and three turns, shape (6, n, 3)."""
+        # A shift of the world turns nothing.
         turns = np.broadcast_to(np.eye(3)[:, None, :], (3, *result.residual.shape))
         return np.concatenate([np.zeros_like(turns), turns])
 

@@ -83,6 +83,7 @@ class Problem:
     @property
     def quantity(self) -> Quantity:
         """What the campaign's readings are of."""
+        # Contacts are lengths too: one number each, along a direction.
         return "length" if self.setting.lengths else "position"
 
 
@@ -208,6 +209,7 @@ def _orientations(points: PointReadings, effects: tuple[str, ...]) -> tuple[Bloc
 def _tool_rotation(chain: Chain, placement: Placement, points: PointReadings) -> FloatArray:
     if points.quaternion is None:
         return np.eye(3)
+    # The fit begins there: from the identity a tool that is turned far would be a long way off.
     seen = rotation_from_quaternion(points.quaternion)
     in_last = np.swapaxes(placement.rotation @ chain.rotation[-1], 1, 2) @ seen
     middle = in_last[0]

@@ -105,6 +105,7 @@ class Contacts:
     def answer(self, unknowns: "_Unknowns") -> ContactPlacement:
         """Return what unknowns stand for."""
         nests = self.nests_mm.copy()
+        # Certified nests stay: in a search of millimetres their certificates are exact.
         nests[self.nest_unknown] = unknowns.nests_mm
         return ContactPlacement(
             unknowns.targets, unknowns.values, nests, rotation_from_vector(unknowns.turn[None])[0]
@@ -375,6 +376,7 @@ def _with_targets(
         for target, values in zip(found.targets, found.values, strict=True)
         for spec in KINDS[target.kind].parameters(target, values)
     )
+    # Last, so that what effects and certificates number before them stays.
     widened = replace(
         structure,
         specs=structure.specs + specs,

@@ -198,6 +198,8 @@ KINDS: Final = tuple(_APPLIED)
 _PLAUSIBLE_SHARE = 0.006
 _CLEARLY_BETTER = 0.2  # a hypothesis must leave less than this share of the residual
 _ZERO_STEP_RAD = np.deg2rad(15.0)
+# A wrong convention shows in tens of millimetres at most readings: few are enough for some thirty
+# hypotheses.
 _SUBSET = 60
 _COLLAPSED = 0.02  # readings that spread so much less than the flange are in another unit
 

@@ -328,13 +328,23 @@ def judge(model: Model, readings: Readings, scatter_mm: float) -> Assessment:
     block = _observed(model, readings, scatter_mm, identified.structure)
     found = judge_estimates(block, nominal_estimate(model), identified)
     state = found.identified.state
-    # What a model lacks moves the tool itself, whatever the instrument makes of it.
     lacking = lacking_variance(model, state, place_jacobian(state)) + unknown_variance(model, state)
     return replace(found, variance=found.variance + lacking)
 
 
 def unpredictable_readings(model: Model, readings: Readings) -> tuple[Message, ...]:
-    """Return one sentence for every effect whose part in some of the readings is not known well."""
+    """Return one sentence for every effect whose part in some of the readings is not known well.
+
+    Parameters
+    ----------
+    model : Model
+    readings : PointReadings, LegReadings or ContactReadings
+
+    Raises
+    ------
+    ConfigurationError
+        The readings do not fit the model, as of `judge`.
+    """
     structure = identified_estimate(model).structure
     return unpredictable_at(model, _observed(model, readings, 0.0, structure).targets)
 

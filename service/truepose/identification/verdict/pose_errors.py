@@ -67,6 +67,7 @@ def relative_errors(judged: Assessment) -> NominalAndIdentified | None:
         return None
     noise = expected_noise_mm(judged.block)
     nominal, identified = (
+        # Residuals are observed minus predicted: what is left is where the model puts the nests.
         relative_statistics(places - residual, places, noise)
         for residual in (judged.nominal_mm, judged.identified_mm)
     )
@@ -216,6 +217,7 @@ def judged_by_positions(
     # Each model is tied by the cups as it has them itself.
     before = _matched(cups or model.nominal_anchors, campaign.cups)
     after = _matched(cups or identified_anchors(model), campaign.cups)
+    # Both tied or none: figures of one frame are not compared with those of another.
     if before is None or after is None:
         return PositionsJudged(None, aligned)
     return PositionsJudged(pair(_aligned(nominal, *before), _aligned(identified, *after)), aligned)

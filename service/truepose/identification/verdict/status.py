@@ -34,10 +34,13 @@ from truepose.kinematics.chain import nominal_chain
 from truepose.kinematics.frames import placement_rotation, placement_translation
 from truepose.messages.message import Message, message
 
+# Rows that differ by the rounding of a table are one configuration.
 _SAME_RAD = 1e-6
+# No two configurations of an arm that moves are read alike to this: the instrument is stuck.
 _SAME_MM = 1e-3
 _PART = 0.15  # share of the readings from which on it is no accident
 _TOO_MANY_GROSS = 0.2
+# Of widths of 1 mm and 5 mrad: a centimetre, or three degrees.
 _IMPLAUSIBLE_WIDTHS = 10.0
 _IDENTIFIED_SHARE = 0.0015  # of the reach: no identified model of the right robot leaves so much
 _SUSPICIOUS_CHI2 = 2.0
