@@ -48,226 +48,34 @@ def read_text(text, files=None):
     return campaign_from(load)
 
 
-def put(*path, value):
+def steps_to(key):
+    """The keys and places that lead to an entry: `tool_nests_mm[0]` to "tool_nests_mm" and 0."""
+    return [
+        int(step) if step.isdigit() else step for step in key.replace("[", ".").replace("]", "").split(".")
+    ]
+
+
+def put(key, value):
     def edit(document):
-        for step in path[:-1]:
+        *way, last = steps_to(key)
+        for step in way:
             document = document[step]
-        document[path[-1]] = value
+        document[last] = value
 
     return edit
 
 
-def rename(old, new, *path):
+def rename(key, new):
     def edit(document):
-        for step in path:
+        *way, last = steps_to(key)
+        for step in way:
             document = document[step]
-        document[new] = document.pop(old)
+        document[new] = document.pop(last)
 
     return edit
 
 
-REFUSED = {
-    "a later format": (put("format", value=2), NewerVersionError, "format", "has format 2"),
-    "format 0": (put("format", value=0), BadValueError, "format", "must be 1"),
-    "a robot without a name": (put("robot", value=" "), BadValueError, "robot", "the text is empty"),
-    "no joints": (put("dhm_nominal", value=[]), BadValueError, "dhm_nominal", "the table has no rows"),
-    "joints from 0": (
-        put("dhm_nominal", 0, "joint", value=0),
-        BadValueError,
-        "dhm_nominal[0].joint",
-        "joint 0 stands in row 1",
-    ),
-    "joints out of order": (
-        put("dhm_nominal", 1, "joint", value=3),
-        BadValueError,
-        "dhm_nominal[1].joint",
-        "joint 3 stands in row 2",
-    ),
-    "a sign of 0": (
-        put("dhm_nominal", 1, "sign", value=0),
-        BadValueError,
-        "dhm_nominal[1].sign",
-        "must be 1 or -1",
-    ),
-    "a table in metres": (
-        rename("a_mm", "a_m", "dhm_nominal", 2),
-        WrongUnitError,
-        "dhm_nominal[2].a_m",
-        "a_mm in mm is required",
-    ),
-    "a table in radians": (
-        rename("alpha_deg", "alpha_rad", "dhm_nominal", 0),
-        WrongUnitError,
-        "dhm_nominal[0].alpha_rad",
-        "alpha_deg",
-    ),
-    "a row without d": (
-        lambda d: d["dhm_nominal"][1].pop("d_mm"),
-        MissingEntryError,
-        "dhm_nominal[1]",
-        "key d_mm is missing",
-    ),
-    "a length that is text": (
-        put("dhm_nominal", 1, "a_mm", value="50"),
-        BadValueError,
-        "dhm_nominal[1].a_mm",
-        "'50' is not a number",
-    ),
-    "a length that is true": (
-        put("dhm_nominal", 1, "a_mm", value=True),
-        BadValueError,
-        "dhm_nominal[1].a_mm",
-        "True is not a number",
-    ),
-    "a base in metres": (
-        rename("x_mm", "x_m", "base_in_world_nominal"),
-        WrongUnitError,
-        "base_in_world_nominal.x_m",
-        "x_mm in mm",
-    ),
-    "no nests": (put("tool_nests_mm", value=[]), BadValueError, "tool_nests_mm", "the list is empty"),
-    "a nest in the plane": (
-        put("tool_nests_mm", 0, value=[1, 2]),
-        BadValueError,
-        "tool_nests_mm[0]",
-        "2 entries stand where 3",
-    ),
-    "a negative uncertainty": (
-        put("tool_nest_u_mm", value=-0.1),
-        BadValueError,
-        "tool_nest_u_mm",
-        "must lie between 0 and inf",
-    ),
-    "a nest that faces nowhere": (
-        put("tool_nest_axis", value=[[0, 0, 2]]),
-        BadValueError,
-        "tool_nest_axis[0]",
-        "a unit vector is required",
-    ),
-    "a mass of a frame that is none": (
-        put("masses", 0, "frame", value=4),
-        BadValueError,
-        "masses[0].frame",
-        "between 1 and 3",
-    ),
-    "a mass in grams": (
-        rename("kg", "g", "masses", 0),
-        WrongUnitError,
-        "masses[0].g",
-        "kg in kg is required",
-    ),
-    "gravity in the base": (
-        rename("gravity_m_s2_world", "gravity_m_s2_base"),
-        WrongUnitError,
-        "gravity_m_s2_base",
-        "in the world frame",
-    ),
-    "gravity in mm/s2": (
-        put("gravity_m_s2_world", value=[0, 0, -9810]),
-        WrongUnitError,
-        "gravity_m_s2_world",
-        "in m/s2",
-    ),
-    "gear ratios of two joints of three": (
-        put("gear_ratio", value=[1, 2]),
-        BadValueError,
-        "gear_ratio",
-        "2 entries stand where 3 are required",
-    ),
-    "a compliance of 0": (
-        put("typical_compliance_rad_per_Nmm", value=[1e-8, 0, 1e-8]),
-        BadValueError,
-        "typical_compliance_rad_per_Nmm[1]",
-        "must be greater than 0",
-    ),
-    "a repeatability in micrometres": (
-        rename("robot_repeatability_mm", "robot_repeatability_um"),
-        WrongUnitError,
-        "robot_repeatability_um",
-        "robot_repeatability_mm in mm is required",
-    ),
-    "repeatability included, perhaps": (
-        put("u_includes_repeatability", value="yes"),
-        BadValueError,
-        "u_includes_repeatability",
-        "neither true nor",
-    ),
-    "certified nests without uncertainty": (
-        put("fixed_nests_certified_mm", value=[[0, 0, 0]]),
-        MissingEntryError,
-        None,
-        "fixed_nest_u_mm is missing",
-    ),
-    "a certified nest of unknown uncertainty": (
-        lambda d: d.update(fixed_nests_certified_mm=[[0, 0, 0]], fixed_nest_u_mm=None),
-        BadValueError,
-        "fixed_nest_u_mm",
-        "null is not one",
-    ),
-    "a registration of 5 rows": (
-        put("world_registration", value={"covariance_mm_rad": [[0] * 6] * 5}),
-        BadValueError,
-        "world_registration.covariance_mm_rad",
-        "5 entries stand where 6",
-    ),
-    "a registration that is not symmetric": (
-        put("world_registration", value={"covariance_mm_rad": [[1 + i for i in range(6)] for _ in range(6)]}),
-        BadValueError,
-        "world_registration.covariance_mm_rad",
-        "must be symmetric",
-    ),
-    "a note that is no text": (put("notes", value=[3]), BadValueError, "notes[0]", "3 is not text"),
-    "a simulation that is perhaps one": (
-        put("simulated", value="yes"),
-        BadValueError,
-        "simulated",
-        "neither true nor false",
-    ),
-    "a day that there is not": (
-        put("measured_on", value="2026-02-30"),
-        BadValueError,
-        "measured_on",
-        "'2026-02-30' is no day; one as 2026-03-03 is required",
-    ),
-    "a day by its week": (put("measured_on", value="2026-W10-2"), BadValueError, "measured_on", "is no day"),
-    "files that are a list": (
-        put("files", value=[]),
-        BadValueError,
-        "files",
-        "an object with keys is required",
-    ),
-    "no readings": (put("files", value={}), MissingEntryError, "files", "no readings are named"),
-    "a file that is not there": (
-        put("files", "calibration", value="points.csv"),
-        MissingFileError,
-        "files.calibration",
-        "points.csv is not in",
-    ),
-    "a file outside the folder": (
-        put("files", "calibration", value="../calibration.csv"),
-        BadValueError,
-        "files.calibration",
-        "plain name",
-    ),
-    "a file of another drive": (
-        put("files", "calibration", value="C:points.csv"),
-        BadValueError,
-        "files.calibration",
-        "plain name",
-    ),
-    "a number with 400 digits": (
-        put("robot_repeatability_mm", value=10**400),
-        BadValueError,
-        "robot_repeatability_mm",
-        "is not finite",
-    ),
-}
-
-
-@pytest.mark.parametrize("case", REFUSED)
-def test_a_mistake_in_the_description_is_refused_where_it_is(case):
-    edit, kind, key, sentence = REFUSED[case]
-
+def require_refused(edit, kind, key, sentence):
     with pytest.raises(kind) as refusal:
         read(edit)
 
@@ -276,6 +84,127 @@ def test_a_mistake_in_the_description_is_refused_where_it_is(case):
     assert error.line is not None
     assert sentence in str(error)
     assert str(error).endswith(".")
+
+
+SKEW = {"covariance_mm_rad": [[1 + i for i in range(6)] for _ in range(6)]}
+VALUES = {
+    "format 0": ("format", 0, "must be 1"),
+    "a robot without a name": ("robot", " ", "the text is empty"),
+    "no joints": ("dhm_nominal", [], "the table has no rows"),
+    "joints from 0": ("dhm_nominal[0].joint", 0, "joint 0 stands in row 1"),
+    "joints out of order": ("dhm_nominal[1].joint", 3, "joint 3 stands in row 2"),
+    "a sign of 0": ("dhm_nominal[1].sign", 0, "must be 1 or -1"),
+    "a length that is text": ("dhm_nominal[1].a_mm", "50", "'50' is not a number"),
+    "a length that is true": ("dhm_nominal[1].a_mm", True, "True is not a number"),
+    "no nests": ("tool_nests_mm", [], "the list is empty"),
+    "a nest in the plane": ("tool_nests_mm[0]", [1, 2], "2 entries stand where 3"),
+    "a negative uncertainty": ("tool_nest_u_mm", -0.1, "must lie between 0 and inf"),
+    "a mass of a frame that is none": ("masses[0].frame", 4, "between 1 and 3"),
+    "gear ratios of two joints of three": ("gear_ratio", [1, 2], "2 entries stand where 3 are required"),
+    "repeatability included, perhaps": ("u_includes_repeatability", "yes", "neither true nor"),
+    "a simulation that is perhaps one": ("simulated", "yes", "neither true nor false"),
+    "a day that there is not": (
+        "measured_on",
+        "2026-02-30",
+        "'2026-02-30' is no day; one as 2026-03-03 is required",
+    ),
+    "a day by its week": ("measured_on", "2026-W10-2", "is no day"),
+    "files that are a list": ("files", [], "an object with keys is required"),
+    "a file outside the folder": ("files.calibration", "../calibration.csv", "plain name"),
+    "a file of another drive": ("files.calibration", "C:points.csv", "plain name"),
+    "a number with 400 digits": ("robot_repeatability_mm", 10**400, "is not finite"),
+}
+
+
+@pytest.mark.parametrize("case", VALUES)
+def test_a_value_that_cannot_be_is_refused_where_it_is(case):
+    key, value, sentence = VALUES[case]
+
+    require_refused(put(key, value), BadValueError, key, sentence)
+
+
+WITHIN = {
+    "a nest that faces nowhere": ("tool_nest_axis", [[0, 0, 2]], "[0]", "a unit vector is required"),
+    "a compliance of 0": (
+        "typical_compliance_rad_per_Nmm",
+        [1e-8, 0, 1e-8],
+        "[1]",
+        "must be greater than 0",
+    ),
+    "a registration of 5 rows": (
+        "world_registration",
+        {"covariance_mm_rad": [[0] * 6] * 5},
+        ".covariance_mm_rad",
+        "5 entries stand where 6",
+    ),
+    "a registration that is not symmetric": (
+        "world_registration",
+        SKEW,
+        ".covariance_mm_rad",
+        "must be symmetric",
+    ),
+    "a note that is no text": ("notes", [3], "[0]", "3 is not text"),
+}
+
+
+@pytest.mark.parametrize("case", WITHIN)
+def test_a_mistake_within_a_value_is_refused_where_it_is(case):
+    key, value, place, sentence = WITHIN[case]
+
+    require_refused(put(key, value), BadValueError, key + place, sentence)
+
+
+UNITS = {
+    "a table in metres": ("dhm_nominal[2].a_mm", "a_m", "a_mm in mm is required"),
+    "a table in radians": ("dhm_nominal[0].alpha_deg", "alpha_rad", "alpha_deg"),
+    "a base in metres": ("base_in_world_nominal.x_mm", "x_m", "x_mm in mm"),
+    "a mass in grams": ("masses[0].kg", "g", "kg in kg is required"),
+    "gravity in the base": ("gravity_m_s2_world", "gravity_m_s2_base", "in the world frame"),
+    "a repeatability in micrometres": (
+        "robot_repeatability_mm",
+        "robot_repeatability_um",
+        "robot_repeatability_mm in mm is required",
+    ),
+}
+
+
+@pytest.mark.parametrize("case", UNITS)
+def test_another_unit_in_a_key_is_refused_with_the_one_that_is_required(case):
+    key, other, sentence = UNITS[case]
+    place = key.rpartition(".")[0]
+
+    require_refused(rename(key, other), WrongUnitError, f"{place}.{other}" if place else other, sentence)
+
+
+def test_gravity_in_other_units_is_told_from_its_size():
+    edit = put("gravity_m_s2_world", [0, 0, -9810])
+
+    require_refused(edit, WrongUnitError, "gravity_m_s2_world", "in m/s2")
+
+
+def test_a_later_format_is_refused_as_one():
+    require_refused(put("format", 2), NewerVersionError, "format", "has format 2")
+
+
+def test_a_file_that_is_not_there_is_named():
+    edit = put("files.calibration", "points.csv")
+
+    require_refused(edit, MissingFileError, "files.calibration", "points.csv is not in")
+
+
+def test_what_is_missing_inside_is_named_with_its_place():
+    without_d = "dhm_nominal[1]", "key d_mm is missing"
+
+    require_refused(lambda document: document["dhm_nominal"][1].pop("d_mm"), MissingEntryError, *without_d)
+    require_refused(put("files", {}), MissingEntryError, "files", "no readings are named")
+
+
+def test_certified_nests_need_their_uncertainty():
+    nests = {"fixed_nests_certified_mm": [[0, 0, 0]]}
+    unknown = nests | {"fixed_nest_u_mm": None}
+
+    require_refused(lambda d: d.update(nests), MissingEntryError, None, "fixed_nest_u_mm is missing")
+    require_refused(lambda d: d.update(unknown), BadValueError, "fixed_nest_u_mm", "null is not one")
 
 
 @pytest.mark.parametrize("key", REQUIRED)
