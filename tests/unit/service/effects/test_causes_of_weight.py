@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.helpers.diagnosis.point_scenes import START, telling_campaign, telling_scene, without_masses
+from tests.helpers.diagnosis.point_scenes import telling_campaign, telling_scene, without_masses
 from tests.helpers.domain.robots import IRB_120, SEVEN_AXES
 from truepose.domain.campaign import Stops
 from truepose.domain.robot import JointRow, LinkMass, Robot
@@ -14,8 +14,6 @@ from truepose.effects.arm.loads import mass_specs, stated_mass, wrong_mass
 from truepose.effects.causes import Fitted
 from truepose.effects.ports import PortKind, Rows, known_frames
 from truepose.effects.registry import CAUSES
-from truepose.identification.model.evaluation import evaluate, rows_of
-from truepose.identification.problem.build import build
 from truepose.kinematics.chain import forward, nominal_chain, nominal_values
 from truepose.kinematics.frames import rotation_from_vector
 from truepose.kinematics.gravity import gravity_torques
@@ -61,18 +59,6 @@ def reached(robot, rows, body, motion):
 
 
 @pytest.mark.parametrize("cause", WEIGHT_CAUSES)
-def test_it_is_seen_with_masses_and_springs_and_what_the_model_has_is_no_candidate(cause):
-    scene = telling_scene()
-    candidates = CAUSES[cause].candidates(scene)
-    first = candidates[0].names
-
-    left = CAUSES[cause].candidates(replace(scene, present=scene.present | set(first)))
-
-    assert CAUSES[cause].unseen(scene) is None
-    assert not any(set(first) & set(candidate.names) for candidate in left)
-
-
-@pytest.mark.parametrize("cause", WEIGHT_CAUSES)
 def test_unknown_masses_hide_it_and_it_has_no_parameters_then(cause):
     scene = telling_scene(("base", "geometry"), telling_campaign(robot=without_masses()))
 
@@ -90,22 +76,6 @@ def test_a_wrong_mass_shows_only_through_springs_that_gravity_loads(cause):
     assert "add `compliance`" in english(CAUSES[cause].unseen(rigid))
     assert "were measured" in english(CAUSES[cause].unseen(measured))
     assert CAUSES[cause].candidates(rigid) == CAUSES[cause].candidates(measured) == ()
-
-
-@pytest.mark.parametrize("cause", WEIGHT_CAUSES)
-def test_terms_are_rebuilt_from_names_alone_one_parameter_or_all(cause):
-    scene = telling_scene()
-    problem = build(telling_campaign(), START)
-    rows = rows_of(evaluate(problem.structure, problem.start, problem.blocks[0].targets))
-    names = tuple(dict.fromkeys(name for item in CAUSES[cause].candidates(scene) for name in item.names))
-
-    together = CAUSES[cause].terms(names, rows)
-
-    assert {term.parameter for term in together} == set(range(len(names)))
-    for k, name in enumerate(names):
-        alone = {term.port: term.weight for term in CAUSES[cause].terms((name,), rows)}
-        assert alone.keys() == {term.port for term in together if term.parameter == k}
-        assert all(np.array_equal(alone[t.port], t.weight) for t in together if t.parameter == k)
 
 
 @pytest.mark.parametrize(

@@ -15,7 +15,6 @@ from truepose.identification.problem.build import build
 from truepose.kinematics.gravity import gravity_torques
 from truepose.messages.catalogue import english
 
-JOINT_CAUSES = ("axis_parallelism", "backlash", "compliance", "compliance_nonlinear", "joint_coupling")
 ANOTHER_START = {
     "axis_parallelism": ("base", "geometry_dhm", "compliance"),
     "compliance": ("base", "geometry"),
@@ -47,41 +46,6 @@ def places(campaign, effects, **values):
     for name, value in values.items():
         full[problem.structure.index_of(name)] = value
     return evaluate(problem.structure, full, problem.blocks[0].targets).position_mm
-
-
-@pytest.mark.parametrize("cause", JOINT_CAUSES)
-def test_what_the_model_has_is_no_candidate(cause):
-    scene = scene_for(cause)
-    candidates = CAUSES[cause].candidates(scene)
-    first = candidates[0].names
-
-    left = CAUSES[cause].candidates(replace(scene, present=scene.present | set(first)))
-
-    assert candidates
-    assert not any(set(first) & set(candidate.names) for candidate in left)
-
-
-@pytest.mark.parametrize("cause", JOINT_CAUSES)
-def test_terms_are_rebuilt_from_names_alone_one_candidate_or_all(cause):
-    campaign = telling_campaign()
-    start = ANOTHER_START.get(cause, START)
-    problem = build(campaign, start)
-    rows = rows_of(evaluate(problem.structure, problem.start, problem.blocks[0].targets))
-    names = sorted({
-        name for candidate in CAUSES[cause].candidates(scene_for(cause)) for name in candidate.names
-    })
-
-    together = CAUSES[cause].terms(tuple(names), rows)
-
-    for term in together:
-        alone = [own for own in CAUSES[cause].terms((names[term.parameter],), rows) if own.port == term.port]
-        assert len(alone) == 1
-        assert np.array_equal(alone[0].weight, term.weight)
-
-
-@pytest.mark.parametrize("cause", JOINT_CAUSES)
-def test_it_is_seen_where_rows_tell_everything(cause):
-    assert CAUSES[cause].unseen(scene_for(cause)) is None
 
 
 def test_without_parallel_axes_there_is_no_parallelism_to_lack():

@@ -81,14 +81,6 @@ def test_names_lead_back_to_the_cell_and_are_given_once():
     assert kinds_of(candidates) == set(KINDS)
 
 
-def test_what_the_model_has_is_no_candidate():
-    first = UNNAMED.candidates(telling_scene())[0]
-
-    left = UNNAMED.candidates(telling_scene(present=frozenset(first.names)))
-
-    assert first.names not in {candidate.names for candidate in left}
-
-
 @pytest.mark.parametrize(
     ("column", "lost"),
     [
