@@ -4,6 +4,7 @@ import asyncio
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from tests.helpers.instruments.fixed_clock import FixedClock
 from truepose_drivers.leica_emscon.driver import LaserTracker
 from truepose_drivers.leica_emscon.instrument import TimeOuts
 from truepose_drivers.leica_emscon.protocol import (
@@ -148,14 +149,6 @@ class FakeTracker:
 
     def asked(self, command: int) -> list[Request]:
         return [request for request in self.requests if request.command == command]
-
-
-class FixedClock:
-    async def now_s(self) -> float:
-        return 12.5
-
-    async def sleep(self, duration_s: float) -> None:
-        raise AssertionError("a tracker driver never sleeps")
 
 
 def tracker_on(fake: FakeTracker, **options) -> LaserTracker:

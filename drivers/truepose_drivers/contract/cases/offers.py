@@ -17,11 +17,12 @@ from truepose_drivers.api import (
     SimulatedHands,
 )
 from truepose_drivers.contract.case import Trial, broken, case
-from truepose_drivers.errors import DriverError, TargetRefusedError
+from truepose_drivers.errors import ConfigurationError, DriverError, TargetRefusedError
 from truepose_drivers.guard import guarded
 from truepose_drivers.plausibility import ABILITIES
 
 _FEWEST_WORDS: Final = 3  # of a sentence
+_WOUND_UP_RAD: Final = 100.0  # sixteen turns: no joint of an arm is wound up further
 _PROTOCOLS: Final[Mapping[DeviceKind, type]] = {
     "tracker": PointTracker,
     "pose_tracker": PoseTracker,
@@ -89,30 +90,42 @@ async def its_options_are_explained(trial: Trial) -> None:
 
 @case(
     kinds=("robot",),
-    remedy="check number and finiteness of the joints before anything is sent; raise TargetRefusedError",
+    remedy="check number, finiteness and size of the joints before anything is sent: TargetRefusedError",
 )
 async def a_target_that_is_none_moves_nothing(trial: Trial) -> None:
-    """A target of no joints, of too few or not finite is refused, and nothing is sent."""
+    """A target of too few or too many joints, not finite or wound up is refused, and nothing is sent."""
     await trial.reach()
     joints = len((await trial.device.read_joints()).joints_rad)
-    for target_rad in ((), (0.0,) * (joints - 1), (math.nan,) * joints, (math.inf,) * joints):
+    for target_rad in _no_targets(joints):
         trial.wiring.sent.clear()
         await _refused(trial.device.move_joints(target_rad), TargetRefusedError, f"the target {target_rad}")
         if trial.wiring.sent:
             broken(f"the driver sent {trial.wiring.sent[-1]!r} for the target {target_rad}")
 
 
+def _no_targets(joints: int) -> list[tuple[float, ...]]:
+    others = (0.0,) * (joints - 1)
+    return [
+        (),
+        others,
+        (0.0,) * (joints + 1),
+        *((bad_rad, *others) for bad_rad in (math.nan, math.inf, _WOUND_UP_RAD)),
+    ]
+
+
 @case(
     kinds=("robot",),
-    remedy="refuse a speed that is not finite and positive, with ConfigurationError",
+    remedy="refuse a speed of the tool or of its turning that is not finite and positive: ConfigurationError",
 )
 async def a_speed_that_is_none_is_refused(trial: Trial) -> None:
-    """Limits that are zero, negative or not finite are refused."""
+    """Limits that are zero, negative or not finite are refused, and nothing is sent."""
     await trial.reach()
-    for speed in (0.0, -1.0, math.nan):
-        await _refused(
-            trial.device.set_limits(MotionLimits(tool_speed_mm_s=speed)), DriverError, f"{speed} mm/s"
-        )
+    for speed in (0.0, -1.0, math.nan, math.inf):
+        for limits in (MotionLimits(tool_speed_mm_s=speed), MotionLimits(orientation_speed_rad_s=speed)):
+            trial.wiring.sent.clear()
+            await _refused(trial.device.set_limits(limits), ConfigurationError, f"{limits}")
+            if trial.wiring.sent:
+                broken(f"the driver sent {trial.wiring.sent[-1]!r} for {limits}")
 
 
 async def _refused(doing: Awaitable[object], error: type[DriverError], what: str) -> None:

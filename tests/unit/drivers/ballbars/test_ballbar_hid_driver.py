@@ -188,22 +188,6 @@ async def test_out_of_range_keeps_what_the_stop_shows():
     assert (reading.signal, reading.deviation_mm) == ("out_of_range", -1.05)
 
 
-async def test_a_silent_device_is_told_and_closed():
-    driver = await connected(FakePort(None))
-
-    with pytest.raises(NoReplyError, match="check its battery"):
-        await driver.read()
-    assert not driver.connected
-
-
-async def test_a_report_of_another_device_is_told_and_closes():
-    driver = await connected(FakePort(b"\x09" * 17))
-
-    with pytest.raises(RemoteProtocolError, match="check that the device is one"):
-        await driver.read()
-    assert not driver.connected
-
-
 async def test_a_device_without_our_features_is_refused_when_connecting():
     port = FakePort()
     port.refuses = True

@@ -7,8 +7,6 @@ import pytest
 
 from truepose_drivers.errors import (
     ConfigurationError,
-    ConnectFailedError,
-    LinkError,
     NoReplyError,
     RemoteProtocolError,
 )
@@ -16,7 +14,6 @@ from truepose_drivers.heidenhain_nd.driver import PLUGIN, HeidenhainCounter
 from truepose_drivers.heidenhain_nd.protocol import (
     Command,
     Lamps,
-    Line,
     Refusal,
     RequestReader,
     encode_reply,
@@ -147,15 +144,6 @@ async def test_what_the_person_prints_at_the_counter_is_ignored():
     await driver.close()
 
 
-async def test_a_number_is_whole_only_at_its_end_however_long_the_line_stalls():
-    counter = FakeCounter()
-    driver = await counter.connected()
-    counter.answers["A0200"] = [b"\x02+0000", STALL, b"01234\r\n"]
-
-    assert (await driver.read()).deviation_mm == 0.1234
-    await driver.close()
-
-
 @pytest.mark.parametrize(
     "value",
     [
@@ -233,30 +221,6 @@ async def test_a_counter_that_prints_and_answers_nothing_says_nothing():
 
     with pytest.raises(NoReplyError):
         await driver.read()
-
-
-async def test_silence_closes_the_link_and_says_what_to_check():
-    counter = FakeCounter()
-    driver = await counter.connected()
-    counter.answers |= {"A0301": None, "A0200": None, "A0800": None}
-
-    with pytest.raises(NoReplyError, match="check cable"):
-        await driver.read()
-    assert not driver.connected
-    with pytest.raises(LinkError, match="connect first"):
-        await driver.read()
-
-
-async def test_a_dead_line_is_told_when_connecting():
-    with pytest.raises(ConnectFailedError, match="check cable"):
-        await FakeCounter(A0000=None).connected()
-
-
-async def test_a_line_of_another_device_is_told_when_connecting():
-    with pytest.raises(RemoteProtocolError):
-        await FakeCounter(A0000=[Refusal()]).connected()
-    with pytest.raises(RemoteProtocolError):
-        await FakeCounter(A0000=[Line("x" * 200)]).connected()
 
 
 @pytest.mark.parametrize(

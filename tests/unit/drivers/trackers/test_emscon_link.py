@@ -1,7 +1,6 @@
 """The conversation with an emScon server: silence, garbage, refusals and lost links."""
 
 import asyncio
-import struct
 
 import pytest
 
@@ -9,14 +8,13 @@ from tests.helpers.instruments.emscon_in_memory import (
     HANG_UP,
     SILENT,
     FakeTracker,
-    FixedClock,
     Slow,
     answer,
     healthy,
     ready_tracker,
-    single,
     tracker_on,
 )
+from tests.helpers.instruments.fixed_clock import FixedClock
 from truepose_drivers.errors import (
     BusyError,
     ConnectFailedError,
@@ -63,17 +61,6 @@ async def test_a_tracker_in_use_by_another_program_says_so():
     assert not tracker.connected
 
 
-async def test_silence_is_reported_and_a_late_answer_is_never_mistaken():
-    fake = FakeTracker()
-    tracker = await ready_tracker(fake)
-    fake.script[Command.GET_ENVIRONMENT_PARAMS] = lambda _: []
-
-    with pytest.raises(NoReplyError, match="GET_ENVIRONMENT_PARAMS"):
-        await tracker.environment()
-
-    assert not tracker.connected
-
-
 async def test_a_stream_of_positions_does_not_hide_that_the_answer_is_missing():
     async def chatter(end: MemoryEnd) -> None:
         while True:
@@ -85,27 +72,6 @@ async def test_a_stream_of_positions_does_not_hide_that_the_answer_is_missing():
     async with asyncio.timeout(5.0):
         with pytest.raises(ConnectFailedError, match="GET_SYSTEM_STATUS"):
             await tracker.connect()
-
-
-async def test_an_accepted_measurement_without_a_result_is_silence():
-    fake = FakeTracker()
-    fake.script[Command.START_MEASUREMENT] = lambda _: [answer(Command.START_MEASUREMENT)]
-    tracker = await ready_tracker(fake)
-
-    with pytest.raises(NoReplyError):
-        await tracker.measure_point(duration_s=0.01)
-
-
-async def test_a_connection_closed_in_the_middle_of_a_packet_is_lost():
-    fake = FakeTracker()
-    tracker = await ready_tracker(fake)
-    half = encode(single())[:100]
-    fake.script[Command.START_MEASUREMENT] = lambda _: [half, HANG_UP]
-
-    with pytest.raises(ConnectionLostError, match="middle of a message"):
-        await tracker.measure_point(duration_s=1.0)
-
-    assert not tracker.connected
 
 
 async def test_it_can_be_connected_again_after_a_loss_and_wants_initialising():
@@ -124,56 +90,6 @@ async def test_it_can_be_connected_again_after_a_loss_and_wants_initialising():
     await tracker.initialise()
 
     assert (await tracker.measure_point(duration_s=1.0)).point_mm == (1.0, 2.0, 3.0)
-
-
-@pytest.mark.parametrize(
-    "garbage",
-    [b"HTTP/1.1 400 Bad Request\r\n\r\n", struct.pack("<iII", 12, 99, 0), struct.pack("<iIII", 16, 0, 98, 0)],
-)
-async def test_garbage_is_a_protocol_error_and_closes_the_link(garbage):
-    fake = FakeTracker()
-    tracker = await ready_tracker(fake)
-    fake.script[Command.GET_FACE] = lambda _: [garbage]
-
-    with pytest.raises(RemoteProtocolError):
-        await tracker.measure_point(duration_s=1.0)
-
-    assert not tracker.connected
-
-
-async def test_an_abandoned_request_closes_the_link():
-    fake = FakeTracker()
-    tracker = await ready_tracker(fake, time_outs=TimeOuts(command_s=5.0))
-    fake.script[Command.START_MEASUREMENT] = lambda _: []
-    task = asyncio.create_task(tracker.measure_point(duration_s=1.0))
-    while not fake.asked(Command.START_MEASUREMENT):
-        await asyncio.sleep(0)
-
-    task.cancel()
-    with pytest.raises(asyncio.CancelledError):
-        await task
-
-    assert not tracker.connected
-
-
-async def test_two_tasks_take_turns():
-    fake = FakeTracker()
-    fake.script[Command.GET_ENVIRONMENT_PARAMS] = lambda _: [
-        answer(Command.GET_ENVIRONMENT_PARAMS, temperature=21.0, pressure=1013.0, humidity=40.0)
-    ]
-    tracker = await ready_tracker(fake)
-
-    reading, air = await asyncio.gather(tracker.measure_point(duration_s=1.0), tracker.environment())
-
-    assert reading.point_mm == (1.0, 2.0, 3.0)
-    assert (air.temperature_c, air.pressure_hpa, air.humidity_percent) == (21.0, 1013.0, 40.0)
-
-
-async def test_nobody_at_the_address_is_a_failed_connection():
-    tracker = LaserTracker(MemoryLink(None), FixedClock())
-
-    with pytest.raises(ConnectFailedError, match="nobody answers"):
-        await tracker.connect()
 
 
 async def test_closing_twice_or_before_connecting_is_harmless():

@@ -7,11 +7,11 @@ import pytest
 from tests.helpers.instruments.emscon_in_memory import (
     SILENT,
     FakeTracker,
-    FixedClock,
     answer,
     healthy,
     single,
 )
+from tests.helpers.instruments.fixed_clock import FixedClock
 from truepose_drivers.api import PoseTracker
 from truepose_drivers.errors import (
     ArtefactNotSeenError,

@@ -9,11 +9,9 @@ import pytest
 from truepose_drivers.errors import (
     ArtefactNotSeenError,
     ConfigurationError,
-    ConnectFailedError,
     ConnectionLostError,
     DeviceRefusedError,
     LinkError,
-    NoReplyError,
     NotInitialisedError,
     OutOfVolumeError,
     RemoteProtocolError,
@@ -248,66 +246,6 @@ async def test_a_few_lost_frames_spoil_no_measurement(of_hundred, is_pose):
     await driver.close()
 
 
-async def test_silence_ends_after_its_time_and_the_link_with_it():
-    camera = FakeCamera()
-    driver = await camera.ready()
-    camera.says["BX"] = None
-
-    began_s = asyncio.get_running_loop().time()
-    with pytest.raises(NoReplyError, match="did not answer BX in time"):
-        await driver.measure_pose(duration_s=0.2)
-
-    assert asyncio.get_running_loop().time() - began_s == pytest.approx(1.5, abs=0.1)
-    assert not driver.connected
-
-
-async def test_a_stall_inside_a_reply_is_waited_for():
-    camera = FakeCamera(pause_s=0.05)
-    driver = await camera.ready()
-
-    assert (await driver.measure_pose(duration_s=0.5)).position_mm == POSE.position_mm
-    await driver.close()
-
-
-@pytest.mark.parametrize(
-    "reply",
-    [
-        Text("OKAY"),
-        encode_reply(OKAY) * 2,
-        b"OKAYA897\r",
-        encode_reply(encode_binary([]))[:-1] + b"\x77",
-        encode_binary([
-            replace(ToolFrame(1, POSE, GOOD, 10**6), pose=replace(POSE, position_mm=(math.nan,) * 3))
-        ]),
-        encode_binary([
-            replace(ToolFrame(1, POSE, GOOD, 10**6), pose=replace(POSE, quaternion=(0.9, 0, 0, 0)))
-        ]),
-        b"HTTP/1.1 400 Bad Request\r\n\r\n",
-    ],
-    ids=["foreign", "twice", "checksum", "damaged frame", "no number", "no unit", "no camera"],
-)
-async def test_nonsense_is_no_pose_and_closes_the_link(reply):
-    camera = FakeCamera()
-    driver = await camera.ready()
-    camera.says["BX"] = reply
-
-    with pytest.raises(RemoteProtocolError):
-        await driver.measure_pose(duration_s=0.2)
-
-    assert not driver.connected
-
-
-async def test_a_frame_that_comes_twice_is_no_pose():
-    camera = FakeCamera()
-    driver = await camera.ready()
-    camera.after = encode_reply(encode_binary([ToolFrame(1, POSE, GOOD, 10**6)]))
-
-    with pytest.raises(RemoteProtocolError, match="more than was asked"):
-        await driver.measure_pose(duration_s=0.2)
-
-    assert not driver.connected
-
-
 async def test_a_camera_that_was_switched_off_and_on_must_be_connected_again():
     camera = FakeCamera()
     driver = await camera.ready()
@@ -362,25 +300,6 @@ async def test_a_refusal_is_told_by_its_number(code, error):
     await driver.close()
 
 
-async def test_a_measurement_that_is_cancelled_leaves_no_answer_behind():
-    camera = FakeCamera(pause_s=0.0)
-    driver = await camera.ready()
-    camera.pause_s = 0.05
-
-    measuring = asyncio.create_task(driver.measure_pose(duration_s=5.0))
-    await asyncio.sleep(0.12)
-    measuring.cancel()
-    with pytest.raises(asyncio.CancelledError):
-        await measuring
-
-    assert not driver.connected
-    camera.pause_s = 0.0
-    await driver.connect()
-    await driver.initialise()
-    assert (await driver.measure_pose(duration_s=0.1)).position_mm == POSE.position_mm
-    await driver.close()
-
-
 async def test_nothing_is_measured_in_no_time_or_before_initialising():
     driver = FakeCamera().driver()
     with pytest.raises(NotInitialisedError, match="not initialised since it was connected"):
@@ -392,13 +311,6 @@ async def test_nothing_is_measured_in_no_time_or_before_initialising():
         with pytest.raises(ConfigurationError, match="positive time"):
             await driver.measure_pose(duration_s=duration_s)
     await driver.close()
-
-
-async def test_nobody_at_the_address():
-    driver = PolarisTracker(MemoryLink(None), LoopClock(), b"x")
-
-    with pytest.raises(ConnectFailedError):
-        await driver.connect()
 
 
 def test_the_definition_comes_from_a_file(tmp_path):

@@ -2,6 +2,7 @@
 
 import math
 
+from tests.helpers.instruments.fixed_clock import FixedClock
 from truepose_drivers.abb_open_abb.driver import OpenAbbRobot, TimeOuts
 from truepose_drivers.abb_open_abb.protocol import (
     decode_request,
@@ -48,14 +49,6 @@ async def connected_robot(fake: FakeController, chunk_bytes: int = 4096) -> Open
     await robot.connect()
     fake.requests.clear()
     return robot
-
-
-class FixedClock:
-    async def now_s(self) -> float:
-        return 7.25
-
-    async def sleep(self, duration_s: float) -> None:
-        raise AssertionError("a robot driver never sleeps in cell time")
 
 
 def codes(fake: FakeController) -> list[str]:

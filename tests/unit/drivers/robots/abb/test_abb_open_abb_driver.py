@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 
-from tests.unit.drivers.robots import absurd
+from tests.helpers.instruments.fixed_clock import FixedClock
 from tests.unit.drivers.robots.abb.open_abb_server import (
     FAST,
     HANG_UP,
@@ -16,7 +16,6 @@ from tests.unit.drivers.robots.abb.open_abb_server import (
     QUICK,
     TARGET,
     FakeController,
-    FixedClock,
     codes,
     connected_robot,
 )
@@ -33,7 +32,6 @@ from truepose_drivers.errors import (
     ConnectionLostError,
     DeviceRefusedError,
     NoReplyError,
-    RemoteProtocolError,
     TargetRefusedError,
 )
 from truepose_drivers.transports.memory import MemoryEnd, MemoryLink
@@ -198,52 +196,6 @@ async def test_it_moves_again_after_connecting_again():
     await robot.move_joints(TARGET)
 
     assert robot.connected
-
-
-@pytest.mark.parametrize("target", absurd.TARGETS)
-async def test_an_absurd_target_never_reaches_the_robot(target):
-    fake = FakeController()
-    robot = await connected_robot(fake)
-
-    with pytest.raises(TargetRefusedError):
-        await robot.move_joints(target)
-
-    assert fake.requests == []
-
-
-@pytest.mark.parametrize("speed", absurd.SPEEDS)
-async def test_an_absurd_speed_never_reaches_the_robot(speed):
-    fake = FakeController()
-    robot = await connected_robot(fake)
-
-    await absurd.require_speed_refused(robot, speed)
-
-    assert fake.requests == []
-
-
-async def test_a_reply_to_another_request_is_a_protocol_error():
-    robot = await connected_robot(FakeController(code_4="2 1 "))
-
-    with pytest.raises(RemoteProtocolError, match="replied to request 2"):
-        await robot.read_joints()
-
-    assert not robot.connected
-
-
-@pytest.mark.parametrize("reply", ["SSH-2.0-x\r\n", "4 x", "4 1 " + "9" * 100, "4 1 1 2 3 4 5 six.00"])
-async def test_garbage_is_a_protocol_error(reply):
-    robot = await connected_robot(FakeController(code_4=reply))
-
-    with pytest.raises(RemoteProtocolError):
-        await robot.read_joints()
-
-
-@pytest.mark.parametrize("reply", ["4", "4 1 10.00 20.00"])
-async def test_half_a_reply_is_silence(reply):
-    robot = await connected_robot(FakeController(code_4=reply))
-
-    with pytest.raises(NoReplyError):
-        await robot.read_joints()
 
 
 async def test_a_bad_message_answer_is_a_refusal():

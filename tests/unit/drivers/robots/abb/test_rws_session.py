@@ -163,17 +163,6 @@ async def test_a_refusal_is_told_and_leaves_the_link_open(status, body, match):
     assert session.is_open
 
 
-async def test_a_question_that_is_left_closes_the_link():
-    session = await opened(FakeServer(b""))
-    asking = asyncio.create_task(joints(session))
-    await asyncio.sleep(0.1)
-
-    asking.cancel()
-    await asyncio.wait({asking})
-
-    assert not session.is_open
-
-
 async def test_leaving_logs_out_and_never_raises():
     server = FakeServer()
     session = await opened(server)
@@ -185,12 +174,3 @@ async def test_leaving_logs_out_and_never_raises():
     silent = await opened(FakeServer(b""))
     await silent.leave()
     assert not silent.is_open
-
-
-async def test_questions_at_once_are_asked_one_after_the_other():
-    server = FakeServer()
-    session = await opened(server)
-
-    found = await asyncio.gather(*(joints(session) for _ in range(5)))
-
-    assert set(found) == {(1.0, 2.0, 3.0, 4.0, 5.0, 6.0)}

@@ -3,6 +3,7 @@
 import asyncio
 import math
 
+from tests.helpers.instruments.fixed_clock import FixedClock
 from truepose_drivers.api import MotionLimits
 from truepose_drivers.fanuc_rmi.driver import RmiRobot, TimeOuts
 from truepose_drivers.fanuc_rmi.protocol import (
@@ -96,14 +97,6 @@ async def requests_at(end):
 
 def refusal(error):
     return lambda packet: encode(reply(packet, error))
-
-
-class FixedClock:
-    async def now_s(self) -> float:
-        return 7.25
-
-    async def sleep(self, duration_s: float) -> None:
-        raise AssertionError("a robot driver never sleeps in cell time")
 
 
 def robot_of(fake, **time_outs):
