@@ -37,6 +37,8 @@ def require_speeds(limits: MotionLimits, fastest: float = sys.float_info.max) ->
         ("tool_speed_mm_s", limits.tool_speed_mm_s),
         ("orientation_speed_rad_s", limits.orientation_speed_rad_s),
     ):
+        # Written as "not within": a NaN compares false with everything and would pass any test for what is
+        # wrong.
         if not 0.0 < value <= fastest:  # nor where it is no number
             raise ConfigurationError(f"{name} is {value}: a speed limit must be positive")
 
@@ -59,6 +61,8 @@ def counted_target_deg(
     require_target(target_rad, joints)
     counted_deg = counting.of_controller(tuple(map(math.degrees, target_rad)))
     try:
+        # The codec knows the widest number that its frame has room for. Tried before anything of the motion
+        # is sent, so that a target which cannot be written leaves the arm and its speeds as they were.
         encode(counted_deg)
     except ValueError as error:
         raise TargetRefusedError(str(error)) from error
@@ -135,6 +139,7 @@ class Standstill:
 
     def lasts(self, joints_deg: Angles, now_s: float) -> bool:
         """Take a look into account; return whether the arm stands still before its target."""
+        # A logger that tells old joints, or those of another arm, must not end a motion that goes well.
         if not self._course.leads_by(joints_deg):
             return False
         # Compared with where it stood first, not with the last look: slow motion adds up.
@@ -154,16 +159,21 @@ async def answered_unless_it_stands(
     Where the arm stands still the motion is cancelled, which closes its link: a program that watches it gives
     the motion up then, so that nothing goes on when the stop is released. Raises NoReplyError.
     """
+    # No time limit instead: only the controller knows how long a motion takes under somebody's speed
+    # override, and only the joints tell a stop from a slow motion.
     answered = asyncio.create_task(motion)
     watched = asyncio.create_task(_stands_before_target_deg(look, course))
     try:
         await asyncio.wait({answered, watched}, return_when=asyncio.FIRST_COMPLETED)
+        # Asked first, since both may have ended in one turn of the loop: an answer that came counts.
         if answered.done():
             return answered.result()
         raise NoReplyError(f"the arm stands still {watched.result():.2f} deg before its target: {advice}")
     finally:
         answered.cancel()
         watched.cancel()
+        # Waited for: the cancelled conversation closes its link on its way out, and whoever catches the error
+        # may connect again at once.
         await asyncio.wait({answered, watched})
 
 
@@ -241,6 +251,7 @@ class AccompaniedRobot:
         try:
             await self._companion.connect()
         except DriverError:
+            # Otherwise the one half that is open would keep the controller's only place for a client.
             await self._robot.close()
             raise
 
@@ -260,12 +271,17 @@ class AccompaniedRobot:
     async def move_joints(self, target_rad: tuple[float, ...]) -> None:
         """Move where the controller is ready now; raises NotInitialisedError, TargetRefusedError."""
         await self._companion.require_ready()
+        # The protocol that moves the arm may have no words for errors: open_abb just never answers with
+        # motors off or in an emergency stop (abb-open-abb.md, "Reply"). The companion knows, and is asked
+        # before and during.
         motion = asyncio.create_task(self._robot.move_joints(target_rad))
         try:
             while not (await asyncio.wait({motion}, timeout=_BETWEEN_LOOKS_S))[0]:
                 await self._companion.require_ready()
             motion.result()
         except (LinkError, TargetRefusedError) as error:
+            # Of the same class: what a caller does about the fault does not depend on what the event log
+            # adds.
             raise type(error)(f"{error}{await self._said()}") from error
         finally:
             motion.cancel()

@@ -46,6 +46,8 @@ class LineReader(StreamReader):
         Raises JsonLineError when a line does not end.
         """
         end = self._buffer.find(b"\n")
+        # A peer that never ends its line is told from a slow one by length alone; without a bound, whatever
+        # streams at a wrong port would fill the memory.
         if (end if end >= 0 else len(self._buffer)) > LONGEST_LINE_BYTES:
             raise JsonLineError(f"a line of more than {LONGEST_LINE_BYTES} bytes: is this the right port?")
         if end < 0:
@@ -67,6 +69,7 @@ def encode_refusal(refusal: Refusal) -> bytes:
 
 def encode_object(document: Mapping[str, object]) -> bytes:
     """Return the line of an object; raises ValueError when a number is not finite."""
+    # Python would write NaN and Infinity, which are no JSON (RFC 8259, section 6).
     return json.dumps(document, allow_nan=False).encode() + b"\n"
 
 
@@ -74,6 +77,7 @@ def decode_object(line: bytes) -> dict[str, object]:
     """Read the object of a line; raises JsonLineError."""
     try:
         document = json.loads(line, object_pairs_hook=_each_key_once)
+    # A line of opening brackets ends the parser by its depth, not by its form.
     except (ValueError, RecursionError) as error:
         raise JsonLineError(f"{line[:80]!r} is no JSON: {error}") from error
     if not isinstance(document, dict):
@@ -91,6 +95,7 @@ def _each_key_once(pairs: list[tuple[str, object]]) -> dict[str, object]:
 
 def finite_number(value: object) -> float | None:
     """Return a number of a document, None for one that is not finite or no number at all."""
+    # In Python true is an int: a device that says true must not be read as 1 mm.
     if isinstance(value, bool) or not isinstance(value, int | float):
         return None
     # Whole numbers of JSON have no end, and those beyond a double's range cannot even be asked.

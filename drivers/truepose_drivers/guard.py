@@ -76,6 +76,8 @@ class GuardedDevice:
     def connected(self) -> bool:
         """Whether the link is up as far as known; no where the driver cannot tell."""
         try:
+            # A property of somebody else's driver may do anything; where it fails, "no" is what is safe:
+            # nothing moves without a link (docs/motion-rules.md, S1).
             return bool(self._device.connected)
         except Exception:
             return False
@@ -83,6 +85,8 @@ class GuardedDevice:
     async def connect(self) -> None:
         """Open the link; raises ConnectFailedError."""
         self._last_s = None
+        # A clock that began anew while the link was down has not run back: order is asked within a connection
+        # only.
         await self._guarded("connect", self._device.connect)
 
     async def close(self) -> None:
@@ -102,6 +106,8 @@ class GuardedDevice:
         try:
             return await call()
         except ImplausibleReadingError as error:
+            # Closed, since the next answer of a device in this state could be taken for that to another
+            # question.
             await self.close()
             raise ImplausibleReadingError(f"device of driver {self._name}: {error}") from error
         except RemoteProtocolError:
@@ -150,6 +156,8 @@ class GuardedTracker(GuardedInstrument):
 
         async def measure() -> TrackerReading:
             reading = await self._device.measure_point(duration_s=duration_s)
+            # Judged before its stamp is taken over: a reading that counts for nothing must not date the next
+            # one.
             require_point(reading)
             self._stamp(reading.time_s)
             return reading
@@ -234,6 +242,8 @@ class GuardedRobot(GuardedDevice):
             reading = await self._device.read_joints()
             require_joints(reading, self._joints)
             self._stamp(reading.time_s)
+            # An arm does not change its number of joints, not even over connections: another number is
+            # another arm, or half a frame.
             self._joints = len(reading.joints_rad)
             return reading
 
@@ -280,6 +290,7 @@ class GuardedGauge(GuardedDevice):
         """Return what all gauges show; raises ImplausibleReadingError."""
 
         async def ask() -> tuple[BallbarReading, ...]:
+            # One question for all gauges of a box, so that a length and its neighbours are of one moment.
             readings = await channels_of(self._device)
             require_some(readings)
             for reading in readings:

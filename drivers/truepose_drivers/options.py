@@ -19,6 +19,7 @@ def host(options: Options) -> str:
 def port(options: Options, default: int | None = None, *, name: str = "port") -> int:
     """Return a port; raises ConfigurationError when it is missing or no port number."""
     value = options.get(name, default)
+    # Python's True is an int, and `port = true` in a cell file would open port 1.
     if isinstance(value, bool) or not isinstance(value, int) or not 1 <= value <= _HIGHEST_PORT:
         raise ConfigurationError(f"option {name} is {value!r}: give a number from 1 to {_HIGHEST_PORT}")
     return value
@@ -46,6 +47,8 @@ def vector(options: Options, name: str) -> Vector:
     try:
         x, y, z = map(float, words)
     except ValueError:
+        # One complaint for words that are no numbers, for two or four of them, and for nan: it shows an
+        # example.
         x = y = z = math.nan
     if not all(map(math.isfinite, (x, y, z))):
         raise ConfigurationError(

@@ -92,6 +92,7 @@ def require_joints(reading: JointReading, joints_before: int | None) -> None:
 def require_length(reading: BallbarReading) -> None:
     """Judge a reading of a ballbar or a gauge."""
     _require(reading.signal in _SIGNALS, f"the signal {reading.signal!r}")
+    # Without a signal the deviation is NaN by agreement (see `BallbarReading`).
     if reading.signal != "none":
         _require(
             abs(reading.deviation_mm) <= _LONGEST_TRAVEL_MM,  # a NaN is not
@@ -180,6 +181,9 @@ def _is_covariance(matrix: Sequence[Sequence[float]]) -> bool:
         and all(len(row) == 3 and _all_finite(row) for row in matrix)
         and all(matrix[axis][axis] >= 0.0 for axis in range(3))
         and all(
+            # Each 2x2 minor, with room for rounding: a correlation beyond one is what a covariance cannot
+            # have. Trackers state far better along the beam than across, so that determinants would compare
+            # rounding with rounding.
             matrix[i][j] * matrix[i][j] <= matrix[i][i] * matrix[j][j] * (1.0 + 1e-9)
             and math.isclose(matrix[i][j], matrix[j][i], rel_tol=1e-9, abs_tol=1e-300)
             for i, j in ((0, 1), (0, 2), (1, 2))
@@ -198,6 +202,7 @@ def _require(plausible: bool, what: str) -> None:
         )
 
 
+# Bars count at least some times a second at rest; a USB stack that hangs repeats its last report for ever.
 _LONGEST_S: Final = 1.0  # cell time; whoever asks faster than the device measures hears one reading twice
 
 
@@ -231,6 +236,7 @@ AskReflector: TypeAlias = Callable[[], Awaitable[Vector | None]]
 def motion_guard_of(driver: object) -> MotionGuard:
     """Return what a robot's driver says of its motions; where it says nothing or nonsense, the worst."""
     stated = _stated(driver, "motion_guard")
+    # A driver that says 0 s or a text here must not make motions seem safer than they are.
     plausible = isinstance(stated, MotionGuard) and all(
         seconds is None or (_is_number(seconds) and 0.0 < seconds < math.inf)
         for seconds in (stated.stops_unheard_s, stated.longest_piece_s)
@@ -246,6 +252,7 @@ def settings_of(driver: object) -> str:
 
 def reflector_of(driver: object) -> AskReflector | None:
     """Return what asks a tracker's driver for the reflector, None where it does not offer that."""
+    # By name, not by isinstance: since Python 3.12 a runtime protocol does not see members of `__getattr__`.
     return getattr(driver, "reflector_now", None)
 
 

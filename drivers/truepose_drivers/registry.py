@@ -55,6 +55,8 @@ class DriverRegistry:
         that does not fit.
         """
         plugin = self.plugin(name)
+        # A misspelt option that is passed over would leave its default in force, and with it another speed or
+        # port.
         unknown = sorted(set(options) - set(plugin.options))
         if unknown:
             known = ", ".join(plugin.options) or "none"
@@ -64,6 +66,7 @@ class DriverRegistry:
         try:
             return guarded(name, self.kind(name, use), plugin.open(options, clock))
         except ConfigurationError as error:
+            # A cell file has several devices, and the driver's own sentence does not say which.
             raise ConfigurationError(f"driver {name}: {error}") from error
         except DriverError:
             raise
@@ -76,6 +79,8 @@ def load_registry(entries: Iterable[EntryPoint] | None = None) -> DriverRegistry
     plugins: dict[str, DriverPlugin] = {}
     broken: dict[str, str] = {}
     for entry in entry_points(group=ENTRY_POINT_GROUP) if entries is None else entries:
+        # Neither is taken: which of two comes first depends on the order of the search path, and another
+        # driver could move the arm after an unrelated installation.
         if entry.name in plugins or entry.name in broken:
             plugins.pop(entry.name, None)
             broken[entry.name] = "two installed packages register a driver of this name: remove one"
@@ -84,6 +89,7 @@ def load_registry(entries: Iterable[EntryPoint] | None = None) -> DriverRegistry
             plugins[entry.name] = _checked(entry.name, entry.load())
         except ConfigurationError as error:
             broken[entry.name] = str(error)
+        # SystemExit: a package that is run on import, or checks its licence there, must not end the service.
         except (Exception, SystemExit) as error:  # whatever foreign code does while it is imported
             broken[entry.name] = f"loading {entry.value} failed with {type(error).__name__}: {error}"
     return DriverRegistry(plugins, broken)

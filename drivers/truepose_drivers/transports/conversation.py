@@ -52,11 +52,16 @@ class Turns(OverPort):
     async def turn(self) -> AsyncIterator[None]:
         """Wait for the exchange before, and have the next one wait; one that breaks off closes the port."""
         async with self._lock:
+            # One exchange at a time: without numbers in its answers a protocol tells them apart by their
+            # order alone.
             try:
                 yield
             except self._harmless:
+                # A refusal is a whole answer: nothing of this exchange is still under way.
                 raise
             except BaseException:
+                # BaseException, so that a cancelled task counts too: its answer is still to come, and would
+                # be read as that to the next question.
                 await self._port.close()
                 raise
 
@@ -104,6 +109,8 @@ class Listener(Turns, Generic[Message]):
         while (message := self._reader.next_message()) is None:
             left_s = self._give_up_s - asyncio.get_running_loop().time()
             data = await self._receive(max(0.0, min(left_s, quiet_s)))
+            # Also where bytes go on coming: an instrument that streams something else would otherwise keep us
+            # for ever.
             if left_s < 0.0 or (data is None and left_s <= quiet_s):
                 raise NoReplyError(self._silence)
             if data is None:
@@ -114,6 +121,7 @@ class Listener(Turns, Generic[Message]):
     async def arrived(self) -> AsyncIterator[Message]:
         """Yield the messages that are here; raises RemoteProtocolError where they do not end."""
         for _ in range(MOST_PIECES):
+            # Bounded: whoever sends faster than we read is at a wrong address, and would hold the loop.
             while (message := self._reader.next_message()) is not None:
                 yield message
             if not await self._take_piece():
@@ -171,9 +179,12 @@ class Conversation(Listener[Message]):
     ) -> Answer:
         """Have a turn: ask, and return the one answer; raises NoReplyError, RemoteProtocolError."""
         async with self.turn():
+            # What came unasked (an event, a late answer) is not the answer to what is asked now.
             await self.drain()
             await self.send(question, timeout_s=timeout_s, silence=silence)
             answer = decode(await self.next())
+            # Bytes behind the answer mean that two answers came: which of them is ours nobody can say any
+            # more.
             if not await self.is_quiet():
                 raise RemoteProtocolError(
                     f"whoever is at {self.address} answered more than was asked: connect again"

@@ -17,6 +17,7 @@ from truepose_drivers.transports.link import BlockingPort, OverPort, Port
 from truepose_drivers.transports.usb import LocalUsb, UsbPort
 from truepose_drivers.usb import protocol
 
+# hidapi blocks in C and cannot be interrupted: a port that is closed meanwhile is let go after this long.
 _SLICE_S = 0.05
 _INTERFACE = 0
 # A device at rest keeps the packet that nobody fetched, and the one behind it where it has two buffers.
@@ -73,6 +74,7 @@ class HidapiPort(BlockingPort[_OpenDevice]):
         The system keeps dozens of reports and drops the newest when nobody fetches them, so all are dropped.
         """
         device = self._opened().device
+        # A length from before the call may be one from before the arm stood still.
         await self._guarded(lambda: _drain(device, self._report_bytes))
         return await self._in_slices(timeout_s, self._report)
 
@@ -84,6 +86,7 @@ class HidapiPort(BlockingPort[_OpenDevice]):
     async def set_feature(self, report: bytes) -> None:
         """Write a feature report; raises DeviceRefusedError."""
         device = self._opened().device
+        # hidapi says -1 of a refused report instead of raising (usb-hid-simulation.md, "hidapi use").
         if await self._refusable(lambda: device.send_feature_report(list(report))) < 0:
             raise DeviceRefusedError(f"HID device {self.address} refuses feature report {report[0]}")
 
@@ -131,6 +134,7 @@ class HidOverUsb(OverPort):
 
     async def fresh_report(self, timeout_s: float) -> bytes | None:
         """Return an input report that was made after this call; None after `timeout_s` of silence."""
+        # Dropped by number, not until it is quiet: a bar that streams is never quiet.
         for _ in range(_STALE_PACKETS):
             if await self._port.receive(timeout_s) is None:
                 return None
@@ -155,6 +159,8 @@ def _open_device(system: Any, where: LocalUsb) -> _OpenDevice:
     """Open the first device that fits, by its path, which is the same whatever hidapi makes of numbers."""
     found = [
         entry
+        # All are listed, not enumerate(vendor, product): by path one device is opened of two with the same
+        # numbers.
         for entry in system.enumerate()
         if (entry["vendor_id"], entry["product_id"]) == (where.vendor, where.product)
         and where.serial in (None, entry["serial_number"])

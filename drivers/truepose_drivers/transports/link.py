@@ -179,21 +179,27 @@ class BlockingPort(ABC, Generic[Handle]):
     async def open(self) -> None:
         """Open the device, dropping what was open before; raises ConnectFailedError."""
         await self.close()
+        # One thread of its own: libraries of serial and USB devices are not to be called by two at once, and
+        # a device that hangs must not take a place in the loop's shared pool.
         self._thread = ThreadPoolExecutor(1, thread_name_prefix=self._address)
         try:
             self._handle = await self._in_thread(self._open_handle)
         except BaseException:
+            # A task that was cancelled while the device opened would leave it open for nobody.
             await self.close()
             raise
 
     async def close(self) -> None:
         """Let the device go; never raises."""
+        # Taken out before anything is awaited: whoever reads meanwhile finds the port closed, and a second
+        # close nothing to do.
         handle, thread = self._handle, self._thread
         self._handle = self._thread = None
         if handle is not None and thread is not None:
             with contextlib.suppress(OSError, ValueError):
                 await asyncio.get_running_loop().run_in_executor(thread, self._close_handle, handle)
         if thread is not None:
+            # The loop does not wait for a read in C that has still its slice to go.
             thread.shutdown(wait=False)
 
     @abstractmethod
@@ -221,6 +227,7 @@ class BlockingPort(ABC, Generic[Handle]):
             left_s = max(0.0, give_up_s - time.monotonic())
             if data := await read(min(left_s, self._slice_s)):
                 return data
+            # Asked after the read, so that a time-out of 0 still takes what is there.
             if left_s <= self._slice_s:
                 return None
 

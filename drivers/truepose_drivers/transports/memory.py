@@ -35,6 +35,7 @@ class MemoryEnd:
     async def send(self, data: bytes) -> None:
         """Send `data` in pieces; returns after the other end had a chance to read."""
         self.write(data)
+        # As a socket does: whoever serves the far end gets its turn before the next statement here.
         await asyncio.sleep(0)
 
     def close(self) -> None:
@@ -106,6 +107,7 @@ class MemoryLink:
             end.close()
         if server is not None:
             server.cancel()
+            # Not awaited by itself: whatever the serving coroutine ended with is its test's business.
             await asyncio.wait({server})
 
     def _opened(self) -> MemoryEnd:

@@ -63,6 +63,7 @@ class SerialLink(BlockingPort[serial.Serial]):
         """Go on at another speed until the port is opened again; raises ConnectionLostError."""
         port = self._opened()
         try:
+            # pyserial sets the port up within the assignment, a blocking call.
             await self._in_thread(lambda: setattr(port, "baudrate", baud))
         except (OSError, ValueError) as error:
             raise await self._gone() from error
@@ -120,11 +121,15 @@ def _check_parity(port: serial.Serial) -> None:
     if termios is None or not isinstance(descriptor, int):
         return  # Windows checks by itself; a port behind a URL is checked at its far end
     iflag, *others = termios.tcgetattr(descriptor)
+    # NUL is in no reply of these devices, so that a codec refuses the line; a character with a flipped bit
+    # could be another digit.
     iflag = (iflag | termios.INPCK) & ~(termios.IGNPAR | termios.PARMRK | termios.ISTRIP)
     termios.tcsetattr(descriptor, termios.TCSANOW, [iflag, *others])
 
 
 def _read(port: serial.Serial, *, waiting: bool) -> bytes:
     """Read what is there; with `waiting` wait a slice for it."""
+    # What is there is taken in one piece: reading byte by byte costs a thread switch each, more than a
+    # character takes at 115 200 baud.
     there = port.in_waiting
     return bytes(port.read(there or 1)) if there or waiting else b""
