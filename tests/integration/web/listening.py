@@ -12,7 +12,11 @@ import uvicorn
 def listening(app, door=None):
     """Serve `app` and yield its URL, at a port of its own or at a `door` that others listen at in turn."""
     with socket.create_server(("127.0.0.1", 0)) if door is None else door.dup() as listener:
-        server = uvicorn.Server(uvicorn.Config(app, log_config=None, timeout_graceful_shutdown=1))
+        config = uvicorn.Config(app, log_config=None, timeout_graceful_shutdown=1)
+        # As the service itself does: a client that rests for just the 5 s of the default, on a busy machine,
+        # meets the end of its connection.
+        config.timeout_keep_alive = 75
+        server = uvicorn.Server(config)
         thread = threading.Thread(target=lambda: asyncio.run(_serve(server, listener)))
         thread.start()
         try:
