@@ -30,7 +30,11 @@ from truepose.storage.errors import BackupError, DatabaseAddressError, NotFoundE
 from truepose.storage.integrity.head_hash import Head, newest_head
 from truepose.storage.secret_files import take_out_pins
 
+# Leading zeros and other digits than ASCII are left out on purpose: an archive that somebody else packed must
+# name neither a folder outside the drafts nor the same file twice.
 _MEMBER: Final = re.compile(rf"[1-9]\d{{0,8}}/({re.escape(STATE)}|[1-9]\d{{0,5}}\.file)", re.ASCII)
+# A draft is copied without its lock: whoever uploads must not wait for a backup, and the process that copies
+# need not be the service.
 _TRIES: Final = 3  # of a draft that somebody changes meanwhile
 
 
@@ -42,6 +46,8 @@ def drafts_beside(copy: Path) -> Path:
 def copy_drafts(database: Path, copy: Path) -> int:
     """Write the drafts of a database beside its copy and return how many there are; raises OSError."""
     archive = drafts_beside(copy)
+    # The archive is written under another name and renamed when it is on the disk: a copy that is cut short
+    # must not replace the drafts of the copy before by half an archive.
     drafts, count = DraftFolder.beside(database), 0
     part = archive.with_name(f"{archive.name}.part")
     make_alone(part)
@@ -53,6 +59,8 @@ def copy_drafts(database: Path, copy: Path) -> int:
             count += bool(held)
     with part.open("rb+") as whole:
         os.fsync(whole.fileno())
+    # Without drafts an archive from an earlier copy of this name has to go as well: restoring would bring
+    # back drafts that the database of this copy did not have.
     if count:
         part.replace(archive)
     else:
@@ -65,14 +73,19 @@ def copy_drafts(database: Path, copy: Path) -> int:
 def restore_drafts(copy: Path, database: Path) -> int:
     """Put the drafts of a copy back where there are none; returns how many. Raises BackupError."""
     archive, drafts = drafts_beside(copy), DraftFolder.beside(database)
+    # Any draft that is there stays, and then none is put back: numbers may have been given again since, and
+    # somebody works on what is there.
     if not archive.exists() or drafts.numbers():
         return 0
     try:
         with zipfile.ZipFile(archive) as kept:
+            # The archive is trusted with nothing but names of drafts: a zip can name any path.
             members = [one for one in kept.infolist() if _MEMBER.fullmatch(one.filename)]
             for member in sorted(
                 members, key=lambda one: one.filename.endswith(STATE)
             ):  # what counts it, last
+                # No draft is larger, so a larger member is no draft of ours; it would be inflated into
+                # memory.
                 if member.file_size <= MOST_BYTES:
                     drafts.put_back(member.filename, kept.read(member))
     except (OSError, zipfile.BadZipFile) as error:
@@ -88,6 +101,8 @@ def _held(drafts: DraftFolder, number: int) -> Iterator[tuple[str, bytes]]:
             files = [
                 (f"{file.number}.file", drafts.path(number, file.number).read_bytes()) for file in draft.files
             ]
+        # Somebody exchanged or removed a file between the state and its bytes: what was read is of two
+        # moments.
         except (FileNotFoundError, NotFoundError):
             continue
         yield from [*files, (STATE, _document(draft))]
@@ -125,6 +140,8 @@ def back_up(
         raise DatabaseAddressError(f"There is no database {database}.")
 
     def write(part: Path, told: Told) -> Head:
+        # A copy is a reading transaction of SQLite's own, not a copy of the file: with a write-ahead log the
+        # file alone lacks the newest commits (decision 0007).
         head = copy_database(database, part, lambda share: told(_COPYING * share, "copying"))
         told(_COPYING, "verifying")
         require_copy(part, head)
@@ -142,6 +159,7 @@ def written_copy(database: Path, target: Path, write: Write, told: Told, *, repl
         Something lies at `target` already and `replace` does not allow it to go, the disk refuses, or the
         copy is not what was read.
     """
+    # Also with `replace` the database itself is no target, by whatever name it is reached.
     if target.exists() and (not replace or (database.exists() and target.samefile(database))):
         raise BackupError(f"{target} is there already; choose another file.")
     part = target.with_name(f"{target.name}.part")
@@ -149,8 +167,11 @@ def written_copy(database: Path, target: Path, write: Write, told: Told, *, repl
         target.parent.mkdir(parents=True, exist_ok=True)
         with _removed_at_the_end(part):
             head = write(part, told)
+            # Only what was verified gets the name under which a copy is looked for; until here a crash leaves
+            # a `.part`.
             part.replace(target)
             sync_folder(target.parent)
+            # Drafts come last: they are no records, and the copy of the records is complete without them.
             drafts = copy_drafts(database, target)
     except (OSError, LIBRARY.DatabaseError) as error:
         raise BackupError(f"{database} cannot be copied to {target} ({error}); nothing was kept.") from error
@@ -169,14 +190,20 @@ def copy_database(database: Path, target: Path, told: Callable[[float], None]) -
         contextlib.closing(opened_file(database)) as source,
         contextlib.closing(LIBRARY.connect(target)) as copy,
     ):
+        # The head is read in the transaction from which the pages are copied. Read outside, it could be of
+        # another commit, and the copy would be refused for records that came in between.
         source.execute("BEGIN")
         head = newest_head(source)
         source.backup(copy, pages=_PAGES, progress=copied)
         # One file that can be read from wherever it lies; a service opens its log anew.
         copy.execute("PRAGMA journal_mode=DELETE")
         copy.execute("PRAGMA secure_delete=ON")  # nor is left what was written before in its place
+        # PINs leave with no copy, whether revoked or not: a copy lies on other disks, and a PIN of a few
+        # digits is found from its hash alone (commit 78613b0d).
         with copy:
             take_out_pins(copy, revoked_only=False)
+    # The library syncs what it commits; the pages that `backup` wrote are ours to sync before the file gets
+    # its name.
     with target.open("rb+") as written:
         os.fsync(written.fileno())
     return head
@@ -194,6 +221,7 @@ def _amiss(copy: Any, head: Head) -> Iterator[str]:
     for (said,) in copy.execute("PRAGMA integrity_check(1)"):
         if bytes(said) != b"ok":
             yield f"{bytes(said).decode(errors='replace')}."
+    # A copy without its triggers would be taken for a database and could be changed from then on.
     yield from missing_protection(copy)
     if newest_head(copy) != head:
         yield "The newest records are not those of the database."
@@ -205,5 +233,6 @@ def _removed_at_the_end(part: Path) -> Iterator[None]:
     try:
         yield
     finally:
+        # Opening a file for writing leaves files beside it that the database's name would claim later.
         for ending in _BESIDE:
             part.with_name(f"{part.name}{ending}").unlink(missing_ok=True)

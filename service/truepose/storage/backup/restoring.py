@@ -40,12 +40,19 @@ def restore(
     DatabaseInUseError
         A service has the database open.
     """
+    # Every record is read before anything is touched: a copy that is not whole must not cost the database
+    # that is there.
     head = whole_copy(copy, told)
+    # Restoring takes the lock of a service: a database is never exchanged under a session (decision 0054).
     lock = ServiceLock(database)  # makes an empty file where there is none
     try:
         used = _require_allowed(database, replace)
         told(_VERIFYING, "copying")
+        # The copy is copied once more beside the database: a rename is only atomic within one file system,
+        # and the copy itself must survive the restoring.
         with _copied(copy, database.with_name(f"{database.name}.restored"), head) as fresh:
+            # Only the lock on the file itself is let go; the side file goes on keeping services off while the
+            # files are exchanged.
             lock.move_to(None)  # no open file is replaced on Windows; the side file is held on
             return head, _put_in_place(fresh, database, used)
     except (OSError, LIBRARY.DatabaseError) as error:
@@ -64,6 +71,8 @@ def lay_ready(
     head = whole_copy(copy, told)
     ready = database.with_name(f"{database.name}.{READY}")
     try:
+        # The service that has the lock may be writing here, so that only what must not be lost is asked: are
+        # there records, and may they be put aside.
         if database.exists():
             _require_allowed(database, replace)
         told(_VERIFYING, "copying")
@@ -87,9 +96,13 @@ def put_ready_in_place(database: Path) -> tuple[Head, Path | None] | None:
     try:
         with contextlib.closing(opened_file(ready)) as laid:
             head = newest_head(laid)
+        # A week may lie between laying ready and the next start. Pages and protection are looked at anew; the
+        # head is that of the same file, so the whole chain is not (`truepose verify` does that).
         require_copy(ready, head)
         lock.move_to(None)  # as above
         return head, _put_in_place(ready, database, _has_records(database))
+    # This keeps the service from starting, on purpose: somebody asked for another database, and a session
+    # begun on the old one would be put aside with it at the next start.
     except (OSError, LIBRARY.DatabaseError) as error:
         raise BackupError(
             f"{ready} was to be restored and cannot be ({error}); delete it to go on with what there is."
@@ -120,7 +133,11 @@ def _require_whole(verdict: Verdict, copy: Path) -> Head:
 
 
 def _has_records(database: Path) -> bool:
-    """Whether anything was ever kept there; a file that is no database of ours is not ours to put aside."""
+    """Whether anything was ever kept there; tables of another program count as that.
+
+    Raises the library's DatabaseError for a file that is no database, or whose pages cannot be read.
+    """
+    # An empty file is what the lock leaves where there was no database.
     if database.stat().st_size == 0:
         return False
     with (
@@ -145,8 +162,12 @@ def _copied(copy: Path, fresh: Path, head: Head) -> Iterator[Path]:
 
 def _put_in_place(fresh: Path, database: Path, used: bool) -> Path | None:
     aside = _put_aside(database) if used else None
+    # A log left by another file is not of the fresh one: SQLite would play it into it. A seal of the file
+    # before would say that records are missing.
     for part in _PARTS[1:]:
         database.with_name(f"{database.name}{part}").unlink(missing_ok=True)
+    # Here, and not before, the place has another database: a crash earlier leaves the one before, aside or in
+    # place, and whatever was laid ready is taken up again at the next start.
     fresh.replace(database)
     sync_folder(database.parent)
     return aside
@@ -158,6 +179,8 @@ def _put_aside(database: Path) -> Path:
     aside = database.with_name(f"{database.name}.{ASIDE}-{stamp}")
     if aside.exists():
         raise BackupError(f"{aside} is there already; nothing was restored.")
+    # Without its log a database that was killed lacks its newest commits, so all parts are kept under one
+    # name.
     for part in _PARTS:
         beside = database.with_name(f"{database.name}{part}")
         if beside.exists():

@@ -37,6 +37,8 @@ def back_up_at(
         return back_up(database_file(url), target, told, replace=replace)
 
     def write(part: Path, told: Told) -> Head:
+        # A copy of a server is a file as well: it is verified, and read again in years, without a server of
+        # the same version (decision 0061).
         head = fill(url, f"sqlite:///{part}", told)
         _make_one_file(part)
         require_copy(part, head)
@@ -92,16 +94,20 @@ class BackupSchedule:
     async def follow(self) -> None:
         """Make copies until cancelled."""
         await asyncio.sleep(_FIRST_S)
+        # Copies that an earlier version made may be readable by everybody (commit 5c314de7).
         tighten(*(file for _, file in copies_in(self.plan.folder)))
         while True:
             await asyncio.sleep(await self.make_if_due())
 
     async def make_if_due(self) -> float:
         """Make a copy where the newest one is old enough; returns after how long to look again [s]."""
+        # The newest copy says when the next one is due, and no clock of this process: a service that is
+        # restarted every day would otherwise never make one, or one at each start.
         age_s = self.age_s
         if age_s is not None and age_s < self.plan.every_s:
             return self.plan.every_s - age_s
         try:
+            # Copying takes seconds to minutes of reading, which the loop of a session that measures has not.
             await asyncio.to_thread(self._make)
         except (StorageError, OSError) as error:
             _LOG.error("no copy of the database was made: %s", error)
@@ -114,6 +120,7 @@ class BackupSchedule:
         stamp = datetime.fromtimestamp(self._now_s(), UTC).strftime(_STAMP)
         made = back_up_at(self._url, self.plan.folder / f"truepose-{stamp}.sqlite3")
         _LOG.info("%s: a copy of %d records, verified", made.file, made.head.links)
+        # Only after a copy was made and verified: one that fails never costs an older one.
         for _, file in copies_in(self.plan.folder)[: -self.plan.keep]:
             file.unlink(missing_ok=True)
             drafts_beside(file).unlink(missing_ok=True)
@@ -124,6 +131,8 @@ def copies_in(folder: Path) -> list[tuple[float, Path]]:
     """Return the copies of a schedule with the moment when each was begun, oldest first."""
     if not folder.is_dir():
         return []
+    # By name, not by time stamp of the file: whoever copies the folder to another disk changes the latter.
+    # Files of other names are somebody else's, and stay.
     named = [(_NAME.fullmatch(file.name), file) for file in folder.iterdir()]
     return sorted((_moment_s(name[1]), file) for name, file in named if name)
 
@@ -170,6 +179,7 @@ def drop(found: list[Surplus]) -> None:
 
 
 def _old_logs(database: Path, rules: Rules, now_s: float) -> Iterator[tuple[Path, str]]:
+    # Only logs that were turned over; the present one is without a number.
     for file in sorted(database.parent.glob(f"{database.name}.log.*")):
         days = (now_s - file.stat().st_mtime) / _DAY_S
         if days > rules.logs_days:

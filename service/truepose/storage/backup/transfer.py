@@ -31,6 +31,7 @@ from truepose.storage.tables import metadata, read_at_once
 def fill_in(connection: Any, record: str, names: Sequence[str], rows: Sequence[Sequence[Any]]) -> None:
     """Add rows to a table of the database that a plain connection writes; raises what its library raises."""
     columns = ", ".join(f'"{name}"' for name in names)
+    # COPY sends the rows of a table in one exchange with the server; each row by itself costs a round trip.
     if hasattr(connection, "server"):
         connection.copy_in(f'COPY "{record}" ({columns}) FROM STDIN', rows)
     else:
@@ -55,8 +56,12 @@ def transfer(source: str, target: str, told: Told = lambda share, doing: None) -
         What was written is not what was read, or an engine refuses.
     StorageError
         One of the two is no database of ours, or cannot be reached.
+    OSError
+        The records are there, and the drafts beside them could not be read.
     """
     beside = _two(source, target)
+    # Both locks are held to the end. A lock on a connection of its own was once lost without a word while a
+    # second service got the source (commit 3202a630).
     with locked_for_reading(source) as locked, _newest(source, locked) as connection:
         return _fill(source, connection, target, told), _bring_drafts(*beside)
 
@@ -87,9 +92,12 @@ def fill(source: str, target: str, told: Told = lambda share, doing: None) -> He
 
 def _fill(source: str, connection: Any, target: str, told: Told) -> Head:
     refused: tuple[type[Exception], ...] = (*refused_by(source), *refused_by(target), ValueError)
+    # Nobody reads the target yet, so nobody has to be kept from reading it.
     backend = backend_of(target, Condition(), contextlib.nullcontext)
     backend.open()
     try:
+        # After opening, hence behind the lock: a service that starts meanwhile could have written the first
+        # record.
         _require_empty(backend)
         return _filled(connection, backend, told)
     except refused as error:
@@ -102,15 +110,20 @@ def _fill(source: str, connection: Any, target: str, told: Told) -> Head:
 def _filled(source: Any, backend: DatabaseBackend, told: Told) -> Head:
     """Write everything in one transaction, and look through it before it counts."""
     target = backend.plain
+    # One reading transaction for all tables: records of one moment, whose links and whose head agree.
     source.execute("BEGIN")
     target.execute("BEGIN")
     try:
         head = newest_head(source)
         _copy_tables(source, target, max(head.links, 1), told)
         _require_same(source, target, head, told)
+        # Asked last, before the commit counts: with the connection its lock has gone, and somebody else may
+        # have written to the source since it was read, or to the target.
         for each in (source, target):  # a connection that has ended does not answer, and its lock is gone
             each.execute("SELECT 1")
     except BaseException:
+        # BaseException, since an interrupted copy has to leave the target as empty as it was: half of the
+        # records with half of the chain would look like a database.
         target.execute("ROLLBACK")
         raise
     _commit(backend)
@@ -133,6 +146,7 @@ def _commit(backend: DatabaseBackend) -> None:
 
 def _copy_tables(source: Any, target: Any, links: int, told: Told) -> None:
     done = 0
+    # In the order of foreign keys: a server checks each row as it comes.
     for table in metadata.sorted_tables:
         names = [column.name for column in table.columns]
         for rows in _rows(source, table.name, names):
@@ -143,6 +157,8 @@ def _copy_tables(source: Any, target: Any, links: int, told: Told) -> None:
 
 def _rows(source: Any, record: str, names: list[str]) -> Iterator[list[Sequence[Any]]]:
     """Yield the rows of a table by their numbers, some at a time, without PINs."""
+    # By number and not by OFFSET, which reads all rows before once more for each part; and a campaign at a
+    # time, since a record may have many megabytes.
     last, some = 0, read_at_once(record)
     columns = ", ".join(f'"{name}"' for name in ("id", *names))
     query = f'SELECT {columns} FROM "{record}" WHERE id > ? ORDER BY id LIMIT ?'
@@ -165,6 +181,8 @@ def _require_same(source: Any, target: Any, head: Head, told: Told) -> None:
         ]
         if counts[0] != counts[1]:
             raise BackupError(f"Of {counts[0]} {table.name} {counts[1]} arrived; nothing was kept.")
+    # The target's chain is followed on what it gives back, not on what was sent: a value that an engine keeps
+    # otherwise than it was given changes its hash.
     findings = findings_within(target, lambda share: told(_WRITING + (1 - _WRITING) * share, "verifying"))
     if findings or newest_head(target) != head:
         said = findings[0] if findings else "The newest records are not those of the database."
@@ -173,8 +191,11 @@ def _require_same(source: Any, target: Any, head: Head, told: Told) -> None:
 
 def _two(source: str, target: str) -> tuple[Path, Path]:
     """Return what lies beside each is named after; raises BackupError where they are one database."""
+    # SQLite would make an empty database of a name that was mistyped.
     _require_there(source)
     beside = lies_beside(source), lies_beside(target)
+    # By what the servers say of themselves: two addresses of one database differ in every letter (decision
+    # 0068).
     if beside[0] == beside[1]:
         raise BackupError(f"{shown_address(source)} is both source and target; name another target.")
     return beside
@@ -199,6 +220,8 @@ def _newest(url: str, connection: Any) -> Iterator[Any]:
     if schema == newest_revision():
         yield connection
         return
+    # A file of an older schema is brought up to date in a copy, so that the source is never changed; a server
+    # has no such copy.
     _require_readable(url, schema)
     with tempfile.TemporaryDirectory(prefix="truepose-") as folder:
         copy = Path(folder) / "copy.sqlite3"
@@ -230,6 +253,7 @@ def _schema(url: str, connection: Any) -> str:
     except refused_by(url) as error:
         raise BackupError(f"{shown_address(url)} holds no database of truepose ({error}).") from error
     schema = found[0] if isinstance(found[0], str) else bytes(found[0]).decode()
+    # Revisions are numbered with leading zeros, so the order of the texts is that of the schemas.
     if schema > newest_revision():
         raise NewerSchemaError(f"{shown_address(url)} has schema {schema}, which a newer version wrote.")
     return schema
