@@ -24,7 +24,10 @@ def database_file(url: str) -> Path:
     """
     parsed = parsed_url(url)
     if is_server(parsed):
+        # Only the log is named so: it begins before there is a connection that could say which database was
+        # reached, and tells why there is none (decision 0068).
         return data_folder() / "postgresql" / re.sub(r"[^\w.-]+", "_", _place(parsed)).strip("_")
+    # Resolved once: what lies beside the database must not depend on where the process changes to.
     return Path(str(parsed.database)).expanduser().resolve()
 
 
@@ -32,6 +35,7 @@ def parsed_url(url: str) -> URL:
     """Return the parts of a URL; raises DatabaseAddressError for what names no database of ours."""
     try:
         parsed = make_url(url)
+    # Never quoted as it is: whatever cannot be read as a URL may still hold a password (commit fd77eb26).
     except (ArgumentError, ValueError) as error:  # the latter: its port is no number
         raise DatabaseAddressError(f"{_said(url)} is not a database URL; {_WRITE}") from error
     parsed = parsed.set(drivername=_ALSO.get(parsed.drivername, parsed.drivername))
@@ -44,6 +48,7 @@ def parsed_url(url: str) -> URL:
 def _by_socket(parsed: URL) -> URL:
     """Return a URL whose host is the folder of a socket (`%2Frun%2Fpostgresql`) as one that says so."""
     folder = unquote(parsed.host or "")
+    # Other programs write a socket's folder in the place of the host, the library wants it as an option.
     if not folder.startswith("/"):
         return parsed
     by_whom = (parsed.drivername, parsed.username, parsed.password)
@@ -57,6 +62,7 @@ def is_server(parsed: URL) -> bool:
 
 def shown(parsed: URL) -> str:
     """Return a URL as people are told of it: without password and options."""
+    # Host and port may stand in the options; every other option stays unsaid, `password` among them.
     kept = {name: value for name, value in parsed.query.items() if name in {"host", "port"}}
     return URL.create(
         parsed.drivername, parsed.username, None, parsed.host, parsed.port, parsed.database, kept

@@ -29,6 +29,8 @@ class Condition:
     """Told by the threads of the database, asked by everybody."""
 
     def __init__(self) -> None:
+        # For the dictionary alone: it is iterated while other threads add to it. The other fields are single
+        # assignments.
         self._turn = threading.Lock()
         self._damage: dict[str, str] = {}  # by what was found, in the order of finding
         self._checked: Integrity = "not_checked"
@@ -64,6 +66,8 @@ class Condition:
     def note_damage(self, what: str, sentence: str) -> None:
         """Keep what was found; once for each `what`."""
         with self._turn:
+            # Once for each finding: the same one comes every second while it lasts, and the first sentence
+            # has its numbers.
             self._damage.setdefault(what, sentence)
 
     def begin_verification(self) -> None:
@@ -75,6 +79,9 @@ class Condition:
         self._checked, self.verified_share = "whole" if whole else "damaged", 1.0
         if whole:
             with self._turn:
+                # Only this one is cleared: that others wrote is a doubt, which a look at every record
+                # settles. Missing protection, a broken seal or a wrong record stay damage however often the
+                # rest is found whole.
                 self._damage.pop(FOREIGN, None)
 
 
@@ -82,6 +89,7 @@ READERS: Final = 4  # as many queries at a time as a handful of browsers asks fo
 Alone = Callable[[], AbstractContextManager[None]]  # while it lasts nobody reads
 
 
+# No StorageError: it never leaves the storage, which answers only once the doubt is over.
 class InDoubtError(Exception):
     """The connection ended during a commit: whether the server has made it shows when it is back."""
 

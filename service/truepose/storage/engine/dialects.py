@@ -25,6 +25,8 @@ BYTES: Final = sa.LargeBinary()
 _JSON: Final = ("{", '"')  # how an object and a text of JSON begin
 
 
+# Bound values only; what comes back is the engine's. PostgreSQL keeps -0.0 and NaN where SQLite does not, and
+# a copied record must have the same hash on both (decision 0061).
 class Real(sa.TypeDecorator[float]):
     """A double as SQLite keeps it, which knows no negative zero and no NaN, so that hashes are the same."""
 
@@ -33,6 +35,7 @@ class Real(sa.TypeDecorator[float]):
 
     def process_bind_param(self, value: float | None, dialect: Any) -> float | None:
         """Return what is kept of a number."""
+        # Adding zero turns -0.0 into 0.0 and leaves every other number as it is.
         return None if value is None or math.isnan(value) else float(value) + 0.0
 
 
@@ -44,6 +47,8 @@ class Said(sa.TypeDecorator[Text]):
 
     def process_bind_param(self, value: Text | None, dialect: Any) -> str | None:
         """Return what is kept of a text; words that look like JSON are kept as JSON, to be told apart."""
+        # Without this a person could type the JSON of a message, and the record would say it in the service's
+        # words (decision 0078).
         if value is None or (isinstance(value, str) and not value.startswith(_JSON)):
             return value
         return json.dumps(to_document(value), ensure_ascii=False)
@@ -66,6 +71,8 @@ class _Inside(FunctionElement[Any]):
     inherit_cache = True
 
     def __init__(self, column: Any, path: str = "$") -> None:
+        # Paths are constants of this program and never what somebody typed, so they may stand in the
+        # statement.
         super().__init__(column, literal_column(f"'{path}'"))
 
 
@@ -163,6 +170,8 @@ class newest_number(FunctionElement[int]):  # noqa: N801
         super().__init__(literal_column(f"'{table}'"), literal_column(table))
 
 
+# A default of the column, so that it is asked inside the writing transaction, of which there is one at a
+# time.
 class next_number(FunctionElement[int]):  # noqa: N801
     """The number of a new record in a table with the column `id`.
 
@@ -237,6 +246,8 @@ metadata = sa.MetaData()
 
 def number(table: str) -> sa.Column[int]:
     """Return the number of a record."""
+    # On SQLite AUTOINCREMENT gives no number twice, also after its record is gone: `sqlite_sequence` then
+    # tells that one is missing.
     return sa.Column("id", WHOLE, primary_key=True, autoincrement=True, default=next_number(table))
 
 

@@ -20,6 +20,7 @@ def data_folder() -> Path:
         return Path(os.environ.get("LOCALAPPDATA", Path.home() / "AppData" / "Local")) / "truepose"
     if sys.platform == "darwin":
         return Path.home() / "Library" / "Application Support" / "truepose"
+    # `or`: the variable may be set and empty, which the XDG specification takes for unset.
     return Path(os.environ.get("XDG_DATA_HOME") or Path.home() / ".local" / "share") / "truepose"
 
 
@@ -29,9 +30,13 @@ _OTHERS: Final = 0o077
 
 def opened_alone(file: str | Path, flags: int) -> int:
     """Open a file that its owner alone reads, also one that others could read before; for `open`'s opener."""
+    # The mode at creation counts from the first moment; changing it afterwards would leave one in which
+    # others can open the file.
     descriptor = os.open(file, flags, _MODE)
     if os.name == "posix":
         with contextlib.suppress(OSError):  # somebody else's file, which may be used all the same
+            # Also a file that was there before has the mode: the umask, or an earlier version, may have left
+            # it open to everybody.
             os.fchmod(descriptor, _MODE)
     return descriptor
 
@@ -48,6 +53,7 @@ def make_alone(file: Path) -> None:
 
 def tighten(*files: Path) -> None:
     """Take from everybody but the owner what they may do with files that are there."""
+    # Only rights are taken away: whoever made a file read-only for its owner meant something by it.
     for file in files if os.name == "posix" else ():
         with contextlib.suppress(OSError):
             mode = stat.S_IMODE(file.stat().st_mode)
@@ -57,6 +63,7 @@ def tighten(*files: Path) -> None:
 
 def sync_folder(folder: Path) -> None:
     """See that a name that was just given or taken in a folder is on the disk."""
+    # Windows does not open folders as files.
     if os.name == "posix":
         opened = os.open(folder, os.O_RDONLY)
         try:

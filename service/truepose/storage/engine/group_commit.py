@@ -18,6 +18,7 @@ class CommitTimes:
 
     def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
         self._clock = clock
+        # A deque with a limit may be added to by one thread and copied by others without a lock.
         self._latest: deque[tuple[float, float]] = deque(maxlen=_KEPT)  # when, and how long it took [s]
         self.told: Callable[[float], None] = lambda seconds: None  # who counts them, on the writer's thread
 
@@ -30,6 +31,7 @@ class CommitTimes:
         """Return how long the commits of the last time usually took; None where there was none."""
         since = self._clock() - within_s
         recent = [seconds for when, seconds in tuple(self._latest) if when >= since]
+        # The median: one commit that met a checkpoint takes many times as long as the others.
         return statistics.median(recent) if recent else None
 
 
@@ -40,6 +42,7 @@ GroupWrite: TypeAlias = Callable[
 ]  # keeps several, an end for each
 
 
+# Told apart by identity: two writes that are equal are two records.
 @dataclass(frozen=True, slots=True, eq=False)
 class PendingWrite:
     """A write that waits for its turn."""
@@ -64,6 +67,8 @@ def alone(work: Callable[[Connection], Any]) -> GroupWrite[None]:
 
 def run(connection: Connection, together: Sequence[PendingWrite]) -> list[Outcome]:
     """Return how each of these writes ends in one transaction; raises what a single one raises."""
+    # In the order in which each kind was first asked for: records of different kinds may change places within
+    # a group, those of one kind never do.
     of_works: dict[GroupWrite[Any], list[PendingWrite]] = {}
     for wanted in together:
         of_works.setdefault(wanted.work, []).append(wanted)
@@ -72,6 +77,8 @@ def run(connection: Connection, together: Sequence[PendingWrite]) -> list[Outcom
         try:
             ends.update(zip(wanting, work(connection, [wanted.one for wanted in wanting]), strict=True))
         except Exception as error:
+            # Nobody shares its transaction, so its own error is the answer. Otherwise the whole group has to
+            # be undone, and only those whose work failed are run alone.
             if len(together) == 1:
                 raise
             raise GroupFailedError(wanting) from error

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     import psycopg
 
 _SERVER_TABLES: Final = "SELECT tablename FROM pg_tables WHERE schemaname = current_schema()"
+# `tgenabled`: a trigger that somebody has disabled is still there, and keeps nothing.
 _SERVER_TRIGGERS: Final = """
     SELECT tgname, pg_get_triggerdef(pg_trigger.oid, true) FROM pg_trigger
     JOIN pg_class ON pg_class.oid = tgrelid
@@ -38,6 +39,7 @@ def plain(connection: Connection) -> Any:
     own = connection.connection.dbapi_connection
     if connection.dialect.name == "sqlite":
         return own
+    # Only where there is a server: see `database.backend_of`.
     from truepose.storage.engine.postgresql_connections import PlainConnection
 
     return PlainConnection(cast("psycopg.Connection[Any]", own))
@@ -51,6 +53,7 @@ def damaged_pages(connection: Any) -> Iterator[str]:
     """
     if _of_server(connection):
         return
+    # Five findings are enough to say that the file is damaged; a damaged one may have millions.
     for (said,) in connection.execute("PRAGMA integrity_check(5)"):
         if _text(said) != "ok":
             yield f"The pages of the database are damaged ({_text(said)})."
@@ -87,6 +90,8 @@ def _missing_on_server(connection: Any) -> list[str]:
             for action in ACTIONS["postgresql"]
         },
     )
+    # The triggers of a server call one function; replacing its body would put all of them out of force and
+    # change none.
     if connection.execute(_SERVER_FUNCTIONS, (FUNCTION,)).fetchall() != [(BODY,)]:
         gone.append(f"The function {FUNCTION}, which keeps records from being changed, is not as it was.")
     return gone

@@ -73,11 +73,13 @@ class ServerDatabase(DatabaseBackend):
         self._connect(patient=True)
         try:
             left = self._left()
+            # Before the first write of this service: a server that loses what it has acknowledged is refused.
             self.server_doubts = self._durability()
             with self.connection.begin():
                 schema = bring_up_to_date(self.connection, self.where)
             for finding in missing_protection(self.plain):
                 self.condition.note_damage(finding, finding)
+            # The server may have been put back to an earlier moment, by a dump or a snapshot of its disk.
             if left is not None and not has_link(self.plain, left):
                 self.condition.note_damage("newest", newest_missing(self.where, self._seal.file))
             self._seal.break_open(self.plain)
@@ -88,6 +90,8 @@ class ServerDatabase(DatabaseBackend):
 
     def _left(self) -> Left | None:
         """Find what lies on this machine, and return how the database was left."""
+        # Asked of the server, over the connection that has the lock: only then is it certain which database
+        # this is (decision 0068).
         self.file = server_file(self.plain, self.where)
         self.file.parent.mkdir(parents=True, exist_ok=True)
         _LOG.info("%s: what lies on this machine begins with %s", self.where, self.file)
@@ -105,6 +109,9 @@ class ServerDatabase(DatabaseBackend):
         self.connection = self._write_engine.connect()
         try:
             require_fit(self.plain, self.where)
+            # The lock before anything else is read or written. At the start it is waited for a little, as the
+            # server may not have noticed yet that the service before was killed; within a run others wait
+            # meanwhile, and try again.
             take_lock(self.plain, self.where, *(() if patient else (0.0,)))
             require_writable(self.plain, self.where)
         except BaseException:
@@ -113,6 +120,8 @@ class ServerDatabase(DatabaseBackend):
 
     def make_ready(self) -> None:
         """Connect anew where the connection has ended, if nobody else has the database."""
+        # For good: what this service remembers of the chain is no longer what the database holds. A person
+        # starts it anew.
         if self._lost is not None:
             raise ServerRefusedError(self._lost)
         if not (self.connection.closed or self.connection.invalidated or self.plain.server.closed):
@@ -127,6 +136,7 @@ class ServerDatabase(DatabaseBackend):
 
     def _let_go(self) -> None:
         if not self.connection.closed:
+            # The connection has ended already, as a rule; closing it must not hide why.
             with contextlib.suppress(*REFUSED):
                 self.connection.invalidate()
             self.connection.close()
@@ -136,6 +146,7 @@ class ServerDatabase(DatabaseBackend):
         if not self._was_away:
             return
         newest = newest_link(self.plain)
+        # Two links are right: the last one that was acknowledged, and the one of the commit in doubt.
         if newest not in (self._seal.noted, self._doubtful):
             self._lost = (
                 f"While the connection was away, {self.where} was written by another service or put back "
@@ -153,6 +164,8 @@ class ServerDatabase(DatabaseBackend):
         except DBAPIError as error:
             if not has_ended(error):
                 raise
+            # Kept for the next connection: the newest link that it finds may be this one, which is ours as
+            # well.
             self._doubtful = newest
             raise InDoubtError(newest) from error
         self._seal.note(newest)
@@ -188,12 +201,14 @@ class ServerDatabase(DatabaseBackend):
 
     def write_a_little(self, connection: Connection) -> None:
         """Write to the server's log, for which a commit waits; raises ServerRefusedError."""
+        # A server that became a standby takes the message below and writes nothing.
         require_writable(self.plain, self.where)
         connection.exec_driver_sql(_A_LITTLE)
 
     def look(self) -> Seen:
         """Return whether the newest link is another than was written here, and what is missing."""
         newest, before = newest_link(self.plain), self._seal.noted
+        # Otherwise the same foreign link would be found again at every look.
         self._seal.note(newest)
         self._size_bytes = int(self.plain.execute(_SIZE).fetchone()[0])
         return Seen(newest != before, tuple(missing_protection(self.plain)))
@@ -214,4 +229,5 @@ class ServerDatabase(DatabaseBackend):
         self.readers.dispose()
         self._let_go()
         self._write_engine.dispose()
+        # There is no file whose digest could be taken: the server's disk is the server's.
         self._seal.close(whole=False)

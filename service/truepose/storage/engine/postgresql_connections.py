@@ -42,6 +42,7 @@ class PlainConnection:
 
     def execute(self, query: str, values: Sequence[Any] = ()) -> Any:
         """Run one statement and return what can be fetched; raises psycopg.Error."""
+        # Statements of the chain hold neither question marks nor percent signs of their own.
         return _KeptCursor(self.server).execute(query.replace("?", "%s"), values)
 
     def executemany(self, query: str, rows: Iterable[Sequence[Any]]) -> None:
@@ -60,6 +61,8 @@ class PlainConnection:
 
 
 ACCEPTED: Final = "fsync"  # option of a URL: `fsync=off` accepts a server that runs so
+# A trial is made again and again while the server is away; each holds the writer's thread for so long at
+# most.
 _CONNECT_S: Final = 5
 # A server or a network that is gone without a word is noticed within some ten seconds, by either side.
 _OURS: Final = {
@@ -97,6 +100,7 @@ _READING: Final = (
 
 def writing_engine(url: URL) -> Engine:
     """Return the engine of the one connection that writes."""
+    # No pool: a connection that came back from one would be another session of the server, without the lock.
     engine = _engine(url, NullPool)
     event.listen(engine, "connect", _set_up_writer)
     return engine
@@ -122,6 +126,7 @@ def _engine(url: URL, pool: Any, **options: Any) -> Engine:
         url.set(drivername="postgresql+psycopg").difference_update_query([ACCEPTED]),
         poolclass=pool,
         connect_args=_OURS,
+        # The text is in the hash: both engines have to write a document in the same letters.
         json_serializer=json.dumps,  # as SQLite's documents are written
         json_deserializer=from_json,
         **options,
@@ -144,6 +149,7 @@ def _set(connection: "psycopg.Connection[Any]", *statements: str) -> None:
 
 
 def _begin(connection: Connection) -> None:
+    # By hand, since the library's own transactions are off: see `_set`.
     connection.exec_driver_sql("BEGIN")
 
 
@@ -184,6 +190,8 @@ def translated(where: str, error: Exception) -> StorageError:
     """Return an error of the library, wrapped or as it is, as one of ours."""
     original = _original(error)
     code, said = _code(original), " ".join(str(original).split())
+    # The order matters: what the data do not allow is nobody's trouble but the caller's, and must not stop
+    # the writes of others.
     if code.startswith(_NOT_ALLOWED) or isinstance(original, psycopg.DataError):
         return ConflictError(f"The records do not allow that ({said}); nothing was kept.")
     if code in _DAMAGE:
@@ -201,6 +209,8 @@ def has_ended(error: Exception) -> bool:
     if isinstance(original, psycopg.InterfaceError):  # it was closed already
         return True
     return isinstance(original, psycopg.OperationalError) and (
+        # An error of the operation without a code comes from the library, not from the server: nobody
+        # answered.
         original.sqlstate is None or original.sqlstate.startswith(_ENDED)
     )
 

@@ -72,6 +72,8 @@ def server_file(connection: Any, where: str) -> Path:
     database, schema = connection.execute(_OF_DATABASE).fetchone()
     _require_schema(schema, where)
     readable = re.sub(r"[^\w.-]+", "_", f"{database}_{schema}", flags=re.ASCII)
+    # The readable part is cut and cleaned, so that two databases may agree in it; the digest tells them
+    # apart.
     unmistakable = hashlib.sha256("\0".join((str(server), database, schema)).encode()).hexdigest()
     return data_folder() / "postgresql" / f"{readable[:60]}_{unmistakable[:12]}"
 
@@ -83,6 +85,7 @@ def _require_schema(schema: str | None, where: str) -> None:
         )
 
 
+# "tpse" in ASCII.
 _OURS: Final = 0x74_70_73_65  # among the locks that other programs take in the same database
 _TRY: Final = "SELECT pg_try_advisory_lock(?, hashtext(current_schema()))"
 _PATIENCE_S: Final = 2.0  # until the server has noticed that a service was killed

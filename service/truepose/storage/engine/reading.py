@@ -46,6 +46,8 @@ def locked_for_reading(url: str) -> Iterator[Any]:
     Of a server's database the connection that reads holds the lock: as long as it answers nobody else has it.
     """
     if not is_server(parsed_url(url)):
+        # Behind the service's own lock nobody writes, so that what is read stays as it is for as long as that
+        # takes.
         lock = ServiceLock(database_file(url))
         try:
             with closing(opened_at(url)) as connection:

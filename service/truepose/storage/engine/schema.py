@@ -40,8 +40,11 @@ def bring_up_to_date(connection: Connection, where: str) -> str:
     current: str | None = (
         connection.scalar(text("SELECT version_num FROM alembic_version")) if marked else None
     )
+    # Without alembic, whose import alone is a tenth of a start.
     if current == newest_revision():
         return current
+    # An empty database has no revision and no tables; tables without a revision are somebody else's, and
+    # migrations would write between them.
     if current is None and [table for table in tables if table != "alembic_version"]:
         raise ForeignDatabaseError(f"{where} holds another program's tables; choose another file.")
     if current is not None and current not in revisions():
