@@ -41,6 +41,8 @@ class IdentityFile:
     def left(self) -> Left | None:
         """Return how the database was left; None where nobody said."""
         try:
+            # What cannot be read is as good as absent: whoever puts an older copy back removes the file, and
+            # a start must not fail for it.
             return Left(**json.loads(self.file.read_text(encoding="utf-8")))
         except (OSError, ValueError, TypeError):
             return None
@@ -50,11 +52,17 @@ class IdentityFile:
         with contextlib.suppress(OSError):  # it is a watchman, not a record
             as_written = getattr(os, "O_BINARY", 0)  # Windows would write line ends of two bytes
             self._opened = opened_alone(self.file, os.O_RDWR | os.O_CREAT | as_written)
+            # Without a digest from now on: a service that is killed leaves the newest link alone, which the
+            # database has to hold.
             self._write(newest_link(connection))
+            # Once, at the start: should the power go, the file must not speak of the digest of a database
+            # that was written to since. The links noted later may be lost; each only makes the check
+            # stricter.
             os.fsync(self._opened)
 
     def note(self, newest: Left) -> None:
         """Note the newest link, which is committed; whatever fails here, the records are kept."""
+        # A trial, and a write that keeps nothing, add no link.
         if newest != self.noted:
             with contextlib.suppress(OSError):
                 self._write(newest)
@@ -62,6 +70,8 @@ class IdentityFile:
     def close(self, *, whole: bool) -> None:
         """Say that nobody has the database open; `whole`: seal the file as it is now."""
         with contextlib.suppress(OSError):
+            # Only a file that is at its place with everything in it is sealed: of another one the next start
+            # would be told that it was changed.
             if whole:
                 self._write(Left(self.noted.link, self.noted.hash, digest(self._database)))
         if self._opened is not None:
@@ -71,6 +81,8 @@ class IdentityFile:
     def _write(self, left: Left) -> None:
         self.noted = left
         if self._opened is not None:
+            # One length for all: a shorter line over a longer one would leave the end of the latter behind
+            # it.
             line = json.dumps(asdict(left)).ljust(_LENGTH - 1) + "\n"
             os.lseek(self._opened, 0, os.SEEK_SET)
             os.write(self._opened, line.encode())

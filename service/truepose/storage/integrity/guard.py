@@ -17,6 +17,8 @@ from truepose.storage.engine.backend import FOREIGN
 from truepose.storage.errors import StorageError
 
 _LOG: Final = logging.getLogger(__name__)
+# A process and no thread: a thread shares the interpreter's lock with the session that measures, and cannot
+# have a lower priority.
 _COMMAND: Final = (sys.executable, "-m", "truepose.storage.integrity.verification")
 _FIRST_S: Final = 2.0  # the service is ready before anything is looked through
 _LOOK_S: Final = 1.0
@@ -41,6 +43,8 @@ class Guard:
 
     async def _keep_looking(self) -> None:
         while True:
+            # Also while nothing is written: a database that was removed is brought back, and what another
+            # program wrote is noticed within a second (decision 0061).
             if await self.look():
                 self._doubt.set()
             with contextlib.suppress(StorageError):
@@ -49,9 +53,14 @@ class Guard:
 
     async def _keep_verifying(self) -> None:
         await asyncio.sleep(self._first_s)
+        # Before the verification, since until it is done no log is taken over and the log grows.
         await self.check_seal()
         while True:
+            # While the disk refuses, what lies at the place may be another file, and none of its records are
+            # ours.
             await self._database.writable()
+            # Before the look and not after it: whoever writes while everything is looked through is looked
+            # through again.
             self._doubt.clear()
             try:
                 await self._verify()
@@ -73,6 +82,7 @@ class Guard:
 
     async def look(self) -> bool:
         """See that the file is at its place; returns whether somebody else has written to it."""
+        # A database that is away cannot be looked at; the trial brings it back first.
         if self._condition.trouble is not None:
             return False
         try:
@@ -93,7 +103,11 @@ class Guard:
         self._condition.begin_verification()
         findings = await self._findings()
         if findings:
+            # Read once more before it counts: a reader may see a log that is just begun anew together with
+            # pages of before.
             findings = await self._findings()
+        # The process opens the file by its name. Where another one lies there by now, what was found is of
+        # that.
         if findings and not await self._is_ours():
             self._doubt.set()  # once it is, it is looked through
             return
@@ -125,6 +139,7 @@ class Guard:
     async def _heard(self, process: asyncio.subprocess.Process) -> list[str]:
         findings: list[str] = []
         if process.stdin is not None and process.stdout is not None:
+            # The URL may hold a password, and arguments are seen by everybody on the machine.
             process.stdin.write(f"{self._database.backend.url}\n".encode())
             process.stdin.close()
             async for line in process.stdout:

@@ -32,7 +32,9 @@ def linked_hash(before: bytes, record: str, names: tuple[str, ...], values: Sequ
     parts = [before, *_framed(record.encode())]
     for index, name in _by_name(names):
         value = values[index]
+        # Null and absent are one: so a column that a later schema adds changes no earlier hash.
         if value is not None:
+            # Lengths before contents: without them "ab" and "c" would hash as "a" and "bc" do.
             parts += _framed(name)
             parts += _framed(_encoded(value))
     return hashlib.sha256(b"".join(parts)).digest()
@@ -40,6 +42,8 @@ def linked_hash(before: bytes, record: str, names: tuple[str, ...], values: Sequ
 
 def stream_of(record: str, names: tuple[str, ...], values: Sequence[Any]) -> int:
     """Return the session that a record belongs to, or OF_NO_SESSION."""
+    # A session's own record is the first of its stream. The tables of a plant have such a column too, with
+    # numbers of its cells: their streams are the plant's own and mean no session.
     column = "id" if record == "sessions" else "session_id"
     found = values[names.index(column)] if column in names else None
     return found if isinstance(found, int) else OF_NO_SESSION
@@ -52,6 +56,7 @@ def newest_hash(connection: Any, stream: int) -> bytes:
 
 
 @lru_cache
+# By name: a migration may put columns in another order.
 def _by_name(names: tuple[str, ...]) -> tuple[tuple[int, bytes], ...]:
     return tuple((index, name.encode()) for name, index in sorted((n, i) for i, n in enumerate(names)))
 
@@ -64,6 +69,7 @@ def _encoded(value: Any) -> bytes:
     """Return a value as it is kept, with its kind; text may come as a bytearray, not yet decoded."""
     match value:
         case str():
+            # The kind goes in as well: the text "1", the number 1 and the byte 0x31 are three values.
             return b"t" + value.encode()
         case bytearray():
             return b"t" + value
@@ -84,6 +90,7 @@ class Linking:
     """Of one connection that writes; `forget` undoes what a transaction undoes."""
 
     def __init__(self) -> None:
+        # Remembered from commit to commit, as nobody else writes: it saves a query for each record.
         self._heads: dict[int, bytes] = {}  # by stream
         self._newest: Left | None = None  # link that is written; None: not known
         self._waiting: list[tuple[int, str, int, bytes]] = []  # stream, record, number, hash
@@ -95,10 +102,14 @@ class Linking:
         stream = stream_of(record, names, values)
         before = self._heads.get(stream) or newest_hash(connection, stream)
         found = self._heads[stream] = linked_hash(before, record, names, values)
+        # Written at the end in one statement: a reading takes seven statements so, where it took sixteen
+        # (commit f126b768).
         self._waiting.append((stream, record, record_id, found))
 
     def write(self, connection: Any) -> Left:
         """Write what waits and return the newest link; raises what the library raises."""
+        # Numbers of links are counted here, not given by the engine: the noted newest link must be known with
+        # the commit.
         newest = self._newest or newest_link(connection)
         for some in range(0, len(self._waiting), _MOST):
             links = self._waiting[some : some + _MOST]

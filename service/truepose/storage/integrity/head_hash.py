@@ -16,6 +16,8 @@ from typing import Any, Final
 
 from truepose.storage.errors import ChainHeadError
 
+# Begins the digest, so that it can be no hash of anything else that this program makes, and may change with
+# the next form of a head.
 _DOMAIN: Final = b"truepose chain head 1"
 _ENTRY: Final = struct.Struct(">q32s")
 _BYTES: Final = 10  # of the digest that are printed
@@ -49,6 +51,7 @@ class Head:
 
 def read_head(printed: str) -> Head:
     """Return the head that somebody typed off a report; raises ChainHeadError."""
+    # Typed off paper: blanks for hyphens, small letters, and any grouping are taken.
     links, *groups = re.split(r"[\s-]+", printed.strip().upper())
     code = "".join(groups)
     if not _PRINTED.fullmatch(f"{links} {code}"):
@@ -63,6 +66,8 @@ def newest_head(connection: Any) -> Head:
     return head_after(connection, int(connection.execute("SELECT max(id) FROM links").fetchone()[0] or 0))
 
 
+# Links only ever come behind others, so the head of an earlier moment can be found at any time; a report of
+# last year is held against the database of today.
 def head_after(connection: Any, links: int) -> Head:
     """Return the head as it was when the chain had that many links."""
     streams = connection.execute(_STREAMS, (links,))  # of a session that began later there is none
@@ -72,6 +77,7 @@ def head_after(connection: Any, links: int) -> Head:
 def head_of(links: int, newest: Mapping[int, bytes]) -> Head:
     """Return the head of a chain with so many links, by the newest hash of each stream."""
     digest = hashlib.sha256(_DOMAIN + links.to_bytes(8))
+    # In one order, whatever the engine returns.
     for stream in sorted(newest):
         digest.update(_ENTRY.pack(stream, newest[stream]))
     return Head(links, _grouped(base64.b32encode(digest.digest()[:_BYTES]).decode()))

@@ -119,8 +119,12 @@ class _ChainReader:
     def read(self, told: Told) -> None:
         """Read everything; what came meanwhile is read to its end in one transaction."""
         newest = self._connection.execute("SELECT max(id) FROM links").fetchone()[0] or 0
+        # A page that is not full reaches the newest link of now. What is written meanwhile comes in the
+        # transaction below, where nothing can be added between links and records.
         while self._page() == _LINKS and len(self.findings) < _MOST_FINDINGS:
             told(min(1.0, self._last / max(newest, 1)))
+        # Short: only what came since the last page. One transaction over everything would keep the log from
+        # being taken over for as long as that takes.
         self._connection.execute("BEGIN")
         self.read_within(told)
         self._connection.execute("ROLLBACK")
@@ -137,6 +141,8 @@ class _ChainReader:
         query = "SELECT id, stream, record, record_id, hash FROM links WHERE id > ? ORDER BY id LIMIT ?"
         links = self._connection.execute(query, (self._last, _LINKS)).fetchall()
         for number, stream, record, record_id, found in links:
+            # Numbers of links have no gaps, also none behind refused records: a gap is a link that was taken
+            # out.
             if number != self._last + 1:
                 self.findings.append(f"Links {self._last + 1} to {number - 1} of the chain are missing.")
             self._last = number
@@ -144,6 +150,8 @@ class _ChainReader:
         return len(links)
 
     def _follow(self, stream: int, record: str, record_id: int, found: bytes) -> None:
+        # The link as it is kept goes on, not the hash as it should be: one wrong record is one finding, and
+        # not one for each record that follows.
         before, self._heads[stream] = self._heads.get(stream, GENESIS), found
         self.newest = (self._last, found.hex())
         self.records += 1
@@ -157,6 +165,7 @@ class _ChainReader:
             self.findings.append(f"{_record(record, record_id, stream)} is missing.")
         elif (
             linked_hash(before, record, table.names, row) != found
+            # A record that was moved to another session has a right hash in a wrong stream.
             or stream_of(record, table.names, row) != stream
         ) and not is_taken_out(record, table.names, row):
             self.findings.append(f"{_record(record, record_id, stream)} is not as it was written.")
@@ -164,9 +173,12 @@ class _ChainReader:
     def _look_for_more(self) -> None:
         """Find records behind the newest link, and numbers that were given and are no longer there."""
         for record, table in self._tables.items():
+            # Numbers above the newest link: nothing has linked them.
             self.findings += [f"{_record(record, n, None)} was slipped in." for n in table.left()]
         last = {record: table.last for record, table in self._tables.items()} | {"links": self._last}
         for record, given in numbers_given(self._connection).items():
+            # A newest record that was taken out together with its link leaves no gap. The engine still knows
+            # which number it gave last.
             if last.get(record, given) != given:
                 self.findings.append(f"The newest {_words(record)} are missing: {given} were given a number.")
 
@@ -244,8 +256,11 @@ def note_how_it_was_left(
     """
     for finding in missing_protection(connection):
         condition.note_damage(finding, finding)
+    # Nobody has left it: a database from before there were seals, or one that a person put here.
     if left is None:
         return
+    # A service that ends in order takes its log over and removes it; one that is there was put there, or
+    # written by another program.
     if left.sha256 is not None and log_bytes:
         condition.note_damage("log", f"A log lies beside {file}, which was closed without one.")
     if not has_link(connection, left):
@@ -267,6 +282,7 @@ def verify_left_at(url: str, told: Told = lambda share: None, printed: Head | No
         raise DatabaseAddressError(f"There is no database {file}.")
     seal = IdentityFile(lies_beside(url))
     left = seal.left()
+    # The seal was read before: a service that starts meanwhile writes another one.
     verdict = verify_at(url, told, printed)
     if left is None:
         return verdict
@@ -296,6 +312,7 @@ _LOWEST_PRIORITY: Final = 19
 def main() -> None:
     """Look through the database named and tell how far that is, then what was found."""
     if hasattr(os, "nice"):
+        # A session measures beside it, and its readings come first.
         os.nice(_LOWEST_PRIORITY)
     verdict = verify_at(sys.stdin.readline().strip(), lambda share: _tell(share=round(share, 3)))
     _tell(share=1.0, findings=verdict.findings, records=verdict.records)
