@@ -64,7 +64,10 @@ def tell_line(connection: Connection, session_id: int, entry: LedgerEntry, numbe
 
 def line_document(entry: LedgerEntry) -> dict[str, Any]:
     """Return what is kept of a line: its length and all else that it says, without a tracker's reading."""
+    # A reading of a tracker is a record of its own, to which the line refers: on disk once (decision 0082).
     told = to_document(replace(entry, point=None, fixed_nest=None))
+    # A line has some twenty fields of which few say anything; what is absent takes its default when it is
+    # read. `step_id` has none.
     return {name: value for name, value in told.items() if value not in (None, [], "") or name == "step_id"}
 
 
@@ -156,6 +159,7 @@ class SessionLedger:
     async def append(self, entry: LedgerEntry) -> int:
         """Keep an entry and return its number once it is on disk."""
         number = await self._ledger.append(self._session_id, entry)
+        # A repeated key returns the number of an earlier line.
         self.newest = max(number, self.newest or 0)
         return number
 
@@ -170,14 +174,19 @@ def _append(
     entry: LedgerEntry,
     document: Any,
 ) -> int:
+    # In the writing transaction, so that of two requests with one key the second finds the first, whatever
+    # the order of their answers.
     known = None if entry.key is None else _number_of(connection, session_id, entry.key)
     if known is not None:
         return known
     of_ballbar = _role(connection, session_id) == "ballbar"
+    # The reading first: the line refers to its number.
     reading_id = None if of_ballbar else _tell(connection, session_id, entry)
     number = add_line(connection, session_id, entry, document, reading_id)
     if of_ballbar:
         tell_line(connection, session_id, entry, number)
+    # The state is in the transaction of the line that enters it: after a kill neither is there without the
+    # other.
     if entry.entered is not None:
         add_state(connection, session_id, entry.entered, entry.text, entry.person)
     if entry.progress is not None:
@@ -225,6 +234,7 @@ def _keep_answer(connection: Connection, session_id: int, key: RequestKey, answe
 
 
 def _records() -> Select[Any]:
+    # One query for a session's whole ledger: asked one by one, its readings cost as many queries.
     joined = session_entries.outerjoin(readings, readings.c.id == session_entries.c.reading_id)
     read = readings.c.kind.label("reading_kind"), readings.c.document.label("reading")
     return select(session_entries, *read).select_from(joined)

@@ -13,6 +13,8 @@ from truepose.storage.engine.dialects import is_object_at, leading_number, posit
 from truepose.storage.tables import session_entries, sessions
 
 _POSE: Final = "/pose-"
+# `MAX_ATTEMPTS` of the agenda is three, and attempts are numbered from the second on: "/again" is the second,
+# "/again-2" the third. A test holds this count against the situation on random ledgers.
 _LAST_ATTEMPT: Final = "%/again-2/%"  # after the third nothing is offered again
 
 
@@ -48,6 +50,7 @@ def skipped_poses() -> Any:
 
 def _is_offered_again(skip: Any) -> ColumnElement[bool]:
     """Whether the first pre-calibration after a skip found something, and another attempt is allowed."""
+    # Computed with nothing found, or skipped, offers nothing again: the agenda goes on as it was.
     found = session_entries.alias("found")
     place = func.substr(skip.c.step_id, 1, position_of(skip.c.step_id, _POSE) - 1)
     first = (
@@ -68,6 +71,7 @@ def _number_of(step: Any) -> ColumnElement[int]:
 
 def _pose_of(step: Any) -> ColumnElement[str]:
     """Return "placement-1/pose-12" of "placement-1/pose-12/again/leg-2-3"."""
+    # Both engines cut texts by lengths and have no regular expression in common.
     digits = func.length(cast(_number_of(step), String))
     return func.substr(step, 1, position_of(step, _POSE) + len(_POSE) - 1 + digits)
 

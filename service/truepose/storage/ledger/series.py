@@ -87,6 +87,8 @@ class _Filled:
 
 def _deliver(connection: Connection, several: Sequence[tuple[int, Delivery]]) -> list[Outcome]:
     """Keep deliveries in the order in which they came; each that does not follow is refused alone."""
+    # One query for all series of the group, and one insert: a delivery that does this by itself costs the
+    # writer 0.9 ms of CPU instead of 0.13 ms (decision 0067).
     asked = {"ids": sorted({series_id for series_id, _ in several})}
     filled = {row.id: _Filled(*row) for row in connection.execute(_FILLED, asked)}
     ends = [_end(connection, filled.get(series_id), series_id, delivery) for series_id, delivery in several]
@@ -99,6 +101,8 @@ def _end(connection: Connection, found: _Filled | None, series_id: int, delivery
         if found is None:
             raise NotFoundError(_KIND, series_id)
         _fill(connection, found, delivery)
+    # An outcome and no error: an error would undo the transaction of everybody who delivers at the same
+    # moment.
     except (NotFoundError, UnfitReadingError, ConflictError) as refusal:
         return None, refusal
     return None, None
@@ -134,10 +138,13 @@ def _end_of(series_id: int | Column[int]) -> Select[tuple[int]]:
 
 
 def _kept(connection: Connection, found: _Filled, delivery: Delivery) -> bool:
+    # The same delivery twice in one group: the first is not in the table yet.
     if delivery.first in found.added:
         return found.added[delivery.first] == delivery
     of_this = deliveries.c.series_id == found.id, deliveries.c.first == delivery.first
     document = connection.scalar(select(deliveries.c.document).where(*of_this))
+    # Only whole deliveries are compared. One that was cut otherwise is refused: its readings are kept
+    # already, under the same numbers.
     return document is not None and _read(document) == delivery.readings
 
 

@@ -149,6 +149,7 @@ class SessionRepository(NumberedRecords[SessionRecord]):
                 f"Session {session_id} is one of closed loops; its plan is at sessions/{session_id}/plan."
             )
         document = await self._column(sessions.c.plan, session_id)
+        # A plan has up to 5,000 stops; read on the loop it would hold up the samples of a session under way.
         plan = await asyncio.to_thread(from_document, SessionPlan, document)
         added = await self._database.read(lambda c: stops_added_to(c, session_id))
         return dataclasses.replace(plan, stops=plan.stops + added)
@@ -235,6 +236,7 @@ def _lines(session_id: int, kind: EntryKind) -> Select[tuple[Any]]:
 def _records() -> Select[Any]:
     # Made once: to put it together takes longer than the database takes to answer it.
     later = session_states.alias("later")
+    # The newest state is the one that no later one follows: states need not be sorted for it.
     newest = ~exists().where(later.c.session_id == sessions.c.id, later.c.id > session_states.c.id)
     return (
         select(
@@ -250,6 +252,7 @@ def _records() -> Select[Any]:
             _measured().label("measured"),
             _skipped().label("skipped"),
             simulated_session(),
+            # Only this of the plan: a list must not read whole plans.
             text_at(sessions.c.plan, "$.test").label("test"),
         )
         .join(session_states, session_states.c.session_id == sessions.c.id)

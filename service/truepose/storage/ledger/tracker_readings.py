@@ -29,6 +29,8 @@ def add_point(connection: Connection, session_id: int, point: PointTaken) -> int
 
     An earlier one of the same configuration and nest is superseded.
     """
+    # Found in the transaction that adds the new one: two readings of one configuration can never supersede
+    # the same third, which the unique column refuses as well.
     earlier = _current(connection, session_id, point.config, point.nest)
     return _add(connection, session_id, point, point.config, point.nest, earlier)
 
@@ -101,13 +103,18 @@ _COUNTS = ~exists().where(_SUCCESSOR.c.supersedes == readings.c.id)
 def _revoked(session_id: int | None) -> Select[Any]:
     """Select readings of stops that a person left out for good, or wanted again after they were read."""
     brought, revised, later = (session_entries.alias() for _ in range(3))
+    # Lines are never changed, so what counts is what was said last: left out, wanted again, or left out once
+    # more.
     wanted_again = exists().where(
         later.c.session_id == revised.c.session_id,
         later.c.kind == EntryKind.REOPENED.value,
         later.c.step_id == revised.c.step_id,
         later.c.id > revised.c.id,
     )
+    # With a key a person skipped it; without one the session did, after a reading that failed, and then there
+    # is nothing to revoke.
     left_out = and_(revised.c.kind == EntryKind.SKIPPED.value, revised.c.key.is_not(None), ~wanted_again)
+    # Readings that come after the wish count again.
     reopened = and_(revised.c.kind == EntryKind.REOPENED.value, revised.c.id > brought.c.id)
     found = select(brought.c.reading_id).where(
         brought.c.session_id == revised.c.session_id,
