@@ -22,6 +22,7 @@ from truepose.storage.rows import add_row
 
 def enter_cell(connection: Connection, name: str) -> None:
     """Enter a cell where it is new, with its first branch."""
+    # Cells are entered at each start, from the file that lists them.
     if _known_number(connection, name) is None:
         number = add_row(connection, plant_cells, name=name)
         add_row(connection, plant_branches, cell_id=number, after_link=0, person="", reason="")
@@ -54,6 +55,7 @@ def _segments(row: Row[Any], by_number: Mapping[int, Row[Any]]) -> tuple[tuple[i
     last = None
     segments: list[tuple[int, int | None]] = [(row.id, None)]
     while row.parent_id is not None:
+        # A branch may leave its parent before the place at which that one left its own.
         last = row.after_link if last is None else min(last, row.after_link)
         row = by_number[row.parent_id]
         segments.append((row.id, last))
@@ -85,6 +87,8 @@ def position(connection: Connection, branch: Branch) -> int:
     """Return the newest link that was collected."""
     own = select(func.max(plant_journal.c.link)).where(plant_journal.c.branch_id == branch.id)
     after = select(plant_branches.c.after_link).where(plant_branches.c.id == branch.id)
+    # The newest link itself is the position: there is no second number that could disagree with it (decision
+    # 0062).
     return int(connection.scalar(own) or connection.scalar(after) or 0)
 
 
@@ -103,6 +107,7 @@ def newest_row(
 
     `by_link` says that a row belongs to a link, and counts up to where its branch was left.
     """
+    # From the own branch back: what was collected after the parting counts before what is shared.
     for branch_id, last in reversed(branch.segments):
         query = select(table).where(table.c.branch_id == branch_id, condition)
         if by_link and last is not None:
@@ -145,6 +150,8 @@ class VisitRepository:
     async def keep(self, cell: str, visit: Visit) -> None:
         """Keep a visit where it tells anything new: records, another outcome, clocks that moved."""
         kept = self._kept.get(cell) or (await self.newest()).get(cell)
+        # A visit without an answer says nothing of the chain, and must not seem to have changed it (decision
+        # 0066).
         if kept is not None and visit.head is None:
             visit = replace(visit, head=kept.visit.head)
         if kept is None or _tells_anything(kept.visit, visit):
@@ -207,6 +214,7 @@ def _keep(connection: Connection, cell: str, visit: Visit) -> VisitRecord:
 
 def _tells_anything(kept: Visit, visit: Visit) -> bool:
     same = (kept.outcome, kept.fork, kept.version) == (visit.outcome, visit.fork, visit.version)
+    # Once a person has accepted a branch the same fork may be found again from another position.
     parted_elsewhere = visit.fork is not None and visit.head != kept.head
     return not same or parted_elsewhere or bool(visit.collected) or _moved(kept.clock, visit.clock)
 
@@ -215,6 +223,8 @@ def _moved(before: ClockSeen | None, now: ClockSeen | None) -> bool:
     """Whether clocks differ otherwise than before by more than either visit leaves open."""
     if before is None or now is None:
         return now is not None
+    # Compared with the visit that was kept and not with the last one: a slow drift is kept once it has come
+    # to a second (decision 0066).
     return abs(now.offset_s - before.offset_s) > 1.0 + before.bound_s + now.bound_s
 
 

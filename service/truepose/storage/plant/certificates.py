@@ -53,6 +53,8 @@ class PlantCertificates:
         counting: dict[tuple[str, ...], CertificateRecord] = {}
         for found in _longest_first(await self._all(_stated())):
             serial = found.paper.serial_number
+            # Certificates follow the serial number, whichever cell has the instrument by now (decision 0020).
+            # What has no number can be told apart only where it stands.
             counting.setdefault((serial,) if serial else (found.cell, found.paper.of, ""), found)
         return sorted(counting.values(), key=lambda found: found.paper.expires)
 
@@ -94,6 +96,7 @@ def add_certificates(
     """Add certificates that were not stated before, inside the caller's transaction."""
     day = str((link.row or {}).get("recorded_at", ""))[:_DAY]
     for paper in papers:
+        # Every session states all certificates of its cell: only what is new is a row.
         if not _is_known(connection, branch, paper):
             add_row(
                 connection,

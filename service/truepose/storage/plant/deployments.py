@@ -101,6 +101,8 @@ class HandedDownRepository:
 
 def _accept(connection: Connection, number: int, model: Model, person: str) -> int:
     _get(connection, number)
+    # Two models from one hand-down would be two records of the same acceptance; the unique index refuses the
+    # second as well.
     before = connection.scalar(select(models.c.id).where(models.c.handed_down_id == number))
     if before is not None:
         raise ConflictError(f"Hand-down {number} was accepted already, as model {before}.")
@@ -226,6 +228,7 @@ def _records() -> Select[Any]:
 
 def _sent_record(row: Row[Any]) -> HandDownRecord:
     told = HandDown(row.cell, HandDownKind(row.kind), row.name, row.person, row.document)
+    # A hand-down without a state was never answered: nothing is written before the cell has said something.
     state = HandDownState.WAITING if row.state is None else HandDownState(row.state)
     since = row.since or row.recorded_at
     return HandDownRecord(row.id, row.recorded_at, told, state, row.sentence or "", row.number_in_cell, since)

@@ -33,6 +33,8 @@ from truepose.storage.queries import Part
 from truepose.storage.records import Page
 from truepose.storage.rows import add_rows
 
+# With a reader for each of 40 cells that were away the plant's first page came after 8 to 15 s (commit
+# b31a704e).
 _CHAINS_AT_ONCE: Final = 1  # read for the first time: pages find a reader meanwhile
 
 
@@ -102,6 +104,7 @@ class JournalRepository:
         """
         await self._database.write(lambda connection: _keep(connection, branch, page, clock))
         known = self._known_at(Reached(branch, page[0].link - 1))
+        # Only now, and only from where it was known: a page that was refused must leave the old position.
         if known is not None:
             after = {**known.heads, **{link.stream: link.hash for link in page}}
             self._known[branch.id] = Collected(branch, page[-1].link, after)
@@ -143,10 +146,13 @@ def _reached(connection: Connection, cell: str) -> Reached:
 def _keep(
     connection: Connection, branch: Branch, page: Sequence[CollectedLink], clock: ClockSeen | None
 ) -> None:
+    # In the writing transaction: two visits to one cell may have read the same position.
     follows = position(connection, branch) + 1
     if not page or page[0].link != follows:
         raise CollectedMeanwhileError(f"Link {follows} comes next; somebody has collected meanwhile.")
     add_rows(connection, plant_journal, [_row(branch, link) for link in page])
+    # In the same transaction: what can be looked up never lacks a link that is kept, nor knows one that is
+    # not.
     project(connection, branch, page, clock)
 
 
@@ -171,6 +177,8 @@ def _accept(connection: Connection, cell: str, known: Collected, person: str, re
             f"{cell} shows the chain that was collected from it; there is no other to accept."
         )
     branch = newest_branch(connection, number)
+    # The person accepted what that visit saw. Until the next one the newest visit still shows another chain,
+    # and a second acceptance would collect the same links twice (commit fa77a2ba).
     if branch != known.branch or seen.visit.head != known.head.text:
         raise ConflictError(
             f"The other chain of {cell} was accepted already, and is being collected; look again after the "
@@ -216,6 +224,8 @@ def _lines(connection: Connection, cell: str, page: Page, record: str | None) ->
     query = _of_cell(cell, record)
     total = connection.scalar(query.with_only_columns(func.count(), maintain_column_froms=True)) or 0
     behind = query.where(plant_journal.c.id > page.after).order_by(plant_journal.c.id)
+    # Sizes first: a campaign alone may have as many characters as a page, and a hundred of them would not
+    # have room in memory.
     sizes = behind.with_only_columns(plant_journal.c.id, func.length(plant_journal.c.content))
     found = connection.execute(sizes.limit(page.limit + 1)).all()
     count = _that_fit([size or 0 for _, size in found[: page.limit]])

@@ -30,6 +30,7 @@ from truepose.storage.errors import UnreadableRowError
 from truepose.storage.integrity.head_hash import Head, head_after
 from truepose.storage.tables import LARGE, links, metadata
 
+# A list of what leaves: a table that nobody has thought of stays at home.
 LEAVING: Final = frozenset({
     "sessions",
     "session_states",
@@ -80,6 +81,7 @@ AT_HOME: Final = frozenset({
 })
 
 
+# Likewise for options, whose names a driver of somebody else's may have chosen.
 HARMLESS: Final = frozenset({  # options whose text says where a device is, and how it counts
     "channels",
     "host",
@@ -115,6 +117,8 @@ def without_secrets(row: Mapping[str, Any]) -> Mapping[str, Any]:
         return row
     set_up = json.loads(row[_SET_UP])
     told = _told(set_up)
+    # The same object where nothing was taken out: then the hash of the link can be computed anew from what
+    # leaves.
     return row if told == set_up else {**row, _SET_UP: json.dumps(told)}
 
 
@@ -142,6 +146,7 @@ def _told_option(name: str, value: Any) -> Any:
     if _opens(name):
         return _TAKEN_OUT
     match value:
+        # A number opens nothing by itself: PINs and the like are caught by their names before.
         case bool() | int() | float() | None:
             return value
         case str() if name in HARMLESS:
@@ -176,6 +181,7 @@ def untyped(document: Any) -> dict[str, Value]:
 
 def _written(value: Any) -> Any:
     match value:
+        # `repr` is the shortest decimal that is exactly this double, so the hash can be computed from it.
         case float():
             return {_FLOAT: repr(value)}
         case bytes() | bytearray() | memoryview():
@@ -186,10 +192,13 @@ def _written(value: Any) -> Any:
 
 def _read(name: str, value: Any) -> Value:
     match value:
+        # Neither is a value of a row in its JSON: a float comes as text, and the database has no truth
+        # values.
         case bool() | float():
             pass
         case str():
             return value
+        # Beyond 64 bits no database keeps it, and the library would raise what nobody here waits for.
         case int() if value in WHOLE_NUMBERS:
             return value
         case {"float": str(decimal)} if len(value) == 1:
@@ -257,6 +266,8 @@ class Outbox:
 
         Large records come one at a time, so that memory holds no more than one of them.
         """
+        # A transaction of a reader keeps the log from being taken over; a plant that reads a million links
+        # must not do so in one.
         most = min(limit, _AT_A_TIME)
         return await self._database.read(lambda connection: _after(connection, number, most))
 

@@ -111,6 +111,8 @@ class PlantResults:
         if day != before.day:
             self._before = await self._database.read(partial(_known_before, day=day))
         else:
+            # What came since the day was read the last time, of whichever robot: looking at the last row of
+            # robots alone went through all later ones at every page (commit 261c0276).
             number = before.read_up_to
             queries = [_above(number)]
             before.add(*await self._database.read(partial(_came_after, number=number, queries=queries)))
@@ -122,6 +124,8 @@ class PlantResults:
         It is one up to a day, and a later one where there is no other.
         """
         day = upto.isoformat()
+        # With 1,000 robots the first page took 350 ms where all was read each time, and takes 2 ms so (commit
+        # 3dda84ea).
         after = self._read_up_to if day == self._day else 0
         queries = [_above(after)] if after else [_newest_of(kind, day) for kind in _KINDS]
         last, came = await self._database.read(partial(_came_after, number=after, queries=queries))
@@ -132,6 +136,7 @@ class PlantResults:
             before = of_robot.get(told.kind)
             if before is None or _counts_before(told, before, day):
                 of_robot[told.kind] = told
+        # Two pages may ask at once; the later answer must not put the place back.
         self._read_up_to = max(self._read_up_to, last)
         return self._newest
 
@@ -150,6 +155,8 @@ def _of_robot(connection: Connection, serial_number: str, limit: int) -> list[Re
 
 def _counts_before(told: ResultFacts, other: ResultFacts, upto: str) -> bool:
     """Whether one counts as the newest before another: up to a day, the later one."""
+    # A day that is yet to come is a clock that was wrong once: it counts only where a robot has no other
+    # (commit 3dbd1d75).
     due, other_due = told.measured_on <= upto, other.measured_on <= upto
     return told.is_later_than(other) if due == other_due else due
 

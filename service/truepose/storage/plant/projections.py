@@ -50,6 +50,7 @@ def project(
     for link in page:
         if link.row is not None and link.record in _RECORDS:
             _look(seen, link, link.row)
+            # After `_look`, which has added the result that this reads robot and day from.
             tell(connection, branch, link, link.row)
     seen.add_days()
 
@@ -58,6 +59,8 @@ def _look(seen: "_Seen", link: CollectedLink, row: Document) -> None:
     """Add what one record tells; one of a form that this version does not know is kept, and tells nothing."""
     try:
         _RECORDS[link.record](seen, link, row)
+    # One record of a version that is newer than the plant must not end the collecting of its cell: the
+    # journal has it, and a later version can tell it.
     except UNKNOWN_FORM as error:
         _LOG.warning("record %d of the %s tells nothing (%r)", link.record_id, link.record, error)
 
@@ -82,6 +85,7 @@ class _Seen:
         if row.get("kind") == _MEASURED and row.get("reading_id") is None:
             self.reading(link, row)  # a length of a ballbar is a line of its own
         identity = document.get("identity") or {}
+        # What is foreign measures nothing, and what is merely the same again tells nothing new.
         if identity.get("serial") and identity.get("finding") in {"first", "accepted"}:
             self._identified(int(row["session_id"]), identity)
 
@@ -111,6 +115,7 @@ class _Seen:
         self._result(link, "diagnosis", replace(known, robot_serial_number=serial, measured_on=day))
 
     def model(self, link: CollectedLink, row: Document) -> None:
+        # A hand-down names no session: it is for the robot that stands in the cell.
         if row.get("handed_down_id") is not None:
             day = str(row["recorded_at"])[:_DAY]  # on which it was accepted for the robot of the cell
             self._result(link, "model", replace(self._newest_of(str(row["robot"])), measured_on=day))
@@ -153,6 +158,8 @@ class _Seen:
     def _identified(self, session_id: int, identity: Document) -> None:
         known, serial = self._known_session(session_id), str(identity["serial"])
         if identity.get("device") == "robot":
+            # The cell file comes before the controller: an arm's plate and its controller may have different
+            # numbers (decision 0020).
             told = replace(known, robot_serial_number=known.robot_serial_number or serial)
         else:
             told = replace(known, instrument_serial_number=serial)

@@ -233,6 +233,7 @@ def last_days(table: Table, upto: str) -> tuple[ColumnElement[str], ColumnElemen
 
 def _last(table: Table, measured: Table, upto: str, *conditions: ColumnElement[bool]) -> ColumnElement[str]:
     own = (measured.c[_WHOSE[table]] == table.c.serial_number, *conditions)
+    # Two comparisons and not BETWEEN: PostgreSQL takes no collation between its bounds (commit 5c28ad6c).
     counting = (measured.c.measured_on > "") & (measured.c.measured_on <= upto)
     return func.coalesce(_newest(measured, counting, *own), _newest(measured, *own))
 
@@ -240,6 +241,8 @@ def _last(table: Table, measured: Table, upto: str, *conditions: ColumnElement[b
 def _newest(table: Table, *conditions: ColumnElement[bool]) -> ScalarSelect[str]:
     """Return branch, day and instrument of the newest day, in one text: it is sought once."""
     told = (cast(table.c.branch_id, TEXT), table.c.measured_on, table.c.instrument_serial_number)
+    # As three columns it would be sought three times: six look-ups a robot on the first page became two
+    # (commit d6e52cb4).
     query = select(told[0] + _BETWEEN + told[1] + _BETWEEN + told[2]).where(*conditions)
     return query.order_by(table.c.measured_on.desc(), table.c.id.desc()).limit(1).scalar_subquery()
 
@@ -247,6 +250,7 @@ def _newest(table: Table, *conditions: ColumnElement[bool]) -> ScalarSelect[str]
 def with_last_days(connection: Connection, query: Any, upto: str) -> list[tuple[Row[Any], LastDay]]:
     """Return rows that end with `last_days`, each with the later of them: one up to a day before others."""
     rows = connection.execute(query).all()
+    # After the rows: a branch that is added in between is known then.
     cells = cells_of_branches(connection)
     return [(row, _later(row[-2:], cells, upto)) for row in rows]
 

@@ -21,6 +21,8 @@ from truepose.storage.rows import add_row
 
 Document: TypeAlias = Mapping[str, Any]
 ToldKind: TypeAlias = Literal["session", "campaign", "identification", "diagnosis", "validation", "model"]
+# Whatever reading an unknown document may raise. No error of the storage is among them: those end the
+# transaction.
 UNKNOWN_FORM: Final = (
     ArithmeticError,
     AttributeError,
@@ -70,6 +72,7 @@ def _of_finite(value: Any) -> Any:
 
 def _figure(value: Any) -> float | None:
     """Return a figure; None: there is none, or it is infinite, which documents say as text."""
+    # To Python a truth value is an int: "true" would be a figure of 1 mm.
     is_number = isinstance(value, int | float) and not isinstance(value, bool)
     return float(value) if is_number and math.isfinite(value) else None
 

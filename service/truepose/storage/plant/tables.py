@@ -42,6 +42,8 @@ plant_journal = records(
     sa.Column("hash", BYTES, nullable=False),
     sa.Column("content", TEXT, nullable=True),  # JSON with typed values; null: it stays in the cell
     sa.Column("verified", WHOLE, nullable=False),  # 0: without its row, or with a secret taken out of it
+    # A link is collected once: what a second visit brings at the same place is refused by the database
+    # itself.
     sa.UniqueConstraint("branch_id", "link", name="uq_plant_journal_link"),
     sa.Index("ix_plant_journal_stream", "branch_id", "stream", "link"),
     sa.Index("ix_plant_journal_record", "branch_id", "record", "record_id"),
