@@ -28,6 +28,8 @@ def simulated_campaign() -> Label[bool]:
     One made of sessions is if any of them is; an uploaded one if its own description says so.
     """
     of_sessions = length_at(campaigns.c.session_ids) > 0
+    # A service with a simulated cell called every uploaded campaign SIMULATED once: what counts is where the
+    # readings come from, not where the campaign is kept (commit c7594c61).
     return case((of_sessions, _any_session_is()), else_=_its_description_says()).label("simulated")
 
 
@@ -59,6 +61,7 @@ class Origin:
         stored = connection.execute(select(*columns).where(campaigns.c.id == campaign_id)).one()
         self._connection = connection
         self._stored_at, session_ids, self._summary = stored
+        # The first session calibrates; a second one only judges its model.
         self._session_id = session_ids[0] if session_ids else None
 
     def measured_at(self) -> str:
@@ -89,6 +92,7 @@ class Origin:
 
 
 _DAY = 10  # letters of a date at the beginning of a time
+# Without the two columns of megabytes: a list of campaigns would read all of them.
 _LISTED = [column for column in campaigns.c if column.name not in {"archive", "campaign"}]
 
 

@@ -63,6 +63,7 @@ class CorrectionRepository(NumberedRecords[CorrectionRecord]):
             add_job_state(connection, job_id, JobState.SUCCEEDED, message, number)
             return number
 
+        # Not `write_new`: the job began while there was room, and its end must not be lost for want of it.
         return await self._database.write(work)
 
     async def newest_of(self, count: int, month: str) -> list[CorrectionRecord]:
@@ -102,6 +103,7 @@ def _records() -> Select[Any]:
         .join(models, models.c.id == corrections.c.model_id)
         .outerjoin(identifications, identifications.c.id == models.c.identification_id)
         .outerjoin(diagnoses, diagnoses.c.id == models.c.diagnosis_id)
+        # A model that was handed down has no campaign here.
         .outerjoin(campaigns, campaigns.c.id == made_from)
     )
 

@@ -35,7 +35,10 @@ class DiagnosisRepository:
         `measured_on` is the day of the readings. Else it is the day that the campaign states, or when the
         session's last reading was stored; of an upload that says nothing it stays unknown.
         """
+        # Documents are made outside the transaction: a diagnosis has megabytes of curves, and everybody's
+        # writes wait for the writer's thread.
         document = to_document(dataclasses.replace(found, model=None))
+        # Kept beside the whole document, so that lists and comparisons need not read what only a page draws.
         summary = to_document(without_drawings(found))
         model = None if found.model is None else (found.model.robot.name, to_document(found.model))
 
@@ -53,6 +56,8 @@ class DiagnosisRepository:
             )
             if model is not None:
                 add_row(connection, models, diagnosis_id=number, robot=model[0], document=model[1])
+            # Result and end of the job are one transaction: a killed service leaves neither a job without its
+            # result nor a result that is made once more (decision 0052).
             add_job_state(connection, job_id, JobState.SUCCEEDED, found.message, number)
             return number
 

@@ -82,6 +82,8 @@ class Source:
 
     def numbers(self, kind: WorkKind, texts: tuple[str, ...] = ()) -> Select[Any]:
         """Return the query of kind, number and moment of the records in which one of `texts` stands."""
+        # Without a search neither joins nor JSON are touched: ten thousand records are listed and counted by
+        # their indices.
         origin = self.joined if texts else self.table
         query = select(literal(kind.value).label("kind"), self.table.c.id, self.table.c.recorded_at)
         query = query.select_from(origin)
@@ -91,8 +93,10 @@ class Source:
 
     def _has(self, text: str) -> ColumnElement[bool]:
         number = [self.table.c.id == int(text)] if text.isascii() and text.isdecimal() else []
+        # Whatever somebody pastes into the field is compared with every text of every record.
         short = [one for one in (text,) if len(one) < _LONGEST]
         found = [column.icontains(one, autoescape=True) for one in short for column in self.searched]
+        # A text that is too long and no number finds nothing; an empty `or_` would find everything.
         return or_(*found, *number, literal(False))
 
     def items(self, kind: WorkKind, *conditions: ColumnElement[bool]) -> Select[Any]:

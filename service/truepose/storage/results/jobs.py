@@ -29,6 +29,8 @@ def add_job_state(
     code: str | None = None,
 ) -> None:
     """Append a state and its event in the caller's transaction; raises ConflictError after a final state."""
+    # In the writing transaction: of a cancellation and an end that come together only the first counts, so
+    # that a job has one final state.
     before = connection.scalar(_state_of(job_id))
     if before is not None and JobState(before).final:
         raise ConflictError(f"Job {job_id} has already {_ENDED[JobState(before)]}.")
@@ -68,6 +70,8 @@ class JobRepository(NumberedRecords[JobRecord]):
         unfinished = job_states.c.state.in_((JobState.QUEUED, JobState.RUNNING))
 
         def work(connection: Connection) -> None:
+            # Looked for and ended in one transaction. Done in two, a job whose end was just being written got
+            # a second one, and the stop of the service failed with it (commit a58ddd5f).
             for row in connection.execute(_records().where(unfinished).order_by(jobs.c.id)).all():
                 add_job_state(connection, row.id, JobState.INTERRUPTED, why)
 
@@ -111,6 +115,7 @@ class JobRepository(NumberedRecords[JobRecord]):
     async def tell_progress(self, job_id: int, fraction: float, doing: Text) -> None:
         """Keep how far the job is: `fraction` from 0 to 1."""
         document = to_document({"fraction": fraction, "doing": doing})
+        # An event and no state: progress is told far more often than states change.
         await self._database.write(lambda c: add_event(c, PROGRESS, document, job_id=job_id))
 
 

@@ -65,6 +65,7 @@ def _page(
     listed = union_all(*(SOURCES[kind].numbers(kind, texts) for kind in kinds)).subquery()
     total = connection.scalar(select(func.count()).select_from(listed)) or 0
     newest = select(listed).order_by(listed.c.recorded_at.desc(), listed.c.id.desc(), listed.c.kind)
+    # Numbers first, whole items only of the fifty that are shown: one query a kind (decision 0058).
     rows = connection.execute(newest.offset(skip).limit(limit)).all()
     wanted = [(WorkKind(row.kind), int(row.id)) for row in rows]
     found = items_of(connection, wanted)
@@ -132,6 +133,7 @@ class Lineages:
 def _lineage(connection: Connection, kind: WorkKind, number: int) -> Lineage:
     family = _Family(connection)
     family.add(kind, number)
+    # Back before forth, and never forth from a forebear: the siblings of a record are not of its family.
     family.rise(kind, number)
     family.descend(kind, number)
     items = items_of(connection, family.members)
@@ -153,6 +155,7 @@ class _Family:
         self.members.add((kind, number))
 
     def rise(self, kind: WorkKind, number: int) -> None:
+        # Read to the end before going deeper: the next query runs on the same connection.
         for parent in list(self._found(_PARENTS[kind](number))) if kind in _PARENTS else ():
             if parent not in self.members:
                 self.add(*parent)

@@ -43,6 +43,7 @@ class ResultRepository:
 
     async def keep_identification(self, job_id: int, campaign_id: int, found: Identification) -> int:
         """Store an identification, with its model as a record of its own, and end the job."""
+        # The model is a record of its own, to which corrections and validations refer.
         document = to_document(dataclasses.replace(found, model=None))
         model = None if found.model is None else (found.model.robot.name, to_document(found.model))
 
@@ -89,6 +90,7 @@ class ResultRepository:
 
         def work(connection: Connection) -> int:
             number = add_session(connection, name, setup, plan)
+            # In the transaction of the session: a plan is never without what to watch in it.
             if notice:
                 add_note(connection, number, notice)
             add_job_state(connection, job_id, JobState.SUCCEEDED, message, number)

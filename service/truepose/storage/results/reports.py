@@ -43,6 +43,8 @@ class ReportRepository:
         newest = await self.newest(subject)
         if newest is None:
             return 1
+        # By what it states and not by its page: another language or another look is no new revision of what
+        # somebody signed.
         return newest.revision if newest.stated_sha256 == stated_sha256 else newest.revision + 1
 
     async def newest(self, subject: ReportSubject) -> ReportRecord | None:
@@ -54,6 +56,8 @@ class ReportRepository:
     async def get(self, subject: ReportSubject, revision: int, language: str) -> ReportRecord:
         """Return a revision, in the language tag asked for if it was made in it; raises NotFoundError."""
         query = _of(subject).where(reports.c.revision == revision)
+        # The language that is asked for, else the same without its region, else the one in which it was made
+        # first.
         wanted = (desc(reports.c.language == one) for one in (language, language.partition("-")[0]))
         preferred = query.order_by(*wanted, reports.c.id).limit(1)
         row = await self._database.read(lambda connection: connection.execute(preferred).one_or_none())
@@ -85,6 +89,7 @@ def _keep(connection: Connection, made: ReportRecord) -> None:
         revision=made.revision,
         language=made.language,
         stated_sha256=made.stated_sha256,
+        # A page holds its figures as text, which shrinks to a fraction; it is kept for good.
         page=zlib.compress(made.page.encode()),
     )
 
