@@ -49,6 +49,7 @@ class DrawnFolder:
 
     def get(self, of: str) -> Drawn | None:
         """Return what was drawn of something; None where it was not, or is not kept any more."""
+        # A name says what was drawn, and may hold anything: its hash is a file's name on every system.
         file = self._file(of)
         try:
             kept = file.read_bytes()
@@ -60,10 +61,14 @@ class DrawnFolder:
 
     def keep(self, of: str, drawn: Drawn) -> None:
         """Keep what was drawn, if the disk has room to spare."""
+        # What can be made again is never worth an error: whoever asked has the page already.
         with self._lock, contextlib.suppress(OSError):
             self._folder.mkdir(mode=0o700, exist_ok=True)
+            # Readings come first: the last 512 MB of a disk are for records.
             if shutil.disk_usage(self._folder).free < self._room_bytes:
                 return
+            # One name for all, so that what a crash cut short is written over by the next, and no such file
+            # is ever left to grow old.
             part = self._folder / "part"
             part.write_bytes(bytes.fromhex(drawn.sha256) + drawn.body)
             os.replace(part, self._file(of))
@@ -79,6 +84,8 @@ class DrawnFolder:
             reverse=True,
         )
         kept_bytes = 0
+        # By the time of the last look, which `get` renews: pages of a session under way outlast those of last
+        # year.
         for _, size_bytes, path in newest_first:
             kept_bytes += size_bytes
             if kept_bytes > self._most_bytes:
@@ -143,6 +150,8 @@ class Comparisons:
         compared = from_bytes(data)
         if compared is None:
             return
+        # A worker that was away compares fewer campaigns than are known; its comparison must not replace a
+        # newer one (decision 0069).
         if all(known.newest <= compared.newest for known in await self.of([compared.robot])):
             self._known[compared.robot] = compared
             await asyncio.to_thread(self._folder.keep, _of(compared.robot), drawn_of(data))
@@ -162,6 +171,7 @@ def from_bytes(data: bytes) -> Compared | None:
     try:
         found = json.loads(data)
         return Compared(**{**found, "foreseen": tuple(Foreseen(**one) for one in found["foreseen"])})
+    # A file of another version is no comparison: the next one that somebody opens makes it anew.
     except (KeyError, TypeError, ValueError):
         return None
 

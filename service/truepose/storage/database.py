@@ -50,6 +50,7 @@ from truepose.storage.integrity.verification import stream_findings
 
 T = TypeVar("T")
 _LOG: Final = logging.getLogger(__name__)
+# A group that fails is run anew, so its size is what one bad write may cost the others.
 _MOST_TOGETHER: Final = 256  # writes that share a transaction
 _IN_DOUBT: Final = "The connection to {} ended during a commit; whether that was made shows once it is back."
 _TRIAL_S: Final = 0.25  # between two trials whether writing works again
@@ -60,6 +61,7 @@ def backend_of(url: str, condition: Condition, alone: Alone) -> DatabaseBackend:
     if not is_server(parsed_url(url)):
         return SQLiteFile(url, condition, alone)
     require_library()
+    # Only here: the driver of PostgreSQL is an extra, and a cell with a file starts without it.
     from truepose.storage.engine.postgresql import ServerDatabase
 
     return ServerDatabase(url, condition, alone)
@@ -77,8 +79,12 @@ class Database:
         self._doubtful: _Doubtful | None = None
         self._trial: asyncio.Task[None] | None = None
         self._refused: type[StorageUnavailableError] = StorageUnavailableError  # while there is trouble
+        # Not the pool's own limit: the writer has to be able to take every place before it closes the file
+        # under the readers' connections.
         self._reading = threading.BoundedSemaphore(READERS)  # all of them taken: nobody reads
         self.backend = backend_of(url, self.condition, self._nobody_reads)
+        # One thread for all that writes. That gives the order of commits, keeps the library's connection on
+        # its thread, and is why the fault of the WAL reset cannot strike (`sqlite_connections`).
         self._writer = ThreadPoolExecutor(1, thread_name_prefix="storage-writer")
         self._readers = ThreadPoolExecutor(READERS, thread_name_prefix="storage-reader")
         try:
@@ -103,6 +109,8 @@ class Database:
         Returns or raises the end that `work` says for it, once that is committed: what it refuses it says
         there, and keeps nothing of. Raises StorageUnavailableError.
         """
+        # Refused at once, without a try: while the disk refuses, each try may wait five seconds for a lock,
+        # with everybody behind it.
         if self.condition.trouble is not None:
             raise self._refused(self.condition.trouble)
         try:
@@ -117,6 +125,8 @@ class Database:
 
     async def write_new(self, work: Callable[[Connection], T]) -> T:
         """Write what begins something new; refused like a full disk where only the reserve is left."""
+        # A session under way goes on writing in the reserve; what would begin now could not be brought to its
+        # end.
         if self.condition.low is not None:
             raise StorageUnavailableError(self.condition.low)
         return await self.write(work)
@@ -127,7 +137,9 @@ class Database:
 
     async def writable(self) -> None:
         """Return once writing works; at once where nothing was refused."""
+        # A trial that fails starts none other, so that this ends with the first one that writes.
         while self._trial is not None:
+            # Not awaited itself: whoever is cancelled here would cancel the trial of everybody.
             await asyncio.wait({self._trial})
 
     async def read(self, work: Callable[[Connection], T]) -> T:
@@ -159,6 +171,8 @@ class Database:
         def findings(connection: Connection) -> list[str]:
             return [*stream_findings(plain(connection), session_id)]
 
+        # The records of one session, not of all: a session is taken up within a second, and the whole chain
+        # may have a million links.
         found = await self.read(findings)
         for finding in found:
             self.condition.note_damage(finding, finding)
@@ -176,12 +190,17 @@ class Database:
 
     def wake(self) -> None:
         """Wake everybody who waits for a commit."""
+        # A new event at each commit instead of one that is cleared: whoever took the old one before a query
+        # cannot miss the commit in between.
         self._commit.set()
         self._commit = asyncio.Event()
 
     def _write_in_turn(self, work: GroupWrite[One], one: One) -> "asyncio.Future[Any]":
+        # The result travels by a future of the caller's own loop: a service has one, tests have others.
         done = asyncio.get_running_loop().create_future()
         self._wanted.append(PendingWrite(work, one, done))
+        # The writer is woken once for all that comes until it looks. It takes the mark down before it counts
+        # what waits, so that nothing which comes later stays behind.
         if not self._handed_over:
             self._handed_over = True
             self._writer.submit(self._write_wanted)
@@ -192,6 +211,8 @@ class Database:
         if any(failure is None for _, (_, failure) in ended):
             self.wake()
         for wanted, (result, failure) in ended:
+            # Whoever asked was cancelled. The record is kept all the same, and a repeated request finds it by
+            # its key.
             if wanted.done.done():
                 continue
             if failure is None:
@@ -200,6 +221,8 @@ class Database:
                 wanted.done.set_exception(failure)
 
     def _note_trouble(self, error: StorageUnavailableError) -> None:
+        # Whoever is refused without a try hears the same kind of error as the first one: a server that is
+        # away and one that refuses want different people (decision 0068).
         self._refused, self.condition.trouble = type(error), str(error)
 
     def _try_again_after(self, error: StorageUnavailableError) -> None:
@@ -213,6 +236,8 @@ class Database:
             while self.condition.trouble is not None:
                 await asyncio.sleep(_TRIAL_S)
                 try:
+                    # Past the refusal above, and really to the disk: reading or an empty transaction would
+                    # succeed on a full one.
                     await self._write_in_turn(alone(self.backend.write_a_little), None)
                 except StorageUnavailableError as error:
                     self._note_trouble(error)
@@ -228,6 +253,8 @@ class Database:
         """Run what waits in one transaction; who comes later shares the next one."""
         self._handed_over = False
         for _ in range(0, len(self._wanted), _MOST_TOGETHER):
+            # Only the writer takes from the queue, and the loop only adds to it: a deque needs no lock for
+            # that.
             self._write_these([self._wanted.popleft() for _ in range(min(len(self._wanted), _MOST_TOGETHER))])
 
     def _write_these(self, together: Sequence[PendingWrite]) -> None:
@@ -239,6 +266,8 @@ class Database:
                 break
             except GroupFailedError as error:
                 failing += error.failed
+                # All others in one further transaction. Each in one of its own would cost 255 commits for one
+                # bad write (commit eb4a14ec).
                 together = [wanted for wanted in together if wanted not in error.failed]
         for wanted in failing:
             self._write_all([wanted])
@@ -248,8 +277,12 @@ class Database:
             self._tell(together, self._write(lambda connection: run(connection, together)))
         except GroupFailedError:
             raise
+        # Neither an acknowledgement nor a refusal is true: the caller would repeat a record that may be there
+        # (decision 0061).
         except _DoubtError as doubt:
             self._wait_for_certainty(_Doubtful(together, doubt.result, doubt.newest))
+        # Also what is no error of the database, such as a mistake in a repository: a write that ends without
+        # a word would be waited for, and the session with it.
         except Exception as error:
             self._tell(together, [(None, error)] * len(together))
 
@@ -260,12 +293,15 @@ class Database:
             of_loops.setdefault(wanted.done.get_loop(), []).append((wanted, end))
         for loop, ended in of_loops.items():
             with contextlib.suppress(RuntimeError):  # it was closed: nobody waits any more
+                # Once for each loop and transaction: a wake-up for each of 256 writes was a good part of what
+                # a delivery cost (decision 0067).
                 loop.call_soon_threadsafe(self._announce, ended)
 
     def _write(self, work: Callable[[Connection], T]) -> T:
         try:
             return self._committed(work)
         except self.backend.refused as error:
+            # A second attempt at most: without a reserve that is still whole the answer is no.
             if self.backend.make_room(error):
                 return self._write(work)  # in the room that is free now
             raise self._noted(error) from error
@@ -275,6 +311,8 @@ class Database:
         begun_s = time.perf_counter()
         transaction = self._begun()
         connection = self.backend.connection
+        # Hashes rest on values as the engine keeps them, so links are made of what was written, and written
+        # with it: no record is ever without its link, nor a link without its record.
         links = linking(connection)
         try:
             result = work(connection)
@@ -282,6 +320,8 @@ class Database:
         except InDoubtError as doubt:
             raise _DoubtError(result, doubt.newest) from doubt
         except BaseException:
+            # The heads that it remembers are those of records that are undone now; the next record would rest
+            # on one that does not exist.
             links.forget()
             transaction.rollback()
             raise
@@ -293,6 +333,7 @@ class Database:
         try:
             return self.backend.connection.begin()
         except self.backend.refused as error:
+            # A server drops connections that lie idle for long. Nothing was begun, so nobody need hear of it.
             if not self.backend.ended(error):
                 raise
         self._make_ready()
@@ -300,8 +341,12 @@ class Database:
 
     def _make_ready(self) -> None:
         self.backend.make_ready()
+        # Asked before anything new is written: the newest link says whether the commit was made only as long
+        # as nothing has come behind it.
         if self._doubtful is not None:
             self._tell_certainty(self._doubtful, self.backend.has(self._doubtful.newest))
+        # After the doubt is told: whoever waits gets an answer also where another service has had the
+        # database meanwhile (commit eb4a14ec).
         self.backend.require_ours()
 
     def _wait_for_certainty(self, doubtful: "_Doubtful") -> None:
@@ -309,6 +354,7 @@ class Database:
         self._doubtful = doubtful
         error = ServerAwayError(_IN_DOUBT.format(self.backend.where))
         self._note_trouble(error)
+        # The trial is a task, and tasks are of a loop; this runs on the writer's thread.
         doubtful.together[0].done.get_loop().call_soon_threadsafe(self._try_again_after, error)
 
     def _tell_certainty(self, doubtful: "_Doubtful", made: bool) -> None:
@@ -326,6 +372,7 @@ class Database:
 
     @contextlib.contextmanager
     def _nobody_reads(self) -> Iterator[None]:
+        # All places, one after the other: no new reader begins, and each that reads is waited for.
         for _ in range(READERS):
             self._reading.acquire()
         try:
@@ -338,6 +385,8 @@ class Database:
 
     def _read(self, work: Callable[[Connection], T], *, again: bool = True) -> T:
         try:
+            # The engine is looked up inside: the writer may have made a new one behind a file that was
+            # removed.
             with self._reading, self.backend.readers.begin() as connection:
                 return work(connection)
         except self.backend.refused as error:
@@ -355,7 +404,11 @@ class Database:
         """Finish what was begun, close the database and let another service have it."""
         if self._trial is not None:
             self._trial.cancel()
+        # Readers first: SQLite takes over its log and removes it when the last connection is closed, which is
+        # the writer's to be.
         self._readers.shutdown()
+        # Behind everything that waits, on the writer's thread: what was handed over is written before the
+        # end.
         self._writer.submit(self._leave).result()
         self._shut()
 

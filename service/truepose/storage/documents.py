@@ -55,6 +55,7 @@ def to_document(value: object, array: Callable[[Array], Any] = listed) -> Any:
 
 
 def _scalar(value: object) -> Any:
+    # Numbers of NumPy are no JSON, and `bool_` is no `bool` to the checks below.
     if isinstance(value, np.generic):
         value = value.item()
     if isinstance(value, float):
@@ -67,12 +68,16 @@ def _scalar(value: object) -> Any:
 
 
 def _not_finite(value: float) -> str | None:
+    # "inf" and "-inf" are what `float` reads back; a bare `Infinity`, which Python's json writes by itself,
+    # is no JSON to other programs and none to PostgreSQL.
     return None if math.isnan(value) else str(value)
 
 
 def from_document(kind: type[T], document: Any) -> T:
     """Return the dataclass `kind` that `document` holds; raises DamagedDatabaseError where they differ."""
     try:
+        # Whatever goes wrong here is a stored document that does not have the form of its noun: damage, or
+        # another version's record. A traceback would be called a fault of the program, and end the session.
         return cast(T, _decode(kind, document))
     except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError) as error:
         raise DamagedDatabaseError(
@@ -106,6 +111,8 @@ def _decode(hint: Any, document: Any) -> Any:
 
 
 def _decode_plain(kind: Any, document: Any) -> Any:
+    # Before dataclasses, of which a message is one: its values are of several kinds, which type hints do not
+    # tell apart.
     if kind is Message:
         return _message(document)
     if dataclasses.is_dataclass(kind):
@@ -113,6 +120,7 @@ def _decode_plain(kind: Any, document: Any) -> Any:
         return cast(Any, kind)(**{name: _decode(hints[name], entry) for name, entry in document.items()})
     if isinstance(kind, type) and issubclass(kind, Enum):
         return kind(document)
+    # JSON writes 3.0 as it likes: some programs write 3, which comes back as an int.
     if kind is float:
         return math.nan if document is None else float(document)
     if kind is date:
@@ -127,6 +135,7 @@ def _decode_union(hints: tuple[Any, ...], document: Any) -> Any:
     if document is None and types.NoneType in hints:
         return None
     concrete = [hint for hint in hints if hint is not types.NoneType]
+    # A text is a message or somebody's own words; only the former is an object (decision 0078).
     if Message in concrete and isinstance(document, dict):
         return _message(document)
     # A union of plain scalars (dict values) is already what JSON gave.
@@ -158,6 +167,7 @@ def _decode_tuple(hints: tuple[Any, ...], document: Any) -> tuple[Any, ...]:
 
 def _decode_array(hint: Any, document: Any) -> Any:
     (dtype,) = get_args(get_args(hint)[1])
+    # Comes from `unpack`, where the array has replaced its reference already.
     if isinstance(document, np.ndarray):
         return document.astype(dtype, copy=False)
     entries = np.array(document, dtype=object)
@@ -182,9 +192,13 @@ def pack(value: object) -> bytes:
         columns.append(values)
         return {_COLUMN: len(columns)}
 
+    # First, so that the arrays are counted while the document is made: the reference in it is the place of
+    # their block.
     text = json.dumps(to_document(value, beside)).encode()
     stream = io.BytesIO()
     for block in (np.frombuffer(text, dtype=np.uint8), *columns):
+        # Pickle would run code of whoever wrote the file. Refused on both sides, so that an array of objects
+        # fails here and not when it is read in a year.
         np.save(stream, block, allow_pickle=False)
     return stream.getvalue()
 

@@ -21,6 +21,8 @@ from truepose.storage.errors import ConflictError, NotFoundError, StorageUnavail
 
 MOST_BYTES: Final = 64 * 2**20  # of a draft
 MOST_FILES: Final = 200
+# Drafts lie on the disk on which sessions keep their readings; these three bound what people may fill of it:
+# 1.3 GB.
 MOST_DRAFTS: Final = 20
 KEPT: Final = timedelta(days=14)  # after the last change: a shift, a weekend, a week of holidays
 STATE: Final = "draft.json"
@@ -65,6 +67,7 @@ class DraftFolder:
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder
+        # Every method may be called from any thread of the pool, and some call others.
         self._lock = threading.RLock()
 
     @classmethod
@@ -86,9 +89,10 @@ class DraftFolder:
             return draft
 
     def get(self, number: int) -> Draft:
-        """Return a draft; raises NotFoundError."""
+        """Return a draft; raises NotFoundError, StorageUnavailableError where its state cannot be read."""
         try:
             document = json.loads((self._place(number) / STATE).read_bytes())
+        # A draft whose creation was cut short has no state, and is none.
         except (FileNotFoundError, NotADirectoryError) as error:
             raise NotFoundError(_WHAT, number) from error
         except (OSError, ValueError) as error:
@@ -96,7 +100,7 @@ class DraftFolder:
         return from_document(Draft, document)
 
     def all(self) -> tuple[Draft, ...]:
-        """Return all drafts, the latest first."""
+        """Return all drafts, the latest first; raises StorageUnavailableError where one cannot be read."""
         with self._lock, _told_of_disk():
             self._expire()
             drafts = [self.get(number) for number in self.numbers()]
@@ -115,6 +119,7 @@ class DraftFolder:
         if len(draft.files) >= MOST_FILES:
             raise ConflictError(f"A draft has {MOST_FILES} files at most; bring a zip of them.")
         with _told_of_disk():
+            # Received without the lock: an upload takes as long as its sender, and others go on meanwhile.
             incoming = Incoming(self, number, MOST_BYTES - draft.size_bytes)
         try:
             yield incoming
@@ -128,6 +133,8 @@ class DraftFolder:
             if not any(one.number == file for one in draft.files):
                 raise NotFoundError("file", file)
             left = tuple(one for one in draft.files if one.number != file)
+            # State first, then the file: a crash in between leaves a file that nobody counts, the other order
+            # a state that names a file which is gone.
             kept = self._write(_changed(draft, files=left))
             self.path(number, file).unlink(missing_ok=True)
             return kept
@@ -150,6 +157,8 @@ class DraftFolder:
         """Count a received file in; one of the same name is replaced."""
         with self._lock:
             draft = self.get(number)
+            # The new file has a number of its own and takes the place in the state at once; the bytes of the
+            # old one go last. Writing over them would leave half of each after a crash.
             before = [file for file in draft.files if file.name == name]
             others = tuple(file for file in draft.files if file.name != name)
             file = DraftFile(1 + max((one.number for one in draft.files), default=0), name, size_bytes)
@@ -175,10 +184,13 @@ class DraftFolder:
         """Return the numbers of all drafts, of those too that have ended and were not looked for since."""
         if not self._folder.is_dir():
             return []
+        # The folder holds `last` as well, and may hold what somebody else put there.
         return sorted(int(path.name) for path in self._folder.iterdir() if path.name.isdecimal())
 
     def _next_number(self, numbers: list[int]) -> int:
         """Return a number that no draft has had: an old address never shows somebody else's files."""
+        # Numbers of removed drafts are in addresses that browsers keep. The largest that is there is not
+        # enough: it goes with the draft.
         last = self._folder / "last"
         said = int(last.read_text(encoding="ascii")) if last.exists() else 0
         number = 1 + max([said, *numbers])
@@ -188,6 +200,8 @@ class DraftFolder:
 
     def _write(self, draft: Draft) -> Draft:
         place = self._place(draft.id)
+        # A state is written anew at each change, and whole or not at all: a reader may come at any moment
+        # without the lock.
         part = place / f"{STATE}.part"
         with part.open("wb") as file:
             file.write(json.dumps(to_document(draft)).encode())
@@ -199,6 +213,7 @@ class DraftFolder:
         oldest = (datetime.now(UTC) - KEPT).isoformat(timespec="seconds")
         for number in self.numbers():
             try:
+                # ISO 8601 in UTC of one length: texts compare as their moments do.
                 ended = self.get(number).changed_at < oldest
             except NotFoundError:  # its creation was cut short
                 ended = True
@@ -213,6 +228,7 @@ class Incoming:
         self._drafts = drafts
         self._draft = draft
         self._room_bytes = room_bytes
+        # In the draft's own folder, so that it gets its name by a rename and goes with the draft.
         self._part = drafts.path(draft, 0).with_name(f"{os.urandom(8).hex()}.part")
         self._file = self._part.open("wb")
         self._size_bytes = 0
@@ -220,6 +236,7 @@ class Incoming:
     def write(self, data: bytes) -> None:
         """Take more of it; raises ConflictError where the draft becomes too large."""
         self._size_bytes += len(data)
+        # Counted as it comes: what a request says of its length is the sender's word.
         if self._size_bytes > self._room_bytes:
             raise ConflictError(f"A draft has {MOST_BYTES // 2**20} MB at most; bring fewer files, or a zip.")
         with _told_of_disk():
@@ -260,6 +277,7 @@ def _told_of_disk() -> Iterator[None]:
     """Say in a sentence what the disk refused."""
     try:
         yield
+    # A folder that is gone is no fault of the disk: somebody threw the draft away while a file came in.
     except FileNotFoundError as error:
         raise ConflictError("The draft was thrown away meanwhile.") from error
     except OSError as error:

@@ -70,7 +70,7 @@ class Entered:
 
     people: tuple[Person, ...]
     credentials: tuple[CredentialRecord, ...]
-    newest: str | None  # when the last of these records was written
+    newest: str | None  # when the last credential was written, also one that is revoked by now
     places: tuple[ShownAt, ...]  # oldest first
 
 
@@ -119,10 +119,13 @@ class CredentialRepository:
 
     async def revoke(self, numbers: tuple[int, ...], by: str) -> None:
         """Record that these open nothing any more."""
+        # Revoked, not deleted: who could come in until when has to stay on record.
         rows = [{"credential_id": number, "by": by} for number in numbers]
 
         def work(connection: Connection) -> None:
             add_rows(connection, revocations, rows)
+            # In the same transaction: between two of them the hash of a PIN that counts no more could be read
+            # (commit 78613b0d).
             take_out_pins(plain(connection), revoked_only=True)
 
         if rows:
@@ -153,6 +156,8 @@ def _entered(connection: Connection) -> Entered:
 
 
 def _places(connection: Connection) -> Iterator[ShownAt]:
+    # Revoked ones too: guesses from an address at which somebody once signed in are told from those of
+    # strangers, also after they have signed out (commit 94ae199f).
     of_sign_ins = select(credentials).where(credentials.c.kind == CredentialKind.SIGN_IN.value)
     for row in connection.execute(of_sign_ins.order_by(credentials.c.id)):
         if row.document.get("address"):
@@ -200,6 +205,7 @@ class ActRepository:
     async def add(self, several: Sequence[PersonsAct]) -> None:
         """Keep acts in their order, all or none."""
         rows = [{name: getattr(act, name) for name in _COLUMNS} for act in several]
+        # Not `write_new`: what people did is recorded also while only the reserve is left.
         await self._database.write(lambda connection: add_rows(connection, acts, rows))
 
     async def page(self, page: Page, search: str = "") -> list[ActRecord]:

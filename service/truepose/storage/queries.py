@@ -42,6 +42,8 @@ def part_of(
     read: Callable[[Row[Any]], R],
 ) -> Part[R]:
     """Return the part of a query's rows that `page` wants; the rows are numbered by the column `number`."""
+    # By the number of the last record and not by an offset: records that come meanwhile move nothing, and old
+    # pages cost no more than new ones.
     wanted = query.where(number > page.after).order_by(number).limit(page.limit + 1)
     rows = connection.execute(wanted).all()
     some = rows[: page.limit]

@@ -101,7 +101,7 @@ class ReadingRecord:
 
 @dataclass(frozen=True, slots=True)
 class LedgerRecord:
-    """An entry of a ballbar session's ledger as it was stored."""
+    """A line of a session's ledger as it was stored."""
 
     id: int
     recorded_at: str

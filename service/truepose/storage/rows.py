@@ -26,6 +26,8 @@ def add_row(connection: Connection, table: Table, **values: Any) -> int:
 
     Its link waits until the transaction is about to be committed.
     """
+    # RETURNING gives back what the engine keeps, which is what the hash is over: a whole number in a column
+    # of reals comes back as a real.
     row = connection.execute(_adding(table), {"recorded_at": _stamp(), **values}).one()
     return _link(connection, table, row)
 
@@ -34,9 +36,12 @@ def add_rows(connection: Connection, table: Table, rows: Sequence[Mapping[str, A
     """Append records with the same columns to `table` and return their numbers."""
     if not rows:
         return []
+    # Numbers are given here, as one statement adds all rows: nobody else writes, so the newest one stays the
+    # newest.
     newest, stamp = connection.scalar(_newest(table)) or 0, _stamp()
     numbered = [{"id": number, "recorded_at": stamp, **row} for number, row in enumerate(rows, newest + 1)]
     kept = connection.execute(_adding(table), numbered).all()
+    # RETURNING promises no order, and links have that of the records.
     return [_link(connection, table, row) for row in sorted(kept, key=_number)]
 
 
@@ -78,6 +83,8 @@ def once(
 
     Raises KeyReusedError where the key came with another request before.
     """
+    # Within the transaction that writes: a request that is sent twice at once is two writes of one thread, of
+    # which the second finds the first.
     known = None if key is None else answered(connection, key, resource)
     if known is not None:
         return known
@@ -100,6 +107,8 @@ def answered(connection: Connection, key: RequestKey, resource: str) -> int | No
     known = connection.execute(query).one_or_none()
     if known is None:
         return None
+    # A key that comes with another request is a mistake of the client. Answering it with the earlier result
+    # would hide that what it asks for was never done.
     if (known.fingerprint, known.resource) != (key.fingerprint, resource):
         raise KeyReusedError(
             f"The Idempotency-Key '{key.key}' was used for another request; take a new key for a new request."
@@ -161,6 +170,8 @@ def _following(of: frozenset[str]) -> Select[Any]:
 
 def _event(row: Row[Any]) -> EventRecord:
     document = row.document
+    # The event has no document of its own: a reading is on disk once, and whoever follows gets it with the
+    # event (decision 0082).
     if row.reading_id is not None:
         document = {
             "reading_id": row.reading_id,

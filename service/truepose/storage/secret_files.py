@@ -45,6 +45,8 @@ def told_beside(database: Path, service: ReachedService) -> Iterator[None]:
     """Say beside a database how its service is reached, for as long as the context lasts."""
     place = _place(database)
     place.unlink(missing_ok=True)  # of a service that was killed; its owner may have been another
+    # Made anew with its mode, never written into what is there: that file could be somebody else's, or a link
+    # that leads elsewhere.
     file = os.open(place, os.O_WRONLY | os.O_CREAT | os.O_EXCL, _OWNER_ALONE)
     with os.fdopen(file, "w", encoding="utf-8") as told:
         json.dump(asdict(service), told)
@@ -95,6 +97,7 @@ class Pepper:
         found = self.key()
         if found is None:
             self._write(secrets.token_hex(_BYTES))
+            # Read back: only a secret that can be read after a restart may be mixed into a PIN.
             self._key = found = self._read()
         return found
 
@@ -115,6 +118,7 @@ class Pepper:
                 written.write(f"{text}\n")
                 written.flush()
                 os.fsync(written.fileno())
+            # A secret that a loss of power takes would make every PIN worthless that was chosen with it.
             sync_folder(self.file.parent)
         except OSError as error:
             raise self._unusable(error) from error
@@ -142,10 +146,12 @@ def take_out_pins(connection: Any, *, revoked_only: bool) -> int:
     """
     these = _LEFT + (_REVOKED if revoked_only else "")
     count = int(connection.execute(f"SELECT count(*) {these}").fetchone()[0])
+    # Without this each revocation of anything would drop and make a trigger.
     if not count:
         return 0
     on_server = hasattr(connection, "server")
     of = f" ON {_TABLE}" if on_server else ""
+    # The protection is taken away and put back within one transaction: no commit is ever without it.
     connection.execute(f"DROP TRIGGER {trigger_name(_TABLE, 'update')}{of}")
     chosen = f"(SELECT id {these})"
     connection.execute(f"UPDATE {_TABLE} SET hash = '{TAKEN_OUT}' WHERE id IN {chosen}")

@@ -32,6 +32,7 @@ _ORIGINS: Final = ("identification", "diagnosis", "handed_down")  # of a model; 
 
 def read_at_once(table: str) -> int:
     """Return how many records of a table are read at a time, so that they have room in memory."""
+    # Whoever copies, verifies or hands on records holds so many in memory at a time.
     return 1 if table in LARGE else _MIXED.get(table, _SMALL)
 
 
@@ -59,6 +60,8 @@ readings = records_of_sessions(
     # A reading is superseded at most once: two successors would leave two truths.
     sa.Column("supersedes", WHOLE, sa.ForeignKey("readings.id"), nullable=True, unique=True),
     sa.Column("document", DOCUMENT, nullable=False),
+    # Finds what a new reading supersedes. Without it the search went through every reading of the session,
+    # and a long one slowed down (commit 9f432d46).
     sa.Index("ix_readings_place", "session_id", "config", "nest", "id"),
     sa.Index("ix_readings_counted", "session_id", "kind", "supersedes"),
 )
@@ -168,6 +171,8 @@ models = records(
     reference("handed_down_id", "handed_down", nullable=True),
     sa.Column("accepted_by", TEXT, nullable=True),  # of one that was handed down
     sa.Index("uq_models_handed_down_id", "handed_down_id", unique=True),
+    # The sum counts the origins; both engines know CASE, and neither turns a truth value into a number as the
+    # other does.
     sa.CheckConstraint(
         " + ".join(f"(CASE WHEN {origin}_id IS NULL THEN 0 ELSE 1 END)" for origin in _ORIGINS) + " = 1",
         name="models_one_origin",
