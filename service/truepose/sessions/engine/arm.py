@@ -46,7 +46,26 @@ class MotionSegments:
         self._speed = speed
 
     def of(self, start_rad: Joints, target_rad: Joints, longest_s: float) -> tuple[Joints, ...]:
-        """Return where the pieces of a straight joint motion end, the target last; none takes longer."""
+        """Return where the pieces of a straight joint motion end, the target last.
+
+        The way q(s) = start + s (target - start) is looked at in 24 equal steps. The slowest of them takes
+        t = max(path / tool speed, turn / orientation speed), so that ceil(24 t / longest) equal pieces take
+        `longest_s` each at most, at the speed of this object and where a way needs no more than 200 pieces.
+
+        Parameters
+        ----------
+        start_rad, target_rad : tuple of float
+            Joint angles [rad].
+        longest_s : float
+            What a piece may take [s], above 0.
+
+        Returns
+        -------
+        tuple of tuple of float
+            Joint angles at the end of each piece [rad].
+        """
+        # By the slowest step and not by the whole: equal shares of the joints are no equal times where the
+        # arm stretches or turns its wrist.
         slowest_s = self._slowest_look_s(np.array(start_rad), np.array(target_rad))
         count = min(_MOST_PIECES, max(1, math.ceil(_LOOKS * slowest_s / longest_s)))
         between = tuple(
@@ -56,13 +75,18 @@ class MotionSegments:
         return (*between, target_rad)
 
     def _slowest_look_s(self, start: FloatArray, target: FloatArray) -> float:
-        """Return the longest time between two of the equal steps of the joints [s]."""
+        """Return the longest time between two of the equal steps of the joints [s].
+
+        start, target : ndarray, shape (J,), joint angles [rad].
+        """
         share = np.linspace(0.0, 1.0, _LOOKS + 1)[:, None]
+        # In the robot's own base: lengths and angles are the same wherever it stands.
         chain = nominal_chain(self._robot, FramePlacement(), start + share * (target - start))
         last = chain.rotation[-1]
         path_mm = np.linalg.norm(np.diff(chain.origin[-1], axis=0), axis=1)
         turn_rad = np.linalg.norm(vector_from_rotation(np.swapaxes(last[:-1], -1, -2) @ last[1:]), axis=1)
         speed = self._speed
+        # A controller keeps both limits, so the one that takes longer binds.
         times = np.maximum(path_mm / speed.tool_speed_mm_s, turn_rad / speed.orientation_speed_rad_s)
         return float(times.max())
 
@@ -81,6 +105,7 @@ class WallPace:
         if self._began is None:
             self._began = cell_s, wall_s
         gone_s = cell_s - self._began[0]
+        # Over less the clocks' own resolution would decide.
         if gone_s > _LONG_S:
             self.waits = wall_s - self._began[1] > _SHARE_THAT_WAITS * gone_s
 
@@ -152,20 +177,28 @@ class Arm:
 
         What the controller cannot stop goes out in pieces; before each of them everything is asked again.
         """
+        # After a lost link, a restart or a person's hand nobody knows whether a motion is still under way,
+        # and one statement of the joints shows no motion.
         if self._left_at is None:
             await self._require_rest()
         reading = await self._read_in_time()
         for number, piece_rad in enumerate(self._pieces_to(target_rad, reading)):
             if number > 0:
+                # What the permission rests on grows old while a piece is under way: a piece may last longer
+                # than a sample of the ballbar counts (commit 5dc5fb9a).
                 if self._before_piece is not None:
                     await self._before_piece()
                 reading = await self._read_in_time()
             await self._move_piece(piece_rad, target_rad, reading)
 
     def _pieces_to(self, target_rad: Joints, reading: JointReading) -> tuple[Joints, ...]:
+        # Where the arm was left is exact; what it reports is rounded, and pieces from there would not lie on
+        # the planned line.
         start_rad = self._left_at or reading.joints_rad
         longest_s = self._controller.motion_guard.longest_piece_s
         known = len(start_rad) == len(target_rad) and all(map(math.isfinite, (*start_rad, *target_rad)))
+        # What is not known is not cut but judged as it is: the interlocks below refuse a target with other
+        # joints, or one that is no number.
         if self._pieces is None or longest_s is None or not known or not self._pace.waits:
             return (target_rad,)
         return self._pieces.of(start_rad, target_rad, longest_s)
@@ -175,10 +208,12 @@ class Arm:
         self._pace.look(now_s)
         # nothing is awaited between the last look at the session's state and the motion
         self._require_permission(target_rad, reading, now_s)
+        # Forgotten first, remembered after the reply: a motion that ends in an error has ended somewhere.
         before = self._left_at
         self._left_at = None
         try:
             await self._controller.move_joints(piece_rad)
+        # The controller looked at the target and began nothing, so the arm is where it was.
         except TargetRefusedError:
             self._left_at = before
             raise
@@ -186,11 +221,15 @@ class Arm:
         # a reported angle is rounded: a smaller difference to it says nothing of the sign
         smallest_rad = reading.resolution_rad if before is None else 0.0
         came_from = reading.joints_rad if before is None else before
+        # Gears have backlash, so that a reading has to say from which side each joint came; a session that
+        # does not know says 0.
         self._direction = _direction(came_from, piece_rad, self._direction, smallest_rad)
 
     async def _read_in_time(self) -> JointReading:
         """Ask where the joints are; what was under way for too long says nothing of now."""
         try:
+            # A statement that came late passes for a new one by its time stamp where the driver stamps
+            # answers at their arrival (commit ebc48e23).
             async with asyncio.timeout(self._max_state_age_s):
                 return await self.read()
         except TimeoutError as error:
@@ -244,6 +283,7 @@ def rest_of_way(way: Sequence[Joints], here: Joints, allowed_rad: float) -> tupl
     """
     passed = [n for n, joints in enumerate(way) if _apart(here, joints) <= allowed_rad]
     between = [n for n, (a, b) in enumerate(pairwise(way)) if _off_line(here, a, b) <= allowed_rad]
+    # The last one: a way that comes twice by one place is taken from where it is shorter.
     last = max(passed or between, default=None)
     return tuple(way if last is None else way[min(last + 1, len(way) - 1) :])
 
@@ -254,7 +294,11 @@ def _apart(here: Joints, there: Joints) -> float:
 
 
 def _off_line(here: Joints, start: Joints, end: Joints) -> float:
-    """Return how far the joints are off the straight motion between two others [rad]."""
+    """Return how far the joints are off the straight motion between two others [rad]; infinity for none.
+
+    max |here - start - s (end - start)| over the joints, with s the projection of `here` on that motion,
+    kept between 0 and 1.
+    """
     way = np.subtract(end, start)
     if len(here) != len(way) or not np.any(way):
         return math.inf

@@ -51,6 +51,7 @@ class ActOutcome:
     entry: int | None  # its number in the ledger; None: it holds, and is on record later
 
 
+# Halts and revisions are not among them: whoever asks for one need not have looked at the cell.
 LETS_MOVE: Final = frozenset({ActName.START, ActName.CONFIRM, ActName.RESUME})  # the arm may move after it
 ANSWERS: Final = frozenset({ActName.CONFIRM, ActName.RESUME})  # to the question that is open, where one is
 HALTS: Final = {  # for everybody, and the state that each of them leads to

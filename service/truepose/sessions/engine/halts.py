@@ -56,6 +56,8 @@ class Halts:
 
     def forget(self) -> None:
         """Forget a pause or a stop that has taken effect: a person had the session go on."""
+        # An end that was asked for is not taken back by a confirmation that somebody sent before they heard
+        # of it.
         if self.wish is not SessionState.ABORTED:
             self.wish = None
 
@@ -63,6 +65,8 @@ class Halts:
         """Enter the state that is asked for, or have it entered when the motion under way has ended."""
         state, answer = HALTS[act.name], _ANSWERS[act.name]
         reason = together(_ASKED[act.name], act.reason.strip())
+        # What is under way cannot be stopped from here: the wish keeps further motions back, and the state
+        # follows at the end of this one.
         if self.moving:
             self.wish = state
             between = SessionState.ABORTING if state is SessionState.ABORTED else SessionState.PAUSING
@@ -78,6 +82,7 @@ class Halts:
         book = self._logbook
         if state is not SessionState.ABORTED:
             return await book.enter(state, self._effects.get(state, reason), act)
+        # The table of states leads to the end only through ABORTING; clients that follow events see both.
         if book.state in {SessionState.RUNNING, SessionState.PAUSING}:
             number = await book.enter(SessionState.ABORTING, reason, act)
             await book.enter(state, self._effects.get(state, reason))
@@ -132,6 +137,9 @@ class PendingHalts:
 
     def owe(self, act: Act) -> None:
         """Have a halt hold that was refused; where nothing could move it was not done."""
+        # Something may be in motion, so that the halt has to hold. Where the session waits for a person
+        # nothing moves anyway: an end that is owed there would come upon a session that somebody has gone on
+        # with.
         if self._logbook.state in {SessionState.RUNNING, SessionState.PAUSING}:
             self.owed = act
         else:
@@ -143,6 +151,8 @@ class PendingHalts:
         while True:
             if self.owed is None:
                 await book.refused.wait()
+            # Before paying, for as long as the disk refuses: a try at each turn would hold the lock that
+            # persons' acts need.
             await book.accepted()
             await self._pay()
             await book.keep(self._waits.settle)

@@ -67,14 +67,19 @@ def judge(device: IdentityOf, answered: str, expected: str, known: KnownDevice) 
     """
     serial, named = told(answered), expected.strip()
     if not serial:
+        # Silence is no answer to an open question: a foreign device that falls silent still waits for a
+        # person.
         news = bool(known.serial) and not known.silent and known.foreign is None
         return IdentityTaken(device, "silent", "", known.serial) if news else None
     if known.serial:
+        # A person's word stands against the cell file as it was then. Otherwise the file counts as it is now:
+        # whoever corrects a serial number in it means the present session too.
         agreed = same_number(serial, known.serial) and (known.by_person or _fits(serial, named))
         wanted = known.serial if not same_number(serial, known.serial) else named
     else:
         agreed, wanted = _fits(serial, named), named
     if not agreed:
+        # The question is put once; a third device is a question of its own.
         asked = known.foreign is not None and same_number(serial, known.foreign.serial)
         return None if asked else IdentityTaken(device, "foreign", serial, wanted)
     if not known.serial:
@@ -86,6 +91,7 @@ def judge(device: IdentityOf, answered: str, expected: str, known: KnownDevice) 
 
 def same_number(first: str, second: str) -> bool:
     """Whether two serial numbers are one: case and blanks around them do not count."""
+    # Numbers are typed off plates by hand.
     return first.strip().casefold() == second.strip().casefold()
 
 

@@ -46,6 +46,8 @@ def what_forbids_motion(
     conditions: MotionConditions, target_rad: tuple[float, ...], limits: Sequence[JointRange]
 ) -> Text | None:
     """Return one sentence that says why nothing may move, None where nothing speaks against it."""
+    # Session first, then robot, then target: a person is told what to do about the outermost thing that is
+    # wrong.
     return (
         _forbidden_by_the_session(conditions)
         or _forbidden_by_the_robot_state(conditions)
@@ -68,6 +70,8 @@ def _forbidden_by_the_robot_state(conditions: MotionConditions) -> Text | None:
         return message("session.forbidden.link")
     age_s = conditions.now_s - conditions.reading.time_s
     limit_s = conditions.max_state_age_s
+    # A statement from the future by more than that is refused too: the clock began anew, and nobody knows how
+    # old it is. So is a NaN.
     if not -limit_s <= age_s <= limit_s:
         return message("session.forbidden.old", age_s=age_s, limit_s=limit_s)
     return _moved_by_others(conditions)
@@ -75,12 +79,14 @@ def _forbidden_by_the_robot_state(conditions: MotionConditions) -> Text | None:
 
 def _moved_by_others(conditions: MotionConditions) -> Text | None:
     left_at = conditions.left_at_rad
+    # A person has just confirmed where the arm stands.
     if left_at is None:
         return None
     reported = conditions.reading.joints_rad
     if len(left_at) != len(reported):
         return message("session.joints.where", reported=len(reported), expected=len(left_at))
     off = np.abs(np.subtract(reported, left_at))
+    # A controller that rounds its joints states another angle than it was sent; that is no motion by others.
     allowed = conditions.tolerance_rad + conditions.reading.resolution_rad
     if np.all(off <= allowed):  # a NaN is not: it forbids
         return None
@@ -123,6 +129,7 @@ def common_ranges(
 
 def motion_limits(robot: Robot, joint_limits: tuple[JointRange, ...] | None) -> tuple[JointRange, ...]:
     """Return what every move must keep to; raises PlanRefusedError where nothing is known."""
+    # What the cell says comes before what the robot's description says. Without any of them nothing moves.
     known = joint_limits or robot.joint_limits or robot.calibration_ranges
     if known is None:
         raise PlanRefusedError(message("session.limits.unknown"))
@@ -134,6 +141,8 @@ def binding_speed(
 ) -> MotionLimits:
     """Return the speed of a session's motions: as planned, and never above the limits of its cell."""
     speed = MotionLimits(planned.tool_speed_mm_s, planned.orientation_speed_rad_s)
+    # The tighter of plan and cell, at the act: a session once moved at the speed it was planned with, in a
+    # cell that had been slowed down since (decision 0019).
     return slowest(speed, limits or speed)
 
 
@@ -172,6 +181,7 @@ def motion_notice(guard: MotionGuard) -> Text:
 
 def _left_alone(guard: MotionGuard) -> Message:
     """Return what the arm does where program or connection fails while it moves."""
+    # The best first: a controller that watches its program makes pieces unnecessary.
     if guard.stops_unheard_s is not None:
         return message("session.notice.stops", seconds=guard.stops_unheard_s)
     if guard.longest_piece_s is not None:

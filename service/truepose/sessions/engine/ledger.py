@@ -62,14 +62,18 @@ class Logbook(Generic[S]):
             record.apply(entry)
         self._restarted_as = self._state_after_restart()
         if self._restarted_as is not None:
+            # In memory at once, on record by `open`: nothing may be done in the state of an earlier run.
             record.enter(self._restarted_as, RESTARTED)
         self._outcomes: dict[str, ActOutcome] = {}  # by key, of this run
         self._changed = asyncio.Event()
+        # Whoever appends looks at the situation first; without the lock two acts could both find what only
+        # one of them may do.
         self.changing = asyncio.Lock()  # lines reach the ledger one at a time
         self.trouble: Text | None = None  # what is said while lines are refused; nothing moves meanwhile
         self.cause_of_trouble: RecordRefusedError | None = None  # while it lasts
         self.refused = asyncio.Event()  # set as long as that lasts
         self.interrupted: Text | None = None  # why lines were refused since a person last had it go on
+        # A number and not an event: whoever was busy while something changed sees that from the number.
         self.version = 0
         self.prompt_id: int | None = None  # the line of this run that asks what a person is asked now
         self.situation = describe()
@@ -110,6 +114,8 @@ class Logbook(Generic[S]):
         """
         acting = self.record.acting
         time_s = fields.pop("time_s", None)
+        # The cell's clock and not the computer's: a simulated cell keeps its own time, and paces are learnt
+        # from these stamps.
         entry = LedgerEntry(step_id, kind, await self._now_s() if time_s is None else time_s, **fields)
         if act is not None:
             entry = replace(
@@ -117,14 +123,18 @@ class Logbook(Generic[S]):
             )
         elif acting is not None:
             entry = replace(entry, person=acting.person, tablet=acting.tablet)
+        # Everything below is after the commit: what is refused has no consequence in memory either.
         number = await self._keep(entry)
         self._entries.append(entry)
         self.record.apply(entry)
         self.situation = self._describe()
+        # The number of the line is the name of the question, so that the same question asked twice is two
+        # (decision 0037).
         if entry.entered in ASKS or entry.kind is EntryKind.SHOWN:
             self.prompt_id = number
         elif entry.entered is not None:
             self.prompt_id = None
+        # A person has looked since the refusal, and let it go on.
         if entry.entered is SessionState.RUNNING:
             self.interrupted = None
         self.tell()
@@ -142,6 +152,8 @@ class Logbook(Generic[S]):
         """Do what appends lines, again where one was refused; nothing moves in between."""
         while True:
             with contextlib.suppress(RecordRefusedError):
+                # The lock is let go before the wait: a person has to be heard while the disk refuses
+                # (decision 0024).
                 async with self.changing:
                     return await work()
             await self.accepted()
@@ -157,12 +169,14 @@ class Logbook(Generic[S]):
         try:
             return await self._clock.now_s()
         except DriverError:
+            # A line must not fail for its time: what it says cannot be read again.
             return self._entries[-1].time_s if self._entries else 0.0
 
     async def _keep(self, entry: LedgerEntry) -> int:
         try:
             number = await self._ledger.append(entry)
         except RecordRefusedError as error:
+            # `interrupted` stays when lines are taken again: after a refusal the next motion wants a person.
             self.interrupted, self.cause_of_trouble = error.text, error
             self._take_note(_trouble_with(error))
             raise
@@ -200,6 +214,8 @@ class Logbook(Generic[S]):
         place = self.record.keys.get(key)
         if place is None:
             return None
+        # Only the ledger knows the number of a line of an earlier run; it answers a key that it has with that
+        # number, and appends nothing.
         return ActOutcome(_KEPT_BEFORE, await self._ledger.append(self._entries[place]))
 
     def knows(self, key: str | None) -> bool:

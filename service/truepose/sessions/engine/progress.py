@@ -27,6 +27,7 @@ class StepTimes:
     def tick(self, now_s: float, *, running: bool) -> None:
         """Let time pass until `now_s`."""
         if running and self._last_s is not None:
+            # A cell's clock may begin anew with its simulation; time never runs back for a session.
             self.elapsed_s += max(0.0, now_s - self._last_s)
         self._last_s = now_s
 
@@ -88,9 +89,11 @@ class Record(ABC):
 
     def apply(self, entry: LedgerEntry) -> None:
         """Take the next line of the ledger."""
+        # The time in which the service was off is nobody's pace.
         was_off = entry.control is Control.RESTARTED
         self.times.tick(entry.time_s, running=self.state is SessionState.RUNNING and not was_off)
         if entry.key is not None:
+            # The first line with a key is the act; a refused answer may have made it come again.
             self.keys.setdefault(entry.key, self.lines)
         self.lines += 1
         if entry.identity is not None:
@@ -99,6 +102,8 @@ class Record(ABC):
         if entry.kind in _ENDS and config_of(entry.step_id) is not None:
             self.last_end = entry
             self.ends += 1
+        # Before the state is entered: a line may end a step and the session with it, and the step was done in
+        # the state before.
         self.take(entry)
         if entry.entered is not None:
             self.enter(entry.entered, entry.text)

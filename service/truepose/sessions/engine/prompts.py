@@ -32,6 +32,7 @@ def require_person(person: str) -> str:
     name = tidy_name(person)
     if not name:
         raise PersonMissingError(message("session.refused.no_name"))
+    # A name of one invisible character, U+200B, once confirmed a motion (commit d94012a5).
     fault = fault_of_name(name)
     if fault is not None:
         raise PersonUnreadableError(message("session.refused.unreadable_name", fault=fault))

@@ -56,6 +56,7 @@ class WatchfulRobot:
     async def read_joints(self) -> JointReading:
         """Ask where the joints are; raises ImplausibleReadingError where no arm of this kind can be."""
         reading = await self._controller.read_joints()
+        # Here and not in the driver: only the cell file says which arm this is (decision 0021).
         if self._ranges is not None:
             _require_within(reading, self._ranges)
         return reading

@@ -46,6 +46,8 @@ async def looked_on(onlookers: Sequence[Onlooker]) -> AsyncIterator[None]:
     finally:
         for task in tasks:
             task.cancel()
+        # Waited for with a limit: an onlooker may hang where its driver does, and the devices must be given
+        # back all the same.
         if tasks and (await asyncio.wait(tasks, timeout=_PATIENCE_S))[1]:
             _LOG.warning("an onlooker did not leave within %g s and was left behind", _PATIENCE_S)
 
@@ -203,28 +205,41 @@ class SessionRunner(ABC, Generic[S]):
         Raises NotNowError, PersonMissingError, ReasonMissingError and WatchingTabletError; nothing was done
         then. Where it cannot be kept RecordRefusedError: a halt of a running session holds and is kept later.
         """
+        # Before anything is awaited. A halt that queued for the lock behind a line that waits for the disk
+        # would come after the next motion.
         wished = self._wish_at_once(act)
         was_running = self._runs
         try:
+            # Without the lock: what an act rests on may come from a loop that needs the lock itself (commit
+            # bb119ce6).
             await self.prepare(act)
             async with self._logbook.changing:
+                # The restart comes on record before what a person did after it.
                 await self._logbook.open()
+                # Before every check: a repeated request is answered as it was, also where the act would be
+                # refused by now.
                 earlier = await self._logbook.earlier_outcome(act.key)
                 if earlier is not None:
                     return earlier
                 self.require(act)
                 self._require_prompt(act)
                 self._require_just_pressed(act)
+                # "Confirm" is one word for two things: that a step is done, and that the session may go on.
+                # One that was sent for the former must not be taken for the latter (decision 0018).
                 if act.name is ActName.CONFIRM and was_running != self._runs:
                     raise NotNowError(  # what was confirmed is not what is asked now
                         message("session.refused.changed_meanwhile", state=words(self.state))
                     )
+                # Its own line first: the one with the request's key comes last, so that a kill in between has
+                # the whole done again (decision 0016).
                 await self._note_ballbar(act)
                 return self._logbook.keep_outcome(act.key, await self.do(act))
+        # The wish stays: it was asked for, and only its record is missing.
         except RecordRefusedError:
             if wished:
                 self._pending.owe(act)
             raise
+        # Refused for a reason, so nobody is going to enter that state. A wish of somebody else is left alone.
         except SessionError:
             if wished and self._halts.wish is HALTS[act.name]:
                 self._halts.wish = None
@@ -241,6 +256,7 @@ class SessionRunner(ABC, Generic[S]):
         try:
             return await self.act(act)
         except RecordRefusedError:
+            # The same act and not an equal one: only this one is known to hold.
             if self._pending.owed is not act:
                 raise
             return ActOutcome(self._halts.not_on_record(act), None)
@@ -258,7 +274,10 @@ class SessionRunner(ABC, Generic[S]):
         loops: list[asyncio.Task[None]] = []
         try:
             await self.begin()
+            # After `begin`: no loop may act on a session that has not said that it was restarted.
             loops += [asyncio.create_task(loop) for loop in self._loops()]
+            # Any loop that ends ends the run: a ballbar that nobody follows, or halts that nobody keeps, must
+            # not go unnoticed while the arm may move.
             await asyncio.wait(loops, return_when=asyncio.FIRST_COMPLETED)
         except Exception as error:
             await self.note_failure(error)
@@ -266,6 +285,8 @@ class SessionRunner(ABC, Generic[S]):
         finally:
             for task in loops:
                 task.cancel()
+            # All of them have ended before the devices are given back: the next session may have them at
+            # once.
             results = await asyncio.gather(*loops, return_exceptions=True)
             await self.close()
         for result in results:
@@ -293,6 +314,8 @@ class SessionRunner(ABC, Generic[S]):
 
     def _require_just_pressed(self, act: Act) -> None:
         """Raise NotNowError where the person pressed it who looked at the cell a while ago."""
+        # A browser that gives a request up leaves its bytes with the network, which delivered a confirmation
+        # minutes later, and the robot moved (commit de3038be).
         if self.lets_move(act) and not abs(act.under_way_s) <= _JUST_NOW_S:
             raise NotNowError(message("session.refused.pressed_before"))
 
@@ -307,6 +330,8 @@ class SessionRunner(ABC, Generic[S]):
         if act.name not in HALTS or self._logbook.knows(act.key) or self._halts.wish is not None:
             return False
         try:
+            # Only what would be allowed is wished: a pause of a session that waits would forbid the motion
+            # that somebody confirms next.
             self.require(act)
         except SessionError:
             return False
@@ -317,7 +342,9 @@ class SessionRunner(ABC, Generic[S]):
         while not self._ended:
             if self._failure is not None:
                 raise self._failure
+            # Taken before the step: what changes while it is done is a change that has not been looked at.
             version = self.version
+            # A halt that is not on record yet keeps everything back, whatever the ledger says.
             if self.situation.busy and not self._pending.due:
                 await self.perform()
             if not self._ended and self.version == version:

@@ -58,6 +58,7 @@ def require_transition(present: S, wanted: S) -> None:
 
 def after_restart(state: S) -> S:
     """Return the state of a session after its program ended without it; what could move awaits a person."""
+    # The end was asked for, and the program is gone: nothing can move, so it has taken place.
     if state is S.ABORTING:
         return S.ABORTED
     if state is S.PLANNED or has_ended(state):

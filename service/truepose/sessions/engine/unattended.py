@@ -67,6 +67,7 @@ class UnattendedRunner(SessionRunner[S]):
             require_person(act.person)
             if self.state is not SessionState.AWAITING_CONFIRMATION:
                 raise NotNowError(message("session.refused.only_planned", state=words(self.state)))
+        # A stop after a pause is more: it wants a confirmation instead of a resumption.
         elif act.name is ActName.STOP and self.state is SessionState.PAUSING:
             return
         elif act.name in {ActName.PAUSE, ActName.STOP}:
@@ -76,6 +77,8 @@ class UnattendedRunner(SessionRunner[S]):
                 raise NotNowError(message("session.refused.already", state=words(self.state)))
         else:
             require_person(act.person)
+            # After a restart the state may be that of an earlier run. Its question counts no more: the cell
+            # has been left alone since.
             if self.state is not _WAITS_IN.get(act.name) or not self.has_asked:
                 raise NotNowError(
                     message("session.refused.nothing_to_do", state=words(self.state), act=act.name)
@@ -86,6 +89,7 @@ class UnattendedRunner(SessionRunner[S]):
         return ActOutcome("", None) if asked is None else ActOutcome(asked.message, asked.id)
 
     def _permission(self, _: float) -> Permission:
+        # Wishes count before they are on record; the state alone would let one more motion pass.
         return Permission(self.state, self._halts.wish is not None, self.situation.question, self.trouble)
 
     async def hold(self, reason: Text) -> None:
@@ -117,6 +121,7 @@ class UnattendedRunner(SessionRunner[S]):
             await self._logbook.keep(fail)
         except Exception as second:  # the run ends with the first one: the log must not name another instead
             error.add_note(f"Nor could that be kept ({type(second).__name__}): {second}")
+            # In memory at least: whoever looks must not be shown a session that runs.
             self._logbook.record.enter(SessionState.FAILED, reason)
 
 
