@@ -42,6 +42,8 @@ def calibrator_doubt(
     if step.kind is StepKind.INITIALISE:
         return _doubt_about_zero(taken, now, step, kit, held_for)
     zero = now.zero
+    # A bar that was never let go from its calibrator shows the calibrator's length: *Store now* once kept
+    # 300.000 mm as a leg (decision 0018).
     same_length = zero is not None and _agree(taken.deviation_mm, zero.zero_mm, kit)
     if same_length or (held_for and step_ids.kind_of(held_for) is StepKind.INITIALISE):
         return _suspicion("calibrator", step, taken.length_mm)
@@ -65,6 +67,8 @@ def _doubt_about_zero(
         return _suspicion("not_calibrator", step, calibrator_mm + taken.zero_mm - before.zero_mm)
     if held_for is not None and step_ids.kind_of(held_for) is not StepKind.INITIALISE:
         return _suspicion("not_calibrator", step, calibrator_mm)
+    # Two sets of bars whose zeros agree are either one set, or as long as each other by chance: one session
+    # in six, once (decision 0018).
     if now.zeroed is not None and before is None and _agree(taken.zero_mm, now.zeroed[1].zero_mm, kit):
         return _suspicion("same_bars", step, calibrator_mm)
     return None
@@ -143,6 +147,8 @@ def doubt(
     `held_for` is the step whose length the present connection gave before; None where it was let go since.
     """
     first = calibrator_doubt(taken, now, step, kit, held_for)
+    # Cause before symptom: a bar on its calibrator, or at the wrong pair, is still connected as well, and the
+    # more particular question tells a person what to do.
     return first or _doubt(taken, now, step, kit, judges) or contact_doubt(taken, step, held_for)
 
 
@@ -165,6 +171,8 @@ def _judge(
         case StepKind.CONNECT_LEG if now.forecast is None:
             return _judge_unforeseen(taken, now, step, kit, judges)
         case StepKind.CONNECT_LEG:
+            # One length first: only with the last leg can the pose as a whole be judged, and a leg that is
+            # wrong by itself makes the others look exchanged.
             first = _judge_leg(taken, now, step, kit, judges, now.forecast)
             return first or _judge_pose(taken, now, step, kit, judges)
         case _:
@@ -188,6 +196,8 @@ def legs_to_read_again(now: Situation, suspicion: Suspicion) -> tuple[str, ...]:
     return tuple(
         step.id
         for step in now.steps
+        # Steps without points are in no pair; matched by their absence, a doubt took the initialisation of
+        # its pose along (commit 6220f961).
         if step.points in pairs and step_ids.group_of(step.id) == group
         if now.outcomes[step.id].kind == "measured"
     )

@@ -70,6 +70,8 @@ class Evidence:
         if reading is None:
             self._begin_anew()
             self._may_hang = True
+        # A device that repeats its last value, as a hung loop does, has the same count. That is no sample,
+        # whatever the value says.
         elif reading.sequence is None or reading.sequence != self._sequence:
             self._follow(reading, off_mm)
         elif self.is_stale(reading.time_s):
@@ -78,6 +80,7 @@ class Evidence:
     def expect_length(self) -> None:
         """Forget that the ballbar is off, seen or said: a person is asked to put it on."""
         self._word, self._may_hang = False, True
+        # A length within the range goes on proving that it is on; only what spoke for "off" is void.
         if self._proved != "connected":
             self._proved = "unknown"
 
@@ -93,6 +96,8 @@ class Evidence:
         """Whether a person's word that the ballbar is off takes a reason: nothing is known of it."""
         if self._word or self.says(now_s) != "unknown":
             return False
+        # A link that was lost after the bar was seen off changes nothing: it lies where it lay (decision
+        # 0018).
         return self._linked or self._proved != "off"
 
     def believe(self) -> None:
@@ -102,6 +107,8 @@ class Evidence:
     def against_motion(self, now_s: float) -> Message | None:
         """Return what the samples have against a motion, as a sentence; None where they have nothing."""
         connected = self.says(now_s) == "connected"
+        # During a motion one length that persisted is enough, also when it has gone since: the bar may have
+        # been torn off by then.
         if self._arm_moves and (connected or self.seen_in_motion):
             return SEEN_IN_MOTION
         if connected:
@@ -116,6 +123,7 @@ class Evidence:
     def watch_motion(self) -> None:
         """Hold every length that persists within the range against the motion that begins."""
         self._arm_moves, self.seen_in_motion = True, False
+        # A length from before the motion says nothing of the motion; it has to persist anew.
         self._inside_s = None
 
     def end_motion(self) -> None:
@@ -131,6 +139,7 @@ class Evidence:
         if self._sample_s is not None and not 0.0 <= now_s - self._sample_s <= _STALE_S:
             self._begin_anew()  # a gap, or a clock that began anew
         self._sample_s, self._sequence = now_s, reading.sequence
+        # Movement first: whether a length within the range is in a hand depends on it.
         self._note_movement(reading)
         if self._is_within(reading, off_mm):
             self._follow_inside(now_s)
@@ -145,11 +154,13 @@ class Evidence:
     def _follow_silence(self, now_s: float) -> None:
         if self._silent_s is None or now_s < self._silent_s:
             self._silent_s = now_s
+        # What was seen to come off stays off through silence; everything else becomes unknown.
         if self._proved != "off" and self._is_outside(now_s):
             self._proved = "unknown"
 
     def _follow_inside(self, now_s: float) -> None:
         self._outside_s = self._silent_s = None
+        # A length within the range outranks what a person said: signals outrank words.
         self._word = self._may_hang = False
         self._inside_s = now_s if self._inside_s is None else self._inside_s
         self._proved = "in_hand" if self._is_in_hand(now_s) else "connected"
@@ -183,6 +194,7 @@ class Evidence:
         elif self._value_mm is None:
             self._value_mm = reading.deviation_mm
         elif abs(reading.deviation_mm - self._value_mm) > _HAND_MM:
+            # A movement each now and then is a table that was bumped, and no hand.
             in_a_row = reading.time_s - self._moved_s < _OFF_S
             self._moves = self._moves + 1 if in_a_row else 1
             self._value_mm, self._moved_s = reading.deviation_mm, reading.time_s
@@ -238,4 +250,6 @@ class Contact:
         """Whether a length that stands at this deviation belongs to another connection."""
         if self._lost or self._taken_mm is None:
             return self._lost
+        # Both: a jump that came back to the value that was taken is the same connection, and a slow drift
+        # away from it too.
         return self._jumped and abs(deviation_mm - self._taken_mm) > JUMP_MM

@@ -47,6 +47,8 @@ def acts_allowed(
 
 def _acts_of_the_step(step: BallbarStep, *, suspected: bool) -> frozenset[ActName]:
     skip = {ActName.SKIP} if may_be_skipped(step) else set()
+    # A doubt is answered before anything else of the step is done, and before *Back*: what is in doubt is not
+    # on record yet.
     if suspected:
         return frozenset({ActName.ANSWER, ActName.RETRY, *skip})
     do = ActName.STORE if step.kind in READINGS else ActName.CONFIRM

@@ -37,8 +37,11 @@ def _confused(entries: Sequence[LedgerEntry]) -> set[str]:
     for entry in entries:
         if entry.kind is EntryKind.MEASURED:
             measured.add(entry.step_id)
+            # Read anew after the exchange was found, so it counts again.
             confused.discard(entry.step_id)
         if entry.precalibration is not None:
+            # By the name of the pose: every attempt at it has steps of its own, and all that were read by
+            # then are meant.
             poses = {f"pose-{config}" for config in entry.precalibration.exchanged}
             confused |= {step_id for step_id in measured if poses & set(step_id.split("/"))}
     return confused
@@ -57,6 +60,8 @@ class _StopNumbers:
     """Numbers of stops in a campaign: of a first attempt that of its pose, of each further one a free one."""
 
     def __init__(self, found: Situation) -> None:
+        # Behind all numbers of the plan, since no arithmetic on a number tells attempts from poses (commit
+        # 9080c258).
         self._free = count(1 + max((step.config or 0 for step in found.steps), default=0))
         self._given: dict[tuple[int, int], int] = {}
 

@@ -61,6 +61,7 @@ def remaining_s(times: StepTimes, open_kinds: Iterable[StepKind]) -> float:
 
 def _expected_s(times: StepTimes, kind: StepKind) -> float:
     """Return how long a step of this kind takes: this operator's median, else the thesis' order."""
+    # The median: a break in the middle of one step makes nobody slow.
     learnt = times.median_s([kind], _ENOUGH)
     return _THESIS_S[kind] if learnt is None else learnt
 
@@ -104,6 +105,7 @@ def dry_run(plan: BallbarPlan, kit: BallbarKit) -> BallbarDryRun:
 
 def check_plan(plan: BallbarPlan, kit: BallbarKit, robot: Robot, limits: Sequence[JointRange]) -> None:
     """Raise PlanRefusedError, with one sentence, for the first thing that cannot be done as planned."""
+    # First what no cell could do: the steps cannot be listed of a plan that contradicts itself.
     check_structure(plan, kit)
     for step in steps(plan, kit):
         check_motion(step, robot, limits)
@@ -121,6 +123,8 @@ def check_structure(plan: BallbarPlan, kit: BallbarKit) -> None:
 
 def check_motion(step: BallbarStep, robot: Robot, limits: Sequence[JointRange]) -> None:
     """Raise PlanRefusedError where the motion of a step leaves the joint limits, on its way or at its end."""
+    # The points of a way are enough: limits are ranges of single joints, so that a straight motion between
+    # two places within them stays within them.
     targets = [*step.via_rad, *([step.target_rad] if step.target_rad is not None else [])]
     for joints in targets:
         if len(joints) != robot.n_joints or not np.all(np.isfinite(joints)):
@@ -173,6 +177,7 @@ def _check_aims(who: Message, pose: PlannedPose, kit: BallbarKit) -> None:
             message("plan.refused.aimed_lengths", who=who, legs=len(pose.legs), aimed=len(pose.aimed_mm))
         )
     off = np.subtract(pose.aimed_mm, kit.base_bars.nominal_mm)
+    # Not the opposite comparison: a NaN is not within the range either.
     if not np.all(np.abs(off) <= kit.range_mm):
         raise PlanRefusedError(message("plan.refused.aimed_outside", who=who, range_mm=kit.range_mm))
 

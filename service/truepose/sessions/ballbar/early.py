@@ -56,6 +56,8 @@ class EarlyJudge:
     def __init__(self, beforehand: SessionForecast, kit: BallbarKit) -> None:
         self._beforehand = beforehand
         self._kit = kit
+        # A length costs one step of the filters where the accounts before it are kept, and all of them anew
+        # where they are not: a person waits at the button meanwhile (decision 0025).
         self._path: list[tuple[tuple[_Line, ...], Accounts]] = []  # the last few, each with all lines so far
         self._alike: tuple[tuple[_Line, ...], tuple[tuple[Leg, Leg], ...]] | None = (
             None  # what was found last
@@ -77,6 +79,8 @@ class EarlyJudge:
         if now.forecast is not None:
             return _alike_foreseen(now.forecast, step_ids.group_of(step.id), now, self._kit)
         begun = _lines(now, step)
+        # Up to the arrival at this pose, without its readings: whether two legs can be told apart is asked of
+        # the pose, and the answer must not change while they are read.
         last = max(place for place, line in enumerate(begun) if isinstance(line, _Stop))
         begun = begun[: last + 1]
         if self._alike is None or self._alike[0] != begun:
@@ -85,6 +89,7 @@ class EarlyJudge:
 
     def _after(self, lines: tuple[_Line, ...]) -> Accounts:
         """Return the accounts after these lines, from the longest part of them that is known."""
+        # What was reopened is no part of any course any more.
         self._path = [step for step in self._path if _is_on_one_way(step[0], lines)]
         before = [step for step in self._path if len(step[0]) <= len(lines)]
         known, accounts = before[-1] if before else ((), begin(self._beforehand.kinds(), self._kit))

@@ -28,6 +28,7 @@ from truepose_drivers.api import Clock
 
 Handler: TypeAlias = Callable[[Act], Awaitable[ActOutcome]]
 
+# Whoever stands beside the arm may stop it, and whoever takes over cannot ask the tablet that has gone.
 FROM_ANY_TABLET: Final = frozenset({ActName.STOP, ActName.HAND_OVER})
 _OF_A_STEP: Final = frozenset({
     ActName.CONFIRM,
@@ -75,12 +76,15 @@ class ActHandlers:
 
     def require(self, act: Act) -> None:
         """Raise PersonMissingError, WatchingTabletError or NotNowError where the act is not allowed now."""
+        # Nobody should have to spell in an emergency (decision 0019).
         if act.name not in HALTS:
             require_person(act.person)
         now = self._session.now
         if now.acting is not None and act.tablet != now.acting.tablet and act.name not in FROM_ANY_TABLET:
             raise WatchingTabletError(message("session.refused.other_tablet", person=now.acting.person))
         present = now.step.id if now.step else None
+        # A confirmation that the cell is clear is of no step; one that names its step was meant for that step
+        # (decision 0018).
         goes_on = now.state is SessionState.AWAITING_CONFIRMATION and act.step_id is None
         if act.name in _OF_A_STEP and not goes_on and act.step_id != present:
             raise NotNowError(message("session.refused.other_step", step=present or ""))
@@ -97,6 +101,7 @@ class ActHandlers:
     # the course of the session
 
     async def _start(self, act: Act) -> ActOutcome:
+        # At the act and not only when it was planned: limits may have been tightened since (decision 0019).
         self._session.motion.require_plan_within_limits()
         number = await self._session.logbook.append(
             EntryKind.CONTROL,
@@ -114,11 +119,14 @@ class ActHandlers:
         number = await self._session.logbook.enter(
             SessionState.RUNNING, message(key, person=tidy_name(act.person)), act
         )
+        # Only once the line is on disk: a refused confirmation must not take back a halt.
         self._halts.forget()
         self._session.motion.forget()
         return ActOutcome(message("session.done.goes_on"), number)
 
     def _require_may_go_on(self) -> None:
+        # A controller that cannot stop its motion still moves when somebody confirms. Nothing may be sent on
+        # top of it.
         if self._halts.moving:
             raise NotNowError(message("session.refused.moves", end=self._halts.end))
         self._session.motion.require_plan_within_limits()
@@ -146,6 +154,8 @@ class ActHandlers:
             return ActOutcome(message("session.done.done"), await self._keep_confirmed(act, word))
         self._session.motion.require_within_limits(step)
         await self._require_present_look(act)
+        # Before the line, which lets the motion begin. The other order would have a motion that finds no
+        # confirmation.
         self._session.motion.confirmed_s = await self._clock.now_s()
         return ActOutcome(message("session.done.moves"), await self._keep_confirmed(act, word))
 
@@ -162,6 +172,8 @@ class ActHandlers:
         length is read, ReasonMissingError.
         """
         evidence, now_s = self._session.readings.evidence, await self._clock.now_s()
+        # No reason helps against a length that is read now: the arm once tore down a bar of which somebody
+        # had said that it was off (decision 0018).
         if evidence.says(now_s) == "connected":
             raise NotNowError(STILL_ON)
         if not (self._session.now.exchanged or evidence.needs_reason(now_s)):
@@ -179,6 +191,7 @@ class ActHandlers:
             raise NotNowError(message("session.refused.late_confirmation", age_s=age_s))
 
     async def _store(self, act: Act) -> ActOutcome:
+        # Asked of the robot itself and not of the last look: the length is kept with this place of the arm.
         await self._session.require_stop()
         taken = self._session.readings.length(self._session.now, await self._clock.now_s(), by_hand=True)
         number, suspicion = await self._session.store(taken, act)
@@ -192,6 +205,8 @@ class ActHandlers:
             raise NotNowError(message("session.refused.answer"))
         if act.answer != Answer.RIGHT_PAIR:
             return await self._read_again(act, suspected.suspicion)
+        # If this pair is right, the earlier leg was read of it by mistake (decision 0025). Reopened first,
+        # since the line with the key comes last.
         for step_id in leg_taken_for(self._session.now, suspected.suspicion):
             await self._session.logbook.append(EntryKind.REOPENED, step_id, text=_ITS_PAIR_CAME)
         number = await self._session.logbook.append(

@@ -63,9 +63,13 @@ class Window:
         if self._samples and time_s < self._samples[-1][0]:
             self.clear()  # the cell's clock began anew
         self._samples.append((time_s, deviation_mm))
+        # From the oldest on: a bar that has just come to rest drops the samples of its motion one by one, and
+        # is stable as soon as what is left agrees.
         while self.spread_mm > self._stable_mm:
             self._samples.popleft()
             self._moved = True
+        # No longer window than asked for: over minutes a slow drift would spoil a length that has stood still
+        # for long enough.
         while len(self._samples) > _FEWEST and self._samples[1][0] <= time_s - self._stable_s + _ROUNDING_S:
             self._samples.popleft()
         if self.stable:
@@ -123,6 +127,7 @@ def live_state(
     if reading is None or reading.signal == "none" or not math.isfinite(reading.deviation_mm):
         return "no_signal"
     off = reading.deviation_mm if off_nominal_mm is None else off_nominal_mm
+    # Which end it is at is told by the length, also where the bar itself says only that it is out.
     if reading.signal == "out_of_range" or abs(off) > range_mm + BEYOND_RANGE_MM:
         return "out_high" if off > 0 else "out_low"
     return "unstable" if unsteady else "in_range"
@@ -153,10 +158,14 @@ class Gauge:
     async def read(self, *, ask: bool = False) -> BallbarReading | None:
         """Return the newest reading, None while there is none; `ask` it first who it is."""
         try:
+            # Polls and questions come from several tasks, and not every protocol says which question an
+            # answer is to.
             async with self._turn:
                 if not self._ballbar.connected:
                     if not await self._connect():
                         return None
+                # Behind a bridge, a counter or a radio a bar may be exchanged while the link stays up
+                # (decision 0020).
                 elif ask:
                     self.identity = await self._ballbar.identify()
                 reading = await self._ballbar.read()
@@ -196,7 +205,9 @@ class Gauge:
         # a counter that falls silent keeps its zero; a gauge that vanishes has lost its supply, and what was
         # behind a driver's own failure nobody knows
         self.lost_power |= isinstance(error, ConnectionLostError | DriverFaultError)
+        # A refusal is an answer over a link that works.
         if isinstance(error, LinkError) or not self._ballbar.connected:
             await self._ballbar.close()
         self._try_again_s = await self._clock.now_s() + self._wait_s
+        # A pulled cable is tried every few seconds: a person who plugs it in again waits no longer than that.
         self._wait_s = min(2.0 * self._wait_s, _LONGEST_WAIT_S)

@@ -46,6 +46,7 @@ class RestMonitor:
         if not self._controller.connected:
             await self._controller.connect()
             await self._controller.identify()  # a driver may know more of its controller from then on
+        # At every opening: a controller that was switched off has forgotten its limits.
         await self._controller.set_limits(binding_speed(self._plan, self._speed_limits))
 
     async def close(self) -> None:
@@ -55,6 +56,7 @@ class RestMonitor:
 
     async def who(self) -> DeviceIdentity:
         """Ask the robot who it is; raises the driver's errors."""
+        # One question at a time: not every protocol says which question an answer is to.
         async with self._turn:
             return await self._controller.identify()
 
@@ -62,6 +64,7 @@ class RestMonitor:
         """Ask where the joints are; raises the driver's errors."""
         async with self._turn:
             reading = await self._controller.read_joints()
+        # Two looks that agree are rest; one shows no motion.
         self._seen = (*self._seen[-1:], reading)
         return reading
 
@@ -163,21 +166,31 @@ class Motion:
         self._halts.moving = True  # before anything is awaited: who asks for a pause now waits for its end
         self._logbook.tell()
         try:
+            # Cheap and certain first. The order of the rest follows from what each may let grow old: the
+            # ballbar comes last, since its samples count for a second.
             await self._require_fresh_confirmation()
+            # Before each motion: a controller may be exchanged behind an address without the link going down
+            # (decision 0020).
             await self._require_same_robot()
+            # Asked of the arm and not of the ledger: it may have been halted anywhere on the way.
             left = await self._left_of((*step.via_rad, step.target_rad))
             self._rest.forget()
             await self._require_ballbar_off()
             self._readings.evidence.watch_motion()
             for joints in left:
                 await self._arm.move(joints)
+                # After each piece of the way, with samples taken since: a length that persists ends the
+                # motion here and is no arrival, even at the target (decision 0018).
                 await self._require_ballbar_off()
             await self._clock.sleep(self._plan.settle_s)
             return await self._arrival(step.target_rad)
         finally:
+            # Read before the watch ends, which forgets it; the runner then has the bar taken off again, on
+            # record.
             self.saw_ballbar = self._readings.evidence.proves_attached
             self._readings.evidence.end_motion()
             self._halts.moving = False
+            # One confirmation lets one motion pass, whatever became of it.
             self.confirmed_s = None
 
     async def _require_same_robot(self) -> None:
@@ -213,12 +226,15 @@ class Motion:
             raise MotionForbiddenError(seen)
 
     def _permission(self, now_s: float) -> Permission:
+        # No open question here: the situation asks before every motion, and the confirmation of it is
+        # among the obstacles.
         return Permission(
             self._logbook.situation.state, self._halts.wish is not None, None, self._obstacle(now_s)
         )
 
     def _obstacle(self, now_s: float) -> Text | None:
         now = self._logbook.situation
+        # Where the disk refuses, neither the arrival nor a halt could be kept.
         if self._logbook.trouble is not None:
             return self._logbook.trouble
         if now.ballbar.foreign is not None:
@@ -229,4 +245,5 @@ class Motion:
             return message("session.doubt_open")
         if now.step is None or now.step.kind is not StepKind.MOVE or not now.confirmed:
             return message("session.not_confirmed")
+        # Last, and by the newest sample: this is asked with nothing awaited before the motion is sent.
         return self._readings.evidence.against_motion(now_s)

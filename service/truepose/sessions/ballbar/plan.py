@@ -71,6 +71,8 @@ def steps(plan: BallbarPlan, kit: BallbarKit, course: Course | None = None) -> I
         yield from _sphere(plan, kit)
         return
     progress = _Progress(course or Course())
+    # The tool's triangle can be measured anywhere, so it comes before anything moves; that of the base stands
+    # once its cups are clamped.
     yield from _triangle(step_ids.TOOL, kit, "tool", None)
     for placement in plan.placements:
         yield from _opening(placement)
@@ -129,6 +131,7 @@ def _opening(placement: PlannedPlacement) -> Iterator[BallbarStep]:
             via_rad=setup.via_rad,
         )
         yield BallbarStep(f"{group}/clamp", StepKind.CLAMP_CUP, number, base_point=point)
+    # Plans that were stored before there was such a motion have none (decision 0016).
     if placement.away is not None:
         yield BallbarStep(
             step_ids.move(step_ids.away(place)),
@@ -152,6 +155,7 @@ class _Poses:
         self._number = placement.number
         self._progress = progress
         self._planned = {pose.config: pose for pose in placement.poses}
+        # A pre-calibration at an earlier placement aims these poses already.
         self._due = self._aimed([_Attempt(pose, 1) for pose in placement.poses])
         self._skipped: list[_Attempt] = []
         self._attempts: dict[int, int] = {}  # configuration -> number of its last attempt
@@ -174,10 +178,13 @@ class _Poses:
     def _precalibration_is_worth_it(self) -> bool:
         if self._threshold_reached():
             return True
+        # Nothing to identify with.
         if self._progress.measured == 0:
             return False
         if self._learnt and self._plan.check_at_end and self._number == self._plan.placements[-1].number:
             return True
+        # A pose that was skipped with its planned target may succeed with an aimed one. Aimed once, it is
+        # worth another try only where something was learnt since.
         never_aimed = any(attempt.number == 1 for attempt in self._skipped)
         return self._untested or never_aimed or (bool(self._skipped) and self._learnt)
 
@@ -200,6 +207,8 @@ class _Poses:
         step_id = f"{self._place}/precalibrate-{self._precalibrations}"
         yield BallbarStep(step_id, StepKind.PRECALIBRATE, self._number)
         found = progress.course.found.get(step_id)
+        # One that has not taken place yet is taken to succeed: the listing beforehand assumes that of every
+        # step.
         progress.foreseen |= found is not None or step_id not in progress.course.found
         self._untested = self._learnt = False
         if found is not None:
@@ -213,6 +222,7 @@ class _Poses:
             yield _Attempt(attempt.pose, attempt.number + 1)
         skipped = {attempt.pose.config for attempt in self._skipped}
         for config in found.exchanged:
+            # A pose of an earlier placement has no attempt here, and gets none: its fixture was taken up.
             number = self._attempts.get(config, MAX_ATTEMPTS) + 1
             if config not in skipped and number <= MAX_ATTEMPTS:
                 yield _Attempt(self._planned[config], number)
@@ -294,6 +304,7 @@ class Ways:
         From a place that no planned way leads to, it is the planned way alone.
         """
         back, forth = self._to_the_root(last_stop), self._to_the_root(to)
+        # The two branches meet where one of them comes to a place of the other.
         common = next((stop for stop in back if stop in forth), None)
         if common is None:
             return self.moves[to].via_rad
@@ -302,6 +313,7 @@ class Ways:
             passed += [*reversed(self.moves[stop].via_rad), *self._rests_at(before)]
         for stop in reversed(forth[: forth.index(common)]):
             passed += [*self.moves[stop].via_rad, *self._rests_at(stop)]
+        # Without the end itself, which is the target of the step.
         return tuple(passed[:-1])
 
     def _to_the_root(self, stop: str | None) -> list[str]:
@@ -322,6 +334,8 @@ def ways(plan: BallbarPlan, agenda: Sequence[BallbarStep], stood_at: Mapping[str
     planned_from: dict[str, str | None] = {}
     here: str | None = None
     for step in agenda:
+        # The way to the next pose was planned from where the arm stood then, not from the pose that is listed
+        # before it.
         if step.kind is StepKind.PRECALIBRATE:
             here = stood_at.get(step.id, here)
         elif step.kind is StepKind.PLACE_BASE:

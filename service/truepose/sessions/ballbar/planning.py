@@ -72,6 +72,7 @@ def judged(cell: Cell, plan: BallbarPlan, kit: BallbarKit) -> Text:
     """
     bodies, moves = bodies_of(cell), [step for step in steps(plan, kit) if step.target_rad is not None]
     ways = _ways(moves)
+    # A stop before a way: what touches at its end touches on every way to it.
     blocked = _blocked_stop(bodies, moves) or what_blocks_a_way(bodies, ways)
     if blocked is not None:
         raise PlanRefusedError(blocked)
@@ -109,6 +110,7 @@ class BallbarWork:
 
     def __init__(self, perform: Perform) -> None:
         self._perform = perform
+        # Plans took a core for a minute each, as many as were asked for (decision 0023).
         self._plans = Turns(at_once=1, waiting=_WAITING, patience_s=_PATIENCE_S)
 
     async def choose(self, setup: SessionSetup, wish: BallbarWish) -> BallbarPlan:
@@ -169,6 +171,7 @@ class Sight:
 
     def unseen(self, now: Situation) -> tuple[int, ...]:
         """Return the poses ahead of which an exchange is hardly seen when it is made."""
+        # With a pre-calibration lengths are foreseen, and an exchange is found by it.
         if any(now.outcomes[step.id].kind == "computed" for step in now.steps):
             return ()
         ahead = {

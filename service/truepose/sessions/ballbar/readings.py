@@ -58,8 +58,11 @@ def papers_of(told: str, known: KnownDevice, owner: Artefact, device_serial: str
     if not told:
         silent = bool(known.serial)  # it did tell one before, so this may be another
         return Papers("", "", "", hold=False) if silent else _of(owner, owner.serial_number)
+    # The device's own number comes before the ballbar's: a cable or a counter has a number, and is not what
+    # the certificate is of (decision 0020).
     if device_serial and same_number(told, device_serial):
         return _of(owner, owner.serial_number or told)
+    # Where the cell file names no number, its certificate is that of the bar that the session met first.
     if same_number(told, owner.serial_number or known.first):
         return _of(owner, told)
     return Papers(told, "", "", hold=False)
@@ -89,8 +92,13 @@ def bars_of(step: BallbarStep, kit: BallbarKit) -> Bars:
 
 
 def length_taken(shown: Shown, now: Situation, step: BallbarStep, kit: BallbarKit) -> LengthTaken:
-    """Return the length that is read at this step; raises NotNowError where there is no zero."""
+    """Return the length that is read at this step; raises NotNowError where there is no zero.
+
+    length = calibrator + mean deviation - zero, the zero being the deviation on the calibrator; of standard
+    uncertainty sqrt(u_reading^2 + u_zero^2 + u_calibrator^2), and the calibrator's alone on the calibrator.
+    """
     bars, deviation_mm = bars_of(step, kit), shown.window.mean_mm
+    # On the calibrator the length is the calibrator's by definition, and its uncertainty the certificate's.
     if step.kind is StepKind.INITIALISE:
         zero_mm, number, u_mm = deviation_mm, now.initialisations + 1, bars.calibrator_u_mm
     elif now.zero is not None:
@@ -167,6 +175,8 @@ class Readings:
         """Read the ballbar once and tell the watchers."""
         at = now.step.id if now.step else None
         # it may be exchanged behind a bridge or a counter whose link stays up
+        # At each step, and at each poll while another one is in question: whoever puts the right one back
+        # sees it at once.
         reading = await self._gauge.read(ask=now.ballbar.foreign is not None or at != self._asked_at)
         self._asked_at = self._asked_at if reading is None else at
         if self._gauge.identity is not None:
@@ -182,6 +192,7 @@ class Readings:
         for queue in self._watchers:
             _put(queue, self.sample)
         self._polled.set()
+        # Replaced, so that whoever begins to wait now waits for the next poll and not for this one.
         self._polled = asyncio.Event()
         return self.sample
 
@@ -201,6 +212,7 @@ class Readings:
         """
         self.begin_anew()
         for polls in range(_MOST_POLLS):
+            # Three polls and a sample: a bar that is slower than the polling may have given one only.
             enough = polls >= _FRESH and self._window.count > 0
             if enough or self._closed or (polls > 0 and not is_usable(self._latest)):
                 return
@@ -223,6 +235,7 @@ class Readings:
 
     def _shows_enough(self, sample: LiveSample, polls: int) -> bool:
         """Whether so many samples show where the ballbar is, or will not show it."""
+        # Neither is going to show anything else soon; who waits is told what speaks against it.
         if self._latest is None or sample.ballbar == "connected":
             return polls >= _SETTLES
         if sample.ballbar == "in_hand":
@@ -234,6 +247,7 @@ class Readings:
         """Yield every sample from now on, until the session ends."""
         if self._closed:
             return
+        # Bounded: a tablet that fell asleep must not have the service collect samples for it.
         queue: asyncio.Queue[LiveSample | None] = asyncio.Queue(_KEPT_FOR_A_WATCHER)
         self._watchers.add(queue)
         try:
@@ -278,6 +292,7 @@ class Readings:
         reading, sample = self._latest, self.sample
         if now.step is None or now.step.kind not in READINGS:
             raise NotNowError(message("session.refused.no_length_here"))
+        # Stored is what the person sees.
         if reading is None or sample is None or abs(now_s - reading.time_s) > _RECENT_S:
             raise NotNowError(_REFUSALS["no_signal"])
         why_not = _why_not(sample.state)
@@ -316,6 +331,8 @@ class Readings:
         deviation_mm = None if reading is None else reading.deviation_mm
         off_mm = _off_nominal_mm(reading, now, self._kit)
         reads_zero = now.step is not None and now.step.kind is StepKind.INITIALISE
+        # On the calibrator the raw value counts, not the length: the zero that a length counts from is just
+        # what is being read.
         state = live_state(
             reading, None if reads_zero else off_mm, self._kit.range_mm, unsteady=self._window.unsteady
         )
@@ -358,6 +375,7 @@ def _why_not(state: LiveState) -> WhyNot | None:
 
 
 def _put(queue: "asyncio.Queue[LiveSample | None]", sample: LiveSample | None) -> None:
+    # The oldest goes: whoever watches wants to know what is, not what was.
     if queue.full():
         queue.get_nowait()
     queue.put_nowait(sample)

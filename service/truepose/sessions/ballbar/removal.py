@@ -48,12 +48,16 @@ class BarPutAway:
         """
         try:
             ballbar = self._rack.ballbar
+        # A cell without a ballbar has none that could hang in it.
         except MissingDeviceError:
             return act
         setup = await self._sessions.setup(session_id)
         seen = await self._looked_at(ballbar, self._evidence(session_id, setup.cell.ballbar))
         left_on = await self._left_attached(simulated=setup.simulated)
+        # Whatever is on record: a length that is read now is a bar between two balls, or on its calibrator.
         if seen == "connected":
+            # Kept, so that the next confirmation, or another session, knows of it although the bar may have
+            # fallen silent.
             if not left_on:
                 await self._note_read(session_id)
             raise NotNowError(_LEFT_ON)
@@ -70,9 +74,11 @@ class BarPutAway:
         try:
             return await self._sampled(ballbar, evidence)
         except DriverError:
+            # An error is silence, and silence proves nothing.
             evidence.note(None, None)
             return "unknown"
         finally:
+            # A link that was open is somebody's; one that was opened for this question is closed again.
             if not was_open:
                 with contextlib.suppress(DriverError):
                     await ballbar.close()
@@ -92,8 +98,11 @@ class BarPutAway:
         for number in await self._sessions.with_ballbar(simulated=simulated):
             lines = await self._ledger.whole(number)
             attached = leaves_attached(line.entry for line in lines)
+            # A session that was planned and never asked for the bar says nothing of it; the one before does.
             if attached is None:
                 continue
+            # Numbers of lines are given in the order of commits over all sessions, so they say which came
+            # last.
             if noted is None or noted.id < lines[-1].id:
                 return attached
             break

@@ -99,6 +99,7 @@ class BallbarRunner(SessionRunner[Situation]):
         last = _last_length(entries)
         if last is not None:  # it may still be connected where it was stored
             length, step_id = last
+            # Otherwise a restart would store the same connection once more by itself.
             self._readings.contact.take(length.deviation_mm, step_id)
 
     def live(self) -> AsyncIterator[LiveSample]:
@@ -123,9 +124,11 @@ class BallbarRunner(SessionRunner[Situation]):
         A length that is stored by hand does, and so does the word that the ballbar is off. The ledger is not
         held meanwhile: the loop that brings the samples may be waiting for it.
         """
+        # A repeated request has its answer already, and must not wait for samples of another moment.
         if self._logbook.knows(act.key):
             return
         if act.name is ActName.STORE:
+            # First what can be refused at once: nobody waits two seconds to hear that another tablet acts.
             self.require(act)
             await self._readings.fresh()
         step = self.situation.step
@@ -169,6 +172,8 @@ class BallbarRunner(SessionRunner[Situation]):
     # motion and computation
 
     async def _move(self, step: BallbarStep) -> None:
+        # The motion is over before anything is written: where the line is refused, it is tried again without
+        # moving anything.
         arrival, failure = None, None
         try:
             arrival = await self._motion.perform(step)
@@ -176,12 +181,14 @@ class BallbarRunner(SessionRunner[Situation]):
             failure = None if self._halts.wish is not None else text_of(error)
         except DriverError as error:
             failure = text_of(error)
+            # A link that failed is opened anew by whoever goes on.
             await self._rest.close()
 
         async def keep() -> None:
             nonlocal arrival
             if arrival is not None:
                 await self._logbook.append(EntryKind.MOVED, step.id, arrival=arrival)
+                # Kept once, although the rest may be refused and done again.
                 arrival = None
             elif self._motion.saw_ballbar:
                 await self._transitions.note_attached()
@@ -191,6 +198,8 @@ class BallbarRunner(SessionRunner[Situation]):
         await self._logbook.keep(keep)
 
     async def _after_motion(self, failure: Text | None) -> None:
+        # A halt that was asked for explains why nothing more was sent, so it is what a person reads; not so
+        # where the robot itself failed.
         if self._halts.wish is not None and (self._runs or failure is None):
             await self._halts.take_effect()
         elif failure is not None:
@@ -202,6 +211,7 @@ class BallbarRunner(SessionRunner[Situation]):
             precalibrated(self._precalibrator, self._plan, self._kit, self._logbook.entries)
         )
         try:
+            # The end does not wait for a computation of a minute.
             while not task.done() and not self._ended:
                 await self._wait_for(task)
         finally:
@@ -211,6 +221,7 @@ class BallbarRunner(SessionRunner[Situation]):
 
         async def keep() -> None:
             present = self.situation.step
+            # Somebody may have skipped it, or gone back, while it was computed.
             if not self._ended and present is not None and present.id == step.id:
                 await self._keep_precalibration(step, task.result())
                 await self._transitions.settle()
@@ -242,6 +253,8 @@ class BallbarRunner(SessionRunner[Situation]):
                 continue
             sample = await self._readings.poll(self.situation, robot_still=self._robot_is_still())
             await self._heed_ballbar()
+            # In the cell's time, and without catching up: polls that were missed would come in a burst and
+            # count as samples.
             next_s = max(next_s + POLL_S, sample.time_s)
             now_s = await self._cell.clock.now_s()
             await self._cell.clock.sleep(min(POLL_S, max(0.0, next_s - now_s)))
@@ -250,6 +263,8 @@ class BallbarRunner(SessionRunner[Situation]):
     async def _heed_ballbar(self) -> None:
         is_news = self._transitions.ballbar_news() is not None
         due = is_news or self._is_ready() or self._readings.lost_power
+        # Nothing is stored by itself while the disk refuses: each try would hold the lock that a halt waits
+        # for.
         if self.trouble is not None or not due:
             return
         # Where the line is refused the length is shown on; it is read again once lines are taken.
@@ -298,10 +313,12 @@ class BallbarRunner(SessionRunner[Situation]):
             moved = await self._transitions.look_at_robot()
         except DriverError as error:
             failure = text_of(error)
+        # A motion may have begun while the robot was asked.
         if (moved is None and failure is None) or self._halts.moving:
             return
 
         async def keep() -> None:
+            # Looked at again with the lock: an act may have changed everything meanwhile.
             if self._halts.moving or not self._transitions.entered:
                 return
             if failure is not None:

@@ -75,6 +75,7 @@ def _arm(chain: Chain) -> tuple[Vector, ...]:
     """Return base, joints and last frame as one line: along each link, then along each axis."""
     line = [chain.base_origin[0]]
     for middle, origin in zip(chain.origin_middle[:, 0], chain.origin[:, 0], strict=True):
+        # Zero lengths are left out: a picture of one point twice has no direction.
         line += [point for point in (middle, origin) if not np.allclose(point, line[-1], atol=0.1)]
     return tuple(_vector(point) for point in line)
 
@@ -147,5 +148,6 @@ def _seen(spread_mm: FloatArray, azimuth: float, side_deg: int) -> float:
 
 
 def _vector(point: FloatArray) -> Vector:
+    # A page draws pixels: micrometres are more than enough, and shorter documents travel faster to a tablet.
     x_mm, y_mm, z_mm = (round(float(value), 3) for value in point)
     return x_mm, y_mm, z_mm

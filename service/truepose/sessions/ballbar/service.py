@@ -118,6 +118,7 @@ class BallbarSessions(ServedKind[BallbarRunner]):
         """
         if key is None:
             return await self._plan(name, setup, wish, None)
+        # Before the choice of poses, which takes a minute: a repeated request finds what the first one made.
         made = await self.desk.sessions.answered(key)
         if made is not None:
             return made
@@ -149,6 +150,8 @@ class BallbarSessions(ServedKind[BallbarRunner]):
         kept, now = await self.desk.lines_and_attendance(session_id)
         runner = self.running(session_id)
         by_nobody = [record.entry for record in kept]
+        # The runner's own situation where there is one: it knows halts and refusals that are not on record
+        # yet.
         found = _run_by_nobody(fixed, by_nobody) if runner is None else runner.situation
         return BallbarView(session_id, fixed.name, fixed.setup, fixed.plan, found, now, fixed.sight)
 

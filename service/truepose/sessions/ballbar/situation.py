@@ -199,16 +199,21 @@ def _present(
     step = agenda[index]
     if record.suspicion is not None and record.suspicion.step_id == step.id:
         return step
+    # First of all that must come before: no motion is ever the present step while the bar may be attached.
     if step.kind is StepKind.MOVE and record.attached:
         return _before(step, step_ids.detach(step.id), StepKind.DETACH)
     is_of_a_cup = step.base_point is not None and step.kind in {StepKind.MOVE, StepKind.CLAMP_CUP}
     if is_of_a_cup and not record.ball_fitted:
         return _before(step, step_ids.ball(step.id), StepKind.FIT_BALL)
+    # A step of its own between the others, which the agenda does not list: whether it is needed shows only at
+    # the reading.
     if _lacks_zero(plan, step, record):
         again = _before(step, step_ids.initialise(step.id), StepKind.INITIALISE)
         return replace(again, artefact=step.artefact or "base")
     if step.kind is not StepKind.MOVE:
         return step
+    # From where the arm came to rest last, by ways that were looked at; nobody has looked whether a direct
+    # way is clear.
     return replace(step, via_rad=ways(plan, agenda, record.stood_at).between(record.last_stop, step.id))
 
 
@@ -311,6 +316,8 @@ def _progress(
     """Return how far the session is: what was left out for good is planned no longer."""
     measured = sum(outcomes[step.id].kind == "measured" for step in agenda if step.kind in READINGS)
     ahead = [step.kind for step in agenda if outcomes[step.id].kind == "open"]
+    # A skipped pose stays planned as long as it will be offered again; otherwise the number of readings to
+    # come would fall and rise.
     ahead += _to_be_tried_again(agenda, outcomes, record)
     return BallbarProgress(
         readings=measured,

@@ -115,6 +115,7 @@ class BallbarRecord(Record):
         if own is not None:
             return own
         skip = self._skips.get(step_ids.group_of(step_id))
+        # A pose that is skipped with the bar on still has it taken off.
         if skip is None or (skip.ballbar_stays and step_ids.kind_of(step_id) is StepKind.DETACH):
             return Outcome()
         return Outcome("skipped", text=skip.reason)
@@ -142,10 +143,13 @@ class BallbarRecord(Record):
     def _show(self, entry: LedgerEntry) -> None:
         self.shown = entry.step_id
         self.confirmed = None
+        # From the prompt on, not from the first signal: a bar with an empty battery hangs between the balls
+        # all the same (decision 0016).
         if step_ids.kind_of(entry.step_id) in READINGS:
             self.attached = True
 
     def _control(self, entry: LedgerEntry) -> None:
+        # The first tablet that acts has the session; another one takes it over in an act of its own.
         if entry.tablet is not None and (self.acting is None or entry.control is Control.HAND_OVER):
             self.acting = ActingTablet(entry.tablet, entry.person or "")
         if entry.control is Control.ZERO_LOST:
@@ -153,8 +157,10 @@ class BallbarRecord(Record):
         taken = entry.identity
         if taken is None or taken.device != "ballbar":
             return
+        # Before the first calibrator there is no zero to lose.
         if self.initialisations:
             self._lose_zero()  # whoever comes, goes or falls silent has a zero of its own
+        # Another bar that answers now says nothing of the one that may still hang between the balls.
         self.exchanged |= self.attached and taken.finding in {"accepted", "silent"}
 
     def _lose_zero(self) -> None:
@@ -170,6 +176,8 @@ class BallbarRecord(Record):
         skip = self._skips.get(group)
         if kind is StepKind.MOVE or (skip is not None and skip.step_id == step_id):
             self._skips.pop(group, None)
+        # The arm does not come to rest twice at the same place: six legs of a pose share one arrival, and
+        # 0.0035 mm of scatter between arrivals is seven times a reading's (decision 0016).
         if kind is StepKind.MOVE:
             self._drop(group, frozenset(StepKind))
             self.zeros.pop(group, None)
@@ -195,6 +203,7 @@ class BallbarRecord(Record):
         self.shown = None
         if self.suspicion is not None and self.suspicion.step_id == step_id:
             self.suspicion = None
+        # From here on nobody knows where the arm is, until its arrival is on record.
         if entry.kind is EntryKind.CONFIRMED and kind is StepKind.MOVE:
             self.confirmed = step_id
             self.arm_at = self.arrival = None

@@ -16,6 +16,8 @@ _KINDS: Final = {
     "ball": StepKind.FIT_BALL,
     "move": StepKind.MOVE,
     "clamp": StepKind.CLAMP_CUP,
+    # Written together here, since the kind is told by what stands before the first hyphen; its step is called
+    # "ball-out".
     "ballout": StepKind.REMOVE_BALL,
     "leg": StepKind.CONNECT_LEG,
     "detach": StepKind.DETACH,
@@ -41,6 +43,8 @@ def group_with_zero(step_id: str) -> str:
 
 def listed(step_id: str) -> str:
     """Return the step of the agenda that a step is, or that it must come before."""
+    # A step that had to come in between is named after the one that it came before:
+    # "placement-1/pose-12/leg-2-3/initialise".
     group = group_of(step_id)
     return group if kind_of(group) is not None else step_id
 
@@ -72,6 +76,7 @@ def away(place: str) -> str:
 
 def pose(place: str, config: int, attempt: int) -> str:
     """Return the group of the steps of one attempt at a pose."""
+    # Names are kept in ledgers: they never change, and storage counts attempts by them (`pose_counts`).
     again = {1: "", 2: "/again"}.get(attempt, f"/again-{attempt - 1}")
     return f"{place}/pose-{config}{again}"
 

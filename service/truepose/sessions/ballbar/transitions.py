@@ -55,8 +55,11 @@ class Transitions:
         if self.now.ballbar.foreign is not None:
             await self._await_person(sentence(self.now.ballbar.foreign))
             return
+        # Whoever goes on after a halt or a restart finds out first whether robot and arm are as they were
+        # left.
         if not self.entered and not await self._enter_cell():
             return
+        # A loop: several poses in a row may have none.
         while self.now.has_no_way and self.now.step is not None:
             await self.logbook.append(EntryKind.SKIPPED, self.now.step.id, text=_NO_WAY)
         if self.now.step is None:
@@ -68,6 +71,7 @@ class Transitions:
         """Put the present prompt, on record first; returns the number of its line."""
         step = self.now.step
         number = await self.logbook.append(EntryKind.SHOWN, step.id if step else "", act, text=text)
+        # What was shown before the prompt is no answer to it.
         self.readings.begin_anew()
         if step is not None and step.kind in READINGS:
             self.readings.evidence.expect_length()
@@ -75,6 +79,8 @@ class Transitions:
 
     async def store(self, taken: LengthTaken, act: Act | None = None) -> tuple[int, Suspicion | None]:
         """Keep a length for the present step, or the doubt about it; returns the line and the doubt."""
+        # Asked just before it is kept: a bar that was exchanged behind its link has given the whole length
+        # (decision 0020).
         await self._require_same_ballbar()
         now, step = self.now, self.now.step
         if step is None:
@@ -83,6 +89,8 @@ class Transitions:
         suspicion = doubt(taken, now, step, self.kit, self.judges, held_for)
         kind = EntryKind.MEASURED if suspicion is None else EntryKind.SUSPECTED
         number = await self.logbook.append(kind, step.id, act, length=taken, suspicion=suspicion)
+        # Only after the line is kept: a length that is refused has to be stored by itself once lines are
+        # taken.
         self.readings.contact.take(taken.deviation_mm, step.id if suspicion is None else held_for or "")
         self.readings.begin_anew()
         return number, suspicion
@@ -102,6 +110,7 @@ class Transitions:
     async def _await_person(self, reason: Text) -> None:
         if self.now.state in {SessionState.RUNNING, SessionState.PAUSING}:
             await self.logbook.enter(SessionState.AWAITING_CONFIRMATION, reason)
+        # Somebody has asked for the end: it must not become a question.
         elif self.now.state is SessionState.ABORTING:
             await self.logbook.enter(SessionState.ABORTED, reason)
         self.entered = False
@@ -135,6 +144,8 @@ class Transitions:
         if foreign is None or (serial and not same_number(serial, foreign.serial)):
             raise NotNowError(message("session.refused.ballbar_not_asked", serial=serial))
         if not serial:
+            # A confirmation without a number may be one that was meant for the question before, or was sent
+            # twice: it accepts nothing.
             raise NotNowError(sentence(foreign))
         await self.identities.keep(accepted(foreign, person))
 
