@@ -69,6 +69,7 @@ def dry_run(
         readings=sum(_readings(operation) for operation in operations),
         duration_s=max(
             float(motion_s.sum()) + sum(_duration_s(plan, operation) for operation in operations),
+            # A test of drift waits until its last group is due, however fast the arm is.
             *(stop.work.until_s for stop in plan.stops if stop.work is not None),
             0.0,
         ),
@@ -106,7 +107,21 @@ def _duration_s(plan: SessionPlan, operation: Operation) -> float:
 def _motion_times(
     plan: SessionPlan, robot: Robot, base: FramePlacement, tool_mm: FloatArray, targets: FloatArray
 ) -> FloatArray:
-    """Duration of each move but the first [s]: the slower of the tool's path and its turn."""
+    """Return the duration of each move but the first [s], shape (n - 1,).
+
+    t = max(path / tool speed, angle / orientation speed), both limits being the controller's; ramps are left
+    out.
+
+    Parameters
+    ----------
+    plan : SessionPlan
+    robot : Robot
+    base : FramePlacement
+    tool_mm : ndarray, shape (3,)
+        Point whose path counts, in the last frame.
+    targets : ndarray, shape (n, J)
+        Joint angles [rad].
+    """
     chain = nominal_chain(robot, base, targets)
     path = np.linalg.norm(np.diff(chain.points(tool_mm), axis=0), axis=1)
     last = chain.rotation[-1]
@@ -165,10 +180,12 @@ def _check_stop(
         raise PlanRefusedError(
             message("plan.refused.joints_of_configuration", config=stop.config, joints=robot.n_joints)
         )
+    # For its refusal alone: a nest without a centre cannot be looked for.
     nest_centre(nests, stop.nest)
     if stop.repeat_of is None:
         return
     first = seen.get(stop.repeat_of)
+    # A revisit shows the scatter of the arm only where it is the same place to the last digit.
     if first is None or first.joints_rad != stop.joints_rad or first.nest != stop.nest:
         raise PlanRefusedError(message("plan.refused.repeats", config=stop.config, repeat_of=stop.repeat_of))
 
@@ -185,6 +202,7 @@ def _check_read_at_the_centre(plan: SessionPlan, centre: int) -> None:
 def _check_fixed_nests(fixed_nests: tuple[FixedNest, ...]) -> None:
     if len(fixed_nests) < 3:
         raise PlanRefusedError(message("plan.refused.fixed_nests", nests=len(fixed_nests)))
+    # On a line they leave the turn about that line open.
     if not span_triangle(fixed_nests):
         raise PlanRefusedError(message("plan.refused.nests_on_a_line"))
 
@@ -236,6 +254,8 @@ async def what_lies_ahead(
     bodies = cell.bodies
     if bodies is None or not stops:
         return ""
+    # The way from here is nobody's choice, and the arm may be moved by hand before somebody confirms: so it
+    # is said and never refuses (decision 0019).
     here_rad = await _stands_at(cell.robot_controller, len(stops[0].joints_rad))
     ways = ways_between(stops, approach_offset_rad, here_rad)
     return await asyncio.to_thread(what_to_watch, bodies, ways)

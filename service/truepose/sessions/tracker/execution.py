@@ -71,6 +71,7 @@ class Execution:
         self._operation = None
         self._fixed_nest = None
         self._instrument.begin_step()
+        # Joints that were read at another stop must not be kept with a reading here.
         self._joints = None
 
     async def perform(self, operation: steps.Operation) -> None:
@@ -93,11 +94,14 @@ class Execution:
                 await self._instrument.perform(operation, self._at_rest)
 
     async def _open(self) -> None:
+        # Both are asked who they are before either is initialised: a foreign tracker measures nothing, and an
+        # initialisation takes a minute.
         await self._note(_introduce("tracker", await self._meet("tracker", self._cell.tracker)))
         await self._note(_introduce("robot", await self._meet("robot", self._cell.robot_controller)))
         await self._cell.tracker.initialise()
         for sentence in await self._instrument.conditions():
             await self._note(sentence)
+        # At every opening: a controller that was switched off has forgotten its limits.
         speed = binding_speed(self._plan, self._cell.speed_limits)
         await self._cell.robot_controller.set_limits(speed)
         await self._note(speed_sentence(speed, self._cell.robot_controller.motion_guard))
@@ -114,6 +118,8 @@ class Execution:
             self._work, self._place = work, 0
         clock = self._cell.clock
         left_s = work.until_s - self._logbook.situation.since_first_s
+        # From the ledger's time and not from when this began: a killed service goes on working until the same
+        # moment (decision 0046).
         end_s = await clock.now_s() + left_s
         while self._place or await clock.now_s() < end_s:
             await self._move(work.places_rad[self._place])
@@ -139,6 +145,7 @@ class Execution:
                 )
             )
         off = np.abs(np.subtract(reading.joints_rad, expected_rad))
+        # Not the opposite comparison: a NaN is nowhere near.
         if not np.all(off <= self._plan.joint_tolerance_rad + 0.5 * reading.resolution_rad):
             worst = int(np.argmax(np.nan_to_num(off, nan=np.inf)))
             raise ReadingRejectedError(

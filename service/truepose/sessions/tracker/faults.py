@@ -54,6 +54,7 @@ def lines_after(
 ) -> Iterator[Line]:
     """Yield what is put on record after a fault within a step; raises what is no fault of a cell."""
     reason = text_of(error)
+    # First: among what it covers are errors that the cases below would take for a failed reading.
     if is_interruption(error) or isinstance(error, MotionForbiddenError):
         return _after_interruption(reason, step, now)
     match error:
@@ -71,6 +72,7 @@ def lines_after(
 
 def _after_interruption(reason: Text, step: Step, now: TrackerSituation) -> Iterator[Line]:
     yield Line(EntryKind.REOPENED, StepKind.OPEN)
+    # Otherwise a configuration in which a cable comes loose would have a person confirm for ever.
     if step.stop is not None and now.interruptions + 1 >= _INTERRUPTIONS_PER_STOP:
         yield Line(EntryKind.SKIPPED, step.id, message("session.interrupted_twice", why=reason))
     yield _awaits(together(as_sentence(reason), message("session.put_right")), step.id)
@@ -83,6 +85,7 @@ def _after_failed_measurement(
         yield _paused(message("session.while", doing=step.title, why=reason))
         return
     suspect = not now.measured_lately or now.failures + 1 >= plan.failures_in_a_row
+    # A step pauses the session once. A person has looked by then, so that it is left out when it fails again.
     if not suspect or now.paused_before:
         yield Line(EntryKind.SKIPPED, step.id, reason)
         return
@@ -104,6 +107,7 @@ def _why_suspect(now: TrackerSituation) -> Message:
 
 
 def _after_contradiction(reason: Text, now: TrackerSituation) -> Iterator[Line]:
+    # Where there is none nothing has been contradicted.
     if now.registration is not None:
         yield Line(EntryKind.REOPENED, StepKind.REGISTER)
     yield _paused(reason)

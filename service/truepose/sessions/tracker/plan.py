@@ -204,6 +204,8 @@ def registration(plan: SessionPlan, n_fixed_nests: int) -> Step:
 
 def _registration(plan: SessionPlan, n_fixed_nests: int) -> Iterator[Operation]:
     yield LocateFixedNests()
+    # Before the registration: an instrument that is out of adjustment would be placed in the world with its
+    # error.
     if plan.two_face_check:
         yield ReadFixedNest(1, "two_face", face=1, readings=_FACE_READINGS)
         yield ReadFixedNest(1, "two_face", face=2, readings=_FACE_READINGS)
@@ -233,6 +235,8 @@ def _visit(plan: SessionPlan, stop: PlannedStop) -> Iterator[Operation]:
         yield Move(begin_rad)
     yield Move(stop.joints_rad)
     yield Settle(plan.settle_s)
+    # After the rest and before the reading: an arm that did not arrive must not have a reading kept for where
+    # it was sent.
     yield ReadJoints(stop.joints_rad)
     if plan.measures == "poses":
         yield MeasurePose(stop)

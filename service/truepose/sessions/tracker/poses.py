@@ -113,6 +113,8 @@ class Poses:
         expected = nominal_chain(self._cell.robot, self._cell.base, np.array([stop.joints_rad]))
         off_mm = float(np.linalg.norm(world_mm - expected.points(self._centre_mm)[0]))
         off_rad = float(np.linalg.norm(vector_from_rotation(world_turn @ expected.end_rotation[0].T)))
+        # Wide, since nothing has been measured of where the camera stands: it need only tell another
+        # artefact, or another stop.
         if off_mm > _STANDS_WITHIN_MM or off_rad > _TURNED_WITHIN_RAD:
             raise ReadingRejectedError(
                 message(
@@ -155,6 +157,7 @@ class Poses:
             attachment=self._cell.attachment,
             position_tracker_mm=tuple(seen_mm.tolist()),
             position_world_mm=tuple(world_mm.tolist()),
+            # The camera states no uncertainty of a reading; the cell file does.
             standard_uncertainty_mm=self._camera.position_u_mm,
             rms_mm=reading.rms_mm,
             samples=reading.frames,
@@ -173,6 +176,7 @@ def _turn(reading: PoseReading) -> FloatArray:
     length = float(np.linalg.norm(quaternion))
     if not all(map(math.isfinite, stated)) or abs(length - 1.0) > _UNIT:
         raise ReadingRejectedError(message("session.camera.no_pose"))
+    # Codecs round it, so that its length is 1 to a thousandth; the rotation has to be one exactly.
     return rotation_from_quaternion(quaternion / length)
 
 
@@ -191,6 +195,7 @@ def stated_place(camera: Camera, serial: str = "") -> Registration:
 def _stated_turn(camera: Camera) -> FloatArray:
     """Return a camera's axes in the world, shape (3, 3): one that looks does so along -z, and x is level."""
     sight = np.array(camera.looks_at_mm) - np.array(camera.position_mm)
+    # Such an instrument states its readings in a levelled frame, wherever its head looks.
     if camera.upright:
         z = np.array([0.0, 0.0, 1.0])
         x = np.array([sight[0], sight[1], 0.0])

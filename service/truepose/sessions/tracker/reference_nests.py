@@ -84,6 +84,7 @@ async def locate_tracker(
         No guess led to reflectors with the certified lengths between them.
     """
     certified = np.array([nest.centre_mm for nest in fixed_nests])
+    # The best first: a search around the instrument takes minutes.
     for places, radius_mm in guesses:
         frame = await _try_places(tracker, certified, places, radius_mm)
         if frame is not None:
@@ -102,6 +103,7 @@ async def _try_places(
     found: list[FloatArray] = []
     for place in places:
         point = await _look(tracker, place, radius_mm)
+        # Given up at the first place that does not fit: each look costs seconds.
         if point is None or not _fits([*found, point], certified):
             return None
         found.append(point)
@@ -114,6 +116,7 @@ async def _look(tracker: PointTracker, place: FloatArray, radius_mm: float) -> F
     try:
         await tracker.find_reflector((x, y, z), search_radius_mm=radius_mm)
         reading = await tracker.measure_point(duration_s=_LOOK_S)
+    # No reflector there. A lost link is another error, and is not taken for an empty place.
     except MeasurementFailedError:
         return None
     return np.array(reading.point_mm)
@@ -135,6 +138,8 @@ async def _search_around(
         hit = await _look(tracker, rotation_z(azimuth) @ from_tracker[0], SEARCH_RADIUS_MM)
         if hit is None:
             continue
+        # The hit says the azimuth better than the search circle did, within which the other nests have to be
+        # found.
         turn = np.arctan2(hit[1], hit[0]) - np.arctan2(from_tracker[0, 1], from_tracker[0, 0])
         places = from_tracker @ rotation_z(turn).T
         frame = await _try_places(tracker, certified, places, SEARCH_RADIUS_MM)
@@ -144,7 +149,11 @@ async def _search_around(
 
 
 def _azimuths(distance_mm: float) -> Iterator[float]:
-    """Yield angles [rad] so dense that neighbouring searches overlap, from 0 outwards to both sides."""
+    """Yield angles [rad] so dense that neighbouring searches overlap, from 0 outwards to both sides.
+
+    At a horizontal distance d two circles of the search radius r whose centres are 1.4 r apart subtend
+    2 asin(0.7 r / d) at the instrument. Own derivation; nearer than r it is that of d = r.
+    """
     # two circles of the search radius at 1.4 radii from each other still cover a band of 1.4 radii
     step = 2.0 * np.arcsin(min(1.0, 0.7 * SEARCH_RADIUS_MM / max(distance_mm, SEARCH_RADIUS_MM)))
     count = int(np.ceil(2.0 * np.pi / step))
@@ -196,6 +205,7 @@ class FixedNests:
     def in_world(self, point_mm: Vector) -> Vector | None:
         """Return a point of the tracker's frame in the world, as far as its place is known by now."""
         situation = self._logbook.situation
+        # For a picture an old place is better than none.
         known = situation.registration or situation.last_known
         if known is None and self._rough is None:
             return None
@@ -224,6 +234,7 @@ class FixedNests:
     def _guesses(self) -> list[tuple[FloatArray, float]]:
         guesses: list[tuple[FloatArray, float]] = []
         last_known = self._logbook.situation.last_known
+        # A registration that was given up still says roughly where the nests are.
         if last_known is not None:
             guesses.append((to_tracker(last_known, self._certified), AIMED_RADIUS_MM))
         if self._cell.fixed_nests_seen_mm is not None:
@@ -262,6 +273,8 @@ class FixedNests:
     def _record(self, step: ReadFixedNest, reading: TrackerReading) -> FixedNestTaken:
         world = None
         registration = self._logbook.situation.registration
+        # Only a look is compared with the world; readings of a registration make it, and would be compared
+        # with the one before.
         if registration is not None and step.phase == "reference":
             x, y, z = (float(value) for value in to_world(registration, np.array(reading.point_mm)))
             world = (x, y, z)
@@ -313,8 +326,11 @@ class FixedNests:
     def check_references(self) -> None:
         """Raise AttentionNeededError where a fixed nest is off by more than limit and readings explain."""
         off_mm = {nest: self._off_mm(nest) for nest, _ in self._taken}
+        # The largest of all nests: with readings of 0.05 mm per coordinate one was off by more than the limit
+        # by chance, and the session paused (commit 7d0747e8).
         noise_mm = max((self._noise_mm(nest) for nest in off_mm), default=0.0)
         limit_mm = max(self._plan.reference_limit_mm, _BEYOND_NOISE * noise_mm)
+        # Not the opposite comparison: a NaN is off.
         moved = [nest for nest, off in off_mm.items() if not off <= limit_mm]
         if not moved:
             return
@@ -327,7 +343,10 @@ class FixedNests:
         return float(np.linalg.norm(points.mean(axis=0) - self._certified[fixed_nest - 1]))
 
     def _noise_mm(self, fixed_nest: int) -> float:
-        """Return what the readings of a nest say of the uncertainty of their mean; 0 where nothing."""
+        """Return the standard uncertainty of a nest's mean reading in space [mm]; 0 where none is stated.
+
+        sqrt(trace(C) / n), with C the mean of the covariances stated of its n readings.
+        """
         stated = self._stated(fixed_nest)
         noise_mm = float(np.sqrt(np.trace(stated.mean(axis=0)) / len(stated)))
         return noise_mm if math.isfinite(noise_mm) else 0.0

@@ -41,6 +41,9 @@ class Scale:
 def scale_of_figure(measured_mm: FloatArray, certified_mm: FloatArray, covariances_mm2: FloatArray) -> Scale:
     """Scale from the size of a figure of points, turned alike (Umeyama 1991, equation 42).
 
+    With m_k the measured and a_k the certified points, each less its centroid, and C_k the covariance of
+    their difference: scale = sum a_k . m_k / sum |m_k|^2, variance = sum a_k' C_k a_k / (sum |m_k|^2)^2.
+
     Parameters
     ----------
     measured_mm, certified_mm : ndarray, shape (n, 3)
@@ -58,6 +61,9 @@ def scale_of_lengths(
     measured_mm: FloatArray, covariances_mm2: FloatArray, lengths: Sequence[CertifiedLength]
 ) -> Scale:
     """Scale from certified lengths between nests, the nests that they share taken into account.
+
+    With r_a the certified over the measured length a, and V the relative covariance of these ratios, the
+    generalised least-squares mean is (1' V^-1 r) / (1' V^-1 1), with the variance 1 / (1' V^-1 1).
 
     Parameters
     ----------
@@ -146,9 +152,12 @@ def register(
     measured = np.array([mean.point_mm for mean in means])
     certified = np.array([nest.centre_mm for nest in fixed_nests])
     readings, certificates = _reading_covariances(means), _certificate_covariances(fixed_nests)
+    # One weight a nest, for its mean variance along an axis: the alignment in closed form knows no other.
+    # That readings are worse along the beam is in the covariance again.
     weights = 3.0 / np.trace(readings + certificates, axis1=1, axis2=2)
     rotation, translation = rigid_alignment(measured, certified, weights)
     residuals = certified - measured @ rotation.T - translation
+    # Certificates are stated in the world, readings in the tracker's frame.
     turned = rotation @ readings @ rotation.T
     scale = _scale(measured @ rotation.T, certified, turned, certificates, lengths)
     return Registration(
@@ -157,6 +166,7 @@ def register(
         covariance=_covariance_of_motion(certified, turned + certificates, weights),
         rms_mm=float(np.sqrt(np.mean(np.sum(residuals**2, axis=1)))),
         two_face_mm=two_face_mm,
+        # A coarse certificate would put a scale into words of which nothing is known (limit: 5e-5).
         scale=scale.value if scale.verified else None,
         scale_standard_uncertainty=scale.standard_uncertainty if scale.verified else None,
     )

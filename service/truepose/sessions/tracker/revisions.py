@@ -79,6 +79,7 @@ def _again(step_id: str | None, act: Act, plan: SessionPlan, record: TrackerReco
         if kind not in _AGAIN:
             raise NotNowError(message("session.refused.instruments_by_themselves"))
         return Revision(EntryKind.REOPENED, step_id, act.reason.strip(), _AGAIN[kind])
+    # The order of a test of ISO 9283 is part of it, so nothing of it comes again (decision 0059).
     if any(stop.config == config and stop.group is not None for stop in plan.stops):
         raise NotNowError(message("session.refused.order_is_the_test"))
     sentence = message("session.revised.again", config=config)

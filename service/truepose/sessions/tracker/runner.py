@@ -84,6 +84,7 @@ class TrackerRunner(UnattendedRunner[TrackerSituation]):
         self._identities = TrackerIdentityCheck(cell.expected, logbook)
         self._execution = Execution(plan, cell, self._arm, logbook, self._identities)
         self._watch = Watch(plan, cell, logbook, self._execution)
+        # Kept from the beginning: stops that are added before anybody answers are a question of their own.
         self._first = logbook.situation.left  # what the first question is about
         self._asked = False  # in this run
 
@@ -108,12 +109,14 @@ class TrackerRunner(UnattendedRunner[TrackerSituation]):
         `keep` stores them; it is awaited while the session cannot end, and nothing is added where it
         raises. Raises NotNowError, PlanRefusedError.
         """
+        # The session cannot end while the stops are being stored: none is on record that nobody will measure.
         async with self._logbook.changing:
             if self._ended or self._halts.wish is SessionState.ABORTED:
                 raise NotNowError(message("session.refused.plan_another", state=words(self.state)))
             plan = extended_plan(self._plan, stops)
             self._check(plan, self.situation)
             await keep()
+            # Only once they are on disk.
             self._plan = plan
             self._logbook.refresh()
 
@@ -167,7 +170,10 @@ class TrackerRunner(UnattendedRunner[TrackerSituation]):
         name = tidy_name(act.person)
         number = await self._logbook.enter(SessionState.RUNNING, message("session.went_on", person=name), act)
         self._identities.permit(act.accepted_serial, name)
+        # Only once the line is on disk: a refused confirmation must not take back a halt.
         self._halts.forget()
+        # A person had the cell: where the arm stands now has been confirmed, and its last directions are
+        # unknown.
         self._arm.forget()
         if act.name is ActName.CONFIRM:
             return ActOutcome(message("session.done.confirmed"), number)
@@ -240,6 +246,7 @@ class TrackerRunner(UnattendedRunner[TrackerSituation]):
             if isinstance(error, MotionForbiddenError) and self._halts.wish is not None:
                 return ()  # asked for between two looks
             if is_interruption(error):
+                # Both, whichever failed: the step begins again with the opening of the instruments.
                 await self._cell.tracker.close()
                 await self._cell.robot_controller.close()
             return tuple(lines_after(error, step, self.situation, self._plan))
@@ -249,8 +256,11 @@ class TrackerRunner(UnattendedRunner[TrackerSituation]):
         await self._logbook.write(EntryKind.BEGUN, step.id, text=step.title, progress=progress)
         self._execution.begin_step()
         for operation in step.operations:
+            # Between two operations, hence at the end of a motion: what is under way cannot be broken off.
             if self._halts.wish is not None or self._is_left_out(step):
                 return ()
+            # A session may have waited a minute for the disk: after that nobody expects a motion (decision
+            # 0024).
             refused = self._logbook.interrupted
             if isinstance(operation, Move | KeepWorking) and refused is not None:
                 return (_confirm_again(refused),)
@@ -272,10 +282,13 @@ class TrackerRunner(UnattendedRunner[TrackerSituation]):
             line = lines[0]
             if line.entered is None:
                 await self._logbook.append(line.kind, line.step_id, text=line.text)
+            # A question to a person who has ended the session would keep it from ending.
             elif not ends:
                 said: dict[str, Any] = {"entered": line.entered, "text": line.text}
                 await self._logbook.append(line.kind, line.step_id, progress=self.progress, **said)
                 self._halts.wish = None  # it waits for a person, as was wished
+            # After the line is kept: where one is refused this is done again, from the line that is not kept
+            # yet.
             lines.popleft()
         await self.follow_step()
 

@@ -45,6 +45,7 @@ def judged(cell: Cell, plan: SessionPlan) -> Text:
 
 def judged_addition(cell: Cell, plan: SessionPlan, added: Sequence[PlannedStop]) -> Text:
     """Return what to watch on the ways to added stops; raises PlanRefusedError where one cannot be."""
+    # With the last stop of the plan, from where the arm comes to the first that is added.
     return _watched(bodies_of(cell), ways_between((*plan.stops[-1:], *added), plan.approach_offset_rad))
 
 
@@ -167,6 +168,8 @@ class TrackerSessions(AskedSessionKind[TrackerRunner]):
         plan = await self.desk.sessions.plan(record.id)
         first_pass = await self.desk.is_first_pass(setup)
         cell = self._cell(setup, await self.desk.speed_limits(setup), first_pass=first_pass)
+        # Only what is left: the arm does not go again to what was measured, whatever the floor is said to be
+        # by now.
         left = situation(plan, len(cell.fixed_nests), ledger.earlier).left
         if cell.bodies is not None:
             await asyncio.to_thread(refuse_below_floor, cell.bodies, left, plan.approach_offset_rad)

@@ -92,6 +92,7 @@ class TrackerRecord(Record):
                 self.doing = entry.text
             case EntryKind.READ if entry.step_id == StepKind.WARM and entry.fixed_nest is not None:
                 self.warming.append(entry.fixed_nest)
+            # With a key a person left it out; without one the session did, after a reading that failed.
             case EntryKind.SKIPPED if entry.key is not None:
                 self._leave_out(entry.step_id)
             case EntryKind.MEASURED | EntryKind.SKIPPED:
@@ -122,6 +123,8 @@ class TrackerRecord(Record):
 
     def _end_stop(self, entry: LedgerEntry) -> None:
         config = config_of(entry.step_id)
+        # A reading that was under way when a person left its configuration out does not count either
+        # (decision 0059).
         if config is None or config in self.left_out:
             return
         is_measured = entry.kind is EntryKind.MEASURED
@@ -155,6 +158,7 @@ class TrackerRecord(Record):
             case StepKind.OPEN:
                 self.opened = True
             case StepKind.REGISTER:
+                # A registration is confirmed by a look before the arm goes anywhere.
                 self.registered, self.looked = True, False
             case StepKind.LOOK:
                 self.looked, self.since_look = True, 0
@@ -167,6 +171,8 @@ class TrackerRecord(Record):
         if config is not None:
             self._want_again(config)
             return
+        # Whatever is reopened, the fixed nests are looked at again: instruments were opened, or a tracker may
+        # stand elsewhere.
         kind = StepKind(step_id)
         self.looked = False
         if kind is StepKind.WARM:
@@ -180,14 +186,19 @@ class TrackerRecord(Record):
     def _want_again(self, config: int) -> None:
         """Take that a configuration is to be measured; to go there a person has to let the arm."""
         self.reopened.add(config)
+        # Also what a person has let the arm go to: whoever taps a row of a table looks at a table (decision
+        # 0059).
         for known in (self.measured, self.skipped, self.left_out, self.allowed):
             known.discard(config)
 
     def _control(self, entry: LedgerEntry) -> None:
         if entry.control is Control.RESTARTED:
+            # Devices belong to a process: a new one has to open them.
             self.opened = self.looked = False
         match entry.entered:
             case SessionState.RUNNING:
+                # What was asked about and no more: stops that were added while the question was open are a
+                # question of their own.
                 self.allowed |= self._asked
                 self.measured_lately, self.failures = False, 0
             case SessionState.AWAITING_CONFIRMATION:
@@ -307,6 +318,7 @@ def steps(plan: SessionPlan, n_fixed_nests: int) -> Iterator[Step]:
         if step.stop is not None:
             left.popleft()
         record.end(step.kind)
+        # The listing shows one round of a warm-up: how many there will be, readings say.
         record.warm_enough |= step.kind is StepKind.WARM
 
 
@@ -336,4 +348,6 @@ def _vouches_for(tracker: KnownDevice, registration: Registration) -> bool:
         return False
     if registration.instrument_serial and tracker.serial:
         return same_number(registration.instrument_serial, tracker.serial)
+    # Neither tells a number, so that only what a person said can tell them apart: one that was accepted since
+    # is another.
     return not tracker.by_person

@@ -55,12 +55,14 @@ class TrackerIdentityCheck(IdentityCheck):
         identity = await link.identify()
         self.hear(device, identity)
         found = self.news(device, identity)
+        # A permission is for the next answer alone: later another one may have this address.
         permitted, self._permitted = self._permitted, None
         if found is not None:
             await self._note(found)
         foreign = self._foreign(device)
         if foreign is None:
             return identity
+        # Accepted is the number that the person named, not whoever answers (decision 0020).
         if permitted is None or not same_number(permitted[0], told(identity.serial)):
             raise _refusal(foreign)
         await self._note(accepted(foreign, permitted[1]))
@@ -102,6 +104,7 @@ class CheckedTracker:
         reading = await self._measure(duration_s)
         if reading.face != face:
             await self._tracker.change_face()
+            # The first reading only says on which face the instrument stands; it was taken on the wrong one.
             reading = await self._measure(duration_s)
         if reading.face != face:
             raise ReadingRejectedError(message("session.tracker.face", face=reading.face, wanted=face))
@@ -124,6 +127,7 @@ class CheckedTracker:
         """Return the air as the weather station states it, None where the tracker has none."""
         try:
             return await self._tracker.environment()
+        # An instrument that forgot its initialisation is no instrument without a weather station.
         except NotInitialisedError:
             raise
         except (DeviceRefusedError, MeasurementFailedError):
@@ -154,9 +158,13 @@ def stated_covariance_mm2(reading: TrackerReading) -> FloatArray:
 def world_covariance_mm2(
     reading: TrackerReading, registration: Registration
 ) -> tuple[Vector, Vector, Vector] | None:
-    """Return the covariance of a reading in the world [mm2], None where the instrument states none."""
+    """Return R C R' of a reading [mm2], which turns its covariance into the world; None where none is stated.
+
+    The registration's own uncertainty is not in it: readings of one session share that.
+    """
     if reading.covariance_mm2 is None:
         return None
     turned = registration.rotation @ np.array(reading.covariance_mm2) @ registration.rotation.T
+    # Rounding leaves it unsymmetric in the last digit; whoever factorises it later would stumble.
     (xx, xy, xz), (_, yy, yz), (_, _, zz) = (0.5 * (turned + turned.T)).tolist()
     return (xx, xy, xz), (xy, yy, yz), (xz, yz, zz)

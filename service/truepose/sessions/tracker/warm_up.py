@@ -3,6 +3,13 @@
 A tracker that warms up bends and turns a little, so that nests that stand still seem to move. What that
 does to a session is what the nests move between two looks at them. The line through the last rounds of
 readings says how much that is, and their scatter how well that is known.
+
+With p_kn the place of nest n of N in round k of K at the time t_kn, both less their means over the rounds:
+
+    rate_n = sum_k t_kn p_kn / sum_k t_kn^2                least squares, by axis
+    s^2    = sum |p_kn - t_kn rate_n|^2 / (3 N (K - 2))    variance of a coordinate, the same for all nests
+    ahead  = T max_n |rate_n|                              T = 300 s
+    bound  = T max_n (|rate_n| + 2 s / sqrt(sum_k t_kn^2))
 """
 
 from collections.abc import Sequence
@@ -81,11 +88,13 @@ def _ahead(times_s: FloatArray, places_mm: FloatArray) -> tuple[float | None, fl
     rounds, nests, _ = places_mm.shape
     if rounds < _FEWEST:
         return None, None
+    # By nest: each is read at another moment of its round.
     since = times_s - times_s.mean(axis=0)
     spread = np.sum(since**2, axis=0)
     moved = places_mm - places_mm.mean(axis=0)
     rates = np.einsum("kn,knx->nx", since, moved) / spread[:, None]
     left = moved - since[..., None] * rates
+    # Over all nests and axes together: eight rounds of one nest tell a scatter badly.
     scatter = np.sqrt(np.sum(left**2) / (3 * nests * (rounds - 2)))
     ahead = np.linalg.norm(rates, axis=1) * AHEAD_S
     return float(ahead.max()), float((ahead + _SURE * scatter / np.sqrt(spread) * AHEAD_S).max())

@@ -66,6 +66,7 @@ class Looks:
             await self._answer(self._look, _LAST_LOOK_S)
 
     async def _answer(self, look: asyncio.Future[Vector | None], patience_s: float) -> Vector | None:
+        # Waited for from outside: a time-out within the look would break it off in the middle of an answer.
         if not (await asyncio.wait({look}, timeout=patience_s))[0]:
             look.cancel()
             self._give_up(f"no answer within {patience_s:g} s")
@@ -165,6 +166,7 @@ class Watch:
         """Look again and again while somebody watches; ends with its task."""
         try:
             while True:
+                # Wall time: people watch, also where the cell's time costs none.
                 await asyncio.sleep(_PERIOD_S)
                 if self._watchers:
                     self._newest = await self._looked()
@@ -204,6 +206,7 @@ class Watch:
         return None if step is None or step.stop is None else self._aim_at(step.stop)
 
     def _aim_at(self, stop: PlannedStop) -> Aim:
+        # Kept for the configuration: the nominal robot need not be computed eight times a second.
         if self._aimed is None or self._aimed.config != stop.config:
             self._aimed = expected_at(stop, self._plan, self._cell)
         return self._aimed
