@@ -54,6 +54,7 @@ def _check_last_steps(plan: ContactPlan, stop: ContactStop, robot: Robot, base: 
         raise PlanRefusedError(message("plan.refused.reached_at_once", config=stop.config))
     flange = nominal_chain(robot, base, np.array(stop.way_rad[FREE_PLACES - 1 :])).origin[-1]
     steps_mm = np.linalg.norm(np.diff(flange, axis=0), axis=1)
+    # Gauges are looked at between two steps only, so that a step has to be short against their stroke.
     if steps_mm.size and steps_mm.max() > 0.5 * plan.stroke_mm + 1e-6:
         raise PlanRefusedError(
             message(
@@ -71,6 +72,7 @@ def minutes_of(plan: ContactPlan, robot: Robot, base: FramePlacement) -> float:
     for joints_rad in _passed(plan):
         tool_mm = nominal_chain(robot, base, np.array(joints_rad)).origin[-1]
         path_mm = np.linalg.norm(np.diff(tool_mm, axis=0), axis=1)
+        # Twice: the arm leaves by the way it came.
         creeps = 2 * path_mm[FREE_PLACES - 1 :].sum() / plan.touch_speed_mm_s if plan.touches else 0.0
         seconds += 2 * path_mm[: FREE_PLACES - 1].sum() / plan.tool_speed_mm_s + creeps + 2 * plan.settle_s
     return float(seconds / 60.0)

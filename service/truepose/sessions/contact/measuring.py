@@ -82,6 +82,7 @@ class Gauges:
             found.append(
                 message("session.identity.gauge_is", device=box.name, model=model, serial=identity.serial)
             )
+        # Targets are matched with channels by their order: one too many or too few would shift all of them.
         await self._require_channels()
         return tuple(found)
 
@@ -98,7 +99,7 @@ class Gauges:
         return tuple(readings)
 
     async def furthest_in_mm(self) -> float:
-        """Return how far the one is pushed in that is furthest; one that is out of its range counts fully."""
+        """Return the largest deviation of all gauges [mm], within range or not; inwards is positive."""
         return max(self._pushed_mm(reading) for reading in await self.look())
 
     async def read(self) -> tuple[float, ...]:
@@ -108,6 +109,7 @@ class Gauges:
             if number:
                 await self._clock.sleep(_BETWEEN_S)
             samples.append([self._within_mm(n, one) for n, one in enumerate(await self.look(), start=1)])
+        # Over 0.1 s and more: an arm that still swings shows here.
         scatter_mm = float(np.ptp(samples, axis=0).max())
         finest_mm = self._plan.reading_u_mm
         if scatter_mm > _UNSTEADY * finest_mm:
@@ -163,10 +165,12 @@ def nudged(robot: Robot, base: FramePlacement, joints_rad: Joints, by_mm: Vector
     pose[:3, :3] = chain.rotation[-1][0]
     pose[:3, 3] = chain.origin[-1][0] + placement_rotation(base).T @ np.array(by_mm)
     found = all_branches(robot, pose)
+    # Inverse kinematics gives angles within a turn; the joint may stand turns away.
     turned = found - 2 * np.pi * np.round((found - here) / (2 * np.pi))
     away = np.max(np.abs(turned - here), axis=1, initial=0.0)
     away[np.isnan(away)] = np.inf
     nearest = int(np.argmin(away))
+    # A millimetre near a singularity may turn a joint far, into something (commit 8e4da3b2).
     if not away[nearest] <= _FURTHEST_RAD:
         raise ReadingRejectedError(message("session.gauge.no_nearer"))
     return tuple(float(angle) for angle in turned[nearest])
@@ -208,6 +212,8 @@ class Visiting:
         await self._go_to_begin(stop)
         try:
             taken = await self._approach_and_read(stop)
+        # The stop is left out, and the arm must not stay in touch with its target: the next motion goes
+        # elsewhere.
         except (ReadingRejectedError, MeasurementFailedError):
             await self._leave(stop)
             raise
@@ -236,12 +242,17 @@ class Visiting:
         self._begin = begin_rad
 
     async def _approach_and_read(self, stop: ContactStop) -> ContactTaken:
+        # Forgotten before the first motion towards the target: halted anywhere on the way, the arm has to go
+        # back along it.
         self._begin = None
         free, touching = stop.way_rad[1:FREE_PLACES], stop.way_rad[FREE_PLACES:]
         for joints_rad in free:
             await self._arm.move(joints_rad)
+        # From here on something may be in touch.
         await self._cell.robot_controller.set_limits(self._slow)
         for start_rad, end_rad in pairwise((free[-1], *touching)):
+            # Before each step and with what the gauges show now: the target may stand nearer than the plan
+            # has it.
             await self._require_room(start_rad, end_rad)
             await self._arm.move(end_rad)
         return await self._read_at(stop, await self._nulled(stop))
@@ -273,6 +284,8 @@ class Visiting:
     async def _nudge(self, joints_rad: Joints, push: Vector, shown_mm: float) -> Joints:
         x, y, z = (-shown_mm * np.array(push)).tolist()
         there_rad = nudged(self._cell.robot, self._cell.base, joints_rad, (x, y, z))
+        # Looked at here, so that the stop is left out. Refused by the interlocks it asked a person the same
+        # question for ever: joint 6 at 180.02 deg (commit 34fb5649).
         outside = joint_outside(there_rad, motion_limits(self._cell.robot, self._cell.joint_limits))
         if outside is not None:
             raise ReadingRejectedError(message("session.zero.outside", outside=outside))
@@ -296,6 +309,8 @@ class Visiting:
             attachment=self._cell.attachment,
             targets=stop.targets if len(stop.targets) > 1 else stop.targets * len(readings_mm),
             axes=tuple(range(len(readings_mm))) if self._plan.loop == "sensor" else (),
+            # A probe that is pushed in shows more, and the target is nearer: its reading counts the other
+            # way.
             reading_mm=tuple(-mm for mm in readings_mm) if self._plan.loop == "probe" else readings_mm,
             standard_uncertainty_mm=self._plan.reading_u_mm,
         )

@@ -120,6 +120,8 @@ class ContactRunner(UnattendedRunner[ContactSituation]):
             await super().begin()
         elif self.state is SessionState.PLANNED:
             await self._ask(Question.FIXTURE)
+        # What people did with their hands stays done, so only an open question of theirs is put again; else
+        # it is whether the cell is clear.
         elif self._logbook.restarted:
             step = self.situation.step
             question = step if isinstance(step, Question) else Question.CLEAR
@@ -130,6 +132,7 @@ class ContactRunner(UnattendedRunner[ContactSituation]):
 
     async def _ask(self, question: Question) -> None:
         async def put() -> None:
+            # A question to a person who has just asked for a halt would take its place.
             if not self._ended and self._halts.wish is None:
                 said: dict[str, Any] = {"entered": SessionState.AWAITING_CONFIRMATION}
                 said |= {"text": asked(question, self._plan), "progress": self.progress}
@@ -146,6 +149,7 @@ class ContactRunner(UnattendedRunner[ContactSituation]):
             await self._logbook.keep(self.settle)
         elif isinstance(step, Question):
             await self._ask(step)
+        # After the disk has refused for a while nobody expects a motion (decision 0024).
         elif self._logbook.interrupted is not None:
             await self._logbook.keep(self._wait_after_refusal)
         else:
@@ -168,6 +172,7 @@ class ContactRunner(UnattendedRunner[ContactSituation]):
             if isinstance(step, Open):
                 await self._open()
                 return [{"kind": EntryKind.ENDED, "step_id": OPEN}]
+            # Before each stop: a controller may be exchanged behind an address without the link going down.
             await self._require_same_robot()
             taken = await self._visiting.visit(step.stop)
             return [{"kind": EntryKind.MEASURED, "step_id": step.id, "contact": taken}]
@@ -192,6 +197,7 @@ class ContactRunner(UnattendedRunner[ContactSituation]):
         if isinstance(step, Open) or isinstance(error, AttentionNeededError):
             return [{**pauses, "text": together(reason, CELL_CLEAR)}]
         skipped = {"kind": EntryKind.SKIPPED, "step_id": step.id, "text": reason}
+        # One configuration may fail by itself; several in a row make the set-up suspect.
         if self.situation.failures + 1 < self._plan.failures_in_a_row:
             return [skipped]
         why = message("session.stops_in_a_row", stops=self.situation.failures + 1, why=reason)

@@ -129,6 +129,7 @@ def _ways(plan: ContactPlan) -> Ways:
     """Return the motions of a plan from its first stop on; the ways back are the same ones."""
     names, starts, ends = [], [], []
     for before, stop in zip((None, *plan.stops), plan.stops, strict=False):
+        # From the place at which the way before began, and not from its stop: the arm goes back there first.
         passed = (*(() if before is None else before.way_rad[:1]), *stop.way_rad)
         for start, end in pairwise(passed):
             names.append(message("room.way.to_configuration", config=stop.config))

@@ -131,6 +131,7 @@ class ContactRecord(Record):
         if entry.entered in ASKS:
             # Whatever the session waits for, the cell is looked at before anything moves again.
             self.answered.discard(Question.CLEAR)
+            # A halt names the stop at which it came; what it asks is whether the cell is clear.
             named = entry.step_id in set(Question)
             self._asked = Question(entry.step_id) if named else Question.CLEAR
         if entry.entered is SessionState.RUNNING:
@@ -219,6 +220,7 @@ def present_step(record: ContactRecord, left: tuple[ContactStop, ...]) -> Step |
     """Return what is due now; None: nothing is."""
     if not left:
         return None
+    # What is done by hand comes before the devices are opened: whoever bolts a fixture is in the cell.
     for question in (Question.FIXTURE, Question.ZERO):
         if question not in record.answered:
             return question
