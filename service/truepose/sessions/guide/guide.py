@@ -106,6 +106,8 @@ def standing(fixed: Fixed, entries: Iterable[LedgerEntry], *, runs: bool) -> Sta
 def standing_of(fixed: Fixed, record: TrackerRecord | ContactRecord, *, runs: bool) -> Standing:
     """Return where a session stands after what is on record."""
     step, progress, acts = _found(fixed, record)
+    # A ledger that ends in "running" is of a service that was killed: nobody runs the session, and no page
+    # may say so.
     state = record.state if runs else after_restart(record.state)
     allowed = _BY_STATE.get(state, frozenset())
     return Standing(
@@ -141,6 +143,7 @@ def _of_tracker(plan: SessionPlan, n_fixed_nests: int, record: TrackerRecord) ->
         acts.add(ActName.SKIP)
     if newest_stop(record) is not None:
         acts.add(ActName.RETRY)
+    # Devices are opened by the session itself whenever that is needed.
     if record.ended and record.ended[-1] != OPENED:
         acts.add(ActName.BACK)
     step = found.step
@@ -202,6 +205,8 @@ class Outlooks:
             return None
         amounts = len(session.points), left
         async with self._turns.taken():
+            # Looked up with the place taken: of two tablets that ask at once the second finds what the first
+            # had computed.
             known = self._known.get(session.id)
             if known is not None and known[0] == amounts:
                 return known[1]

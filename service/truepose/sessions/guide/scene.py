@@ -75,6 +75,7 @@ def guided_scene(fixed: Fixed, registration: Registration | None, config: int | 
     cell, plan = fixed.setup.cell, fixed.plan
     configs = [stop.config for stop in plan.stops]
     number = configs.index(config) if config in configs else 0
+    # Where the tracker was measured to stand outranks where the cell file puts it.
     space = replace(space_of_cell(cell, (), None), tracker_position_mm=_place(cell, registration))
     chain = nominal_chain(space, np.array([stop.joints_rad for stop in plan.stops]))
     stops = () if isinstance(plan, ContactPlan) else plan.stops

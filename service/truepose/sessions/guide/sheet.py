@@ -121,6 +121,7 @@ def sheet_of(fixed: Fixed, entries: Sequence[LedgerEntry]) -> Sheet:
 
 def _nest_rows(fixed: Fixed, record: TrackerRecord, entries: Sequence[LedgerEntry]) -> tuple[NestRow, ...]:
     taken = _of_newest_registration(entries)
+    # One that was given up is still known, but no readings are compared with it.
     registration = record.registration if record.registered else None
     return tuple(
         _nest_row(number, nest.centre_mm, [one for one in taken if one.fixed_nest == number], registration)
@@ -129,6 +130,8 @@ def _nest_rows(fixed: Fixed, record: TrackerRecord, entries: Sequence[LedgerEntr
 
 
 def _of_newest_registration(entries: Sequence[LedgerEntry]) -> list[FixedNestTaken]:
+    # From the beginning of the newest attempt: a step that was interrupted began again with its first
+    # reading.
     begun = [i for i, one in enumerate(entries) if _begins(one, StepKind.REGISTER)]
     since = entries[begun[-1] :] if begun else ()
     return [one.fixed_nest for one in since if one.fixed_nest and one.fixed_nest.phase == "registration"]
@@ -161,6 +164,7 @@ def _looks(fixed: Fixed, plan: SessionPlan, entries: Sequence[LedgerEntry]) -> t
         if taken is None or taken.phase != "reference" or taken.position_world_mm is None:
             continue
         moved[taken.fixed_nest] = math.dist(taken.position_world_mm, certified[taken.fixed_nest - 1])
+        # A look that was broken off says nothing of the nests it did not come to.
         if len(moved) == len(certified):
             ways = tuple(moved[number] for number in sorted(moved))
             found.append(Look(entry.time_s, ways, plan.reference_limit_mm))
@@ -210,6 +214,8 @@ def _reasons(entries: Sequence[LedgerEntry]) -> dict[int, Text]:
 
 
 def _status(config: int, record: TrackerRecord) -> Status:
+    # First what a person decided, then what came of it: a configuration that is left out may have been
+    # measured.
     if config in record.left_out:
         return "left_out"
     if config in record.measured:
