@@ -42,6 +42,8 @@ class PresentCell:
         if self._read_again is None:
             return
         try:
+            # The parsed cells are compared, the robot's file included: a comment in the file stops nobody
+            # (decision 0019).
             found = await asyncio.to_thread(self._read_again)
         except TrueposeError as error:
             raise CellChangedError(message("session.cell_file.unreadable", why=text_of(error))) from error
@@ -59,6 +61,8 @@ class PresentCell:
         """Raise PlanRefusedError where a session was planned for a robot of another serial number."""
         present = "" if self._cell is None else self._cell.robot_serial_number
         planned = stored.robot_serial_number
+        # Where one of the two names no number there is nothing to compare; the controller is asked for its
+        # own before it moves.
         if present and planned and not same_number(present, planned):
             raise PlanRefusedError(message("session.planned_for.serial", planned=planned, present=present))
 
@@ -67,16 +71,22 @@ class PresentCell:
         present = self._cell
         if present is None:
             return stored
+        # Another type of robot has other limits and another nominal model: nothing that was planned holds for
+        # it.
         if present.robot.name != stored.robot.name:
             raise PlanRefusedError(
                 message("session.planned_for.type", planned=stored.robot.name, present=present.robot.name)
             )
+        # What was rehearsed in a simulated cell must not go on in a real one because the cell file was
+        # exchanged (commit 2004b8d6).
         if (present.simulated is None) != (stored.simulated is None):
             planned_in_real = stored.simulated is None
             raise PlanRefusedError(
                 message("session.planned_in.real" if planned_in_real else "session.planned_in.simulated")
             )
         speed = slowest(speed_limits(stored.limits), speed_limits(present.limits))
+        # Only the limits are taken from today. Everything else stays as it was planned: the readings belong
+        # to that.
         limits = replace(
             stored.limits,
             joints=common_ranges(_joint_limits(stored), _joint_limits(present)),

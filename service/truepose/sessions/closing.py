@@ -37,9 +37,12 @@ def papers_of_session(
     by_bar : bool
         The ballbar measured.
     """
+    # Each instrument once, in the order in which it first answered.
     answered = dict.fromkeys((one.device, one.serial) for one in identities if one.device in _ROLES)
     met: set[IdentityOf] = set()
     for device, serial in answered:
+        # An entry of the cell file that names no number is claimed by the first to answer; the next one is
+        # another instrument, and has no paper (decision 0020).
         yield _of_instrument(cell, device, serial, "" if device in met else used.get(device, ""))
         met.add(device)
     yield from map(_of_artefact, _artefacts(cell, by_bar=by_bar))
@@ -119,7 +122,10 @@ class ClosingDesk:
         self._present = present
 
     async def certificates(self, session_id: int) -> tuple[JudgedPaper, ...]:
-        """Return what the readings rest on, as it stood when the last was taken; raises NotFoundError."""
+        """Return what the readings rest on, as of the day on which the session ended; raises NotFoundError.
+
+        Of one under way it is the day on which it came to the state that it is in.
+        """
         record = await self._sessions.get(session_id)
         cell = (await self._sessions.setup(session_id)).cell
         identities = await self._sessions.identities(session_id)
@@ -142,6 +148,7 @@ class ClosingDesk:
         record = await self._sessions.get(wanted.session_id)
         person = self._present.require_person(wanted.person)
         _require_end(record, wanted)
+        # Kept with the closing, which then says by itself on what it rested.
         papers = await self.certificates(record.id)
         closing = replace(wanted, person=person, reason=wanted.reason.strip(), certificates=papers)
         if closing.overridden and not closing.reason:

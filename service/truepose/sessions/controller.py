@@ -63,10 +63,13 @@ class AskedSessionKind(ServedKind[R]):
     async def begun(self, session_id: int, runner: R) -> None:
         """Wait for the question; raises RecordRefusedError where it cannot be put on record."""
         while self.running(session_id) is runner:
+            # Taken before looking, so that no change falls between the look and the wait.
             news, version, now = self.desk.watching.news, runner.version, runner.moment
             # The question comes first, the state that it puts the session in once the journal has it.
             if now.prompt is not None and now.state is not SessionState.PLANNED:
                 return
+            # A question that is not on record asks nobody: the start is refused in the storage's own words,
+            # and the devices are given back.
             if runner.cause_of_trouble is not None:
                 raise type(runner.cause_of_trouble)(
                     message("session.not_started", session=session_id, sentence=now.trouble or "")

@@ -70,6 +70,7 @@ class Rack:
         self._mounted = {device.entry.name: device for device in mounted}
         self._identities: dict[str, DeviceIdentity] = {}
         self._faults: dict[str, str] = {}
+        # Two requests for one device wait for each other: a link that is being opened cannot be closed.
         self._turns = {name: asyncio.Lock() for name in self._mounted}
         self._session_id: int | None = None
         self._moved: GuardsMotion | None = None  # the robot as the session under way moves it
@@ -119,6 +120,7 @@ class Rack:
         `instrument` is what stands in the tracker's place.
         """
         kinds: dict[IdentityOf, DeviceKind] = {"tracker": instrument, "robot": "robot", "ballbar": "ballbar"}
+        # Reversed, so that of two devices of a kind the first one stays: that is the one which sessions use.
         by_kind = {mounted.kind: mounted.expected_serial for mounted in reversed(self._mounted.values())}
 
         def hear(device: IdentityOf, identity: DeviceIdentity) -> None:

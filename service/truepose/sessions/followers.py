@@ -26,11 +26,13 @@ class Watching:
 
     def count(self, session_id: int) -> int:
         """Return how many tablets follow a session."""
+        # A unary plus leaves out tablets whose connections have all gone.
         return len(+self._connections.get(session_id, Counter()))
 
     @contextlib.contextmanager
     def by(self, session_id: int, tablet: str) -> Iterator[None]:
         """Count a tablet among those that follow a session."""
+        # A tablet that loads its page anew has two connections for a moment, and is still one.
         connections = self._connections.setdefault(session_id, Counter())
         connections[tablet] += 1
         self.tell()

@@ -37,6 +37,7 @@ class RepeatedDiagnosis:
             return
         try:
             await self._repeat(session_id, await self._diagnoses.get(diagnosis_id))
+        # The session has finished well; what cannot be diagnosed again is a note and no failure.
         except TrueposeError as error:
             why = message("session.not_diagnosed_again", diagnosis=diagnosis_id, why=text_of(error))
             await self._sessions.note(session_id, why)
@@ -44,6 +45,7 @@ class RepeatedDiagnosis:
     async def _repeat(self, session_id: int, earlier: DiagnosisRecord) -> None:
         """Start from what the earlier one started from, judged by the same validation session."""
         measured = await self._campaigns.get(earlier.campaign_id)
+        # The same session judges both, so that their figures can be compared.
         validation_id = measured.session_ids[1] if len(measured.session_ids) > 1 else None
         campaign_id = await self._campaign_desk.from_sessions(measured.name, session_id, validation_id)
         await self._job_desk.diagnose(campaign_id, earlier.diagnosis.start_effects)

@@ -37,6 +37,7 @@ class RequestsUnderWay(Generic[T]):
         found = self._under_way.get(name)
         if found is None:
             task = asyncio.create_task(answer())
+            # Entered before anything is awaited: of two equal requests the second finds the first.
             found = self._under_way[name] = _UnderWay(key.fingerprint, task)
             task.add_done_callback(lambda _: self._forget(name, task))
         elif found.fingerprint != key.fingerprint:
@@ -45,10 +46,13 @@ class RequestsUnderWay(Generic[T]):
 
     async def _awaited(self, name: Hashable, found: _UnderWay[T]) -> T:
         found.waiting += 1
+        # Somebody asks again in time.
         if found.ending is not None:
             found.ending.cancel()
             found.ending = None
         try:
+            # A tablet that loses its network ends its request; what it asked for goes on, and its next
+            # request finds the answer.
             return await asyncio.shield(found.task)
         finally:
             found.waiting -= 1
@@ -62,5 +66,6 @@ class RequestsUnderWay(Generic[T]):
 
     def _forget(self, name: Hashable, task: asyncio.Task[T]) -> None:
         found = self._under_way.get(name)
+        # Another request may have begun anew under this name.
         if found is not None and found.task is task:
             del self._under_way[name]

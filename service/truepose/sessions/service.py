@@ -89,6 +89,8 @@ class SessionDesk:
 
     async def admitted(self, kind: SessionKind[Any], session_id: int, act: Act) -> Act:
         """Return an act that lets the arm move as the other kinds admit it; raises their refusals."""
+        # A bar that hangs in the cell concerns every kind of session, and only the ballbar's knows of it
+        # (decision 0079).
         for other in self._kinds:
             act = act if other is kind else await other.admit(session_id, act)
         return act
@@ -96,6 +98,7 @@ class SessionDesk:
     async def is_first_pass(self, setup: SessionSetup) -> bool:
         """Whether no session of a real robot has finished yet."""
         cell = setup.cell
+        # By name and serial number: the second arm of a type has a first session as well.
         return not setup.simulated and not await self.sessions.has_finished(
             cell.robot.name, cell.robot_serial_number
         )
@@ -128,6 +131,7 @@ class SessionDesk:
         """Return the lines of a session that nobody runs, none of one under way, and its attendance."""
         kept = () if self.under_way(session_id) else await self.ledger.whole(session_id)
         now = self.attendance(session_id)
+        # Asked again: the session may have been taken up while its lines were read.
         if self.under_way(session_id) is None:
             now = replace(now, newest_entry=kept[-1].id if kept else None)
         return kept, now
@@ -135,6 +139,8 @@ class SessionDesk:
     async def changes(self, session_id: int) -> AsyncIterator[None]:
         """Yield now, and whenever a session or who follows it has changed."""
         while True:
+            # The event first: whatever changes after it wakes this loop, also while the caller is still busy
+            # with what was yielded.
             news, under_way = self.watching.news, self.under_way(session_id)
             runner = None if under_way is None else under_way.runner
             version = None if runner is None else runner.version
@@ -159,6 +165,7 @@ class SessionDesk:
         """Stop what is under way; a motion in progress ends by itself, nothing follows it."""
         if self.now is not None:
             await self._stop(self.now)
+        # With what follows the end of sessions: a diagnosis that is being queued is not cut off.
         await asyncio.gather(*self._tasks, return_exceptions=True)
         try:
             for kind, record in await self._left():
@@ -179,7 +186,8 @@ class SessionDesk:
 
         Raises NotFoundError, KeyReusedError, NotNowError, PersonMissingError, PersonUnknownError,
         ReasonMissingError, WatchingTabletError, DeviceInUseError, MissingDeviceError, PlanRefusedError,
-        CellChangedError; after an error nothing was kept and the key is free.
+        CellChangedError; after these nothing was kept and the key is free. RecordRefusedError where the disk
+        refuses the act or its answer; an act that was kept is found by its key when it is sent again.
         """
         kind = self.kind_of(await self.sessions.get(session_id))
         if key is None:
@@ -196,6 +204,7 @@ class SessionDesk:
             answer = ActAnswer(_KEPT_BEFORE, kept.id)
         else:
             answer = await self._do(kind, session_id, act)
+        # Before it is sent: a client that never gets the answer asks again, maybe after a restart.
         await self.ledger.keep_answer(session_id, key, answer)
         return answer
 
@@ -203,6 +212,8 @@ class SessionDesk:
         act = await self._judged(act)
         running = self.under_way(session_id)
         if running is not None:
+            # Only of a session that runs: of one that nobody runs yet the question of an earlier run is void,
+            # and is put anew (decision 0080).
             _require_question_named(act, running.runner)
         # A halt does not wait for somebody's turn.
         under_way = running or await self._taken_up(kind, session_id, act)
@@ -217,11 +228,13 @@ class SessionDesk:
 
     async def _taken_up(self, kind: SessionKind[Any], session_id: int, act: Act) -> UnderWay | ActAnswer:
         """Have a session run as an act asks for; an answer where the act ends it as it stands."""
+        # Two acts that begin at once must not begin two sessions.
         async with self.turn:
             under_way = self.under_way(session_id)
             if under_way is not None:
                 return under_way
             record = await kind.get(session_id)
+            # Without taking it up: no device is needed to end what nobody runs, and none may be there.
             if act.name is ActName.ABORT and not has_ended(record.state):
                 return await self._end_unstarted(session_id, act)
             kind.require_startable(record, act)
@@ -236,6 +249,8 @@ class SessionDesk:
             return replace(act, person=readable_name(act.person) or "")
         person = self.present.require_person(act.person)
         if act.name in LETS_MOVE:
+            # At every act that lets the arm move: whoever tightened a limit in the cell file means the next
+            # motion (decision 0019).
             await self.present.require_unchanged()
         return replace(act, person=person)
 
@@ -266,6 +281,8 @@ class SessionDesk:
 
         Raises DeviceInUseError, MissingDeviceError, PlanRefusedError.
         """
+        # Asked of the records and not of `now`: a session that waits for a person after a restart has the
+        # cell as well, although nobody runs it.
         for other in await self.sessions.in_state(*_UNDER_WAY):
             if other.id != record.id:
                 raise DeviceInUseError(
@@ -277,9 +294,12 @@ class SessionDesk:
 
     async def take_up(self, kind: SessionKind[Any], record: SessionRecord) -> UnderWay:
         """Have a session run from where its ledger ends; the caller holds `turn`, or nobody acts yet."""
+        # Before anything is built on its ledger: a line that was changed could let the arm go where nobody
+        # planned it to (decision 0024).
         await self.sessions.require_intact(record.id)
         ledger = await self.ledger.of_session(record.id)
         runner = await kind.runner(record, await self.sessions.setup(record.id), ledger)
+        # Nothing is awaited from here to `now`: devices are never lent to a session that nobody knows of.
         self.rack.lend(record.id, runner.robot)
         task = asyncio.create_task(self._run(kind, record.id, runner), name=f"session {record.id}")
         self._tasks.add(task)
@@ -302,6 +322,7 @@ class SessionDesk:
         except Exception:
             # The runner has recorded the failure where the disk let it; the log keeps the traceback.
             _LOG.exception("session %d failed", session_id)
+        # Before what follows the session: nothing of that needs the devices.
         self._release(asyncio.current_task())
         if state is SessionState.FINISHED:
             await self._follow(kind, session_id)
@@ -335,5 +356,7 @@ class SessionDesk:
 def _require_question_named(act: Act, runner: SessionRunner[Any]) -> None:
     """Raise NotNowError where the session waits for an answer and this one does not say to what it is one."""
     asked = runner.prompt if runner.state in ASKS else None
+    # An answer without its question is a habit: it would confirm whatever is asked when it arrives (decision
+    # 0080).
     if act.name in ANSWERS and act.prompt_id is None and asked is not None:
         raise NotNowError(message("session.refused.question_not_named", prompt=asked.id))

@@ -45,6 +45,7 @@ class FaultsDesk:
         Raises RealCellError, FaultRefusedError with the cell's own sentence, PersonMissingError,
         PersonUnknownError.
         """
+        # As for every act: whoever makes something go wrong in a session is asked who they are.
         name = self._present.require_person(person)
         number = int((await self._answer({**keys, "op": "give", "kind": kind}))["number"])
         self._given_by[number] = name
@@ -104,12 +105,14 @@ class HandsDesk:
         if not hands.connected:
             await hands.connect()
         await hands.do(action, self._placed(details) if action == "place_base" else details)
+        # Only after the cell has done it.
         if action in _TAKES | _LEAVES:
             self.holding = "" if action in _LEAVES else _words(action, details)
 
     def _placed(self, details: Options) -> Options:
         """Return the details with the mark on the table where nobody says another."""
         frame = self._place_of(int(details.get("placement", 1)))
+        # Whoever states a place has put the fixture elsewhere on purpose.
         if frame is None or "x_mm" in details:
             return details
         turns = {f"r{axis}_deg": math.degrees(getattr(frame, f"r{axis}_rad")) for axis in "xyz"}
