@@ -71,6 +71,7 @@ class DatabaseUsedError(BackupError):
     """A database with records lies where a copy is to be restored."""
 
 
+# Also the domain's own word, which is what sessions wait for: they know nothing of a storage.
 class StorageUnavailableError(StorageError, RecordRefusedError):
     """The disk refused to read or write; nothing of that request was kept."""
 

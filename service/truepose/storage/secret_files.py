@@ -151,7 +151,7 @@ def take_out_pins(connection: Any, *, revoked_only: bool) -> int:
         return 0
     on_server = hasattr(connection, "server")
     of = f" ON {_TABLE}" if on_server else ""
-    # The protection is taken away and put back within one transaction: no commit is ever without it.
+    # Taken away and put back within the writer's transaction: no commit of a service is ever without it.
     connection.execute(f"DROP TRIGGER {trigger_name(_TABLE, 'update')}{of}")
     chosen = f"(SELECT id {these})"
     connection.execute(f"UPDATE {_TABLE} SET hash = '{TAKEN_OUT}' WHERE id IN {chosen}")

@@ -50,6 +50,8 @@ class Reserve:
         if self._is_whole:
             return
         with contextlib.suppress(OSError):
+            # The last megabytes of a disk are left to others: a reserve that fills the disk would be the
+            # trouble that it is kept for.
             if shutil.disk_usage(self.file.parent).free < _BYTES + _ELSE_FREE:
                 return
             self._allocate()
@@ -57,6 +59,8 @@ class Reserve:
 
     def give_up(self) -> bool:
         """Give the room back to the disk; returns whether there was any."""
+        # Half a file is given up as well, and does not count: the commit that is made again would not find
+        # the room that it was promised.
         whole = self._is_whole
         self.release()
         self.used = self.used or whole
@@ -76,6 +80,7 @@ class Reserve:
     def _allocate(self) -> None:
         with open(self.file, "wb", opener=opened_alone) as file:
             if hasattr(os, "posix_fallocate"):
+                # Blocks, not a length: a file with a hole takes no room until it is written to.
                 os.posix_fallocate(file.fileno(), 0, _BYTES)
             else:
                 file.write(bytes(_BYTES))
@@ -95,6 +100,7 @@ class SQLiteFile(DatabaseBackend):
         super().__init__(url, file, str(file), condition, alone)
         self.reserve = Reserve(file)
         self._seal = IdentityFile(file)
+        # Read before anything is opened: opening the database breaks the seal.
         self.left = self._seal.left()  # how the service before left the file; None where it did not say
         self._seen: tuple[Place, int] | None = None  # where the file lay, and the version of others
 
@@ -110,14 +116,18 @@ class SQLiteFile(DatabaseBackend):
 
     def _open(self) -> str:
         log = self.file.with_name(f"{self.file.name}-wal")
+        # Before the database is opened, which makes a log of its own.
         log_bytes = log.stat().st_size if log.exists() else 0
         self._connect()
         try:
             if self.left is not None and self.left.sha256 is not None:  # until the file was compared with it
+                # The file must not change before it was compared with its digest, and the service is ready
+                # before that. What is written meanwhile stays in the log.
                 self.plain.execute("PRAGMA wal_autocheckpoint=0")
             with self.connection.begin():
                 schema = bring_up_to_date(self.connection, self.where)
             note_how_it_was_left(self.plain, self.file, self.left, log_bytes, self.condition)
+            # After the schema: migrations add links, and the noted one has to be the newest.
             self._seal.break_open(self.plain)
         except REFUSED as error:
             self.connection.close()
@@ -139,19 +149,28 @@ class SQLiteFile(DatabaseBackend):
     def make_ready(self) -> None:
         """See that the database lies at its place with its log, and bring it back where it was removed."""
         if self.connection.closed:  # it could not be opened anew when it had to be
+            # A transaction before this one could not open the file; without a new try nothing would ever be
+            # written again.
             self._connect()
         if self.place.removed:
+            # From the connection that still has the removed file open: everything that was acknowledged is in
+            # it (decision 0024).
             lock = self.place.restore(self.plain)
             self._reconnect()
+            # Last, since closing the old descriptor drops the locks that SQLite has on that file: nothing of
+            # it may be open by then.
             self._lock.move_to(lock)
             _LOG.warning("the database %s was removed while it was open; it was written anew", self.file)
         elif self.place.log_removed:
+            # Over the old log, which lives on as long as it is open: what is in no other file goes into the
+            # database first.
             self.plain.execute("PRAGMA wal_checkpoint(TRUNCATE)")
             self._reconnect()
             _LOG.warning("the log of %s was removed while it was open; a new one was begun", self.file)
 
     def _reconnect(self) -> None:
         """Open everything anew, while nobody reads."""
+        # A reader that kept the removed file open would go on seeing it, and never a later commit.
         with self._alone():
             self.readers.dispose()
             self.connection.close()
@@ -164,6 +183,8 @@ class SQLiteFile(DatabaseBackend):
 
     def commit(self, transaction: Transaction, newest: Left) -> None:
         """Commit and note the newest link; raises what the library raises, and then nothing was kept."""
+        # The link is noted after the commit and never before: a note of what was refused would be missed at
+        # the next start.
         transaction.commit()
         self._seal.note(newest)
 
@@ -186,6 +207,8 @@ class SQLiteFile(DatabaseBackend):
 
     def make_room(self, error: Exception) -> bool:
         """Give up the reserve where the disk is full; returns whether there was any."""
+        # The commit is made once more in the room that is free now: no session waits that can be brought to
+        # its end (decision 0054).
         if not (says_full(error) and self.reserve.give_up()):
             return False
         self.condition.low = RESERVE_IN_USE
@@ -206,12 +229,17 @@ class SQLiteFile(DatabaseBackend):
     def write_a_little(self, connection: Connection) -> None:
         """Write the header's field for the application's use."""
         count = int(connection.exec_driver_sql("PRAGMA user_version").scalar() or 0)
+        # A field of the file's header that SQLite leaves to applications: a trial has to reach the disk and
+        # must not be a record.
         connection.exec_driver_sql(f"PRAGMA user_version = {(count + 1) % 2**31}")
 
     def look(self) -> Seen:
         """Return whether others' commits have raised the version since the last look, and what is missing."""
+        # It changes with commits of other connections only, hence not with those of this one, which alone
+        # writes.
         others = int(self.plain.execute("PRAGMA data_version").fetchone()[0])
         before, self._seen = self._seen, (self.place, others)
+        # A file that was written anew, or opened anew, counts from the beginning.
         foreign = before is not None and before[0] is self.place and before[1] != others
         return Seen(foreign, tuple(missing_protection(self.plain)))
 
@@ -241,6 +269,8 @@ class SQLiteFile(DatabaseBackend):
     def close(self) -> None:
         """Bring the file back where it was removed since the last look, seal it and let it go."""
         try:
+            # A database that was removed since the last look is brought back before the service ends:
+            # afterwards nobody has it open any more.
             self.make_ready()
         except (StorageError, LIBRARY.DatabaseError) as error:
             _LOG.error("the database is not as it should be left: %s", error)
@@ -248,5 +278,8 @@ class SQLiteFile(DatabaseBackend):
         self.connection.close()
         self._write_engine.dispose()
         self.reserve.release()
+        # After the connections, when the log has been taken over: the digest is of the file as the next
+        # service finds it. Where damage is known no seal may vouch for it.
         self._seal.close(whole=self.place.lies_alone and not self.condition.damaged)
+        # Last: until here another service would find a file that is still being changed.
         self._lock.release()

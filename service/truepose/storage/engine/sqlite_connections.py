@@ -46,6 +46,7 @@ def _newest() -> ModuleType:
         beside = importlib.import_module("pysqlite3.dbapi2")
     except ImportError:
         return sqlite3
+    # Only a newer one: a system may ship a library that was mended after the wheel was made.
     return beside if beside.sqlite_version_info > sqlite3.sqlite_version_info else sqlite3
 
 
@@ -58,7 +59,10 @@ _BUSY_TIMEOUT_MS: Final = 5000  # a checkpoint or an outside backup may hold the
 
 _OF_WRITER: Final = (
     "journal_mode=WAL",
+    # In WAL mode NORMAL would sync at checkpoints only, and a loss of power would take commits that were
+    # acknowledged.
     "synchronous=FULL",
+    # Off by default, and a property of each connection.
     "foreign_keys=ON",
     "recursive_triggers=ON",  # a row that REPLACE would delete meets the trigger that refuses it
     "secure_delete=ON",  # what is taken out is gone from the pages as well
@@ -84,6 +88,7 @@ def reading_engine(file: Path) -> Engine:
 
 def opened_file(file: Path) -> Any:
     """Return a connection that reads a database, texts as bytearrays."""
+    # Read-only, so that whoever looks at a database from outside can neither change it nor take over its log.
     connection = LIBRARY.connect(f"file:{quote(str(file))}?mode=ro", uri=True, isolation_level=None)
     # As bytes: a text with a wrong bit need not be a text any more. Blobs are bytes, texts bytearrays.
     connection.text_factory = bytearray
@@ -111,6 +116,7 @@ def _set_up_writer(connection: Any, _record: object) -> None:
 def _set_up_reader(connection: Any, _record: object) -> None:
     connection.isolation_level = None
     connection.execute(f"PRAGMA busy_timeout={_BUSY_TIMEOUT_MS}")
+    # Opened for writing all the same: a reader of a write-ahead log has to write into the log's index.
     connection.execute("PRAGMA query_only=ON")
     connection.execute("PRAGMA wal_autocheckpoint=0")  # the writer's business alone
 
@@ -133,6 +139,7 @@ def translated(file: Path, error: Exception) -> StorageError:
     said = str(error.orig if isinstance(error, DatabaseError) else error)
     if isinstance(error, (IntegrityError, LIBRARY.IntegrityError)):
         return ConflictError(f"The records do not allow that ({said}); nothing was kept.")
+    # Before damage: a file of another kind is nobody's damaged database.
     if "not a database" in said:
         return ForeignDatabaseError(f"{file} is not a SQLite database; choose another file.")
     if any(word in said for word in _DAMAGE):

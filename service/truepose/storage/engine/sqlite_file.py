@@ -38,12 +38,15 @@ def file_lock(system: str = sys.platform) -> Callable[[int], None] | None:
 
     It raises BlockingIOError where somebody else has the lock, OSError where the file system refuses.
     """
+    # None on macOS: its locks get in the way of SQLite's own.
     return {"linux": _flock, "win32": _lock_far_byte}.get(system)
 
 
 def _flock(file: int) -> None:
     import fcntl
 
+    # `flock` and not `fcntl.lockf`: the latter is of the kind that SQLite uses, and goes with any descriptor
+    # of the file that the process closes.
     fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
 
 
@@ -76,6 +79,7 @@ class ServiceLock:
 
     def move_to(self, file: int | None) -> None:
         """Go over to a file that is locked already and takes the place of the one before."""
+        # The new lock is held before the old one is let go.
         before, self._file = self._file, file
         if before is not None:
             os.close(before)
@@ -95,6 +99,7 @@ def locked_file(database: Path) -> int | None:
     if lock is None:
         return None
     try:
+        # Made where there is none: the lock has to be there before the first service makes a database.
         file = opened_alone(database, os.O_RDWR | os.O_CREAT)
     except OSError as error:
         raise _unwritable(database, error) from error
@@ -111,6 +116,7 @@ def locked_file(database: Path) -> int | None:
 def _locked_side_file(database: Path) -> Any:
     try:
         database.parent.mkdir(parents=True, exist_ok=True)
+        # Rights are tightened before the database is opened: its log gets those of the file.
         for part in ("", *_BESIDE):
             tighten(database.with_name(f"{database.name}{part}"))
         make_alone(Path(f"{database}.lock"))
@@ -119,6 +125,8 @@ def _locked_side_file(database: Path) -> Any:
     except (OSError, LIBRARY.OperationalError) as error:
         raise _unwritable(database, error) from error
     try:
+        # Held for life and never committed. Whatever ends the process ends the transaction, so that no stale
+        # lock is left behind (decision 0007).
         side.execute("BEGIN EXCLUSIVE")
     except LIBRARY.DatabaseError as error:
         side.close()
@@ -155,6 +163,7 @@ class Place:
     def removed(self) -> bool:
         """Whether nothing lies there any more; raises StorageUnavailableError where something else does."""
         found = _identity(self._file)
+        # By device and inode: a file that was put here under the same name is another one, whatever is in it.
         if found is not None and found != self._is:
             raise StorageUnavailableError(
                 f"Another file lies at {self._file} in place of the open database; put it elsewhere, "
@@ -171,6 +180,7 @@ class Place:
     def log_removed(self) -> bool:
         """Whether the write-ahead log is gone from its place."""
         found = _identity(self._log)
+        # SQLite makes the log with the first transaction; there may be none when the database is opened.
         if self._log_is is None:
             self._log_is = found
         return found != self._log_is
@@ -184,6 +194,8 @@ class Place:
         try:
             self._file.parent.mkdir(parents=True, exist_ok=True)
             copy.unlink(missing_ok=True)
+            # Under another name, and renamed when it is on the disk and locked: a half-written database must
+            # never lie in this place, nor one that another service could take.
             _copy(connection, copy)
             lock = locked_file(copy)
             for leftover in (self._log, self._file.with_name(f"{self._file.name}-shm")):

@@ -55,8 +55,8 @@ def newest_hash(connection: Any, stream: int) -> bytes:
     return GENESIS if newest is None else bytes(newest[0])
 
 
-@lru_cache
 # By name: a migration may put columns in another order.
+@lru_cache
 def _by_name(names: tuple[str, ...]) -> tuple[tuple[int, bytes], ...]:
     return tuple((index, name.encode()) for name, index in sorted((n, i) for i, n in enumerate(names)))
 
