@@ -64,6 +64,14 @@ class Robot:
         """Number of joints."""
         return len(self.joints)
 
+    @property
+    def table(self) -> FloatArray:
+        """What the rows say, shape (J, 6): alpha, a, theta offset, d, beta, sign; rad and mm."""
+        return np.array([
+            (row.alpha_rad, row.a_mm, row.theta_offset_rad, row.d_mm, row.beta_rad, row.sign)
+            for row in self.joints
+        ])
+
 
 @dataclass(frozen=True, slots=True)
 class FramePlacement:

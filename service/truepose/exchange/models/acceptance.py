@@ -8,7 +8,7 @@ as truepose wrote it: its shift was identified from readings, and is stated.
 
 import json
 import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
@@ -18,7 +18,7 @@ import numpy as np
 from truepose.domain.cell import MODEL_SHIFT_MM, Cell
 from truepose.domain.errors import UnsuitableModelError
 from truepose.domain.identification import Model
-from truepose.domain.robot import JointRow, Robot
+from truepose.domain.robot import Robot
 from truepose.exchange.errors import ImplausibleModelError, InputFileError
 from truepose.exchange.models.digest import Integrity
 from truepose.exchange.models.document import file_factor, file_unit
@@ -240,14 +240,8 @@ def _read(document: Mapping[str, Any]) -> ModelFile:
 
 def _same_table(one: Robot, other: Robot) -> bool:
     return one.n_joints == other.n_joints and bool(
-        np.allclose(_table(one.joints), _table(other.joints), rtol=0.0, atol=_ROUNDING)
+        np.allclose(one.table, other.table, rtol=0.0, atol=_ROUNDING)
     )
-
-
-def _table(joints: Iterable[JointRow]) -> list[tuple[float, ...]]:
-    return [
-        (row.alpha_rad, row.a_mm, row.theta_offset_rad, row.d_mm, row.beta_rad, row.sign) for row in joints
-    ]
 
 
 def _apart_mm(

@@ -191,15 +191,8 @@ def _same(robot: Robot, known: Robot) -> bool:
     """Whether a robot has the name and the table of a known one."""
     if _plain(known.name) not in _plain(robot.name) or robot.n_joints != known.n_joints:
         return False
-    return bool(np.allclose(_table(robot), _table(known), rtol=0.0, atol=_ROUNDING))
+    return bool(np.allclose(robot.table, known.table, rtol=0.0, atol=_ROUNDING))
 
 
 def _plain(name: str) -> str:
     return "".join(filter(str.isalnum, name.casefold()))
-
-
-def _table(robot: Robot) -> list[tuple[float, ...]]:
-    return [
-        (row.alpha_rad, row.a_mm, row.theta_offset_rad, row.d_mm, row.beta_rad, row.sign)
-        for row in robot.joints
-    ]

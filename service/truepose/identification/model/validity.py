@@ -30,7 +30,7 @@ from truepose.domain.arrays import FloatArray
 from truepose.domain.campaign import Stops
 from truepose.domain.errors import ConfigurationError
 from truepose.domain.identification import MeasuredZone, Model
-from truepose.domain.robot import JointRange, JointRow, Robot
+from truepose.domain.robot import JointRange, Robot
 from truepose.effects.motions import SECONDS_PER_HOUR
 from truepose.effects.registry import goes_on
 from truepose.identification.model.derivatives import position_jacobian
@@ -53,25 +53,20 @@ def require_same_robot(model: Model, robot: Robot) -> None:
     Raises
     ------
     ConfigurationError
-        Another number of joints, or alpha, a, theta offset, d or sign of a row differ by more than 1e-6 mm or
-        rad.
+        Another number of joints, or a quantity of a row differs by more than 1e-6 mm or rad.
     """
-    ours, theirs = model.robot.joints, robot.joints
-    if len(ours) != len(theirs):
+    ours = model.robot
+    if ours.n_joints != robot.n_joints:
         raise ConfigurationError(
-            f"The model has {len(ours)} joints, this robot {len(theirs)}: the model is of another one."
+            f"The model has {ours.n_joints} joints, this robot {robot.n_joints}: the model is of another one."
         )
     # Rows are named by where the tables differ most: a person looks there first.
-    away = np.abs(_table(ours) - _table(theirs)).max(axis=1)
+    away = np.abs(ours.table - robot.table).max(axis=1)
     if away.max() > _SAME_ROW:
         raise ConfigurationError(
             f"Row {int(np.argmax(away)) + 1} of the model's nominal table is not that of this cell's robot: "
             "the model is of another robot, or the table was changed since."
         )
-
-
-def _table(joints: tuple[JointRow, ...]) -> FloatArray:
-    return np.array([(row.alpha_rad, row.a_mm, row.theta_offset_rad, row.d_mm, row.sign) for row in joints])
 
 
 _CUBE = np.array([way for way in product((-1.0, 0.0, 1.0), repeat=3) if any(way)])

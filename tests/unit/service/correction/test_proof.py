@@ -112,8 +112,13 @@ def test_readings_of_another_plan_are_refused():
         proof_of(model(1), visited(model(2)), SCATTER_MM)
 
 
-def test_a_model_of_another_nominal_table_is_refused_with_its_row():
-    rows = (*IRB_120.joints[:2], JointRow(0.0, 271.0, 0.0, 0.0), *IRB_120.joints[3:])
+@pytest.mark.parametrize(
+    "row",
+    [JointRow(0.0, 271.0, 0.0, 0.0), replace(IRB_120.joints[2], beta_rad=1e-3)],
+    ids=["length", "tilt"],
+)
+def test_a_model_of_another_nominal_table_is_refused_with_its_row(row):
+    rows = (*IRB_120.joints[:2], row, *IRB_120.joints[3:])
 
     require_same_robot(model(), IRB_120)
     with pytest.raises(ConfigurationError, match="Row 3"):
