@@ -29,7 +29,7 @@ from truepose.effects.registry import chosen_effects, effects_with
 from truepose.identification.fit.assessment import considered, held_out_residuals
 from truepose.identification.fit.inadequacy import shortfall
 from truepose.identification.fit.robust import RobustFit, fit, robust_fit
-from truepose.identification.fit.solver import posterior_covariance
+from truepose.identification.fit.solver import absorbed, posterior_covariance
 from truepose.identification.model.structure import NOMINAL_EFFECTS
 from truepose.identification.model_of_fit import Fits, model_of
 from truepose.identification.observations.joint_priors import QUANTITY as BELIEF
@@ -235,7 +235,8 @@ def _crossed(calibration: Assessment, identified: RobustFit, nominal: RobustFit)
 
 def _pure_error(identified: RobustFit) -> PureError | None:
     # Of the first block, which all figures are of.
-    return pure_error(identified.blocks[0], identified.results[0].residual, len(identified.structure.specs))
+    block, result = identified.blocks[0], identified.results[0]
+    return pure_error(block, result.residual, absorbed(result.white_jacobian, identified.solution.covariance))
 
 
 def _not_identifiable(problem: Problem, identified: RobustFit) -> tuple[NotIdentifiable, ...]:

@@ -30,6 +30,7 @@ from truepose.effects.registry import CAUSES, effects_with
 from truepose.effects.signatures import signature_of
 from truepose.identification.distributions import chi2_median
 from truepose.identification.fit.robust import RobustFit
+from truepose.identification.fit.solver import absorbed
 from truepose.identification.verdict.judge import pure_error
 
 NEST_LEVEL = 1e-3  # chance that nests which stand still are taken for contradicting
@@ -276,6 +277,7 @@ def _noise(selected: Selection, parameters: int) -> tuple[float, bool]:
 
 
 def _repeats_scatter_as_much(selected: Selection) -> bool:
-    block, result = selected.fit.blocks[0], selected.fit.results[0]
-    pure = pure_error(block, result.residual, len(selected.fit.structure.specs))
+    fit, result = selected.fit, selected.fit.results[0]
+    taken = absorbed(result.white_jacobian, fit.solution.covariance)
+    pure = pure_error(fit.blocks[0], result.residual, taken)
     return pure is not None and pure.revisits >= _FEW_REVISITS and pure.p_value > _AS_REPEATED

@@ -38,7 +38,7 @@ from truepose.domain.arrays import BoolArray, FloatArray
 from truepose.effects.ports import Trait
 from truepose.effects.registry import effects_with
 from truepose.identification.distributions import chi2_limit, chi2_median
-from truepose.identification.fit.solver import Solution, solve
+from truepose.identification.fit.solver import Solution, absorbed, solve
 from truepose.identification.model.derivatives import mean_variance
 from truepose.identification.model.estimates import Estimate
 from truepose.identification.model.structure import Structure
@@ -433,9 +433,7 @@ def degrees_of_freedom(block: Block, result: BlockResult, covariance: FloatArray
         sum of weights * d - tr(J^T C J) of whitened J; 1 at least.
     """
     kept = float(block.weights.sum()) * result.residual.shape[1]
-    white = result.white_jacobian
-    absorbed = float(np.einsum("pm,pq,qm->", white, covariance, white, optimize=True))
-    return float(max(kept - absorbed, 1.0))
+    return max(kept - absorbed(result.white_jacobian, covariance), 1.0)
 
 
 def _stated_chi2(blocks: tuple[Block, ...], solution: Solution[StackedBlocks]) -> float:

@@ -202,6 +202,24 @@ def posterior_covariance(jacobian: FloatArray, precision: FloatArray) -> FloatAr
     return (factor or _factored_by_qr(jacobian, precision, 0.0)).inverse()
 
 
+def absorbed(jacobian: FloatArray, covariance: FloatArray) -> float:
+    """Return how many residuals' worth the parameters absorb: the trace of the leverage.
+
+    Parameters
+    ----------
+    jacobian : ndarray, shape (P, m)
+        Of whitened residuals.
+    covariance : ndarray, shape (P, P)
+        Posterior: a parameter that its prior holds absorbs nothing.
+
+    Returns
+    -------
+    float
+        tr(J^T C J), P at most.
+    """
+    return float(np.einsum("pm,pq,qm->", jacobian, covariance, jacobian, optimize=True))
+
+
 def covariance_of(normal: FloatArray) -> FloatArray | None:
     """Inverse of normal matrices.
 

@@ -110,7 +110,7 @@ def mean_norm(covariance: FloatArray) -> float:
 _NOTHING_MM2 = 1e-12  # readings of a simulator without noise: there is no pure error to compare with
 
 
-def pure_error(block: Block, residual_mm: FloatArray, n_parameters: int) -> PureError | None:
+def pure_error(block: Block, residual_mm: FloatArray, absorbed: float) -> PureError | None:
     """Compare lack of fit with pure error.
 
     Parameters
@@ -119,8 +119,9 @@ def pure_error(block: Block, residual_mm: FloatArray, n_parameters: int) -> Pure
         With the weights of the fit: readings that do not count take no part.
     residual_mm : ndarray, shape (n, d)
         Of the identified model.
-    n_parameters : int
-        Of the identified model.
+    absorbed : float
+        How many readings' worth the model's parameters absorb. Fewer than there are parameters: those that
+        their priors hold would take degrees of freedom from the lack of fit and make too much of it.
 
     Returns
     -------
@@ -141,7 +142,7 @@ def pure_error(block: Block, residual_mm: FloatArray, n_parameters: int) -> Pure
     means = np.stack([np.bincount(group.ravel(), column) / sizes for column in residual.T], axis=1)
     within = float(((residual - means[group.ravel()]) ** 2).sum())
     pure_dof = block.components * int((sizes - 1).sum())
-    lack_dof = block.components * len(residual) - n_parameters - pure_dof
+    lack_dof = block.components * len(residual) - absorbed - pure_dof
     if pure_dof < 3 or lack_dof < 1 or within < _NOTHING_MM2:
         return None
     lack = float((residual**2).sum()) - within
@@ -328,7 +329,7 @@ def judge(model: Model, readings: Readings, scatter_mm: float) -> Assessment:
     block = _observed(model, readings, scatter_mm, identified.structure)
     found = judge_estimates(block, nominal_estimate(model), identified)
     state = found.identified.state
-    lacking = lacking_variance(model, state, place_jacobian(state)) + unknown_variance(model, state)
+    lacking = lacking_variance(model, state, position_jacobian(state)) + unknown_variance(model, state)
     return replace(found, variance=found.variance + lacking)
 
 

@@ -15,6 +15,7 @@ from truepose.domain.contacts import TargetKind
 from truepose.effects.ports import Trait
 from truepose.effects.registry import effects_with
 from truepose.identification.fit.robust import robust_fit, settled
+from truepose.identification.fit.solver import absorbed, posterior_covariance
 from truepose.identification.model.evaluation import evaluate
 from truepose.identification.problem.build import JointPrior, build, with_belief
 from truepose.kinematics.frames import rotation_from_vector
@@ -67,6 +68,19 @@ def test_where_nothing_is_wrong_nothing_is_flagged_and_nothing_added():
     # one campaign in a hundred may lose a reading, one in a thousand be found too noisy
     assert flagged <= 1
     assert added == 0
+
+
+def test_a_parameter_that_its_prior_holds_absorbs_no_reading():
+    fit = quiet(0)
+    jacobian = fit.solution.final.jacobian
+    free, held = np.full(len(jacobian), 1e-12), np.full(len(jacobian), 1e-12)
+    held[:5] = 1e16  # in 1/mm2 or 1/rad2: known far better than from readings
+
+    every = absorbed(jacobian, posterior_covariance(jacobian, free))
+    rest = absorbed(jacobian, posterior_covariance(jacobian, held))
+
+    assert every == pytest.approx(len(jacobian), abs=1e-4)
+    assert rest == pytest.approx(len(jacobian) - 5, abs=0.02)
 
 
 def test_chi_square_per_degree_of_freedom_is_one_where_the_noise_is_as_stated():
