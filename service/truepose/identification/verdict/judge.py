@@ -24,7 +24,7 @@ from truepose.domain.arrays import BoolArray, FloatArray
 from truepose.domain.campaign import LegReadings, PointReadings, Readings, Stops, sites, told_moves
 from truepose.domain.identification import Model, NominalAndIdentified, PureError, Statistics
 from truepose.identification.distributions import carlson_rg, f_exceeded
-from truepose.identification.model.derivatives import mean_variance, place_jacobian
+from truepose.identification.model.derivatives import mean_variance, position_jacobian
 from truepose.identification.model.estimates import (
     Estimate,
     check_targets,

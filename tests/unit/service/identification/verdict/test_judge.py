@@ -5,9 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from tests.helpers.identification import lacking
 from tests.helpers.identification.synthetic import leg_campaign, measured, nominal_campaign
 from truepose.domain.errors import ConfigurationError
-from truepose.identification import identify, judge
+from truepose.identification import identify, judge, predict
 from truepose.identification.model.derivatives import rotation_jacobian
 from truepose.identification.model.estimates import identified_estimate, nominal_estimate
 from truepose.identification.observations.poses import OrientationBlock
@@ -124,3 +125,14 @@ def test_orientations_are_judged_as_any_other_kind():
     # the residual is no small rotation: its derivative departs by half of it
     assert found.variance == pytest.approx(spread, rel=TURN_RAD)
     assert found.pair().identified.mean_mm == pytest.approx(TURN_RAD, rel=1e-4)
+
+
+def test_what_a_model_lacks_is_judged_as_an_instrument_that_scales_sees_it():
+    read, *_ = lacking.robot(gap_2=lacking.GAP_RAD)
+    model = identify(read, (*lacking.MODEL, "instrument_scale")).model
+    without, points = replace(model, shortfall=None), read.calibration
+
+    judged = [judge(one, points, read.scatter_mm).variance for one in (model, without)]
+    foretold = [predict(one, points.stops, points.nest)[1] ** 2 for one in (model, without)]
+
+    assert judged[0] - judged[1] == pytest.approx(foretold[0] - foretold[1], rel=1e-6)
