@@ -111,8 +111,8 @@ def nightly_command(
 
     Example: truepose nightly --out nightly
     """
-    from truepose.demo.night.check import NightRequest, seed_of_the_day
-    from truepose.demo.night.nightly import run_nightly
+    from truepose.night.check import NightRequest, seed_of_the_day
+    from truepose.night.nightly import run_nightly
 
     drawn = seed_of_the_day() if seed is None else seed
     return run_nightly(NightRequest(out, drawn, label, tuple(case or ()), tuple(bench or ())))

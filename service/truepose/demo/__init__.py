@@ -1,1 +1,1 @@
-"""The demo and the night run: the whole service against simulated devices, from request to report."""
+"""The demo: the whole service against simulated devices, from request to report."""

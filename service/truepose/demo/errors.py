@@ -1,4 +1,4 @@
-"""Errors of the demo and the night run.
+"""Errors of the demo.
 
 DemoError
 ├── UnusableScenarioError   the service refuses the cell that it was asked for
@@ -6,16 +6,14 @@ DemoError
 ├── RequestRefusedError     the service answered a request with a problem
 ├── SessionHaltedError      a session paused or ended before everything was measured
 ├── JobFailedError          a job ended without a result
-├── TruthUnknownError       the simulated cell did not tell its truth
-├── UnknownCaseError        a night is asked for a case or a bench that there is not
-└── UnreadableHistoryError  the file of earlier nights is none
+└── TruthUnknownError       the simulated cell did not tell its truth
 """
 
 from truepose.domain.errors import TrueposeError
 
 
 class DemoError(TrueposeError):
-    """Base of every error of the demo and the night run."""
+    """Base of every error of the demo."""
 
 
 class UnusableScenarioError(DemoError):
@@ -40,11 +38,3 @@ class JobFailedError(DemoError):
 
 class TruthUnknownError(DemoError):
     """The simulated cell did not tell its truth."""
-
-
-class UnknownCaseError(DemoError):
-    """A night is asked for a case or a bench that there is not."""
-
-
-class UnreadableHistoryError(DemoError):
-    """The file of earlier nights is none."""

@@ -8,17 +8,17 @@ from xml.etree import ElementTree
 import pytest
 import yaml
 
-from truepose.demo.night.calibrated_cells import (
+from truepose.demo.run import CellRequest
+from truepose.night.calibrated_cells import (
     CalibratedCell,
     calibrated_cells,
     shipped_case,
     wavy_gear_case,
     wrong_axis_case,
 )
-from truepose.demo.night.check import Check, NightRequest
-from truepose.demo.night.nightly import run_nightly
-from truepose.demo.night.trackerless_cells import loop_cells
-from truepose.demo.run import CellRequest
+from truepose.night.check import Check, NightRequest
+from truepose.night.nightly import run_nightly
+from truepose.night.trackerless_cells import loop_cells
 from truepose_simulators.scenarios.file import load_scenario, shipped_scenarios
 
 pytestmark = pytest.mark.usefixtures("forked_processes")

@@ -4,9 +4,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
-from truepose.demo.errors import UnknownCaseError
-from truepose.demo.night.check import Check, at_most, none_of
 from truepose.demo.progress import RunProgress
+from truepose.night.check import Check, at_most, none_of
+from truepose.night.errors import UnknownCaseError
 from truepose_drivers.contract import codec_fuzz, hostile, link_faults
 from truepose_drivers.contract.bench import NewBench, find_benches
 from truepose_drivers.errors import ConfigurationError

@@ -11,10 +11,10 @@ from rich.console import Console
 from rich.table import Table
 
 from truepose.demo.demo import RESULT
-from truepose.demo.night.check import Check, NightCase, NightRequest
-from truepose.demo.night.history import FigureHistory, Night, NightFigure, course
 from truepose.demo.report import REPORT
 from truepose.exchange.json_text import Json, render_json
+from truepose.night.check import Check, NightCase, NightRequest
+from truepose.night.history import FigureHistory, Night, NightFigure, course
 from truepose.reports.table_report import Row, Section, Trend, Verdict, write_table_report
 from truepose.version import __version__
 

@@ -4,8 +4,8 @@ from types import SimpleNamespace
 
 import pytest
 
-from truepose.demo.night.calibrated_cells import wavy_gear_case
-from truepose.demo.night.planted_causes import _checks, _PlantedCause, planted_causes
+from truepose.night.calibrated_cells import wavy_gear_case
+from truepose.night.planted_causes import _checks, _PlantedCause, planted_causes
 from truepose_simulators.scenarios.file import load_scenario
 
 WAVE = _PlantedCause("joint_harmonics", "joint 4", 0.04, {"order": 3.0})

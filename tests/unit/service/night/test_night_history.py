@@ -5,9 +5,10 @@ from datetime import UTC, datetime, timedelta
 
 import pytest
 
-from truepose.demo.errors import UnknownCaseError, UnreadableHistoryError
-from truepose.demo.night.check import Check, NightRequest
-from truepose.demo.night.history import (
+from truepose.domain.errors import TrueposeError
+from truepose.night.check import Check, NightRequest
+from truepose.night.errors import UnknownCaseError, UnreadableHistoryError
+from truepose.night.history import (
     COMPARED_NIGHTS,
     HISTORY,
     Night,
@@ -16,8 +17,7 @@ from truepose.demo.night.history import (
     course,
     read_history,
 )
-from truepose.demo.night.nightly import run_nightly
-from truepose.domain.errors import TrueposeError
+from truepose.night.nightly import run_nightly
 
 FIRST = datetime(2026, 11, 1, 2, 17, tzinfo=UTC)
 KEY = ("cell", "error")

@@ -9,9 +9,9 @@ from typing import Any, Final
 
 from truepose.demo.client import ServiceClient, attend
 from truepose.demo.errors import SessionHaltedError
-from truepose.demo.night.check import Check, at_most, converged
 from truepose.demo.processes import opened_cell
 from truepose.demo.progress import RunProgress
+from truepose.night.check import Check, at_most, converged
 
 VALIDATION: Final = 60  # configurations of the tracker
 

@@ -3,9 +3,9 @@
 import pytest
 
 from tests.contract.devices.every import BENCHES
-from truepose.demo.errors import UnknownCaseError
-from truepose.demo.night.bad_lines import BadLine, _of_answers, _of_codec, _of_link, bad_lines
 from truepose.demo.progress import shown_progress
+from truepose.night.bad_lines import BadLine, _of_answers, _of_codec, _of_link, bad_lines
+from truepose.night.errors import UnknownCaseError
 from truepose_drivers.contract.codec_fuzz import CodecTally
 from truepose_drivers.contract.hostile import Tally
 from truepose_drivers.contract.link_faults import LinkTally

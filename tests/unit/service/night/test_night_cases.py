@@ -6,9 +6,9 @@ import pytest
 from truepose.demo import client
 from truepose.demo.client import attend
 from truepose.demo.errors import SessionHaltedError
-from truepose.demo.night.faulty_sessions import FaultySession, _checks, _Lives
-from truepose.demo.night.nightly import night_cases
 from truepose.exchange.cells.file import scenario_text
+from truepose.night.faulty_sessions import FaultySession, _checks, _Lives
+from truepose.night.nightly import night_cases
 from truepose_simulators.scenarios.file import load_scenario
 
 
@@ -55,7 +55,7 @@ def reading(number, config=1, **more):
 @pytest.fixture(autouse=True)
 def _no_waiting(monkeypatch):
     monkeypatch.setattr(client, "_LOOK_S", 0.0)
-    monkeypatch.setattr("truepose.demo.night.faulty_sessions._STILL_S", 0.0)
+    monkeypatch.setattr("truepose.night.faulty_sessions._STILL_S", 0.0)
 
 
 async def test_somebody_confirms_and_resumes_until_it_is_finished():

@@ -6,18 +6,18 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Final
 
-from truepose.demo.errors import UnknownCaseError
-from truepose.demo.night.bad_lines import bad_lines
-from truepose.demo.night.calibrated_cells import calibrated_cells
-from truepose.demo.night.check import NightCase, NightRequest
-from truepose.demo.night.faulty_sessions import FaultySession, KilledService
-from truepose.demo.night.history import HISTORY, append_night, read_history
-from truepose.demo.night.planted_causes import planted_causes
-from truepose.demo.night.results import CaseOutcome, NightRun, print_night, write_night
-from truepose.demo.night.trackerless_cells import BallbarCell, loop_cells
 from truepose.demo.processes import DATABASE
 from truepose.demo.progress import RunProgress, shown_progress
 from truepose.domain.errors import TrueposeError
+from truepose.night.bad_lines import bad_lines
+from truepose.night.calibrated_cells import calibrated_cells
+from truepose.night.check import NightCase, NightRequest
+from truepose.night.errors import UnknownCaseError
+from truepose.night.faulty_sessions import FaultySession, KilledService
+from truepose.night.history import HISTORY, append_night, read_history
+from truepose.night.planted_causes import planted_causes
+from truepose.night.results import CaseOutcome, NightRun, print_night, write_night
+from truepose.night.trackerless_cells import BallbarCell, loop_cells
 
 # Accuracy is compared between nights: only the program may change in between, not the robot.
 _SAME_CELLS = 0

@@ -15,12 +15,12 @@ from typing import Any, Final, TypeAlias
 import numpy as np
 
 from truepose.demo.client import Attendance, ServiceClient, attend
-from truepose.demo.night.check import Check, at_most, none_of
 from truepose.demo.processes import DATABASE, opened_cell
 from truepose.demo.progress import RunProgress
 from truepose.demo.truth import cell_endpoint
 from truepose.domain.arrays import FloatArray
 from truepose.exchange.cells.file import scenario_text
+from truepose.night.check import Check, at_most, none_of
 from truepose.storage.integrity.verification import verify
 
 _KILLED_CONFIGURATIONS: Final = 25

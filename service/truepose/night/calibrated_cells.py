@@ -14,11 +14,11 @@ from pathlib import Path
 from typing import Any, Final
 
 from truepose.demo.demo import RESULT, write_result
-from truepose.demo.night.check import Check, at_most, converged
 from truepose.demo.progress import RunProgress
 from truepose.demo.report import REPORT, write_diagnosis, write_report
 from truepose.demo.run import CellRequest, run_cell
 from truepose.demo.truth_comparison import JudgedRun, TrueErrors, judge
+from truepose.night.check import Check, at_most, converged
 
 LARGEST_ERROR_MM: Final = 0.11  # measured, of 1,000 readings
 _CALIBRATION: Final = 50

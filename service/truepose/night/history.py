@@ -10,7 +10,7 @@ from typing import Final
 import numpy as np
 from pydantic import AwareDatetime, BaseModel, ValidationError
 
-from truepose.demo.errors import UnreadableHistoryError
+from truepose.night.errors import UnreadableHistoryError
 
 HISTORY: Final = "history.jsonl"
 COMPARED_NIGHTS: Final = 30

@@ -10,11 +10,11 @@ from typing import Any, Final
 
 import numpy as np
 
-from truepose.demo.night.calibrated_cells import CalibratedCell, found, listed
-from truepose.demo.night.check import Check, converged
 from truepose.demo.run import CellRequest
 from truepose.demo.truth_comparison import JudgedRun
 from truepose.exchange.cells.file import scenario_text
+from truepose.night.calibrated_cells import CalibratedCell, found, listed
+from truepose.night.check import Check, converged
 
 _CALIBRATION: Final = 50
 _VALIDATION: Final = 100
