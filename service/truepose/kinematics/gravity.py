@@ -1,7 +1,16 @@
 """Gravity torques about the joint axes, and their regressors where the masses are unknown.
 
-Sign: the torque that the weight exerts about the z axis of the joint, so that a gearbox of
-compliance c turns by +c * torque (thesis of A. Nubiola, 2014, annex I, equation I.10).
+For joint i with axis z_i through o_i and the masses m_j at c_j that its frame or one beyond it carries,
+
+    tau_i = z_i . sum_j m_j (c_j - o_i) x g
+
+Sign: the torque that the weight exerts about the z axis of the joint, so that a gearbox of compliance c turns
+by +c * torque. Level 3 of the model; the thesis takes the torques at the undeflected arm, here they are taken
+wherever the chain that is handed in stands (docs/decisions/0003).
+
+References
+----------
+A. Nubiola, PhD thesis, ETS Montreal, 2014, annex I, equation (I.10).
 """
 
 import numpy as np
@@ -20,6 +29,7 @@ def gravity_torques(chain: Chain, masses: tuple[LinkMass, ...], gravity_m_s2: Fl
     chain : Chain
         n configurations, J joints.
     masses : tuple of LinkMass
+        Frames 1..J; those of the last frame are the tool's.
     gravity_m_s2 : ndarray, shape (3,)
         In the world frame [m/s2]; kg m/s2 times mm is N mm.
 
@@ -28,6 +38,8 @@ def gravity_torques(chain: Chain, masses: tuple[LinkMass, ...], gravity_m_s2: Fl
     ndarray, shape (n, J)
         Torques [N mm].
     """
+    # Written out instead of an einsum: runs over contiguous rows, and is asked for in every balance of
+    # torques.
     product = chain.z * gravity_moments(chain, masses, gravity_m_s2)
     return np.asarray((product[..., 0] + product[..., 1] + product[..., 2]).T)
 
@@ -44,6 +56,9 @@ def gravity_moments(chain: Chain, masses: tuple[LinkMass, ...], gravity_m_s2: Fl
     """
     joints, n, _ = chain.z.shape
     arms = np.empty((joints, 3, n))
+    # One sweep from the tip: what a joint carries is what the next one carries and its own frame's masses.
+    # Kept as mass and first moment about the world's origin, it is moved to each joint's origin by one
+    # subtraction.
     mass_kg, first = 0.0, np.zeros((n, 3))  # of the links beyond the joint [kg, kg mm], from the tip inwards
     for joint in reversed(range(joints)):
         for link in masses:
@@ -57,7 +72,19 @@ def gravity_moments(chain: Chain, masses: tuple[LinkMass, ...], gravity_m_s2: Fl
 
 
 def centre_of_gravity(chain: Chain, link: LinkMass) -> FloatArray:
-    """Return where the weight of a link acts in the world [mm], shape (n, 3)."""
+    """Return where the weight of a link acts in the world.
+
+    Parameters
+    ----------
+    chain : Chain
+        n configurations.
+    link : LinkMass
+
+    Returns
+    -------
+    ndarray, shape (n, 3)
+        [mm]
+    """
     joint = link.frame - 1
     arm = turned(chain.rotation[joint], np.array(link.centre_of_gravity_mm))
     return np.asarray(chain.origin[joint] + arm)
@@ -66,11 +93,10 @@ def centre_of_gravity(chain: Chain, link: LinkMass) -> FloatArray:
 def moment_regressor(
     chain: Chain, joint: int, frame: int, component: int, gravity_m_s2: FloatArray
 ) -> FloatArray:
-    """Torque about a joint per first moment of mass of a frame.
+    """Torque about a joint per first moment of mass of a frame: z_i . (e_k x g), e_k an axis of the frame.
 
     Only the two components across each joint axis are needed: the mass and the component along the
-    axis regroup into the frames before it (M. Gautier, W. Khalil, IEEE Trans. Robotics and Automation
-    6(3), 1990, 368-373).
+    axis regroup into the frames before it.
 
     Parameters
     ----------
@@ -85,6 +111,10 @@ def moment_regressor(
     -------
     ndarray, shape (n,)
         Torque per moment [N mm per kg mm].
+
+    References
+    ----------
+    M. Gautier, W. Khalil, IEEE Trans. Robotics and Automation 6(3), 1990, 368-373.
     """
     turning = cross(chain.rotation[frame, :, :, component], gravity_m_s2)
     torque: FloatArray = np.einsum("ni,ni->n", chain.z[joint], turning)

@@ -1,14 +1,24 @@
 """Inverse kinematics of the nominal robot: every way in which the arm reaches a pose.
 
 Closed forms for six axes with a spherical wrist (`inverse_spherical`) and for three parallel axes without one
-(`inverse_parallel`). For other arms a search: damped Gauss-Newton from many starts at once, which are a
-Halton sequence, the same every time, so that the same pose gives the same answer. An arm with more than six
-joints reaches a pose in infinitely many ways, of which some are returned.
+(`inverse_parallel`). For other arms a search: damped Gauss-Newton from many starts at once,
+
+    q <- q + (J^T J + lambda 1)^-1 J^T e,     e = (shift, L turn) from the attained pose to the wanted one,
+
+with the geometric Jacobian J of the nominal chain, turns weighed by the lever L, and lambda proportional to
+|e| far from the goal. The starts are a Halton sequence, the same every time, so that the same pose gives the
+same answer. An arm with more than six joints reaches a pose in infinitely many ways, of which some are
+returned.
 
 Branches are numbered `4 * back + 2 * down + flip`. *Front*: the wrist lies on that side of axis 1 to which
 frame 1 points, of three parallel axes to which the arm is stretched at zero; *up*: the elbow is above the
 straight line from shoulder to wrist for an arm on a table that bends forwards at its zero position; *no
 flip*: joint 5 at or above 0. Each pair meets in a singularity.
+
+References
+----------
+Y. Nakamura, H. Hanafusa, J. Dyn. Sys. Meas. Control 108, 1986, 163-171 (damping near singularities).
+J. H. Halton, Numerische Mathematik 2, 1960, 84-90 (starts).
 """
 
 import math
@@ -46,7 +56,21 @@ _PRIMES: Final = (2, 3, 5, 7, 11, 13, 17, 19, 23, 29)
 
 
 def searched_branches(robot: Robot, pose: FloatArray) -> FloatArray:
-    """Return up to eight different joint angles per pose (n, 4, 4), NaN rows after them, shape (n, 8, J)."""
+    """Search up to eight different answers per pose, of any arm of revolute joints.
+
+    Parameters
+    ----------
+    robot : Robot
+        With J joints.
+    pose : ndarray, shape (n, 4, 4)
+        Of the last frame in the robot's base [mm].
+
+    Returns
+    -------
+    ndarray, shape (n, 8, J)
+        [rad] in (-pi, pi], joint limits not looked at; NaN rows behind the last answer.
+    """
+    # In parts: each pose is 64 starts, and their frames and Jacobians are all held at once.
     found = np.full((len(pose), BRANCHES, robot.n_joints), np.nan)
     for first in range(0, len(pose), _AT_ONCE):
         part = pose[first : first + _AT_ONCE]
@@ -70,23 +94,28 @@ def _search(robot: Robot, wanted: FloatArray) -> tuple[FloatArray, BoolArray]:
         step = _step(chain, error, _signs(robot))
         longest = np.abs(step).max(axis=1, keepdims=True)
         joints[left] += step * np.minimum(1.0, _LONGEST_STEP_RAD / np.maximum(longest, 1e-300))
+        # Rows that have arrived keep the step that was worked out with all others: it can only bring them
+        # nearer.
         left = left[under_way]
         if not len(left):
             break
+    # Judged anew at the end: a row that was still under way in the last pass may have arrived by its step.
     arrived = np.linalg.norm(_error(nominal_chain(robot, joints), goal), axis=1) < _ARRIVED_MM
+    # The other way round than usual: an angle of exactly half a turn is told as +pi, never as -pi.
     wrapped = -(np.mod(np.pi - joints, 2 * np.pi) - np.pi)
     shape = (len(wanted), len(starts))
     return wrapped.reshape(*shape, robot.n_joints), arrived.reshape(shape)
 
 
 def _starts(joints: int) -> FloatArray:
-    """Evenly spread angles, shape (starts, J)."""
+    """Evenly spread angles, shape (starts, J), in (-pi, pi): a Halton sequence, one prime for each joint."""
     index = np.arange(1, _STARTS + 1)
     columns = [_radical_inverse(index, _PRIMES[joint % len(_PRIMES)]) for joint in range(joints)]
     return (2.0 * np.stack(columns, axis=1) - 1.0) * np.pi
 
 
 def _radical_inverse(index: IntArray, base: int) -> FloatArray:
+    """Digits of whole numbers in a base, mirrored at the point: sum of digit_k base^-(k+1), in [0, 1)."""
     value, share, rest = np.zeros(len(index)), 1.0 / base, index.copy()
     while rest.any():
         value += share * (rest % base)
@@ -97,6 +126,7 @@ def _radical_inverse(index: IntArray, base: int) -> FloatArray:
 
 def _error(chain: Chain, wanted: FloatArray) -> FloatArray:
     """Shift [mm] and turn [mm at the lever] that are left to go to poses (n, 4, 4), shape (n, 6)."""
+    # In the world: the chain's axes, from which the Jacobian is made, are told there too.
     turn = vector_from_rotation(wanted[:, :3, :3] @ np.swapaxes(chain.end_rotation, 1, 2))
     return np.concatenate([wanted[:, :3, 3] - chain.end_origin, _LEVER_MM * turn], axis=1)
 
@@ -106,6 +136,7 @@ def _signs(robot: Robot) -> FloatArray:
 
 
 def _step(chain: Chain, error: FloatArray, signs: FloatArray) -> FloatArray:
+    """Damped Gauss-Newton step of joint angles, shape (n, J) [rad], for an error (n, 6) at the lever."""
     shift = cross(chain.z, chain.end_origin - chain.origin)
     jacobian = np.moveaxis(np.concatenate([shift, _LEVER_MM * chain.z], axis=2), 0, 2) * signs
     damping = _DAMPING * np.minimum(1.0, np.linalg.norm(error, axis=1) / _LEVER_MM) * _LEVER_MM**2
@@ -126,6 +157,7 @@ def _different(joints: FloatArray) -> list[FloatArray]:
 
 
 def _same(first: FloatArray, second: FloatArray) -> bool:
+    """Say whether two configurations are one, whole turns of each joint aside."""
     apart: BoolArray = np.abs(np.mod(first - second + np.pi, 2 * np.pi) - np.pi) > _SAME_RAD
     return not bool(apart.any())
 
@@ -136,7 +168,11 @@ BRANCH_NAMES: Final = tuple(
 
 
 class _Form(Protocol):
-    """A closed form: which arms it is for, all branches of theirs, and in which one joints are."""
+    """A closed form: which arms it is for (`fits`), all branches of theirs, and in which one joints are.
+
+    `angles` gives theta_1 .. theta_6 of shapes that broadcast to (back, down, flip, n); `branches` takes them
+    as (n, 6) and says whether each arm is back, down and flipped.
+    """
 
     def fits(self, robot: Robot) -> bool: ...
 
@@ -151,11 +187,18 @@ _FORMS: Final[tuple[_Form, ...]] = (inverse_spherical, inverse_parallel)
 
 
 def has_closed_form(robot: Robot) -> bool:
-    """Whether the inverse is exact, with branches that have numbers."""
+    """Say whether the inverse is exact, with branches that have numbers.
+
+    Parameters
+    ----------
+    robot : Robot
+    """
     return _form_of(robot) is not None
 
 
 def _form_of(robot: Robot) -> _Form | None:
+    # Both forms are worked out for tables as makers write them: a tilted axis, however little, has no such
+    # wrist.
     untilted = all(abs(row.beta_rad) < STRUCTURE_RAD for row in robot.joints)
     usual = robot.n_joints == 6 and untilted
     return next((form for form in _FORMS if usual and form.fits(robot)), None)
@@ -207,16 +250,25 @@ def one_branch(robot: Robot, pose: FloatArray, branch: IntArray) -> FloatArray:
     robot : Robot
         With a closed form.
     pose : ndarray, shape (n, 4, 4)
-        As for `all_branches`.
-    branch : ndarray, shape (n,)
+        As for `all_branches`, but not checked: NaN in a pose is NaN in its angles.
+    branch : ndarray of int, shape (n,)
+        In 0..7.
 
     Returns
     -------
     ndarray, shape (n, 6)
+        [rad], as of `all_branches`.
+
+    Raises
+    ------
+    ConfigurationError
+        The arm has no closed form, hence no numbered branches.
     """
     form = _form_of(robot)
     if form is None:
         raise ConfigurationError(f"{robot.name} has no numbered branches: its inverse has no closed form.")
+    # Bits of the number, each on its own axis of length 1: the closed forms then work out this branch alone,
+    # an eighth of the work of all of them.
     which = Branches(*((branch >> bit & 1)[None, None, None] for bit in (2, 1, 0)))
     return np.asarray(_closed_form(form, robot, pose, which, reach_out=True)[:, 0])
 
@@ -243,6 +295,8 @@ def branch_of(robot: Robot, joints_rad: FloatArray) -> IntArray:
     form = _form_of(robot)
     if form is None:
         raise ConfigurationError(f"{robot.name} has no numbered branches: its inverse has no closed form.")
+    # From the angles, not from a pose: at given joints the branch is read off the sides of the arm's
+    # triangle, and no inverse has to be compared.
     back, down, flip = form.branches(robot, nominal_values(robot, joints_rad).theta_rad)
     return np.asarray(4 * back + 2 * down + flip, dtype=np.int64)
 
@@ -250,15 +304,18 @@ def branch_of(robot: Robot, joints_rad: FloatArray) -> IntArray:
 def brought_within(joints_rad: FloatArray, limits: tuple[JointRange, ...]) -> tuple[FloatArray, BoolArray]:
     """Turn joints by whole turns towards the middles of their limits, and say which rows are within.
 
+    A range of more than one turn holds several of the same attitude: the one nearest to its middle is chosen.
+
     Parameters
     ----------
     joints_rad : ndarray, shape (n, J)
     limits : tuple of JointRange
+        J of them.
 
     Returns
     -------
     joints_rad : ndarray, shape (n, J)
-    within : ndarray, shape (n,)
+    within : ndarray of bool, shape (n,)
         False for rows with NaN.
     """
     low = np.array([limit.lower_rad for limit in limits])
@@ -282,7 +339,11 @@ def _closed_form(
 
 
 def _wanted(robot: Robot, pose: FloatArray) -> Poses:
-    """Return what n poses ask of the joints."""
+    """Return what n poses ask of the joints, in the frame that joint 1 turns.
+
+    Row 1 is RotX(alpha_1) TransX(a_1) RotZ(theta_1) TransZ(d_1): its alpha, a and d are taken off here, so
+    that the forms begin with theta_1. The wrist is d_6 behind the origin of the last frame along axis 6.
+    """
     first = robot.joints[0]
     before_1 = rotation_x(first.alpha_rad)
     x_axis, z_axis = (before_1.T @ pose[:, :3, k].T for k in (0, 2))
@@ -293,9 +354,11 @@ def _wanted(robot: Robot, pose: FloatArray) -> Poses:
 
 
 def _controller_angles(robot: Robot, theta_rad: FloatArray) -> FloatArray:
+    """Return angles q of theta = sign q + offset, wrapped to (-pi, pi]; a row with one NaN is NaN."""
     sign = np.array([row.sign for row in robot.joints], dtype=float)
     offset = np.array([row.theta_offset_rad for row in robot.joints])
     angle = sign * (theta_rad - offset)
     wrapped: FloatArray = -(np.mod(np.pi - angle, 2 * np.pi) - np.pi)
+    # Half an answer is none: theta_1 of a branch may exist where its elbow does not.
     wrapped[np.isnan(wrapped).any(axis=2)] = np.nan
     return wrapped

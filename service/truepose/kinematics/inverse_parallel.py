@@ -51,7 +51,7 @@ class _Last(NamedTuple):
 
 
 def fits(robot: Robot) -> bool:
-    """Whether the arm is one of these."""
+    """Say whether the arm is one of these: axes 2, 3, 4 parallel, axes 5 and 6 across, a_5 = a_6 = 0."""
     rows = robot.joints
     right = all(abs(np.cos(rows[i].alpha_rad)) < STRUCTURE_RAD for i in (1, 4, 5))
     parallel = all(abs(np.sin(rows[i].alpha_rad)) < STRUCTURE_RAD for i in (2, 3))
@@ -61,7 +61,9 @@ def fits(robot: Robot) -> bool:
 
 
 def angles(robot: Robot, wanted: Poses, which: Branches, ratio: Ratio) -> tuple[FloatArray, ...]:
-    """Return theta_1 .. theta_6 of some branches, shapes that come together to (2, 2, 2, n)."""
+    """Return theta_1 .. theta_6 of some branches; parameters and result as of `inverse_spherical.angles`."""
+    # Of a UR the arm at zero is stretched to where frame 1 does not point: what people call front is back in
+    # `column_angle`, whose sides are those of frame 1.
     turned_over = _stretched_mm(robot) < 0.0
     theta_1 = column_angle(robot, wanted.wrist_mm, which._replace(back=which.back ^ turned_over), ratio)
     wrist, x_axis, z_axis = (
@@ -80,7 +82,11 @@ def angles(robot: Robot, wanted: Poses, which: Branches, ratio: Ratio) -> tuple[
 
 
 def branches(robot: Robot, theta: FloatArray) -> tuple[BoolArray, BoolArray, BoolArray]:
-    """Return whether arms with theta_1 .. theta_6, shape (n, 6), are back, down and flipped."""
+    """Return in which branch arms are.
+
+    Back is where w, in front of joint 1, is on the other side of axis 1 than the arm at zero; down and flip
+    are signs of sin(theta_3) and sin(theta_5). Parameters and result as of `inverse_spherical.branches`.
+    """
     upper, elbow, forearm, wrist = robot.joints[1:5]
     along = theta[:, 1] + same_way(robot) * theta[:, 2]
     reach = upper.a_mm + elbow.a_mm * np.cos(theta[:, 1]) + forearm.a_mm * np.cos(along)
@@ -101,6 +107,8 @@ def _stretched_mm(robot: Robot) -> float:
     upper, elbow, forearm = robot.joints[1:4]
     along = elbow.theta_offset_rad * same_way(robot) + upper.theta_offset_rad
     reach = upper.a_mm + elbow.a_mm * np.cos(upper.theta_offset_rad) + forearm.a_mm * np.cos(along)
+    # An arm that stands upright at zero is stretched to neither side: rounding of its offsets must not name
+    # one.
     return float(reach) if abs(reach) > 1.0 else 1.0
 
 
@@ -117,11 +125,13 @@ def _along_axis_4(robot: Robot, vector: Vector) -> FloatArray:
 
 
 def _angle_5(robot: Robot, z_axis: Vector, side: FloatArray) -> FloatArray:
+    """Angle between axes 4 and 6: its sine from the part of axis 6 across axis 4, with the branch's sign."""
     s_5, s_6 = (float(np.sin(row.alpha_rad)) for row in robot.joints[4:])
     return np.arctan2(side * np.hypot(z_axis[0], z_axis[2]), -s_5 * s_6 * _along_axis_4(robot, z_axis))
 
 
 def _angle_6(robot: Robot, last: _Last, side: FloatArray) -> FloatArray:
+    """Direction of axis 4 in the plane of x and y of the last frame, with the branch's sign."""
     way = float(np.sin(robot.joints[4].alpha_rad)) * side
     x, y = (_along_axis_4(robot, axis) for axis in last)
     return np.arctan2(-way * y, way * x)
@@ -130,8 +140,9 @@ def _angle_6(robot: Robot, last: _Last, side: FloatArray) -> FloatArray:
 def _angle_6_within_reach(robot: Robot, wrist: Vector, last: _Last) -> FloatArray:
     """Return the angle nearest to that of joint 6 at 0 that brings axis 4 within reach of axis 2.
 
-    Of the triangle from axis 2 over w to axis 4 two sides are known, and the third shall be one that upper
-    arm and forearm can span.
+    Of the triangle from axis 2 over w to axis 4 two sides are known, |w| and d_5, and the third shall be one
+    that upper arm and forearm can span: |a_3 - a_4| <= t <= a_3 + a_4, clipped from what it is at angle 0. By
+    the law of cosines t gives the angle at w.
     """
     elbow, forearm, d_5 = abs(robot.joints[2].a_mm), abs(robot.joints[3].a_mm), robot.joints[4].d_mm
     offset = np.asarray(robot.joints[5].theta_offset_rad)
@@ -157,7 +168,7 @@ def _in_plane(robot: Robot, vector: Vector, beyond_mm: float) -> tuple[FloatArra
 
 
 def _axis_5(robot: Robot, last: _Last, theta_6: FloatArray) -> Vector:
-    """Return axis 5 behind joint 1."""
+    """Return axis 5 behind joint 1: s_6 (sin(theta_6) x + cos(theta_6) y) of the last frame."""
     s_6, sine, cosine = float(np.sin(robot.joints[5].alpha_rad)), np.sin(theta_6), np.cos(theta_6)
     x, y, z = (s_6 * (sine * one + cosine * other) for one, other in zip(*last, strict=True))
     return x, y, z
@@ -166,7 +177,11 @@ def _axis_5(robot: Robot, last: _Last, theta_6: FloatArray) -> Vector:
 def _plane_angles(
     robot: Robot, wrist: Vector, axis_5: Vector, which: Branches, ratio: Ratio
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return theta_2 .. theta_4: a triangle in the plane across axis 2, and the direction of axis 5 in it."""
+    """Return theta_2 .. theta_4: a triangle in the plane across axis 2, and the direction of axis 5 in it.
+
+    Axis 4 is at p = w - d_5 axis_5, where |p|^2 = a_3^2 + a_4^2 + 2 a_3 a_4 cos(theta_3); theta_4 is what is
+    left of the direction of axis 5 once theta_2 and theta_3 have turned it.
+    """
     upper, elbow, forearm, last = robot.joints[1:5]
     x, y = _in_plane(robot, wrist, -upper.a_mm)
     u, v = _in_plane(robot, axis_5, 0.0)

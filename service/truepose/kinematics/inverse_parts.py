@@ -40,13 +40,29 @@ ALL: Final = Branches(*(np.arange(2).reshape(shape) for shape in ((2, 1, 1, 1), 
 
 
 def column(planes: FloatArray) -> Vector:
-    """Return the components (3, n) of vectors, each (1, 1, 1, n)."""
+    """Return the components of vectors, in the shape in which the forms compute.
+
+    Parameters
+    ----------
+    planes : ndarray, shape (3, n)
+
+    Returns
+    -------
+    tuple of three ndarray, shape (1, 1, 1, n) each
+    """
     x, y, z = (plane[None, None, None] for plane in planes)
     return x, y, z
 
 
 def turned_back(vector: Vector, alpha_rad: float, theta_rad: FloatArray | float) -> Vector:
-    """Return vectors as a frame sees them that RotX(alpha) RotZ(theta) turned."""
+    """Return vectors as a frame sees them that RotX(alpha) RotZ(theta) turned: RotZ(-theta) RotX(-alpha) v.
+
+    Parameters
+    ----------
+    vector : tuple of three ndarray
+    alpha_rad : float
+    theta_rad : float or ndarray, of a shape that broadcasts with the components
+    """
     x, y, z = vector
     c, s = float(np.cos(alpha_rad)), float(np.sin(alpha_rad))
     y, z = c * y + s * z, c * z - s * y
@@ -55,33 +71,63 @@ def turned_back(vector: Vector, alpha_rad: float, theta_rad: FloatArray | float)
 
 
 def column_angle(robot: Robot, wrist: FloatArray, which: Branches, ratio: Ratio) -> FloatArray:
-    """Return theta_1, shape (2, 1, 1, n)."""
+    """Return theta_1, shape (2, 1, 1, n): the column turns until axis 2 passes the wrist at its distance.
+
+    With r, phi the wrist in polar coordinates about axis 1 and m its coordinate along axis 2,
+    y cos(theta) - x sin(theta) = m is sin(phi - theta) = m / r; m is what d_2, d_3 and d_4 come to along axis
+    2.
+
+    Parameters
+    ----------
+    robot : Robot
+    wrist : ndarray, shape (3, n)
+        [mm], in front of joint 1.
+    which : Branches
+    ratio : callable
+        `rounded` or `within_reach`.
+
+    Source: J. J. Craig, Introduction to Robotics, 3rd ed., 2005, section 4.7 (the PUMA 560).
+    """
     upper, elbow, forearm = robot.joints[1:4]
     along_axis_2 = upper.d_mm + np.cos(elbow.alpha_rad) * elbow.d_mm
     along_axis_2 += np.cos(elbow.alpha_rad) * np.cos(forearm.alpha_rad) * forearm.d_mm
     distance = np.hypot(wrist[0], wrist[1])
     on_axis = (distance < STRUCTURE_MM) & (abs(along_axis_2) < STRUCTURE_MM)
+    # With the wrist on axis 1 and no offset every theta_1 is as good; 0 / 0 would say that there is none.
     share = np.where(on_axis, 0.0, -along_axis_2 / np.sin(upper.alpha_rad) / distance)
     aside, direction = np.arcsin(ratio(share)), np.arctan2(wrist[1], wrist[0])
     return np.asarray(np.where(which.back, direction - np.pi + aside, direction - aside))
 
 
 def same_way(robot: Robot) -> float:
-    """+1 where axes 2 and 3 point the same way, else -1."""
+    """Say how axis 3 points: +1 the same way as axis 2, else -1, that is cos(alpha_3)."""
     return float(np.sign(np.cos(robot.joints[2].alpha_rad)))
 
 
 def positive_side(robot: Robot) -> float:
     """Sign of sin(theta_5) at a small positive angle of joint 5, its offset included."""
     row = robot.joints[4]
+    # A millionth of a radian beside zero: at zero itself the sine of an offset of 0 or 180 deg says nothing.
     return 1.0 if np.sin(row.theta_offset_rad + row.sign * 1e-6) > 0.0 else -1.0
 
 
 def rounded(ratio: FloatArray) -> FloatArray:
-    """Ratios that pass 1 by rounding alone, brought back to it."""
+    """Bring ratios that pass 1 by rounding alone back to it; those beyond stay: their arc functions are NaN.
+
+    Parameters
+    ----------
+    ratio : ndarray
+        Sines or cosines [1].
+    """
     return np.where(np.abs(np.abs(ratio) - 1.0) < _STRETCHED, np.sign(ratio), ratio)
 
 
 def within_reach(ratio: FloatArray) -> FloatArray:
-    """Ratios of reachable poses as they are, others brought to an arm that is nearly straight or folded."""
+    """Bring ratios of unreachable poses to an arm that is nearly straight or folded; others stay as they are.
+
+    Parameters
+    ----------
+    ratio : ndarray
+        Sines or cosines [1].
+    """
     return np.where(np.abs(ratio) < 1.0, ratio, np.sign(ratio) * _NEARLY_STRAIGHT)

@@ -34,7 +34,7 @@ from truepose.kinematics.inverse_parts import (
 
 
 def fits(robot: Robot) -> bool:
-    """Whether the arm is one of these."""
+    """Say whether the arm is one of these: axes 2, 4, 5, 6 at right angles, 3 parallel to 2, a wrist."""
     rows = robot.joints
     right = all(abs(np.cos(rows[i].alpha_rad)) < STRUCTURE_RAD for i in (1, 3, 4, 5))
     parallel = abs(np.sin(rows[2].alpha_rad)) < STRUCTURE_RAD
@@ -45,7 +45,23 @@ def fits(robot: Robot) -> bool:
 
 
 def angles(robot: Robot, wanted: Poses, which: Branches, ratio: Ratio) -> tuple[FloatArray, ...]:
-    """Return theta_1 .. theta_6 of some branches, shapes that come together to (2, 2, 2, n)."""
+    """Return theta_1 .. theta_6 of some branches.
+
+    Parameters
+    ----------
+    robot : Robot
+        One that `fits`.
+    wanted : Poses
+        n of them.
+    which : Branches
+    ratio : callable
+        What to do with sines and cosines beyond 1.
+
+    Returns
+    -------
+    tuple of six ndarray
+        [rad], of shapes that broadcast to (back, down, flip, n); NaN where there is no branch.
+    """
     theta_1 = column_angle(robot, wanted.wrist_mm, which, ratio)
     theta_2, theta_3 = _arm_angles(robot, column(wanted.wrist_mm), theta_1, which, ratio)
     arm = (theta_1, theta_2, theta_3)
@@ -54,7 +70,21 @@ def angles(robot: Robot, wanted: Poses, which: Branches, ratio: Ratio) -> tuple[
 
 
 def branches(robot: Robot, theta: FloatArray) -> tuple[BoolArray, BoolArray, BoolArray]:
-    """Return whether arms with theta_1 .. theta_6, shape (n, 6), are back, down and flipped."""
+    """Return in which branch arms are.
+
+    Back is where the wrist's distance from axis 1, along frame 1, is negative; down and flip are the signs of
+    sin(bend) and sin(theta_5) against those of the zero position.
+
+    Parameters
+    ----------
+    robot : Robot
+    theta : ndarray, shape (n, 6)
+        theta_1 .. theta_6 [rad], offsets and signs in them.
+
+    Returns
+    -------
+    back, down, flip : ndarray of bool, shape (n,)
+    """
     length, angle = _forearm(robot)
     bend = theta[:, 2] + angle
     reach = robot.joints[1].a_mm + robot.joints[2].a_mm * np.cos(theta[:, 1])
@@ -75,7 +105,11 @@ def _before_wrist(robot: Robot, vector: Vector, arm: tuple[FloatArray, FloatArra
 def _arm_angles(
     robot: Robot, wrist: Vector, theta_1: FloatArray, which: Branches, ratio: Ratio
 ) -> tuple[FloatArray, FloatArray]:
-    """Return theta_2 and theta_3, shape (2, 2, 1, n)."""
+    """Return theta_2 and theta_3, shape (2, 2, 1, n).
+
+    Of the triangle axis 2 - axis 3 - wrist all sides are known: |w|^2 = a_3^2 + l^2 + 2 a_3 l cos(bend), with
+    l the forearm; bend is theta_3 and the forearm's own direction in frame 3.
+    """
     upper, elbow = robot.joints[1:3]
     x, y, _ = turned_back(turned_back(wrist, 0.0, theta_1), upper.alpha_rad, 0.0)
     x = x - upper.a_mm
@@ -100,12 +134,19 @@ def _zero_bend(robot: Robot) -> float:
 
 
 def _wrist_angles(robot: Robot, which: Branches, x_axis: Vector, z_axis: Vector) -> Vector:
-    """Return theta_4 .. theta_6, shape (2, 2, 2, n), from axes as the frame sees them that joint 4 turns."""
+    """Return theta_4 .. theta_6, shape (2, 2, 2, n), from axes as the frame sees them that joint 4 turns.
+
+    With s_5, s_6 = sin(alpha_5), sin(alpha_6) = +-1, the wanted axis 6 in that frame is
+    z = (s_6 c_4 s_5', s_6 s_4 s_5', -s_5 s_6 c_5'), c_5', s_5' those of theta_5: theta_5 from the length of
+    its first two components, whose sign is the branch, theta_4 from their direction, theta_6 from the x axis
+    then.
+    """
     s_5, s_6 = (float(np.sin(row.alpha_rad)) for row in robot.joints[4:])
     side = positive_side(robot) * np.where(which.flip, -1.0, 1.0)  # sign of sin(theta_5)
     sine = np.hypot(z_axis[0], z_axis[1])
     theta_5 = np.arctan2(side * sine, -z_axis[2] / (s_5 * s_6))
     theta_4 = np.arctan2(z_axis[1] * side * s_6, z_axis[0] * side * s_6)
+    # Axes 4 and 6 turn about one line: only their sum is asked for, and joint 4 stays at its zero.
     theta_4 = np.where(sine < LOCKED, robot.joints[3].theta_offset_rad, theta_4)
     last = turned_back(x_axis, 0.0, theta_4)
     last = turned_back(last, robot.joints[4].alpha_rad, theta_5)

@@ -1,15 +1,22 @@
 r"""Joint axes, as lines in space, to a DH-Modified table.
 
 Frame i has its z along axis i. Where axes i and i+1 are skew or meet, origin and x of frame i lie on their
-common normal, and `alpha, a` of row i+1 follow. Where they are nearly parallel that normal may lie kilometres
-away, and rounding with it; there the origin of frame i stays at the foot of the normal before (its `d` is 0),
-x points to where axis i+1 passes through the plane z = 0 of frame i, and beta takes what alpha cannot
-(Hayati). Of the two senses of x it is the one that turns less from the x before.
+common normal, and `alpha, a` of row i+1 follow. With axes p + s u and q + t v, n = u x v, it meets them at
+
+    s = ((q - p) x v) . n / n.n        t = ((q - p) x u) . n / n.n
+
+Where they are nearly parallel that normal may lie kilometres away, and rounding with it; there the origin of
+frame i stays at the foot of the normal before (its `d` is 0), x points to where axis i+1 passes through the
+plane z = 0 of frame i, and beta takes what alpha cannot (Hayati). Of the two senses of x it is the one that
+turns less from the x before. The row from one frame to the next is read off B^-1 F:
+
+    z = (sin(beta), -sin(alpha) cos(beta), cos(alpha) cos(beta)),    o = (a, 0, 0) + d z
 
 References
 ----------
 J. J. Craig, Introduction to Robotics, 3rd ed., 2005, section 3.4.
 S. A. Hayati, Proc. 22nd IEEE Conf. Decision and Control, 1983, 1477-1483.
+docs/decisions/0042 (why nearly parallel axes have a beta, and where the limit lies).
 """
 
 from collections.abc import Sequence
@@ -32,7 +39,17 @@ _SAME_WAY: Final = 1e-9  # of a unit vector left in a plane, below which it show
 
 @dataclass(frozen=True, slots=True)
 class JointAxis:
-    """One axis while all joints read zero: a point of it [mm] and its z, both of shape (3,)."""
+    """One axis while all joints read zero.
+
+    Attributes
+    ----------
+    point_mm : ndarray, shape (3,)
+        Any point of it.
+    direction : ndarray, shape (3,)
+        Its z, of length 1.
+    sign : int
+        -1 where the joint counts against `direction`.
+    """
 
     point_mm: FloatArray
     direction: FloatArray
@@ -41,7 +58,17 @@ class JointAxis:
 
 @dataclass(frozen=True, slots=True)
 class Table:
-    """The table of some axes, and where its first and last frames are while all joints read zero."""
+    """The table of some axes, and where its first and last frames are while all joints read zero.
+
+    Attributes
+    ----------
+    rows : tuple of JointRow
+        J of them.
+    base : ndarray, shape (4, 4)
+        Frame 0 [mm].
+    frames : ndarray, shape (J, 4, 4)
+        Frames 1..J [mm].
+    """
 
     rows: tuple[JointRow, ...]
     base: FloatArray  # (4, 4) of frame 0
@@ -63,6 +90,8 @@ def table_of(axes: Sequence[JointAxis], base: FloatArray, tip: FloatArray) -> Ta
     Returns
     -------
     Table
+        Its forward kinematics is that of the axes, to rounding, at any tilt. Whoever needs the tip itself
+        keeps its motion from the last frame beside the table.
     """
     first = _on_axis(axes[0], base)
     frames = _frames(axes, first, tip)
@@ -86,9 +115,13 @@ def _towards(axis: JointAxis, following: JointAxis, before: FloatArray) -> Float
     if np.linalg.norm(normal) > _PARALLEL:
         foot, end = _feet(axis, following, normal)
     else:
+        # The common normal may be kilometres away; at the foot of the one before, lengths stay those of the
+        # arm, which planning, priors and checks of plausibility take them for.
         foot = _nearest_foot(axis, before)
         along = (foot - following.point_mm) @ axis.direction / (following.direction @ axis.direction)
         end = following.point_mm + along * following.direction
+        # For axes that run through each other: no direction leads from one to the other, and x stays as it
+        # was.
         normal = np.asarray(before[:3, 0])
     across = end - foot
     x = across if np.linalg.norm(across) > _SAME_PLACE_MM else normal
@@ -96,7 +129,7 @@ def _towards(axis: JointAxis, following: JointAxis, before: FloatArray) -> Float
 
 
 def _feet(axis: JointAxis, following: JointAxis, normal: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return where the common normal of two skew axes meets each of them."""
+    """Return where the common normal of two skew axes meets each of them; formula in the module's head."""
     between, square = following.point_mm - axis.point_mm, normal @ normal
     here = np.cross(between, following.direction) @ normal / square
     there = np.cross(between, axis.direction) @ normal / square
@@ -116,6 +149,8 @@ def _nearest_foot(axis: JointAxis, before: FloatArray) -> FloatArray:
 
 def _on_axis(axis: JointAxis, frame: FloatArray) -> FloatArray:
     """Return the frame on an axis that is nearest to another one: its origin, and x where it shows one."""
+    # An axis may be given by any of its points: the frame goes where it is nearest to the one that was meant,
+    # so that d_1 and the tool's lengths stay those of the drawing.
     origin = axis.point_mm + ((frame[:3, 3] - axis.point_mm) @ axis.direction) * axis.direction
     return _frame(axis, origin, frame[:3, 0], spare=frame[:3, 1])
 
@@ -138,8 +173,10 @@ def _row(before: FloatArray, frame: FloatArray, sign: int) -> JointRow:
     """Return the row that leads from a frame, whose x shows the way, to the next one."""
     step = before[:3, :3].T @ np.column_stack([frame[:3, :3], frame[:3, 3] - before[:3, 3]])
     z, origin = step[:, 2], step[:, 3]
+    # cos(beta): what of the axis remains in the plane that alpha turns in.
     level = float(np.hypot(z[1], z[2]))
     alpha = float(np.arctan2(-z[1], z[2]))
+    # Of skew axes x is the common normal, so that a beta beside alpha would be rounding and nothing else.
     beta = float(np.arctan2(z[0], level)) if abs(z[1]) <= _PARALLEL else 0.0
     d = float(origin[1:] @ z[1:]) / level**2
     turned = (rotation_x(alpha) @ rotation_y(beta)).T @ step[:, 0]
@@ -148,5 +185,5 @@ def _row(before: FloatArray, frame: FloatArray, sign: int) -> JointRow:
 
 
 def _whole(angle_rad: float) -> float:
-    """Return an angle, 0 where it is nothing but rounding."""
+    """Return an angle, 0 where it is nothing but rounding: a maker's table comes back with its zeros."""
     return 0.0 if abs(angle_rad) < _ROUNDING_RAD else angle_rad

@@ -22,7 +22,15 @@ from truepose.kinematics.frames import cross_matrix, rigid_alignment
 
 @dataclass(frozen=True, slots=True, eq=False)  # arrays: equal means the same object
 class Pose:
-    """Where the last frame of the arm is, in the frame in which the cups are given."""
+    """Where the last frame of the arm is, in the frame in which the cups are given.
+
+    A point x of the last frame is at R x + o there.
+
+    Attributes
+    ----------
+    rotation : ndarray, shape (3, 3)
+    origin_mm : ndarray, shape (3,)
+    """
 
     rotation: FloatArray  # (3, 3)
     origin_mm: FloatArray  # (3,)
@@ -35,20 +43,38 @@ class Pose:
         return matrix
 
     def points(self, in_last_frame_mm: FloatArray) -> FloatArray:
-        """Return points of the last frame in the frame of the cups, shape (n, 3) [mm]."""
+        """Return points of the last frame in the frame of the cups.
+
+        Parameters
+        ----------
+        in_last_frame_mm : ndarray, shape (n, 3)
+
+        Returns
+        -------
+        ndarray, shape (n, 3)
+            [mm]
+        """
         placed: FloatArray = in_last_frame_mm @ self.rotation.T + self.origin_mm
         return placed
 
 
 def pose_of(nests_mm: FloatArray, points_mm: FloatArray) -> Pose:
-    """Return the pose that brings the nests (3, 3) of the last frame onto these points (3, 3)."""
+    """Return the pose that brings the nests of the last frame onto points, by least squares.
+
+    Parameters
+    ----------
+    nests_mm : ndarray, shape (3, 3)
+        In the last frame, one in each row.
+    points_mm : ndarray, shape (3, 3)
+        Where they are, in the frame of the cups.
+    """
     return Pose(*rigid_alignment(nests_mm, points_mm))
 
 
 def pose_covariance(pose: Pose, nests_mm: FloatArray, points_covariance_mm2: FloatArray) -> FloatArray:
-    """Return the covariance of a pose from that of its three nests, shape (6, 6).
+    """Return the covariance of a pose from that of its three nests.
 
-    Order and units: origin x, y, z [mm], then the turn about x, y, z of the frame of the cups [rad].
+    With G = d(points) / d(pose), shape (9, 6), least squares give C = G^+ C_points G^+T.
 
     Parameters
     ----------
@@ -58,11 +84,17 @@ def pose_covariance(pose: Pose, nests_mm: FloatArray, points_covariance_mm2: Flo
     points_covariance_mm2 : ndarray, shape (9, 9)
         As from `cascade.points_covariance`.
 
+    Returns
+    -------
+    ndarray, shape (6, 6)
+        Of the origin x, y, z [mm], then of the turn about x, y, z of the frame of the cups [rad].
+
     Raises
     ------
     UnderdeterminedError
         The three nests are on a line.
     """
+    # By rank and not by the pivots of a solution: nests on a line leave one turn free, whatever the frame is.
     motion = points_gradient(pose, nests_mm).reshape(9, 6)
     if np.linalg.matrix_rank(motion) < 6:
         raise UnderdeterminedError("The three tool nests are on a line: they show no turn about it.")
@@ -72,7 +104,19 @@ def pose_covariance(pose: Pose, nests_mm: FloatArray, points_covariance_mm2: Flo
 
 
 def points_gradient(pose: Pose, in_last_frame_mm: FloatArray) -> FloatArray:
-    """Return the motion of points (n, 3) per shift and turn of the pose, shape (n, 3, 6)."""
+    """Return the motion of points per shift and turn of the pose: [1, -[R x]x].
+
+    Parameters
+    ----------
+    pose : Pose
+    in_last_frame_mm : ndarray, shape (n, 3)
+
+    Returns
+    -------
+    ndarray, shape (n, 3, 6)
+        mm per mm of a shift, then mm per rad of a turn about the origin of the last frame, along the axes of
+        the cups' frame.
+    """
     arms = in_last_frame_mm @ pose.rotation.T
     gradient = np.zeros((len(arms), 3, 6))
     gradient[:, :, :3] = np.eye(3)
@@ -81,8 +125,21 @@ def points_gradient(pose: Pose, in_last_frame_mm: FloatArray) -> FloatArray:
 
 
 def turn_between(first: FloatArray, second: FloatArray) -> FloatArray:
-    """Return the angle between rotations, shape (...) [rad], exact for small ones as for half a turn."""
+    """Return the angle of the turn from one rotation to another.
+
+    From |A - B|^2 = 8 sin^2(angle / 2) in the Frobenius norm.
+
+    Parameters
+    ----------
+    first, second : ndarray, shape (..., 3, 3)
+
+    Returns
+    -------
+    ndarray, shape (...)
+        [rad], in 0..pi; exact for small angles as for half a turn.
+    """
     # |A - B|^2 = 8 sin^2(angle / 2) in the Frobenius norm
+    # Rounding may carry the chord beyond 1 at half a turn, where the arc sine would be NaN.
     chord = np.sqrt(((first - second) ** 2).sum(axis=(-2, -1)) / 8.0)
     angle: FloatArray = 2.0 * np.arcsin(np.minimum(chord, 1.0))
     return angle
@@ -93,19 +150,38 @@ _OF_A_RIGID_BODY = 6.0
 
 @dataclass(frozen=True, slots=True)
 class PoseUncertainty:
-    """Standard uncertainties per axis of a pose, read at the artefact's centre."""
+    """Standard uncertainties per axis of a pose, read at the artefact's centre.
+
+    Attributes
+    ----------
+    position_mm : float
+    rotation_rad : float
+        RMS of the three axes.
+    """
 
     position_mm: float
     rotation_rad: float
 
 
 def centre(nests_mm: FloatArray) -> FloatArray:
-    """Return the centre of nests (K, 3), shape (3,)."""
+    """Return the centre of K nests.
+
+    Parameters
+    ----------
+    nests_mm : ndarray, shape (K, 3)
+
+    Returns
+    -------
+    ndarray, shape (3,)
+        [mm]
+    """
     return np.asarray(nests_mm.mean(axis=0))
 
 
 def pose_uncertainty(nests_mm: FloatArray, nest_mm: float) -> PoseUncertainty:
     """Return how exactly a pose is known whose nests are known to `nest_mm` per coordinate.
+
+    The formulas of the module's head, solved for sigma = nest_mm sqrt(K / 2) first.
 
     Parameters
     ----------
@@ -113,8 +189,14 @@ def pose_uncertainty(nests_mm: FloatArray, nest_mm: float) -> PoseUncertainty:
         K >= 3, not on a line.
     nest_mm : float
         Standard uncertainty per coordinate of the nests of the artefact as placed.
+
+    Raises
+    ------
+    numpy.linalg.LinAlgError
+        All nests are in one place. On a line the turn about it comes out as large as rounding makes it.
     """
     arms = nests_mm - centre(nests_mm)
+    # What is stated is how far the nests of the fitted body are off; the readings themselves err by more.
     sigma_mm = nest_mm * np.sqrt(nests_mm.size / _OF_A_RIGID_BODY)
     squares = (arms**2).sum() * np.eye(3) - arms.T @ arms
     turn = sigma_mm * np.sqrt(np.trace(np.linalg.inv(squares)) / 3.0)
@@ -122,8 +204,21 @@ def pose_uncertainty(nests_mm: FloatArray, nest_mm: float) -> PoseUncertainty:
 
 
 def normal(nests_mm: FloatArray) -> FloatArray:
-    """Return the normal of the plane of the first three nests, away from the last frame's origin, (3,)."""
+    """Return the normal of the plane of the first three nests, away from the last frame's origin.
+
+    Parameters
+    ----------
+    nests_mm : ndarray, shape (K, 3)
+        K >= 3; the first three not on a line. In the last frame.
+
+    Returns
+    -------
+    ndarray, shape (3,)
+        Of length 1.
+    """
     first, second, third = nests_mm[:3]
     across = np.cross(second - first, third - first)
+    # Targets of a flat artefact look away from the arm that carries it, in whatever order the nests are
+    # numbered.
     away = across if across @ centre(nests_mm) >= 0.0 else -across
     return np.asarray(away / np.linalg.norm(away))

@@ -25,7 +25,7 @@ def tri(
     l3: npt.ArrayLike,
     side: npt.ArrayLike,
 ) -> FloatArray:
-    """Return the points at distances l1, l2, l3 from v1, v2, v3, shape (..., 3) [mm].
+    """Return the points at distances l1, l2, l3 from v1, v2, v3.
 
     Parameters
     ----------
@@ -39,7 +39,7 @@ def tri(
     Returns
     -------
     ndarray, shape (..., 3)
-        NaN where the three distances do not meet, or where the three centres are on a line.
+        [mm]; NaN where the three distances do not meet, or where the three centres are on a line.
     """
     first, second, third = np.asarray(l1), np.asarray(l2), np.asarray(l3)
     u, w = v2 - v1, v3 - v1
@@ -57,9 +57,9 @@ def tri(
 def tri_gradient(
     point_mm: FloatArray, centres_mm: FloatArray, centres_gradient: FloatArray, lengths_gradient: FloatArray
 ) -> FloatArray:
-    """How a trilaterated point moves with the quantities that its centres and lengths depend on.
+    """Differentiate a trilaterated point by the quantities that its centres and lengths depend on.
 
-    Differentiating |p - v_i|^2 = l_i^2 gives (p - v_i).(dp - dv_i) = l_i dl_i: three linear equations.
+    Differentiating |p - v_i|^2 = l_i^2 gives (p - v_i).(dp - dv_i) = l_i dl_i: three linear equations for dp.
 
     Parameters
     ----------
@@ -75,6 +75,7 @@ def tri_gradient(
     Returns
     -------
     ndarray, shape (..., 3, q)
+        mm per unit of each of the q quantities.
 
     Raises
     ------

@@ -1,4 +1,8 @@
-"""The pose device: six ballbar lengths between three cups and three nests give the pose of the tool."""
+"""The pose device: six ballbar lengths between three cups and three nests give the pose of the tool.
+
+`cascade` solves the thesis' pattern of legs in closed form, `assemblies` lists the ways to put it together,
+`starts` solves any six legs, and `least_squares` fits a pose to any number of them.
+"""
 
 from truepose.kinematics.pose_device.assemblies import (
     Assembly,

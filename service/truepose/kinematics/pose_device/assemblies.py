@@ -31,7 +31,20 @@ _SAME_PLACE_MM = 50.0
 
 @dataclass(frozen=True, slots=True, eq=False)  # arrays: equal means the same object
 class Assembly:
-    """One way to put the pose device together."""
+    """One way to put the pose device together.
+
+    Attributes
+    ----------
+    number : int
+        From 1.
+    design : Design
+    solution : int
+        1..4, as in table 3.1 of the thesis.
+    points_mm : ndarray, shape (3, 3)
+        Nests T1, T2, T3 in the frame of the cups.
+    pose : Pose
+        Of the last frame of the arm.
+    """
 
     number: int  # from 1
     design: Design
@@ -73,6 +86,7 @@ def assemblies(cups_mm: FloatArray, nests_mm: FloatArray, *, leg_mm: float = LEG
     for design in designs(len(cups_mm)):
         solutions = solve(design, cups_mm, tool_sides, np.full(6, leg_mm))
         for solution, points in enumerate(solutions, start=1):
+            # Numbers count those that go together, so that they are the same for whoever lists them.
             if np.isfinite(points).all():
                 pose = pose_of(nests_mm, points)
                 found.append(Assembly(len(found) + 1, design, solution, points, pose))
@@ -80,7 +94,19 @@ def assemblies(cups_mm: FloatArray, nests_mm: FloatArray, *, leg_mm: float = LEG
 
 
 def check_triangle(points_mm: FloatArray, what: str) -> None:
-    """Refuse three points on a line, named in words; raises ConfigurationError."""
+    """Refuse three points that form no triangle.
+
+    Parameters
+    ----------
+    points_mm : ndarray, shape (3, 3)
+    what : str
+        What they are, in words of the sentence.
+
+    Raises
+    ------
+    ConfigurationError
+        They are not three finite points, or lie on a line.
+    """
     if points_mm.shape != (3, 3) or not np.isfinite(points_mm).all():
         raise ConfigurationError(f"The {what} are given as three rows of three finite numbers in mm.")
     if np.linalg.matrix_rank(points_mm[1:] - points_mm[0], tol=1e-6) < 2:
@@ -94,10 +120,18 @@ def measurable(
 
     The flange is taken at the origin of the last frame.
 
+    Parameters
+    ----------
+    candidates : sequence of Assembly
+    cups_mm : ndarray, shape (K, 3)
+    nests_mm : ndarray, shape (3, 3)
+        In the last frame.
+
     Raises
     ------
     ConfigurationError
-        The origin of the last frame lies in the plane of the nests, so that neither side is the flange's.
+        The nests are on a line, or the origin of the last frame lies in their plane, so that neither side is
+        the flange's.
     """
     check_triangle(nests_mm, "tool nests")
     normal = np.cross(nests_mm[1] - nests_mm[0], nests_mm[2] - nests_mm[0])
@@ -108,6 +142,7 @@ def measurable(
 
 
 def _reached_from_outside(assembly: Assembly, cups_mm: FloatArray, towards_flange: FloatArray) -> bool:
+    """Say whether every leg leaves its nest outwards: (cup - nest) . n > 0, n away from the flange."""
     outside = -(assembly.pose.rotation @ towards_flange)
     legs = (cups_mm[cup - 1] - assembly.points_mm[nest - 1] for cup, nest in assembly.legs)
     return all(float(leg @ outside) > 0.0 for leg in legs)
@@ -121,7 +156,13 @@ def distinct(
 ) -> tuple[Assembly, ...]:
     """Return the assemblies that are not close to an earlier one, in their order.
 
-    Close means a turn below `turn_rad` and origins of the last frame nearer than `distance_mm`, both at once.
+    Close means a turn below `turn_rad` and origins of the last frame nearer than `distance_mm`, both at once:
+    thesis section 3.2, where 18 of 72 go.
+
+    Parameters
+    ----------
+    candidates : sequence of Assembly
+    turn_rad, distance_mm : float, optional
     """
     kept: list[Assembly] = []
     for one in candidates:

@@ -40,7 +40,13 @@ _TOOL = (1, 2, 3)
 
 @dataclass(frozen=True, slots=True)
 class Design:
-    """Which cups and nests play the parts 1, 2, 3 of the pattern."""
+    """Which cups and nests play the parts 1, 2, 3 of the pattern.
+
+    Attributes
+    ----------
+    base, tool : tuple of int
+        Numbers from 1, by the part that they play.
+    """
 
     base: tuple[int, int, int]
     tool: tuple[int, int, int]
@@ -59,6 +65,11 @@ class Design:
 
 def designs(base_points: int = 3) -> tuple[Design, ...]:
     """Return all designs on any three of the base cups: 36 for three cups, 144 for four.
+
+    Parameters
+    ----------
+    base_points : int
+        Number of cups.
 
     Raises
     ------
@@ -89,6 +100,13 @@ _TOOL_SIDE = {frozenset((1, 2)): 0, frozenset((2, 3)): 1, frozenset((1, 3)): 2}
 def base_triangle(b12_mm: float, b23_mm: float, b31_mm: float) -> FloatArray:
     """Return cups 1, 2, 3 from their distances: cup 1 the origin, cup 2 on x, cup 3 in the xy plane, y > 0.
 
+    x_3 = (b12^2 + b31^2 - b23^2) / (2 b12), y_3 = sqrt(b31^2 - x_3^2): thesis section 3.2, the base frame.
+
+    Parameters
+    ----------
+    b12_mm, b23_mm, b31_mm : float
+        Complex ones too, for derivatives by complex steps.
+
     Returns
     -------
     ndarray, shape (3, 3)
@@ -109,9 +127,19 @@ def base_triangle(b12_mm: float, b23_mm: float, b31_mm: float) -> FloatArray:
 
 
 def fourth_cup(cups_mm: FloatArray, b14_mm: float, b24_mm: float, b34_mm: float) -> FloatArray:
-    """Return the cup at these distances from the first three, below their plane, shape (3,) [mm].
+    """Return the cup at these distances from the first three, below their plane.
 
     Below, because the place above at 300 mm from all three is where the first tool nest comes.
+
+    Parameters
+    ----------
+    cups_mm : ndarray, shape (3, 3)
+    b14_mm, b24_mm, b34_mm : float
+
+    Returns
+    -------
+    ndarray, shape (3,)
+        [mm]
 
     Raises
     ------
@@ -127,7 +155,7 @@ def fourth_cup(cups_mm: FloatArray, b14_mm: float, b24_mm: float, b34_mm: float)
 
 
 def outward(cups_mm: FloatArray, used: Collection[int]) -> FloatArray:
-    """Return the normal of three cups that points to the side on which the tool is, shape (3,).
+    """Return the normal of three cups that points to the side on which the tool is.
 
     With three cups, or all of them about in a plane, it is up: the side of (B2 - B1) x (B3 - B1). Otherwise
     it is the side away from the cup that is not used, which is where a tool nest would come on the other.
@@ -139,6 +167,11 @@ def outward(cups_mm: FloatArray, used: Collection[int]) -> FloatArray:
     used : collection of int
         Numbers of the three cups, from 1.
 
+    Returns
+    -------
+    ndarray, shape (3,)
+        Not normalised: (v2 - v1) x (v3 - v1) or its opposite [mm2].
+
     Raises
     ------
     ConfigurationError
@@ -146,12 +179,17 @@ def outward(cups_mm: FloatArray, used: Collection[int]) -> FloatArray:
     """
     v1, v2, v3 = (cups_mm[cup - 1] for cup in sorted(used))
     up = np.cross(cups_mm[1] - cups_mm[0], cups_mm[2] - cups_mm[0])
+    # In ascending order of their numbers, whatever part they play in a design: the side must not depend on
+    # it.
     normal = np.cross(v2 - v1, v3 - v1)
     idle = [cup for number, cup in enumerate(cups_mm, start=1) if number not in used]
     away = v1 - np.mean(idle, axis=0) if idle else np.zeros(3)
     size = float(np.abs(normal @ normal)) ** 0.5  # an area: its root is a side
     if size and abs(normal @ away) < _FLAT * size**1.5:
+        # Four cups of a flat plate are never flat to the last digit: which side the idle one is on would be
+        # chance.
         away = up
+    # The real part, because complex steps run through here to test the derivatives.
     side = np.sign(np.real(normal @ away))
     if not size or side == 0.0:
         raise ConfigurationError("The cups of the base fixture lie on a line; they must form a triangle.")
@@ -189,9 +227,11 @@ def solve(
     if max(design.base) > len(cups_mm):
         raise ConfigurationError(f"The design uses cup {max(design.base)} of {len(cups_mm)}.")
     b1, b2, b3 = (cups_mm[cup - 1] for cup in design.base)
+    # The normal of the pattern's own numbering turns round where the cups are permuted oddly.
     side = float(np.sign(np.real(np.cross(b2 - b1, b3 - b1) @ outward(cups_mm, design.base))))
     t12, t23, t31 = (tool_sides_mm[k] for k in _pattern_sides(design))
     side2, side3 = side * np.array(_SIDES).T
+    # Many measurements and their four solutions in one go.
     r11, r21, r31, r12, r22, r23 = np.moveaxis(lengths[..., None, :], -1, 0)  # each (..., 1): the solutions
     t1 = tri(b1, b2, b3, r11, r21, r31, side)
     t2 = tri(b1, b2, t1, r12, r22, t12, side2)
@@ -255,6 +295,7 @@ def solution_gradient(design: Design, cups_mm: FloatArray, points_mm: FloatArray
 def _gradient(
     point: FloatArray, centres: list[FloatArray], moved: list[FloatArray], lengths: FloatArray
 ) -> FloatArray:
+    """Return the motion of a nest per each of the twelve lengths, shape (..., 3, 12): `tri_gradient`."""
     lead = point.shape[:-1]
     around = np.stack([np.broadcast_to(centre, point.shape) for centre in centres], axis=-2)
     own = np.stack([np.broadcast_to(motion, (*lead, 3, 12)) for motion in moved], axis=-3)
@@ -262,7 +303,11 @@ def _gradient(
 
 
 def _base_gradient(cups_mm: FloatArray) -> FloatArray:
-    """Return the motion of cups 1, 2, 3 per length of the twelve, shape (3, 3, 12)."""
+    """Return the motion of cups 1, 2, 3 per length of the twelve, shape (3, 3, 12).
+
+    Cup 2 moves by db12 along x. Cup 3 follows from c3 . dc3 = b31 db31 and (c3 - c2) . (dc3 - dc2) = b23
+    db23.
+    """
     gradient = np.zeros((3, 3, 12))
     gradient[1, 0, 0] = 1.0
     (x2, _, _), (x3, y3, _) = cups_mm[1], cups_mm[2]
@@ -278,14 +323,23 @@ def _base_gradient(cups_mm: FloatArray) -> FloatArray:
 def points_covariance(
     design: Design, cups_mm: FloatArray, points_mm: FloatArray, covariance_mm2: npt.ArrayLike
 ) -> FloatArray:
-    """Return the covariance of the nests of solutions from that of the twelve lengths, shape (..., 9, 9).
+    """Return the covariance of the nests of solutions from that of the twelve lengths: G C G^T.
 
     Parameters
     ----------
-    design, cups_mm, points_mm
+    design : Design
+    cups_mm : ndarray, shape (3, 3)
+        As for `solution_gradient`.
+    points_mm : ndarray, shape (..., 3, 3)
         As for `solution_gradient`.
     covariance_mm2 : array_like, shape (12, 12)
         In the order of the columns of `solution_gradient`.
+
+    Returns
+    -------
+    ndarray, shape (..., 9, 9)
+        [mm2], nest by nest. Of T3 it is larger than the thesis prints in table 3.1, which takes T1 and T2 for
+        uncorrelated: 3.36, 3.05, 2.89, 3.33 against 3.18, 3.05, 2.85, 3.18 (tests of the cascade).
     """
     gradient = solution_gradient(design, cups_mm, points_mm)
     propagated: FloatArray = gradient @ np.asarray(covariance_mm2) @ np.swapaxes(gradient, -1, -2)
@@ -293,6 +347,17 @@ def points_covariance(
 
 
 def sides(points_mm: FloatArray) -> FloatArray:
-    """Return the distances 1-2, 2-3 and 3-1 of three points in rows, shape (..., 3) [mm]."""
+    """Return the distances 1-2, 2-3 and 3-1 of three points.
+
+    Parameters
+    ----------
+    points_mm : ndarray, shape (..., 3, 3)
+        One point in each row.
+
+    Returns
+    -------
+    ndarray, shape (..., 3)
+        [mm]
+    """
     apart = points_mm - np.roll(points_mm, -1, axis=-2)
     return np.asarray(np.sqrt((apart**2).sum(axis=-1)))

@@ -33,7 +33,19 @@ from truepose.kinematics.poses import Pose, points_gradient
 
 @dataclass(frozen=True, slots=True, eq=False)  # arrays: equal means the same object
 class Fixtures:
-    """Cups and nests as they are known, and how well."""
+    """Cups and nests as they are known, and how well.
+
+    Attributes
+    ----------
+    cups_mm : ndarray, shape (K, 3)
+        In the frame in which the pose is wanted.
+    nests_mm : ndarray, shape (3, 3)
+        In the last frame of the arm.
+    cups_covariance_mm2 : ndarray, shape (3K, 3K), or None
+        Cup by cup; None: exact.
+    nests_covariance_mm2 : ndarray, shape (9, 9), or None
+        Nest by nest; None: exact.
+    """
 
     cups_mm: FloatArray  # (K, 3) in the frame in which the pose is wanted
     nests_mm: FloatArray  # (3, 3) in the last frame of the arm
@@ -43,7 +55,16 @@ class Fixtures:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LinearLegs:
-    """Legs at a pose, and how they change near it."""
+    """Legs at a pose, and how they change near it.
+
+    Attributes
+    ----------
+    length_mm : ndarray, shape (n,)
+    gradient : ndarray, shape (n, 6)
+        Per shift [mm/mm] and turn [mm/rad] of the pose, along the axes of the cups' frame.
+    fixtures_covariance_mm2 : ndarray, shape (n, n)
+        Of the lengths, from cups and nests.
+    """
 
     length_mm: FloatArray  # (n,)
     gradient: FloatArray  # (n, 6) per shift [mm] and turn [rad] of the pose
@@ -51,7 +72,17 @@ class LinearLegs:
 
 
 def linear_legs(fixtures: Fixtures, legs: Sequence[Leg], pose: Pose) -> LinearLegs:
-    """Return n legs (cup, nest) at a pose of the last frame."""
+    """Return legs at a pose of the last frame, by the formulas of the module's head.
+
+    Parameters
+    ----------
+    fixtures : Fixtures
+    legs : sequence of (cup, nest)
+        n of them, numbers from 1.
+    pose : Pose
+        No nest of a leg may lie in its cup: a leg of no length has no direction.
+    """
+    # Legs that share a cup or a nest share its error: the covariance is one of all legs, not a variance each.
     cup, nest = np.array(legs).T - 1
     apart = pose.points(fixtures.nests_mm)[nest] - fixtures.cups_mm[cup]
     length = np.linalg.norm(apart, axis=1)
@@ -66,7 +97,18 @@ def linear_legs(fixtures: Fixtures, legs: Sequence[Leg], pose: Pose) -> LinearLe
 
 
 def _through(unit: FloatArray, point: IntArray, covariance: FloatArray) -> FloatArray:
-    """Return the covariance (n, n) of lengths along `unit` from points whose covariance is given."""
+    """Return the covariance (n, n) of lengths along `unit` from points whose covariance is given.
+
+    Parameters
+    ----------
+    unit : ndarray, shape (n, 3)
+        Direction of each length, in the frame of the points.
+    point : ndarray of int, shape (n,)
+        From 0.
+    covariance : ndarray, shape (3 points, 3 points)
+        [mm2]
+    """
+    # Rows and columns of the points of the legs, once each: a cup with three legs stands three times in it.
     blocks = covariance.reshape(len(covariance) // 3, 3, -1, 3)[point][:, :, point]
     added: FloatArray = np.einsum("ni,nimj,mj->nm", unit, blocks, unit)
     return added
@@ -74,6 +116,8 @@ def _through(unit: FloatArray, point: IntArray, covariance: FloatArray) -> Float
 
 def foreseen(config: int, fixtures: Fixtures, pose: Pose, covariance: FloatArray) -> PoseForecast:
     """Foresee the lengths of every pair of cup and nest at a commanded pose.
+
+    With G the derivatives of the lengths, C = G C_pose G^T + V, V from the cups and nests.
 
     Parameters
     ----------
@@ -88,6 +132,7 @@ def foreseen(config: int, fixtures: Fixtures, pose: Pose, covariance: FloatArray
     Returns
     -------
     PoseForecast
+        All pairs, cup by cup, with the covariance of their errors [mm2].
     """
     legs = tuple((cup, nest) for cup in range(1, len(fixtures.cups_mm) + 1) for nest in (1, 2, 3))
     linear = linear_legs(fixtures, legs, pose)
@@ -98,13 +143,25 @@ def foreseen(config: int, fixtures: Fixtures, pose: Pose, covariance: FloatArray
 # Per coordinate of a nest. The nominal robot of the thesis is off by 1.7 mm in space (rms, chapter 4), 1 mm
 # per coordinate; twice that, so that its worst 5.2 mm still counts as the robot's own error.
 _ARM_U_MM = 2.0
+# Both limits are used on squared distances over arm_u^2, which are chi-squared where the arm's errors are as
+# supposed: a pose beyond the first stands for none, and the likelihoods of two differ by exp of half of them.
 _FAR = 33.7  # 99.99 % quantile of chi-squared with 9 degrees of freedom, one for each nest coordinate
 _LOG_ODDS = float(np.log(1000.0))  # by which the nearest must be more likely than the next
 
 
 @dataclass(frozen=True, slots=True)
 class RecognisedAssembly:
-    """The assembly mode in which the legs were measured."""
+    """The assembly mode in which the legs were measured.
+
+    Attributes
+    ----------
+    index : int
+        In the sequence of poses that were compared.
+    distance_mm : float
+        Of its nests from the commanded ones, rms.
+    margin_mm : float
+        By which the next pose is farther; infinite where there is no other.
+    """
 
     index: int  # in the sequence of poses that were compared
     distance_mm: float  # of its nests from the commanded ones, rms
@@ -126,6 +183,12 @@ def recognise_assembly(
         In the last frame.
     arm_u_mm : float
         Standard uncertainty of the commanded place of a nest, per coordinate.
+
+    Returns
+    -------
+    RecognisedAssembly or None
+        The one that is a thousand times likelier than the next, and nearer than all but 1 in 10,000 arms
+        would be.
     """
     square = np.array([square_mm2(commanded, one, nests_mm) for one in candidates])
     order = np.argsort(np.where(np.isnan(square), np.inf, square), kind="stable")
@@ -133,6 +196,7 @@ def recognise_assembly(
         return None
     nearest = float(square[order[0]])
     following = float(square[order[1]]) if order.size > 1 else np.nan
+    # A solution that does not exist cannot be taken for this one.
     following = np.inf if np.isnan(following) else following
     if following - nearest < 2.0 * _LOG_ODDS * arm_u_mm**2:
         return None
@@ -143,13 +207,23 @@ def recognise_assembly(
 def is_clearly_nearer(
     nearest: Pose, following: Pose, commanded: Pose, nests_mm: FloatArray, *, arm_u_mm: float = _ARM_U_MM
 ) -> bool:
-    """Say whether the first pose is a thousand times likelier than the second to be the commanded one."""
+    """Say whether the first pose is a thousand times likelier than the second to be the commanded one.
+
+    Parameters
+    ----------
+    nearest, following, commanded : Pose
+    nests_mm : ndarray, shape (3, 3)
+        In the last frame.
+    arm_u_mm : float
+        Standard uncertainty of the commanded place of a nest, per coordinate; errors of coordinates are taken
+        for independent and normal.
+    """
     gained = square_mm2(following, commanded, nests_mm) - square_mm2(nearest, commanded, nests_mm)
     return gained >= 2.0 * _LOG_ODDS * arm_u_mm**2
 
 
 def square_mm2(first: Pose, second: Pose, nests_mm: FloatArray) -> float:
-    """Return the sum of the squared distances of the three nests between two poses."""
+    """Return the sum of the squared distances of the three nests between two poses [mm2]."""
     return float(((first.points(nests_mm) - second.points(nests_mm)) ** 2).sum())
 
 
@@ -167,7 +241,20 @@ _FREE = (
 
 @dataclass(frozen=True, slots=True, eq=False)  # arrays: equal means the same object
 class PoseEstimate:
-    """A pose with what it rests on."""
+    """A pose with what it rests on.
+
+    Attributes
+    ----------
+    pose : Pose
+    covariance : ndarray, shape (6, 6)
+        Shift [mm], then turn [rad], about the axes of the cups' frame.
+    residual_mm : ndarray, shape (n,)
+        Observed minus predicted.
+    chi2 : float
+        Of these under the covariance of legs and fixtures [1].
+    degrees_of_freedom : int
+        n - 6
+    """
 
     pose: Pose
     covariance: FloatArray  # (6, 6) shift [mm], then turn [rad], about the axes of the cups' frame
@@ -231,6 +318,8 @@ def _nearest(
     normal = there.gradient.T @ cho_solve(_factor(total), there.gradient)
     if not _holds(normal, commanded, fixtures.nests_mm, there.length_mm, total):
         raise UnderdeterminedError(_FREE)  # else a solution elsewhere would be taken for this one
+    # What fits far worse is no alternative, however near the commanded pose it is: the legs of the pose at
+    # which they were read fit within their uncertainty.
     rivals = sorted(
         (one for one in found if one.chi2 < found[0].chi2 + _CLEAR),
         key=lambda one: square_mm2(one.pose, commanded, fixtures.nests_mm),
@@ -246,13 +335,23 @@ def _nearest(
 def fitting_poses(
     fixtures: Fixtures, legs: Sequence[Leg], length_mm: FloatArray, covariance_mm2: FloatArray
 ) -> tuple[PoseEstimate, ...]:
-    """Return every pose at which the misfit is least around it, best first; arguments as above."""
+    """Return every pose at which the misfit is least around it, best first.
+
+    Parameters and errors as of `least_squares_pose`, but for those that come of choosing one.
+
+    Returns
+    -------
+    tuple of PoseEstimate
+        One or more, by chi-squared.
+    """
     _check(fixtures, legs, length_mm, covariance_mm2)
     starts = starting_poses(fixtures.cups_mm, fixtures.nests_mm, legs, length_mm)
     if not starts:
         raise ConfigurationError(
             "No pose has these lengths: legs do not meet, or just touch in a plane; measure them again."
         )
+    # All starts, and not only the best one: of six legs all solutions fit exactly, and which start leads to
+    # the wanted one is known only behind the fit.
     settled = [_settled(fixtures, legs, length_mm, covariance_mm2, start) for start in starts]
     found: list[PoseEstimate] = []
     for one in sorted((one for one in settled if one is not None), key=lambda one: one.chi2):
@@ -272,6 +371,7 @@ def _check(fixtures: Fixtures, legs: Sequence[Leg], length_mm: FloatArray, covar
             raise ConfigurationError(f"Leg B{cup} T{nest} joins points that the fixtures do not have.")
     if len(set(legs)) < 6:
         raise UnderdeterminedError(f"{len(set(legs))} different legs were given; a pose needs six.")
+    # Told before anything is solved: such legs have solutions, but a whole row of them.
     if any(_swings(Counter(points)) for points in zip(*set(legs), strict=True)):
         raise UnderdeterminedError(_FREE)
     if length_mm.shape != (len(legs),) or covariance.shape != (len(legs), len(legs)):
@@ -288,8 +388,13 @@ def _swings(legs_at: Counter[int]) -> bool:
 def _settled(
     fixtures: Fixtures, legs: Sequence[Leg], length_mm: FloatArray, covariance: FloatArray, pose: Pose
 ) -> PoseEstimate | None:
-    """Return the minimum next to a start; None where there is none, or the legs leave the tool free."""
+    """Return the minimum next to a start; None where there is none, or the legs leave the tool free.
+
+    Gauss-Newton with the normal equations (G^T V^-1 G) s = G^T V^-1 r, V anew at each pose; turns are applied
+    from the left, about the axes of the cups' frame.
+    """
     for _ in range(_ROUNDS):
+        # V follows the pose, since the same error of a cup is another error of a leg from elsewhere.
         here = linear_legs(fixtures, legs, pose)
         residual, total = length_mm - here.length_mm, covariance + here.fixtures_covariance_mm2
         weighing = _factor(total)
@@ -314,6 +419,7 @@ def _settled(
 
 
 def _factor(covariance: FloatArray) -> tuple[FloatArray, bool]:
+    """Return the Cholesky factor of the legs' covariance (n, n); raises ConfigurationError without one."""
     try:
         factor, lower = cho_factor(covariance)
     except np.linalg.LinAlgError as error:
@@ -341,7 +447,10 @@ def _holds(
 
 
 def _is_above(pose: Pose, fixtures: Fixtures, legs: Sequence[Leg]) -> bool:
-    """Say whether the tool is on the outer side of the cups in use; true where four are in use."""
+    """Say whether the tool is on the outer side of the cups in use; true where four are in use.
+
+    With three cups their plane mirrors every solution; four that are not in a plane leave none below.
+    """
     used = sorted({cup for cup, _ in legs})
     if len(used) > 3:
         return True

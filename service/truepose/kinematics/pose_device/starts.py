@@ -19,6 +19,7 @@ from truepose.kinematics.frames import rigid_alignment
 from truepose.kinematics.poses import Pose, pose_of
 from truepose.kinematics.trilateration import tri
 
+# A start only has to lead to its minimum; two that lead to the same one are told apart after the fit.
 _APART_MM = 1.0  # poses closer than this lead to the same minimum; noise alone separates them by less
 _MOST = 64  # eight for each way the legs can be read is the rule; far more means noise, not geometry
 _WORSE_MM = 20.0  # a ballbar's range of 1 mm either way, magnified ten times by the weakest geometry in use
@@ -29,7 +30,7 @@ _SIDES = np.array(list(product((1.0, -1.0), repeat=3)))  # (8, 3)
 def starting_poses(
     cups_mm: FloatArray, nests_mm: FloatArray, legs: Sequence[Leg], length_mm: FloatArray
 ) -> tuple[Pose, ...]:
-    """Return poses near which a fit to all legs may be, best first; empty where the legs meet nowhere.
+    """Return poses near which a fit to all legs may be; empty where the legs meet nowhere.
 
     Parameters
     ----------
@@ -37,10 +38,19 @@ def starting_poses(
     nests_mm : ndarray, shape (3, 3)
         In the last frame.
     legs : sequence of (cup, nest), n >= 6
+        Numbers from 1; one may stand there more than once.
     length_mm : ndarray, shape (n,)
+
+    Returns
+    -------
+    tuple of Pose
+        At most 64, of least misfit of the worst leg first; those seen from the tool in the order of the
+        search.
     """
     mean = _mean_lengths(legs, length_mm)
     ways = _cascades(mean)
+    # Once one of the three ways solves six of the legs it has all of their solutions: the others would only
+    # repeat them. The circle comes last, since it needs a search where the other two have a closed form.
     if len(ways):
         points = _solved(ways, cups_mm, nests_mm, mean)
         return tuple(pose_of(nests_mm, one) for one in _best(points, cups_mm, mean))
@@ -53,7 +63,7 @@ def starting_poses(
 
 
 def _mean_lengths(legs: Sequence[Leg], length_mm: FloatArray) -> dict[Leg, float]:
-    """Return one length for each leg, from 0 on."""
+    """Return one length for each leg, numbers from 0 on; of a leg that was read twice, the mean."""
     taken: dict[Leg, list[float]] = {}
     for (cup, nest), length in zip(legs, length_mm, strict=True):
         taken.setdefault((cup - 1, nest - 1), []).append(float(length))
@@ -78,7 +88,22 @@ def _cascades(lengths: Mapping[Leg, float]) -> IntArray:
 def _solved(
     ways: IntArray, fixed_mm: FloatArray, moving_mm: FloatArray, lengths: Mapping[Leg, float]
 ) -> FloatArray:
-    """Return the moving points by number, shape (8 m, points, 3); only three are ever moved, the rest NaN."""
+    """Return the moving points of all cascades and sides, NaN where legs do not meet.
+
+    Parameters
+    ----------
+    ways : ndarray of int, shape (m, 9)
+        As of `_cascades`.
+    fixed_mm, moving_mm : ndarray, shape (points, 3)
+        The latter in a frame of their own: only their distances are used.
+    lengths : mapping of (fixed, moving) to float
+        [mm]
+
+    Returns
+    -------
+    ndarray, shape (8 m, points, 3)
+        By number; only three are ever moved, the rest is NaN.
+    """
     table = np.full((len(fixed_mm), len(moving_mm)), np.nan)
     for leg, length in lengths.items():
         table[leg] = length
@@ -106,6 +131,7 @@ def _best(points_mm: FloatArray, cups_mm: FloatArray, lengths: Mapping[Leg, floa
     misfit = np.abs(predicted - np.array(list(lengths.values()))).max(axis=1)
     order = np.argsort(misfit, kind="stable")
     kept: list[FloatArray] = []
+    # By the worst leg: of more than six a cascade leaves some out, and these tell its solutions apart.
     for one in points[order[misfit[order] < misfit.min(initial=np.inf) + _WORSE_MM]]:
         if all(np.abs(one - other).max() > _APART_MM for other in kept):
             kept.append(one)
@@ -117,6 +143,7 @@ def _best(points_mm: FloatArray, cups_mm: FloatArray, lengths: Mapping[Leg, floa
 def _seen_from_the_tool(
     ways: IntArray, cups_mm: FloatArray, nests_mm: FloatArray, lengths: Mapping[Leg, float]
 ) -> tuple[Pose, ...]:
+    """Return poses from cascades in which the cups hang on the nests, moved back by rigid alignment."""
     # Each way moves three cups of its own; with six legs there are few.
     found: list[Pose] = []
     for way in ways:
@@ -128,7 +155,11 @@ def _seen_from_the_tool(
 
 
 def _round_the_circle(cups_mm: FloatArray, nests_mm: FloatArray, lengths: Mapping[Leg, float]) -> FloatArray:
-    """Return places of the nests (m, 3, 3) that nearly fit six legs, two at each nest."""
+    """Return places of the nests (m, 3, 3) that nearly fit six legs, two at each nest.
+
+    The first nest runs round the circle of its two legs; the other two follow from theirs and from the sides
+    of the tool, and where the third side comes out right within a step of the circle there is a solution.
+    """
     held = [[cup for cup, own in lengths if own == nest] for nest in range(3)]
     if any(len(cups) != 2 for cups in held):
         return np.empty((0, 3, 3))
@@ -141,6 +172,8 @@ def _round_the_circle(cups_mm: FloatArray, nests_mm: FloatArray, lengths: Mappin
         third = tri(cups_mm[held[2][0]], cups_mm[held[2][1]], first, legs[2][0], legs[2][1], t31, side3)
         gap = np.abs(np.linalg.norm(second - third, axis=1) - t23)
         gap[np.isnan(gap)] = np.inf
+        # Local minima, and not changes of sign: a solution in which the circle only touches has none of
+        # these.
         least = np.isfinite(gap) & (gap <= np.roll(gap, 1)) & (gap <= np.roll(gap, -1))
         found.append(np.stack([first, second, third], axis=1)[least])
     return np.concatenate(found)
@@ -151,6 +184,7 @@ def _circle(centres_mm: FloatArray, l1: float, l2: float) -> FloatArray:
     axis = centres_mm[1] - centres_mm[0]
     apart = float(np.linalg.norm(axis))
     along = 0.5 * (l1**2 - l2**2 + apart**2) / apart
+    # Two directions across the line of the centres, whichever: the whole circle is run through.
     _, _, across = np.linalg.svd(axis[None])
     angle = np.linspace(0.0, 2.0 * np.pi, _AROUND, endpoint=False)[:, None]
     with np.errstate(invalid="ignore"):  # NaN: the two legs are too short to meet
