@@ -1,7 +1,8 @@
 """Effects, causes and cells that other packages bring, in the entry-point group `truepose.causes`.
 
 What cannot be loaded, or is none of these, is kept with its reason: it must not take the others down. What
-fails later, while it works, is refused in one sentence with its name.
+fails later, while it works, is refused in one sentence with its name (`InstalledCauseError`). This module is
+the one place where foreign code is called, and where its exceptions are caught broadly.
 """
 
 from collections.abc import Callable, Iterable, Mapping
@@ -39,7 +40,17 @@ T = TypeVar("T")
 
 @dataclass(frozen=True, slots=True)
 class Installed:
-    """What other packages bring, by name; `broken` says why an entry cannot be used."""
+    """What other packages bring, by name.
+
+    Attributes
+    ----------
+    effects : mapping of str to Effect
+        Causes among them.
+    causes : mapping of str to Cause
+    kinds : mapping of str to Kind
+    broken : mapping of str to str
+        Why an entry cannot be used.
+    """
 
     effects: Mapping[str, Effect]  # causes among them
     causes: Mapping[str, Cause]
@@ -48,7 +59,13 @@ class Installed:
 
 
 def load_installed(entries: Iterable[EntryPoint]) -> Installed:
-    """Load entries; never raises for a single one."""
+    """Load entries, in their order; what is wrong with one is kept in `broken`.
+
+    Parameters
+    ----------
+    entries : iterable of EntryPoint
+        Of two of one name the first counts.
+    """
     effects: dict[str, Effect] = {}
     causes: dict[str, Cause] = {}
     kinds: dict[str, Kind] = {}
@@ -73,6 +90,7 @@ def _loaded(entry: EntryPoint) -> Kind | Effect:
     """Return what an entry names; raises ConfigurationError where it cannot be loaded or is nothing known."""
     try:
         found: Kind | Effect = entry.load()
+    # SystemExit too: a package that ends the program while it is imported would end every command.
     except (Exception, SystemExit) as error:  # whatever foreign code does while it is imported
         told = f"loading {entry.value} failed with {type(error).__name__}: {error}"
         raise ConfigurationError(told) from error
@@ -87,6 +105,7 @@ def _is_cause(effect: Effect) -> TypeGuard[Cause]:
 
 
 def _checked_kind(kind: Kind, name: str) -> Kind:
+    """Return a kind whose names can be told apart again; raises ConfigurationError."""
     _check_name(kind.name, name)
     if any("_" in one for one in (kind.name, *(part.name for part in kind.parts))):
         raise ConfigurationError("names of a kind and of its parts have no underscore: it parts the two")
@@ -94,6 +113,7 @@ def _checked_kind(kind: Kind, name: str) -> Kind:
 
 
 def _check_effect(effect: object, name: str, methods: tuple[str, ...]) -> None:
+    """Refuse what lacks a method, has another name, or needs what no row tells: ConfigurationError."""
     lacking = [one for one in methods if not callable(getattr(effect, one, None))]
     if lacking:
         raise ConfigurationError(
@@ -112,6 +132,10 @@ def _check_name(own: object, registered: str) -> None:
 
 
 def _asked(name: str, what: Callable[P, T], *args: P.args, **kwargs: P.kwargs) -> T:
+    """Ask foreign code, and raise InstalledCauseError with its name for whatever it raises itself.
+
+    Errors of truepose pass: a package may say in a sentence of its own why it refuses.
+    """
     try:
         return what(*args, **kwargs)
     except TrueposeError:
@@ -137,6 +161,7 @@ class _GuardedEffect:
         self.traits: frozenset[Trait] = frozenset(getattr(effect, "traits", ()))
 
     def specs(self, setting: Setting) -> tuple[ParameterSpec, ...]:
+        # Taken at once: a generator would fail later, outside of the guard.
         return _asked(self.name, lambda: tuple(self._effect.specs(setting)))
 
     def terms(self, names: tuple[str, ...], rows: Rows) -> list[Term]:
@@ -166,6 +191,8 @@ class _GuardedEffect:
 
     def _able(self, ability: str, without: Any, *told: Any) -> Any:
         """Ask the effect by one of its methods, which a wrapper of its own may answer for; else `without`."""
+        # By attribute and not by `isinstance`: since Python 3.12 that does not look through a wrapper's
+        # __getattr__.
         method = getattr(self._effect, ability, None)
         return _asked(self.name, method, *told) if callable(method) else without
 

@@ -35,7 +35,20 @@ SECONDS_PER_HOUR = 3600.0
 
 
 def moments_s(rows: Rows) -> FloatArray:
-    """Return the time of each row [s], shape (n,); where it is unknown NaN, of a made model infinity."""
+    """Return the time of each row.
+
+    Parameters
+    ----------
+    rows : Rows
+        n of them.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        [s]; where it is unknown NaN, of a made model infinity: such a row is about the robot as it was left.
+    """
+    # NaN compares false with every moment, so that while a model is made nothing has happened there; infinity
+    # compares true, so that in a made model everything has.
     unknown = np.nan if rows.last_s is None else np.inf
     time_s = rows.stops.time_s
     if time_s is None:
@@ -44,14 +57,24 @@ def moments_s(rows: Rows) -> FloatArray:
 
 
 def hours_since(rows: Rows, start_s: float) -> FloatArray:
-    """Return the time of each row after a moment [h], as `moments_s` where it is unknown, shape (n,)."""
+    """Return the time of each row after a moment [s], shape (n,) [h]; as `moments_s` where it is unknown."""
     return np.asarray((moments_s(rows) - start_s) / SECONDS_PER_HOUR)
 
 
 def hours_followed(rows: Rows) -> FloatArray:
-    """Return the time after the origin [h] as far as readings followed it, NaN where unknown, shape (n,).
+    """Return the time after the origin as far as readings followed it, NaN where unknown.
 
-    Beyond the first and the last reading of a made model it stands still.
+    Beyond the first and the last reading of a made model it stands still (docs/decisions/0028).
+
+    Parameters
+    ----------
+    rows : Rows
+        n of them.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        [h]
     """
     hours = hours_since(rows, rows.origin_s)
     if rows.last_s is None:
@@ -86,7 +109,14 @@ COMPONENTS = ("x", "y", "z", "rx", "ry", "rz")
 
 
 class Widths(NamedTuple):
-    """What is believed of a motion before any reading: standard deviations per axis, and their units."""
+    """What is believed of a motion before any reading: standard deviations per axis, and their units.
+
+    Attributes
+    ----------
+    shift, turn : float
+    shift_unit, turn_unit : Unit
+        mm and rad, or both per h.
+    """
 
     shift: float
     turn: float
@@ -95,7 +125,13 @@ class Widths(NamedTuple):
 
 
 class Motion(NamedTuple):
-    """A small motion as it was fitted: shift and turn about the three axes [mm and rad, or both per h]."""
+    """A small motion as it was fitted: shift and turn about the three axes [mm and rad, or both per h].
+
+    Attributes
+    ----------
+    vector : ndarray, shape (6,)
+    covariance : ndarray, shape (6, 6)
+    """
 
     vector: FloatArray  # (6,)
     covariance: FloatArray  # (6, 6)
@@ -121,7 +157,12 @@ class Motion(NamedTuple):
         return (*shifts, Detail("rotation", self.turn_deg[0], f"deg{per}", self.turn_deg[1]))
 
     def seen_at(self, point_mm: FloatArray) -> "Motion":
-        """Return the motion whose shift is that of a point (3,), where this one's is that of the origin."""
+        """Return the motion whose shift is that of a point p, s + w x p; this one's is that of the origin.
+
+        Parameters
+        ----------
+        point_mm : ndarray, shape (3,)
+        """
         x, y, z = (float(value) for value in point_mm)
         carry = np.eye(6)
         carry[:3, 3:] = [[0.0, z, -y], [-z, 0.0, x], [y, -x, 0.0]]  # turn x point
@@ -129,7 +170,13 @@ class Motion(NamedTuple):
 
 
 def motion_specs(prefix: str, widths: Widths) -> tuple[ParameterSpec, ...]:
-    """Return the six parameters `<prefix>_x` .. `<prefix>_rz`."""
+    """Return the six parameters `<prefix>_x` .. `<prefix>_rz`, shifts first.
+
+    Parameters
+    ----------
+    prefix : str
+    widths : Widths
+    """
     shifts = (
         ParameterSpec(f"{prefix}_{name}", widths.shift_unit, 0.0, widths.shift) for name in COMPONENTS[:3]
     )
@@ -144,7 +191,15 @@ def split_motion(name: str) -> tuple[str, int]:
 
 
 def fitted_motion(fitted: Fitted, share: Callable[[str], float]) -> Motion:
-    """Add up fitted motions, each parameter counted by the share that its prefix has in the sum."""
+    """Add up fitted motions, each parameter counted by the share that its prefix has in the sum.
+
+    Parameters
+    ----------
+    fitted : Fitted
+        Of parameters `<prefix>_<component>`.
+    share : callable
+        Prefix to number: 1 and 0 choose, a way per rate makes rates of several shapes comparable.
+    """
     gather = np.zeros((6, len(fitted.names)))
     for k, name in enumerate(fitted.names):
         prefix, component = split_motion(name)
@@ -158,7 +213,13 @@ _MOST = 120  # gaps that are tried; of more, every second or third
 
 
 class Gap(NamedTuple):
-    """A time between two stops."""
+    """A time between two stops.
+
+    Attributes
+    ----------
+    middle_s, width_s : float
+        The width is above 0.
+    """
 
     middle_s: float
     width_s: float
@@ -171,7 +232,17 @@ class Gap(NamedTuple):
 
 
 def gaps_of_all(scene: Scene) -> tuple[Gap, ...]:
-    """Return the gaps with enough of all readings on either side for a rigid motion."""
+    """Return the gaps with enough of all readings on either side for a rigid motion.
+
+    Parameters
+    ----------
+    scene : Scene
+
+    Returns
+    -------
+    tuple of Gap
+        In the order of time.
+    """
     least = _LEAST_LENGTHS if scene.legs else _LEAST_POSITIONS
     return gaps(scene.stops, np.ones(len(scene.stops), dtype=bool), least)
 
@@ -182,10 +253,16 @@ def gaps(stops: Stops, rows: BoolArray, least_readings: int) -> tuple[Gap, ...]:
     Parameters
     ----------
     stops : Stops
-    rows : ndarray, shape (n,)
+        n of them.
+    rows : ndarray of bool, shape (n,)
         Readings that count.
     least_readings : int
         On either side.
+
+    Returns
+    -------
+    tuple of Gap
+        None without times. Readings of one stop have no gap between them.
     """
     if stops.time_s is None:
         return ()
@@ -193,6 +270,7 @@ def gaps(stops: Stops, rows: BoolArray, least_readings: int) -> tuple[Gap, ...]:
     order = chosen[np.argsort(stops.time_s[chosen], kind="stable")]
     time_s, config = stops.time_s[order], stops.config[order]
     ends = np.arange(1, len(order))
+    # Readings of one stop stand together: nothing jumped between them without the arm having been moved.
     apart = (config[1:] != config[:-1]) & (np.diff(time_s) > 0.0)
     enough = (ends >= least_readings) & (len(order) - ends >= least_readings)
     return tuple(
@@ -204,19 +282,45 @@ def gaps(stops: Stops, rows: BoolArray, least_readings: int) -> tuple[Gap, ...]:
 def tried(
     found: tuple[Gap, ...], between_s: tuple[float, float] | None, most: int = _MOST
 ) -> tuple[Gap, ...]:
-    """Return the gaps at which a jump is tried: all between two moments, else at most so many, evenly."""
+    """Return the gaps at which a jump is tried: all between two moments, else at most so many, evenly.
+
+    Parameters
+    ----------
+    found : tuple of Gap
+        In the order of time.
+    between_s : tuple of float, or None
+        The two moments, themselves not among them.
+    most : int
+    """
     if between_s is None:
+        # Every second or third: the very gap is searched again around the best one, all gaps then.
         return found[:: max(1, -(-len(found) // most))]
     return tuple(gap for gap in found if between_s[0] < gap.middle_s < between_s[1])
 
 
 def around(found: tuple[Gap, ...], time_s: float) -> Gap:
-    """Return the gap that holds a time, the nearest where none does."""
+    """Return the gap that holds a time, the nearest where none does.
+
+    Parameters
+    ----------
+    found : tuple of Gap
+        One or more.
+    time_s : float
+    """
     return min(found, key=lambda gap: abs(gap.middle_s - time_s))
 
 
 def jump_terms(names: tuple[str, ...], rows: Rows, port: Callable[[str, int], Port]) -> list[Term]:
-    """Move `port` of each prefix and component from the prefix's time on."""
+    """Move ports of each prefix and component from the prefix's time on: weight 0 before it, 1 from it on.
+
+    Parameters
+    ----------
+    names : tuple of str
+        `<prefix>_<time>_<component>`.
+    rows : Rows
+    port : callable
+        Prefix and component to port.
+    """
     split = [split_motion(name) for name in names]
     later = {prefix: since(rows, jump_time_s(prefix)) for prefix, _ in split}
     return [Term(k, port(prefix, component), later[prefix]) for k, (prefix, component) in enumerate(split)]
@@ -228,7 +332,18 @@ def jump_time_s(prefix: str) -> float:
 
 
 def since(rows: Rows, time_s: float) -> FloatArray:
-    """Return 1 from a moment [s] on, 0 before it and where a time is missing to make a model, shape (n,)."""
+    """Return 1 from a moment on, 0 before it and where a time is missing to make a model.
+
+    Parameters
+    ----------
+    rows : Rows
+        n of them.
+    time_s : float
+
+    Returns
+    -------
+    ndarray, shape (n,)
+    """
     return np.asarray(moments_s(rows) >= time_s, dtype=float)
 
 
@@ -244,27 +359,54 @@ def drift_specs(prefix: str, shape: str) -> tuple[ParameterSpec, ...]:
     """Return the six rates of one shape.
 
     A motion that dies out early has a way of its own to go: its rates may be larger in proportion.
+
+    Parameters
+    ----------
+    prefix : str
+    shape : str
+        `linear`, or `exp<tau>` with tau in seconds.
     """
     tau_s = _time_constant_s(shape)
+    # The way of a motion that settles is rate times tau at most: an hour's worth of way takes so much more
+    # rate.
     wider = 1.0 if tau_s is None else max(1.0, SECONDS_PER_HOUR / tau_s)
     widths = Widths(_WIDTH_MM_PER_H * wider, _WIDTH_RAD_PER_H * wider, "mm/h", "rad/h")
     return motion_specs(f"{prefix}_{shape}", widths)
 
 
 def drift_terms(names: tuple[str, ...], rows: Rows, port: Callable[[int], Port]) -> list[Term]:
-    """Move `port` of each component by its rate times the way of its shape, not at all where no time is."""
+    """Move ports by their rates times the way of their shape [h], not at all where no time is.
+
+    Parameters
+    ----------
+    names : tuple of str
+        `<prefix>_<shape>_<component>`.
+    rows : Rows
+    port : callable
+        Component to port.
+    """
     split = [split_motion(name) for name in names]
+    # Once for each shape: its six components share one way.
     ways = {prefix: np.nan_to_num(_come_h(_shape_of(prefix), rows)) for prefix, _ in split}
     return [Term(k, port(component), ways[prefix]) for k, (prefix, component) in enumerate(split)]
 
 
 def goes_on(names: tuple[str, ...]) -> bool:
-    """Return whether one of the shapes has no end of its own."""
+    """Say whether one of the shapes has no end of its own: an even drift, which a made model holds."""
     return any(_shape_of(split_motion(name)[0]) == LINEAR for name in names)
 
 
 def drift_candidates(effect: str, subject: str, prefix: str, scene: Scene) -> tuple[Candidate, ...]:
-    """Propose an even drift, and settling ones with time constants that these measurements can tell."""
+    """Propose an even drift, and settling ones with time constants that these measurements can tell.
+
+    Parameters
+    ----------
+    effect, subject : str
+        Of the candidates.
+    prefix : str
+        Of the parameters' names.
+    scene : Scene
+    """
     proposed = [Candidate(effect, subject, drift_specs(prefix, LINEAR))]
     proposed += [
         Candidate(effect, subject, drift_specs(prefix, f"exp{tau_s:g}"), tau_s)
@@ -274,7 +416,21 @@ def drift_candidates(effect: str, subject: str, prefix: str, scene: Scene) -> tu
 
 
 def describe_drift(subject: str, fitted: Fitted, scene: Scene, who: Message) -> Description:
-    """Say how fast `who` moves, on average over the measurements; several shapes are added up."""
+    """Say how fast `who` moves, on average over the measurements; several shapes are added up.
+
+    Parameters
+    ----------
+    subject : str
+    fitted : Fitted
+        Rates [mm/h, rad/h] of one or more shapes.
+    scene : Scene
+    who : Message
+
+    Returns
+    -------
+    Description
+        Amplitude: length of the mean rate of the shift [mm/h].
+    """
     hours = max(duration_s(scene), 1.0) / SECONDS_PER_HOUR
     motion = fitted_motion(fitted, lambda prefix: _mean_rate(_shape_of(prefix), hours))
     rate, uncertainty = motion.shift
@@ -325,10 +481,12 @@ def _way_h(shape: str, hours: FloatArray) -> FloatArray:
 
 
 def _mean_rate(shape: str, hours: float) -> float:
+    """Return the way over the measurements per rate and hour [1]: 1 of an even drift, else less."""
     return float(_way_h(shape, np.array([hours]))[0] / hours)
 
 
 def _time_constants_s(duration_s: float) -> list[float]:
+    """Return the time constants that are tried [s]: 600 s times powers of 2, within 1/16 to all of it."""
     if duration_s <= 0.0:
         return []
     lowest = int(np.ceil(np.log2(_FASTEST * duration_s / _SHORTEST_S)))

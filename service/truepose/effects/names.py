@@ -1,4 +1,7 @@
-"""Parameter names: a quantity, an underscore, and the joint, nest or component it belongs to."""
+"""Parameter names: a quantity, an underscore, and the joint, nest or component it belongs to.
+
+Joints and nests are numbered from 1 in names, as people and documents do, and joints from 0 in indices.
+"""
 
 _COMPONENTS = "xyz"
 

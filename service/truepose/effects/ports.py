@@ -1,4 +1,16 @@
-"""Ports: the places at which an effect acts on the kinematic chain, and what an effect is."""
+"""Ports: the places at which an effect acts on the kinematic chain, and what an effect is.
+
+An effect has parameters p_k and acts by terms (k, port, w), linear in its parameters: at row i a port is
+moved by
+
+    sum over its terms of w_i p_k                w a number, or one for each of n rows
+
+of all effects together; effects that move one port add up and do not know of each other. The chain turns
+moved ports into positions and derivatives (`identification.model`), so that an effect needs no calculus, and
+its derivative cannot contradict its prediction (docs/decisions/0001).
+
+Units inside: mm, rad, N mm, kg, s, degC. The unit of a weight is that of the port per that of the parameter.
+"""
 
 from collections.abc import Callable
 from enum import StrEnum
@@ -34,14 +46,30 @@ class PortKind(StrEnum):
 
 
 class Port(NamedTuple):
-    """One scalar place of action."""
+    """One scalar place of action.
+
+    Attributes
+    ----------
+    kind : PortKind
+    number : int
+        Which of that kind, 0-based, as `PortKind` counts them.
+    """
 
     kind: PortKind
     number: int  # which of that kind, 0-based
 
 
 class Term(NamedTuple):
-    """Parameter -> port: the port moves by `weight` per unit of the parameter."""
+    """Parameter -> port: the port moves by `weight` per unit of the parameter.
+
+    Attributes
+    ----------
+    parameter : int
+        Index within the names given to the effect.
+    port : Port
+    weight : float or ndarray, shape (n,)
+        For all rows, or one for each.
+    """
 
     parameter: int  # index within the names given to the effect
     port: Port
@@ -49,12 +77,31 @@ class Term(NamedTuple):
 
 
 def motion_port(body: int, component: int) -> Port:
-    """Return the port of one component (0..5) of the motion of a body (0..J)."""
+    """Return the port of one component of the motion of a body.
+
+    Parameters
+    ----------
+    body : int
+        0 is the base, 1..J the link that joint turns.
+    component : int
+        0..2 shift [mm], 3..5 RotX RotY RotZ [rad], in the body's own axes.
+    """
     return Port(PortKind.MOTION, 6 * body + component)
 
 
 class ParameterSpec(NamedTuple):
-    """A parameter as an effect proposes it."""
+    """A parameter as an effect proposes it.
+
+    Attributes
+    ----------
+    name : str
+        Unique in a model. `terms` and descriptions are rebuilt from it alone: it carries joint, order, time.
+    unit : Unit
+        Internal.
+    prior_mean : float
+    prior_width : float
+        Standard deviation of what is believed before any reading.
+    """
 
     name: str
     unit: Unit
@@ -63,7 +110,31 @@ class ParameterSpec(NamedTuple):
 
 
 class Setting(NamedTuple):
-    """What is known before any identification; effects choose their parameters from it."""
+    """What is known before any identification; effects choose their parameters from it.
+
+    Attributes
+    ----------
+    robot : Robot
+        Nominal.
+    unknown_nests : tuple of int
+        1-based.
+    has_orientations : bool
+        Whether orientations of the tool were measured.
+    torque_source : str
+        "measured", "masses" or "unknown".
+    largest_torque_n_mm : ndarray, shape (J,)
+        Over the configurations; zeros where unknown.
+    certified_nests : tuple of int
+        1-based, known and measured.
+    attachments : tuple of int
+        Numbers of the tool's mountings.
+    initialisations : tuple of int
+        Numbers of the ballbar's.
+    lengths : bool
+        Whether lengths were read instead of positions.
+    tool_rotation_u_rad : float or None
+        Certified: measured orientations are of the last frame to this, per axis.
+    """
 
     robot: Robot
     unknown_nests: tuple[int, ...]  # 1-based
@@ -82,6 +153,8 @@ class Rows(NamedTuple):
 
     stops: Stops
     nest: IntArray  # (n,)
+    # Torques and frames are those of the arm as it yields: an effect sees the balance that is being found,
+    # and not the one of the nominal arm.
     torque_n_mm: FloatArray | None  # (n, J) measured, or gravity's at the present parameters; None: unknown
     turn_rad: FloatArray  # (n, J) what each joint turns by: its angle with its sign
     frames: Callable[[], Chain]  # at the present parameters, or near them
@@ -106,11 +179,19 @@ class Rows(NamedTuple):
         """Where the instrument looks, as near as the direction of its beam asks for, shape (n, 3)."""
         if self.fixed_mm is not None or self.nests_mm is None:
             return self.fixed_mm
+        # The nests of the start and not the fitted ones: a beam of metres turns by some tens of microradians
+        # for a tenth of a millimetre, which no error of an instrument's circles notices.
         return self.chain.points(self.nests_mm[self.nest - 1])
 
 
 def known_frames(chain: Chain) -> Callable[[], Chain]:
-    """Return what gives frames that are known already."""
+    """Return a function that gives frames which are known already; `Rows.frames` is called, never read.
+
+    Parameters
+    ----------
+    chain : Chain
+        Of the n rows.
+    """
     return lambda: chain
 
 
@@ -138,7 +219,11 @@ class Trait(StrEnum):
 
 
 class Effect(Protocol):
-    """A physical source of error."""
+    """A physical source of error.
+
+    Whoever asks hands in plain data and gets plain data: an effect keeps nothing between two calls, and where
+    a row does not tell what it depends on (None, NaN, a direction of 0) it moves nothing.
+    """
 
     @property
     def name(self) -> str:
@@ -147,15 +232,36 @@ class Effect(Protocol):
 
     @property
     def needs(self) -> frozenset[Need]:
-        """What a row must tell so that this effect can be predicted there."""
+        """What a row must tell so that this effect can be predicted there.
+
+        Rows that lack one of these are predicted as if the effect did not act.
+        """
         ...
 
     def specs(self, setting: Setting) -> tuple[ParameterSpec, ...]:
-        """Return the parameters this effect has in that setting."""
+        """Return the parameters this effect has in that setting; none where it cannot be fitted there.
+
+        Parameters
+        ----------
+        setting : Setting
+        """
         ...
 
     def terms(self, names: tuple[str, ...], rows: Rows) -> list[Term]:
-        """Return how the parameters `names` of this effect act on the ports of each row."""
+        """Return how the parameters `names` of this effect act on the ports of each row.
+
+        Parameters
+        ----------
+        names : tuple of str
+            Any of the effect's parameters, p of them, in any order; those that a search found as well.
+        rows : Rows
+            n of them.
+
+        Returns
+        -------
+        list of Term
+            With `parameter` in 0..p-1.
+        """
         ...
 
 
@@ -164,13 +270,30 @@ class Summed(Protocol):
     """An effect of many parameters that adds up what they move faster than term by term."""
 
     def sums(self, names: tuple[str, ...], values: FloatArray, rows: Rows) -> dict[Port, FloatArray]:
-        """Return by how much the values (p,) of parameters move each port, shape (n,), as its terms say."""
+        """Return by how much parameters move each port, as the sum of their terms says.
+
+        Parameters
+        ----------
+        names : tuple of str
+            p of them.
+        values : ndarray, shape (p,)
+            Internal units.
+        rows : Rows
+            n of them.
+
+        Returns
+        -------
+        dict of Port to ndarray, shape (n,)
+        """
         ...
 
 
 @runtime_checkable
 class Drifting(Protocol):
-    """An effect of which some parameters move things ever further in time: a made model holds these."""
+    """An effect of which some parameters move things ever further in time: a made model holds these.
+
+    Beyond the readings that a model was made from nobody knows how a drift goes on (docs/decisions/0028).
+    """
 
     def goes_on(self, names: tuple[str, ...]) -> bool:
         """Return whether one of these parameters does."""
@@ -201,7 +324,14 @@ class LeavesOpen(Protocol):
     """An effect that by its construction has no parameter where somebody may expect one."""
 
     def left_open(self, names: tuple[str, ...], setting: Setting) -> list[NotIdentifiable]:
-        """Return what it leaves open beside the parameters `names` of a whole model, and why."""
+        """Return what it leaves open beside the parameters `names` of a whole model, and why.
+
+        Parameters
+        ----------
+        names : tuple of str
+            Of all effects of the model.
+        setting : Setting
+        """
         ...
 
 
@@ -210,7 +340,14 @@ class Discrepancy(Protocol):
     """An effect of joints whose parameters stand, as random functions, for what a model leaves out."""
 
     def unmodelled(self, setting: Setting, stops: Stops) -> bool:
-        """Return whether such stops may show it where a model has no parameter of it."""
+        """Say whether such stops may show it where a model has no parameter of it.
+
+        Parameters
+        ----------
+        setting : Setting
+        stops : Stops
+            n of them.
+        """
         ...
 
 
@@ -221,9 +358,23 @@ class Compliant(Protocol):
     def softness(
         self, names: tuple[str, ...], values: FloatArray, joint: int, load_n_mm: FloatArray | None
     ) -> FloatArray | float:
-        """Return how far a joint (0-based) turns more per torque at its loads, shape (n,) [rad/(N mm)].
+        """Return how far a joint turns more per torque at its loads: the derivative of its characteristic.
 
-        By those of the parameters (p,) that are its own; a load of None is not known.
+        Parameters
+        ----------
+        names : tuple of str
+            Of a whole model; by those of the p that are its own.
+        values : ndarray, shape (p,)
+            Internal units.
+        joint : int
+            0-based.
+        load_n_mm : ndarray, shape (n,), or None
+            Torque about the joint; None: not known.
+
+        Returns
+        -------
+        float or ndarray, shape (n,)
+            [rad/(N mm)]; 0 where the effect says nothing of the joint.
         """
         ...
 

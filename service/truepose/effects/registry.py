@@ -1,4 +1,8 @@
-"""The effects by name: one line each. Those that a diagnosis looks for stand among the causes."""
+"""The effects by name: one line each. Those that a diagnosis looks for stand among the causes.
+
+Nobody else lists effects: others ask for traits and abilities (docs/decisions/0083). What packages bring is
+loaded once, when this module is imported, behind guards (`installed`).
+"""
 
 from collections.abc import Mapping, Sequence
 from functools import cache
@@ -85,6 +89,7 @@ _EFFECTS: tuple[Effect, ...] = (
     ToolCertificate(),
     *_CAUSES,
 )
+# A name of truepose's own stays truepose's: models that were stored with it must mean what they meant.
 _OWN = frozenset(effect.name for effect in _EFFECTS)
 EFFECTS = {effect.name: effect for effect in _EFFECTS} | {
     name: effect for name, effect in INSTALLED.effects.items() if name not in _OWN
@@ -104,7 +109,15 @@ def unusable_causes() -> tuple[str, ...]:
 
 
 def chosen_effects(names: Sequence[str]) -> tuple[str, ...]:
-    """Return the names that somebody asks for; raises UnknownEffectError, ConfigurationError."""
+    """Return the names that somebody asks for, as a tuple.
+
+    Raises
+    ------
+    UnknownEffectError
+        One of them is no effect, or is installed and cannot be used.
+    ConfigurationError
+        One is named twice.
+    """
     for place, name in enumerate(names):
         if effect_named(name).name in names[:place]:
             raise ConfigurationError(f"Effect {name!r} is named twice: name it once.")
@@ -112,20 +125,43 @@ def chosen_effects(names: Sequence[str]) -> tuple[str, ...]:
 
 
 def needs_of(effect: str, names: tuple[str, ...]) -> frozenset[Need]:
-    """Return what a row must tell so that these parameters of an effect can be predicted there."""
+    """Return what a row must tell so that these parameters of an effect can be predicted there.
+
+    Parameters
+    ----------
+    effect : str
+    names : tuple of str
+        Of its parameters: what a cause without a trade name needs depends on which of its cells they are of.
+
+    Raises
+    ------
+    UnknownEffectError
+        There is no such effect.
+    """
     found = effect_named(effect)
     return found.needs_of(names) if isinstance(found, Unnamed) else found.needs
 
 
 def goes_on(effect: str, names: tuple[str, ...]) -> bool:
-    """Return whether these parameters of an effect move things ever further in time."""
+    """Say whether such parameters of an effect move things ever further in time.
+
+    Raises
+    ------
+    UnknownEffectError
+        There is no such effect.
+    """
     found = effect_named(effect)
     return isinstance(found, Drifting) and found.goes_on(names)
 
 
 @cache
 def effects_with(trait: Trait) -> tuple[str, ...]:
-    """Return the names of the effects of which that is so."""
+    """Return the names of the effects of which that is so.
+
+    Parameters
+    ----------
+    trait : Trait
+    """
     return tuple(name for name, traits in _traits().items() if trait in traits)
 
 
@@ -165,7 +201,16 @@ def _perhaps_automatic() -> Mapping[str, Automatic]:
 def left_open_by(
     effects: Sequence[str], names: tuple[str, ...], setting: Setting
 ) -> tuple[NotIdentifiable, ...]:
-    """Return what effects leave open by their construction beside the parameters of a whole model."""
+    """Return what effects leave open by their construction beside the parameters of a whole model.
+
+    Parameters
+    ----------
+    effects : sequence of str
+        Of the model.
+    names : tuple of str
+        Of all its parameters.
+    setting : Setting
+    """
     chosen = (effect for name, effect in EFFECTS.items() if name in effects)
     openly = (effect.left_open(names, setting) for effect in chosen if isinstance(effect, LeavesOpen))
     return tuple(entry for entries in openly for entry in entries)

@@ -23,7 +23,13 @@ _SHAPES: dict[str, Shape] = {shape: shape for shape in get_args(Shape)}
 
 
 def signature_of(candidate: Candidate) -> ErrorSignature:
-    """Return where a candidate acts, over what, with which shape."""
+    """Return where a candidate acts, over what, with which shape.
+
+    Parameters
+    ----------
+    candidate : Candidate
+        Its variant and whether it is a function choose the shape.
+    """
     declared = _declared(candidate.effect)
     if declared is None:
         return named_signature(candidate.effect, candidate.subject)
@@ -34,7 +40,16 @@ def signature_of(candidate: Candidate) -> ErrorSignature:
 
 
 def named_signature(effect: str, subject: str) -> ErrorSignature:
-    """Return the signature of a cause by name, before anything is searched; without a subject, of any."""
+    """Return the signature of a cause by name, before anything is searched; without a subject, of any.
+
+    Parameters
+    ----------
+    effect : str
+        Of a cause; one that is not known here, as of a result of another version, has a signature without
+        words.
+    subject : str
+        Of a cause without a trade name: place, variable and shape, with commas between.
+    """
     declared = _declared(effect)
     if declared is not None:
         return declared.of(subject)
@@ -43,7 +58,14 @@ def named_signature(effect: str, subject: str) -> ErrorSignature:
 
 
 def place_of(cause: Cause) -> tuple[str, str] | None:
-    """Return where a cause acts and over what; None where its name alone does not say it."""
+    """Return where a cause acts and over what.
+
+    Returns
+    -------
+    tuple of str, or None
+        None where its name alone does not say it: of an unknown effect, and of one whose variable is only
+        found by a search.
+    """
     declared = _declared(cause.effect)
     if declared is not None and (declared is _UNKNOWN or "{variant" in declared.over):
         return None
@@ -77,7 +99,17 @@ def drawn_as(effect: str) -> Drawn:
 
 
 def words_of(signature: ErrorSignature) -> frozenset[str]:
-    """Return the words of a signature without its numbers: place, variable, both together, shape."""
+    """Return the words of a signature without its numbers: place, variable, both together, shape.
+
+    Parameters
+    ----------
+    signature : ErrorSignature
+
+    Returns
+    -------
+    frozenset of str
+        E.g. joint, angle, "joint angle", wave.
+    """
     where, over = _kind(signature.where), _kind(signature.over)
     return frozenset({where, over, f"{where} {over}", signature.shape})
 
@@ -93,9 +125,18 @@ def of_legs(signature: ErrorSignature) -> bool:
 
 
 def alike(one: ErrorSignature, other: ErrorSignature) -> bool:
-    """Whether two signatures leave similar residuals: the same place, the same variable, or kin."""
+    """Say whether two signatures leave similar residuals: the same place, the same variable, or kin.
+
+    Symmetric. Of two that lie in joints only the joint counts, or that one is of all of them.
+
+    Parameters
+    ----------
+    one, other : ErrorSignature
+    """
     if one.over == other.over and one.over not in _APART:
         return True
+    # Two joints move the tool along ways of their own; as kin by their words, the torques of any two would be
+    # alike.
     if {_kind(one.where), _kind(other.where)} <= _ALL_JOINTS:
         return one.where == other.where or bool(_ALL_JOINTS & {one.where, other.where})
     words = [words_of(signature) for signature in (one, other)]

@@ -1,6 +1,10 @@
 """Waves of a joint's angle: their parameters by name, the orders that are looked for, and what was fitted.
 
-A wave of order n turns its joint by s sin(n q) + c cos(n q), q the joint's own turn: n periods per turn.
+A wave of order n turns its joint by
+
+    s sin(n q) + c cos(n q) = A sin(n q + phase)        A = |(s, c)|, phase = atan2(c, s)
+
+q the joint's own turn: n periods per turn of the joint.
 """
 
 import numpy as np
@@ -19,7 +23,13 @@ _HIGHEST_OF_UNKNOWN_GEAR = 12
 
 
 def spectrum(fitted: Fitted) -> Spectrum:
-    """Return the amplitudes of fitted waves by their order."""
+    """Return the amplitudes of fitted waves by their order.
+
+    Parameters
+    ----------
+    fitted : Fitted
+        Sines and cosines of one joint [rad].
+    """
     waves = fitted_waves(fitted)
     return Spectrum(
         np.array([wave.order for wave in waves]),
@@ -29,7 +39,12 @@ def spectrum(fitted: Fitted) -> Spectrum:
 
 
 def orders(scene: Scene, joint: int) -> tuple[float, ...]:
-    """Return the orders that are looked for on a joint (0-based)."""
+    """Return the orders that are looked for on a joint (0-based): whole ones from 1.
+
+    Up to twice the gear's ratio, once per turn of the motor being `ratio` periods per turn of the joint: a
+    strain-wave gear has two waves per turn of its generator. Up to 12 where the ratio is unknown
+    (docs/decisions/0015: among hundreds of orders some fast wave fits anything).
+    """
     ratio = gear_ratio(scene, joint)
     highest = round(2.0 * ratio) if ratio else _HIGHEST_OF_UNKNOWN_GEAR
     return tuple(float(order) for order in range(1, highest + 1))
@@ -51,7 +66,15 @@ def spoken_order(order: float) -> str:
 
 
 def wave_names(joint: int, order: float) -> tuple[str, str]:
-    """Return the names of the two parameters of a wave."""
+    """Return the names of the two parameters of a wave, e.g. `wave_3_2_sin` and `wave_3_2_cos`.
+
+    Parameters
+    ----------
+    joint : int
+        0-based.
+    order : float
+        With as many digits as a name has: `%g`.
+    """
     return f"wave_{joint + 1}_{order:g}_sin", f"wave_{joint + 1}_{order:g}_cos"
 
 
@@ -66,13 +89,22 @@ def order_of_wave(name: str) -> float:
 
 
 def wave_specs(joint: int, order: float) -> tuple[ParameterSpec, ParameterSpec]:
-    """Return sine and cosine of a wave."""
+    """Return sine and cosine of a wave [rad]; joint (0-based) and order as of `wave_names`."""
     sine, cosine = wave_names(joint, order)
     return ParameterSpec(sine, "rad", 0.0, _WIDTH_RAD), ParameterSpec(cosine, "rad", 0.0, _WIDTH_RAD)
 
 
 class FittedWave:
-    """A wave as it was fitted: its sine and cosine (2,) [rad] with their covariance (2, 2)."""
+    """A wave as it was fitted.
+
+    Parameters
+    ----------
+    order : float
+        Periods per turn.
+    vector : ndarray, shape (2,)
+        Sine and cosine [rad].
+    covariance : ndarray, shape (2, 2)
+    """
 
     def __init__(self, order: float, vector: FloatArray, covariance: FloatArray) -> None:
         self.order = order
@@ -83,7 +115,10 @@ class FittedWave:
         self._phase_deg = float(np.rad2deg(np.arctan2(vector[1], vector[0])))
 
     def details(self, *, several: bool) -> list[Detail]:
-        """Return order and phase, and the amplitude where it is one of several."""
+        """Return order and phase [deg], and the amplitude where it is one of several.
+
+        The phase is uncertain by atan(u / A), which ends at a quarter turn where the amplitude is nothing.
+        """
         turn = float(np.rad2deg(np.arctan2(np.deg2rad(self.uncertainty_deg), np.deg2rad(self.amplitude_deg))))
         found = [Detail("order", self.order, "1", 0.0)]
         if several:

@@ -40,7 +40,7 @@ class AxisParallelism:
         return tuple(_spec(joint) for joint in joints if is_parallel_to_previous(setting.robot, joint))
 
     def terms(self, names: tuple[str, ...], rows: Rows) -> list[Term]:
-        """Act on the link's own quantity, one to one."""
+        """Act on beta of the joint, one to one."""
         return list(link_terms(names))
 
     def unseen(self, scene: Scene) -> Text | None:

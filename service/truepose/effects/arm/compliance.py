@@ -1,10 +1,15 @@
 """Compliance: a linear torsion spring in every gearbox (level 3).
 
-theta_i turns by c_i * tau_i. The torque is the measured one where the campaign has joint torques,
-gravity's where masses are known, and where neither is known the deflection is written as a sum of
-products `c_i * moment`, in which it is linear: only the products can be seen, never c_i itself.
+    theta_i moves by  c_i tau_i                                   torques known
+                      sum over frames f >= i of (c_i m_kf) z_i . (e_kf x g)      masses unknown, k = x, y
 
-Source: thesis of A. Nubiola, 2014, annex I.
+The torque is the measured one where the campaign has joint torques, gravity's where masses are known, and
+where neither is known the deflection is written as a sum of products `c_i * moment`, in which it is linear:
+only the products can be seen, never c_i itself. Torques are those of the deflected arm, where the thesis
+takes the undeflected one (docs/decisions/0003).
+
+Source: thesis of A. Nubiola, 2014, annex I. Products: M. Gautier, W. Khalil, IEEE Trans. Robotics and
+Automation 6(3), 1990, 368-373.
 """
 
 import numpy as np
@@ -61,6 +66,8 @@ class Compliance:
         if setting.torque_source == "unknown":
             return tuple(_product_specs(setting.robot.n_joints))
         means, widths = compliance_prior(setting)
+        # What the spring could do at most and not the torque itself: stiff gears of heavy arms count like
+        # soft ones.
         loaded = setting.largest_torque_n_mm * widths > VISIBLE_RAD
         return tuple(
             ParameterSpec(joint_name("c", j), "rad/(N*mm)", float(means[j]), float(widths[j]))
@@ -78,7 +85,7 @@ class Compliance:
         return [_idle_spring(joint, float(largest_rad[joint])) for joint in idle]
 
     def terms(self, names: tuple[str, ...], rows: Rows) -> list[Term]:
-        """Turn each joint by its spring times its torque."""
+        """Turn each joint by its spring times its torque: weight tau [N mm], of products [N mm/(kg mm)]."""
         return [Term(k, *_deflection(name, rows)) for k, name in enumerate(names)]
 
     def softness(
@@ -108,6 +115,8 @@ class Compliance:
         for joint, specs in by_joint.items():
             heavy = [spec for spec in specs if _is_heavy(spec.name)]
             if 0 < len(heavy) < len(specs):
+                # With few readings the two or four products of the heavy links are worth their number where
+                # all are not.
                 found.append(Candidate(NAME, joint_subject(joint), tuple(heavy), float(len(heavy))))
             found.append(Candidate(NAME, joint_subject(joint), tuple(specs)))
         return tuple(found)
@@ -127,7 +136,20 @@ class Compliance:
 
 
 def compliance_prior(setting: Setting) -> tuple[FloatArray, FloatArray]:
-    """Mean and width of each joint's compliance [rad/(N mm)], shape (J,) each: 100 % of the typical one."""
+    """Mean and width of each joint's compliance: 100 % of the typical one where the maker gives it.
+
+    Else mean 0 and the width at which the largest torque turns the joint by 0.01 rad, 2e-6 rad/(N mm) at
+    most.
+
+    Parameters
+    ----------
+    setting : Setting
+
+    Returns
+    -------
+    mean, width : ndarray, shape (J,)
+        [rad/(N mm)]
+    """
     typical = setting.robot.typical_compliances_rad_per_n_mm
     if typical is not None:
         return np.array(typical), np.array(typical)
@@ -136,7 +158,12 @@ def compliance_prior(setting: Setting) -> tuple[FloatArray, FloatArray]:
 
 
 def _product_specs(n_joints: int) -> list[ParameterSpec]:
+    """Propose the products of each joint but the first with the moments of all frames that it carries.
+
+    Widths: a deflection of 5 mrad under gravity, a tenth of that for the light frames of the wrist.
+    """
     specs = []
+    # Joint 1 is left out: where the arm stands upright, gravity has no moment about it.
     for joint in range(1, n_joints):
         for frame in range(joint, n_joints):
             light = 0.1 if frame >= _FIRST_WRIST_FRAME else 1.0
@@ -161,6 +188,11 @@ def _is_heavy(name: str) -> bool:
 
 
 def _shown_products(subject: str, fitted: Fitted, scene: Scene) -> Description:
+    """Describe products by the standard deviation of the deflection that they make over the readings [deg].
+
+    Deflections are M p, of centred columns M = QR: their mean square is |R p|^2 / n, and R C R^T / n is the
+    covariance of that vector.
+    """
     gravity = np.array(scene.gravity_m_s2)
     columns = [_regressor(name, scene.chain, gravity) for name in fitted.names]
     moments = np.stack(columns, axis=1)
@@ -175,6 +207,7 @@ def _shown_products(subject: str, fitted: Fitted, scene: Scene) -> Description:
 
 
 def _deflection(name: str, rows: Rows) -> tuple[Port, FloatArray]:
+    """Return the port and weight (n,) of one parameter."""
     joint = _sprung_joint(name)
     port = Port(PortKind.THETA, joint)
     if "*" in name:
@@ -183,7 +216,19 @@ def _deflection(name: str, rows: Rows) -> tuple[Port, FloatArray]:
 
 
 def known_torque(rows: Rows, joint: int) -> FloatArray:
-    """Return the torque about a joint, shape (n,) [N mm]; 0 where it is unknown."""
+    """Return the torque about a joint.
+
+    Parameters
+    ----------
+    rows : Rows
+    joint : int
+        0-based.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        [N mm]; 0 where it is unknown.
+    """
     if rows.torque_n_mm is None:
         return np.zeros(len(rows.stops))
     torque = rows.torque_n_mm[:, joint]
@@ -191,6 +236,7 @@ def known_torque(rows: Rows, joint: int) -> FloatArray:
 
 
 def _regressor(name: str, chain: Chain, gravity_m_s2: FloatArray) -> FloatArray:
+    """Return the torque per first moment of mass of a product such as `c_2*mx_4`, shape (n,)."""
     spring, _, moment = name.partition("*")
     return moment_regressor(chain, joint_of(spring), joint_of(moment), "xy".index(moment[1]), gravity_m_s2)
 

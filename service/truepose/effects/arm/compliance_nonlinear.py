@@ -1,8 +1,11 @@
 """Nonlinear compliance: a gear that is softer while it carries little, until all its teeth bear.
 
-On top of c tau the joint turns by soft t0 tanh(tau / t0): near zero torque the gear is softer by `soft`, far
-beyond t0 it has its own stiffness again. A negative `soft` is a gear that is stiffer near zero. Strain-wave
-gears behave so (T. D. Tuttle, W. P. Seering, IEEE Trans. Robotics and Automation 12(3), 1996, 368-374).
+    theta_i moves by  soft_i t0 tanh(tau_i / t0)        slope soft_i / cosh^2(tau_i / t0)
+
+On top of c tau: near zero torque the gear is softer by `soft`, far beyond t0 it has its own stiffness again.
+A negative `soft` is a gear that is stiffer near zero. Strain-wave gears behave so (T. D. Tuttle, W. P.
+Seering, IEEE Trans. Robotics and Automation 12(3), 1996, 368-374); the shape is our own, the simplest one
+with these two slopes that is linear in its parameter.
 """
 
 import numpy as np
@@ -53,13 +56,13 @@ class ComplianceNonlinear:
         return _specs(setting, _USUAL_T0_N_MM)
 
     def terms(self, names: tuple[str, ...], rows: Rows) -> list[Term]:
-        """Turn each joint by what its teeth give before they bear."""
+        """Turn each joint by what its teeth give before they bear: weight t0 tanh(tau / t0) [N mm]."""
         return [Term(k, *_give(name, rows)) for k, name in enumerate(names)]
 
     def softness(
         self, names: tuple[str, ...], values: FloatArray, joint: int, load_n_mm: FloatArray | None
     ) -> FloatArray | float:
-        """Return what teeth that do not bear yet add to the spring."""
+        """Return what teeth that do not bear yet add to the spring: soft / cosh^2(load / t0)."""
         if load_n_mm is None:
             return 0.0
         added = np.zeros(len(load_n_mm))
@@ -115,6 +118,7 @@ class ComplianceNonlinear:
 
 
 def _specs(setting: Setting, t0_n_mm: float) -> tuple[ParameterSpec, ...]:
+    """Return the softness of every joint that torques wind up visibly; it ends at t0 [N mm]."""
     if setting.torque_source == "unknown":
         return ()
     _, widths = compliance_prior(setting)
@@ -126,6 +130,7 @@ def _specs(setting: Setting, t0_n_mm: float) -> tuple[ParameterSpec, ...]:
 
 
 def _bent_specs(scene: Scene, t0_n_mm: float) -> tuple[ParameterSpec, ...]:
+    """Return those of joints whose largest torque reaches at least half of where softness ends."""
     largest = scene.setting.largest_torque_n_mm
     return tuple(
         spec for spec in _specs(scene.setting, t0_n_mm) if largest[_joint_of(spec.name)] >= _BENT * t0_n_mm
@@ -145,13 +150,25 @@ def _t0_of(name: str) -> float:
 
 
 def _give(name: str, rows: Rows) -> tuple[Port, FloatArray]:
+    """Return the port and weight (n,) of one parameter."""
     joint, t0 = _joint_of(name), _t0_of(name)
     return Port(PortKind.THETA, joint), t0 * np.tanh(known_torque(rows, joint) / t0)
 
 
 def _shares(fitted: Fitted, scene: Scene) -> tuple[list[str], FloatArray, FloatArray]:
-    """Softness of each joint over its spring, with covariance; several t0 of one joint add up at zero."""
+    """Softness of each joint over its spring, with covariance; several t0 of one joint add up at zero.
+
+    Returns
+    -------
+    names : list of str
+        Of the j joints.
+    shares : ndarray, shape (j,)
+        [1]
+    covariance : ndarray, shape (j, j)
+    """
     typical, widths = compliance_prior(scene.setting)
+    # Relative to the fitted spring; where the model has none, to what is believed of it: a share needs a
+    # whole.
     springs = np.where(scene.softness_rad_per_n_mm > 0.0, scene.softness_rad_per_n_mm, typical)
     springs = np.where(springs > 0.0, springs, widths)
     joints = sorted({_joint_of(name) for name in fitted.names})
@@ -163,11 +180,15 @@ def _shares(fitted: Fitted, scene: Scene) -> tuple[list[str], FloatArray, FloatA
 
 
 def _common(shares: FloatArray, covariance: FloatArray) -> tuple[float, float]:
-    """Mean share, each joint weighted by how well these data know it (generalised least squares)."""
+    """Mean share, each joint weighted by how well these data know it (generalised least squares).
+
+    With C the covariance: s = 1^T C^-1 shares / (1^T C^-1 1), variance 1 / (1^T C^-1 1).
+    """
     weights = solved(covariance, np.ones(len(shares)))
     information = float(weights.sum())
     return float(weights @ shares) / information, float(1.0 / np.sqrt(information))
 
 
 def _is_open(spec: ParameterSpec, scene: Scene) -> bool:
+    """Say whether the model has the joint's spring and not yet its softness."""
     return spec.name not in scene.present and joint_name("c", _joint_of(spec.name)) in scene.present

@@ -1,9 +1,19 @@
 """Errors of the links: DH-Modified with joint offsets, and the rotation that near-parallel axes need.
 
+    RotX(alpha_i + d alpha_i) TransX(a_i + d a_i) RotY(d beta_i) RotZ(theta_i + d theta_i) TransZ(d_i + d d_i)
+
 Row 1 has no error parameters: they belong to the base. Where axes i-1 and i are (nearly) parallel,
 d_i acts as d_(i-1) does and is no parameter, and a rotation about y (Hayati's beta) enters instead:
 a common normal of parallel axes may lie anywhere, so DH-Modified alone cannot express that tilt.
 Found from the nominal table, never from a robot's name.
+
+The thesis drops one of d_2, d_3 and adds nothing (30 parameters). Links tilted by 0.02 deg then leave
+0.03 to 0.05 mm on average, with beta 0.011 mm.
+
+References
+----------
+A. Nubiola, PhD thesis, ETS Montreal, 2014, section 2.3.
+S. A. Hayati, Proc. 22nd IEEE Conf. Decision and Control, 1983, 1477-1483.
 """
 
 from functools import cache
@@ -31,7 +41,15 @@ _KINDS = {
 
 
 def is_parallel_to_previous(robot: Robot, joint: int) -> bool:
-    """Whether the axis of `joint` (0-based) is (nearly) parallel to the one before."""
+    """Say whether the axis of a joint is (nearly) parallel to the one before: within 2 deg, either way round.
+
+    Parameters
+    ----------
+    robot : Robot
+        Nominal.
+    joint : int
+        0-based; never so of the first.
+    """
     return joint > 0 and abs(np.sin(robot.joints[joint].alpha_rad)) < np.sin(_PARALLEL_RAD)
 
 
@@ -44,7 +62,14 @@ def _angle(quantity: str, joint: int) -> ParameterSpec:
 
 
 class Geometry:
-    """DH-Modified errors of rows 2..J; with `tilt`, beta of near-parallel axes too."""
+    """DH-Modified errors of rows 2..J; with `tilt`, beta of near-parallel axes too.
+
+    Parameters
+    ----------
+    name : str
+    tilt : bool
+        Without it, the parameters are those of the thesis.
+    """
 
     needs = NOTHING
     traits = frozenset({Trait.GEOMETRY, Trait.STEADY})
@@ -54,12 +79,13 @@ class Geometry:
         self._tilt = tilt
 
     def automatic(self, setting: Setting) -> bool:
-        """With all that the table may be wrong by."""
+        """Say that it is, of the two that with all that the table may be wrong by."""
         return self._tilt
 
     def specs(self, setting: Setting) -> tuple[ParameterSpec, ...]:
         """Return alpha, a, theta and d of every row, d replaced by beta where axes are parallel."""
         specs: list[ParameterSpec] = []
+        # A change of row 1 moves the whole arm as one body, which is what the six parameters of the base do.
         for joint in range(1, setting.robot.n_joints):
             specs += [_angle("alpha", joint), _length("a", joint), _angle("theta", joint)]
             if not is_parallel_to_previous(setting.robot, joint):
@@ -74,6 +100,7 @@ class Geometry:
 
     def left_open(self, names: tuple[str, ...], setting: Setting) -> list[NotIdentifiable]:
         """Return the offsets along parallel axes."""
+        # Of the model's own names: nothing is open of a table that is not identified.
         if "d_2" not in names and "alpha_2" not in names:
             return []
         return [
@@ -104,7 +131,12 @@ class JointOffset:
 
 @cache
 def link_terms(names: tuple[str, ...]) -> tuple[Term, ...]:
-    """Terms of parameters that are link quantities themselves, e.g. `alpha_3`."""
+    """Terms of parameters that are link quantities themselves, e.g. `alpha_3`: weight 1 on their own port.
+
+    Parameters
+    ----------
+    names : tuple of str
+    """
     return tuple(
         Term(k, Port(_KINDS[name.rsplit("_", 1)[0]], joint_of(name)), 1.0) for k, name in enumerate(names)
     )

@@ -1,5 +1,7 @@
 """Joint coupling: a wrist joint moves along with another joint, as shafts that run through each other do.
 
+    theta_m moves by  sign_m coupling_ms q_s        q_s the source's angle as the controller counts it
+
 The moved joint turns by coupling times the angle of the source, both as the controller counts them.
 """
 
@@ -46,7 +48,7 @@ class JointCoupling:
         return tuple(_spec(moved, source) for moved in wrist for source in wrist if source < moved)
 
     def terms(self, names: tuple[str, ...], rows: Rows) -> list[Term]:
-        """Turn the moved joint by its share of the source's angle."""
+        """Turn the moved joint by its share of the source's angle: weight sign_m q_s [rad] on its theta."""
         return [Term(k, *_dragged(name, rows)) for k, name in enumerate(names)]
 
     def unseen(self, scene: Scene) -> Text | None:
@@ -85,6 +87,7 @@ class JointCoupling:
 
 
 def _details(sources: list[int], shares: FloatArray, spreads: FloatArray) -> tuple[Detail, ...]:
+    """Return the source joints, and their couplings where there are several."""
     found = []
     for source, share, spread in zip(sources, shares.tolist(), spreads.tolist(), strict=True):
         found.append(Detail("source joint", float(source + 1), "1", 0.0))

@@ -1,4 +1,9 @@
-"""Joint gain: a joint turns by a factor 1 + k of what it should (level 1 with an offset)."""
+"""Joint gain: a joint turns by a factor 1 + k of what it should (level 1 with an offset).
+
+    theta_i moves by  k_i q_i        q_i the joint's own turn: its angle with its sign
+
+Source: thesis of A. Nubiola, 2014, section 1.3 (theta_real = k1 theta + k0).
+"""
 
 import numpy as np
 
@@ -38,7 +43,7 @@ class JointGain:
         return tuple(_spec(joint) for joint in range(setting.robot.n_joints))
 
     def terms(self, names: tuple[str, ...], rows: Rows) -> list[Term]:
-        """Turn the joint by gain times its own angle."""
+        """Turn the joint by gain times its own angle: weight q [rad per 1] on its theta."""
         joints = [joint_of(name) for name in names]
         return [Term(k, Port(PortKind.THETA, j), rows.turn_rad[:, j]) for k, j in enumerate(joints)]
 

@@ -1,8 +1,13 @@
 """Joint harmonics: a joint is off by waves of its own angle (gear, bearing, encoder).
 
-theta turns by s sin(order q) + c cos(order q), q the joint's own turn. Orders are searched from one wave per
-turn up to twice the gear's own cycle: a strain-wave gear has two waves per turn of its generator. Those that
-are looked for are whole; one that was found may lie between them, as the stages of a gear do.
+    theta_i moves by  sum over orders of s sin(order q_i) + c cos(order q_i)
+
+q the joint's own turn. Orders are searched from one wave per turn up to twice the gear's own cycle: a
+strain-wave gear has two waves per turn of its generator. Those that are looked for are whole; one that was
+found may lie between them, as the stages of a gear do (docs/decisions/0030).
+
+Besides single waves a joint may have a curve: all orders up to 60 as one random function. Joints of real
+robots are off by dozens of lines without a gear ratio, which told wave by wave were explained badly.
 """
 
 from functools import lru_cache
@@ -61,7 +66,7 @@ class JointHarmonics:
     )
 
     def specs(self, setting: Setting) -> tuple[ParameterSpec, ...]:
-        """Return orders 1 and 2 of every joint but the waves once per turn that offsets and tilts mimic."""
+        """Return orders 1 and 2 of every joint, for whoever names the effect; a search tries more."""
         return tuple(
             spec
             for joint in range(setting.robot.n_joints)
@@ -70,7 +75,7 @@ class JointHarmonics:
         )
 
     def terms(self, names: tuple[str, ...], rows: Rows) -> list[Term]:
-        """Turn the joint by its waves."""
+        """Turn the joint by its waves: weight sin(order q) or cos(order q) on its theta."""
         if not names:
             return []
         table = _table(names)
@@ -82,7 +87,7 @@ class JointHarmonics:
         return found
 
     def sums(self, names: tuple[str, ...], values: FloatArray, rows: Rows) -> dict[Port, FloatArray]:
-        """Return the curves of the joints."""
+        """Return the curves of the joints [rad], shape (n,) each, on their theta."""
         table = _table(names)
         found = {}
         for joint in distinct_values(table.joint).tolist():
@@ -113,6 +118,7 @@ class JointHarmonics:
     def describe(self, subject: str, fitted: Fitted, scene: Scene) -> Description:
         """Say how large the waves are and what has that many waves per turn."""
         waves = fitted_waves(fitted)
+        # A list of sixty orders tells nobody anything; how far the curve goes either way does.
         if len(waves) > _FEW_WAVES:
             return _describe_curve(subject, waves, fitted, scene)
         details = tuple(detail for wave in waves for detail in wave.details(several=len(waves) > 1))
@@ -139,7 +145,11 @@ def _curve(scene: Scene, joint: int) -> list[Candidate]:
 
 
 def _describe_curve(subject: str, waves: list[FittedWave], fitted: Fitted, scene: Scene) -> Description:
-    """Say how far a curve goes either way over what was measured, and which of its waves are the largest."""
+    """Say how far a curve goes either way over what was measured, and which of its waves are the largest.
+
+    The amplitude is half of peak to peak within the angles that were measured, with the uncertainty of that
+    difference of two places of the curve.
+    """
     turn = scene.turn_rad[:, joint_of_subject(subject)]
     angle = np.linspace(float(turn.min()), float(turn.max()), _ANGLES)
     weights = _weights(fitted.names, angle)
@@ -175,13 +185,37 @@ def _table(names: tuple[str, ...]) -> _Table:
 
 
 def _weights(names: tuple[str, ...], turn_rad: FloatArray) -> FloatArray:
-    """Return the sines and cosines that parameters of one joint are of, at angles (n,), shape (p, n)."""
+    """Return the sines and cosines that parameters of one joint are of.
+
+    Parameters
+    ----------
+    names : tuple of str
+        p of them.
+    turn_rad : ndarray, shape (n,)
+
+    Returns
+    -------
+    ndarray, shape (p, n)
+    """
     table = _table(names)
     return _waves(table.order, table.sine, turn_rad)
 
 
 def _waves(order: FloatArray, sine: BoolArray, turn_rad: FloatArray) -> FloatArray:
-    """Return sines and cosines of multiples (p,) of angles (n,), shape (p, n)."""
+    """Return sines and cosines of multiples of angles.
+
+    Parameters
+    ----------
+    order : ndarray, shape (p,)
+        Periods per turn.
+    sine : ndarray of bool, shape (p,)
+        Else the cosine.
+    turn_rad : ndarray, shape (n,)
+
+    Returns
+    -------
+    ndarray, shape (p, n)
+    """
     if _are_few(order):
         angle = order[:, None] * turn_rad
         return np.where(sine[:, None], np.sin(angle), np.cos(angle))
@@ -191,15 +225,21 @@ def _waves(order: FloatArray, sine: BoolArray, turn_rad: FloatArray) -> FloatArr
 
 
 def _are_few(order: FloatArray) -> bool:
-    """Whether it pays to work out each wave by itself."""
+    """Say whether it pays to work out each wave by itself; orders between whole ones have no other way."""
     return len(order) < _SHARE_OF_ORDERS * int(order.max()) or bool((order != np.round(order)).any())
 
 
 def _sum_of_waves(order: FloatArray, sine: BoolArray, value: FloatArray, turn_rad: FloatArray) -> FloatArray:
-    """Return the sum of waves (p,) at angles (n,): the real part of a polynomial in exp(i q), by Horner."""
+    """Return the sum of waves (p,) at angles (n,): the real part of a polynomial in exp(i q), by Horner.
+
+    s sin(k q) + c cos(k q) = Re((c - i s) exp(i k q)). For sixty orders of six joints at 10,000 rows a third
+    of the time of the sum over all weights (docs/decisions/0039).
+    """
     if _are_few(order):
         return np.asarray(value @ _waves(order, sine, turn_rad))
     coefficient = np.zeros(int(order.max()) + 1, dtype=complex)
+    # Sine and cosine of one order go to the same coefficient: a plain assignment would keep the last of the
+    # two.
     np.add.at(coefficient, order.astype(np.int64), np.where(sine, -1j, 1.0) * value)
     turn = np.exp(1j * turn_rad)
     curve = np.full(len(turn_rad), coefficient[-1])
@@ -212,7 +252,8 @@ def _sum_of_waves(order: FloatArray, sine: BoolArray, value: FloatArray, turn_ra
 def _multiples(highest: int, angle_rad: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return sines and cosines of 0..highest times angles (n,), shape (highest + 1, n), by addition theorems.
 
-    A dozen times faster than a sine each; rounding grows to `highest` units of the last place.
+    sin((k + 1) q) = sin(k q) cos(q) + cos(k q) sin(q), likewise the cosine. A dozen times faster than a sine
+    each; rounding grows to `highest` units of the last place.
     """
     sines, cosines = np.zeros((2, highest + 1, len(angle_rad)))
     cosines[0] = 1.0
@@ -224,6 +265,7 @@ def _multiples(highest: int, angle_rad: FloatArray) -> tuple[FloatArray, FloatAr
 
 
 def _typical_of(order: float, ratio: float) -> Message:
+    """Say what usually has that many waves per turn; `ratio` is the gear's, 0 where unknown."""
     if ratio and abs(order - 2.0 * ratio) < 0.5:
         return message("typical.wave_generator")
     if ratio and abs(order - ratio) < 0.5:

@@ -44,7 +44,18 @@ _SWEEPS = 10  # joint by joint; of arms with two or three long links the last on
 
 
 def stretched_rows(robot: Robot) -> Rows:
-    """Return one row with the flange of the nominal robot as far out as its joints let it be."""
+    """Return one row with the flange of the nominal robot as far out as its joints let it be.
+
+    Parameters
+    ----------
+    robot : Robot
+
+    Returns
+    -------
+    Rows
+        One row: joints 3..J such that the flange is farthest from joint 2, then joint 2 such that it is
+        farthest out. The base stands upright, nothing is known of torques.
+    """
     joints = np.zeros(robot.n_joints)
     for _ in range(_SWEEPS):
         for joint in range(2, robot.n_joints):
@@ -63,12 +74,29 @@ def stretched_rows(robot: Robot) -> Rows:
 
 
 def _farthest(robot: Robot, joints_rad: FloatArray, joint: int, *, level: bool) -> FloatArray:
-    """Turn one joint (0-based) so that the flange is farthest from joint 2, or farthest out."""
+    """Turn one joint (0-based) so that the flange is farthest from joint 2, or farthest out.
+
+    Parameters
+    ----------
+    robot : Robot
+    joints_rad : ndarray, shape (J,)
+    joint : int
+        0-based.
+    level : bool
+        Whether the distance is taken in the horizontal plane.
+
+    Returns
+    -------
+    ndarray, shape (J,)
+        To whole degrees.
+    """
     tried = np.repeat(joints_rad[None], len(_ANGLES_RAD), axis=0)
     tried[:, joint] = _ANGLES_RAD
     chain = nominal_chain(robot, tried)
     away = chain.end_origin - chain.origin[1]
     distance = np.linalg.norm(away[:, :2] if level else away, axis=1)
+    # Of angles that are equally far the first, which is the one nearest to 0: joints that do not matter stay
+    # there.
     farthest: FloatArray = tried[int(np.argmax(distance >= distance.max() - _SAME_MM))]
     return farthest
 
@@ -81,7 +109,18 @@ _WIDTH = 5e-11  # 1/(N mm2): belief, six times the upper arm of a small robot
 
 
 class Beam(NamedTuple):
-    """One link as a beam, in its own frame."""
+    """One link as a beam, in its own frame.
+
+    Attributes
+    ----------
+    link : int
+        1-based.
+    along : ndarray, shape (3,)
+        Unit vector from the joint that carries it to the next one.
+    length_mm : float
+    carries : tuple of int
+        Frames (1-based) whose masses sit on the beam itself.
+    """
 
     link: int  # 1-based
     along: FloatArray  # (3,) unit
@@ -101,7 +140,7 @@ class LinkBending:
         return tuple(_spec(link) for link in beams(setting.robot)) if setting.robot.masses else ()
 
     def terms(self, names: tuple[str, ...], rows: Rows) -> list[Term]:
-        """Move what hangs on the end of each beam."""
+        """Move what hangs on the end of each beam, by the six components of its body's motion."""
         found = beams(rows.robot)
         links = [_link_of(name) for name in names]
         return [
@@ -125,7 +164,7 @@ class LinkBending:
         return (*single, Candidate(NAME, "links", specs)) if len(single) > 1 else tuple(single)
 
     def describe(self, subject: str, fitted: Fitted, scene: Scene) -> Description:
-        """Say by how much the flange of the stretched arm sags."""
+        """Say by how much the flange of the stretched arm sags; nobody can picture 1/EI."""
         per_unit = _sags_mm(fitted.names, scene)
         sag = float(per_unit @ fitted.values)
         spread = float(np.sqrt(per_unit @ fitted.covariance @ per_unit))
@@ -144,7 +183,20 @@ class LinkBending:
 
 
 def beams(robot: Robot) -> dict[int, Beam]:
-    """Return the links that may bend, by number: the long ones but for column and wrist."""
+    """Return the links that may bend, by number: the long ones but for column and wrist.
+
+    The end of link i in its own frame is where row i + 1 of the table puts the next joint,
+    (a, -d sin(alpha), d cos(alpha)).
+
+    Parameters
+    ----------
+    robot : Robot
+
+    Returns
+    -------
+    dict of int to Beam
+        By number of the link, from 1.
+    """
     found = {}
     for link in range(_FIRST_BEAM, robot.n_joints - 1):
         row = robot.joints[link]  # of the joint at the end of the link
@@ -157,6 +209,8 @@ def beams(robot: Robot) -> dict[int, Beam]:
         if length < _SHORTEST_MM:
             continue
         axis = np.array([0.0, -np.sin(row.alpha_rad), np.cos(row.alpha_rad)])
+        # Where the next joint turns the beam about its own length, as axis 4 does a forearm, what follows
+        # that joint is the same beam still.
         rolls = abs(float(axis @ end)) > _ROLLS_ABOUT_BEAM * length
         found[link] = Beam(link, end / length, length, (link, link + 1) if rolls else (link,))
     return found
@@ -171,7 +225,21 @@ def _link_of(name: str) -> int:
 
 
 def _motion(beam: Beam, rows: Rows) -> FloatArray:
-    """Motion of the body per 1/EI, about its own origin and in its own axes, shape (n, 6)."""
+    """Motion of the body per 1/EI, about its own origin and in its own axes.
+
+    The sum over the weights that the beam carries, shift and turn of its end as in the module's head.
+
+    Parameters
+    ----------
+    beam : Beam
+    rows : Rows
+        n of them.
+
+    Returns
+    -------
+    ndarray, shape (n, 6)
+        [mm per 1/(N mm2)], then [rad per 1/(N mm2)].
+    """
     chain = rows.chain
     rotation, _ = chain.body(beam.link)
     along = rotation @ beam.along
@@ -196,7 +264,19 @@ def _into(rotation: FloatArray, vectors: FloatArray) -> FloatArray:
 def _bent(
     beam: Beam, lever: FloatArray, along: FloatArray, weight: FloatArray, mass: LinkMass
 ) -> tuple[FloatArray, FloatArray]:
-    """Turn and shift of the beam's end per 1/EI by one weight, shape (n, 3) each."""
+    """Turn and shift of the beam's end per 1/EI by one weight, shape (n, 3) each.
+
+    Parameters
+    ----------
+    beam : Beam
+    lever : ndarray, shape (n, 3)
+        From the clamped end to the centre of gravity [mm].
+    along : ndarray, shape (n, 3)
+        Unit vector of the beam.
+    weight : ndarray, shape (3,)
+        [N]
+    mass : LinkMass
+    """
     reach = np.einsum("ni,ni->n", lever, along)[:, None]
     s = (
         np.clip(reach, 0.0, beam.length_mm)
@@ -211,12 +291,16 @@ def _bent(
 
 
 def _across(vectors: FloatArray, along: FloatArray) -> FloatArray:
+    """Return vectors without their part along the beam, shape (n, 3): v - (v . u) u."""
     across: FloatArray = vectors - np.einsum("ni,ni->n", vectors, along)[:, None] * along
     return across
 
 
 def _sags_mm(names: tuple[str, ...], scene: Scene) -> FloatArray:
-    """How far each beam lowers the flange of the arm stretched out level, per 1/EI, shape (k,)."""
+    """How far each beam lowers the flange of the arm stretched out level, per 1/EI, shape (k,).
+
+    In mm per 1/(N mm2), by the same motions and gradients by which a model moves.
+    """
     rows = stretched_rows(scene.setting.robot)
     down = rows.gravity_m_s2 / np.linalg.norm(rows.gravity_m_s2)
     flange = rows.chain.end_origin

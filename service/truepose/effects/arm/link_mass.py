@@ -1,4 +1,7 @@
-"""Link mass: a link weighs something else, or elsewhere, than its maker states."""
+"""Link mass: a link weighs something else, or elsewhere, than its maker states.
+
+Mass and first moment of a frame add torques (`loads.mass_terms`), which wind up the springs of the model.
+"""
 
 from truepose.effects.arm import loads
 from truepose.effects.causes import OF_SUBJECT, Candidate, Description, Fitted, Scene, Signature
@@ -22,7 +25,7 @@ class LinkMasses:
         return tuple(spec for link in _links(setting) for spec in _specs(setting, link))
 
     def terms(self, names: tuple[str, ...], rows: Rows) -> list[Term]:
-        """Load the joints."""
+        """Load the joints: torques [N mm] per kg or per kg mm, one for each joint that carries the link."""
         return [
             term
             for k, name in enumerate(names)
@@ -83,6 +86,7 @@ def _specs(setting: Setting, link: int) -> tuple[ParameterSpec, ...]:
 
 
 def _wrong_masses(fitted: Fitted, scene: Scene) -> dict[int, loads.WrongMass]:
+    """Return the links that were fitted, each with its amount and centre of gravity told apart."""
     return {
         link: loads.wrong_mass(fitted, specs, loads.stated_mass(scene.setting.robot, link - 1))
         for link in _links(scene.setting)

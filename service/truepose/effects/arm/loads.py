@@ -1,8 +1,18 @@
 """Loads of masses on the joints: what a change of mass, or of where it is, adds to each torque.
 
-A mass in a frame acts by its amount at the frame's origin and by its first moment. Data see some of these
-four only together, so that they are told apart by what is believed: a centre of gravity that is stated is
-right to some `CENTRE_WIDTH_MM`, a mass to some share of itself.
+A mass in a frame acts by its amount at the frame's origin and by its first moment. Per joint i that carries
+frame f, with g gravity and e_k the axes of the frame,
+
+    per kg        z_i . ((o_f - o_i) x g)          per kg mm along axis k        z_i . (e_k x g)
+
+Data see some of these four only together, so that they are told apart by what is believed: a centre of
+gravity that is stated is right to some `CENTRE_WIDTH_MM`, a mass to some share of itself. With u = (dm, dc)
+and p = (dm, m dc + dm c) = T u, the posterior of u is that of the data's information A and vector b alone,
+and of the belief W:
+
+    C_u = (T^T A T + W^-1)^-1        u = C_u T^T b
+
+Own derivation; A and b are what is left of a fit's posterior once its priors are taken out.
 """
 
 from typing import NamedTuple
@@ -25,7 +35,14 @@ _SMALLEST_KG = 1.0  # where no mass is stated
 
 
 class WrongMass(NamedTuple):
-    """How a mass differs from what was stated, with standard uncertainties."""
+    """How a mass differs from what was stated, with standard uncertainties.
+
+    Attributes
+    ----------
+    extra_kg, extra_spread_kg : float
+    shift_mm, shift_spread_mm : ndarray, shape (3,)
+        Of the centre of gravity, in the frame that carries it.
+    """
 
     extra_kg: float
     extra_spread_kg: float
@@ -41,7 +58,19 @@ class WrongMass(NamedTuple):
 
 
 def stated_mass(robot: Robot, frame: int) -> LinkMass:
-    """Return what is stated for a frame (0-based): the sum of its masses, 0 kg where none is."""
+    """Return what is stated for a frame: the sum of its masses at their common centre of gravity.
+
+    Parameters
+    ----------
+    robot : Robot
+    frame : int
+        0-based.
+
+    Returns
+    -------
+    LinkMass
+        Of 0 kg where none is.
+    """
     masses = [mass for mass in robot.masses if mass.frame == frame + 1]
     total = sum(mass.mass_kg for mass in masses)
     if total <= 0.0:
@@ -59,7 +88,17 @@ def mass_limits(stated: LinkMass) -> Limits | None:
 def mass_specs(
     names: tuple[str, str, str, str], stated: LinkMass
 ) -> tuple[ParameterSpec, ParameterSpec, ParameterSpec, ParameterSpec]:
-    """Return the parameters of a mass (its amount and three first moments) by their names."""
+    """Return the parameters of a mass (its amount and three first moments) by their names.
+
+    Widths: half of the stated mass, 0.5 kg where none is stated; of a moment the mass times 50 mm and what
+    the amount's own width makes at the stated centre.
+
+    Parameters
+    ----------
+    names : tuple of four str
+        Mass, then moments along x, y, z.
+    stated : LinkMass
+    """
     mass, *moments = names
     kilograms = stated.mass_kg or _SMALLEST_KG
     width = kilograms * _MASS_SHARE
@@ -99,7 +138,17 @@ def mass_terms(parameter: int, frame: int, quantity: str, rows: Rows) -> list[Te
 
 
 def unseen_masses(scene: Scene) -> Text | None:
-    """Return why wrong masses cannot be seen: they show only through springs that gravity loads."""
+    """Return why wrong masses cannot be seen: they show only through springs that gravity loads.
+
+    Parameters
+    ----------
+    scene : Scene
+
+    Returns
+    -------
+    Text or None
+        None where they can.
+    """
     if scene.setting.torque_source == "measured":
         return message("unseen.torques_measured")
     if scene.setting.torque_source == "unknown":
@@ -110,10 +159,18 @@ def unseen_masses(scene: Scene) -> Text | None:
 
 
 def wrong_mass(fitted: Fitted, specs: tuple[ParameterSpec, ...], stated: LinkMass) -> WrongMass:
-    """Tell amount and centre of gravity apart.
+    """Tell amount and centre of gravity apart, by the formulas of the module's head.
 
     What the data say of the four parameters is their posterior less the priors of the fit; to it comes
     the belief about amount and centre of gravity, in which a heavier part has a larger moment too.
+
+    Parameters
+    ----------
+    fitted : Fitted
+        With these four parameters among its own.
+    specs : tuple of ParameterSpec
+        Mass, then moments along x, y, z, as they were fitted.
+    stated : LinkMass
     """
     order = [fitted.names.index(spec.name) for spec in specs]
     information, pull = _from_data(
@@ -134,10 +191,21 @@ def wrong_mass(fitted: Fitted, specs: tuple[ParameterSpec, ...], stated: LinkMas
 def _from_data(
     values: FloatArray, covariance: FloatArray, widths: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Information matrix and vector of the data alone, of a posterior whose priors had mean 0."""
+    """Information matrix and vector of the data alone, of a posterior whose priors had mean 0.
+
+    A = C^-1 - diag(w^-2), b = C^-1 m. In units of the widths the prior's information is 1 along every
+    direction, so that what the data gain is each eigenvalue less 1.
+
+    Parameters
+    ----------
+    values : ndarray, shape (k,)
+    covariance : ndarray, shape (k, k)
+    widths : ndarray, shape (k,)
+    """
     precision = widths[:, None] * np.linalg.inv(covariance) * widths
     size, direction = np.linalg.eigh(0.5 * (precision + precision.T))
     gained = np.maximum(size - 1.0, 0.0)  # along directions that the data do not see, rounding may go below
+    # Along the others the vector is rounding as well, and would be blown up by the belief that comes to it.
     seen = gained > 0.0
     pull = direction.T @ (precision @ (values / widths))
     scale = 1.0 / widths

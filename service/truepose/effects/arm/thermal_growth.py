@@ -1,5 +1,7 @@
 """Thermal growth: the links are longer the warmer it is, all at one rate.
 
+    a_i, d_i move by  growth a_i (T - 20 degC),  growth d_i (T - 20 degC)        nominal lengths
+
 Every nominal length a_i and d_i grows by growth times what the temperature is above 20 degC, the reference
 temperature of lengths (ISO 1). The tool and the table under the base keep their sizes.
 """
@@ -36,7 +38,7 @@ class ThermalGrowth:
         return (ParameterSpec(_GROWTH, "1/K", 0.0, _WIDTH_PER_K),)
 
     def terms(self, names: tuple[str, ...], rows: Rows) -> list[Term]:
-        """Lengthen every link that has a length."""
+        """Lengthen every link that has a length: weight a_i or d_i times the kelvins above 20 degC [mm K]."""
         warmer = warmer_k(rows.stops)
         lengths = [
             (Port(kind, joint), length)
@@ -71,14 +73,26 @@ class ThermalGrowth:
 
 
 def warmer_k(stops: Stops) -> FloatArray:
-    """Temperature above the reference, shape (n,); 0 where it is unknown."""
+    """Return the temperature above 20 degC, the reference of lengths.
+
+    Parameters
+    ----------
+    stops : Stops
+        n rows.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        [K]; 0 where it is unknown.
+    """
     if stops.temperature_c is None:
         return np.zeros(len(stops))
+    # As if it were 20 degC: lengths of the table are those at that temperature, and nothing better is known.
     return np.nan_to_num(stops.temperature_c - _REFERENCE_C, nan=0.0)
 
 
 def range_k(stops: Stops) -> float:
-    """Return the span of the temperatures [K], 0 where they are unknown."""
+    """Return the span of the known temperatures [K], 0 where they are unknown."""
     if stops.temperature_c is None:
         return 0.0
     known = stops.temperature_c[np.isfinite(stops.temperature_c)]

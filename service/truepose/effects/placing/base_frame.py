@@ -1,4 +1,10 @@
-"""Where the robot stands: six parameters of its base in the world."""
+"""Where the robot stands: six parameters of its base in the world.
+
+    o = o_start + (x, y, z),    R = RotX(rx) RotY(ry) RotZ(rz) R_start
+
+Level 2 with an absolute calibration (thesis of A. Nubiola, 2014, section 1.1): row 1 of the table is part of
+it.
+"""
 
 from truepose.domain.identification import NotIdentifiable
 from truepose.effects.ports import NOTHING, Need, ParameterSpec, Port, PortKind, Rows, Setting, Term, Trait
@@ -14,7 +20,7 @@ WIDTH_RAD = 0.05
 
 
 class Base:
-    """Base frame, Trans(x, y, z) RotX RotY RotZ added before the start placement."""
+    """Base frame: a shift in the world, and a turn RotX RotY RotZ in front of the start rotation."""
 
     name = NAME
     needs: frozenset[Need] = NOTHING

@@ -20,7 +20,18 @@ class Reference(WithoutParameters):
 
 
 def reference_specs(uncertainty_mm: dict[int, float]) -> tuple[ParameterSpec, ...]:
-    """Return the error of the registration, and of the certified place of each nest (1-based)."""
+    """Return the error of the registration, and of the certified place of each nest.
+
+    Parameters
+    ----------
+    uncertainty_mm : dict of int to float
+        Standard uncertainty per axis, by nest (1-based).
+
+    Returns
+    -------
+    tuple of ParameterSpec
+        Six of the frame [mm, rad], then three of each nest [mm, world], by number.
+    """
     places = (
         ParameterSpec(place_name(nest, component), "mm", 0.0, max(u_mm, _SMALLEST_WIDTH_MM))
         for nest, u_mm in sorted(uncertainty_mm.items())

@@ -1,7 +1,8 @@
 """Certified places of the tool nests are known to an uncertainty: small errors that need no cause.
 
-An identification holds certified nests and carries their uncertainty afterwards; a diagnosis lets them move
-within it, so that what a certificate allows is never named a nest that is out of place.
+An identification holds certified nests and carries their uncertainty afterwards (docs/decisions/0006); a
+diagnosis lets them move within it, so that what a certificate allows is never named a nest that is out of
+place.
 """
 
 from collections.abc import Collection
@@ -28,7 +29,13 @@ class ToolCertificate:
 
 
 def certificate_specs(uncertainty_mm: dict[int, float]) -> tuple[ParameterSpec, ...]:
-    """Return the errors of certified nests (1-based), as wide as their certificates say."""
+    """Return the errors of certified nests, as wide as their certificates say; none of exact ones.
+
+    Parameters
+    ----------
+    uncertainty_mm : dict of int to float
+        Standard uncertainty per axis, by nest (1-based).
+    """
     return tuple(
         ParameterSpec(_name(nest, axis), "mm", 0.0, u_mm)
         for nest, u_mm in sorted(uncertainty_mm.items())
@@ -38,7 +45,7 @@ def certificate_specs(uncertainty_mm: dict[int, float]) -> tuple[ParameterSpec, 
 
 
 def moves(nest: int, names: Collection[str]) -> bool:
-    """Return whether a certified nest (1-based) may move by one of these parameters."""
+    """Say whether a certified nest (1-based) may move by one of these parameters."""
     return _name(nest, "x") in names
 
 

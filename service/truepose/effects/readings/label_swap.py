@@ -1,6 +1,6 @@
 """Label swap: what is written down for one nest was read at another.
 
-No parameters: the readings say it one by one, when each fits the other nest. `shown` is given the share of
+No parameters: the readings say it one by one, when each fits the other nest. `describe` is given the share of
 the readings of the two nests that are swapped as the one value of what was fitted.
 """
 

@@ -1,7 +1,7 @@
 """Outliers: single bad readings (a reflector not seated, a beam brushed, a person leaning on the table).
 
-No parameters: bad readings are known by what they are off by, and get no weight. `shown` is given their share
-as the one value of what was fitted.
+No parameters: bad readings are known by what they are off by, and get no weight. `describe` is given their
+share as the one value of what was fitted.
 """
 
 import numpy as np

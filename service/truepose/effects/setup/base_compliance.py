@@ -1,7 +1,9 @@
 """Base compliance: the base tilts under the arm's weight, as a slender pedestal or a thin table top does.
 
+    turn of body 0 = c M        M = sum of m_j (c_j - o_base) x g, in the base's axes
+
 The base turns, about its own origin, by its compliance times the moment of all weights about that origin:
-r x m g has no part along gravity, so that this is a tilt about a horizontal axis.
+r x m g has no part along gravity, so that this is a tilt about a horizontal axis. Own derivation.
 """
 
 import numpy as np
@@ -32,7 +34,7 @@ class BaseCompliance:
         return (ParameterSpec(_PARAMETER, "rad/(N*mm)", 0.0, _WIDTH),) if setting.robot.masses else ()
 
     def terms(self, names: tuple[str, ...], rows: Rows) -> list[Term]:
-        """Turn the base with the moment of all weights."""
+        """Turn the base with the moment of all weights: its components [N mm] on the turns of body 0."""
         if not names:
             return []
         moment = _overturning_moment(rows)

@@ -1,6 +1,7 @@
 """Base drift: the base moves slowly under the arm (a floor that warms up, a foot that settles).
 
-The shift is that of the base's own origin, along the base's axes.
+The shift is that of the base's own origin, along the base's axes: body 0 of the chain, whose six components
+move by rate times way (`effects.motions`).
 """
 
 from dataclasses import replace
@@ -37,7 +38,7 @@ class BaseDrift:
         return drift_specs(_PREFIX, LINEAR)
 
     def terms(self, names: tuple[str, ...], rows: Rows) -> list[Term]:
-        """Move the base as far as it has come."""
+        """Move the base as far as it has come: weight the way per rate [h]."""
         return drift_terms(names, rows, lambda component: motion_port(_BASE, component))
 
     def goes_on(self, names: tuple[str, ...]) -> bool:
@@ -55,6 +56,7 @@ class BaseDrift:
     def describe(self, subject: str, fitted: Fitted, scene: Scene) -> Description:
         """Say how fast the base moves, and whether anything but the base could have moved the readings."""
         shown = describe_drift(subject, fitted, scene, message("causes.base_drift"))
+        # Lengths have no frame of an instrument that could drift in the base's place.
         if scene.legs:
             return shown
         nests = "causes.base_drift.nests_stay" if scene.reference_s.size else "causes.base_drift.no_nests"

@@ -1,6 +1,7 @@
 """Base shift: the base jumped once (somebody drove against the table, a foot screw gave way).
 
-The shift is that of the base's own origin, along the base's axes.
+The shift is that of the base's own origin, along the base's axes: the six components of body 0 move by their
+parameters from a moment on (`effects.motions`).
 """
 
 import numpy as np
@@ -42,7 +43,7 @@ class BaseShift:
         return ()
 
     def terms(self, names: tuple[str, ...], rows: Rows) -> list[Term]:
-        """Move the base from the jump on."""
+        """Move the base from the jump on: weight 0 before it, 1 from it on."""
         return jump_terms(names, rows, lambda _prefix, component: motion_port(_BASE, component))
 
     def unseen(self, scene: Scene) -> Text | None:
@@ -85,7 +86,7 @@ def _of(fitted: Fitted, chosen: str) -> Motion:
 
 
 def _when(scene: Scene, prefix: str) -> Detail:
-    """Time of a jump: anywhere within its gap, evenly spread."""
+    """Return the time of a jump: anywhere within its gap, evenly spread, hence width / sqrt(12)."""
     time_s = jump_time_s(prefix)
     found = gaps_of_all(scene)
     width_s = around(found, time_s).width_s if found else 0.0

@@ -1,7 +1,8 @@
 """Fixture shift: the fixture that carries the base nests moved during one of its placements.
 
 A fixture that is placed anew is a new one; here all its nests move together, once, from a moment on. The
-parameters are about the world's origin, the amplitude is that of the fixture where it stands.
+parameters are about the world's origin, the amplitude is that of the fixture about where it stands: at the
+middle of the tool's places that were read from it, a leg away.
 """
 
 import numpy as np
@@ -46,7 +47,7 @@ class FixtureShift:
         return ()
 
     def terms(self, names: tuple[str, ...], rows: Rows) -> list[Term]:
-        """Move the base nests of the placement from the moment on."""
+        """Move the base nests of the placement from the moment on: weight 0 before it, 1 from it on."""
         return jump_terms(names, rows, _port)
 
     def unseen(self, scene: Scene) -> Text | None:
@@ -117,7 +118,7 @@ def _gaps(scene: Scene, placement: int) -> tuple[Gap, ...]:
 
 
 def _when(scene: Scene, placement: int, prefix: str) -> Detail:
-    """Time of a move: anywhere within its gap, evenly spread."""
+    """Return the time of a move: anywhere within its gap, evenly spread, hence width / sqrt(12)."""
     time_s = jump_time_s(prefix)
     found = _gaps(scene, placement)
     width_s = around(found, time_s).width_s if found else 0.0
@@ -125,7 +126,10 @@ def _when(scene: Scene, placement: int, prefix: str) -> Detail:
 
 
 def _centre_mm(scene: Scene, placement: int) -> FloatArray:
-    """Return the middle of where the tool was read from this placement: the fixture is a leg away from it."""
+    """Return the middle of where the tool was read from this placement: the fixture is a leg away from it.
+
+    Shape (3,), world. Of a motion about the world's origin a turn alone shifts everything by metres times it.
+    """
     flange = scene.chain.end_origin
     here = slice(None) if scene.placement is None else scene.placement == placement
     return np.asarray(flange[here].mean(axis=0))

@@ -1,7 +1,8 @@
 """Instrument drift: the tracker's frame moves slowly (tripod, warming up), and with it all that it reads.
 
-The shift is that of readings at the world's origin. It can be told from a drift of the base only where fixed
-nests are read now and then: they stand still beside a base that moves.
+The shift is that of readings at the world's origin: the six components of the instrument's motion move by
+rate times way (`effects.motions`). It can be told from a drift of the base only where fixed nests are read
+now and then: they stand still beside a base that moves.
 """
 
 from dataclasses import replace
@@ -38,7 +39,7 @@ class InstrumentDrift:
         return drift_specs(_PREFIX, LINEAR)
 
     def terms(self, names: tuple[str, ...], rows: Rows) -> list[Term]:
-        """Move everything that is read."""
+        """Move everything that is read: weight the way per rate [h]."""
         return drift_terms(names, rows, lambda component: Port(PortKind.INSTRUMENT, component))
 
     def goes_on(self, names: tuple[str, ...]) -> bool:

@@ -1,5 +1,8 @@
 """Instrument scale: all lengths of the instrument are off by one factor (wavelength, air, wrong calibrator).
 
+    p is read at  p + s (p - c)                 c the place of the tracker
+    a length reads too much by  s l             l the length of the ballbar
+
 A tracker's scale acts about its own place. The lengths of the arm follow a wrong scale unless something
 certified is among the readings: fixed nests, or several nests of the tool.
 """
@@ -29,12 +32,13 @@ class InstrumentScale:
         return (_spec(_BALLBAR if setting.lengths else _TRACKER),)
 
     def terms(self, names: tuple[str, ...], rows: Rows) -> list[Term]:
-        """Act on the scale of positions, or on each length in proportion to itself."""
+        """Act on the scale of positions, weight 1, or on each length by itself, weight l [mm]."""
         return [_term(k, name, rows) for k, name in enumerate(names)]
 
     def unseen(self, scene: Scene) -> Text | None:
         """Need something of a certified size."""
         free = any(name.startswith(_LENGTHS_OF_THE_ARM) for name in scene.present)
+        # Where no length of the arm is fitted, the table itself is the certified size.
         if free and scene.reference_s.size == 0 and len(scene.setting.certified_nests) < 2:
             return message("unseen.nothing_certified")
         return None

@@ -1,5 +1,7 @@
 """Nest offset: a certified nest of the tool is not where its certificate says (bent, glued anew, chipped).
 
+    x_nest moves by  (dx, dy, dz)        last frame [mm]
+
 Only where several certified nests were read: of a single one the arm's own parameters take most of the
 offset, and if all are off alike nothing says that it is not the arm.
 """
@@ -39,7 +41,7 @@ class NestOffset:
         return tuple(spec for nest in setting.certified_nests[1:] for spec in _specs(nest))
 
     def terms(self, names: tuple[str, ...], rows: Rows) -> list[Term]:
-        """Move the nest."""
+        """Move the nest, one to one."""
         return [Term(k, Port(PortKind.NEST, _port_index(name)), 1.0) for k, name in enumerate(names)]
 
     def unseen(self, scene: Scene) -> Text | None:

@@ -1,4 +1,7 @@
-"""Payload: the tool weighs something else, or elsewhere, than everybody was told."""
+"""Payload: the tool weighs something else, or elsewhere, than everybody was told.
+
+Mass and first moment of the last frame add torques (`effects.arm.loads`), which wind up the springs.
+"""
 
 import numpy as np
 
@@ -25,7 +28,7 @@ class Payload:
         return loads.mass_specs(_NAMES, loads.stated_mass(setting.robot, setting.robot.n_joints - 1))
 
     def terms(self, names: tuple[str, ...], rows: Rows) -> list[Term]:
-        """Load the joints."""
+        """Load the joints: torques [N mm] per kg or per kg mm, one for each joint."""
         last = rows.robot.n_joints - 1
         return [
             term

@@ -35,7 +35,7 @@ _NEGLIGIBLE = 6.0  # below the largest log evidence: 1/400 of it
 def deviations(
     mean: FloatArray, covariance: FloatArray, widths: FloatArray, groups: IntArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Estimate the deviation of each group of components.
+    """Estimate the deviation of each group of components, by the evidence of the module's head.
 
     Parameters
     ----------
@@ -44,18 +44,20 @@ def deviations(
     covariance : ndarray, shape (M d, M d)
         Of these estimates, occasions first.
     widths : ndarray, shape (d,)
-        Of the prior, about 0, under which they were estimated.
-    groups : ndarray, shape (d,)
+        Of the prior, about 0, under which they were estimated; the same within a group.
+    groups : ndarray of int, shape (d,)
         Group 0, 1, .. of each component.
 
     Returns
     -------
     deviation, standard_uncertainty : ndarray, shape (G,)
+        In the units of the groups' components.
     """
     occasions, components = mean.shape
     scale = np.tile(widths, occasions)
     precision = inverse(covariance / np.outer(scale, scale))
     vector = precision @ (mean.ravel() / scale)
+    # Rounding takes a little more of the prior out than it put in, where the data see nothing.
     information = _positive(precision - np.eye(len(scale)))
     common = np.kron(np.full((occasions, occasions), _WIDEST**2), np.eye(components))
 
@@ -77,17 +79,32 @@ def _around(chosen: FloatArray) -> FloatArray:
     """Return an even grid over the box of the chosen deviations and one coarse step beyond, shape (m, G)."""
     step = (_WIDEST / _FINEST) ** (1.0 / (_COARSE - 1))
     low, high = chosen.min(axis=0) / step, chosen.max(axis=0) * step
+    # A box that reaches the finest step reaches zero too: whether seats differ at all is the question.
     low = np.where(low < _FINEST, 0.0, low)
     axes = [np.linspace(a, b, _FINE) for a, b in zip(low, high, strict=True)]
     return np.array(list(product(*axes)))
 
 
 def _positive(matrix: FloatArray) -> FloatArray:
+    """Return a symmetric matrix with its negative eigenvalues set to 0."""
     values, vectors = np.linalg.eigh(0.5 * (matrix + matrix.T))
     return np.asarray((vectors * np.maximum(values, 0.0)) @ vectors.T)
 
 
 def _evidence(variance: FloatArray, common: FloatArray, information: FloatArray, vector: FloatArray) -> float:
+    """Return log p(s) but for a constant: (b^T S (1 + A S)^-1 b - log det(1 + A S)) / 2.
+
+    (A + S^-1)^-1 = S (1 + A S)^-1, which holds for deviations of zero as well.
+
+    Parameters
+    ----------
+    variance : ndarray, shape (M d,)
+        s^2 of each component, in units of the prior's.
+    common : ndarray, shape (M d, M d)
+        Covariance of the common mean.
+    information : ndarray, shape (M d, M d)
+    vector : ndarray, shape (M d,)
+    """
     spread = np.diag(variance) + common
     loaded = np.eye(len(variance)) + information @ spread
     explained = vector @ spread @ np.linalg.solve(loaded, vector)
@@ -114,7 +131,7 @@ class ToolReseating:
         return _specs(setting.attachments) if len(setting.attachments) > 1 else ()
 
     def terms(self, names: tuple[str, ...], rows: Rows) -> list[Term]:
-        """Move the tool of that mounting; one that was never seen sits as the tool does on average."""
+        """Move the tool of that mounting, weight 1; one that was never seen sits as it does on average."""
         split = [split_motion(name) for name in names]
         here = {prefix: _mounted(rows, prefix) for prefix, _ in split}
         tool = rows.robot.n_joints
@@ -162,8 +179,10 @@ def _mounted(rows: Rows, prefix: str) -> FloatArray:
 
 
 def _by_mounting(fitted: Fitted) -> tuple[FloatArray, FloatArray]:
-    """Return seats (M, 6) and their covariance, mounting by mounting."""
+    """Return seats (M, 6) [mm, rad] and their covariance (6 M, 6 M), mounting by mounting."""
     split = [split_motion(name) for name in fitted.names]
     mountings = sorted({prefix for prefix, _ in split})
+    # Whatever order the parameters were fitted in: `deviations` takes occasions first, components within
+    # them.
     order = [split.index((prefix, component)) for prefix in mountings for component in range(len(COMPONENTS))]
     return fitted.values[order].reshape(-1, len(COMPONENTS)), fitted.covariance[np.ix_(order, order)]

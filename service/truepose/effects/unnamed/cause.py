@@ -46,7 +46,7 @@ class Unnamed:
         return ()
 
     def terms(self, names: tuple[str, ...], rows: Rows) -> list[Term]:
-        """Move what each cell moves."""
+        """Move what each cell moves, by the ports and weights of its kind."""
         return [
             Term(parameter, port, weight)
             for parameter, key in enumerate(map(key_of, names))
@@ -54,7 +54,12 @@ class Unnamed:
         ]
 
     def needs_of(self, names: tuple[str, ...]) -> frozenset[Need]:
-        """Return what a row must tell so that the cells of these parameters can be predicted there."""
+        """Return what a row must tell so that the cells of these parameters can be predicted there.
+
+        Parameters
+        ----------
+        names : tuple of str
+        """
         return NOTHING.union(*(KINDS[key_of(name).kind].needs for name in names))
 
     def goes_on(self, names: tuple[str, ...]) -> bool:
@@ -72,11 +77,12 @@ class Unnamed:
             for kind in KINDS.values()
             for place in kind.places(scene)
             for candidate in _of_place(kind, place, scene)
+            # The first name stands for all: a cell's parts are added to a model together or not at all.
             if candidate.names[0] not in scene.present
         )
 
     def describe(self, subject: str, fitted: Fitted, scene: Scene) -> Description:
-        """Describe a cell; of several variants, the largest."""
+        """Describe a cell; of several variants, the largest, with all of them in the details."""
         cells = _cells(fitted)
         largest = max(cells, key=lambda cell: abs(cell.sizes[0].amplitude))
         kind, first = KINDS[largest.key.kind], largest.sizes[0]
@@ -128,6 +134,7 @@ def _spec(key: Key, part: Part) -> ParameterSpec:
 
 
 def _cells(fitted: Fitted) -> list[_Cell]:
+    """Return the variants of a cell that were fitted, by their number: moments in the order of time."""
     variants: dict[str, list[int]] = {}
     keys = [key_of(name) for name in fitted.names]
     for index, key in enumerate(keys):
@@ -152,6 +159,7 @@ def _sizes(fitted: Fitted, here: list[int], keys: list[Key]) -> tuple[_Amplitude
 
 
 def _amplitude(fitted: Fitted, rows: list[int], unit: str) -> _Amplitude:
+    """Return the size of parameters of one unit: of one its value, of several their length less noise."""
     values, covariance = fitted.values[rows], fitted.covariance[np.ix_(rows, rows)]
     if len(rows) == 1:
         length, spread = float(values[0]), float(np.sqrt(covariance[0, 0]))

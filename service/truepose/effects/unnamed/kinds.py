@@ -1,7 +1,9 @@
 """What a cell without a trade name is: a place, what it depends on there, a shape, and how to say it.
 
 A kind is a row of the table of such cells. Each of its cells acts at one place, given by one or two numbers
-(of joints, from 1), in one variant (a moment, an order), with one parameter for each part of the kind.
+(of joints, from 1; of links, from 0, which is the base), in one variant (a moment, an order), with one
+parameter for each part of the kind. Names of parameters are taken apart at their underscores: no kind, part
+or variant has one, and no place or variable has a comma with a blank, at which subjects are taken apart.
 """
 
 from collections.abc import Callable, Iterable
@@ -25,7 +27,16 @@ Variants = Iterable[tuple[str, float]]  # as names carry them, and as a number
 
 
 class Key(NamedTuple):
-    """A parameter of a cell: its name is `cell_<kind>_<place>_<variant>_<part>`."""
+    """A parameter of a cell: its name is `cell_<kind>_<place>_<variant>_<part>`.
+
+    Attributes
+    ----------
+    kind : str
+    place : tuple of int
+    variant : str
+        As names carry it.
+    part : str
+    """
 
     kind: str
     place: Place
@@ -39,13 +50,21 @@ class Key(NamedTuple):
 
 
 def key_of(name: str) -> Key:
-    """Return what a parameter is of, from its name alone."""
+    """Return what a parameter is of, from its name alone; names that were stored lead back to their cells."""
     _, kind, place, variant, part = name.split("_")
     return Key(kind, tuple(map(int, place.split("-"))), variant, part)
 
 
 class Part(NamedTuple):
-    """One parameter of every cell of a kind."""
+    """One parameter of every cell of a kind.
+
+    Attributes
+    ----------
+    name : str
+    unit : Unit
+    width : float
+        Standard deviation of what is believed before any reading; the mean is 0.
+    """
 
     name: str
     unit: Unit
@@ -53,7 +72,15 @@ class Part(NamedTuple):
 
 
 class Size(NamedTuple):
-    """How large a cell is, in the units of documents (angles in deg)."""
+    """How large a cell is, in the units of documents (angles in deg).
+
+    Attributes
+    ----------
+    amplitude : float
+        Of the parts in the unit of the first one.
+    beside : float
+        Of the others.
+    """
 
     amplitude: float  # of the parts in the unit of the first one
     beside: float = 0.0  # of the others
@@ -66,7 +93,33 @@ def exactly(_variant: float, _scene: Scene) -> float:
 
 @dataclass(frozen=True, slots=True)
 class Kind:
-    """One row of the table."""
+    """One row of the table.
+
+    Attributes
+    ----------
+    name : str
+    shape : Shape
+    parts : tuple of Part
+        Those in the unit of the first are the amplitude.
+    where, over : callable
+        Words of the place and of the variable, from the place.
+    places : callable
+        Those that the data of a scene can show.
+    variants : callable
+        Those that are tried in a scene: as names carry them, and as numbers.
+    moves : callable
+        Ports that a parameter moves, each with its weight, a number or (n,).
+    sentence : callable
+        What a finding says, from its largest variant and its size.
+    variant_is : tuple of str, or None
+        Name and unit of the variant among the details.
+    variant_known_to : callable
+        Standard uncertainty of the variant.
+    limits : Limits or None
+        Of the amplitude, by physics.
+    needs : frozenset of str
+        What a row must tell so that a cell can be predicted there.
+    """
 
     name: str
     shape: Shape

@@ -1,4 +1,15 @@
-"""What follows angles without a name: bearings that wobble, joints that follow others, parallelograms."""
+"""What follows angles without a name: bearings that wobble, joints that follow others, parallelograms.
+
+With q_s the source's own turn, n the order, `sin` and `cos` the parts:
+
+    wobble   the link's body turns about x, y and shifts by   sin(n q), cos(n q)     q its own joint
+    cross    theta_m moves by                                 sin(n q_s), cos(n q_s)
+    along    theta_m moves by                                 share q_s
+    pair     theta_m moves by                                 sin(n (q_1 +- q_2)), cos(n (q_1 +- q_2))
+
+Of a pair of parallel axes q_1 +- q_2 is the turn of the second link in their plane; the sign is that of
+cos(alpha).
+"""
 
 import numpy as np
 
@@ -69,6 +80,7 @@ def _parallel_pairs(scene: Scene) -> list[Place]:
 
 
 def _wave(phase: str, order: str, angle_rad: FloatArray) -> FloatArray:
+    """Return sin or cos of the order times angles, shape (n,)."""
     wave = np.sin if phase == "sin" else np.cos
     return np.asarray(wave(float(order) * angle_rad))
 
@@ -78,6 +90,7 @@ def _theta(key: Key) -> Port:
 
 
 def _wobbles(key: Key, rows: Rows) -> Moves:
+    """Move the body of a link: components of its motion [rad, mm], in its own axes."""
     joint = key.place[0]
     phase, component = key.part.split("-")
     weight = _wave(phase, key.variant, rows.turn_rad[:, joint - 1])
@@ -98,6 +111,7 @@ def _follows_both(key: Key, rows: Rows) -> Moves:
 
 def _summed(rows: Rows, first: int) -> FloatArray:
     """Return how far the second of two parallel axes has turned its link in their plane, shape (n,)."""
+    # Axes that point against each other turn the link back where the angle grows.
     same_way = np.sign(np.cos(rows.robot.joints[first].alpha_rad))
     return np.asarray(rows.turn_rad[:, first - 1] + same_way * rows.turn_rad[:, first])
 

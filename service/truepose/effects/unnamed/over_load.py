@@ -1,4 +1,14 @@
-"""What follows loads and moves without a name: bearings that tilt, friction that grows, joints that lag."""
+"""What follows loads and moves without a name: bearings that tilt, friction that grows, joints that lag.
+
+With M_i the moment of all weights beyond joint i about its origin, tau_i that about its axis:
+
+    tilt     the link's body turns by       c (M_x, M_y)                in the link's axes
+    mount    the tool turns by c (M_x, M_y), and shifts by k (F_x, F_y)        about one axis or both
+    rub      theta_i moves by               -r sign_i dir_i |tau_i|     friction that follows the load
+    lag      theta_i moves by               -share sign_i move_i        move: since the stop before
+
+Own derivations: each is the simplest law that is linear in one parameter.
+"""
 
 import numpy as np
 
@@ -42,7 +52,22 @@ def _tilts(key: Key, rows: Rows) -> Moves:
 
 
 def _across(chain: Chain, joint: int, moments: FloatArray) -> FloatArray:
-    """Return the moment on a bearing along the two axes of its link across its own, shape (n, 2) [N mm]."""
+    """Return the moment on a bearing along the two axes of its link across its own.
+
+    Parameters
+    ----------
+    chain : Chain
+        n configurations.
+    joint : int
+        1-based.
+    moments : ndarray, shape (J, n, 3)
+        In the world [N mm], as of `gravity_moments`.
+
+    Returns
+    -------
+    ndarray, shape (n, 2)
+        [N mm]
+    """
     in_link: FloatArray = np.einsum("nij,ni->nj", chain.rotation[joint - 1], moments[joint - 1])
     return in_link[:, :2]
 
@@ -59,7 +84,10 @@ def _axes(_scene: Scene) -> Variants:
 
 
 def _gives(key: Key, rows: Rows) -> Moves:
-    """Tilt the tool about axes of the last frame by the moment of its weight; shift it by that weight."""
+    """Tilt the tool about axes of the last frame by the moment of its weight; shift it by that weight.
+
+    A mount that is soft about x gives along y, and the other way round, as a cantilever along z does.
+    """
     body, soft = rows.robot.n_joints, _SOFT_ABOUT[key.variant]
     if key.part == "tilt":
         moments = gravity_moments(rows.chain, rows.robot.masses, rows.gravity_m_s2)
@@ -70,13 +98,14 @@ def _gives(key: Key, rows: Rows) -> Moves:
 
 
 def _tool_weight_n(rows: Rows) -> FloatArray:
-    """Return the weight of the tool in the axes of the last frame, shape (n, 3)."""
+    """Return the weight of the tool in the axes of the last frame, shape (n, 3) [N]."""
     mass_kg = sum(link.mass_kg for link in rows.robot.masses if link.frame == rows.robot.n_joints)
     weight: FloatArray = np.einsum("nij,i->nj", rows.chain.rotation[-1], mass_kg * rows.gravity_m_s2)
     return weight
 
 
 def _largest(loads: FloatArray) -> float:
+    """Return the largest norm of loads (n, ..), NaN as 0."""
     return float(np.linalg.norm(np.nan_to_num(loads), axis=-1).max())
 
 
@@ -89,6 +118,7 @@ def _rubbing(scene: Scene) -> list[Place]:
 
 
 def _rubs(key: Key, rows: Rows) -> Moves:
+    """Return -sign dir |tau| [N mm] on the joint's theta: friction holds it off on the side it came from."""
     joint = key.place[0] - 1
     port = Port(PortKind.THETA, joint)
     if rows.stops.direction is None:
@@ -154,6 +184,7 @@ def _moving(scene: Scene) -> list[Place]:
 
 
 def _lags(key: Key, rows: Rows) -> Moves:
+    """Return -sign move [rad] on the joint's theta: a joint that lags stays behind by a share of its move."""
     joint = key.place[0] - 1
     port = Port(PortKind.THETA, joint)
     if rows.stops.move_rad is None:

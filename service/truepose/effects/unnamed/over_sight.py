@@ -2,6 +2,12 @@
 
 A point at s + l d, d the direction of the beam, is read turned about the place s of the instrument: by its
 error in azimuth about the vertical, by that in elevation about the level axis (sin a, -cos a, 0).
+
+    turn w = e(a) (0, 0, 1)  or  e(b) (sin a, -cos a, 0),     e(x) = p_s sin(n x) + p_c cos(n x)
+    p is read at  p + w x (p - s):  a shift -w x s and a turn w about the world's origin
+
+a the azimuth, b the elevation; n = 1 is an eccentric circle, n = 2 an oval one. Both signs hold for an
+instrument that stands upright in the world.
 """
 
 from collections.abc import Callable
@@ -21,7 +27,10 @@ _WAVE = (Part("sin", "rad", _WIDTH_RAD), Part("cos", "rad", _WIDTH_RAD))
 
 
 def _sights(rows: Rows) -> tuple[FloatArray, FloatArray]:
-    """Return azimuth and elevation of each row as the instrument sees it, shape (n,) each [rad]."""
+    """Return azimuth and elevation of each row as the instrument sees it, shape (n,) each [rad].
+
+    Zeros where its place, or what it looks at, is not known.
+    """
     if rows.sighted_mm is None or rows.instrument_mm is None:
         return np.zeros(len(rows.stops)), np.zeros(len(rows.stops))
     x, y, z = (rows.sighted_mm - rows.instrument_mm).T
@@ -34,9 +43,19 @@ def _wave(key: Key, angle_rad: FloatArray) -> FloatArray:
 
 
 def _turned(rows: Rows, turn: FloatArray) -> Moves:
-    """Turn what is read about the instrument's place by small vectors, shape (n, 3) [rad]."""
+    """Turn what is read about the instrument's place by small vectors, on the instrument's six ports.
+
+    Parameters
+    ----------
+    rows : Rows
+        n of them.
+    turn : ndarray, shape (n, 3)
+        [rad] per unit of the parameter.
+    """
     if rows.instrument_mm is None:
         return []
+    # The ports turn about the world's origin; the shift brings the instrument's own place back to where it
+    # was.
     shift = -cross(turn, np.broadcast_to(rows.instrument_mm, turn.shape))
     six = np.concatenate([shift, turn], axis=1)
     return [(Port(PortKind.INSTRUMENT, component), six[:, component]) for component in range(6)]

@@ -1,4 +1,12 @@
-"""What runs in time or follows the temperature without a name: zeros, tools, trackers, links."""
+"""What runs in time or follows the temperature without a name: zeros, tools, trackers, links.
+
+    jump, slip, kick   a joint's zero, the tool, the tracker's frame move by p from a moment on
+    drift              a joint's zero moves by        rate (t - t_0)
+    warm               a joint's zero moves by        rate (T - 20 degC)
+    stretch            a, d of one link move by       growth (a, d) (T - 20 degC)
+
+Times and jumps are those of `effects.motions`.
+"""
 
 import numpy as np
 
@@ -43,15 +51,31 @@ def _kicks(scene: Scene) -> Variants:
 
 
 def _moment_known_to(time_s: float, scene: Scene) -> float:
+    """Return the standard uncertainty of a moment among those that are tried here [s]."""
     return _known_to(time_s, _moments(scene))
 
 
 def _kick_known_to(time_s: float, scene: Scene) -> float:
+    """Return the standard uncertainty of the moment of a kick [s]."""
     return _known_to(time_s, _kicks(scene))
 
 
 def _known_to(time_s: float, variants: Variants) -> float:
-    """Return the standard uncertainty of a moment: it may lie anywhere between the two tried beside it."""
+    """Return the standard uncertainty of a moment: it may lie anywhere between the two tried beside it.
+
+    Evenly spread over half of the way to either neighbour: (after - before) / 2 / sqrt(12).
+
+    Parameters
+    ----------
+    time_s : float
+    variants : iterable of (str, float)
+        Labels and moments that were tried.
+
+    Returns
+    -------
+    float
+        [s]; 0 where nothing else was tried.
+    """
     tried = [moment_s for _, moment_s in variants]
     before = max((other for other in tried if other < time_s), default=time_s)
     after = min((other for other in tried if other > time_s), default=time_s)
