@@ -125,6 +125,7 @@ class Candidate(NamedTuple):
 
     def same_as(self, other: "Candidate") -> bool:
         """Whether both are the same way of the same cause, whatever their sizes are."""
+        # Sizes follow the data from round to round; a function that was sized anew is the same candidate.
         return (self.effect, self.subject, self.names) == (other.effect, other.subject, other.names)
 
     def sized(self, factor: float) -> "Candidate":
@@ -186,6 +187,7 @@ class Description:
         """Whether the amplitude is beyond its physical limits by more than it is uncertain."""
         if self.limits is None:
             return False
+        # An estimate of something possible may lie beyond the limit by chance.
         slack = _CLEARLY * self.standard_uncertainty
         return not self.limits.low - slack <= self.amplitude <= self.limits.high + slack
 
@@ -329,6 +331,8 @@ def norm_with_uncertainty(vector: FloatArray, covariance: FloatArray) -> tuple[f
     if length == 0.0:
         return 0.0, float(np.sqrt(np.trace(covariance)))
     spread = _spread_along(vector, covariance)
+    # Never less than it is uncertain: towards zero the amplitude is an ever steeper function of the length,
+    # and its uncertainty would grow without bound.
     amplitude = max(norm_beyond_noise(vector, covariance), spread)
     return amplitude, spread * max(1.0, length / amplitude)
 

@@ -120,6 +120,7 @@ def _check_effect(effect: object, name: str, methods: tuple[str, ...]) -> None:
             f"its entry point is a {type(effect).__name__} without {', '.join(lacking)}: no effect "
             "and no Kind"
         )
+    # A model names its effects; under another name than the registered one it would not find this one again.
     _check_name(getattr(effect, "name", None), name)
     unknown = set(getattr(effect, "needs", ())) - set(get_args(Need))
     if unknown:

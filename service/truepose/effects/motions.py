@@ -227,6 +227,7 @@ class Gap(NamedTuple):
     @property
     def label(self) -> str:
         """The time as names carry it: with as many decimals as keep it within the gap."""
+        # Rounding moves the time by an eighth of the gap at most: the jump stays in its gap.
         decimals = max(0, int(np.ceil(-np.log10(self.width_s / 4.0))))
         return f"{self.middle_s:.{decimals}f}"
 
@@ -407,6 +408,8 @@ def drift_candidates(effect: str, subject: str, prefix: str, scene: Scene) -> tu
         Of the parameters' names.
     scene : Scene
     """
+    # An even drift is searched over nothing and has no variant; each time constant is one, and pays for the
+    # search.
     proposed = [Candidate(effect, subject, drift_specs(prefix, LINEAR))]
     proposed += [
         Candidate(effect, subject, drift_specs(prefix, f"exp{tau_s:g}"), tau_s)
@@ -431,6 +434,7 @@ def describe_drift(subject: str, fitted: Fitted, scene: Scene, who: Message) -> 
     Description
         Amplitude: length of the mean rate of the shift [mm/h].
     """
+    # A second at least: a rate per hour of readings at one time would be a division by zero.
     hours = max(duration_s(scene), 1.0) / SECONDS_PER_HOUR
     motion = fitted_motion(fitted, lambda prefix: _mean_rate(_shape_of(prefix), hours))
     rate, uncertainty = motion.shift
@@ -477,6 +481,8 @@ def _way_h(shape: str, hours: FloatArray) -> FloatArray:
     if tau_s is None:
         return hours
     tau_h = tau_s / SECONDS_PER_HOUR
+    # expm1 keeps the digits while t is short against tau; before the origin the exponential would grow beyond
+    # bound, so that such rows count as at the origin.
     return np.asarray(-tau_h * np.expm1(-np.maximum(hours, 0.0) / tau_h))
 
 

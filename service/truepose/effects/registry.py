@@ -139,6 +139,7 @@ def needs_of(effect: str, names: tuple[str, ...]) -> frozenset[Need]:
         There is no such effect.
     """
     found = effect_named(effect)
+    # What the cells need differs from kind to kind; for every other effect it is one answer.
     return found.needs_of(names) if isinstance(found, Unnamed) else found.needs
 
 
@@ -195,6 +196,7 @@ def automatic_in(setting: Setting) -> tuple[str, ...]:
 
 @cache
 def _perhaps_automatic() -> Mapping[str, Automatic]:
+    # Kept: `isinstance` of a protocol looks at every attribute, and it was asked in every identification.
     return {name: effect for name, effect in EFFECTS.items() if isinstance(effect, Automatic)}
 
 

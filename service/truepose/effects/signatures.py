@@ -53,6 +53,7 @@ def named_signature(effect: str, subject: str) -> ErrorSignature:
     declared = _declared(effect)
     if declared is not None:
         return declared.of(subject)
+    # A cell of the table has no entry of its own: its subject is made of these three (`Kind.subject`).
     where, over, shape = subject.split(", ")
     return ErrorSignature(where, over, _SHAPES[shape])
 
@@ -67,6 +68,7 @@ def place_of(cause: Cause) -> tuple[str, str] | None:
         found by a search.
     """
     declared = _declared(cause.effect)
+    # The variable of a coupling is the joint that drags, which a subject does not name.
     if declared is not None and (declared is _UNKNOWN or "{variant" in declared.over):
         return None
     signature = named_signature(cause.effect, cause.subject)

@@ -41,6 +41,7 @@ class AxisParallelism:
 
     def terms(self, names: tuple[str, ...], rows: Rows) -> list[Term]:
         """Act on beta of the joint, one to one."""
+        # The same port as the geometry's beta: models without it (`geometry_dhm`) are those that lack it.
         return list(link_terms(names))
 
     def unseen(self, scene: Scene) -> Text | None:
@@ -59,6 +60,7 @@ class AxisParallelism:
 
     def describe(self, subject: str, fitted: Fitted, scene: Scene) -> Description:
         """Say by which angle the axes are not parallel."""
+        # Without its sign, which follows from the sense of a table's axes; the detail beside it has it.
         tilt, uncertainty = norm_with_uncertainty(fitted.values, fitted.covariance)
         tilt_deg, uncertainty_deg = float(np.rad2deg(tilt)), float(np.rad2deg(uncertainty))
         joint = joint_of(fitted.names[0]) + 1

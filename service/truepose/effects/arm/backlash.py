@@ -49,6 +49,7 @@ class Backlash:
 
     def specs(self, setting: Setting) -> tuple[ParameterSpec, ...]:
         """Return one gap per joint."""
+        # Joint 1 too: the base takes its zero, but no parameter of the base follows from which side it came.
         return tuple(_spec(joint) for joint in range(setting.robot.n_joints))
 
     def terms(self, names: tuple[str, ...], rows: Rows) -> list[Term]:
@@ -85,6 +86,8 @@ class Backlash:
         which = joint_subject(joint_of(fitted.names[widest]))
         gap_deg = abs(float(gaps[widest]))
         if len(gaps) == 1:
+            # A gap below zero is told as it is, as a joint that goes past its place: the sentence of a gap
+            # would be wrong.
             key = "causes.backlash.short" if gaps[widest] >= 0.0 else "causes.backlash.past"
             sentence = message(key, joint=which, gap_deg=gap_deg)
             details: tuple[Detail, ...] = ()
@@ -105,6 +108,7 @@ def _short_of(rows: Rows, joint: int) -> FloatArray:
     """Return -sign dir / 2 of each row, shape (n,); zeros where no direction is known."""
     if rows.stops.direction is None:
         return np.zeros(len(rows.stops))
+    # Directions are counted as the controller counts angles, the port moves theta: hence the joint's sign.
     return -0.5 * rows.robot.joints[joint].sign * np.sign(rows.stops.direction[:, joint])
 
 

@@ -130,6 +130,8 @@ class Compliance:
         largest = 0.0 if scene.torque_n_mm is None else float(np.nanmax(np.abs(scene.torque_n_mm[:, joint])))
         most_deg = float(np.rad2deg(abs(spring) * largest))
         sentence = message("causes.compliance", joint=subject, spring=spring, most_deg=most_deg)
+        # A spring that turns against its load is not even kept as likely: under more load than was measured a
+        # model with it errs by more than one without.
         return Description(
             subject, spring, "rad/(N*mm)", spread, sentence, limits=SPRING._replace(withdrawn=True)
         )
@@ -153,6 +155,7 @@ def compliance_prior(setting: Setting) -> tuple[FloatArray, FloatArray]:
     typical = setting.robot.typical_compliances_rad_per_n_mm
     if typical is not None:
         return np.array(typical), np.array(typical)
+    # An upright axis carries nothing; the upper bound of the width then decides, and no division by zero.
     torque = np.maximum(setting.largest_torque_n_mm, 1e-9)
     return np.zeros(len(torque)), np.minimum(_LARGEST_DEFLECTION_RAD / torque, _LARGEST_COMPLIANCE)
 
@@ -166,6 +169,7 @@ def _product_specs(n_joints: int) -> list[ParameterSpec]:
     # Joint 1 is left out: where the arm stands upright, gravity has no moment about it.
     for joint in range(1, n_joints):
         for frame in range(joint, n_joints):
+            # Widths hold what few readings do not see, and the moments of the wrist's light links are small.
             light = 0.1 if frame >= _FIRST_WRIST_FRAME else 1.0
             width = light * _MOMENT_DEFLECTION_RAD / _GRAVITY_M_S2
             specs += [
@@ -232,6 +236,7 @@ def known_torque(rows: Rows, joint: int) -> FloatArray:
     if rows.torque_n_mm is None:
         return np.zeros(len(rows.stops))
     torque = rows.torque_n_mm[:, joint]
+    # A row that lacks its torque is fitted without a deflection there, rather than not at all.
     return np.where(np.isnan(torque), 0.0, torque)
 
 

@@ -68,6 +68,8 @@ class ComplianceNonlinear:
         added = np.zeros(len(load_n_mm))
         for name, value in zip(names, values.tolist(), strict=True):
             if name.startswith(f"soft_{joint + 1}_"):
+                # Clipped where the slope is nothing any more: cosh itself would overflow at some hundred
+                # times t0.
                 added += value / np.cosh(np.clip(load_n_mm / _t0_of(name), -_STIFF, _STIFF)) ** 2
         return added
 
@@ -85,6 +87,8 @@ class ComplianceNonlinear:
         How a spring bends is a question only once there is a spring.
         """
         found = []
+        # The law is not linear in t0, and parameters must be: each t0 is a variant of its own, chosen by how
+        # well it fits.
         for t0 in _T0_N_MM if scene.torque_n_mm is not None else ():
             bent = [spec for spec in _bent_specs(scene, t0) if _is_open(spec, scene)]
             found += [Candidate(NAME, joint_subject(_joint_of(spec.name)), (spec,), t0) for spec in bent]
@@ -97,6 +101,7 @@ class ComplianceNonlinear:
         """Say how much softer, relative to the spring of the model, the gears are near zero torque."""
         names, shares, covariance = _shares(fitted, scene)
         share, spread = _common(shares, covariance)
+        # Joints may have been found with different t0: one number says about where softness ends.
         t0 = float(np.median([_t0_of(name) for name in fitted.names]))
         one = "causes.compliance_nonlinear.one"
         sentence = message(
@@ -191,4 +196,5 @@ def _common(shares: FloatArray, covariance: FloatArray) -> tuple[float, float]:
 
 def _is_open(spec: ParameterSpec, scene: Scene) -> bool:
     """Say whether the model has the joint's spring and not yet its softness."""
+    # Without c in the model the softness near zero would take the part of the whole spring.
     return spec.name not in scene.present and joint_name("c", _joint_of(spec.name)) in scene.present

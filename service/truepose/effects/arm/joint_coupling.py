@@ -60,6 +60,7 @@ class JointCoupling:
         n = scene.setting.robot.n_joints
         return tuple(
             Candidate(NAME, joint_subject(moved), (spec,), float(source + 1))
+            # Couplings of other joints have no name of the trade: the cell `along` looks for these.
             for moved in range(max(n - WRIST_JOINTS, 0), n)
             for source in scene.turning
             if source != moved

@@ -55,6 +55,7 @@ class JointGain:
         """Propose each joint that turns."""
         return tuple(
             Candidate(NAME, joint_subject(j), (_spec(j),))
+            # Over a few degrees a gain is an offset, and the offset is in the model already.
             for j in scene.turning
             if joint_name("gain", j) not in scene.present
         )

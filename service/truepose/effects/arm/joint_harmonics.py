@@ -81,6 +81,8 @@ class JointHarmonics:
         table = _table(names)
         found = []
         for joint in distinct_values(table.joint).tolist():
+            # Joint by joint: the multiples of one joint's angle are built up from one another, once for all
+            # of its orders.
             own = np.flatnonzero(table.joint == joint)
             weights = _waves(table.order[own], table.sine[own], rows.turn_rad[:, joint])
             found += [Term(k, Port(PortKind.THETA, joint), weights[i]) for i, k in enumerate(own.tolist())]
@@ -110,6 +112,7 @@ class JointHarmonics:
         for joint in scene.turning:
             for order in orders(scene, joint):
                 specs = wave_specs(joint, order)
+                # Sine and cosine are added together or not at all: their phase is free.
                 if specs[0].name not in scene.present:
                     found.append(Candidate(NAME, joint_subject(joint), specs, order))
             found += _curve(scene, joint)
@@ -138,6 +141,7 @@ class JointHarmonics:
 def _curve(scene: Scene, joint: int) -> list[Candidate]:
     """Propose the sum of all waves that a joint may have; none where the model has a curve of it."""
     waves = [wave_specs(joint, order) for order in np.arange(1.0, _HIGHEST_OF_CURVE + 1.0).tolist()]
+    # Waves that the model has stay what they are. Once it has more than half of all of them it has the curve.
     left = tuple(spec for wave in waves for spec in wave if spec.name not in scene.present)
     if len(left) < len(waves):
         return []
@@ -151,6 +155,7 @@ def _describe_curve(subject: str, waves: list[FittedWave], fitted: Fitted, scene
     difference of two places of the curve.
     """
     turn = scene.turn_rad[:, joint_of_subject(subject)]
+    # Within what was measured: beyond it the curve is held by nothing and may be of any size.
     angle = np.linspace(float(turn.min()), float(turn.max()), _ANGLES)
     weights = _weights(fitted.names, angle)
     curve = fitted.values @ weights
@@ -266,6 +271,8 @@ def _multiples(highest: int, angle_rad: FloatArray) -> tuple[FloatArray, FloatAr
 
 def _typical_of(order: float, ratio: float) -> Message:
     """Say what usually has that many waves per turn; `ratio` is the gear's, 0 where unknown."""
+    # Known gears first: a wave at their cycle is told as theirs, although it might be called anything that
+    # repeats.
     if ratio and abs(order - 2.0 * ratio) < 0.5:
         return message("typical.wave_generator")
     if ratio and abs(order - ratio) < 0.5:

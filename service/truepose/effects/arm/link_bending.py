@@ -137,6 +137,7 @@ class LinkBending:
 
     def specs(self, setting: Setting) -> tuple[ParameterSpec, ...]:
         """Return 1/EI of each long link where the masses are known."""
+        # Without masses nothing is known of what a beam carries.
         return tuple(_spec(link) for link in beams(setting.robot)) if setting.robot.masses else ()
 
     def terms(self, names: tuple[str, ...], rows: Rows) -> list[Term]:
@@ -246,6 +247,7 @@ def _motion(beam: Beam, rows: Rows) -> FloatArray:
     start = chain.origin[beam.link - 1]
     turn, shift = np.zeros_like(along), np.zeros_like(along)
     for mass in rows.robot.masses:
+        # Weights before the beam's clamp are carried by what holds it.
         if mass.frame >= beam.link:
             lever = centre_of_gravity(chain, mass) - start
             turned, moved = _bent(beam, lever, along, mass.mass_kg * rows.gravity_m_s2, mass)
@@ -279,6 +281,7 @@ def _bent(
     """
     reach = np.einsum("ni,ni->n", lever, along)[:, None]
     s = (
+        # A weight behind the clamp or beyond the end acts at that end, with the moment that its lever brings.
         np.clip(reach, 0.0, beam.length_mm)
         if mass.frame in beam.carries
         else np.full_like(reach, beam.length_mm)

@@ -69,6 +69,7 @@ class LinkMasses:
             for number, item in wrong.items()
             for detail in item.details(prefix=f"link {number}: " if len(wrong) > 1 else "")
         )
+        # Of the link that is told; the others are judged when they are told alone.
         limits = loads.mass_limits(stated)
         return Description(subject, worst.extra_kg, "kg", worst.extra_spread_kg, sentence, details, limits)
 
@@ -77,6 +78,7 @@ def _links(setting: Setting) -> list[int]:
     if setting.torque_source != "masses":
         return []
     stated = {mass.frame for mass in setting.robot.masses if mass.mass_kg > 0.0}
+    # A mass of the last frame is the tool's, whose name is the payload: one thing must not have two names.
     return sorted(stated - {setting.robot.n_joints})
 
 

@@ -71,6 +71,7 @@ def stated_mass(robot: Robot, frame: int) -> LinkMass:
     LinkMass
         Of 0 kg where none is.
     """
+    # Data see only their sum: two masses of one frame move alike.
     masses = [mass for mass in robot.masses if mass.frame == frame + 1]
     total = sum(mass.mass_kg for mass in masses)
     if total <= 0.0:
@@ -127,6 +128,8 @@ def mass_terms(parameter: int, frame: int, quantity: str, rows: Rows) -> list[Te
     """
     chain = rows.chain
     terms = []
+    # The frame's own joint too: a mass on its axis has no moment about it, but a first moment across the axis
+    # has.
     for joint in range(frame + 1):
         if quantity == "mass":
             lever = chain.origin[frame] - chain.origin[joint]
@@ -149,6 +152,7 @@ def unseen_masses(scene: Scene) -> Text | None:
     Text or None
         None where they can.
     """
+    # What was measured is what the arm weighs, whatever anybody stated.
     if scene.setting.torque_source == "measured":
         return message("unseen.torques_measured")
     if scene.setting.torque_source == "unknown":
@@ -202,6 +206,7 @@ def _from_data(
     covariance : ndarray, shape (k, k)
     widths : ndarray, shape (k,)
     """
+    # In units of the priors' widths: kilograms and kilogram-millimetres have one scale, and so has rounding.
     precision = widths[:, None] * np.linalg.inv(covariance) * widths
     size, direction = np.linalg.eigh(0.5 * (precision + precision.T))
     gained = np.maximum(size - 1.0, 0.0)  # along directions that the data do not see, rounding may go below

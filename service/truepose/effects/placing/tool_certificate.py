@@ -40,6 +40,7 @@ def certificate_specs(uncertainty_mm: dict[int, float]) -> tuple[ParameterSpec, 
         ParameterSpec(_name(nest, axis), "mm", 0.0, u_mm)
         for nest, u_mm in sorted(uncertainty_mm.items())
         for axis in "xyz"
+        # A prior of no width is no parameter: the nest is then exactly where it is certified.
         if u_mm > 0.0
     )
 

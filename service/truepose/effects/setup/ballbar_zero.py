@@ -57,6 +57,8 @@ class BallbarZero:
         if self.unseen(scene):
             return ()
         proposed = (
+            # All initialisations together: each zero is a draw of its own, and what is looked for is how far
+            # they scatter.
             Candidate(NAME, "ballbar", _constants(scene.setting)),
             Candidate(NAME, "ballbar", _rates(scene), 1.0),
         )
@@ -109,6 +111,8 @@ def _weight(name: str, rows: Rows) -> FloatArray:
     here = _after(int(number), rows)
     if kind == _CONSTANT:
         return here.astype(float)
+    # Of a made model a row without a time is at infinity: an error that is over with the next initialisation
+    # has not grown until then.
     return np.where(here, np.nan_to_num(hours_since(rows, float(start_s[0])), posinf=0.0), 0.0)
 
 

@@ -26,6 +26,7 @@ class BaseCompliance:
     """One compliance about every horizontal axis."""
 
     name = NAME
+    # Weights tilt the base where the masses are known; no torque about a joint takes part.
     needs: frozenset[Need] = NOTHING
     signature = Signature("base", "load", "line", "tilt of the base per moment")
 

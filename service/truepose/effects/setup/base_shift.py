@@ -64,6 +64,7 @@ class BaseShift:
 
     def describe(self, subject: str, fitted: Fitted, scene: Scene) -> Description:
         """Say how far the base jumped, and when; of several jumps the largest is the amplitude."""
+        # In the order of time, as somebody would tell it.
         prefixes = sorted({split_motion(name)[0] for name in fitted.names}, key=jump_time_s)
         motions = [_of(fitted, prefix) for prefix in prefixes]
         largest = int(np.argmax([motion.shift[0] for motion in motions]))

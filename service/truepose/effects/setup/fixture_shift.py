@@ -63,6 +63,8 @@ class FixtureShift:
     def candidates(self, scene: Scene) -> tuple[Candidate, ...]:
         """Propose every gap between stops of every placement that has readings enough on either side."""
         placements = _placements(scene) if scene.legs else []
+        # Shared among the placements: each gap is a candidate of six columns, and long sessions have many
+        # placements.
         most = max(1, _MOST_GAPS // max(1, len(placements)))
         proposed = (
             Candidate(
@@ -81,6 +83,8 @@ class FixtureShift:
         placement = int(subject.split()[1])
         centre_mm = _centre_mm(scene, placement)
         prefixes = sorted({split_motion(name)[0] for name in fitted.names}, key=jump_time_s)
+        # About the world's origin a small turn shifts the fixture by metres times it; people ask how far it
+        # moved itself.
         motions = [_of(fitted, prefix).seen_at(centre_mm) for prefix in prefixes]
         largest = int(np.argmax([motion.shift[0] for motion in motions]))
         amplitude, uncertainty = motions[largest].shift

@@ -38,6 +38,7 @@ class NestOffset:
 
     def specs(self, setting: Setting) -> tuple[ParameterSpec, ...]:
         """Return the offsets of all certified nests but the first, from which the others are counted."""
+        # An offset that all share is one of the tool, which nothing tells from the arm's last parameters.
         return tuple(spec for nest in setting.certified_nests[1:] for spec in _specs(nest))
 
     def terms(self, names: tuple[str, ...], rows: Rows) -> list[Term]:
@@ -53,6 +54,7 @@ class NestOffset:
     def candidates(self, scene: Scene) -> tuple[Candidate, ...]:
         """Propose each certified nest as long as another one stays where it is certified."""
         still = [nest for nest in _measured(scene) if _specs(nest)[0].name not in scene.present]
+        # The nests that have an offset already hold nothing; the last one that is still has to.
         if len(still) < 2:
             return ()
         return tuple(Candidate(NAME, f"nest {nest}", _specs(nest)) for nest in still)

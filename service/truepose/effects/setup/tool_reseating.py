@@ -59,17 +59,21 @@ def deviations(
     vector = precision @ (mean.ravel() / scale)
     # Rounding takes a little more of the prior out than it put in, where the data see nothing.
     information = _positive(precision - np.eye(len(scale)))
+    # Where the seats lie on average is what arm and certificate of the tool define: it says nothing of how
+    # far they scatter, and a wide common mean takes it out of the evidence.
     common = np.kron(np.full((occasions, occasions), _WIDEST**2), np.eye(components))
 
     def evidence(deviation: FloatArray) -> float:
         return _evidence(np.tile(deviation[groups] ** 2, occasions), common, information, vector)
 
     n_groups = int(groups.max()) + 1
+    # Even in the logarithm: nobody knows of what order the deviations are.
     coarse = np.array(list(product(np.geomspace(_FINEST, _WIDEST, _COARSE), repeat=n_groups)))
     level = np.array([evidence(deviation) for deviation in coarse])
     fine = _around(coarse[level > level.max() - _NEGLIGIBLE])
     level = np.array([evidence(deviation) for deviation in fine])
     best, share = fine[level.argmax()], np.exp(level - level.max())
+    # About the best and not about the mean: with few occasions the evidence leans towards wide deviations.
     spread = np.sqrt(share @ (fine - best) ** 2 / share.sum())
     unit = np.array([widths[groups == group][0] for group in range(n_groups)])
     return best * unit, spread * unit

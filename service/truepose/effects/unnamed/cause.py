@@ -25,6 +25,7 @@ from truepose.messages.message import Text, message, together
 OWN: dict[str, Kind] = {
     kind.name: kind for part in (over_time, over_angles, over_load, over_sight) for kind in part.KINDS
 }
+# A kind of truepose's own stays its own, as its effects do.
 KINDS: dict[str, Kind] = OWN | {name: kind for name, kind in INSTALLED.kinds.items() if name not in OWN}
 
 
@@ -146,6 +147,7 @@ def _cells(fitted: Fitted) -> list[_Cell]:
 def _number(variant: str) -> float:
     try:
         return float(variant)
+    # Some variants are words, such as the axes of a mount: they keep the order in which they were added.
     except ValueError:
         return 0.0
 

@@ -65,6 +65,7 @@ def _others(scene: Scene) -> list[Place]:
 def _beyond_the_wrist(scene: Scene) -> list[Place]:
     """Return the joints that are no wrist joints: couplings of those have a name."""
     first = scene.setting.robot.n_joints - WRIST_JOINTS
+    # Those of wrist joints are the trade's coupling: one thing must not have two names.
     return [place for place in _others(scene) if place[0] <= first]
 
 
@@ -73,6 +74,7 @@ def _parallel_pairs(scene: Scene) -> list[Place]:
     robot, turning = scene.setting.robot, _turning(scene)
     return [
         (moved, first)
+        # Both must turn: over one of them alone, their sum is its angle and the wave is one of that joint.
         for first in range(1, robot.n_joints)
         if is_parallel_to_previous(robot, first) and {first, first + 1} <= set(turning)
         for moved in (first, first + 1)

@@ -124,6 +124,7 @@ def _rubs(key: Key, rows: Rows) -> Moves:
     if rows.stops.direction is None:
         return [(port, np.zeros(len(rows.stops)))]
     way = rows.robot.joints[joint].sign * np.sign(rows.stops.direction[:, joint])
+    # Friction follows the size of the load, whichever way it points, and always holds the joint back.
     return [(port, -way * np.abs(known_torque(rows, joint)))]
 
 

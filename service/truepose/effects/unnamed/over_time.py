@@ -84,6 +84,7 @@ def _known_to(time_s: float, variants: Variants) -> float:
 
 def _joints(scene: Scene) -> list[Place]:
     timed = varied(scene.stops.time_s)
+    # Joints that do not turn are asked as well: their zeros jump and drift all the same.
     return [(joint + 1,) for joint in range(scene.setting.robot.n_joints)] if timed else []
 
 
@@ -92,6 +93,7 @@ def _tool(scene: Scene) -> list[Place]:
 
 
 def _tracker(scene: Scene) -> list[Place]:
+    # A ballbar has no frame that could be kicked.
     return [] if scene.legs else _tool(scene)
 
 
