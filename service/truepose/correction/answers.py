@@ -1,4 +1,9 @@
-"""What a correction answers, goal by goal, and added up over a whole table of targets."""
+"""What a correction answers, goal by goal, and added up over a whole table of targets.
+
+A search ends somewhere; here it is said what that is worth: whether the goal was reached within the limits,
+how uncertain the tool's place is there, how far outside the measured zone, how far joints turn. Whoever hands
+joints out takes those of `solved` rows only.
+"""
 
 from collections import Counter
 from collections.abc import Sequence
@@ -27,7 +32,31 @@ Status: TypeAlias = Literal["ok", "limits_unknown", "joint_limit", "out_of_reach
 
 @dataclass(frozen=True, slots=True)
 class Corrections(Table):
-    """What goals came to, n rows of J joints; of a goal that cannot be reached the nearest that was found."""
+    """What goals came to, n rows of J joints; of a goal that cannot be reached the nearest that was found.
+
+    Attributes
+    ----------
+    joints_rad : ndarray, shape (n, J)
+        To be sent to the controller where `solved`, else not; NaN where nothing was found.
+    branch : ndarray of int, shape (n,)
+        Of the joints, as in `kinematics.inverse`; ANY_BRANCH of an arm without numbered branches.
+    error_mm, error_rad : ndarray, shape (n,)
+        Between the goal and where the model says that the tool goes.
+    uncertainty_mm : ndarray, shape (n,)
+        Standard, per axis, of where the tool really goes.
+    uncertainty_rad : ndarray, shape (n,)
+        Of the turn, of the parameters alone.
+    outside_mm : ndarray, shape (n,)
+        How far the last frame is outside the measured zone; NaN: nobody said where that is.
+    outside_rad : ndarray, shape (n, J)
+        How far each joint is outside its measured range.
+    moved_rad : ndarray, shape (n,)
+        Largest change of a joint from the controller's own answer; NaN: it has none.
+    beyond_limit_rad : ndarray, shape (n, J)
+        How far a joint would have to pass its limit; 0 within, NaN: unknown.
+    status : ndarray of str, shape (n,)
+        Of Status.
+    """
 
     joints_rad: FloatArray  # (n, J) to be sent to the controller; NaN where there is nothing to send
     branch: IntArray  # (n,) of the joints, as in `kinematics.inverse`; ANY_BRANCH where they have no number
@@ -53,15 +82,40 @@ class Corrections(Table):
 
 
 def joined(parts: list[Corrections]) -> Corrections:
-    """Return tables one below the other."""
+    """Return tables one below the other.
+
+    Parameters
+    ----------
+    parts : list of Corrections
+        One or more.
+    """
     columns = {field.name: [getattr(part, field.name) for part in parts] for field in fields(Corrections)}
     return Corrections(**{name: np.concatenate(column) for name, column in columns.items()})
 
 
 def judged(model: Model, estimate: Estimate, goals: Goals, found: SearchEnd, told: BoolArray) -> Corrections:
-    """Judge where searches ended; `told` rows keep the whole turns that they were asked for with."""
+    """Judge where searches ended.
+
+    Parameters
+    ----------
+    model : Model
+    estimate : Estimate
+        Of it, with the nests of the goals.
+    goals : Goals
+        n of them.
+    found : SearchEnd
+        n rows.
+    told : ndarray of bool, shape (n,)
+        Rows that were asked for with joints, and keep the whole turns of these.
+
+    Returns
+    -------
+    Corrections
+        n rows.
+    """
     robot = estimate.structure.robot
     turned, _ = turned_within(robot.joint_limits, found.joints_rad)
+    # Whoever tells joints means their whole turns as well.
     joints = np.where(told[:, None], found.joints_rad, turned)
     state = evaluate(
         estimate.structure, estimate.values, Targets(goals.at(np.nan_to_num(joints)), goals.nest)
@@ -86,12 +140,14 @@ def judged(model: Model, estimate: Estimate, goals: Goals, found: SearchEnd, tol
 
 
 def _branches(robot: Robot, joints_rad: FloatArray) -> IntArray:
+    """Return the branch of each row, ANY_BRANCH of an arm without numbered branches, shape (n,)."""
     if not has_closed_form(robot):
         return np.full(len(joints_rad), ANY_BRANCH)
     return branch_of(robot, joints_rad)
 
 
 def _outside(model: Model, joints_rad: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return how far places (n,) and joints (n, J) are outside the measured zone; NaN: nobody said."""
     if model.zone is None:
         return np.full(len(joints_rad), np.nan), np.full_like(joints_rad, np.nan)
     return outside(model.zone, model.robot, joints_rad)
@@ -110,15 +166,28 @@ def _largest(first_rad: FloatArray, second_rad: FloatArray) -> FloatArray:
 
 def _nearest(own_rad: FloatArray, joints_rad: FloatArray) -> FloatArray:
     """Return how far joints are from the nearest of several answers, whole turns aside, shape (n,)."""
+    # The controller counts whole turns in its own way; a turn more is no change of the arm.
     apart = np.mod(own_rad - joints_rad[:, None] + np.pi, 2 * np.pi) - np.pi
     nearest = np.nan_to_num(np.abs(apart).max(axis=2), nan=np.inf).min(axis=1)
     return np.where(np.isfinite(nearest), nearest, np.nan)
 
 
 def _statuses(found: SearchEnd, passed: FloatArray, own: FloatArray) -> npt.NDArray[np.str_]:
-    """Return a Status for each row; out of reach is what the controller has no answer to either."""
+    """Return a Status for each row; out of reach is what the controller has no answer to either.
+
+    Parameters
+    ----------
+    found : SearchEnd
+    passed : ndarray, shape (n, J)
+        As of `goals.beyond`; NaN where a limit is unknown.
+    own : ndarray, shape (n, 8, J)
+        The controller's own answers, NaN where there is none.
+    """
+    # Where the controller reaches the goal and the search does not, an arm near a singularity is all that is
+    # left.
     missed = np.where(np.isnan(own[..., 0]).all(axis=1), "out_of_reach", "singular")
     known = np.where((passed > 0.0).any(axis=1), "joint_limit", "ok")
+    # Corrected all the same: a robot whose limits nobody knows would else never be.
     arrived = np.where(np.isnan(passed).any(axis=1), "limits_unknown", known)
     return np.where(found.arrived, arrived, missed)
 
@@ -141,8 +210,17 @@ class Summary:
         self._uncertainty_mm = 0.0
 
     def add(self, names: Sequence[str], found: Corrections) -> None:
-        """Count some rows."""
+        """Count some rows.
+
+        Parameters
+        ----------
+        names : sequence of str
+            n of them.
+        found : Corrections
+            n rows.
+        """
         self._statuses.update(found.status.tolist())
+        # Names of the first hundred only: tables have millions of rows.
         failed = np.flatnonzero(~found.solved).tolist()
         self._failed += [
             (names[row], str(found.status[row])) for row in failed[: MOST_NAMED - len(self._failed)]

@@ -32,11 +32,18 @@ _Kept: TypeAlias = Callable[[IntArray, SearchEnd], SearchEnd]  # what of an answ
 
 
 class NominalArm:
-    """The arm of the controller, standing where the identified one stands."""
+    """The arm of the controller, standing where the identified one stands.
+
+    Parameters
+    ----------
+    estimate : Estimate
+        With one nest at least.
+    """
 
     def __init__(self, estimate: Estimate) -> None:
         self.estimate = estimate
         robot = estimate.structure.robot
+        # Where the base stands follows from no joint angle; at zero there is always an arm.
         at_zero = Targets(
             Stops(np.zeros(1, dtype=np.int64), np.zeros((1, robot.n_joints))), np.ones(1, dtype=np.int64)
         )
@@ -50,41 +57,108 @@ class NominalArm:
         return has_closed_form(self.estimate.structure.robot)
 
     def flange(self, goals: Goals) -> FloatArray:
-        """Return where goals put the last frame, in the robot's base, shape (n, 4, 4)."""
+        """Return where goals put the last frame, in the robot's base.
+
+        Parameters
+        ----------
+        goals : Goals
+            n of them, in the world, of nests of the estimate (numbered from 1).
+
+        Returns
+        -------
+        ndarray, shape (n, 4, 4)
+            [mm]
+        """
         origin = goals.position_mm - np.einsum("nij,nj->ni", goals.rotation, self.nests_mm[goals.nest - 1])
         return self._in_base(goals.rotation, origin)
 
     def attained(self, goals: Goals, joints_rad: FloatArray) -> FloatArray:
-        """Return where the identified arm has its last frame, in the robot's base, shape (n, 4, 4)."""
+        """Return where the identified arm has its last frame, in the robot's base.
+
+        Parameters
+        ----------
+        goals : Goals
+            n of them: direction, time and temperature are theirs.
+        joints_rad : ndarray, shape (n, J)
+
+        Returns
+        -------
+        ndarray, shape (n, 4, 4)
+            [mm]
+        """
         targets = Targets(goals.at(joints_rad), np.ones(len(goals), dtype=np.int64))
         chain = evaluate(self.estimate.structure, self.estimate.values, targets).chain
         return self._in_base(chain.end_rotation, chain.end_origin)
 
     def one_branch(self, flange: FloatArray, branch: IntArray) -> FloatArray:
-        """Return the joint angles of one branch each, shape (n, J)."""
+        """Return the joint angles of one branch each, the arm stretched towards what it does not reach.
+
+        Parameters
+        ----------
+        flange : ndarray, shape (n, 4, 4)
+            In the robot's base [mm].
+        branch : ndarray of int, shape (n,)
+            Of an arm without numbered branches, the place among the answers of the search.
+
+        Returns
+        -------
+        ndarray, shape (n, J)
+            [rad]
+        """
         robot = self.estimate.structure.robot
         if self.has_branches:
             return one_branch(robot, flange, branch)
         return np.asarray(self.branches(flange)[np.arange(len(flange)), branch])
 
     def branches(self, flange: FloatArray, *, reach_out: bool = True) -> FloatArray:
-        """Return the joint angles of every branch, shape (n, 8, J)."""
+        """Return the joint angles of every branch.
+
+        Parameters
+        ----------
+        flange : ndarray, shape (n, 4, 4)
+            In the robot's base [mm].
+        reach_out : bool, optional
+            Whether the arm is stretched towards what it does not reach; else NaN there.
+
+        Returns
+        -------
+        ndarray, shape (n, 8, J)
+            [rad]
+        """
         return all_branches(self.estimate.structure.robot, flange, reach_out=reach_out)
 
     def kept_to(self, branch: IntArray, found: SearchEnd) -> SearchEnd:
-        """Return what was found, in another branch than these, shape (n,), as gone astray."""
+        """Return what was found, in another branch than these as gone astray.
+
+        Parameters
+        ----------
+        branch : ndarray of int, shape (n,)
+        found : SearchEnd
+            n rows.
+        """
         if not self.has_branches:
             return found
         robot = self.estimate.structure.robot
+        # NaN joints are no answer either way; zeros in their place only spare the comparison.
         return found.without(branch_of(robot, np.nan_to_num(found.joints_rad)) != branch)
 
     def commanded(self, joints_rad: FloatArray) -> FloatArray:
-        """Return where the controller believes its last frame to be, in the robot's base, shape (n, 4, 4)."""
+        """Return where the controller believes its last frame to be, in the robot's base.
+
+        Parameters
+        ----------
+        joints_rad : ndarray, shape (n, J)
+
+        Returns
+        -------
+        ndarray, shape (n, 4, 4)
+            [mm]
+        """
         chain = nominal_chain(self.estimate.structure.robot, joints_rad)
         return poses_of(chain.end_rotation, chain.end_origin)
 
     def in_world(self, goals: Goals) -> Goals:
-        """Return goals that are meant in the robot's base."""
+        """Return goals that are meant in the robot's base, told in the world."""
         position = goals.position_mm @ self._rotation.T + self._origin
         return replace(goals, position_mm=position, rotation=self._rotation @ goals.rotation)
 
@@ -93,13 +167,30 @@ class NominalArm:
 
 
 def attain_branch(estimate: Estimate, goals: Goals, branch: IntArray) -> SearchEnd:
-    """Search goals in one branch each of the nominal arm, shape (n,), numbered as in `kinematics.inverse`."""
+    """Search goals in one branch each of the nominal arm; what ends in another one is gone astray.
+
+    Parameters
+    ----------
+    estimate : Estimate
+    goals : Goals
+        n of them.
+    branch : ndarray of int, shape (n,)
+        Numbered as in `kinematics.inverse`.
+
+    Returns
+    -------
+    SearchEnd
+        n rows.
+    """
     arm = NominalArm(estimate)
     return _attain_from(arm, goals, branch, _OWN, lambda rows, found: arm.kept_to(branch[rows], found))
 
 
 def attain_from_branch(estimate: Estimate, goals: Goals, branch: IntArray) -> SearchEnd:
-    """Search goals from one branch each, shape (n,), and from those that meet it, wherever that ends."""
+    """Search goals from one branch each, and from those that meet it, wherever that ends.
+
+    Parameters and result as of `attain_branch`.
+    """
     arm = NominalArm(estimate)
     return _attain_from(arm, goals, branch, _BESIDE if arm.has_branches else _OWN, lambda _, found: found)
 
@@ -107,9 +198,23 @@ def attain_from_branch(estimate: Estimate, goals: Goals, branch: IntArray) -> Se
 def _attain_from(
     arm: NominalArm, goals: Goals, branch: IntArray, besides: tuple[int, ...], kept: _Kept
 ) -> SearchEnd:
+    """Search from the closed-form answers, and from those of shifted poses where that did not arrive.
+
+    Parameters
+    ----------
+    arm : NominalArm
+    goals : Goals
+        n of them.
+    branch : ndarray of int, shape (n,)
+    besides : tuple of int
+        Exclusive or with the branch: where shifted poses are searched from.
+    kept : callable
+        What of an answer to some rows (indices, SearchEnd) counts.
+    """
     wanted = arm.flange(goals)
     found = kept(np.arange(len(goals)), attain(arm.estimate, goals, arm.one_branch(wanted, branch)))
     for _ in range(_SHIFTS):
+        # A goal out of reach stays so whatever the pose is shifted by: it costs no further search.
         left = np.flatnonzero(~found.arrived & (found.error_mm < _HOPELESS_MM))
         if not len(left):
             break
@@ -121,7 +226,17 @@ def _attain_from(
 
 
 def _attain_one_of(arm: NominalArm, goals: Goals, flange: FloatArray, branches: IntArray) -> SearchEnd:
-    """Search n goals in several branches each, (k, n); return the first that arrives, or comes nearest."""
+    """Search n goals in several branches each; return the first that arrives, or comes nearest.
+
+    Parameters
+    ----------
+    arm : NominalArm
+    goals : Goals
+        n of them.
+    flange : ndarray, shape (n, 4, 4)
+        To begin from, in the robot's base [mm].
+    branches : ndarray of int, shape (k, n)
+    """
     places = np.tile(np.arange(len(goals)), len(branches))
     found = attain(arm.estimate, goals.taken(places), arm.one_branch(flange[places], branches.ravel()))
     distance = np.where(found.arrived, 0.0, found.distance).reshape(branches.shape)
@@ -129,7 +244,11 @@ def _attain_one_of(arm: NominalArm, goals: Goals, flange: FloatArray, branches: 
 
 
 def _shifted(arm: NominalArm, goals: Goals, wanted: FloatArray, joints_rad: FloatArray) -> FloatArray:
-    """Return what to ask of the nominal arm where it was at some joints, so that the error is made up for."""
+    """Return what to ask of the nominal arm where it was at some joints, so that the error is made up for.
+
+    With W the wanted, A the attained and N the commanded pose: W A^-1 N, the pose shift of the thesis
+    (section 1.5), shape (n, 4, 4).
+    """
     left = wanted @ np.linalg.inv(arm.attained(goals, joints_rad))
     return np.asarray(left @ arm.commanded(joints_rad))
 
@@ -141,10 +260,26 @@ _BEYOND_LIMIT: Final = 1e6
 
 
 def attain_any_branch(estimate: Estimate, goals: Goals, measured: Ranges) -> SearchEnd:
-    """Search the branches one after the other, first those that come nearest to where it was measured."""
+    """Search the branches one after the other, first those that come nearest to where it was measured.
+
+    Parameters
+    ----------
+    estimate : Estimate
+    goals : Goals
+        n of them.
+    measured : tuple of JointRange, or None
+        Of the joints, in which the model was measured; None: nobody said, and the middle of all is 0.
+
+    Returns
+    -------
+    SearchEnd
+        The first answer that arrives within the controller's limits; where none does, that of the first
+        branch.
+    """
     cost = _costs(estimate, goals, measured)
     order = np.argsort(cost, axis=1)
     exists = np.isfinite(np.take_along_axis(cost, order, axis=1))
+    # All rows in their best branch first: for nearly all of them that is the end of it.
     found = attain_from_branch(estimate, goals, order[:, 0])
     for place in range(1, BRANCHES):
         left = np.flatnonzero(exists[:, place] & ~_usable(estimate, found))
@@ -171,17 +306,21 @@ def _costs(estimate: Estimate, goals: Goals, measured: Ranges) -> FloatArray:
     away += _OUTSIDE * np.nan_to_num(beyond(measured, turned)).sum(axis=1) + np.where(
         within, 0.0, _BEYOND_LIMIT
     )
+    # The identified arm may reach by a hair what the nominal one just misses, hence such branches are tried
+    # at all, but behind those that exist.
     cost = np.nan_to_num(away, nan=np.inf).reshape(-1, BRANCHES) + np.where(exists, 0.0, _MISSED)
     reached = np.asarray(exists.any(axis=1))
     return np.where(reached[:, None], cost, np.inf)
 
 
 def _middle(ranges: Ranges, joints: int) -> FloatArray:
+    """Return the middle of ranges, zeros where nobody said, shape (J,) [rad]."""
     if ranges is None:
         return np.zeros(joints)
     return np.array([(limit.lower_rad + limit.upper_rad) / 2 for limit in ranges])
 
 
 def _usable(estimate: Estimate, found: SearchEnd) -> BoolArray:
+    """Say which rows arrived within the controller's limits, as far as these are known, shape (n,)."""
     _, within = turned_within(estimate.structure.robot.joint_limits, found.joints_rad)
     return np.asarray(found.arrived & within)

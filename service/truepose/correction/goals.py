@@ -19,7 +19,16 @@ _ORTHONORMAL: Final = 1e-6  # what a turn of 1 urad changes
 class Goals(Table):
     """Wanted poses of the last frame in the world; of the position, that of one of its nests; n rows.
 
-    `stops.joints_rad` are the angles that the search starts from, NaN where none are known.
+    Attributes
+    ----------
+    stops : Stops
+        `joints_rad` are the angles that the search starts from, NaN where none are known; direction of
+        approach, time, temperature and mounting are those at which the target will be reached.
+    nest : ndarray of int, shape (n,)
+        From 1, whose position it is; FLANGE for the origin of the last frame.
+    position_mm : ndarray, shape (n, 3)
+    rotation : ndarray, shape (n, 3, 3)
+        Of the last frame.
     """
 
     stops: Stops
@@ -31,7 +40,12 @@ class Goals(Table):
         return len(self.nest)
 
     def at(self, joints_rad: FloatArray) -> Stops:
-        """Return the stops with other joint angles, shape (n, J)."""
+        """Return the stops with other joint angles.
+
+        Parameters
+        ----------
+        joints_rad : ndarray, shape (n, J)
+        """
         return replace(self.stops, joints_rad=joints_rad)
 
 
@@ -57,13 +71,25 @@ def of_poses(pose: FloatArray, joints: int) -> Goals:
 
 
 def check_rotations(rotation: FloatArray) -> None:
-    """Refuse what is no rotation, shape (n, 3, 3); raises ConfigurationError that names the first row."""
+    """Refuse what is no rotation.
+
+    Parameters
+    ----------
+    rotation : ndarray, shape (n, 3, 3)
+
+    Raises
+    ------
+    ConfigurationError
+        A matrix is not orthonormal to 1e-6, or left-handed; the first such row is named.
+    """
     wrong = np.abs(rotation @ np.swapaxes(rotation, 1, 2) - np.eye(3)).max(axis=(1, 2)) > _ORTHONORMAL
     if wrong.any():
         raise ConfigurationError(
             f"The orientation of row {int(np.argmax(wrong))} is no rotation: its axes are not of length 1 "
             "and at right angles."
         )
+    # Orthonormal frames of the wrong hand come from programs that count y or z the other way: axes of length
+    # 1 at right angles do not show it.
     mirrored = np.linalg.det(rotation) < 0.0
     if mirrored.any():
         raise ConfigurationError(
@@ -79,14 +105,37 @@ FAR_RAD: Final = float(np.deg2rad(5.0))
 def turned_within(
     limits: tuple[JointRange, ...] | None, joints_rad: FloatArray
 ) -> tuple[FloatArray, BoolArray]:
-    """Turn joints (n, J) by whole turns into their limits, and say which rows are within; all if unknown."""
+    """Turn joints by whole turns into their limits, and say which rows are within.
+
+    Parameters
+    ----------
+    limits : tuple of JointRange, or None
+        None: unknown; joints stay as they are, and all rows count as within.
+    joints_rad : ndarray, shape (n, J)
+
+    Returns
+    -------
+    joints_rad : ndarray, shape (n, J)
+    within : ndarray of bool, shape (n,)
+    """
     if limits is None:
         return joints_rad, np.ones(len(joints_rad), dtype=bool)
     return brought_within(joints_rad, limits)
 
 
 def beyond(limits: tuple[JointRange, ...] | None, joints_rad: FloatArray) -> FloatArray:
-    """Return by how much each joint is beyond its limits, shape (n, J) [rad]; NaN where they are unknown."""
+    """Return by how much each joint is beyond its limits.
+
+    Parameters
+    ----------
+    limits : tuple of JointRange, or None
+    joints_rad : ndarray, shape (n, J)
+
+    Returns
+    -------
+    ndarray, shape (n, J)
+        [rad]; 0 within, NaN where limits or joints are unknown.
+    """
     if limits is None:
         return np.full_like(joints_rad, np.nan)
     low, high = (np.array(ends) for ends in zip(*((r.lower_rad, r.upper_rad) for r in limits), strict=True))

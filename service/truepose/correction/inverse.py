@@ -3,12 +3,16 @@ r"""Inverse of an identified model: the joint angles at which the real tool is w
 No closed form holds for a level-3 model. From the nominal answer, Newton's method turns the error of the
 identified forward model into joint angles,
 
-    q <- q + J(q)^-1 e(q),   e = (shift, turn) from the attained pose to the wanted one,
+    q <- q + J^T (J J^T + lambda 1)^-1 e,   e = (shift, L turn) from the attained pose to the wanted one,
 
-with J the geometric Jacobian of the identified chain. What J leaves out (springs, waves of a gear) changes a
-step by a few per cent, hence each pass gains a factor of 30 or more. Three guards keep it sound: a step is no
-longer than a fixed turn, it is halved while the error grows, and the equations are damped as long as the
-error is large, so that a singularity shortens steps instead of blowing them up.
+with J the geometric Jacobian of the identified chain, turns weighed by the lever L, and
+
+    lambda = 1e-4 min(|e|^2, L^2) + rounding
+
+Of six joints and lambda = 0 this is J^-1 e, of more the least turn. What J leaves out (springs, waves of a
+gear) changes a step by a few per cent, hence each pass gains a factor of 30 or more. Three guards keep it
+sound: a step is no longer than a fixed turn, it is halved while the error grows, and the equations are damped
+as long as the error is large, so that a singularity shortens steps instead of blowing them up.
 
 Many arms step at once. Components come first and rows last, as in the chain: six equations are then
 eliminated by some sixty operations on whole columns, several times faster than one small system after the
@@ -18,6 +22,7 @@ References
 ----------
 Y. Nakamura, H. Hanafusa, J. Dyn. Sys. Meas. Control 108, 1986, 163-171 (damping near singularities).
 A. Nubiola, thesis, ETS Montreal, 2014, section 1.5 (fake targets, pose shift).
+docs/decisions/0039 (what was measured, and why not pose shift alone).
 """
 
 from dataclasses import dataclass, fields, replace
@@ -44,7 +49,7 @@ def damped_steps(state: State, rows: IntArray, error: FloatArray, sign: FloatArr
     ----------
     state : State
         At n targets.
-    rows : ndarray, shape (m,)
+    rows : ndarray of int, shape (m,)
         Of the state.
     error : ndarray, shape (m, 6)
         Shift [mm] and turn [mm at the lever] that are left to go.
@@ -54,18 +59,22 @@ def damped_steps(state: State, rows: IntArray, error: FloatArray, sign: FloatArr
     Returns
     -------
     ndarray, shape (m, J)
-        Of controller angles, none longer than 0.3 rad.
+        [rad], of controller angles, none longer than 0.3 rad.
     """
     jacobian = _jacobian(state, rows, sign)
     damping = _DAMPING * np.minimum((error**2).sum(axis=1), LEVER_MM**2) + _ROUNDING * LEVER_MM**2
     weights = _solved(_normal(jacobian, damping), error.T.copy())
     step = np.einsum("ijn,in->nj", jacobian, weights)
     longest = np.abs(step).max(axis=1, keepdims=True, initial=_LONGEST_STEP_RAD)
+    # The whole step is shortened, not the one joint: its direction is what leads towards the goal.
     return np.asarray(step * (_LONGEST_STEP_RAD / longest))
 
 
 def _jacobian(state: State, rows: IntArray, sign: FloatArray) -> FloatArray:
-    """Return shifts [mm] and turns [mm at the lever] per angle of each joint, shape (6, J, m)."""
+    """Return shifts [mm] and turns [mm at the lever] per angle of each joint, shape (6, J, m).
+
+    Column i: sign_i (z_i x (p - o_i), L z_i), p the nest where it is and not where an instrument sees it.
+    """
     axes, origins = state.chain.z[:, rows], state.chain.origin[:, rows]
     jacobian = np.empty((6, *axes.shape[:2]))
     jacobian[:3] = np.moveaxis(cross(axes, state.unscaled_mm[rows] - origins), 2, 0)
@@ -86,7 +95,10 @@ def _normal(jacobian: FloatArray, damping: FloatArray) -> FloatArray:
 
 
 def _solved(normal: FloatArray, right: FloatArray) -> FloatArray:
-    """Solve positive definite equations, of which the lower half counts, (6, 6, m), for (6, m); in place."""
+    """Solve positive definite equations, of which the lower half counts, (6, 6, m), for (6, m); in place.
+
+    Elimination without pivots, which a positive definite matrix does not need.
+    """
     for k in range(6):
         share = normal[k + 1 :, k] / normal[k, k]
         for i in range(k + 1, 6):
@@ -112,7 +124,18 @@ _SETTLING_MM: Final = 0.002
 
 @dataclass(frozen=True, slots=True)
 class SearchEnd(Table):
-    """Where a search ended, n rows."""
+    """Where a search ended, n rows.
+
+    Attributes
+    ----------
+    joints_rad : ndarray, shape (n, J)
+    error_mm : ndarray, shape (n,)
+        Distance from the wanted position.
+    error_rad : ndarray, shape (n,)
+        Turn from the wanted orientation.
+    astray : ndarray of bool, shape (n,)
+        Whether joints are of no use, however near the arm is: another branch, far turned.
+    """
 
     joints_rad: FloatArray  # (n, J)
     error_mm: FloatArray  # (n,) distance from the wanted position
@@ -138,7 +161,16 @@ class SearchEnd(Table):
 
 
 def replaced(found: SearchEnd, rows: IntArray, others: SearchEnd) -> SearchEnd:
-    """Return what was found with other answers in some rows, shape (m,)."""
+    """Return what was found with other answers in some rows.
+
+    Parameters
+    ----------
+    found : SearchEnd
+        n rows.
+    rows : ndarray of int, shape (m,)
+    others : SearchEnd
+        m rows.
+    """
     columns = {field.name: getattr(found, field.name).copy() for field in fields(SearchEnd)}
     for name, column in columns.items():
         column[rows] = getattr(others, name)
@@ -146,7 +178,16 @@ def replaced(found: SearchEnd, rows: IntArray, others: SearchEnd) -> SearchEnd:
 
 
 def merged(found: SearchEnd, rows: IntArray, again: SearchEnd) -> SearchEnd:
-    """Return what was found, of some rows (m,) the nearer of two answers."""
+    """Return what was found, of some rows the nearer of two answers.
+
+    Parameters
+    ----------
+    found : SearchEnd
+        n rows.
+    rows : ndarray of int, shape (m,)
+    again : SearchEnd
+        m rows.
+    """
     nearer = np.flatnonzero(again.distance < found.distance[rows])
     return replaced(found, rows[nearer], again.taken(nearer))
 
@@ -165,7 +206,7 @@ def attain(estimate: Estimate, goals: Goals, start_rad: FloatArray) -> SearchEnd
 
     Returns
     -------
-    Attained
+    SearchEnd
         The nearest that each row came to its goal, whether it arrived or not; NaN and infinity where there
         was no start. Joint limits are not looked at.
     """
@@ -181,6 +222,8 @@ def attain(estimate: Estimate, goals: Goals, start_rad: FloatArray) -> SearchEnd
         if resting.any():
             _keep(ended, left[resting], search, resting)
             left = left[~resting]
+            # Rows that rest are dropped: most are there after three passes, and would be predicted five more
+            # times.
             search.narrow(np.flatnonzero(~resting))
     _keep(ended, left, search, np.ones(len(left), dtype=bool))
     return ended
@@ -216,26 +259,57 @@ class _Search:
         """Try the steps; take those that helped and prepare the next one, halve the others."""
         trial = self.joints + self._step
         tried, self._load, imbalance = self._tried(self._goals, trial, self._load)
+        # Far from the goal a load need not be better known than the error that is left to go.
         settled = imbalance <= _AT_REST * np.maximum(1.0, _size(tried.error) / _SETTLING_MM)
         places = np.flatnonzero(settled)
         self._judge(places, tried, places)
         rest = np.flatnonzero(~settled)
+        # Only the rows whose torques had not settled: a step of the others is not worked out twice.
         if self._load and len(rest):
             tried, load, _ = self._tried(self._goals.taken(rest), trial[rest], self._load.taken(rest))
+            # The frames stay those of the first look, which are near enough for the levers of weights.
             self._load = self._load.with_torques(rest, load)
             self._judge(rest, tried, np.arange(len(rest)))
 
     def _tried(
         self, goals: Goals, joints_rad: FloatArray, load: Load | None
     ) -> tuple["_Tried", Load | None, FloatArray]:
+        """Predict trial joints under a load that is nearly theirs.
+
+        Parameters
+        ----------
+        goals : Goals
+            m rows.
+        joints_rad : ndarray, shape (m, J)
+        load : Load or None
+            Of the same rows at the trial before.
+
+        Returns
+        -------
+        tried : _Tried
+        load : Load or None
+            Of the arm where it is.
+        imbalance : ndarray, shape (m,)
+            Of its torques, of the largest torque [1].
+        """
         targets = Targets(goals.at(joints_rad), goals.nest)
         estimate = self._estimate
         state, own, imbalance = evaluate_once(estimate.structure, estimate.values, targets, load)
         return _Tried(joints_rad, _error(state, goals), state), own, imbalance
 
     def _judge(self, rows: IntArray, tried: "_Tried", places: IntArray) -> None:
-        """Take what was tried for some rows, shape (m,), and stands at as many places."""
+        """Take what was tried for some rows, and prepare their next step.
+
+        Parameters
+        ----------
+        rows : ndarray of int, shape (m,)
+            Under way.
+        tried : _Tried
+        places : ndarray of int, shape (m,)
+            Where these rows stand in it.
+        """
         error = tried.error[places]
+        # The first trial of a row is always better than infinity, and has no step: it is the start itself.
         better = _size(error) < _size(self.error[rows])
         won, lost = rows[better], rows[~better]
         self.joints[won], self.error[won] = tried.joints[places[better]], error[better]
@@ -256,10 +330,12 @@ class _Search:
 
 
 def _size(error: FloatArray) -> FloatArray:
+    """Return the length of errors (n, 6), turns at the lever, shape (n,) [mm]."""
     return np.asarray(np.sqrt((error**2).sum(axis=1)))
 
 
 def _is_there(error: FloatArray) -> BoolArray:
+    """Say which errors (n, 6) are below a tenth of the limits."""
     return np.asarray(_size(error) <= _SURE * ARRIVED_MM)
 
 

@@ -1,7 +1,8 @@
 """Corrected joint targets: for every goal the joint angles at which the real tool is there, or why not.
 
-The controller keeps its nominal model; it is handed joint angles for which its own model is wrong by just as
-much as the robot is (thesis of A. Nubiola, 2014, section 1.5).
+The controller keeps its nominal model; it is handed joint angles q for which its own model N is wrong by just
+as much as the robot is: with F the identified model, F(q) is the goal, and N(q) the "fake" pose that it
+believes to go to (thesis of A. Nubiola, 2014, section 1.5).
 """
 
 from dataclasses import replace
@@ -33,8 +34,9 @@ def correct(model: Model, goals: Goals, branch: IntArray | None = None) -> Corre
     goals : Goals
         n poses. Where their stops tell joint angles, the answer is the one near these; direction of
         approach, time, temperature and mounting are taken from them too.
-    branch : ndarray, shape (n,), optional
-        Asked for, as in `kinematics.inverse`; ANY_BRANCH for the one in which the robot was measured most.
+    branch : ndarray of int, shape (n,), optional
+        Asked for, as in `kinematics.inverse`; ANY_BRANCH for the one in which the robot was measured most. Of
+        rows that tell joint angles it is not looked at.
 
     Returns
     -------
@@ -47,6 +49,7 @@ def correct(model: Model, goals: Goals, branch: IntArray | None = None) -> Corre
         Another number of joints, an unknown nest, or measured torques that the model needs are missing.
     """
     asked = np.full(len(goals), ANY_BRANCH) if branch is None else branch
+    # The flange is no nest of the model: any nest stands for it where only the stops are to be checked.
     check_targets(model, Targets(goals.stops, np.where(goals.nest == FLANGE, 1, goals.nest)))
     estimate = with_flange(identified_estimate(model))
     stops, nest = told_moves(goals.stops), numbered_nests(model, goals.nest)
@@ -54,31 +57,58 @@ def correct(model: Model, goals: Goals, branch: IntArray | None = None) -> Corre
     rows = np.arange(len(goals))
     parts = [
         _correct(model, estimate, numbered.taken(some), asked[some])
+        # In parts, as derivatives of all targets at once would be held in memory together.
         for some in np.split(rows, range(_AT_ONCE, len(rows), _AT_ONCE))
     ]
     return joined(parts)
 
 
 def in_world(model: Model, goals: Goals) -> Goals:
-    """Return goals that are meant in the robot's own base, where the model knows it to stand."""
+    """Return goals that are meant in the robot's own base, where the model knows it to stand.
+
+    Parameters
+    ----------
+    model : Model
+    goals : Goals
+        n of them; position [mm] and rotation in the robot's base.
+    """
     return NominalArm(identified_estimate(model)).in_world(goals)
 
 
 def flange_in_base(model: Model, goals: Goals) -> FloatArray:
-    """Return where goals in the world have the last frame, in the robot's base, shape (n, 4, 4)."""
+    """Return where goals in the world have the last frame, in the robot's base.
+
+    Parameters
+    ----------
+    model : Model
+    goals : Goals
+        n of them, of nests of the model or FLANGE.
+
+    Returns
+    -------
+    ndarray, shape (n, 4, 4)
+        [mm]
+    """
     arm = NominalArm(with_flange(identified_estimate(model)))
     return arm.flange(replace(goals, nest=numbered_nests(model, goals.nest)))
 
 
 def meant_by_joints(model: Model, stops: Stops) -> Goals:
-    """Return goals, in the world, where the controller itself has the last frame at these stops."""
+    """Return goals, in the world, where the controller itself has the last frame at these stops.
+
+    Parameters
+    ----------
+    model : Model
+    stops : Stops
+        n rows.
+    """
     chain = nominal_chain(model.robot, stops.joints_rad)
     flange = np.full(len(stops), FLANGE)
     return in_world(model, Goals(stops, flange, chain.end_origin, chain.end_rotation))
 
 
 def tool_nests_mm(model: Model) -> FloatArray:
-    """Return where the model has its tool nests in the last frame, shape (K, 3)."""
+    """Return where the model has its K tool nests in the last frame, shape (K, 3)."""
     return NominalArm(identified_estimate(model)).nests_mm
 
 
@@ -105,18 +135,30 @@ def shifted_by(model: Model, goals: Goals, joints_rad: FloatArray) -> tuple[Floa
 
 
 def with_flange(estimate: Estimate) -> Estimate:
-    """Return an estimate with one more nest, the origin of the last frame."""
+    """Return an estimate with one more nest, the origin of the last frame, behind its own."""
     structure = estimate.structure
     nests = np.vstack([structure.nests_mm, np.zeros(3)])
     return replace(estimate, structure=replace(structure, nests_mm=nests))
 
 
 def numbered_nests(model: Model, nest: IntArray) -> IntArray:
-    """Return nests of goals as `with_flange` numbers them, shape (n,)."""
+    """Return nests of goals as `with_flange` numbers them.
+
+    Parameters
+    ----------
+    model : Model
+    nest : ndarray of int, shape (n,)
+        FLANGE, or from 1.
+
+    Returns
+    -------
+    ndarray of int, shape (n,)
+    """
     return np.where(nest == FLANGE, len(model.nests) + 1, nest)
 
 
 def _correct(model: Model, estimate: Estimate, goals: Goals, asked: IntArray) -> Corrections:
+    """Correct some goals: near joints that are told, in a branch that is asked for, else in any."""
     told = np.asarray(np.isfinite(goals.stops.joints_rad).all(axis=1))
     found = _from_told(estimate, goals, told)
     rows = np.flatnonzero(~told & (asked != ANY_BRANCH))
@@ -127,18 +169,35 @@ def _correct(model: Model, estimate: Estimate, goals: Goals, asked: IntArray) ->
 
 
 def _measured(model: Model) -> Ranges:
+    """Return joint ranges: those that were measured, else of calibration, else the limits; None: unknown."""
     robot = model.robot
     return (model.zone.joint_ranges if model.zone else robot.calibration_ranges) or robot.joint_limits
 
 
 def _from_told(estimate: Estimate, goals: Goals, told: BoolArray) -> SearchEnd:
-    """Search from the joints that are told, in their branch, near them or near the nominal answer there."""
+    """Search from the joints that are told, in their branch, near them or near the nominal answer there.
+
+    Parameters
+    ----------
+    estimate : Estimate
+    goals : Goals
+        n of them.
+    told : ndarray of bool, shape (n,)
+
+    Returns
+    -------
+    SearchEnd
+        n rows; NaN where no joints were told. Answers that leave the branch, or turn a joint by more than 5
+        deg from both, have gone astray.
+    """
     found, arm = attain(estimate, goals, goals.stops.joints_rad), NominalArm(estimate)
     rows = np.flatnonzero(told)
     if not len(rows) or not arm.has_branches:
         return found
     goals, start = goals.taken(rows), goals.stops.joints_rad[rows]
     branch = branch_of(estimate.structure.robot, start)
+    # Near a singularity the controller's own answer may lie far from the joints that were told: either is
+    # near enough.
     own = _turned_to(arm.one_branch(arm.flange(goals), branch), start)
 
     def near(ended: SearchEnd) -> SearchEnd:

@@ -54,13 +54,20 @@ def likely_mistake(model: Model, goals: Goals, *, in_base: bool) -> Message | No
         n poses as they were given.
     in_base : bool
         Whether in the robot's base, else in the world.
+
+    Returns
+    -------
+    Message or None
+        A sentence that names the other reading, or how far all targets lie from where the robot was measured.
     """
     if len(goals) < _FEWEST:
         return None
+    # A few hundred tell a share to some per cent; each reading of the table is a closed form of its own.
     every = max(len(goals) // _LOOKED_AT, 1)
     looked_at = replace(goals, nest=numbered_nests(model, goals.nest)).taken(np.arange(0, len(goals), every))
     work = _Work(model)
     now = work.share(looked_at, in_base=in_base)
+    # What is in place as it is read needs no other reading, however many others would fit as well.
     if now >= _NEARLY_ALL:
         return None
     shares = {name: work.share(other, in_base=base) for name, other, base in _readings(looked_at, in_base)}
@@ -72,7 +79,13 @@ def likely_mistake(model: Model, goals: Goals, *, in_base: bool) -> Message | No
 
 
 def _explains(then: float, now: float) -> bool:
-    """Whether a reading that puts that share of targets in place speaks against the one that puts `now`."""
+    """Say whether a reading that puts that share of targets in place speaks against the one that puts `now`.
+
+    Parameters
+    ----------
+    then, now : float
+        Shares in 0..1.
+    """
     if now <= _SOME * then:
         return then >= 0.5
     return then >= _NEARLY_ALL and now <= 1.0 - _SOME
@@ -93,7 +106,10 @@ def _readings(goals: Goals, in_base: bool) -> Iterator[tuple[str, Goals, bool]]:
 
 
 def _scalar_last(rotation: FloatArray) -> FloatArray:
-    """Return the rotations of quaternions whose real part stands last, though it was read as the first."""
+    """Return the rotations of quaternions whose real part stands last, though it was read as the first.
+
+    The quaternion that was read is rolled by one place; shapes (n, 3, 3).
+    """
     return rotation_from_quaternion(np.roll(quaternion_from_rotation(rotation), 1, axis=1))
 
 
@@ -106,11 +122,22 @@ class _Work:
         self._arm = NominalArm(with_flange(identified_estimate(model)))
 
     def share(self, goals: Goals, *, in_base: bool) -> float:
-        """Return the share of targets that lie where the robot works."""
+        """Return the share of targets that lie where the robot works: in 0..1.
+
+        Parameters
+        ----------
+        goals : Goals
+            n of them, nests numbered as of `with_flange`.
+        in_base : bool
+        """
         flange = self._arm.flange(self._arm.in_world(goals) if in_base else goals)
         place = flange[:, :3, 3]
+        # In metres read as millimetres a whole work space is a point; it may lie anywhere, so no place is
+        # credited.
         if float(np.ptp(place, axis=0).max()) < _SPREAD_MM:
             return 0.0
+        # Numbers that shrink end at the origin of their frame, which is in the robot's own column: within the
+        # reach of its nominal arm, and yet no place to work.
         apart = np.linalg.norm(place, axis=1) > self._own_mm
         return float((apart & self._reached(flange) & self._near(flange)).mean())
 
@@ -122,12 +149,14 @@ class _Work:
         return float(beyond_zone_mm(self._zone, flange[:, :3, 3]).min())
 
     def _reached(self, flange: FloatArray) -> BoolArray:
+        """Say which poses (n, 4, 4) the nominal arm reaches; all, where only a search could tell."""
         if not self._arm.has_branches:
             return np.ones(len(flange), dtype=bool)  # a search would take longer than the correction
         angle_1 = self._arm.branches(flange, reach_out=False)[..., 0]
         return np.asarray(np.isfinite(angle_1).any(axis=1))
 
     def _near(self, flange: FloatArray) -> BoolArray:
+        """Say which poses (n, 4, 4) are within 100 mm of the measured zone; all, where nobody said it."""
         if self._zone is None:
             return np.ones(len(flange), dtype=bool)
         return np.asarray(beyond_zone_mm(self._zone, flange[:, :3, 3]) <= _NEAR_MM)

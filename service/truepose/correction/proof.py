@@ -2,7 +2,13 @@
 
 A pair shall bring a tool nest to one place, without correction and with it. The first configuration is one
 that the controller itself would answer with: the target is where the nominal robot would then have the nest,
-and how it would hold the tool. The second is the corrected one.
+and how it would hold the tool. The second is the corrected one. With e_k, e'_k the errors read at the n
+targets without and with correction, and f_k those that the model foretells without,
+
+    gain = mean |e| / mean |e'|          share = sum f.e / sum f.f
+
+the interval of the gain are percentiles of resampled pairs (B. Efron, R. J. Tibshirani, An Introduction to
+the Bootstrap, 1993, chapter 13).
 """
 
 import math
@@ -32,7 +38,17 @@ from truepose.planning.workspace.space import WorkSpace
 
 @dataclass(frozen=True, slots=True)
 class Pairs(Table):
-    """n targets, and how to reach them."""
+    """n targets, and how to reach them.
+
+    Attributes
+    ----------
+    nest : ndarray of int, shape (n,)
+    target_mm : ndarray, shape (n, 3)
+        World.
+    uncorrected_rad, corrected_rad : ndarray, shape (n, J)
+    solved : ndarray of bool, shape (n,)
+        Others have no correction.
+    """
 
     nest: IntArray  # (n,)
     target_mm: FloatArray  # (n, 3) world
@@ -45,7 +61,21 @@ class Pairs(Table):
 
 
 def pairs_of(model: Model, stops: Stops, nest: IntArray) -> Pairs:
-    """Return the pair that begins with each of n stops of the controller's own."""
+    """Return the pair that begins with each of n stops of the controller's own.
+
+    Parameters
+    ----------
+    model : Model
+    stops : Stops
+        n rows; direction, time and temperature count for both configurations.
+    nest : ndarray of int, shape (n,)
+        1-based.
+
+    Raises
+    ------
+    ConfigurationError
+        As of `correct`.
+    """
     nominal = nominal_estimate(model)
     wanted = evaluate(nominal.structure, nominal.values, Targets(stops, nest))
     goals = Goals(stops, nest, wanted.unscaled_mm, wanted.chain.end_rotation)
@@ -90,7 +120,19 @@ def plan_proof(space: WorkSpace, template: SessionPlan, model: Model, n: int, se
 
 
 def approach_directions(joints_rad: FloatArray, offset_rad: float | None) -> IntArray | None:
-    """Return from which side joints come to stops, shape (n, J); None where that differs by the stop."""
+    """Return from which side joints come to stops.
+
+    Parameters
+    ----------
+    joints_rad : ndarray, shape (n, J)
+    offset_rad : float or None
+        On all joints: where the last motion begins, less the stop.
+
+    Returns
+    -------
+    ndarray of int, shape (n, J), or None
+        -1 after an approach from above, +1 from below; None where that differs by the stop.
+    """
     if not offset_rad:
         return None
     return np.full(joints_rad.shape, -int(np.sign(offset_rad)))
@@ -100,6 +142,8 @@ def _visits(pairs: Pairs) -> list[PlannedStop]:
     found = []
     for k in range(len(pairs)):
         for twice, joints in enumerate((pairs.uncorrected_rad[k], pairs.corrected_rad[k])):
+            # Corrected right after uncorrected, so that what drifts is the same in both; numbers say which is
+            # which.
             found.append(PlannedStop(2 * k + 1 + twice, tuple(joints.tolist()), int(pairs.nest[k])))
     return found
 
@@ -114,7 +158,17 @@ _WITHIN: Final = 1.5
 
 @dataclass(frozen=True, slots=True)
 class ProofErrors:
-    """From each of n targets to where its nest was read, without and with correction."""
+    """From each of n targets to where its nest was read, without and with correction.
+
+    Attributes
+    ----------
+    config : ndarray of int, shape (n,)
+        Of the uncorrected stop.
+    nest : ndarray of int, shape (n,)
+    target_mm : ndarray, shape (n, 3)
+        Where the instrument sees the target.
+    before_mm, after_mm : ndarray, shape (n, 3)
+    """
 
     config: IntArray  # (n,) of the uncorrected stop
     nest: IntArray  # (n,)
@@ -125,7 +179,25 @@ class ProofErrors:
 
 @dataclass(frozen=True, slots=True)
 class Proof:
-    """A correction proved, or not, on n targets of the robot itself; errors of measured tool nests [mm]."""
+    """A correction proved, or not, on n targets of the robot itself; errors of measured tool nests [mm].
+
+    Attributes
+    ----------
+    before, after : Statistics
+        Without and with correction.
+    gain : float
+        Mean error without over mean error with correction [1].
+    gain_interval_95 : tuple of float
+    promised_mm : float
+        Mean error that model, arm and readings let expect with correction.
+    foretold_share : float
+        Of the foretold errors, how much was there without correction [1]; 1 where all, NaN where none is
+        foretold.
+    cautions : tuple of Message
+    before_relative, after_relative : Statistics or None
+        After the best rigid alignment; None: too few targets.
+    errors : ProofErrors
+    """
 
     before: Statistics
     after: Statistics
@@ -169,7 +241,7 @@ def proof_of(model: Model, readings: PointReadings, scatter_mm: float, seed: int
     Raises
     ------
     ConfigurationError
-        There are fewer than two pairs, or they were not planned with this model.
+        There are fewer than two pairs, or they were not planned with this model; else as of `correct`.
     """
     first, second = _paired(readings.stops.config)
     pairs = pairs_of(model, readings.stops.taken(first), readings.nest[first])
@@ -203,6 +275,7 @@ def proof_of(model: Model, readings: PointReadings, scatter_mm: float, seed: int
 def _paired(config: IntArray) -> tuple[IntArray, IntArray]:
     """Return the rows of uncorrected and of corrected stops, of targets that have both."""
     row_of = {number: row for row, number in enumerate(config.tolist())}
+    # Odd numbers are uncorrected stops, and the even one behind each is its correction.
     both = [number for number in sorted(row_of) if number % 2 == 1 and number + 1 in row_of]
     if len(both) < 2:
         raise ConfigurationError(
@@ -213,6 +286,7 @@ def _paired(config: IntArray) -> tuple[IntArray, IntArray]:
 
 
 def _require_planned(corrected_rad: FloatArray, visited_rad: FloatArray) -> None:
+    """Refuse readings at other joints (n, J) [rad] than this model corrects its targets to."""
     away = np.abs(corrected_rad - visited_rad).max(axis=1)
     if not (away < _SAME_RAD).all():
         raise ConfigurationError(
@@ -227,18 +301,28 @@ def _foretold(model: Model, readings: PointReadings) -> State:
 
 
 def _seen(foretold: State, target_mm: FloatArray) -> FloatArray:
-    """Return where the instrument sees targets, shape (n, 3)."""
+    """Return where the instrument sees targets, shape (n, 3).
+
+    A target is moved as the instrument's scale and drift move the nest that is read beside it: the tool shall
+    be there, and not be seen there.
+    """
     return target_mm + foretold.position_mm - foretold.unscaled_mm
 
 
 def _share(foretold_mm: FloatArray, before_mm: FloatArray) -> float:
-    """Return how much of the foretold errors was read; NaN where the model foretells none."""
+    """Return how much of the foretold errors was read; NaN where the model foretells none.
+
+    sum f.e / sum f.f over all targets, the slope of a line through the origin: (n, 3) and (n, 3) [mm].
+    """
     square = float((foretold_mm**2).sum())
     return float((foretold_mm * before_mm).sum()) / square if square else math.nan
 
 
 def _expected(model: Model, state: State, readings: PointReadings, scatter_mm: float) -> tuple[float, float]:
-    """Return the mean norm of what readings and scatter alone give, and with what the model leaves."""
+    """Return the mean norm of what readings and scatter alone give, and with what the model leaves [mm].
+
+    The model's variance contains its own robot's repeatability, in whose place comes that of this cell's arm.
+    """
     block = observed(readings, scatter_mm, structure_of(model))
     own = placed_variance(model, state) - model.repeatability_mm**2 + scatter_mm**2
     promised = mean_norm(block.covariance() + own[:, None, None] * np.eye(3))
@@ -246,7 +330,10 @@ def _expected(model: Model, state: State, readings: PointReadings, scatter_mm: f
 
 
 def _gain(before: FloatArray, after: FloatArray, seed: int) -> tuple[float, tuple[float, float]]:
+    # The errors of a simulated robot without noise are 0: the ratio is then a large number instead of none.
+    """Return the gain of errors (n, 3) [mm] and its 95 % interval, 2,000 draws of n pairs with a seed."""
     norms = np.stack([np.linalg.norm(errors, axis=1) for errors in (before, after)]).clip(_ROUNDING_MM)
+    # Pairs are drawn, not errors: a target that is far off is so in both of its readings.
     drawn = np.random.default_rng(seed).integers(0, norms.shape[1], (_RESAMPLED, norms.shape[1]))
     means = norms[:, drawn].mean(axis=2)
     low, high = np.percentile(means[0] / means[1], [2.5, 97.5])
@@ -257,6 +344,7 @@ def _cautions(share: float, gain: float) -> list[Message]:
     """Say what explains a correction that does not help."""
     if math.isnan(share) or share >= _CORRECTS_ITSELF:
         return []
+    # Where nothing of the foretold was there and correction made it worse, the controller corrects already.
     if gain < 1.0:
         return [message("proof.corrects_itself", share=share)]
     return [message("proof.not_as_foretold", share=share)]

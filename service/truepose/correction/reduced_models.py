@@ -1,8 +1,11 @@
 """Reduced models: what other programs and controllers can take of a model, and the error that leaves.
 
 The nearest arm: the full model says where the nests are in configurations of the zone; the nominal robot is
-fitted to these with the parameters that the other side has, least squares without weights. What the other
-side lacks, such as springs, goes into these parameters as far as it can.
+fitted to these with the parameters that the other side has, least squares without weights,
+
+    min over p of  sum |rigid(p, q_k) - full(q_k)|^2
+
+What the other side lacks, such as springs, goes into these parameters as far as it can.
 
 A controller takes joint zeros, base and tool. It keeps its maker's table, so that only these are fitted to
 the full model over the measured zone. Other configurations of the zone judge what is left.
@@ -50,36 +53,65 @@ class ZoneError:
 def zone_targets(model: Model, seed: int) -> Targets | None:
     """Return configurations spread over the measured zone, with every nest, each joint come from either side.
 
-    None where nobody can say: the model knows no nest or no zone that holds any of them, or loads gears by
-    torques that only the controller measures.
+    Parameters
+    ----------
+    model : Model
+    seed : int
+        The same seed gives the same configurations.
+
+    Returns
+    -------
+    Targets or None
+        At most 400 configurations, drawn evenly over the joint ranges within the hull of places. None where
+        nobody can say: the model knows no nest or no zone that holds any of them, or loads gears by torques
+        that only the controller measures.
     """
     if model.zone is None or model.torques_measured or not model.nests:
         return None
     rng = np.random.default_rng(seed)
     joints = _drawn(model.zone.joint_ranges, rng)
     distance_mm, _ = outside(model.zone, model.robot, joints)
+    # The box of joint ranges reaches places where nobody measured; a fit to those would spoil it where it
+    # counts.
     joints = joints[distance_mm < _ON_THE_HULL_MM][:CONFIGURATIONS]
     if not len(joints):
         return None
     nests = np.array([nest.nest for nest in model.nests])
+    # Backlash is part of what a rigid arm lacks: with one direction for all it would hide in the joint zeros.
     rows = np.repeat(np.arange(len(joints)), len(nests))
     stops = Stops(rows + 1, joints[rows], direction=rng.choice([-1, 1], joints.shape)[rows])
     return Targets(stops, np.tile(nests, len(joints)))
 
 
 def _drawn(ranges: tuple[JointRange, ...], rng: np.random.Generator) -> FloatArray:
+    """Return joints (8000, J) [rad], drawn evenly over ranges."""
     low, high = (np.array([getattr(r, end) for r in ranges]) for end in ("lower_rad", "upper_rad"))
     return rng.uniform(low, high, (_DRAWN, len(ranges)))
 
 
 def placed(model: Model, targets: Targets) -> FloatArray:
-    """Return where the model says that the nests are, shape (n, 3) [mm]."""
+    """Return where the model says that the nests are, shape (n, 3) [mm], world.
+
+    Parameters
+    ----------
+    model : Model
+    targets : Targets
+        n of them.
+    """
     estimate = identified_estimate(model)
     return evaluate(estimate.structure, estimate.values, targets).unscaled_mm
 
 
 def rigidly_placed(arm: RigidArm, targets: Targets) -> FloatArray:
-    """Return where a rigid arm's nests are, shape (n, 3) [mm]."""
+    """Return where a rigid arm's nests are, shape (n, 3) [mm], world.
+
+    Parameters
+    ----------
+    arm : RigidArm
+        With the nests of the targets, by ascending number.
+    targets : Targets
+        n of them.
+    """
     values = nominal_values(arm.robot, targets.stops.joints_rad)
     chain = forward(values, placement_rotation(arm.base), placement_translation(arm.base))
     return chain.points(_centres(arm)[_rows(arm, targets.nest)])
@@ -94,13 +126,30 @@ def _rows(arm: RigidArm, nest: IntArray) -> IntArray:
 
 
 def zone_error(model: Model, targets: Targets, other: Callable[[Targets], FloatArray]) -> ZoneError:
-    """Compare another prediction of the nests with the model's."""
+    """Compare another prediction of the nests with the model's.
+
+    Parameters
+    ----------
+    model : Model
+    targets : Targets
+        n of them.
+    other : callable
+        Targets to places (n, 3) [mm], world.
+    """
     apart = np.linalg.norm(other(targets) - placed(model, targets), axis=1)
     return ZoneError(float(apart.mean()), float(apart.max()))
 
 
 def rigid_error(model: Model, arm: RigidArm, seed: int = 0) -> ZoneError | None:
-    """Return how far the rigid part of a model is off the whole; None where nobody can say."""
+    """Return how far the rigid part of a model is off the whole; None where nobody can say.
+
+    Parameters
+    ----------
+    model : Model
+    arm : RigidArm
+    seed : int, optional
+        Of `zone_targets`.
+    """
     targets = zone_targets(model, seed)
     return None if targets is None else zone_error(model, targets, lambda at: rigidly_placed(arm, at))
 
@@ -144,9 +193,12 @@ def nearest_arm(model: Model, targets: Targets, effects: tuple[str, ...]) -> Rig
 
 
 def _as_readings(model: Model, targets: Targets) -> Campaign:
+    # The rigid arm that is fitted knows no direction, and no effect of it asks for one.
+    """Return a campaign whose readings are the model's own predictions, of a robot without scatter."""
     stops = replace(targets.stops, direction=None)
     stated = np.full(len(targets), _STATED_MM)
     readings = PointReadings(stops, targets.nest, placed(model, targets), stated)
+    # Places of a model do not scatter.
     robot = replace(model.robot, repeatability_mm=0.0)
     return Campaign(robot, None, tuple(Nest(None) for _ in model.nests), calibration=readings)
 
@@ -170,7 +222,27 @@ _ON_A_LINE: Final = 1e-3  # sine of the angle at nest 1 below which three nests 
 
 @dataclass(frozen=True, slots=True)
 class ControllerValues:
-    """Values to type into a controller, and what they come to over the measured zone."""
+    """Values to type into a controller, and what they come to over the measured zone.
+
+    Attributes
+    ----------
+    joint_zeros_rad : tuple of float
+        True angle minus the angle that the controller shows.
+    base : FramePlacement
+        Of the robot in the frame of the readings.
+    world : FramePlacement
+        Of the frame of the readings in the robot's base: a work object.
+    tool_points : tuple of NestCentre
+        In the controller's last frame.
+    tool_frame : FramePlacement or None
+        Nest 1, x to nest 2, nest 3 in the plane of x and y.
+    nominal : ZoneError
+        Against the full model: the nominal robot, base and unknown nests fitted.
+    controller : ZoneError
+        Against the full model: with these values.
+    model : ZoneError
+        The full model against the robot, as its own uncertainty lets expect.
+    """
 
     joint_zeros_rad: tuple[float, ...]  # true angle minus the angle that the controller shows
     base: FramePlacement  # of the robot in the frame of the readings
@@ -185,11 +257,20 @@ class ControllerValues:
 def controller_values(model: Model) -> ControllerValues:
     """Find the best values of a controller's own parameters.
 
+    Parameters
+    ----------
+    model : Model
+
+    Returns
+    -------
+    ControllerValues
+
     Raises
     ------
     UnsuitableModelError
         The model does not say where it was measured, or needs torques that only the controller measures.
     """
+    # Judged at other configurations than those that were fitted, else what is left would be told too small.
     seen, judged = zone_targets(model, _FIT_SEED), zone_targets(model, _JUDGE_SEED)
     if seen is None or judged is None:
         raise UnsuitableModelError(
@@ -210,6 +291,11 @@ def controller_values(model: Model) -> ControllerValues:
 
 
 def _zeros(model: Model, arm: RigidArm) -> tuple[float, ...]:
+    """Return the joint zeros: sign_i times the difference of the fitted and the nominal offset [rad].
+
+    theta = sign q + offset is the same for the true angle with the nominal offset as for the shown one with
+    the fitted.
+    """
     rows = zip(arm.robot.joints, model.robot.joints, strict=True)
     return tuple(row.sign * (row.theta_offset_rad - nominal.theta_offset_rad) for row, nominal in rows)
 
@@ -220,7 +306,17 @@ def _inverse(placement: FramePlacement) -> FramePlacement:
 
 
 def three_point_frame(points_mm: FloatArray) -> FramePlacement | None:
-    """Return the frame of the first three points, shape (k, 3): origin, a place on x, the side of y."""
+    """Return the frame of the first three points: origin, a place on x, the side of y.
+
+    Parameters
+    ----------
+    points_mm : ndarray, shape (k, 3)
+
+    Returns
+    -------
+    FramePlacement or None
+        None of fewer than three points, and of three on a line.
+    """
     if len(points_mm) < 3:
         return None
     to_second, to_third = points_mm[1] - points_mm[0], points_mm[2] - points_mm[0]
@@ -232,7 +328,11 @@ def three_point_frame(points_mm: FloatArray) -> FramePlacement | None:
 
 
 def _expected(model: Model, targets: Targets) -> ZoneError:
-    """Return the error that the model's own uncertainty lets expect, on average and where it is largest."""
+    """Return the error that the model's own uncertainty lets expect, on average and where it is largest.
+
+    The mean length of a normal vector with standard deviation s along three axes is s sqrt(8 / pi) (Maxwell's
+    distribution).
+    """
     estimate = identified_estimate(model)
     variance = placed_variance(model, evaluate(estimate.structure, estimate.values, targets))
     # The mean length of a normal vector with the same standard deviation along three axes.
