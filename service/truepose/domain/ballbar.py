@@ -42,6 +42,8 @@ class PlannedPose:
     placement: int  # of the base fixture, from 1
     joints_rad: tuple[float, ...]
     legs: tuple[Leg, ...]  # in the order in which the person connects them
+    # All legs are nominally as long as each other; lengths that differ on purpose tell which pair was
+    # connected.
     aimed_mm: tuple[float, ...] | None = None  # coded length of each leg; None: all at the nominal length
     via_rad: tuple[tuple[float, ...], ...] = ()  # clear way to it from the stop before
     assembly: str = ""  # which of the assemblies of the pose device, in words
@@ -56,6 +58,8 @@ class PlannedPlacement:
     cups_mm: tuple[Vector, ...]  # nominal, in the world, base points 1, 2, 3 (4)
     setups: tuple[PlannedSetup, ...]
     poses: tuple[PlannedPose, ...]
+    # Over a clamped cup the tool nest is where the end of the ballbar has to go, and the ball cannot come
+    # out.
     away: PlannedAway | None = None  # None: planned before there was one; the arm stays at the last set-up
 
 
@@ -64,6 +68,8 @@ class BallbarPlan:
     """What a ballbar session will do; the steps follow from it and from what has been kept so far."""
 
     placements: tuple[PlannedPlacement, ...]
+    # Poses after which a fit foresees lengths well enough to aim by: of fewer it claims 0.02 to 0.1 mm on a
+    # robot with several error sources and misses by 0.2 to 0.9.
     precalibrate_after: int = 12  # measured poses after which targets are aimed by what was found
     test: BallbarTest | None = None  # None: six legs a pose, from which a model is identified
     model_id: int | None = None  # of a test: the stored model that commands the arm; None: the nominal one
@@ -72,6 +78,7 @@ class BallbarPlan:
     stable_s: float = 1.0  # so long a length must stand still before it is stored by itself
     stable_mm: float = 0.002  # spread that counts as standing still: four times the reading's scatter
     state_age_s: float = 2.0  # no motion on a robot state older than this
+    # Half of what a tracker session moves at, where nobody is in the cell.
     tool_speed_mm_s: float = 250.0  # a person is near
     orientation_speed_rad_s: float = 0.349  # 20 deg/s, thesis section 2.4
     joint_tolerance_rad: float = 0.00035  # reported against commanded; the protocol rounds to 0.01 deg
@@ -82,6 +89,8 @@ class SphereWish:
     """What is wanted of a sphere test."""
 
     nests: tuple[int, ...] = (1, 2)  # one after the other
+    # Not the 90 to 123 of the thesis: a stop takes twenty seconds of a person, and means are as uncertain as
+    # the errors of the arm are varied, not as the bar reads (docs/decisions/0045).
     stops: int = 24  # of each nest
     model: Model | None = None  # that commands the arm; None: the nominal one
     model_id: int | None = None  # of the model
@@ -132,6 +141,7 @@ class LengthTaken:
     initialisation: int  # number of the last one in the session, from 1
     by_hand: bool  # stored by the button, not by itself
     temperature_c: float
+    # Zero and certificate are of one instrument: after an exchange lengths are told apart by it.
     instrument_serial: str
     certificate: str
     certificate_expires: str  # ISO date, empty where nobody said it
@@ -155,6 +165,8 @@ class PoseForecast:
     config: int
     legs: tuple[Leg, ...]
     length_mm: tuple[float, ...]
+    # Of all pairs at once: the errors of one pose are shared, and an exchange of two legs is told by their
+    # difference.
     covariance_mm2: tuple[tuple[float, ...], ...]  # of the errors of these forecasts, arm's scatter included
 
 
@@ -162,6 +174,8 @@ class PoseForecast:
 class PreCalibration:
     """What was found halfway: where to aim from now on, and which lengths to expect there."""
 
+    # A pose that was skipped because its lengths were out of the bar's range may be in it once it is aimed
+    # anew.
     poses: tuple[PlannedPose, ...]  # those not measured yet and those skipped, with coded targets
     forecasts: tuple[PoseForecast, ...]  # of all poses, measured ones included
     rms_mm: float  # of the legs it rests on
@@ -175,6 +189,8 @@ SuspicionKind: TypeAlias = Literal[
     "exchanged",
     "unlikely",
     "calibrator",  # the ballbar seems to be on the calibrator, where a pair was asked for
+    # A bar that was put back on the calibrator would else store its length as that of a leg
+    # (docs/decisions/0018).
     "same_connection",  # it was not let go since a length was taken that is not what is asked for
     "not_calibrator",  # a zero so far from the one before that one of them was not read on the calibrator
     "same_bars",  # the zero is that of the other bars

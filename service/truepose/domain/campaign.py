@@ -1,5 +1,8 @@
 """A campaign: one robot measured with one set-up, as tables of equal-length arrays.
 
+Readings are positions, lengths or contacts, and each kind answers the same few questions (`observed_mm`,
+`ends`, `seen_from`), so that nobody else asks which kind it is.
+
 Last moves: how far each joint came to a stop, from the stop before it in time. An arm that approaches its
 stops by moves of its own comes from elsewhere: it gives itself away where a joint came against its way from
 the stop before.
@@ -222,6 +225,8 @@ class Campaign:
     calibration: PointReadings | None = None
     validation: PointReadings | None = None
     reference: FixedNestReadings | None = None
+    # As lengths, never as poses: the errors of the cups are shared by all poses of a placement, and a
+    # covariance that says so would have to be carried along (docs/decisions/0017).
     legs: LegReadings | None = None
     validation_legs: LegReadings | None = None
     fixture: FixtureLengths | None = None
@@ -242,15 +247,18 @@ class Campaign:
     ballbar_range_mm: float | None = None
     setup_uncertainty_mm: float | None = None
     simulated: bool | None = None  # no robot and no instrument took part; None: nobody said
+    # The day on which a file came says nothing of when it was measured: without this it has no place in time.
     measured_on: date | None = None  # None: nobody said
     robot_serial_number: str = ""  # empty: nobody said
     instrument_serial_number: str = ""  # of the one that read all of it; empty: nobody said, or several did
     notes: tuple[str, ...] = ()
+    # Told, not dropped: a misspelt column would else count as one that was never measured.
     ignored: tuple[Text, ...] = ()  # columns and keys kept but not understood, one sentence each
 
     @property
     def readings(self) -> Readings | None:
         """What the robot is identified from: positions where there are any, else legs, else contacts."""
+        # Positions first: they alone see where the arm stands in the world.
         return self.calibration or self.legs or self.contacts
 
     @property
@@ -266,7 +274,13 @@ class Campaign:
         return 0.0 if self.repeatability_in_uncertainty else self.robot.repeatability_mm
 
     def of_rows(self, rows: IntArray) -> "Campaign":
-        """Return the campaign with some of the readings that identify, shape (m,) indices."""
+        """Return the campaign with some of the readings that identify.
+
+        Parameters
+        ----------
+        rows : ndarray of int, shape (m,)
+            Of `readings`.
+        """
         if self.calibration is not None:
             return replace(self, calibration=self.calibration.taken(rows))
         if self.legs is not None:
@@ -303,7 +317,13 @@ _AGAINST = 0.02  # share of moves that may go against the stated direction befor
 
 
 def with_last_moves(campaign: Campaign) -> Campaign:
-    """Return a campaign whose stops say how far each joint came, before any of its rows are left out."""
+    """Return a campaign whose stops say how far each joint came, before any of its rows are left out.
+
+    Parameters
+    ----------
+    campaign : Campaign
+        Of all its readings: a stop that was left out before would be missing in front of the next one.
+    """
     return replace(
         campaign,
         calibration=_told(campaign.calibration),
@@ -320,12 +340,26 @@ def _told(readings: _Readings | None) -> _Readings | None:
 
 
 def told_moves(stops: Stops) -> Stops:
-    """Return stops that say how far each joint came, as far as their times tell it."""
+    """Return stops that say how far each joint came, as far as their times tell it.
+
+    Parameters
+    ----------
+    stops : Stops
+        n rows.
+
+    Returns
+    -------
+    Stops
+        With `move_rad` (n, J), NaN where a joint came against its way; as they were where times are missing
+        or shared, or where more than 2 % of the moves go against the stated directions.
+    """
     if stops.move_rad is not None or stops.time_s is None or not _ordered(stops.time_s, stops.config):
         return stops
     move = _from_the_stop_before(stops, np.argsort(stops.time_s, kind="stable"))
     against = _against(stops, move)
     moved = np.isfinite(move)
+    # Where many joints come against their way, the arm approached its stops from elsewhere, and those that
+    # happen to agree tell nothing either.
     if against.sum() > _AGAINST * moved.sum():
         return stops
     return replace(stops, move_rad=np.where(against, np.nan, move))
@@ -336,11 +370,25 @@ def _ordered(time_s: FloatArray, config: IntArray) -> bool:
     if not len(config) or not np.isfinite(time_s).all():
         return False
     timed = np.unique(np.stack([time_s, config], axis=1), axis=0)
+    # Several readings of one stop may share a time; two configurations at one time have no order.
     return bool((np.diff(timed[:, 0]) > 0.0).all())
 
 
 def _from_the_stop_before(stops: Stops, order: IntArray) -> FloatArray:
-    """Return the moves between configurations in the order of time, shape (n, J) [rad]; NaN at the first."""
+    """Return the moves between configurations in the order of time.
+
+    Parameters
+    ----------
+    stops : Stops
+        n rows.
+    order : ndarray of int, shape (n,)
+        Rows in the order of time.
+
+    Returns
+    -------
+    ndarray, shape (n, J)
+        [rad]; NaN at the first configuration.
+    """
     config, joints = stops.config[order], stops.joints_rad[order]
     arrived = np.flatnonzero(np.diff(config) != 0) + 1  # in the order of time
     steps = np.full_like(joints, np.nan)
@@ -348,27 +396,50 @@ def _from_the_stop_before(stops: Stops, order: IntArray) -> FloatArray:
     latest = np.zeros(len(config), dtype=int)
     latest[arrived] = arrived
     move = np.empty_like(joints)
+    # Every reading of a stop has the move by which the arm came there, also the second and the third.
     move[order] = steps[np.maximum.accumulate(latest)]
     return move
 
 
 def _against(stops: Stops, move: FloatArray) -> BoolArray:
-    """Return which joints came against the way from the stop before, shape (n, J)."""
+    """Return which joints came against the way from the stop before, (n, J); none without directions."""
     if stops.direction is None:
         return np.zeros(move.shape, dtype=bool)
     return np.asarray(np.nan_to_num(move) * stops.direction < 0.0)
 
 
 def each_nest(stops: Stops, nests: IntArray) -> tuple[Stops, IntArray]:
-    """Return every stop once per nest, stops in their order, and the nest of each row."""
+    """Return every stop once per nest.
+
+    Parameters
+    ----------
+    stops : Stops
+        n rows.
+    nests : ndarray of int, shape (k,)
+
+    Returns
+    -------
+    stops : Stops
+        n k rows, stops in their order.
+    nest : ndarray of int, shape (n k,)
+    """
     rows = np.repeat(np.arange(len(stops)), len(nests))
     return stops.taken(rows), np.tile(nests, len(stops))
 
 
 def sites(stops: Stops) -> IntArray:
-    """Return the configuration of each row, a revisit counting as the one it revisits, shape (n,).
+    """Return the configuration of each row, a revisit counting as the one it revisits.
 
     Revisits of revisits lead back to the first; names that go round in a circle count as one site.
+
+    Parameters
+    ----------
+    stops : Stops
+        n rows.
+
+    Returns
+    -------
+    ndarray of int, shape (n,)
     """
     if stops.repeat_of is None:
         return stops.config
@@ -379,6 +450,7 @@ def sites(stops: Stops) -> IntArray:
 
 
 def _first(config: int, earlier: Mapping[int, int]) -> int:
+    """Return the configuration that a row of revisits leads back to; of a circle its least number."""
     seen: list[int] = []
     while config in earlier and config not in seen:
         seen.append(config)

@@ -12,7 +12,15 @@ REFERENCE_C: Final = 20.0  # at which lengths are certified, ISO 1
 
 
 def length_at(length_mm: float, expansion_per_k: float, celsius: float) -> float:
-    """Return the length of an artefact at a temperature [mm], from its length at 20 °C."""
+    """Return the length of an artefact at a temperature [mm]: l (1 + alpha (T - 20)), l that at 20 degC.
+
+    Parameters
+    ----------
+    length_mm : float
+        At 20 degC, as certified (ISO 1).
+    expansion_per_k : float
+    celsius : float
+    """
     return length_mm * (1.0 + expansion_per_k * (celsius - REFERENCE_C))
 
 
@@ -41,10 +49,13 @@ class Bars:
 class BallbarKit:
     """A ballbar with its calibrator and fixtures, as the cell file describes them."""
 
+    # Bars without a cell file's word are those of the thesis' fixtures: tool sides of 150 mm, legs of 300 mm.
     tool_bars: Bars = field(default_factory=lambda: Bars(150.0, 150.0, 0.0005, (50.0,)))
     base_bars: Bars = field(default_factory=lambda: Bars(300.0, 300.0, 0.0005, (150.0, 50.0)))
     range_mm: float = 1.0  # either way of the nominal length
     reading_u_mm: float = 0.00051  # QC20-W: 2 um at 95 %, thesis section 3.2
+    # Ten times a certified reading's: the scale of a ballbar without certificate is not known and cannot be
+    # corrected, so that only its uncertainty can say so (docs/decisions/0020).
     uncertified_u_mm: float = 0.005  # of a ballbar whose certificate nobody has: nothing certain is known
     zero_u_mm: float = 0.0015  # of the zero by the snaps of the magnets since the last initialisation
     setup_u_mm: float = 0.01  # how well a clamped cup sits where the robot held the ball, per axis
@@ -110,11 +121,12 @@ class KeepOuts:
         return tuple(volume.name for volume in self)
 
     def without(self, name: str) -> "KeepOuts":
-        """Return all but one."""
+        """Return all but one, by its name; all where none has it."""
         return keep_outs_of([volume for volume in self if volume.name != name])
 
     def joined(self, others: "KeepOuts") -> "KeepOuts":
         """Return these and those of others that are not among them."""
+        # Compared as values: a session that was planned with a volume already keeps it once.
         return keep_outs_of([*self, *(volume for volume in others if volume not in tuple(self))])
 
 
@@ -127,6 +139,8 @@ def keep_outs_of(volumes: list[KeepOut]) -> KeepOuts:
     )
 
 
+# Of five kinds of arm the largest shift within the measured zone was 4.5 mm: beyond 5 mm a person is asked
+# before an arm follows a handed-down model (docs/decisions/0074).
 MODEL_SHIFT_MM: Final = 5.0  # measured arms: up to 4.5 mm within the zone in which they were measured
 Detail = str | float | tuple[float, ...]
 
@@ -205,6 +219,8 @@ class Camera:
 class CellLimits:
     """What must not be exceeded in this cell."""
 
+    # Never wider than the robot's own: such a file is refused. What binds a session is the tighter of these
+    # as they were stored and as they are now (docs/decisions/0019).
     joints: tuple[JointRange, ...] | None = None  # None: the robot's own
     calibration: tuple[JointRange, ...] | None = (
         None  # where configurations are chosen; None: the robot's own
@@ -242,10 +258,17 @@ class Cell:
     simulated: SimulatedCell | None = None
     ballbar: BallbarKit | None = None  # None: the cell has none
     camera: Camera | None = None  # measures poses in the tracker's place; None: the tracker measures points
+    # Halting is for everybody, announced or not: nobody should have to spell a name in an emergency.
     people: tuple[str, ...] = ()  # who may confirm that the cell is clear; empty: whoever gives a name
 
     def keeping_out(self, keep_outs: KeepOuts) -> "Cell":
-        """Return the cell with further keep-out volumes."""
+        """Return the cell with further keep-out volumes.
+
+        Parameters
+        ----------
+        keep_outs : KeepOuts
+            Volumes that the cell has already are not added again.
+        """
         return replace(self, limits=replace(self.limits, keep_outs=self.limits.keep_outs.joined(keep_outs)))
 
     def expected_serial(self, kind: str, entry: DeviceEntry) -> str:
@@ -253,6 +276,12 @@ class Cell:
 
         The number of the device's own entry comes first: a controller's or a cable's number may be another
         one than that of the robot or of the ballbar behind it.
+
+        Parameters
+        ----------
+        kind : str
+            "tracker", "robot", "ballbar" ..: what the device is used as.
+        entry : DeviceEntry
         """
         if kind == "ballbar" and self.ballbar is not None:
             return entry.serial_number or self.ballbar.instrument.serial_number
@@ -286,7 +315,23 @@ class Paper:
         return message("certificate.numbered", what=self.of, serial=self.serial_number)
 
     def standing(self, on: date) -> Standing:
-        """Return whether the certificate holds on a day, its last one included."""
+        """Return whether the certificate holds on a day, its last one included.
+
+        Parameters
+        ----------
+        on : date
+
+        Returns
+        -------
+        Standing
+            "ends soon" within 30 days of its end.
+
+        Raises
+        ------
+        ValueError
+            `expires` is no ISO date: who reads a cell file has refused it before.
+        """
+        # A date without a certificate proves nothing.
         if not self.certificate.strip():
             return "missing"
         if not self.expires:
@@ -325,6 +370,8 @@ class Closing:
     """What a person closed a session as, on which certificates, and why where one did not hold."""
 
     session_id: int
+    # A certificate that had expired, states no end or is missing stops nobody: it takes a named person and a
+    # reason.
     closed_as: ClosedAs
     person: str
     reason: str
@@ -340,5 +387,11 @@ class Closing:
 
 
 def judged_papers(papers: Iterable[Paper], on: date) -> tuple[JudgedPaper, ...]:
-    """Return certificates as they stand on a day."""
+    """Return certificates as they stand on a day, in their order.
+
+    Parameters
+    ----------
+    papers : iterable of Paper
+    on : date
+    """
     return tuple(JudgedPaper(paper, paper.standing(on)) for paper in papers)

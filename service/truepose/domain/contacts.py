@@ -1,4 +1,8 @@
-"""Sessions of closed loops: a probe, gauges, wires or sensors read against targets that stand still."""
+"""Sessions of closed loops: a probe, gauges, wires or sensors read against targets that stand still.
+
+A contact is one number read at a stop against one target, whose shape is known and whose place is found from
+the readings (docs/decisions/0048).
+"""
 
 from dataclasses import dataclass
 from enum import StrEnum
@@ -59,6 +63,7 @@ class ContactStop:
 
     config: int  # number in the campaign, unique in the session
     targets: tuple[int, ...]  # that the gauges read there, in their order; of a sensor the one ball
+    # The arm leaves by the way it came: nobody has looked whether another one is clear of what it touches.
     way_rad: tuple[Joints, ...]  # from where all ways begin to the stop, which is the last
     push: Vector | None = None  # world: where the tool goes to push its probe in
 
@@ -98,7 +103,7 @@ class ContactPlan:
 
     @property
     def channels(self) -> int:
-        """How many gauges are read at each stop."""
+        """How many gauges are read at each stop; of a plan with one stop at least."""
         return SENSOR_AXES if self.loop == "sensor" else len(self.stops[0].targets)
 
 

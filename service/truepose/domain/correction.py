@@ -7,6 +7,8 @@ from typing import Final
 from truepose.domain.arrays import FloatArray, IntArray
 from truepose.messages.message import Message, message
 
+# Unknown limits correct nothing away: a target that nobody checked is sent, and a sentence says what was not
+# looked at.
 CORRECTED: Final = ("ok", "limits_unknown")  # statuses of targets that have joints to be sent
 
 
@@ -64,7 +66,24 @@ class CorrectionTotals:
 
 @dataclass(frozen=True, slots=True)
 class CorrectedTargets:
-    """The targets of a file, n of them, in its order."""
+    """The targets of a file, n of them, in its order.
+
+    Attributes
+    ----------
+    names, statuses : tuple of str, length n
+    lines : ndarray of int, shape (n,)
+        Where they stand, from 1.
+    place_mm : ndarray, shape (n, 3)
+        Meant for the origin of the last frame, in the robot's base.
+    shift_mm : ndarray, shape (n, 3)
+        From there to where the controller believes to go; NaN: not corrected.
+    uncertainty_mm : ndarray, shape (n,)
+        Standard, per axis, of where the tool really goes.
+    outside_mm : ndarray, shape (n,)
+        How far outside the measured zone; NaN: nobody said.
+    moved_rad : ndarray, shape (n,)
+        Largest change of a joint from the controller's own answer.
+    """
 
     names: tuple[str, ...]  # (n,)
     statuses: tuple[str, ...]  # (n,)

@@ -68,6 +68,8 @@ class Gain:
 
     rms_before_mm: float
     rms_after_mm: float
+    # By configuration: readings of one stop share what the model lacks there, and are no witnesses of each
+    # other.
     interval_95_mm: tuple[float, float]
 
 
@@ -128,6 +130,7 @@ class Finding:
     confidence: Confidence
     details: tuple[Detail, ...]
     sentence: Text
+    # The name is given with its rivals: a wrong confident name is worse than none (docs/decisions/0015).
     confusable_with: tuple[Cause, ...]
     gain: Gain | None  # None where nothing held out can show it
     parameters: tuple[str, ...]  # their names in the extended model; none for bad readings
@@ -174,6 +177,8 @@ class Remaining:
     structure: bool
     depends_on: tuple[Dependence, ...]
     sentence: Text
+    # An extended model once made the mean better and the worst point six times worse: the mean alone hides
+    # it.
     worse_at: WorstPoint | None = None  # a held-out point that is far worse than any was before
     described: tuple[Described, ...] = ()  # largest first
     described_gain: Gain | None = None  # of all that is described, beside the findings
@@ -197,6 +202,7 @@ class RuledOut:
     reason: Text
     p_value: float | None = None  # corrected; None where the data cannot show the cause at all
     visible: bool = True  # False: these data cannot show it
+    # What was not found is not zero: how large it may be is said instead (docs/decisions/0013).
     upper_limit_mm: float | None = None  # 95 %: how large it could still be, RMS at the tool; None: unseen
 
 
@@ -211,7 +217,16 @@ class Noise:
 
 @dataclass(frozen=True, slots=True)
 class HeldOutErrors:
-    """Errors on points that neither the choice of the model nor its parameters saw; n points."""
+    """Errors on points that neither the choice of the model nor its parameters saw; n points.
+
+    Attributes
+    ----------
+    config : ndarray of int, shape (n,)
+    position_mm : ndarray, shape (n, 3)
+        As measured; of legs the predicted point.
+    before_mm, after_mm : ndarray, shape (n, d)
+        With the start model and the extended one; d = 3, or 1 for legs.
+    """
 
     config: IntArray  # (n,)
     position_mm: FloatArray  # (n, 3) as measured; of legs the predicted point
@@ -246,6 +261,8 @@ class Diagnosis:
     noise: Noise | None
     errors: HeldOutErrors | None
     model: Model | None  # extended; the start's where nothing was found
+    # In the model and followed from diagnosis to diagnosis, but no causes that the first sentence would
+    # count.
     small: tuple[Finding, ...] = ()  # they take less than 2 % off the held-out error; in the model as well
 
     @property

@@ -7,6 +7,8 @@ TrueposeError
 ├── UnknownEffectError        no effect of that name is registered
 ├── InstalledCauseError       what another package brought failed while it worked
 └── RecordRefusedError        what was to be kept could not be; nothing of it was
+
+Whoever calls the numerics catches `TrueposeError`; anything else that leaves them is a fault of the program.
 """
 
 from truepose.messages.catalogue import english
@@ -30,6 +32,8 @@ class TrueposeError(Exception):
 
     def __init__(self, text: Text = "") -> None:
         super().__init__(text)
+        # Beside `args`, which pickles it: an error of a worker process is raised again in the service with
+        # its message.
         self.text: Text = text
 
     def __str__(self) -> str:
@@ -57,9 +61,18 @@ class InstalledCauseError(TrueposeError):
 
 
 class RecordRefusedError(TrueposeError):
-    """What was to be kept could not be, and nothing of it was; it may be kept later."""
+    """What was to be kept could not be, and nothing of it was; it may be kept later.
+
+    Raised by every storage, hence a word of the domain: a session holds the refused lines and tries again.
+    """
 
 
 def text_of(error: BaseException) -> Text:
-    """Return what an error says; that of another package, such as a driver, in its own words."""
+    """Return what an error says, as a message where it has one; that of another package in its own words.
+
+    Parameters
+    ----------
+    error : BaseException
+        Of a driver too, which knows no messages.
+    """
     return error.text if isinstance(error, TrueposeError) else str(error)

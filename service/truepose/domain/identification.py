@@ -1,4 +1,9 @@
-"""What identifications and validations answer."""
+"""What identifications and validations answer.
+
+Internal units: mm, rad, N mm, kg, s; statistics are of norms of errors e_k, k = 1..n,
+
+    mean |e|,    rms = sqrt(mean |e|^2),    sd = sqrt(sum (|e| - mean)^2 / (n - 1)),    max |e|
+"""
 
 from dataclasses import dataclass, field
 from enum import StrEnum
@@ -60,7 +65,11 @@ class TurnPair:
 
 @dataclass(frozen=True, slots=True)
 class Parameter:
-    """An identified parameter, in internal units (angles in rad)."""
+    """An identified parameter, in internal units (angles in rad).
+
+    `prior_width` is kept with it: what is undetermined is defined by it (docs/decisions/0004), and whoever
+    reads a model has to know what was believed.
+    """
 
     name: str
     effect: str
@@ -73,6 +82,8 @@ class Parameter:
 class Status(StrEnum):
     """How an identification ended."""
 
+    # Also where something is undetermined: predictions near the data are good then, and the covariance says
+    # where they are not (docs/decisions/0004).
     CONVERGED = "converged"
     NOT_CONVERGED = "not_converged"
     TOO_FEW_DATA = "too_few_data"
@@ -82,7 +93,11 @@ class Status(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class NotIdentifiable:
-    """Parameters that the data see only together, or not at all, and why."""
+    """Parameters that the data see only together, or not at all, and why.
+
+    A direction is undetermined where its standard uncertainty exceeds half of its prior width
+    (docs/decisions/0004); what is so by construction is listed as well.
+    """
 
     parameters: tuple[str, ...]
     reason: Text  # without a full stop: it stands in the midst of what is told
@@ -118,7 +133,15 @@ class Anchor:
 
 @dataclass(frozen=True, slots=True)
 class MeasuredZone:
-    """Where the arm was when it was measured: outside of it a model extrapolates."""
+    """Where the arm was when it was measured: outside of it a model extrapolates.
+
+    Attributes
+    ----------
+    joint_ranges : tuple of JointRange
+    extents_mm : tuple of float
+        Of the last frame's origin in the robot's base, along `zone.DIRECTIONS`: 26 faces, of a size that is
+        the same for every model, where a hull would need all points (docs/decisions/0039).
+    """
 
     joint_ranges: tuple[JointRange, ...]
     extents_mm: tuple[float, ...]  # of the last frame's origin in the robot's base, along `zone.DIRECTIONS`
@@ -126,7 +149,21 @@ class MeasuredZone:
 
 @dataclass(frozen=True, slots=True)
 class Shortfall:
-    """What a model of P parameters lacks, as far as its readings show it: c functions of single joints."""
+    """What a model of P parameters lacks, as far as its readings show it: c functions of single joints.
+
+    They are considered and not estimated: the model is used without them, and what is left of them at a
+    target counts in its uncertainty (docs/decisions/0044).
+
+    Attributes
+    ----------
+    functions : tuple of Parameter, length c
+        Values and widths as the readings ask for.
+    covariance : ndarray, shape (c, c)
+    absorbed : ndarray, shape (P, c)
+        What the parameters have taken over of each.
+    rest_mm : float
+        Per axis: what none of them expresses.
+    """
 
     functions: tuple[Parameter, ...]  # (c,) values and widths as the readings ask for
     covariance: FloatArray  # (c, c)
@@ -152,6 +189,8 @@ class Model:
     gravity_m_s2: tuple[float, float, float]
     discrepancy_mm: float  # per axis: what held-out residuals show beyond noise, scatter and parameters
     repeatability_mm: float
+    # So that before and after differ by the errors of the arm, and not by where somebody thought that it
+    # stands.
     nominal_base: FramePlacement  # nominal model with only base and unknown nests fitted
     nominal_nests: tuple[NestCentre, ...]
     nominal_tool_rotation_rad: tuple[float, float, float] = (0.0, 0.0, 0.0)
@@ -190,6 +229,7 @@ class NominalAndIdentified:
 class PositionsJudged:
     """A model of lengths against held-out positions, whose frame lengths leave open."""
 
+    # Neither of the two takes part in the identification: they are judges (docs/decisions/0017).
     tied: NominalAndIdentified | None  # by the base cups, as measured in the frame of the positions
     aligned: NominalAndIdentified  # after the best rigid alignment
 

@@ -1,4 +1,8 @@
-"""What a session writes down, line by line: appended, never changed. A session is what its ledger says."""
+"""What a session writes down, line by line: appended, never changed. A session is what its ledger says.
+
+The present step, what may be pressed and where the arm stands are pure functions of plan and lines; a line is
+on disk before anything follows from it (docs/decisions/0016, 0033).
+"""
 
 from dataclasses import dataclass
 from enum import StrEnum
@@ -17,6 +21,8 @@ from truepose.domain.session import (
 from truepose.messages.message import Text, message
 
 # Steps of lines that a session without the ballbar notes of the one in its cell.
+# A session with a tracker, a camera or gauges moves the same arm: a bar that was left between two balls would
+# be torn down by it (docs/decisions/0018).
 BALLBAR_OFF: Final = "ballbar-off"  # it was seen to come off, or a person said how they know
 BALLBAR_ON: Final = "ballbar-on"  # it read a length within its range
 
@@ -29,6 +35,7 @@ class EntryKind(StrEnum):
     MEASURED = "measured"  # a length, or the reading of a stop, was stored
     MOVED = "moved"  # the robot arrived
     SKIPPED = "skipped"  # with a reason; of a step in a pose: the whole rest of the pose
+    # Nothing is deleted: who asks why a length is missing should find the reason.
     REOPENED = "reopened"  # what was kept of this step counts no more
     COMPUTED = "computed"  # the pre-calibration, or the registration, ended
     SUSPECTED = "suspected"  # a reading contradicts the pair that was asked for; it was not stored
@@ -44,13 +51,18 @@ class Control(StrEnum):
     """What a line of the ledger says of the session as a whole, besides the state that it enters."""
 
     HAND_OVER = "hand_over"  # another tablet acts from now on
+    # Some gauges would have kept their zero through it; which do is not known, so that it is read again.
     ZERO_LOST = "zero_lost"  # the ballbar was without supply; what it shows is counted from elsewhere now
     RESTARTED = "restarted"  # the service was started anew; what happened before is of an earlier run
 
 
 @dataclass(frozen=True, slots=True)
 class LedgerEntry:
-    """One line of what happened."""
+    """One line of what happened.
+
+    A line has a step, a kind and a time; beside these it has what its kind brings: a reading, a state, a
+    device.
+    """
 
     step_id: str
     kind: EntryKind
@@ -71,11 +83,12 @@ class LedgerEntry:
     registration: Registration | None = None
     contact: ContactTaken | None = None
     progress: Progress | None = None
+    # To others the arm does not go by that answer: they were added since, and nobody was asked about them.
     stops: tuple[int, ...] = ()  # configurations to which the arm goes once the question is answered
 
     @property
     def told(self) -> Text:
-        """What the line says in words."""
+        """What the line says in words: of a state that is entered, its name and why."""
         if self.entered is not None:
             return message("session.entered", state=self.entered.value, text=self.text)
         return self.text or ("" if self.control is None else self.control.value)

@@ -45,18 +45,32 @@ _FILLERS: Final = frozenset("\u034f\u115f\u1160\u17b4\u17b5\u180b\u180c\u180d\u1
 
 
 def tidy_name(text: str) -> str:
-    """Return a name as it is kept: composed characters (NFC), single blanks, none around it."""
+    """Return a name as it is kept: composed characters (NFC), single blanks, none around it.
+
+    Parameters
+    ----------
+    text : str
+        As somebody typed it.
+    """
     return re.sub(" {2,}", " ", unicodedata.normalize("NFC", text).strip())
 
 
 def fault_of_name(name: str) -> Message | None:
-    """Return what is wrong with a tidy name, as the end of a sentence; None where it can be read."""
+    """Return what is wrong with a tidy name, as the end of a sentence; None where it can be read.
+
+    Parameters
+    ----------
+    name : str
+        As of `tidy_name`.
+    """
     kinds = [unicodedata.category(sign) for sign in name]
     if len(name) > LONGEST_NAME:
         return message("name.fault.long", characters=len(name), enough=LONGEST_NAME)
     unseen = next((s for s, kind in zip(name, kinds, strict=True) if kind in _UNSEEN or s in _FILLERS), None)
+    # A person named U+200B, which nobody sees, once confirmed a motion (docs/decisions/0019).
     if unseen is not None:
         return message("name.fault.unseen", character=f"U+{ord(unseen):04X}")
+    # Combining marks with nothing in front of them would be drawn over whatever stands before the name.
     if any(after[0] == "M" and before[0] == "Z" for before, after in pairwise(["Z", *kinds])):
         return message("name.fault.accent")
     if not any(kind[0] == "L" or kind == "Nd" for kind in kinds):
@@ -65,13 +79,27 @@ def fault_of_name(name: str) -> Message | None:
 
 
 def readable_name(text: str | None) -> str | None:
-    """Return a name as it is kept, None where there is none that can be read."""
+    """Return a name as it is kept, None where there is none that can be read.
+
+    Parameters
+    ----------
+    text : str or None
+    """
     name = tidy_name(text or "")
     return None if fault_of_name(name) else name
 
 
 def announced_as(name: str, people: Iterable[str]) -> str | None:
-    """Return how a person was announced, None where nobody of that name was; capitals do not matter."""
+    """Return how a person was announced, None where nobody of that name was; capitals do not matter.
+
+    Parameters
+    ----------
+    name : str
+        As it was typed.
+    people : iterable of str
+        Names of the cell file.
+    """
+    # casefold and not lower: a sharp s and the two letters that capitals make of it are one name.
     wanted = tidy_name(name).casefold()
     return next((person for person in people if tidy_name(person).casefold() == wanted), None)
 
@@ -89,16 +117,28 @@ class Role(StrEnum):
 
 MACHINE: Final = "the administrator of the machine"  # who may read the database's own files
 OF_PROGRAMS: Final = frozenset({Role.DEVICE, Role.PLANT})  # of no person
+# Programs stand on no rung: none of them may ever be taken for an operator who lets an arm move.
 _LADDER: Final = (Role.VIEWER, Role.OPERATOR, Role.METROLOGIST, Role.ADMINISTRATOR)
 
 
 def reaches(role: Role, least: Role) -> bool:
-    """Whether `role` stands at `least` or above it; a program's role stands on no rung."""
+    """Say whether a role stands at another or above it; a program's role stands on no rung.
+
+    Parameters
+    ----------
+    role, least : Role
+    """
     return role in _LADDER and _LADDER.index(role) >= _LADDER.index(least)
 
 
 def lesser(one: Role, other: Role) -> Role:
-    """Return what is left of one role for somebody who has the other; a program's is left to everybody."""
+    """Return what is left of one role for somebody who has the other; a program's is left to everybody.
+
+    Parameters
+    ----------
+    one, other : Role
+        Symmetric for people; of two programs' roles it is `one`.
+    """
     of_program = next((role for role in (one, other) if role in OF_PROGRAMS), None)
     return of_program or min(one, other, key=_LADDER.index)
 
@@ -110,9 +150,10 @@ class Person:
     id: int
     name: str
     role: Role
+    # The name stays taken, so that an old confirmation is never read as somebody else's.
     active: bool = True
 
 
 def same_person(one: str, other: str) -> bool:
-    """Whether two names are one person's; capitals and blanks do not matter."""
+    """Say whether two names are one person's; capitals and blanks do not matter."""
     return tidy_name(one).casefold() == tidy_name(other).casefold()

@@ -16,7 +16,14 @@ class JointRow:
     """One row of a DH-Modified table (Craig): RotX(alpha) TransX(a) RotZ(sign*q + theta_offset) TransZ(d).
 
     Makers' tables have no beta, RotY(beta) before RotZ (Hayati). Tables from other descriptions need it where
-    axes are nearly parallel: their common normal may lie kilometres away.
+    axes are nearly parallel: their common normal may lie kilometres away (docs/decisions/0042).
+
+    Attributes
+    ----------
+    alpha_rad, theta_offset_rad, beta_rad : float
+    a_mm, d_mm : float
+    sign : int
+        -1 where the controller counts the joint against its z axis.
     """
 
     alpha_rad: float
@@ -29,7 +36,16 @@ class JointRow:
 
 @dataclass(frozen=True, slots=True)
 class LinkMass:
-    """A mass fixed in the frame of one joint (1-based); the last frame carries the tool."""
+    """A mass fixed in the frame of one joint (1-based); the last frame carries the tool.
+
+    Attributes
+    ----------
+    frame : int
+    mass_kg : float
+    centre_of_gravity_mm : tuple of float
+        In that frame. What a frame carries of its neighbours is written to it as well: the thesis puts link 3
+        into frame 4.
+    """
 
     frame: int
     mass_kg: float
@@ -46,12 +62,35 @@ class JointRange:
 
 @dataclass(frozen=True, slots=True)
 class Robot:
-    """The nominal robot: any number of revolute joints in series."""
+    """The nominal robot: any number of revolute joints in series.
+
+    Attributes
+    ----------
+    name : str
+    joints : tuple of JointRow
+    masses : tuple of LinkMass
+        Empty: they are unknown, and springs are seen as products with them only.
+    gear_ratios : tuple of float, or None
+        Turns of the motor per turn of each joint; None: the maker does not tell.
+    typical_compliances_rad_per_n_mm : tuple of float, or None
+        Of gearboxes of that kind: mean and width of the springs' priors.
+    repeatability_mm : float
+        Standard deviation of the arm itself, per axis.
+    calibration_ranges : tuple of JointRange, or None
+        Where configurations are chosen.
+    rated_payload_kg : float or None
+    source : str
+        Where the table is from.
+    joint_limits : tuple of JointRange, or None
+        Of the controller; None: unknown.
+    """
 
     name: str
     joints: tuple[JointRow, ...]
     masses: tuple[LinkMass, ...] = ()
     gear_ratios: tuple[float, ...] | None = None
+    # Springs of which data see little would else be held at nothing, and the arm would be foretold to hang
+    # too high.
     typical_compliances_rad_per_n_mm: tuple[float, ...] | None = None
     repeatability_mm: float = 0.0  # standard deviation of the arm itself, per axis
     calibration_ranges: tuple[JointRange, ...] | None = None
@@ -104,7 +143,15 @@ class FixedNest:
 
 
 def span_triangle(nests: Sequence[FixedNest]) -> bool:
-    """Whether fixed nests, three or more, place a frame: they do not lie on a line, nor nearly."""
+    """Say whether fixed nests, three or more, place a frame: they do not lie on a line, nor nearly.
+
+    By the second singular value of the centred points: of a flat triangle about 0.8 of its height.
+
+    Parameters
+    ----------
+    nests : sequence of FixedNest
+        Three or more.
+    """
     points = np.array([nest.centre_mm for nest in nests])
     spread = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)
     return bool(spread[1] >= _LEAST_HEIGHT_MM)
@@ -112,6 +159,12 @@ def span_triangle(nests: Sequence[FixedNest]) -> bool:
 
 @dataclass(frozen=True, slots=True)
 class WorldRegistration:
-    """How well the frame of the readings sits in the world: covariance of a small motion about its origin."""
+    """How well the frame of the readings sits in the world: covariance of a small motion about its origin.
+
+    Attributes
+    ----------
+    covariance : ndarray, shape (6, 6)
+        Translation [mm], then rotation vector [rad].
+    """
 
     covariance: FloatArray  # (6, 6): translation [mm], rotation vector [rad]

@@ -14,6 +14,7 @@ Finding: TypeAlias = Literal[
     "same",  # it answers again, after it had said nothing or another one was there
     "silent",  # it told its serial number before and does not any more
     "foreign",  # not the one that is expected; nothing is measured before a person has accepted it
+    # Never of a robot: limits, nominal model and readings are of one arm (docs/decisions/0020).
     "accepted",  # a person accepted it in place of the one that was expected
 ]
 
@@ -37,8 +38,11 @@ class SessionState(StrEnum):
 
     PLANNED = "planned"
     RUNNING = "running"
+    # Some controllers cannot stop a motion: between the wish and its effect the arm still goes.
     PAUSING = "pausing"  # asked for; takes effect when the motion under way has ended
     PAUSED = "paused"
+    # Entered at the start, after a lost link and after a restart: whoever pulled a cable may stand in the
+    # cell.
     AWAITING_CONFIRMATION = "awaiting_confirmation"  # a person confirms before anything moves
     ABORTING = "aborting"  # asked for; takes effect when the motion under way has ended
     ABORTED = "aborted"
@@ -75,14 +79,34 @@ class PlannedStop:
     def approach_rad(self, offset_rad: float | None) -> tuple[float, ...] | None:
         """Return where the last motion begins; None where the arm comes from wherever it was.
 
-        `offset_rad`: on all joints, where the stop itself does not say.
+        Parameters
+        ----------
+        offset_rad : float or None
+            On all joints, where the stop itself does not say.
+
+        Returns
+        -------
+        tuple of float, length J, or None
+            [rad]
         """
         if self.begin_rad is not None or offset_rad is None:
             return self.begin_rad
         return tuple(joint + offset_rad for joint in self.joints_rad)
 
     def places(self, offset_rad: float | None) -> Iterator[tuple[PlaceOf, tuple[float, ...]]]:
-        """Yield where the arm goes for this stop, in that order."""
+        """Yield where the arm goes for this stop, in that order.
+
+        Parameters
+        ----------
+        offset_rad : float or None
+            As of `approach_rad`.
+
+        Yields
+        ------
+        place : PlaceOf
+            work, approach, then stop.
+        joints_rad : tuple of float, length J
+        """
         for place_rad in () if self.work is None else self.work.places_rad:
             yield "work", place_rad
         begin_rad = self.approach_rad(offset_rad)
@@ -93,7 +117,10 @@ class PlannedStop:
 
 @dataclass(frozen=True, slots=True)
 class Turn:
-    """Through which angles one joint is turned while all others stand."""
+    """Through which angles one joint is turned while all others stand.
+
+    Source: thesis of A. Nubiola, 2014, section 2.4.1 (table 2.3: one joint at a time, in both directions).
+    """
 
     joint: int  # 1-based
     lower_rad: float
@@ -107,12 +134,15 @@ class SessionPlan:
 
     role: Role
     stops: tuple[PlannedStop, ...]
+    # From one side, so that backlash is an offset of the zeros: thesis section 2.4.
     approach_offset_rad: float | None = -0.0872664626  # -5 deg on all joints; None: mixed directions
     settle_s: float = 4.0  # thesis section 2.4
     measure_s: float = 1.0
     search_radius_mm: float = 10.0
     tool_speed_mm_s: float = 500.0
     orientation_speed_rad_s: float = 0.349
+    # A tracker that drifts or was pushed moves all readings alike, and only the fixed nests tell it from the
+    # base.
     reference_every: int = 10  # fixed nests are read before, after every so many configurations, and after
     reference_limit_mm: float = 0.1  # a fixed nest that moved further pauses the session
     registration_readings: int = 20  # of each fixed nest at the start
@@ -123,6 +153,8 @@ class SessionPlan:
     failures_in_a_row: int = 3  # so many configurations without a reading pause the session
     ends_when_settled: bool = False  # leaves out further groups once drift has become slow
     measures: Measured = "points"
+    # By what readings say and not by the clock: half an hour is too much after a pause and too little in a
+    # cold hall.
     warm_up: bool = False  # the fixed nests are read until the tracker drifts no more
 
 
@@ -138,6 +170,7 @@ class PointTaken:
     time_s: float
     temperature_c: float
     attachment: int
+    # Both frames are kept: a registration may be given up later, and what was read stays.
     position_tracker_mm: Vector
     position_world_mm: Vector
     standard_uncertainty_mm: float
@@ -146,6 +179,7 @@ class PointTaken:
     repeat_of: int | None = None
     # Of the reading, world frame; None where the instrument states a standard uncertainty only.
     covariance_mm2: tuple[Vector, Vector, Vector] | None = None
+    # With each reading: an instrument can be exchanged behind a bridge without its link going down.
     instrument_serial: str = ""  # as the tracker says it; empty where it does not
     group: int | None = None  # as planned
     quaternion: tuple[float, float, float, float] | None = None  # w first, world frame; None: none is read
@@ -177,7 +211,24 @@ class StopSkipped:
 
 @dataclass(frozen=True, slots=True)
 class Registration:
-    """The tracker's place in the world, from the fixed nests: x_world = R x_tracker + t."""
+    """The tracker's place in the world, from the fixed nests: x_world = R x_tracker + t.
+
+    Attributes
+    ----------
+    rotation : ndarray, shape (3, 3)
+    translation_mm : ndarray, shape (3,)
+    covariance : ndarray, shape (6, 6)
+        Of a small motion about the world origin: [mm, rad].
+    rms_mm : float
+        Of the fixed nests' residuals after the rigid motion.
+    two_face_mm : float or None
+        Half the difference between the faces.
+    scale : float or None
+        Certified over measured lengths; None: scale not verified.
+    scale_standard_uncertainty : float or None
+    instrument_serial : str
+        Of the tracker that it is the place of.
+    """
 
     rotation: FloatArray  # (3, 3)
     translation_mm: FloatArray  # (3,)
@@ -205,11 +256,17 @@ _STOP: Final = "stop"
 
 
 def stop_id(config: int) -> str:
-    """Return the name of the step that measures a configuration."""
+    """Return the name of the step that measures a configuration, e.g. `stop-12`."""
     return f"{_STOP}-{config}"
 
 
 def config_of(step_id: str) -> int | None:
-    """Return the configuration that a step measures; None where it measures none."""
+    """Return the configuration that a step measures; None where it measures none.
+
+    Parameters
+    ----------
+    step_id : str
+        Of a step of a session: what follows `stop-` is a number.
+    """
     kind, _, number = step_id.partition("-")
     return int(number) if kind == _STOP else None
