@@ -126,6 +126,7 @@ class Chain:
         ndarray, shape (n, 3)
             Unit vectors; for |beta| < 90 deg.
         """
+        # Worked out where it is asked for: few joints have a beta, and frames keep it for none.
         across = cross(self.z[joint], self.x_before[joint])
         return np.asarray(
             across / np.sqrt((across**2).sum(axis=1, keepdims=True))

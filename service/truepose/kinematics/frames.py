@@ -267,7 +267,7 @@ def vector_from_rotation(rotation: FloatArray) -> FloatArray:
     Returns
     -------
     ndarray, shape (..., 3)
-        [rad]. At half a turn s is zero and the axis is not seen: the result is zero there, as for no turn.
+        [rad]. Within 1e-9 of half a turn the axis is not seen: the result is nothing there, as for no turn.
     """
     skew = np.stack(
         [

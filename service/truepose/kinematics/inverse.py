@@ -320,6 +320,8 @@ def brought_within(joints_rad: FloatArray, limits: tuple[JointRange, ...]) -> tu
     """
     low = np.array([limit.lower_rad for limit in limits])
     high = np.array([limit.upper_rad for limit in limits])
+    # The middle and not zero: ranges of several turns, or all on one side of zero, hold their angles nearest
+    # to it.
     turned = joints_rad - 2 * np.pi * np.round((joints_rad - (low + high) / 2) / (2 * np.pi))
     within: BoolArray = np.all((turned >= low) & (turned <= high), axis=1)
     return turned, within
@@ -329,6 +331,8 @@ def _closed_form(
     form: _Form, robot: Robot, pose: FloatArray, which: Branches, *, reach_out: bool
 ) -> FloatArray:
     """Angles of some branches of n poses, shape (n, branches, 6)."""
+    # A pose out of reach is no exception: of eight branches some are always missing, and all are worked out
+    # at once.
     with np.errstate(divide="ignore", invalid="ignore"):  # NaN is the answer where there is no branch
         theta = form.angles(robot, _wanted(robot, pose), which, within_reach if reach_out else rounded)
     angles = np.broadcast_arrays(*theta)

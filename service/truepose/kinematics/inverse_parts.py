@@ -89,6 +89,8 @@ def column_angle(robot: Robot, wrist: FloatArray, which: Branches, ratio: Ratio)
     Source: J. J. Craig, Introduction to Robotics, 3rd ed., 2005, section 4.7 (the PUMA 560).
     """
     upper, elbow, forearm = robot.joints[1:4]
+    # Offsets along parallel axes add up to one distance from the plane through axis 1, on whichever row they
+    # stand.
     along_axis_2 = upper.d_mm + np.cos(elbow.alpha_rad) * elbow.d_mm
     along_axis_2 += np.cos(elbow.alpha_rad) * np.cos(forearm.alpha_rad) * forearm.d_mm
     distance = np.hypot(wrist[0], wrist[1])
@@ -96,6 +98,8 @@ def column_angle(robot: Robot, wrist: FloatArray, which: Branches, ratio: Ratio)
     # With the wrist on axis 1 and no offset every theta_1 is as good; 0 / 0 would say that there is none.
     share = np.where(on_axis, 0.0, -along_axis_2 / np.sin(upper.alpha_rad) / distance)
     aside, direction = np.arcsin(ratio(share)), np.arctan2(wrist[1], wrist[0])
+    # Front and back differ by half a turn of the column, with the shoulder's offset on the other side of the
+    # wrist.
     return np.asarray(np.where(which.back, direction - np.pi + aside, direction - aside))
 
 

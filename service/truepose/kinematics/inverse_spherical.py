@@ -144,6 +144,8 @@ def _wrist_angles(robot: Robot, which: Branches, x_axis: Vector, z_axis: Vector)
     s_5, s_6 = (float(np.sin(row.alpha_rad)) for row in robot.joints[4:])
     side = positive_side(robot) * np.where(which.flip, -1.0, 1.0)  # sign of sin(theta_5)
     sine = np.hypot(z_axis[0], z_axis[1])
+    # From sine and cosine together: an arc cosine alone loses half of its digits where the wrist is nearly
+    # straight.
     theta_5 = np.arctan2(side * sine, -z_axis[2] / (s_5 * s_6))
     theta_4 = np.arctan2(z_axis[1] * side * s_6, z_axis[0] * side * s_6)
     # Axes 4 and 6 turn about one line: only their sum is asked for, and joint 4 stays at its zero.

@@ -193,7 +193,8 @@ def pose_uncertainty(nests_mm: FloatArray, nest_mm: float) -> PoseUncertainty:
     Raises
     ------
     numpy.linalg.LinAlgError
-        All nests are in one place. On a line the turn about it comes out as large as rounding makes it.
+        The nests are in one place or on a line; nearly on one, the turn about it comes out as large as
+        rounding makes it.
     """
     arms = nests_mm - centre(nests_mm)
     # What is stated is how far the nests of the fitted body are off; the readings themselves err by more.

@@ -47,6 +47,8 @@ def tri(
     along_u = 0.5 * (first**2 - second**2 + _dot(u, u))
     along_w = 0.5 * (first**2 - third**2 + _dot(w, w))
     with np.errstate(divide="ignore", invalid="ignore"):  # NaN is the answer where there is no such point
+        # In vectors throughout, without a frame of the three centres: derivatives by complex steps run
+        # through here.
         weighted = along_u[..., None] * np.cross(w, normal) + along_w[..., None] * np.cross(normal, u)
         foot = weighted / _dot(normal, normal)[..., None]
         height = np.asarray(side) * np.sqrt(first**2 - _dot(foot, foot)) / np.sqrt(_dot(normal, normal))

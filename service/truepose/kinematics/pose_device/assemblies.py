@@ -86,7 +86,6 @@ def assemblies(cups_mm: FloatArray, nests_mm: FloatArray, *, leg_mm: float = LEG
     for design in designs(len(cups_mm)):
         solutions = solve(design, cups_mm, tool_sides, np.full(6, leg_mm))
         for solution, points in enumerate(solutions, start=1):
-            # Numbers count those that go together, so that they are the same for whoever lists them.
             if np.isfinite(points).all():
                 pose = pose_of(nests_mm, points)
                 found.append(Assembly(len(found) + 1, design, solution, points, pose))

@@ -226,6 +226,7 @@ def solve(
         raise ConfigurationError(f"A design has six legs; lengths of shape {lengths.shape} were given.")
     if max(design.base) > len(cups_mm):
         raise ConfigurationError(f"The design uses cup {max(design.base)} of {len(cups_mm)}.")
+    # In the pattern's own order: every design is solved as the pattern is.
     b1, b2, b3 = (cups_mm[cup - 1] for cup in design.base)
     # The normal of the pattern's own numbering turns round where the cups are permuted oddly.
     side = float(np.sign(np.real(np.cross(b2 - b1, b3 - b1) @ outward(cups_mm, design.base))))
@@ -342,6 +343,7 @@ def points_covariance(
         uncorrelated: 3.36, 3.05, 2.89, 3.33 against 3.18, 3.05, 2.85, 3.18 (tests of the cascade).
     """
     gradient = solution_gradient(design, cups_mm, points_mm)
+    # All twelve lengths at once: T3 hangs on T1 and T2, whose errors share the same sides and legs.
     propagated: FloatArray = gradient @ np.asarray(covariance_mm2) @ np.swapaxes(gradient, -1, -2)
     return propagated
 

@@ -134,6 +134,7 @@ def foreseen(config: int, fixtures: Fixtures, pose: Pose, covariance: FloatArray
     PoseForecast
         All pairs, cup by cup, with the covariance of their errors [mm2].
     """
+    # Every pair and not only those that are planned: what is read may be of another one.
     legs = tuple((cup, nest) for cup in range(1, len(fixtures.cups_mm) + 1) for nest in (1, 2, 3))
     linear = linear_legs(fixtures, legs, pose)
     total = linear.gradient @ covariance @ linear.gradient.T + linear.fixtures_covariance_mm2

@@ -130,6 +130,7 @@ def _best(points_mm: FloatArray, cups_mm: FloatArray, lengths: Mapping[Leg, floa
     predicted = np.linalg.norm(points[:, nest] - cups_mm[cup], axis=-1)
     misfit = np.abs(predicted - np.array(list(lengths.values()))).max(axis=1)
     order = np.argsort(misfit, kind="stable")
+    # Cascades of more than six legs solve the same pose many times over: once is enough to start from.
     kept: list[FloatArray] = []
     # By the worst leg: of more than six a cascade leaves some out, and these tell its solutions apart.
     for one in points[order[misfit[order] < misfit.min(initial=np.inf) + _WORSE_MM]]:
