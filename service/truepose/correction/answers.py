@@ -117,11 +117,15 @@ def judged(model: Model, estimate: Estimate, goals: Goals, found: SearchEnd, tol
     turned, _ = turned_within(robot.joint_limits, found.joints_rad)
     # Whoever tells joints means their whole turns as well.
     joints = np.where(told[:, None], found.joints_rad, turned)
+    # Where nothing was found joints of zero are predicted in its place: such rows are not solved, and nobody
+    # reads them.
     state = evaluate(
         estimate.structure, estimate.values, Targets(goals.at(np.nan_to_num(joints)), goals.nest)
     )
     passed = beyond(robot.joint_limits, joints)
     outside_mm, outside_rad = _outside(model, joints)
+    # As the controller answers the pose as it is asked for: how far joints turn from there is what an
+    # operator sees.
     own = _own_answers(estimate, goals)
     away = np.where(told, _largest(goals.stops.joints_rad, joints), _nearest(own, joints))
     return Corrections(

@@ -48,6 +48,8 @@ class NominalArm:
             Stops(np.zeros(1, dtype=np.int64), np.zeros((1, robot.n_joints))), np.ones(1, dtype=np.int64)
         )
         state = evaluate(estimate.structure, estimate.values, at_zero)
+        # A closed form answers in the robot's base, and only the identified base says where in the world that
+        # stands.
         self._rotation, self._origin = state.chain.base_rotation[0], state.chain.base_origin[0]
         self.nests_mm = nest_centres(estimate.structure, state.moved)  # (K, 3) in the last frame
 
@@ -220,6 +222,8 @@ def _attain_from(
             break
         rows = goals.taken(left)
         again = _shifted(arm, rows, wanted[left], found.joints_rad[left])
+        # Beside a singularity the answer may lie in the branch that meets this one there: elbow, wrist or
+        # side turned over.
         tried = _attain_one_of(arm, rows, again, branch[left] ^ np.array(besides)[:, None])
         found = merged(found, left, kept(left, tried))
     return found
@@ -250,6 +254,7 @@ def _shifted(arm: NominalArm, goals: Goals, wanted: FloatArray, joints_rad: Floa
     (section 1.5), shape (n, 4, 4).
     """
     left = wanted @ np.linalg.inv(arm.attained(goals, joints_rad))
+    # Of where the controller itself believes to be: a second shift starts where the first has led.
     return np.asarray(left @ arm.commanded(joints_rad))
 
 

@@ -148,6 +148,7 @@ class SearchEnd(Table):
     def distance(self) -> FloatArray:
         """Of both errors the one that is more of its limit, in limits, shape (n,); infinite astray."""
         away = np.maximum(self.error_mm / ARRIVED_MM, self.error_rad / ARRIVED_RAD)
+        # However near the arm is there: an answer in another branch would turn the wrist on the way.
         return np.where(self.astray, np.inf, away)
 
     def without(self, useless: BoolArray) -> "SearchEnd":
@@ -211,6 +212,7 @@ def attain(estimate: Estimate, goals: Goals, start_rad: FloatArray) -> SearchEnd
         was no start. Joint limits are not looked at.
     """
     n = len(goals)
+    # What is not searched stays at infinity, so that any answer of another search is nearer.
     ended = SearchEnd(start_rad.copy(), np.full(n, np.inf), np.full(n, np.inf), np.zeros(n, dtype=bool))
     left = np.flatnonzero(np.isfinite(start_rad).all(axis=1))
     search = _Search(estimate, goals.taken(left), start_rad[left])
@@ -294,6 +296,8 @@ class _Search:
         """
         targets = Targets(goals.at(joints_rad), goals.nest)
         estimate = self._estimate
+        # Under the load of the trial before, which is nearly this one's: one pass of forward kinematics
+        # instead of two or three. With steps solved by columns this took 10,000 targets from 138 to 88 ms.
         state, own, imbalance = evaluate_once(estimate.structure, estimate.values, targets, load)
         return _Tried(joints_rad, _error(state, goals), state), own, imbalance
 
@@ -314,6 +318,8 @@ class _Search:
         won, lost = rows[better], rows[~better]
         self.joints[won], self.error[won] = tried.joints[places[better]], error[better]
         self._halvings[won], self._halvings[lost] = 0, self._halvings[lost] + 1
+        # The step before was worked out where the error was smaller: its direction still leads downhill, its
+        # length does not.
         self._step[lost] *= 0.5
         going = better & ~_is_there(error)
         self._step[rows[going]] = damped_steps(tried.state, places[going], error[going], self._sign)

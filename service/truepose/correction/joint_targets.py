@@ -52,6 +52,7 @@ def correct(model: Model, goals: Goals, branch: IntArray | None = None) -> Corre
     # The flange is no nest of the model: any nest stands for it where only the stops are to be checked.
     check_targets(model, Targets(goals.stops, np.where(goals.nest == FLANGE, 1, goals.nest)))
     estimate = with_flange(identified_estimate(model))
+    # Before the table is split: the last move to a target is from the one before it in time.
     stops, nest = told_moves(goals.stops), numbered_nests(model, goals.nest)
     numbered = replace(goals, stops=stops, nest=nest)
     rows = np.arange(len(goals))
@@ -162,6 +163,8 @@ def _correct(model: Model, estimate: Estimate, goals: Goals, asked: IntArray) ->
     told = np.asarray(np.isfinite(goals.stops.joints_rad).all(axis=1))
     found = _from_told(estimate, goals, told)
     rows = np.flatnonzero(~told & (asked != ANY_BRANCH))
+    # Where a branch was asked for, an answer in another one is none (docs/decisions/0071): the posture is
+    # what keeps the arm clear of the cell.
     found = replaced(found, rows, attain_branch(estimate, goals.taken(rows), asked[rows]))
     rows = np.flatnonzero(~told & (asked == ANY_BRANCH))
     found = replaced(found, rows, attain_any_branch(estimate, goals.taken(rows), _measured(model)))

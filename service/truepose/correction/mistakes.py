@@ -72,9 +72,12 @@ def likely_mistake(model: Model, goals: Goals, *, in_base: bool) -> Message | No
         return None
     shares = {name: work.share(other, in_base=base) for name, other, base in _readings(looked_at, in_base)}
     name = max(shares, key=lambda one: shares[one])
+    # The best of them alone is named, and only where it explains nearly all or where hardly any are in place
+    # as read.
     if _explains(shares[name], now):
         return message(_MEANT[name], now=now, then=shares[name])
     away_mm = work.away_mm(looked_at, in_base=in_base)
+    # A few that are in place may be all that was meant, and the others new places: nothing is said then.
     return None if now or not away_mm else message("corrections.mistake.elsewhere", away_mm=away_mm)
 
 

@@ -107,6 +107,8 @@ def plan_proof(space: WorkSpace, template: SessionPlan, model: Model, n: int, se
     """
     require_same_robot(model, space.robot)
     approached = replace(space, approach_offset_rad=template.approach_offset_rad)
+    # Targets are drawn as those of a validation: the whole work space, by the same rules of what the arm may
+    # do.
     drawn = plan_validation(approached, n, seed).stops
     joints, nest = np.array([stop.joints_rad for stop in drawn]), np.array([stop.nest for stop in drawn])
     stops = Stops(np.arange(n), joints, direction=approach_directions(joints, template.approach_offset_rad))
@@ -244,6 +246,7 @@ def proof_of(model: Model, readings: PointReadings, scatter_mm: float, seed: int
         There are fewer than two pairs, or they were not planned with this model; else as of `correct`.
     """
     first, second = _paired(readings.stops.config)
+    # Worked out anew and compared: a proof of one model by the stops of another would say nothing of either.
     pairs = pairs_of(model, readings.stops.taken(first), readings.nest[first])
     _require_planned(pairs.corrected_rad, readings.stops.joints_rad[second])
     uncorrected, corrected = readings.taken(first), readings.taken(second)

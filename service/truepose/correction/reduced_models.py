@@ -187,6 +187,8 @@ def nearest_arm(model: Model, targets: Targets, effects: tuple[str, ...]) -> Rig
         `left_out` names what the model has beside its own rigid part.
     """
     campaign = _as_readings(model, targets)
+    # The same solver as for readings, with a campaign of the model's own places: base, tool and nests are
+    # placed without a guess, whatever the model says.
     problem = build(campaign, effects)
     fitted = model_of(Fits(campaign, *_evenly(problem)), discrepancy_mm=0.0, program_version="")
     return replace(rigid_arm(fitted), left_out=rigid_arm(model).left_out, uncertainty=_unknown(model))
@@ -207,6 +209,8 @@ def _evenly(problem: Problem) -> tuple[RobustFit, RobustFit, np.ndarray]:
     """Return the fit in which every place counts the same, twice, and a covariance that says nothing."""
     solution = fit(problem.structure, problem.blocks, problem.start)
     none = (np.zeros(len(problem.blocks[0].weights), dtype=bool),)
+    # Without weights: what a rigid arm lacks is no outlier, and the largest errors are to be made smaller
+    # too.
     even = RobustFit(problem.structure, problem.blocks, solution, none, float("nan"))
     return even, even, np.zeros((len(problem.structure.specs),) * 2)
 
