@@ -188,6 +188,8 @@ class _GuardedEffect:
 
     def sums(self, names: tuple[str, ...], values: FloatArray, rows: Rows) -> dict[Port, FloatArray]:
         summed: dict[Port, FloatArray] | None = self._able("sums", None, names, values, rows)
+        # A guard has `sums` whatever the effect has, since it is asked by `isinstance`: without it, its terms
+        # are added up.
         return _added_up(self.terms(names, rows), values, len(rows.nest)) if summed is None else summed
 
     def _able(self, ability: str, without: Any, *told: Any) -> Any:

@@ -267,6 +267,7 @@ def gaps(stops: Stops, rows: BoolArray, least_readings: int) -> tuple[Gap, ...]:
     """
     if stops.time_s is None:
         return ()
+    # Readings without a time lie on neither side of a moment.
     chosen = np.flatnonzero(rows & np.isfinite(stops.time_s))
     order = chosen[np.argsort(stops.time_s[chosen], kind="stable")]
     time_s, config = stops.time_s[order], stops.config[order]

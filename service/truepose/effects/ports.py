@@ -209,6 +209,7 @@ class Trait(StrEnum):
     SEARCHED = "searched"  # only a search in the data tells what it is like: a time, a pair of nests
     OF_LENGTHS = "of lengths"  # positions do not know of it
     ON_FIXED_NESTS = "on fixed nests"  # it moves readings of fixed nests too, or stands for these
+    # Springs are balanced in up to four passes; what no load changes is worked out in the first of them only.
     STEADY = "steady"  # its terms follow from the stop alone: no load, no frame of the arm changes them
     OF_READINGS = "of readings"  # it lies in single readings, not in the robot
     ZEROS = "zeros"  # the zeros of the joints, and nothing else
@@ -269,6 +270,8 @@ class Effect(Protocol):
 class Summed(Protocol):
     """An effect of many parameters that adds up what they move faster than term by term."""
 
+    # Sixty orders on six joints are 720 columns of 10,000 rows in each evaluation, of which only the sum is
+    # wanted.
     def sums(self, names: tuple[str, ...], values: FloatArray, rows: Rows) -> dict[Port, FloatArray]:
         """Return by how much parameters move each port, as the sum of their terms says.
 

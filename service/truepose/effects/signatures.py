@@ -81,6 +81,8 @@ def has_trade_name(effect: str) -> bool:
 
 
 def _declared(effect: str) -> Signature | None:
+    # Results of other versions are read and compared too: a cause that is gone since then has a place all the
+    # same.
     return CAUSES[effect].signature if effect in CAUSES else _UNKNOWN
 
 

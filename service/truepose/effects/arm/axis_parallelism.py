@@ -55,6 +55,7 @@ class AxisParallelism:
         return tuple(
             Candidate(NAME, joint_subject(joint_of(spec.name)), (spec,))
             for spec in self.specs(scene.setting)
+            # The full geometry has them as parameters: then there is nothing that it could lack.
             if spec.name not in scene.present
         )
 

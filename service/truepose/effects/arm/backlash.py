@@ -71,6 +71,7 @@ class Backlash:
 
     def candidates(self, scene: Scene) -> tuple[Candidate, ...]:
         """Propose each joint that came from both sides, and all of them together."""
+        # A joint that came from one side has a gap as well, but all of it is in the zero of that joint.
         joints = [] if scene.stops.direction is None else from_both_sides(scene.stops.direction)
         specs = [spec for spec in map(_spec, joints) if spec.name not in scene.present]
         found = [Candidate(NAME, joint_subject(joint_of(spec.name)), (spec,)) for spec in specs]

@@ -81,6 +81,8 @@ class Compliance:
             return [NotIdentifiable(tuple(joint_name("c", joint) for joint in joints[1:]), _ONLY_PRODUCTS)]
         _, widths = compliance_prior(setting)
         largest_rad = setting.largest_torque_n_mm * widths
+        # A joint whose spring is no parameter is not said to be stiff: how far it would turn at most is told
+        # with it.
         idle = (joint for joint in joints if joint_name("c", joint) not in names)
         return [_idle_spring(joint, float(largest_rad[joint])) for joint in idle]
 
@@ -201,6 +203,7 @@ def _shown_products(subject: str, fitted: Fitted, scene: Scene) -> Description:
     columns = [_regressor(name, scene.chain, gravity) for name in fitted.names]
     moments = np.stack(columns, axis=1)
     # The deflection is moments @ values; its standard deviation is the length of the reduced vector.
+    # Without its mean over the readings: that part is an offset of the joint, and no sign of a spring.
     reduced = np.linalg.qr(moments - moments.mean(axis=0), mode="r") / np.sqrt(len(moments))
     deflection, spread = norm_with_uncertainty(
         reduced @ fitted.values, reduced @ fitted.covariance @ reduced.T
@@ -214,6 +217,7 @@ def _deflection(name: str, rows: Rows) -> tuple[Port, FloatArray]:
     """Return the port and weight (n,) of one parameter."""
     joint = _sprung_joint(name)
     port = Port(PortKind.THETA, joint)
+    # Products are linear in the frames of the arm and not in a torque: nobody knows the torque.
     if "*" in name:
         return port, _regressor(name, rows.chain, rows.gravity_m_s2)
     return port, known_torque(rows, joint)

@@ -131,6 +131,7 @@ class JointOffset:
         return list(link_terms(names))
 
 
+# Asked for in every evaluation with the same names; terms do not depend on the rows.
 @cache
 def link_terms(names: tuple[str, ...]) -> tuple[Term, ...]:
     """Terms of parameters that are link quantities themselves, e.g. `alpha_3`: weight 1 on their own port.

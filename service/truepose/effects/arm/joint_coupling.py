@@ -63,6 +63,7 @@ class JointCoupling:
             # Couplings of other joints have no name of the trade: the cell `along` looks for these.
             for moved in range(max(n - WRIST_JOINTS, 0), n)
             for source in scene.turning
+            # A joint that drags itself is a gain.
             if source != moved
             for spec in (_spec(moved, source),)
             if spec.name not in scene.present

@@ -58,6 +58,8 @@ def stretched_rows(robot: Robot) -> Rows:
     """
     joints = np.zeros(robot.n_joints)
     for _ in range(_SWEEPS):
+        # Joint 1 turns the arm about the vertical, which changes no sag; joint 2 comes last, when the arm is
+        # stretched.
         for joint in range(2, robot.n_joints):
             joints = _farthest(robot, joints, joint, level=False)
     joints = _farthest(robot, joints, 1, level=True)
@@ -132,6 +134,7 @@ class LinkBending:
     """1/EI of every long link beyond the first."""
 
     name = NAME
+    # Weights bend a link where masses are known; no torque about a joint takes part.
     needs: frozenset[Need] = NOTHING
     signature = Signature(OF_SUBJECT, "load", "line", "displacement at the tool", plural="links", at="link")
 

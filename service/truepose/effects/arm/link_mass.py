@@ -39,6 +39,7 @@ class LinkMasses:
 
     def candidates(self, scene: Scene) -> tuple[Candidate, ...]:
         """Propose each link with a stated mass, and all of them together."""
+        # A rigid arm stands where it does whatever it weighs: without springs there is nothing to look for.
         if loads.unseen_masses(scene) is not None:
             return ()
         single = [

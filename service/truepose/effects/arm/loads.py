@@ -177,6 +177,8 @@ def wrong_mass(fitted: Fitted, specs: tuple[ParameterSpec, ...], stated: LinkMas
     stated : LinkMass
     """
     order = [fitted.names.index(spec.name) for spec in specs]
+    # The fit's own priors hold the four apart by widths that know nothing of each other; here amount and
+    # place are.
     information, pull = _from_data(
         fitted.values[order],
         fitted.covariance[np.ix_(order, order)],

@@ -39,6 +39,8 @@ class ThermalGrowth:
 
     def terms(self, names: tuple[str, ...], rows: Rows) -> list[Term]:
         """Lengthen every link that has a length: weight a_i or d_i times the kelvins above 20 degC [mm K]."""
+        # One coefficient for all: the temperature that is read is one of the air or the arm, not one of each
+        # link.
         warmer = warmer_k(rows.stops)
         lengths = [
             (Port(kind, joint), length)

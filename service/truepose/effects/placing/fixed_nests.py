@@ -37,6 +37,8 @@ def reference_specs(uncertainty_mm: dict[int, float]) -> tuple[ParameterSpec, ..
         for nest, u_mm in sorted(uncertainty_mm.items())
         for component in range(3)
     )
+    # The frame first, then the places: readings of the nests cannot tell a frame that is off from nests that
+    # are all off alike, and widths decide.
     return (*motion_specs("frame", _FRAME_WIDTHS), *places)
 
 

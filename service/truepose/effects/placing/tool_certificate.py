@@ -17,6 +17,7 @@ class ToolCertificate:
 
     name = NAME
     needs: frozenset[Need] = NOTHING
+    # Held still, an error of a few micrometres that all readings of a nest share would be found as a cause.
     traits = frozenset({Trait.NUISANCE})
 
     def specs(self, setting: Setting) -> tuple[ParameterSpec, ...]:

@@ -18,6 +18,7 @@ _SEVERAL = 2
 
 def pair_subject(first: int, second: int) -> str:
     """Return e.g. `nest 1, nest 3`, ascending."""
+    # One name for the pair, whichever of the two was read at the other.
     return f"nest {min(first, second)}, nest {max(first, second)}"
 
 

@@ -71,5 +71,6 @@ def _overturning_moment(rows: Rows) -> FloatArray:
     for mass in rows.robot.masses:
         arm = centre_of_gravity(chain, mass) - chain.base_origin
         moment += cross(arm, mass.mass_kg * rows.gravity_m_s2)
+    # The base's own axes: ports of body 0 turn about these, and the base may stand askew.
     in_base: FloatArray = np.einsum("nij,ni->nj", chain.base_rotation, moment)
     return in_base

@@ -58,6 +58,7 @@ class BaseShift:
         """Propose every gap between stops that has readings enough on either side."""
         proposed = (
             Candidate(NAME, "base", motion_specs(f"jump_{gap.label}", _WIDTHS), gap.middle_s)
+            # A jump lies between two stops, and anywhere else in the same gap it moves the same readings.
             for gap in tried(gaps_of_all(scene), scene.between_s)
         )
         return tuple(candidate for candidate in proposed if candidate.names[0] not in scene.present)

@@ -118,6 +118,7 @@ def _placements(scene: Scene) -> list[int]:
 
 def _gaps(scene: Scene, placement: int) -> tuple[Gap, ...]:
     here = np.zeros(len(scene.stops), dtype=bool) if scene.placement is None else scene.placement == placement
+    # Of this placement alone: lengths of another one are read from nests that did not move with it.
     return gaps(scene.stops, here, _LEAST_READINGS)
 
 

@@ -48,6 +48,7 @@ class InstrumentDrift:
 
     def unseen(self, scene: Scene) -> Text | None:
         """Need times, and an instrument that has a frame."""
+        # A ballbar hangs between two balls and has no frame of its own.
         if scene.legs:
             return message("unseen.no_frame")
         return without_times(scene)

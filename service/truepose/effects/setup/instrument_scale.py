@@ -65,5 +65,6 @@ def _spec(name: str) -> ParameterSpec:
 def _term(k: int, name: str, rows: Rows) -> Term:
     if name == _TRACKER:
         return Term(k, Port(PortKind.SCALE, 0), 1.0)
+    # A position is no length: of rows without one the scale of a ballbar moves nothing.
     length_mm = np.zeros(len(rows.stops)) if rows.length_mm is None else rows.length_mm
     return Term(k, Port(PortKind.LENGTH, 0), length_mm)

@@ -82,4 +82,5 @@ def _port_index(name: str) -> int:
 
 def _measured(scene: Scene) -> list[int]:
     unknown = scene.setting.unknown_nests
+    # Unknown nests have no certified place that they could be away from.
     return [nest for nest in distinct_values(scene.nest).tolist() if nest not in unknown]

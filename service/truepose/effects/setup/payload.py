@@ -42,6 +42,7 @@ class Payload:
 
     def candidates(self, scene: Scene) -> tuple[Candidate, ...]:
         """Propose the tool's mass and centre of gravity."""
+        # All four or none: amount and centre of gravity are told apart only together.
         if loads.unseen_masses(scene) is not None or not scene.present.isdisjoint(_NAMES):
             return ()
         return (Candidate(NAME, "tool", self.specs(scene.setting)),)

@@ -132,6 +132,7 @@ class ToolReseating:
 
     def specs(self, setting: Setting) -> tuple[ParameterSpec, ...]:
         """Return the seats of all mountings."""
+        # One mounting is where the tool sits: the arm's last parameters and the nests take it.
         return _specs(setting.attachments) if len(setting.attachments) > 1 else ()
 
     def terms(self, names: tuple[str, ...], rows: Rows) -> list[Term]:

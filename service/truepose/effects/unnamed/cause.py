@@ -65,6 +65,7 @@ class Unnamed:
 
     def goes_on(self, names: tuple[str, ...]) -> bool:
         """Return whether one of the cells moves things ever further in time."""
+        # By the shape that a kind states, so that a kind that a package brings is held as ours are.
         return any(KINDS[key_of(name).kind].shape == "drift" for name in names)
 
     def unseen(self, scene: Scene) -> Text | None:

@@ -126,6 +126,8 @@ class Kind:
     parts: tuple[Part, ...]
     where: Callable[[Place], str]
     over: Callable[[Place], str]
+    # Asked with the data and not with the robot alone: a joint that did not turn has no wave that could be
+    # found.
     places: Callable[[Scene], Iterable[Place]]  # those that the data can show
     variants: Callable[[Scene], Variants]
     moves: Callable[[Key, Rows], Moves]
@@ -133,6 +135,8 @@ class Kind:
     variant_is: tuple[str, str] | None = None  # name and unit of the variant among the details
     variant_known_to: Callable[[float, Scene], float] = exactly  # standard uncertainty of the variant
     limits: Limits | None = None  # of the amplitude, by physics
+    # A drift of a joint needs times, a wave nothing: `Unnamed` as a whole has no answer that fits all of its
+    # cells.
     needs: frozenset[Need] = NOTHING  # what a row must tell so that a cell can be predicted there
 
     def subject(self, place: Place) -> str:

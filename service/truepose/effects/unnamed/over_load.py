@@ -80,6 +80,7 @@ def _mount(scene: Scene) -> list[Place]:
 
 
 def _axes(_scene: Scene) -> Variants:
+    # A plate gives about both axes, a bracket about one: which, nobody knows before.
     return [("any", 0.0), ("x", 1.0), ("y", 2.0)]
 
 

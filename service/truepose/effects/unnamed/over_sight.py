@@ -73,6 +73,7 @@ def _elevation_errs(key: Key, rows: Rows) -> Moves:
 
 
 def _instrument(scene: Scene) -> list[Place]:
+    # Without its place nobody knows under which angles the instrument saw a point.
     return [] if scene.legs or scene.instrument_mm is None else [ALONE]
 
 
