@@ -160,7 +160,13 @@ class NominalArm:
         return poses_of(chain.end_rotation, chain.end_origin)
 
     def in_world(self, goals: Goals) -> Goals:
-        """Return goals that are meant in the robot's base, told in the world."""
+        """Return goals that are meant in the robot's base, told in the world: R p + o.
+
+        Parameters
+        ----------
+        goals : Goals
+            n of them. R and o are of the identified base.
+        """
         position = goals.position_mm @ self._rotation.T + self._origin
         return replace(goals, position_mm=position, rotation=self._rotation @ goals.rotation)
 

@@ -109,7 +109,18 @@ def meant_by_joints(model: Model, stops: Stops) -> Goals:
 
 
 def tool_nests_mm(model: Model) -> FloatArray:
-    """Return where the model has its K tool nests in the last frame, shape (K, 3)."""
+    """Return where the model has its tool nests.
+
+    Parameters
+    ----------
+    model : Model
+        With K nests, one at least.
+
+    Returns
+    -------
+    ndarray, shape (K, 3)
+        [mm], last frame.
+    """
     return NominalArm(identified_estimate(model)).nests_mm
 
 
@@ -136,7 +147,13 @@ def shifted_by(model: Model, goals: Goals, joints_rad: FloatArray) -> tuple[Floa
 
 
 def with_flange(estimate: Estimate) -> Estimate:
-    """Return an estimate with one more nest, the origin of the last frame, behind its own."""
+    """Return an estimate with one more nest, the origin of the last frame, behind its own.
+
+    Parameters
+    ----------
+    estimate : Estimate
+        With K nests; that of the result is number K + 1.
+    """
     structure = estimate.structure
     nests = np.vstack([structure.nests_mm, np.zeros(3)])
     return replace(estimate, structure=replace(structure, nests_mm=nests))

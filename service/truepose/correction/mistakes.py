@@ -145,7 +145,19 @@ class _Work:
         return float((apart & self._reached(flange) & self._near(flange)).mean())
 
     def away_mm(self, goals: Goals, *, in_base: bool) -> float | None:
-        """Return how far from the measured zone the nearest target lies; None: nobody said where that is."""
+        """Return how far from the measured zone the nearest target lies.
+
+        Parameters
+        ----------
+        goals : Goals
+            n of them, nests numbered as of `with_flange`.
+        in_base : bool
+
+        Returns
+        -------
+        float or None
+            [mm]; 0 within the zone, None where nobody said where that is.
+        """
         if self._zone is None:
             return None
         flange = self._arm.flange(self._arm.in_world(goals) if in_base else goals)

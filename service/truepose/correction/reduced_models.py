@@ -155,13 +155,37 @@ def rigid_error(model: Model, arm: RigidArm, seed: int = 0) -> ZoneError | None:
 
 
 def nominal_error(model: Model, seed: int = 0) -> ZoneError | None:
-    """Return how far the nominal robot is off the model, base and unknown nests fitted; None as above."""
+    """Return how far the nominal robot is off the model, base and unknown nests fitted.
+
+    Parameters
+    ----------
+    model : Model
+    seed : int, optional
+        Of `zone_targets`.
+
+    Returns
+    -------
+    ZoneError or None
+        None as of `zone_targets`.
+    """
     targets = zone_targets(model, seed)
     return None if targets is None else zone_error(model, targets, lambda at: nominally_placed(model, at))
 
 
 def nominally_placed(model: Model, targets: Targets) -> FloatArray:
-    """Return where the nominal robot's nests are, base and unknown nests fitted, shape (n, 3) [mm]."""
+    """Return where the nominal robot's nests are, base and unknown nests fitted.
+
+    Parameters
+    ----------
+    model : Model
+    targets : Targets
+        n of them.
+
+    Returns
+    -------
+    ndarray, shape (n, 3)
+        [mm], world.
+    """
     estimate = nominal_estimate(model)
     return evaluate(estimate.structure, estimate.values, targets).unscaled_mm
 

@@ -83,7 +83,7 @@ def hours_followed(rows: Rows) -> FloatArray:
 
 
 def duration_s(scene: Scene) -> float:
-    """Return how long after the origin of times the last reading was taken; 0 without times."""
+    """Return how long after the origin of times the last reading was taken [s]; 0 without times."""
     time_s = scene.stops.time_s
     known = np.zeros(0) if time_s is None else time_s[np.isfinite(time_s)]
     return float(known.max() - scene.origin_s) if known.size else 0.0
@@ -97,7 +97,7 @@ def without_times(scene: Scene) -> Text | None:
 
 
 def spoken(seconds: float) -> Message:
-    """Return a span of time as one says it, e.g. `21 min`."""
+    """Return a span of time as one says it, e.g. `21 min`: seconds below 2 min, hours from 2 h on."""
     if seconds < 120.0:
         return message("span.seconds", seconds=seconds)
     if seconds < 2.0 * SECONDS_PER_HOUR:

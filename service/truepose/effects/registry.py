@@ -184,13 +184,25 @@ def compliant_effects() -> Mapping[str, Compliant]:
 
 
 def unmodelled_in(setting: Setting, stops: Stops) -> tuple[str, ...]:
-    """Return the names of the effects that may be what a model leaves out at such stops."""
+    """Return the names of the effects that may be what a model leaves out at such stops.
+
+    Parameters
+    ----------
+    setting : Setting
+    stops : Stops
+        Where the model is to be used.
+    """
     possible = ((name, effect) for name, effect in EFFECTS.items() if isinstance(effect, Discrepancy))
     return tuple(name for name, effect in possible if effect.unmodelled(setting, stops))
 
 
 def automatic_in(setting: Setting) -> tuple[str, ...]:
-    """Return the names of the effects that are identified where nobody says which ones are."""
+    """Return the names of the effects that are identified where nobody says which ones are.
+
+    Parameters
+    ----------
+    setting : Setting
+    """
     return tuple(name for name, effect in _perhaps_automatic().items() if effect.automatic(setting))
 
 
@@ -219,7 +231,13 @@ def left_open_by(
 
 
 def effect_named(name: str) -> Effect:
-    """Return the effect of that name; raises UnknownEffectError, which lists the known ones or says why."""
+    """Return the effect of that name.
+
+    Raises
+    ------
+    UnknownEffectError
+        There is none, with the known ones; or it is installed and cannot be used, with the reason.
+    """
     if name in _UNUSABLE and name not in EFFECTS:
         raise UnknownEffectError(f"Effect {name!r} is installed but cannot be used: {_UNUSABLE[name]}.")
     if name not in EFFECTS:

@@ -127,7 +127,13 @@ class FittedWave:
 
 
 def fitted_waves(fitted: Fitted) -> list[FittedWave]:
-    """Return the waves that fitted parameters are of, by order."""
+    """Return the waves that fitted parameters are of, by ascending order.
+
+    Parameters
+    ----------
+    fitted : Fitted
+        Sine and cosine of each wave, of one joint.
+    """
     found = []
     for order in sorted({order_of_wave(name) for name in fitted.names}):
         rows = [k for k, name in enumerate(fitted.names) if order_of_wave(name) == order]

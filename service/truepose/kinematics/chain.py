@@ -234,8 +234,8 @@ def forward(
 
     References
     ----------
-    J. J. Craig, Introduction to Robotics, 3rd ed., 2005, equation (3.6); thesis of A. Nubiola, 2014, section
-    2.3.
+    J. J. Craig, Introduction to Robotics, 3rd ed., 2005, equation (3.6).
+    A. Nubiola, PhD thesis, ETS Montreal, 2014, section 2.3.
     """
     n, joints = values.theta_rad.shape
     axes, origins = np.empty((joints + 1, 3, 3, n)), np.empty((joints + 1, 3, n))  # frame 0 is the base
@@ -280,7 +280,7 @@ def forward(
 class _Angles:
     """Turns about one axis of every joint, by the same angle in all rows or by one each.
 
-    An angle that is 0 in all rows is skipped: of a maker's table that is every beta and every other alpha.
+    An angle that is 0 in all rows is skipped: of makers' tables every beta, and alpha of parallel axes.
     """
 
     def __init__(self, angles_rad: FloatArray) -> None:

@@ -203,7 +203,7 @@ def quaternion_from_rotation(rotation: FloatArray) -> FloatArray:
     """Return unit quaternions of rotations, real part first.
 
     The ten products 4 q_i q_j are linear in the entries of R. The row of the largest square is taken and
-    normalised: its divisor is 1 at least, where that of a fixed row vanishes for some turns.
+    normalised: its divisor is 2 at least, where that of a fixed row vanishes for some turns.
 
     Parameters
     ----------
@@ -246,8 +246,7 @@ def rotation_from_vector(vector_rad: FloatArray) -> FloatArray:
     vector = np.asarray(vector_rad, dtype=float)
     angle = np.linalg.norm(vector, axis=-1)[..., None, None]
     cross = cross_matrix(vector)
-    # Through numpy's sinc, sin(pi x) / (pi x), both ratios are right at no turn at all, where they read 0 /
-    # 0.
+    # Through numpy's sinc, sin(pi x) / (pi x), both ratios are right at no turn too, where they are 0 by 0.
     sine_ratio = np.sinc(angle / np.pi)
     cosine_ratio = 0.5 * np.sinc(angle / (2 * np.pi)) ** 2
     rotation: FloatArray = np.eye(3) + sine_ratio * cross + cosine_ratio * (cross @ cross)
@@ -367,8 +366,7 @@ def rigid_alignment(
 ) -> tuple[FloatArray, FloatArray]:
     """Rotation and translation that bring `moving` onto `fixed` with least squared distance.
 
-    With the weighted centres taken off: H = sum of w fixed moving^T = U S V^T, R = U diag(1, 1, det(U V^T))
-    V^T.
+    With the weighted centres taken off: sum of w fixed moving^T = U S V^T, R = U diag(1, 1, det(U V^T)) V^T.
 
     Parameters
     ----------
@@ -391,8 +389,7 @@ def rigid_alignment(
     centre_moving, centre_fixed = share @ moving, share @ fixed
     covariance = (fixed - centre_fixed).T @ (share[:, None] * (moving - centre_moving))
     left, _, right = np.linalg.svd(covariance)
-    # Three nests are always in a plane: their mirror image fits as well, and without this every other one is
-    # it.
+    # Three nests are always in a plane: their mirror image fits as well, and must not be taken for a turn.
     mirror = np.diag([1.0, 1.0, np.sign(np.linalg.det(left @ right))])
     rotation = left @ mirror @ right
     return rotation, centre_fixed - rotation @ centre_moving

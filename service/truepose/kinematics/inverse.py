@@ -126,7 +126,7 @@ def _radical_inverse(index: IntArray, base: int) -> FloatArray:
 
 def _error(chain: Chain, wanted: FloatArray) -> FloatArray:
     """Shift [mm] and turn [mm at the lever] that are left to go to poses (n, 4, 4), shape (n, 6)."""
-    # In the world: the chain's axes, from which the Jacobian is made, are told there too.
+    # Along the axes of the base, in which the chain tells the axes that the Jacobian is made from.
     turn = vector_from_rotation(wanted[:, :3, :3] @ np.swapaxes(chain.end_rotation, 1, 2))
     return np.concatenate([wanted[:, :3, 3] - chain.end_origin, _LEVER_MM * turn], axis=1)
 

@@ -86,7 +86,9 @@ def column_angle(robot: Robot, wrist: FloatArray, which: Branches, ratio: Ratio)
     ratio : callable
         `rounded` or `within_reach`.
 
-    Source: J. J. Craig, Introduction to Robotics, 3rd ed., 2005, section 4.7 (the PUMA 560).
+    References
+    ----------
+    J. J. Craig, Introduction to Robotics, 3rd ed., 2005, section 4.7 (the PUMA 560).
     """
     upper, elbow, forearm = robot.joints[1:4]
     # Offsets along parallel axes add up to one distance from the plane through axis 1, on whichever row they

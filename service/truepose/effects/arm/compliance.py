@@ -75,7 +75,10 @@ class Compliance:
         )
 
     def left_open(self, names: tuple[str, ...], setting: Setting) -> list[NotIdentifiable]:
-        """Return the springs that carry nothing; all where only their products with moments are seen."""
+        """Return the springs that carry nothing; all where only their products with moments are seen.
+
+        Parameters as of `LeavesOpen.left_open`.
+        """
         joints = range(setting.robot.n_joints)
         if setting.torque_source == "unknown":
             return [NotIdentifiable(tuple(joint_name("c", joint) for joint in joints[1:]), _ONLY_PRODUCTS)]
@@ -93,7 +96,10 @@ class Compliance:
     def softness(
         self, names: tuple[str, ...], values: FloatArray, joint: int, load_n_mm: FloatArray | None
     ) -> FloatArray | float:
-        """Return the joint's spring, the same at any load; 0 where it has none."""
+        """Return the joint's spring, the same at any load; 0 where it has none.
+
+        Parameters as of `Compliant.softness`.
+        """
         name = joint_name("c", joint)
         return float(values[names.index(name)]) if name in names else 0.0
 

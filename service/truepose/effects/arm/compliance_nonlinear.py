@@ -62,7 +62,10 @@ class ComplianceNonlinear:
     def softness(
         self, names: tuple[str, ...], values: FloatArray, joint: int, load_n_mm: FloatArray | None
     ) -> FloatArray | float:
-        """Return what teeth that do not bear yet add to the spring: soft / cosh^2(load / t0)."""
+        """Return what teeth that do not bear yet add to the spring: soft / cosh^2(load / t0).
+
+        Parameters as of `Compliant.softness`; 0 where the load is not known.
+        """
         if load_n_mm is None:
             return 0.0
         added = np.zeros(len(load_n_mm))

@@ -101,7 +101,7 @@ class Geometry:
         return list(link_terms(names))
 
     def left_open(self, names: tuple[str, ...], setting: Setting) -> list[NotIdentifiable]:
-        """Return the offsets along parallel axes."""
+        """Return the offsets along parallel axes; parameters as of `LeavesOpen.left_open`."""
         # Of the model's own names: nothing is open of a table that is not identified.
         if "d_2" not in names and "alpha_2" not in names:
             return []

@@ -91,7 +91,10 @@ class JointHarmonics:
         return found
 
     def sums(self, names: tuple[str, ...], values: FloatArray, rows: Rows) -> dict[Port, FloatArray]:
-        """Return the curves of the joints [rad], shape (n,) each, on their theta."""
+        """Return the curves of the joints [rad], shape (n,) each, on their theta.
+
+        Parameters as of `Summed.sums`.
+        """
         table = _table(names)
         found = {}
         for joint in distinct_values(table.joint).tolist():

@@ -81,7 +81,7 @@ def stated_mass(robot: Robot, frame: int) -> LinkMass:
 
 
 def mass_limits(stated: LinkMass) -> Limits | None:
-    """Return by how much a mass may differ from what is stated [kg]; None where nothing is."""
+    """Return by how much a mass may differ from what is stated: half of it; None where nothing is."""
     most_kg = _LARGEST_SHARE * stated.mass_kg
     return Limits(-most_kg, most_kg, message("limits.mass")) if most_kg > 0.0 else None
 

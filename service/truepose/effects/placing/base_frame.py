@@ -41,7 +41,7 @@ class Base:
         return [Term(k, Port(PortKind.BASE, PARAMETERS.index(name)), 1.0) for k, name in enumerate(names)]
 
     def left_open(self, names: tuple[str, ...], setting: Setting) -> list[NotIdentifiable]:
-        """Return row 1 of the table beside the base."""
+        """Return row 1 of the table beside the base; parameters as of `LeavesOpen.left_open`."""
         of_table = ("d_", "theta_", "alpha_")
         if "base_z" not in names or not any(name.startswith(of_table) for name in names):
             return []

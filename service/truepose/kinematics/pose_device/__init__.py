@@ -1,7 +1,7 @@
 """The pose device: six ballbar lengths between three cups and three nests give the pose of the tool.
 
 `cascade` solves the thesis' pattern of legs in closed form, `assemblies` lists the ways to put it together,
-`starts` solves any six legs, and `least_squares` fits a pose to any number of them.
+`starts` solves any six legs that hold the tool, and `least_squares` fits a pose to any number of them.
 """
 
 from truepose.kinematics.pose_device.assemblies import (

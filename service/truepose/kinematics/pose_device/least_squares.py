@@ -188,8 +188,8 @@ def recognise_assembly(
     Returns
     -------
     RecognisedAssembly or None
-        The one that is a thousand times likelier than the next, and nearer than all but 1 in 10,000 arms
-        would be.
+        The one that is a thousand times likelier than the next, and no farther than 9,999 of 10,000 such arms
+        would be from theirs.
     """
     square = np.array([square_mm2(commanded, one, nests_mm) for one in candidates])
     order = np.argsort(np.where(np.isnan(square), np.inf, square), kind="stable")
@@ -224,7 +224,19 @@ def is_clearly_nearer(
 
 
 def square_mm2(first: Pose, second: Pose, nests_mm: FloatArray) -> float:
-    """Return the sum of the squared distances of the three nests between two poses [mm2]."""
+    """Return the sum of the squared distances of the three nests between two poses.
+
+    Parameters
+    ----------
+    first, second : Pose
+    nests_mm : ndarray, shape (3, 3)
+        In the last frame.
+
+    Returns
+    -------
+    float
+        [mm2]; NaN where a pose is not finite.
+    """
     return float(((first.points(nests_mm) - second.points(nests_mm)) ** 2).sum())
 
 
