@@ -2,7 +2,7 @@
 
 What cannot be loaded, or is none of these, is kept with its reason: it must not take the others down. What
 fails later, while it works, is refused in one sentence with its name (`InstalledCauseError`). This module is
-the one place where foreign code is called, and where its exceptions are caught broadly.
+the one place where causes of other packages are called, and where their exceptions are caught broadly.
 """
 
 from collections.abc import Callable, Iterable, Mapping

@@ -272,7 +272,6 @@ def gaps(stops: Stops, rows: BoolArray, least_readings: int) -> tuple[Gap, ...]:
     order = chosen[np.argsort(stops.time_s[chosen], kind="stable")]
     time_s, config = stops.time_s[order], stops.config[order]
     ends = np.arange(1, len(order))
-    # Readings of one stop stand together: nothing jumped between them without the arm having been moved.
     apart = (config[1:] != config[:-1]) & (np.diff(time_s) > 0.0)
     enough = (ends >= least_readings) & (len(order) - ends >= least_readings)
     return tuple(

@@ -123,8 +123,7 @@ class Compliance:
         for joint, specs in by_joint.items():
             heavy = [spec for spec in specs if _is_heavy(spec.name)]
             if 0 < len(heavy) < len(specs):
-                # With few readings the two or four products of the heavy links are worth their number where
-                # all are not.
+                # The two or four products of the heavy links may be worth their number where all are not.
                 found.append(Candidate(NAME, joint_subject(joint), tuple(heavy), float(len(heavy))))
             found.append(Candidate(NAME, joint_subject(joint), tuple(specs)))
         return tuple(found)

@@ -81,7 +81,7 @@ class Geometry:
         self._tilt = tilt
 
     def automatic(self, setting: Setting) -> bool:
-        """Say that it is, of the two that with all that the table may be wrong by."""
+        """Say that the one with beta is: it has all that the table may be wrong by."""
         return self._tilt
 
     def specs(self, setting: Setting) -> tuple[ParameterSpec, ...]:
