@@ -46,6 +46,8 @@ def orders(scene: Scene, joint: int) -> tuple[float, ...]:
     (docs/decisions/0015: among hundreds of orders some fast wave fits anything).
     """
     ratio = gear_ratio(scene, joint)
+    # Whole orders only: a line between two of them is weighed afterwards, where a finer grid here would be
+    # ten times as many chances for noise (docs/decisions/0030).
     highest = round(2.0 * ratio) if ratio else _HIGHEST_OF_UNKNOWN_GEAR
     return tuple(float(order) for order in range(1, highest + 1))
 
@@ -75,6 +77,8 @@ def wave_names(joint: int, order: float) -> tuple[str, str]:
     order : float
         With as many digits as a name has: `%g`.
     """
+    # Six digits: terms are rebuilt from names alone, so that the order which counts is the one that the name
+    # has.
     return f"wave_{joint + 1}_{order:g}_sin", f"wave_{joint + 1}_{order:g}_cos"
 
 
