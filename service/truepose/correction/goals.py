@@ -88,8 +88,7 @@ def check_rotations(rotation: FloatArray) -> None:
             f"The orientation of row {int(np.argmax(wrong))} is no rotation: its axes are not of length 1 "
             "and at right angles."
         )
-    # Orthonormal frames of the wrong hand come from programs that count y or z the other way: axes of length
-    # 1 at right angles do not show it.
+    # An orthonormal matrix may still mirror: lengths of 1 and right angles do not show it.
     mirrored = np.linalg.det(rotation) < 0.0
     if mirrored.any():
         raise ConfigurationError(

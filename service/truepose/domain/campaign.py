@@ -32,6 +32,8 @@ class Stops(Table):
     """
 
     config: IntArray  # (n,) number of the configuration
+    # The controller's nominal model turns the commanded ones into the pose that the identified model must
+    # correct.
     joints_rad: FloatArray  # (n, J) commanded where the robot was commanded, else reported
     direction: IntArray | None = None  # (n, J) sign of each joint's last motion, 0 unknown
     time_s: FloatArray | None = None  # (n,)

@@ -49,7 +49,8 @@ class Bars:
 class BallbarKit:
     """A ballbar with its calibrator and fixtures, as the cell file describes them."""
 
-    # Bars without a cell file's word are those of the thesis' fixtures: tool sides of 150 mm, legs of 300 mm.
+    # Where a cell file does not say, the bars are those of the thesis' fixtures: tool sides of 150 mm, legs
+    # of 300.
     tool_bars: Bars = field(default_factory=lambda: Bars(150.0, 150.0, 0.0005, (50.0,)))
     base_bars: Bars = field(default_factory=lambda: Bars(300.0, 300.0, 0.0005, (150.0, 50.0)))
     range_mm: float = 1.0  # either way of the nominal length

@@ -32,8 +32,6 @@ class TrueposeError(Exception):
 
     def __init__(self, text: Text = "") -> None:
         super().__init__(text)
-        # Beside `args`, which pickles it: an error of a worker process is raised again in the service with
-        # its message.
         self.text: Text = text
 
     def __str__(self) -> str:
