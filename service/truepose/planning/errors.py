@@ -1,10 +1,9 @@
-"""Errors of planning.
+"""Errors of planning: each message is one sentence that says what to change in the cell or the request.
 
-PlanningError
-├── WorkSpaceError           what is said of the cell does not allow any configuration
-├── TooFewCandidatesError    fewer configurations are feasible than were asked for
-├── AimError                 no joints near a pose give its legs the wanted lengths
-└── NoWayError               no clear way was found from one stop to the next, or to any in its place
+PlanningError ├── WorkSpaceError what is said of the cell does not allow any configuration ├──
+TooFewCandidatesError fewer configurations are feasible than were asked for ├── AimError no joints near a pose
+give its legs the wanted lengths └── NoWayError no clear way was found from one stop to the next, or to any in
+its place
 """
 
 from truepose.domain.errors import TrueposeError

@@ -38,7 +38,18 @@ _RIDGE: Final = 1e-9  # of the mean information per parameter: makes a rank-defi
 
 @dataclass(frozen=True, slots=True)
 class Selection:
-    """The chosen candidates."""
+    """The chosen candidates.
+
+    Attributes
+    ----------
+    indices : ndarray, shape (n,)
+        Ascending.
+    o1 : float
+        O1 of the chosen rows alone, without what was known before, in the unit of the Jacobians; 0 where the
+        chosen ones leave a parameter undetermined.
+    exchanges : int
+        How many were made.
+    """
 
     indices: IntArray  # (n,) ascending
     o1: float  # 0 where the chosen ones leave a parameter undetermined
@@ -71,13 +82,14 @@ def choose_by_exchange(
     Returns
     -------
     Selection
+        A local optimum: another start may end at another.
 
     Raises
     ------
     TooFewCandidatesError
         There are fewer than n candidates.
     ConfigurationError
-        An argument has the wrong shape or is not finite.
+        The Jacobians have the wrong shape or are not finite, n is below 1, or the start is no set of n.
     """
     _check_arguments(jacobians, n, start)
     chosen = np.zeros(len(jacobians), dtype=bool)
@@ -91,7 +103,19 @@ def choose_by_exchange(
 def rank_substitutes(jacobians: FloatArray, chosen: BoolArray, prior_information: FloatArray) -> IntArray:
     """Return the candidates that are not chosen, first the one that raises O1 of the chosen ones most.
 
-    Parameters and errors as above; `chosen` is a mask of shape (n_candidates,).
+    Parameters
+    ----------
+    jacobians : ndarray, shape (n_candidates, rows, n_parameters)
+        As in `choose_by_exchange`.
+    chosen : ndarray of bool, shape (n_candidates,)
+        Which are chosen.
+    prior_information : ndarray, shape (n_parameters, n_parameters)
+        What is known beforehand.
+
+    Returns
+    -------
+    ndarray, shape (n_candidates - n_chosen,)
+        Indices, the best first.
     """
     gains = _Blocks(jacobians, chosen, prior_information).gains()
     ranked: IntArray = np.argsort(-gains, kind="stable")[: int(np.sum(~chosen))]
@@ -112,6 +136,11 @@ def _check_arguments(jacobians: FloatArray, n: int, start: IntArray | None) -> N
 
 
 def _ridge(jacobians: FloatArray, n: int) -> FloatArray:
+    """Return the information that makes a rank-deficient start comparable, a multiple of I, shape (P, P).
+
+    A share of n mean |J_i|^2 / P, the mean information per parameter of a set of n: it is too small to draw
+    the choice anywhere.
+    """
     parameters = jacobians.shape[2]
     typical = n * float(np.mean(np.sum(jacobians**2, axis=(1, 2)))) / parameters
     ridge: FloatArray = _RIDGE * max(typical, 1e-100) * np.eye(parameters)
@@ -124,11 +153,14 @@ def _o1(chosen: FloatArray) -> float:
 
 
 def _exchange_until_it_stops(jacobians: FloatArray, chosen: BoolArray, prior: FloatArray) -> int:
+    """Exchange members of `chosen`, which is changed in place, until none helps; return their number."""
     exchanges, state = 0, _Blocks(jacobians, chosen, prior)
     while (swap := state.swap()) is not None or state.exchanges > 0:
         if swap is not None:
             chosen[[swap.leaving, swap.entering]] = False, True
             exchanges += 1
+        # That nothing helps is believed only of blocks worked out anew: after some exchanges rounding
+        # may hide the last of them.
         if swap is None or state.exchanges == _FRESH or not state.exchanged(swap):
             state = _Blocks(jacobians, chosen, prior)
     return exchanges
@@ -147,6 +179,8 @@ class _Blocks:
 
     def __init__(self, jacobians: FloatArray, chosen: BoolArray, prior: FloatArray) -> None:
         self._chosen = chosen.copy()
+        # Brought up to date by thin products, 38 of 5,000 candidates are chosen in 0.12 s; with all
+        # blocks worked out anew at each exchange it took 0.55 s.
         self._rows = np.ascontiguousarray(jacobians.transpose(2, 1, 0))  # (P, rows, N)
         members = jacobians[chosen].reshape(-1, jacobians.shape[2])
         self._inverse = _inverted(members.T @ members + prior)
@@ -165,6 +199,8 @@ class _Blocks:
         losses = _log_det(_plus_one(-self._blocks[:, :, members]))
         for place in np.argsort(-losses, kind="stable"):
             leaving, without = int(members[place]), None
+            # I - G_bb is nearly singular where M needs b: its inverse would keep no digits, the
+            # other form has it not.
             if losses[place] > np.log(_DISPENSABLE):
                 without = self._without(leaving)
                 gains = losses[place] + _log_det(_plus_one(without))
@@ -201,7 +237,11 @@ class _Blocks:
         return np.asarray((own @ self._rows.reshape(len(self._rows), -1)).reshape(self._blocks.shape))
 
     def _gains_of_indispensable(self, leaving: int) -> FloatArray:
-        """Return by what log det M grows where a member leaves that the others can hardly do without."""
+        """Return by what log det M grows where a member leaves that the others can hardly do without.
+
+        For every a: log det(I + G_aa) + log det(I - G_bb + G_ba (I + G_aa)^-1 G_ab), shape (N,); as the head
+        of the module says.
+        """
         plus = np.moveaxis(_plus_one(self._blocks), 2, 0)
         seen = np.moveaxis(self._seen_from(leaving), 2, 0)
         left = np.eye(plus.shape[1]) - self._blocks[:, :, leaving]
@@ -224,6 +264,7 @@ def _products(first: FloatArray, second: FloatArray) -> FloatArray:
     sums = np.empty((rows, rows, n))
     for i in range(rows):
         for j in range(i + 1):
+            # Symmetric to the last digit, as the determinants by elimination take them to be.
             sums[i, j] = sums[j, i] = np.einsum("kn,kn->n", first[:, i], second[:, j])
     return sums
 
@@ -234,7 +275,11 @@ def _shared(seen: FloatArray, own: FloatArray) -> FloatArray:
 
 
 def _with_term(inverse: FloatArray, rows: FloatArray, own: FloatArray) -> FloatArray:
-    """Return M^-1 after a candidate (P, rows) has come or gone."""
+    """Return M^-1 after a candidate has come or gone: M^-1 + M^-1 J' K J M^-1.
+
+    `rows` is J' (P, rows), `own` is K: (I - G_bb)^-1 of one that goes, -(I + G_bb)^-1 of one that comes
+    (Woodbury).
+    """
     reach = inverse @ rows
     return np.asarray(inverse + reach @ own @ reach.T)
 
