@@ -77,7 +77,18 @@ class Rooms:
 
 
 def bodies_of(cell: Cell) -> CellBodies:
-    """Return the bodies of a cell; a nest whose centre nobody knows is none."""
+    """Return the bodies of a cell, which are those that touch; a nest whose centre nobody knows is none.
+
+    Parameters
+    ----------
+    cell : Cell
+
+    Returns
+    -------
+    CellBodies
+        The floor as the cell states it, else assumed at the world's z = 0 or the robot's foot, whichever is
+        lower. No room is kept off keep-out volumes.
+    """
     stated = cell.limits.floor_z_mm
     floor_mm = min(0.0, cell.base_nominal.z_mm) if stated is None else stated
     return CellBodies(
@@ -90,7 +101,16 @@ def bodies_of(cell: Cell) -> CellBodies:
 
 
 def bodies_in(space: WorkSpace) -> CellBodies:
-    """Return the bodies of a work space, whose table counts as stated."""
+    """Return the bodies of a work space, whose table counts as stated, with room kept off keep-out volumes.
+
+    Parameters
+    ----------
+    space : WorkSpace
+
+    Returns
+    -------
+    CellBodies
+    """
     return CellBodies(
         arm_outline(space.robot, space.base),
         _centres_mm(space.nests),
@@ -102,7 +122,18 @@ def bodies_in(space: WorkSpace) -> CellBodies:
 
 
 def are_outside_keep_outs(space: WorkSpace, joints_rad: FloatArray) -> BoolArray:
-    """Whether arm and tool keep their room about all keep-out volumes at configurations (n, J)."""
+    """Return whether arm and tool keep their room about all keep-out volumes.
+
+    Parameters
+    ----------
+    space : WorkSpace
+    joints_rad : ndarray, shape (n, J)
+
+    Returns
+    -------
+    ndarray of bool, shape (n,)
+        All where there are no volumes.
+    """
     outside: BoolArray = np.ones(len(joints_rad), dtype=bool)
     if not space.keep_outs or not len(joints_rad):
         return outside
@@ -116,7 +147,20 @@ def are_outside_keep_outs(space: WorkSpace, joints_rad: FloatArray) -> BoolArray
 
 
 def arm_outline(robot: Robot, base: FramePlacement) -> BallbarCell:
-    """Return the arm alone, with nothing on its flange, free to turn anywhere."""
+    """Return the arm alone, with nothing on its flange, free to turn anywhere.
+
+    Parameters
+    ----------
+    robot : Robot
+    base : FramePlacement
+        In the world.
+
+    Returns
+    -------
+    BallbarCell
+    """
+    # A ballbar's cell has three nests and ranges; the outline of the arm, which is what is wanted, asks
+    # for neither.
     return BallbarCell(robot, base, np.zeros((3, 3)), (JointRange(-np.pi, np.pi),) * robot.n_joints)
 
 
@@ -125,9 +169,19 @@ def _centres_mm(nests: Sequence[Nest]) -> FloatArray:
 
 
 def rooms(bodies: CellBodies, joints_rad: FloatArray, *, floor_only: bool = False) -> Rooms:
-    """Return the room of every body at configurations (n, J).
+    """Return the room of every body at configurations.
 
-    With `floor_only` the tool is not held against the arm: to the floor, and to keep-out volumes.
+    Parameters
+    ----------
+    bodies : CellBodies
+    joints_rad : ndarray, shape (n, J)
+    floor_only : bool
+        The tool is not held against the arm: only to the floor, and to keep-out volumes.
+
+    Returns
+    -------
+    Rooms
+        Nests first, so that a sentence names what a person sees first.
     """
     frames = chain_of(bodies.arm, joints_rad)
     arm, links = arm_body(bodies.arm, frames), arm_links(bodies.arm)
@@ -153,6 +207,7 @@ def _above_floor(
     for nest, height in enumerate(_heights(tool), start=1):
         yield message("room.nest", nest=nest), _BELOW, height - bodies.floor_z_mm
     for link, height in zip(links, _heights(arm), strict=True):
+        # Foot and shoulder stand on the floor in every position.
         if link >= _COLUMN_LINKS:
             yield message("room.link", link=link), _BELOW, height - bodies.floor_z_mm
 
@@ -174,6 +229,7 @@ def _off_the_arm(
     arm: Capsules, links: tuple[int, ...], tool: Capsules
 ) -> Iterator[tuple[Message, Message, FloatArray]]:
     """Yield the rooms of the tool beside the links before the wrist."""
+    # The tool is beside wrist and flange in every position, and would touch them always.
     inner = [k for k, link in enumerate(links) if link <= max(links) - _WRIST_LINKS]
     for nest, gap in enumerate(np.min(gaps(tool, arm.some(inner)), axis=1, initial=np.inf), start=1):
         yield message("room.nest", nest=nest), _INSIDE, gap
@@ -200,7 +256,22 @@ def what_is_in_the_way(
     *,
     floor_only: bool = False,
 ) -> Message | None:
-    """Return one sentence for the first place on the way, or stop, at which something would touch."""
+    """Return one sentence for the first place on the way, or stop, at which something would touch.
+
+    Parameters
+    ----------
+    bodies : CellBodies
+    stops : sequence of PlannedStop
+    approach_offset_rad : float or None
+        Of the session.
+    floor_only : bool
+        As of `rooms`.
+
+    Returns
+    -------
+    Message or None
+        None: nothing touches at any of them. The ways between are not looked at.
+    """
     places = [(stop.config, *place) for stop in stops for place in stop.places(approach_offset_rad)]
     for first in range(0, len(places), _AT_ONCE):
         some = places[first : first + _AT_ONCE]
@@ -224,7 +295,14 @@ _WAYS_AT_ONCE: Final = 20_000  # configurations; keeps the arrays small
 
 @dataclass(frozen=True, slots=True)
 class Ways:
-    """Straight joint motions, one after the other where they come from stops."""
+    """Straight joint motions, one after the other where they come from stops.
+
+    Attributes
+    ----------
+    names : tuple of Message
+        "from ... to ..."; none where nobody is told of them.
+    start_rad, end_rad : ndarray, shape (n, J)
+    """
 
     names: tuple[Message, ...]  # "from ... to ..."; none where nobody is told of them
     start_rad: FloatArray  # (n, J)
@@ -234,7 +312,21 @@ class Ways:
 def ways_between(
     stops: Sequence[PlannedStop], approach_offset_rad: float | None, here_rad: Sequence[float] | None = None
 ) -> Ways:
-    """Return the motions of a session to its stops, the first one from `here_rad` where that is known."""
+    """Return the motions of a session to its stops.
+
+    Parameters
+    ----------
+    stops : sequence of PlannedStop
+    approach_offset_rad : float or None
+        Of the session.
+    here_rad : sequence of float, optional
+        Where the arm stands; without it the first motion is not among them.
+
+    Returns
+    -------
+    Ways
+        One a place of the stops (work, approach, stop), less the first where nobody knows its begin.
+    """
     targets = [] if here_rad is None else [np.array(here_rad)]
     names = [] if here_rad is None else [message("room.end.here")]
     for stop in stops:
@@ -250,7 +342,22 @@ def what_blocks_a_way(bodies: CellBodies, ways: Ways, *, floor_only: bool = Fals
     """Return why a plan with these ways is refused.
 
     Where nobody states the floor, only keep-out volumes are looked at.
+
+    Parameters
+    ----------
+    bodies : CellBodies
+    ways : Ways
+        With names.
+    floor_only : bool
+        As of `rooms`.
+
+    Returns
+    -------
+    Message or None
+        None: it is not refused.
     """
+    # An assumed floor may lie where there is none: a person is told of it (`what_to_watch`), nobody is
+    # refused for it.
     if not bodies.floor_is_stated:
         bodies, floor_only = replace(bodies, floor_z_mm=-np.inf), True
     blocked = touching(bodies, ways, floor_only=floor_only)
@@ -261,7 +368,19 @@ def what_blocks_a_way(bodies: CellBodies, ways: Ways, *, floor_only: bool = Fals
 
 
 def what_to_watch(bodies: CellBodies, ways: Ways) -> Text:
-    """Return what whoever lets the arm go these ways has to know of them, empty where all look clear."""
+    """Return what whoever lets the arm go these ways has to know of them.
+
+    Parameters
+    ----------
+    bodies : CellBodies
+    ways : Ways
+        With names.
+
+    Returns
+    -------
+    Message or str
+        The first way on which something would touch, and how many others; empty where all look clear.
+    """
     found = touching(bodies, ways)
     if not found.size:
         return ""
@@ -275,19 +394,62 @@ def what_to_watch(bodies: CellBodies, ways: Ways) -> Text:
 
 
 def what_touches(bodies: CellBodies, ways: Ways, way: int, *, floor_only: bool = False) -> Message:
-    """Return in words what touches on a way, where it has least room."""
+    """Return in words what touches on a way, where it has least room.
+
+    Parameters
+    ----------
+    bodies : CellBodies
+    ways : Ways
+    way : int
+        Row of a way on which something does touch.
+    floor_only : bool
+        As of `rooms`.
+
+    Returns
+    -------
+    Message
+    """
     joints = _along(ways, np.array([way]), _looks(ways)[[way]])
     found = rooms(bodies, joints, floor_only=floor_only)
     return found.what_touches(int(np.argmin(found.least_mm())))
 
 
 def touching(bodies: CellBodies, ways: Ways, *, floor_only: bool = False) -> IntArray:
-    """Return which ways something would touch on."""
+    """Return which ways something would touch on.
+
+    Parameters
+    ----------
+    bodies : CellBodies
+    ways : Ways
+        n of them.
+    floor_only : bool
+        As of `rooms`.
+
+    Returns
+    -------
+    ndarray
+        Their rows, ascending.
+    """
     return np.flatnonzero(least_rooms_mm(bodies, ways, floor_only=floor_only) < 0.0)
 
 
 def least_rooms_mm(bodies: CellBodies, ways: Ways, *, floor_only: bool = False) -> FloatArray:
-    """Return the least room on each way [mm], negative where something would touch, shape (n,)."""
+    """Return the least room on each way.
+
+    Parameters
+    ----------
+    bodies : CellBodies
+    ways : Ways
+        n of them.
+    floor_only : bool
+        As of `rooms`.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        [mm]; negative where something would touch. Looked at is every second degree of the joint that turns
+        most, and the end; where a way begins, the one before it ends.
+    """
     if not len(ways.start_rad):
         return np.zeros(0)
     looks = _looks(ways)
@@ -314,7 +476,10 @@ def _batches(looks: IntArray) -> Iterator[IntArray]:
 
 
 def _along(ways: Ways, some: IntArray, looks: IntArray) -> FloatArray:
-    """Return the configurations looked at on some ways, one way after the other, their ends included."""
+    """Return the configurations looked at on some ways, one way after the other, their ends included.
+
+    q = (1 - k / l) q_start + (k / l) q_end, k = 1 ... l with l looks; the begin is the end of the way before.
+    """
     row = np.repeat(some, looks)
     number = np.arange(1, len(row) + 1) - np.repeat(np.cumsum(looks) - looks, looks)
     share = (number / np.repeat(looks, looks))[:, None]

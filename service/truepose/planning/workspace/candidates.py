@@ -30,10 +30,21 @@ _BEAM_RADIUS_MM: Final = 5.0
 
 
 def cosines_in_sight(space: WorkSpace, chain: Chain, among: BoolArray | None = None) -> FloatArray:
-    """Return the cosines between where each nest's reflector faces and the tracker, shape (K, n).
+    """Return the cosines between where each nest's reflector faces and the tracker.
 
-    -inf where something stands between them; looked at is what the tracker would see but for that, at all
-    configurations or `among` some (n,).
+    Parameters
+    ----------
+    space : WorkSpace
+    chain : Chain
+        Of n configurations.
+    among : ndarray of bool, shape (n,), optional
+        Configurations at which it is looked whether something is in the way; by default all. Looked at is
+        only what the tracker would see but for that.
+
+    Returns
+    -------
+    ndarray, shape (K, n)
+        -inf where something stands between nest and tracker.
     """
     cosines = cosines_to_tracker(space, chain)
     if space.tracker_position_mm is None:
@@ -46,7 +57,19 @@ def cosines_in_sight(space: WorkSpace, chain: Chain, among: BoolArray | None = N
 
 
 def is_seen(space: WorkSpace, cosines: FloatArray) -> BoolArray:
-    """Whether reflectors with these cosines return the beam."""
+    """Return whether reflectors with these cosines return the beam.
+
+    Parameters
+    ----------
+    space : WorkSpace
+        Says within which angle they do.
+    cosines : ndarray, any shape
+        As of `cosines_in_sight`.
+
+    Returns
+    -------
+    ndarray of bool, of that shape
+    """
     seen: BoolArray = cosines >= np.cos(space.seen_within_rad)
     return seen
 
@@ -59,6 +82,8 @@ def _is_hidden(
     beam = Capsules(start, np.broadcast_to(tracker_mm, start.shape), np.full(1, _BEAM_RADIUS_MM))
     hidden: BoolArray = np.zeros(len(row), dtype=bool)
     for volume in space.keep_outs:
+        # A volume round the tracker keeps the arm away from it; solid it is not, or it would see
+        # nothing.
         if signed_mm(volume, tracker_mm) > 0.0:
             hidden |= gaps_mm(volume, beam)[0] < 0.0
     hidden |= smallest_gap(_before_the_flange(space, chain).at(row), beam) < 0.0
@@ -67,6 +92,7 @@ def _is_hidden(
 
 def _before_the_flange(space: WorkSpace, chain: Chain) -> Capsules:
     arm = bodies_in(space).arm
+    # A nest is carried by the last link: its beam would begin inside it and count as hidden everywhere.
     links = arm_links(arm)
     return arm_body(arm, chain).some([k for k, link in enumerate(links) if link < max(links)])
 
@@ -78,7 +104,14 @@ _HOPELESS: Final = 10  # batches of which none can be measured
 
 @dataclass(frozen=True, slots=True)
 class Candidates:
-    """n feasible configurations and the nest to measure in each."""
+    """n feasible configurations and the nest to measure in each.
+
+    Attributes
+    ----------
+    joints_rad : ndarray, shape (n, J)
+    nest : ndarray, shape (n,)
+        1-based, the one that faces the tracker best.
+    """
 
     joints_rad: FloatArray  # (n, J)
     nest: IntArray  # (n,) 1-based, the one that faces the tracker best
@@ -98,14 +131,25 @@ class Candidates:
 
 
 def draw_candidates(space: WorkSpace, n: int, rng: np.random.Generator) -> Candidates:
-    """Draw n feasible configurations, uniformly in the joint ranges.
+    """Draw n feasible configurations, uniformly in the joint ranges, by rejection.
+
+    Parameters
+    ----------
+    space : WorkSpace
+    n : int
+    rng : numpy.random.Generator
+        The same state gives the same candidates.
+
+    Returns
+    -------
+    Candidates
 
     Raises
     ------
     WorkSpaceError
         What is said of the cell contradicts itself.
     TooFewCandidatesError
-        Hardly any configuration is feasible.
+        Hardly any configuration is feasible: fewer than n of half a million, or none of the first 80,000.
     """
     require_consistent(space)
     joints: list[FloatArray] = []
@@ -136,7 +180,7 @@ def _draw(space: WorkSpace, rng: np.random.Generator) -> FloatArray:
 
 
 def judge(space: WorkSpace, joints_rad: FloatArray, rng: np.random.Generator) -> tuple[BoolArray, IntArray]:
-    """Judge configurations.
+    """Judge configurations by the rules of the work space, the approach included.
 
     Parameters
     ----------
@@ -147,14 +191,16 @@ def judge(space: WorkSpace, joints_rad: FloatArray, rng: np.random.Generator) ->
 
     Returns
     -------
-    feasible : ndarray, shape (n,)
+    feasible : ndarray of bool, shape (n,)
     nest : ndarray, shape (n,)
         1-based nest that faces the tracker best, whether it is seen or not.
     """
     chain = nominal_chain(space, joints_rad)
+    # From cheap to dear: cones, then rooms, then beams past arm and volumes, each among what is left.
     feasible = is_seen(space, cosines_to_tracker(space, chain).max(axis=0))
     feasible[feasible] = have_room_to_approach(space, joints_rad[feasible])
     cosines = cosines_in_sight(space, chain, feasible)
+    # Without facings all nests are seen alike, and argmax would take the first of them every time.
     shuffled = rng.permutation(len(cosines))
     best = shuffled[np.argmax(cosines[shuffled], axis=0)]
     feasible &= is_seen(space, np.max(cosines, axis=0))
@@ -162,7 +208,18 @@ def judge(space: WorkSpace, joints_rad: FloatArray, rng: np.random.Generator) ->
 
 
 def have_room_to_approach(space: WorkSpace, joints_rad: FloatArray) -> BoolArray:
-    """Whether the arm may be at configurations (n, J), and where it approaches them from."""
+    """Return whether the arm may be at configurations, and where it approaches them from.
+
+    Parameters
+    ----------
+    space : WorkSpace
+    joints_rad : ndarray, shape (n, J)
+
+    Returns
+    -------
+    ndarray of bool, shape (n,)
+        The way between the two is not looked at.
+    """
     room = has_room(space, joints_rad, nominal_chain(space, joints_rad))
     if space.approach_offset_rad is not None:
         begin = joints_rad[room] + space.approach_offset_rad
@@ -171,7 +228,20 @@ def have_room_to_approach(space: WorkSpace, joints_rad: FloatArray) -> BoolArray
 
 
 def has_room(space: WorkSpace, joints_rad: FloatArray, chain: Chain) -> BoolArray:
-    """Whether the arm may be at configurations (n, J): within its limits, clear of everything known."""
+    """Return whether the arm may be at configurations: within its limits, clear of everything known.
+
+    Parameters
+    ----------
+    space : WorkSpace
+    joints_rad : ndarray, shape (n, J)
+    chain : Chain
+        Of these configurations.
+
+    Returns
+    -------
+    ndarray of bool, shape (n,)
+    """
     room: BoolArray = is_clear(space, chain) & within(space.motion_limits, joints_rad)
+    # Last, and only of what is left: bodies against volumes cost more than points.
     room[room] = are_outside_keep_outs(space, joints_rad[room])
     return room

@@ -58,7 +58,18 @@ class WorkSpace:
 
 
 def widened(ranges: tuple[JointRange, ...], approach_offset_rad: float | None) -> tuple[JointRange, ...]:
-    """Return ranges that contain the approach, which begins outside them for stops at their edge."""
+    """Return ranges that contain the approach, which begins outside them for stops at their edge.
+
+    Parameters
+    ----------
+    ranges : tuple of JointRange
+    approach_offset_rad : float or None
+        Added to all joints where an approach begins; None: there is none.
+
+    Returns
+    -------
+    tuple of JointRange
+    """
     offset = approach_offset_rad or 0.0
     return tuple(
         JointRange(limit.lower_rad + min(0.0, offset), limit.upper_rad + max(0.0, offset)) for limit in ranges
@@ -66,7 +77,18 @@ def widened(ranges: tuple[JointRange, ...], approach_offset_rad: float | None) -
 
 
 def require_consistent(space: WorkSpace) -> None:
-    """Raise WorkSpaceError, with one sentence, for what no configuration can satisfy."""
+    """Raise, with one sentence, for what no configuration can satisfy.
+
+    Parameters
+    ----------
+    space : WorkSpace
+
+    Raises
+    ------
+    WorkSpaceError
+        Ranges or limits are not one a joint or end below where they begin, there is no tool nest, a nest has
+        no centre, or a nest faces somewhere and nobody says where the tracker is.
+    """
     for what, limits in (("ranges", space.ranges), ("limits", space.motion_limits)):
         if len(limits) != space.robot.n_joints:
             raise WorkSpaceError(f"{len(limits)} joint {what} are given for {space.robot.n_joints} joints.")
@@ -85,7 +107,19 @@ def require_consistent(space: WorkSpace) -> None:
 
 
 def nominal_chain(space: WorkSpace, joints_rad: FloatArray) -> Chain:
-    """Return the nominal frames of configurations (n, J) in the world."""
+    """Return the nominal frames of configurations in the world.
+
+    Parameters
+    ----------
+    space : WorkSpace
+    joints_rad : ndarray, shape (n, J)
+        As the controller counts them.
+
+    Returns
+    -------
+    Chain
+        Frames of all joints [mm, world].
+    """
     rotation, origin = placement_rotation(space.base), placement_translation(space.base)
     return forward(nominal_values(space.robot, joints_rad), rotation, origin)
 
@@ -96,7 +130,18 @@ def nest_places(space: WorkSpace, chain: Chain) -> FloatArray:
 
 
 def is_clear(space: WorkSpace, chain: Chain) -> BoolArray:
-    """Whether wrist, flange and nests keep off the table and the robot's own column, shape (n,)."""
+    """Whether wrist, flange and nests keep off the table and the robot's own column.
+
+    Parameters
+    ----------
+    space : WorkSpace
+    chain : Chain
+        Of n configurations, as of `nominal_chain`.
+
+    Returns
+    -------
+    ndarray of bool, shape (n,)
+    """
     points = np.concatenate([chain.origin[-_WRIST_JOINTS:], nest_places(space, chain)])
     above_table = points[..., 2] >= space.table_z_mm + TABLE_CLEARANCE_MM
     height, distance = _about_column(space, points)
@@ -106,14 +151,36 @@ def is_clear(space: WorkSpace, chain: Chain) -> BoolArray:
 
 
 def heights_above_table_mm(space: WorkSpace, joints_rad: FloatArray) -> FloatArray:
-    """Return how high the lowest of elbow, wrist, flange and nests is above the table, shape (n,)."""
+    """Return how high the lowest of elbow, wrist, flange and nests is above the table.
+
+    Parameters
+    ----------
+    space : WorkSpace
+    joints_rad : ndarray, shape (n, J)
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        [mm]; points, without room for the bodies about them.
+    """
     chain = nominal_chain(space, joints_rad)
     points = np.concatenate([chain.origin[_SHOULDER_JOINTS:], nest_places(space, chain)])
     return np.asarray(points[..., 2].min(axis=0) - space.table_z_mm)
 
 
 def within(limits: tuple[JointRange, ...], joints_rad: FloatArray) -> BoolArray:
-    """Whether all joints are within their limits, shape (n,)."""
+    """Whether all joints are within their limits, both ends included.
+
+    Parameters
+    ----------
+    limits : tuple of JointRange
+        One a joint.
+    joints_rad : ndarray, shape (n, J)
+
+    Returns
+    -------
+    ndarray of bool, shape (n,)
+    """
     low = np.array([limit.lower_rad for limit in limits])
     high = np.array([limit.upper_rad for limit in limits])
     inside: BoolArray = np.all((joints_rad >= low) & (joints_rad <= high), axis=1)
@@ -121,10 +188,19 @@ def within(limits: tuple[JointRange, ...], joints_rad: FloatArray) -> BoolArray:
 
 
 def cosines_to_tracker(space: WorkSpace, chain: Chain) -> FloatArray:
-    """Cosine between where each nest's reflector faces and the tracker, shape (K, n).
+    """Return the cosines between where each nest's reflector faces and the beam to the tracker.
 
-    -inf where the beam would pass through the robot's column, and at nests that nothing reads; 1 for a
-    reflector seen from everywhere.
+    Parameters
+    ----------
+    space : WorkSpace
+    chain : Chain
+        Of n configurations.
+
+    Returns
+    -------
+    ndarray, shape (K, n)
+        -inf where the beam would pass through the robot's column, and at nests that nothing reads; 1 for a
+        reflector seen from everywhere.
     """
     places = nest_places(space, chain)
     if space.tracker_position_mm is None:
@@ -148,7 +224,10 @@ def _cosine(nest: Nest, chain: Chain, beam: FloatArray) -> FloatArray:
 
 
 def _about_column(space: WorkSpace, points: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Height above the base and distance from axis 1 of points (..., 3) [mm], both of shape (...)."""
+    """Return height above the base and distance from axis 1 of points (..., 3) [mm], both of shape (...).
+
+    Axis 1 is taken for z of the base, as it is in the tables of the thesis (A. Nubiola, 2014, Annex I).
+    """
     in_base = (points - placement_translation(space.base)) @ placement_rotation(space.base)
     return in_base[..., 2], np.hypot(in_base[..., 0], in_base[..., 1])
 
@@ -158,7 +237,10 @@ def _column_top_mm(space: WorkSpace) -> float:
 
 
 def _crosses_column(space: WorkSpace, places: FloatArray, tracker: FloatArray) -> BoolArray:
-    """Whether the beam passes the column below its top; judged where it comes closest to axis 1."""
+    """Return whether the beam passes the column below its top; judged where it comes closest to axis 1.
+
+    Seen along axis 1, with the way w from nest p to tracker: share = -p . w / w . w, clamped to [0, 1].
+    """
     origin, rotation = placement_translation(space.base), placement_rotation(space.base)
     start, end = (places - origin) @ rotation, (tracker - origin) @ rotation
     way = end - start
@@ -171,7 +253,21 @@ def _crosses_column(space: WorkSpace, places: FloatArray, tracker: FloatArray) -
 
 
 def space_of_cell(cell: Cell, ranges: tuple[JointRange, ...], approach_offset_rad: float | None) -> WorkSpace:
-    """Return the work space of `cell` for configurations in `ranges`, approached from that offset."""
+    """Return the work space of a cell.
+
+    Parameters
+    ----------
+    cell : Cell
+    ranges : tuple of JointRange
+        In which configurations are chosen.
+    approach_offset_rad : float or None
+        From where each configuration is approached, added to all joints.
+
+    Returns
+    -------
+    WorkSpace
+        Its table at the floor that the cell states, else at the world's z = 0.
+    """
     return WorkSpace(
         robot=cell.robot,
         base=cell.base_nominal,
@@ -190,7 +286,20 @@ def space_of_cell(cell: Cell, ranges: tuple[JointRange, ...], approach_offset_ra
 def space_to_measure(cell: Cell, approach_offset_rad: float | None) -> WorkSpace:
     """Return the work space in which the configurations of a session are chosen.
 
-    Raises ConfigurationError where neither cell nor robot says it.
+    Parameters
+    ----------
+    cell : Cell
+    approach_offset_rad : float or None
+        As in `space_of_cell`.
+
+    Returns
+    -------
+    WorkSpace
+
+    Raises
+    ------
+    ConfigurationError
+        Neither cell nor robot says in which ranges they are.
     """
     ranges = cell.limits.calibration or cell.robot.calibration_ranges
     if ranges is None:
@@ -207,13 +316,29 @@ _MOSTLY: Final = 2.0 / 3.0  # of configurations: a gear loaded from either side 
 
 
 def are_loaded_one_way(space: WorkSpace, joints_rad: FloatArray) -> BoolArray:
-    """Whether gears keep the side from which most of these configurations (n, J) load them, shape (n,).
+    """Return whether gears keep the side from which most of these configurations load them.
 
-    At the stop and at its approach, of the joints between the first and the wrist; all do where masses are
-    unknown.
+    At the stop and at its approach, of the joints between the first and the wrist.
+
+    Parameters
+    ----------
+    space : WorkSpace
+    joints_rad : ndarray, shape (n, J)
+        They are judged together: which side is the usual one, they say.
+
+    Returns
+    -------
+    ndarray of bool, shape (n,)
+        All where masses are unknown.
+
+    References
+    ----------
+    Thesis of A. Nubiola, 2014, section 2.4 (there by ranges of joints 2 and 3).
     """
     if not space.robot.masses or not len(joints_rad):
         return np.ones(len(joints_rad), dtype=bool)
+    # The approach counts too: a gear whose load changes sides on the way to the stop crosses its play
+    # there.
     ends = [joints_rad, joints_rad + (space.approach_offset_rad or 0.0)]
     positive = np.array([_torques(space, joints) > 0.0 for joints in ends])  # (2, n, carrying joints)
     share = positive.mean(axis=(0, 1))
@@ -223,6 +348,9 @@ def are_loaded_one_way(space: WorkSpace, joints_rad: FloatArray) -> BoolArray:
 
 
 def _torques(space: WorkSpace, joints_rad: FloatArray) -> FloatArray:
-    """Return the torques of the joints that carry the arm, shape (n, k)."""
+    """Return the torques about the axes of the joints that carry the arm [N mm], shape (n, k).
+
+    The first is left out: its axis is plumb on a table, where gravity has no torque about it.
+    """
     found = gravity_torques(nominal_chain(space, joints_rad), space.robot.masses, _GRAVITY_M_S2)
     return found[:, 1 : space.robot.n_joints - _JOINTS_OF_WRIST]
