@@ -28,7 +28,15 @@ _SEED: Final = 2026  # the same plan promises the same
 
 @dataclass(frozen=True, slots=True)
 class Discrepancy:
-    """What no parameter expresses: drawn at every place anew, of a size that is itself not known for sure."""
+    """What no parameter expresses: drawn at every place anew, of a size that is itself not known for sure.
+
+    Attributes
+    ----------
+    per_axis_mm : float
+        Standard deviation per axis.
+    known_to : float
+        Relative standard deviation of that figure from arm to arm [1].
+    """
 
     per_axis_mm: float = 0.0  # standard deviation
     known_to: float = 0.0  # relative standard deviation of that figure from arm to arm
@@ -47,7 +55,11 @@ class Spread:
 
 
 def mean_norms(errors: FloatArray, own_mm: float) -> FloatArray:
-    """Return the expected norm of the error at each place.
+    """Return the expected norm of the error at each place, without draws.
+
+    E|e| = 2 sqrt(2 / pi) mean over directions u of sqrt(u' S u): a normal vector of three components has the
+    mean length 2 sqrt(2 / pi), and u' S u is the variance along u. The mean is taken over half a sphere, as u
+    and -u give the same.
 
     Parameters
     ----------
@@ -59,6 +71,11 @@ def mean_norms(errors: FloatArray, own_mm: float) -> FloatArray:
     Returns
     -------
     ndarray, shape (m,)
+        [mm].
+
+    References
+    ----------
+    Own derivation, from the independence of length and direction of a standard normal vector.
     """
     covariance = errors @ np.swapaxes(errors, 1, 2) + own_mm**2 * np.eye(3)
     ways = _half_sphere()
@@ -76,9 +93,22 @@ def _half_sphere() -> FloatArray:
 
 
 def spread(errors: FloatArray, own: Discrepancy, draws: int = DRAWS) -> Spread:
-    """Return what errors to expect; `errors` as in `mean_norms`, `draws` is how many calibrations are drawn.
+    """Return what errors to expect over a volume.
 
     The same numbers are drawn at every call, so that two plans are compared on the same calibrations.
+
+    Parameters
+    ----------
+    errors : ndarray, shape (m, 3, S)
+        As in `mean_norms`.
+    own : Discrepancy
+    draws : int
+        How many calibrations are drawn.
+
+    Returns
+    -------
+    Spread
+        The mean in closed form, the largest and the interval from the draws.
     """
     norms = drawn_norms(errors, own, draws)
     ends = ((1.0 - BAND) / 2.0, (1.0 + BAND) / 2.0)
@@ -88,11 +118,28 @@ def spread(errors: FloatArray, own: Discrepancy, draws: int = DRAWS) -> Spread:
 
 
 def drawn_norms(errors: FloatArray, own: Discrepancy, draws: int) -> FloatArray:
-    """Return the norms of the errors of drawn calibrations, shape (draws, m)."""
+    """Return the norms of the errors of drawn calibrations.
+
+    e = B z + d: z (S,) once a calibration, d anew at each place, of a size that is drawn once a calibration.
+
+    Parameters
+    ----------
+    errors : ndarray, shape (m, 3, S)
+        B, as in `mean_norms`.
+    own : Discrepancy
+        Of d.
+    draws : int
+
+    Returns
+    -------
+    ndarray, shape (draws, m)
+        [mm].
+    """
     places, axes, causes = errors.shape
     drawn = _drawn(draws, causes, places if own.per_axis_mm > 0.0 else 0)
     sizes = _sizes_mm(own, drawn.of_sizes)[:, None]
     squares = np.zeros((draws, places))
+    # Axis by axis: the sums then run along memory, and no array of (draws, m, 3) is made.
     for axis in range(axes):
         common = drawn.of_causes @ errors[:, axis].T
         if own.per_axis_mm > 0.0:
@@ -119,7 +166,10 @@ def _drawn(draws: int, causes: int, places: int) -> _Drawn:
 
 
 def _sizes_mm(own: Discrepancy, drawn: FloatArray) -> FloatArray:
-    """Return a discrepancy for each calibration, lognormal about its mean, shape (draws,)."""
+    """Return a discrepancy for each calibration, lognormal about its mean, shape (draws,).
+
+    d exp(k z - k^2 / 2), of mean d: a normal one could be negative where it is known to 30 %.
+    """
     return own.per_axis_mm * np.exp(own.known_to * drawn - own.known_to**2 / 2.0)
 
 
@@ -133,7 +183,7 @@ WORTH: Final = 0.1
 
 @dataclass(frozen=True, slots=True)
 class CurvePoint:
-    """The accuracy that a number of configurations promises: norms of position errors over the volume."""
+    """The accuracy that a number of configurations promises: norms of position errors over a volume [mm]."""
 
     n: int
     mean_mm: float
@@ -162,6 +212,12 @@ def sizes(n: int | None, available: int, measured: int = 0) -> tuple[int, ...]:
         Configurations that can be measured, those `measured` already included.
     measured : int
         The curve begins there where something was measured.
+
+    Returns
+    -------
+    tuple of int
+        Ascending, none above `available`: 11, 20, 30 ... 100 where nothing was measured, else by tens from
+        there; n among them.
     """
     first = measured + STEP if measured else 2 * STEP
     wanted = {max(FEWEST, measured), *range(first, measured + MOST + 1, STEP), *([] if n is None else [n])}
@@ -169,7 +225,19 @@ def sizes(n: int | None, available: int, measured: int = 0) -> tuple[int, ...]:
 
 
 def curve(errors: Errors, numbers: Sequence[int]) -> tuple[CurvePoint, ...]:
-    """Return the curve at ascending numbers of configurations."""
+    """Return the curve at ascending numbers of configurations.
+
+    Parameters
+    ----------
+    errors : Errors
+    numbers : sequence of int
+        Ascending.
+
+    Returns
+    -------
+    tuple of CurvePoint
+        One each.
+    """
     return tuple(_point(errors, n) for n in numbers)
 
 
@@ -182,14 +250,39 @@ def _point(errors: Errors, n: int) -> CurvePoint:
 
 
 def gains_mm(points: Sequence[CurvePoint]) -> tuple[float, ...]:
-    """Return what each step of the curve gains in the mean error [mm]; one fewer than there are points."""
+    """Return what each step of the curve gains in the mean error.
+
+    Parameters
+    ----------
+    points : sequence of CurvePoint
+        k of them, ascending.
+
+    Returns
+    -------
+    tuple of float
+        k - 1 [mm].
+    """
     return tuple(before.mean_mm - after.mean_mm for before, after in pairwise(points))
 
 
 def knee(points: Sequence[CurvePoint]) -> int:
     """Return the first number after which ten more would gain less than a tenth of the mean error.
 
-    Steps of another length are counted as if they were of ten. Where every step gains more, the last.
+    Steps of another length are counted as if they were of ten. Numbers up to 11 are never the knee.
+
+    Parameters
+    ----------
+    points : sequence of CurvePoint
+        Ascending, at least one.
+
+    Returns
+    -------
+    int
+        Of configurations; where every step gains more, the last.
+
+    References
+    ----------
+    docs/decisions/0043.
     """
     for before, after in pairwise(points):
         gained = (before.mean_mm - after.mean_mm) * STEP / (after.n - before.n)

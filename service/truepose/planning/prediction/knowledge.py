@@ -54,9 +54,10 @@ LEAST_MM: Final = 1e-9  # nothing is read better: positions of metres are rounde
 
 @dataclass(frozen=True, slots=True)
 class TrackerAccuracy:
-    """Standard deviations of one reading, along the beam and across it; typical of laser trackers.
+    """Standard deviations of one reading, along the beam and across it: constant, and growing with distance.
 
-    The thesis found 0.022 mm on a bar of 2.3 m at 2 m (A. Nubiola, 2014, section 2.2), which is two readings.
+    The defaults are typical of laser trackers. The thesis found 0.022 mm on a bar of 2.3 m at 2 m (A.
+    Nubiola, 2014, section 2.2), which is two readings.
     """
 
     along_mm: float = 0.008
@@ -65,10 +66,21 @@ class TrackerAccuracy:
     across_mm_per_m: float = 0.0035
 
     def covariance_mm2(self, beam_mm: FloatArray) -> FloatArray:
-        """Return the covariance of one reading at the end of each beam (n, 3), shape (n, 3, 3).
+        """Return the covariance of one reading at the end of each beam: a^2 b b' + c^2 (I - b b').
 
-        Where a beam is NaN, or has no length, nobody knows whence it comes: the same along all axes, at no
-        distance.
+        b is the unit vector along the beam; a along it and c across grow with its length in metres. Where a
+        beam is NaN, or has no length, nobody knows whence it comes: b b' is I / 3, the mean over directions,
+        at no distance.
+
+        Parameters
+        ----------
+        beam_mm : ndarray, shape (n, 3)
+            From the tracker to the nest.
+
+        Returns
+        -------
+        ndarray, shape (n, 3, 3)
+            [mm2].
         """
         distance = np.linalg.norm(beam_mm, axis=1)
         known = distance > 0.0
@@ -85,12 +97,25 @@ TYPICAL: Final = TrackerAccuracy()
 
 
 def stated(per_axis_mm: float) -> TrackerAccuracy:
-    """Return the accuracy of an instrument that reads equally well everywhere, along every axis."""
+    """Return the accuracy of an instrument that reads equally well everywhere, along every axis.
+
+    Parameters
+    ----------
+    per_axis_mm : float
+        Standard uncertainty of a reading per axis.
+
+    Returns
+    -------
+    TrackerAccuracy
+    """
     return TrackerAccuracy(per_axis_mm, 0.0, per_axis_mm, 0.0)
 
 
 def covariance_root(rows: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return W with W W' = (J'J)^-1, and J W.
+
+    By J = Q R: W = R^-1 and J W = Q, signs taken so that the diagonal of R is positive. J'J itself is not
+    formed, as it squares the ratio of the best known parameter to the worst.
 
     Parameters
     ----------
@@ -102,6 +127,16 @@ def covariance_root(rows: FloatArray) -> tuple[FloatArray, FloatArray]:
     root : ndarray, shape (P, P)
         Upper triangular, positive on its diagonal: the transposed inverse of Cholesky's factor.
     turned : ndarray, shape (m, P)
+        Orthonormal columns.
+
+    Raises
+    ------
+    numpy.linalg.LinAlgError
+        J is not of full rank.
+
+    References
+    ----------
+    G. H. Golub, C. F. Van Loan, Matrix Computations, 4th edition, 2013, section 5.3.
     """
     turned, triangle = np.linalg.qr(rows)
     side = np.where(np.diag(triangle) < 0.0, -1.0, 1.0)
@@ -140,14 +175,38 @@ class PlacesSeen:
 
 @dataclass(frozen=True, slots=True)
 class ReadingInformation:
-    """What readings tell, whitened."""
+    """What readings at n configurations tell, whitened.
+
+    Attributes
+    ----------
+    rows : ndarray, shape (n, 3, P), of poses (n, 6, P)
+        J / sigma per prior width [1].
+    held : ndarray, shape (n, 3 or 6, H)
+        Per standard uncertainty of what certificates hold [1]: first the coordinates of certified nests, then
+        the registration of the world.
+    """
 
     rows: FloatArray  # (n, 3, P), of poses (n, 6, P)
     held: FloatArray  # (n, 3 or 6, H) per standard uncertainty of what certificates hold
 
 
 class ArmKnowledge:
-    """The parameters of an arm, and what readings tell of them."""
+    """The parameters of an arm, and what readings tell of them; all derivatives at the nominal robot.
+
+    Parameters
+    ----------
+    space : WorkSpace
+    candidates : Candidates
+        Configurations that the effects are chosen by: what they show.
+    knowns : Knowns
+    effects : sequence of str, optional
+        By default those that `identify` takes by itself.
+
+    Raises
+    ------
+    ConfigurationError
+        Fixed nests lie on a line, or a belief is of parameters that are none of this arm.
+    """
 
     def __init__(
         self, space: WorkSpace, candidates: Candidates, knowns: Knowns, effects: Sequence[str] | None = None
@@ -158,6 +217,8 @@ class ArmKnowledge:
         self.structure: Structure = problem.structure
         self._start = problem.start
         self._setting: Setting = problem.setting
+        # A nest is held only where its centre is certified and not a parameter: then readings cannot
+        # correct it, and the certificate's error goes through to the end.
         self._held = {
             number: nest.standard_uncertainty_mm
             for number, nest in enumerate(campaign.nests, start=1)
@@ -182,15 +243,41 @@ class ArmKnowledge:
         return self._knowns.discrepancy
 
     def places(self, joints_rad: FloatArray, nest: IntArray) -> PlacesSeen:
-        """Return nests (n,) at configurations (n, J)."""
+        """Return nests at configurations, and what moves them.
+
+        Parameters
+        ----------
+        joints_rad : ndarray, shape (n, J)
+        nest : ndarray, shape (n,)
+            1-based.
+
+        Returns
+        -------
+        PlacesSeen
+        """
         state = self._state(joints_rad, nest)
         motion = np.moveaxis(position_jacobian(state), 0, -1) * self.structure.prior_widths
         return PlacesSeen(motion, self._certified(state), state.position_mm)
 
     def told(self, joints_rad: FloatArray, nest: IntArray) -> ReadingInformation:
-        """Return what a reading at each of n configurations tells."""
+        """Return what a reading at each of n configurations tells.
+
+        sigma^2 = reading^2 + scatter^2 + lack^2, of the reading the mean over the three axes.
+
+        Parameters
+        ----------
+        joints_rad : ndarray, shape (n, J)
+        nest : ndarray, shape (n,)
+            1-based.
+
+        Returns
+        -------
+        ReadingInformation
+        """
         seen = self.places(joints_rad, nest)
         variance = self._per_axis_mm2(seen.position_mm) + self._scatter_mm**2
+        # One number a reading, as most files state it and an identification then weighs it: full
+        # covariances would promise some 5 % less error (docs/decisions/0043).
         sigma = np.maximum(np.sqrt(variance), LEAST_MM)[:, None, None]
         frame = _rigid_motion(seen.position_mm) @ self._frame
         points = ReadingInformation(
@@ -215,15 +302,18 @@ class ArmKnowledge:
         return evaluate(self.structure, self._start, Targets(stops, nest))
 
     def prior(self) -> FloatArray:
-        """Return the information that there is before any reading, shape (P, P)."""
+        """Return the information before any reading, shape (P, P), per prior width: I without a belief."""
         return precision_of(self.structure, self._knowns.believed)
 
     def errors(self, told: ReadingInformation, seen: PlacesSeen) -> FloatArray:
-        """Return the errors of predicted places after readings.
+        """Return the errors of predicted places after readings, [G M^-1/2, G K - S].
+
+        K = M^-1 sum J~' H / sigma is the gain of what certificates hold; with M^-1/2 = W and J~ W = Q it is W
+        Q' H / sigma.
 
         Parameters
         ----------
-        told : Told
+        told : ReadingInformation
             Of all readings.
         seen : PlacesSeen
             m places.
@@ -238,11 +328,25 @@ class ArmKnowledge:
         root, turned = covariance_root(np.concatenate([prior, rows]))
         gain = root @ (turned[len(prior) :].T @ held)
         own = np.zeros((*seen.certified.shape[:2], held.shape[1]))
+        # A registration moves no place of the arm in its own base: only readings, and by these the
+        # parameters. A nest off its certificate moves the place as well.
         own[..., : seen.certified.shape[2]] = seen.certified
         return np.concatenate([seen.motion @ root, seen.motion @ gain - own], axis=2)
 
     def left_open(self, told: ReadingInformation, joints_rad: FloatArray) -> tuple[NotIdentifiable, ...]:
-        """Return what readings at configurations (n, J) would leave open; nothing where they tell it all."""
+        """Return what readings at configurations would leave open; nothing where they tell it all.
+
+        Parameters
+        ----------
+        told : ReadingInformation
+            Of all readings.
+        joints_rad : ndarray, shape (n, J)
+            At least one: a joint that never moves is a reason of its own.
+
+        Returns
+        -------
+        tuple of NotIdentifiable
+        """
         rows = told.rows.reshape(-1, told.rows.shape[2])
         widths = self.structure.prior_widths
         covariance = self.covariance(rows) * np.outer(widths, widths)
@@ -250,7 +354,18 @@ class ArmKnowledge:
         return left_open(self.structure, covariance, rows.T / widths[:, None], moved)
 
     def covariance(self, rows: FloatArray) -> FloatArray:
-        """Return the covariance of the parameters after readings of whitened derivatives (m, P)."""
+        """Return the covariance of the parameters after readings, M^-1.
+
+        Parameters
+        ----------
+        rows : ndarray, shape (m, P)
+            Whitened derivatives per prior width; none: that of the priors.
+
+        Returns
+        -------
+        ndarray, shape (P, P)
+            Per prior width, squared.
+        """
         root, _ = covariance_root(np.concatenate([self._prior_rows(), rows]))
         return np.asarray(root @ root.T)
 
@@ -258,7 +373,19 @@ class ArmKnowledge:
         return np.asarray(np.linalg.cholesky(self.prior()).T)
 
     def reading_mm(self, joints_rad: FloatArray, nest: IntArray) -> float:
-        """Return the standard uncertainty per axis of readings at configurations, RMS over all."""
+        """Return the standard uncertainty of readings at configurations, RMS over all and over the axes.
+
+        Parameters
+        ----------
+        joints_rad : ndarray, shape (n, J)
+        nest : ndarray, shape (n,)
+            1-based.
+
+        Returns
+        -------
+        float
+            [mm].
+        """
         return float(np.sqrt(self._per_axis_mm2(self.places(joints_rad, nest).position_mm).mean()))
 
     def _per_axis_mm2(self, places_mm: FloatArray) -> FloatArray:
@@ -277,7 +404,12 @@ class ArmKnowledge:
         return np.concatenate([np.zeros((len(last), 3, 0)), *each], axis=2)
 
     def _registration(self) -> FloatArray:
-        """Return the motion of the world per independent cause, shape (6, 6); (6, 0) without fixed nests."""
+        """Return the motion of the world per independent cause, shape (6, 6); (6, 0) without fixed nests.
+
+        Each fixed nest is read 20 times, R = D / 20 + u^2 I, and moves with the world by A = [I, -[p]x]. The
+        covariance of the six numbers is (sum A' R^-1 A)^-1 = L'^-1 L^-1 with Cholesky's L of the sum;
+        returned is L'^-1: shifts [mm] and turns [rad].
+        """
         nests = self._knowns.fixed_nests
         if len(nests) < _PLACE_A_FRAME:
             return np.zeros((6, 0))
@@ -292,12 +424,16 @@ class ArmKnowledge:
 
 
 def _rigid_motion(places_mm: FloatArray) -> FloatArray:
-    """Return how places (n, 3) move with a small motion of the world, shape (n, 3, 6)."""
+    """Return how places (n, 3) move with a small motion of the world, shape (n, 3, 6): [I, -[p]x].
+
+    Three shifts [mm per mm] and three turns about the origin [mm/rad].
+    """
     shifts = np.broadcast_to(np.eye(3), (len(places_mm), 3, 3))
     return np.concatenate([shifts, -cross_matrix(places_mm)], axis=2)
 
 
 def _as_known(campaign: Campaign, knowns: Knowns) -> Campaign:
     """Return a campaign that knows no more than is known."""
+    # A plan for a campaign without a stated base has to pay for finding it, as its identification does.
     base = campaign.base_nominal if knowns.base_known else None
     return replace(campaign, base_nominal=base, nests=knowns.nests or campaign.nests)

@@ -1,4 +1,8 @@
-"""A plan with the accuracy it predicts, the work volume that it holds for, and what keep-outs cost."""
+"""A plan with the accuracy it predicts, the work volume that it holds for, and what keep-outs cost.
+
+The volume is a sample of configurations, drawn uniformly in joint ranges, with the tool nests of each that
+lie in a box: mean errors over it are those of positions as the arm reaches them, not evenly over space.
+"""
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
@@ -70,18 +74,46 @@ class PromisedPlan:
 
     @property
     def promised(self) -> CurvePoint:
-        """The promise of this plan."""
+        """The promise of this plan: the point of the curve at `total`, which is always one of it."""
         return next(point for point in self.curve if point.n == self.total)
 
 
 def require_some(n: int | None) -> None:
-    """Refuse a plan of nothing; raises ConfigurationError."""
+    """Refuse a plan of nothing.
+
+    Parameters
+    ----------
+    n : int or None
+        Configurations that were asked for; None: not said, which is fine.
+
+    Raises
+    ------
+    ConfigurationError
+        n is below 1.
+    """
     if n is not None and n < 1:
         raise ConfigurationError(f"{n} configurations were asked for; ask for at least one.")
 
 
 def indices(rows: FloatArray) -> dict[str, float]:
-    """Return O1 to O5 of whitened rows (n, d, P); 0 where there are fewer readings than parameters."""
+    """Return the observability indices O1 to O5 of whitened rows.
+
+    Parameters
+    ----------
+    rows : ndarray, shape (n, d, P)
+        Derivatives of n configurations, in standard uncertainties of a reading per prior width of each
+        parameter.
+
+    Returns
+    -------
+    dict of str to float
+        By name [1]; 0 where there are fewer readings than parameters.
+
+    Raises
+    ------
+    ConfigurationError
+        A derivative is not finite.
+    """
     flat = rows.reshape(-1, rows.shape[2])
     try:
         first = observability.observability_o1(flat, len(rows))
@@ -103,7 +135,15 @@ _MOST_BATCHES: Final = 100
 
 @dataclass(frozen=True, slots=True)
 class WorkVolume:
-    """Where accuracy counts."""
+    """Where accuracy counts.
+
+    Attributes
+    ----------
+    ranges : tuple of JointRange or None
+        None: those in which configurations are chosen.
+    box_mm : tuple of pairs of float or None
+        From and to along x, y, z of the world; None: wherever the nests are.
+    """
 
     ranges: tuple[JointRange, ...] | None = None  # None: those in which configurations are chosen
     box_mm: tuple[tuple[float, float], ...] | None = None  # from and to along x, y, z of the world
@@ -123,13 +163,26 @@ class VolumeSample:
 def sample(space: WorkSpace, volume: WorkVolume, n: int, rng: np.random.Generator) -> VolumeSample:
     """Draw n configurations uniformly in the joint ranges, every nest of each that lies in the volume.
 
-    They are clear of table and column; whether a tracker would see them does not matter to whoever works
-    there.
+    They are within the joint limits, clear of table, column and keep-out volumes; whether a tracker would see
+    them does not matter to whoever works there.
+
+    Parameters
+    ----------
+    space : WorkSpace
+    volume : WorkVolume
+    n : int
+        Fewer where 200,000 draws do not give as many.
+    rng : numpy.random.Generator
+
+    Returns
+    -------
+    VolumeSample
+        A row for each nest: m >= n where a configuration has several in the volume.
 
     Raises
     ------
     WorkSpaceError
-        The arm has no place in the volume.
+        The arm has no place in the volume, or what is said of the cell contradicts itself.
     """
     space = replace(space, ranges=volume.ranges or space.ranges)
     require_consistent(space)
@@ -183,11 +236,19 @@ def because_of(
     ----------
     keep_outs : KeepOuts
     left_open : tuple of NotIdentifiable
+        What the plan among all of them leaves open.
     open_without : callable
         Returns the parameters that a plan of as many configurations leaves open among other volumes.
+
+    Returns
+    -------
+    tuple of NotIdentifiable
+        The same groups; the reason of those that volumes cost names one that is enough to leave out, several
+        of which any one is, or all.
     """
     if not left_open or not keep_outs:
         return left_open
+    # One plan without any tells whether volumes matter at all: a plan for each costs seconds.
     without_any = open_without(KeepOuts())
     freed = [group for group in left_open if without_any.isdisjoint(group.parameters)]
     if not freed:
@@ -209,5 +270,14 @@ def _blamed(
 
 
 def parameters_of(left_open: Iterable[NotIdentifiable]) -> frozenset[str]:
-    """Return all parameters that are left open."""
+    """Return all parameters that are left open.
+
+    Parameters
+    ----------
+    left_open : iterable of NotIdentifiable
+
+    Returns
+    -------
+    frozenset of str
+    """
     return frozenset(name for group in left_open for name in group.parameters)

@@ -24,14 +24,22 @@ APPROACH_RAD: Final = -0.0872664626  # -5 deg on all joints, thesis of A. Nubiol
 
 @dataclass(frozen=True, slots=True)
 class Subject:
-    """What a tracker session is planned for."""
+    """What a tracker session is planned for.
+
+    Attributes
+    ----------
+    space : WorkSpace
+    knowns : Knowns
+    measured : Measured or None
+        What was measured before; None: nothing.
+    """
 
     space: WorkSpace
     knowns: Knowns
     measured: Measured | None = None
 
     def reading(self, per_axis_mm: float) -> "Subject":
-        """Return the subject with an instrument of this standard uncertainty."""
+        """Return the subject with an instrument of this standard uncertainty per axis [mm]."""
         return replace(self, knowns=replace(self.knowns, accuracy=stated(per_axis_mm)))
 
     def keeping_out(self, keep_outs: KeepOuts) -> "Subject":
@@ -39,15 +47,23 @@ class Subject:
         return replace(self, space=replace(self.space, keep_outs=self.space.keep_outs.joined(keep_outs)))
 
     def lacking(self, discrepancy_mm: float) -> "Subject":
-        """Return the subject with another discrepancy per axis."""
+        """Return the subject with another discrepancy per axis [mm], which then counts as known exactly."""
         return replace(self, knowns=replace(self.knowns, discrepancy=Discrepancy(discrepancy_mm)))
 
 
 def of_cell(cell: Cell) -> Subject:
     """Return a cell before anything is measured.
 
-    Where nothing says in which ranges configurations are chosen, they are chosen in the joint limits,
-    once round at most.
+    Where nothing says in which ranges configurations are chosen, they are chosen in the joint limits, once
+    round at most.
+
+    Parameters
+    ----------
+    cell : Cell
+
+    Returns
+    -------
+    Subject
 
     Raises
     ------
@@ -72,12 +88,32 @@ def of_cell(cell: Cell) -> Subject:
 
 
 def expected_discrepancy(cell: Cell) -> Discrepancy:
-    """Return what parameters are likely not to express: nothing where no real robot is behind the cell."""
+    """Return what parameters are likely not to express: nothing where no real robot is behind the cell.
+
+    Parameters
+    ----------
+    cell : Cell
+        With devices that are not simulated a robot is behind it.
+
+    Returns
+    -------
+    Discrepancy
+    """
     return TYPICAL if cell.devices and cell.simulated is None else NONE
 
 
 def of_campaign(campaign: Campaign, model: Model) -> Subject:
     """Return the robot of a campaign as it was measured and identified, to go on from there.
+
+    Parameters
+    ----------
+    campaign : Campaign
+    model : Model
+        Identified from it.
+
+    Returns
+    -------
+    Subject
 
     Raises
     ------
@@ -96,6 +132,7 @@ def of_campaign(campaign: Campaign, model: Model) -> Subject:
 def _space(campaign: Campaign, points: PointReadings, model: Model) -> WorkSpace:
     """Return where it was measured: in the ranges of its joints, no lower, before the same tracker."""
     robot, tracker = campaign.robot, campaign.tracker_position_mm
+    # A campaign says nothing of table and column: where its nests were is known to be free, lower is not.
     lowest = float(points.position_mm[:, 2].min())
     return WorkSpace(
         robot=robot,
@@ -117,6 +154,7 @@ def _ranges(points: PointReadings) -> tuple[JointRange, ...]:
 
 def _nests(campaign: Campaign, model: Model) -> tuple[Nest, ...]:
     """Return the nests where they were found on the nominal robot."""
+    # Facings mean nothing to a work space without a tracker, which refuses them (`require_consistent`).
     seen = campaign.tracker_position_mm is not None
     found = {nest.nest: nest.centre_mm for nest in model.nominal_nests}
     return tuple(
@@ -140,6 +178,7 @@ def _discrepancy(points: PointReadings, model: Model) -> Discrepancy:
 
     The three axes of a place share their causes: a configuration counts once, three parameters take one away.
     """
+    # A standard deviation of k degrees of freedom is known to 1 / sqrt(2 k).
     left = len(np.unique(sites(points.stops))) - len(model.parameters) / 3.0
     return Discrepancy(model.discrepancy_mm, 1.0 / np.sqrt(2.0 * max(left, 1.0)))
 

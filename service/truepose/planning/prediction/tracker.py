@@ -37,7 +37,16 @@ _NEAR: Final = 300  # configurations that may stand in for one that cannot be re
 
 @dataclass(frozen=True, slots=True)
 class Measured:
-    """Readings that are there already; rows of one configuration may be several."""
+    """Readings that are there already; rows of one configuration may be several.
+
+    Attributes
+    ----------
+    joints_rad : ndarray, shape (m, J)
+    nest : ndarray, shape (m,)
+        1-based.
+    configurations : int
+        Different ones.
+    """
 
     joints_rad: FloatArray  # (m, J)
     nest: IntArray  # (m,)
@@ -69,6 +78,7 @@ def promised_session(
     measured : Measured, optional
         What was measured before: the curve goes on from there.
     seed : int
+        The same seed gives the same plan.
     n_candidates : int
         Random candidates to choose from.
     one_sided : bool
@@ -81,7 +91,7 @@ def promised_session(
     Raises
     ------
     ConfigurationError
-        Fewer than one configuration was asked for.
+        Fewer than one configuration was asked for, or fixed nests lie on a line.
     WorkSpaceError, TooFewCandidatesError
         The cell does not offer that many configurations, or the volume holds no place of the arm.
     NoWayError
@@ -109,10 +119,13 @@ def promised_session(
     points = curve(errors, numbers)
     advised = knee(points)
     total = advised if n is None else before + n
+    # Ways are looked for only once it is known how many are visited. What takes the place of another
+    # tells less: the curve is computed again with what will be measured.
     if choice.exchanged_for_reach(total):
         points = curve(errors, numbers)
 
     def open_without(keep_outs: KeepOuts) -> frozenset[str]:
+        # The same seed, so that what differs is what the volumes cost, not the draw.
         free, again = replace(space, keep_outs=keep_outs), np.random.default_rng([seed, _STREAM])
         other = _Choice(free, _drawn(free, n_candidates, again, one_sided=one_sided), knowns, measured)
         other.add(total - before)
@@ -123,7 +136,10 @@ def promised_session(
 
 
 def _drawn(space: WorkSpace, n: int, rng: np.random.Generator, *, one_sided: bool) -> Candidates:
-    """Draw n candidates and keep those at which, and at whose approach, no bodies touch."""
+    """Draw n candidates and keep those at which, and at whose approach, no bodies touch.
+
+    Fewer than n are left; an empty set where no body fits anywhere.
+    """
     drawn = draw_candidates(space, n, rng)
     fit = pool_of(space, drawn.joints_rad).stand(np.arange(len(drawn)), 0.0)
     if one_sided:
@@ -136,7 +152,18 @@ def _none(space: WorkSpace) -> tuple[FloatArray, IntArray]:
 
 
 def session_plan(plan: PromisedPlan) -> SessionPlan:
-    """Return the session that measures a plan, each stop approached from below; no stop is visited twice."""
+    """Return the session that measures a plan, each stop approached from below; no stop is visited twice.
+
+    Parameters
+    ----------
+    plan : PromisedPlan
+        Of positions or of a closed loop.
+
+    Returns
+    -------
+    SessionPlan
+        Numbered on from the configurations that were measured before.
+    """
     nests = () if plan.nest is None else tuple(plan.nest.tolist())
     rows = enumerate(zip(plan.joints_rad.tolist(), nests, strict=True), start=plan.measured + 1)
     stops = tuple(PlannedStop(config, tuple(joints), nest) for config, (joints, nest) in rows)
@@ -166,7 +193,7 @@ class _Choice:
         self._order = most_informative_first(self._offered.rows, n, covariance)
 
     def errors(self, volume: WorkVolume, rng: np.random.Generator) -> Errors:
-        """Return how errors over a volume follow from the number of configurations."""
+        """Return how errors over a volume follow from the number of configurations, those measured too."""
         place = sample(self._space, volume, VOLUME_CONFIGURATIONS, rng)
         seen = self._knowledge.places(place.joints_rad, place.nest)
 

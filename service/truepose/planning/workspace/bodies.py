@@ -77,7 +77,7 @@ class Rooms:
 
 
 def bodies_of(cell: Cell) -> CellBodies:
-    """Return the bodies of a cell, which are those that touch; a nest whose centre nobody knows is none.
+    """Return the bodies of a cell; a nest whose centre nobody knows is none.
 
     Parameters
     ----------
@@ -87,7 +87,8 @@ def bodies_of(cell: Cell) -> CellBodies:
     -------
     CellBodies
         The floor as the cell states it, else assumed at the world's z = 0 or the robot's foot, whichever is
-        lower. No room is kept off keep-out volumes.
+        lower. No room is asked for about keep-out volumes: given stops are refused only where something would
+        touch.
     """
     stated = cell.limits.floor_z_mm
     floor_mm = min(0.0, cell.base_nominal.z_mm) if stated is None else stated
