@@ -30,7 +30,14 @@ _SAME_RAD = 1e-9  # turns the end of a 2 m arm by 2 nm; clients send degrees wit
 
 @dataclass(frozen=True, slots=True)
 class WantedStop:
-    """A configuration to add; without a nest the one that faces the tracker best is measured."""
+    """A configuration to add; without a nest the one that faces the tracker best is measured.
+
+    Attributes
+    ----------
+    joints_rad : tuple of float
+    nest : int or None
+        1-based.
+    """
 
     joints_rad: tuple[float, ...]
     nest: int | None = None  # 1-based
@@ -58,13 +65,27 @@ def addition(
 ) -> Addition:
     """Return stops that follow those of `plan`; one with the joints and nest of an earlier stop repeats it.
 
-    With `leave_out_unfit` a configuration that lies outside the limits, comes near the table or the
-    robot's own column, or shows no nest to the tracker is left out, as long as one remains.
+    Parameters
+    ----------
+    cell : Cell
+    plan : SessionPlan
+        Which is not changed.
+    wanted : sequence of WantedStop
+        One at least.
+    leave_out_unfit : bool
+        A configuration that lies outside the limits, comes near the table, the robot's own column or a
+        keep-out volume, or shows no nest to the tracker is left out, as long as one remains.
+
+    Returns
+    -------
+    Addition
+        Its notice is empty: ways are judged by whoever knows where the arm stands.
 
     Raises
     ------
     WorkSpaceError
-        A configuration does not fit the robot, or cannot be measured and is not to be left out.
+        A configuration does not fit the robot, or cannot be measured and is not to be left out; or nobody
+        states joint limits.
     """
     space = _space(cell, plan)
     require_consistent(space)
@@ -86,6 +107,8 @@ def _space(cell: Cell, plan: SessionPlan) -> WorkSpace:
         cell.limits.joints,
         cell.robot.joint_limits,
     )
+    # Nothing is drawn here: any ranges will do for a work space, whose motion limits are those of the
+    # joints where they are known.
     ranges = next((limits for limits in known if limits is not None), None)
     if ranges is None:
         raise WorkSpaceError(

@@ -39,7 +39,17 @@ _LOOKED_AT: Final = 20  # postures at every angle, and on the way there
 
 
 def usual_turns(n_joints: int) -> tuple[Turn, ...]:
-    """Return intervals and steps of Table 2.3 (thesis of A. Nubiola, 2014), as many as there are joints."""
+    """Return intervals and steps of Table 2.3 (thesis of A. Nubiola, 2014), as many as there are joints.
+
+    Parameters
+    ----------
+    n_joints : int
+
+    Returns
+    -------
+    tuple of Turn
+        Six at most: of a seventh joint the table says nothing.
+    """
     table = ((60, 5), (40, 1), (40, 1), (155, 5), (90, 5), (400, 1))
     return tuple(
         Turn(joint, -float(np.radians(reach)), float(np.radians(reach)), float(np.radians(step)))
@@ -58,11 +68,16 @@ def plan_circles(space: WorkSpace, template: SessionPlan, turns: Sequence[Turn] 
     turns : sequence of Turn
         By default `usual_turns`; of these a joint that shows no nest far enough is left out.
 
+    Returns
+    -------
+    SessionPlan
+        The same cell gets the same test.
+
     Raises
     ------
     ConfigurationError
-        An interval is none, or the stops are too many. A joint that was asked for, or every joint, shows
-        no nest over 20 deg and five angles.
+        An interval is none, or the stops are too many. A joint that was asked for, or every joint, shows no
+        nest over 20 deg and five angles.
     WorkSpaceError
         What is said of the cell contradicts itself.
     """
@@ -111,12 +126,14 @@ def _best_sweep(space: WorkSpace, turn: Turn) -> _Sweep:
     if not len(angles):  # of a turn that is shorter than its step
         return _Sweep(turn.joint, np.zeros((0, space.robot.n_joints)), 1)
     best = _sweep(space, turn, at_rest)
+    # All others at 0 is the test of the thesis: another posture is looked for only where it shows more.
     if len(best.joints_rad) == len(angles):
         return best
     sweeps = [_sweep(space, turn, posture) for posture in _promising(space, turn)]
     longer = [sweep for sweep in sweeps if len(sweep.joints_rad) > len(best.joints_rad)]
     ranked = sorted(longer, key=lambda sweep: -len(sweep.joints_rad))
     begins = np.array([sweep.joints_rad[0] for sweep in ranked]).reshape(-1, at_rest.size)
+    # From rest to its begin the arm goes by one joint motion that nobody else plans.
     ways = Ways((), np.broadcast_to(at_rest, begins.shape), begins)
     blocked = set(touching(bodies_in(space), ways).tolist())
     return next((sweep for row, sweep in enumerate(ranked) if row not in blocked), best)
@@ -151,7 +168,8 @@ def _look(
 ) -> tuple[FloatArray, BoolArray, FloatArray]:
     """Turn a joint through angles (m,), the others as in postures (p, J).
 
-    Returns the joints (p, m, J), which of K nests are seen off the axis, and how far off, both (K, p, m).
+    The distance from the axis is |(P - O) x z| with O on the axis and z along it. Returns the joints (p, m,
+    J), which of K nests are seen off the axis, and how far off [mm], both (K, p, m).
     """
     p, m, axis = len(postures_rad), len(angles_rad), turn.joint - 1
     joints = np.repeat(postures_rad, m, axis=0)
@@ -166,7 +184,7 @@ def _look(
 
 
 def _angles(turn: Turn) -> FloatArray:
-    """Return whole steps from 0 within the interval, ascending, shape (m,)."""
+    """Return whole steps from 0 within the interval, ascending, shape (m,) [rad]."""
     first = np.ceil(turn.lower_rad / turn.step_rad - _ROUNDING)
     last = np.floor(turn.upper_rad / turn.step_rad + _ROUNDING)
     return np.asarray(np.arange(first, last + 1.0) * turn.step_rad)

@@ -55,17 +55,24 @@ def clear_order(space: WorkSpace, joints_rad: FloatArray, start_rad: FloatArray 
     while left:
         order.append(_next(space, stops[order[-1]], stops, left))
         left.remove(order[-1])
+    # Taking the next clear one leaves the ways that are not for the end, where there is no choice left.
     mended = _mended(space, stops, order, fixed=start_rad is not None)
     return mended if start_rad is None else mended[1:] - 1
 
 
 def room_mm(space: WorkSpace, starts_rad: FloatArray, ends_rad: FloatArray) -> FloatArray:
-    """Return the least height above the table on straight joint ways to the approaches of stops, shape (n,).
+    """Return the least height above the table on straight joint ways to the approaches of stops.
 
     Parameters
     ----------
     space : WorkSpace
     starts_rad, ends_rad : ndarray, shape (n, J)
+        Stops; each way ends where the approach of the second begins.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        [mm], of points, without room for the bodies about them.
     """
     share = np.linspace(0.0, 1.0, _LOOKS)[None, :, None]
     approach = ends_rad + (space.approach_offset_rad or 0.0)
@@ -155,7 +162,17 @@ Substitutes = Callable[[Sequence[int], int], IntArray]  # of an order and a plac
 
 @dataclass(frozen=True, slots=True)
 class Pool:
-    """Configurations that stops are chosen from, and what is known of the ways between them."""
+    """Configurations that stops are chosen from, and what is known of the ways between them.
+
+    Attributes
+    ----------
+    bodies : CellBodies
+    joints_rad : ndarray, shape (N, J)
+    approach_offset_rad : float
+        Added to all joints where an approach begins.
+    rooms_mm : dict
+        Least room of the ways looked at so far, by their pair of rows; it grows in place.
+    """
 
     bodies: CellBodies
     joints_rad: FloatArray  # (N, J)
@@ -163,7 +180,7 @@ class Pool:
     rooms_mm: dict[_Way, float] = field(default_factory=dict)
 
     def look_at(self, ways: Iterable[_Way]) -> None:
-        """Find out the room on ways."""
+        """Find out the room on ways, pairs of rows, each once however often it is asked."""
         new = [way for way in dict.fromkeys(ways) if way not in self.rooms_mm]
         if not new:
             return
@@ -172,20 +189,51 @@ class Pool:
         self.rooms_mm.update(zip(new, least.tolist(), strict=True))
 
     def legs(self, ways: Sequence[_Way]) -> Ways:
-        """Return the motions to the approaches, and after all of them those from there."""
+        """Return the motions to the approaches, and after all of them those from there.
+
+        Parameters
+        ----------
+        ways : sequence of pairs of int
+            k of them.
+
+        Returns
+        -------
+        Ways
+            2 k motions, without names.
+        """
         start, end = self.joints_rad[np.array(ways).T]
         approach = end + self.approach_offset_rad
         return Ways((), np.vstack([start, approach]), np.vstack([approach, end]))
 
     def stand(self, rows: IntArray, kept_mm: float) -> BoolArray:
-        """Return which configurations have that room themselves, and on the way from their approach."""
+        """Return which configurations have that room themselves, and on the way from their approach.
+
+        Parameters
+        ----------
+        rows : ndarray, shape (k,)
+        kept_mm : float
+
+        Returns
+        -------
+        ndarray of bool, shape (k,)
+        """
         ways = [(int(row), int(row)) for row in rows]
         self.look_at(ways)
         return np.array([self.rooms_mm[way] >= kept_mm for way in ways], dtype=bool)
 
 
 def pool_of(space: WorkSpace, joints_rad: FloatArray) -> Pool:
-    """Return a pool of configurations (N, J) of a work space."""
+    """Return a pool of configurations of a work space.
+
+    Parameters
+    ----------
+    space : WorkSpace
+    joints_rad : ndarray, shape (N, J)
+
+    Returns
+    -------
+    Pool
+    """
     return Pool(bodies_in(space), joints_rad, space.approach_offset_rad or 0.0)
 
 
@@ -198,6 +246,17 @@ def clear_tour(pool: Pool, tour: IntArray) -> IntArray:
     """Return the order in which each is the nearest left on the way to which nothing touches.
 
     It begins as `tour` does; where no way is clear, it goes to the nearest.
+
+    Parameters
+    ----------
+    pool : Pool
+    tour : ndarray, shape (n,)
+        Rows of the pool, one at least.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        The same rows.
     """
     left, order = [int(row) for row in tour[1:]], [int(tour[0])]
     while left:
@@ -232,11 +291,16 @@ def mended(
     order : iterable of int
         Rows of the pool, in the order that is wanted.
     substitutes : callable
-        Returns what may take the place of one of them.
+        From an order and a place in it to the rows that may take that place, best first.
     start : int, optional
         The row that the arm comes from; None: nobody knows.
     allowed : callable, optional
         Whether an order may be at all.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        As it was where nothing touched.
 
     Raises
     ------
@@ -245,6 +309,8 @@ def mended(
     """
     route = _Route(pool, [int(row) for row in order], start)
     while blocked := route.blocked():
+        # What is new keeps 10 mm if it can; no touch at all will do where nothing else is found. Ways
+        # of the given order that just do not touch stay.
         better = (_better(route, blocked, substitutes, allowed, kept_mm) for kept_mm in _KEPT_MM)
         found = next(filter(None, better), None)
         if found is None:
@@ -265,10 +331,28 @@ def mended_or_toured(
 
     The second is no longer the order that is wanted: it comes where volumes in the midst of the work space
     leave the first no chance. Raises NoWayError.
+
+    Parameters
+    ----------
+    pool : Pool
+    order : ndarray, shape (n,)
+        As in `mended`.
+    substitutes, start, allowed
+        As in `mended`.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+
+    Raises
+    ------
+    NoWayError
+        Neither order could be mended.
     """
     try:
         return mended(pool, order, substitutes, start=start, allowed=allowed)
     except NoWayError:
+        # Among a box, a wall and a post amidst the work space 9 of 12 plans are found so, 5 without.
         before = order[:0] if start is None else np.array([start], dtype=np.int64)
         tour = clear_tour(pool, np.concatenate([before, order]))[len(before) :]
         return mended(pool, tour, substitutes, start=start, allowed=allowed)
@@ -299,11 +383,16 @@ class _Route:
 def _better(
     route: _Route, blocked: Sequence[int], substitutes: Substitutes, allowed: Allowed, kept_mm: float
 ) -> _Route | None:
-    """Return the first change after which something touches on fewer ways, with room kept on all new ones."""
+    """Return the first change after which something touches on fewer ways, with room kept on all new ones.
+
+    None where none of the first 3,000 changed orders does.
+    """
     known = set(route.ways())
     orders = (
         other for at in blocked for other in _changed(route, at, substitutes, kept_mm) if allowed(other)
     )
+    # Every round takes a blocked way out, so that it ends; this bounds the last round, which finds
+    # nothing.
     tried = islice(orders, _MOST_TRIED)
     while some := [route.but(order) for order in islice(tried, _AT_ONCE)]:
         route.pool.look_at(way for other in some for way in other.ways())
@@ -319,6 +408,7 @@ def _changed(route: _Route, at: int, substitutes: Substitutes, kept_mm: float) -
     """Yield orders without the way to a place: its ends elsewhere, then others instead of them."""
     ends = [at, at - 1] if at else [at]
     for end in ends:
+        # A stop that touches by itself, or at its approach, does so wherever it comes in the order.
         if route.pool.stand(np.array(route.order[end : end + 1]), 0.0).all():
             yield from _elsewhere(route.order, end)
     for end in ends:

@@ -30,8 +30,27 @@ _READING_MM: Final = 0.015  # of a tracker in the work space; makes Jacobian and
 def plan_session(space: WorkSpace, template: SessionPlan, n: int, seed: int) -> SessionPlan:
     """Fill the stops of a template: chosen by observability to calibrate, at random to validate.
 
-    Role, approach and all else come from the template. Raises WorkSpaceError, TooFewCandidatesError,
-    NoWayError.
+    Parameters
+    ----------
+    space : WorkSpace
+        Its approach is replaced by the template's.
+    template : SessionPlan
+        Role, approach and all else.
+    n : int
+        Different configurations.
+    seed : int
+        The same seed gives the same plan.
+
+    Returns
+    -------
+    SessionPlan
+
+    Raises
+    ------
+    ConfigurationError
+        Fewer than one configuration was asked for to calibrate.
+    WorkSpaceError, TooFewCandidatesError, NoWayError
+        As `plan_calibration`.
     """
     approached = replace(space, approach_offset_rad=template.approach_offset_rad)
     if template.role == "calibration":
@@ -57,15 +76,26 @@ def plan_calibration(
     n : int
         Number of different configurations; the revisits come on top.
     seed : int
+        The same seed gives the same plan.
     effects : tuple of str, optional
         What is to be identified; by default base, geometry, and compliance where masses are known.
     n_candidates : int
         Random candidates to choose from.
 
+    Returns
+    -------
+    SessionPlan
+
     Raises
     ------
+    ConfigurationError
+        Fewer than one configuration was asked for.
     WorkSpaceError, TooFewCandidatesError, NoWayError
         The cell does not offer that many configurations, or no ways between them.
+
+    References
+    ----------
+    Thesis of A. Nubiola, 2014, section 2.5.2 (O1, exchange, 5000 candidates).
     """
     rng = _generator(seed, "calibration")
     candidates = draw_candidates(space, max(n, n_candidates), rng)
@@ -83,11 +113,30 @@ def plan_calibration(
 
 
 def plan_validation(space: WorkSpace, n: int, seed: int) -> SessionPlan:
-    """Draw n random configurations and visit them on short ways; parameters and errors as above."""
+    """Draw n random configurations and visit them on short ways.
+
+    Parameters
+    ----------
+    space : WorkSpace
+    n : int
+        At least one.
+    seed : int
+        The same seed gives the same plan; of the same seed a calibration draws other configurations.
+
+    Returns
+    -------
+    SessionPlan
+
+    Raises
+    ------
+    WorkSpaceError, TooFewCandidatesError, NoWayError
+        As `plan_calibration`.
+    """
     rng = _generator(seed, "validation")
     candidates = draw_candidates(space, n, rng)
     tour = short_tour(candidates.joints_rad)
     ordered = candidates.subset(tour[clear_order(space, candidates.joints_rad[tour])])
+    # Only then is more drawn: a plan that is clear stays as it is.
     if not is_clear(pool_of(space, ordered.joints_rad)):
         ordered = _mended_validation(space, ordered, rng)
     return SessionPlan("validation", _stops(ordered), approach_offset_rad=space.approach_offset_rad)
@@ -108,7 +157,25 @@ def _generator(seed: int, role: Role) -> np.random.Generator:
 
 
 def choose_calibration(jacobians: FloatArray, n: int, rng: np.random.Generator) -> Selection:
-    """Choose n of the candidates by O1, from their `scaled_jacobians`."""
+    """Choose n of the candidates by O1.
+
+    Parameters
+    ----------
+    jacobians : ndarray, shape (n_candidates, rows, P)
+        As of `scaled_jacobians`.
+    n : int
+    rng : numpy.random.Generator
+        Draws the start.
+
+    Returns
+    -------
+    Selection
+
+    Raises
+    ------
+    ConfigurationError, TooFewCandidatesError
+        As `choose_by_exchange`.
+    """
     return choose_by_exchange(jacobians, n, rng, prior_information=_known(jacobians))
 
 
@@ -148,11 +215,17 @@ def scaled_jacobians(
     candidates : Candidates
         n configurations.
     effects : tuple of str, optional
+        By default those that `identify` takes by itself.
 
     Returns
     -------
     ndarray, shape (n, 3 or 6, P)
-        In standard uncertainties of a reading per prior width of each of the P parameters.
+        In standard uncertainties of a reading per prior width of each of the P parameters [1].
+
+    Raises
+    ------
+    UnknownEffectError, ConfigurationError
+        As `identification.problem.build.build`.
     """
     campaign = nominal_campaign(space, candidates)
     problem = build(campaign, effects or automatic_effects(campaign))
@@ -165,7 +238,19 @@ def scaled_jacobians(
 
 
 def nominal_campaign(space: WorkSpace, candidates: Candidates) -> Campaign:
-    """Return the campaign that a robot without errors would give at the candidates."""
+    """Return the campaign that a robot without errors would give at the candidates.
+
+    Parameters
+    ----------
+    space : WorkSpace
+    candidates : Candidates
+        n of them.
+
+    Returns
+    -------
+    Campaign
+        Readings as exact as a tracker's in the work space, or as a camera's.
+    """
     n = len(candidates)
     centres = np.array([nest.centre_mm for nest in space.nests])
     stops = Stops(config=np.arange(1, n + 1), joints_rad=candidates.joints_rad)
@@ -207,8 +292,25 @@ def with_revisits(
 ) -> tuple[PlannedStop, ...]:
     """Return the stops and after them the revisits: a tenth, never fewer than five, in another order.
 
-    They come after all first visits, so that what changed meanwhile is in their differences. Fewer than
-    five stops are revisited more than once. Raises NoWayError where none can be reached.
+    They come after all first visits, so that what changed meanwhile is in their differences. Fewer than five
+    stops are revisited more than once.
+
+    Parameters
+    ----------
+    space : WorkSpace
+    stops : tuple of PlannedStop
+        One at least.
+    rng : numpy.random.Generator
+        Draws which, and their order.
+
+    Returns
+    -------
+    tuple of PlannedStop
+
+    Raises
+    ------
+    NoWayError
+        None can be reached.
     """
     count = max(FEWEST_REVISITS, int(np.ceil(REVISITED_SHARE * len(stops))))
     drawn = np.resize(rng.permutation(len(stops)), count)
@@ -233,6 +335,7 @@ def with_revisits(
 
 
 def _ascends(order: Sequence[int] | IntArray) -> bool:
+    """Return whether revisits come in the order of the first visits, which `with_revisits` rules out."""
     return bool(np.all(np.diff(order) > 0))
 
 
