@@ -66,7 +66,7 @@ def promised_loop(
     discrepancy : Discrepancy
         What no parameter expresses.
     volume : WorkVolume, optional
-        Where accuracy counts.
+        Where accuracy counts; by default the joint ranges in which stops are chosen.
     seed : int
         The same seed gives the same plan.
 
@@ -78,7 +78,7 @@ def promised_loop(
     Raises
     ------
     ConfigurationError
-        Fewer than one stop was asked for, or a target has no place.
+        Fewer than one stop was asked for.
     WorkSpaceError, TooFewCandidatesError
         The tool has no nest, or what is said of the cell contradicts itself otherwise; the arm does not reach
         a target, or has no place in the volume.
@@ -107,6 +107,8 @@ def promised_loop(
         advised=advised,
         measured=0,
         left_open=knowledge.left_open(chosen),
+        # Certificates' own parameters are hardly seen by design: they would make every index next to
+        # nothing.
         observability=indices(knowledge.rows[chosen][:, :, knowledge.asked]),
         assumptions=Assumptions(
             wish.reading_mm, knowledge.repeatability_mm, discrepancy, space.keep_outs.names
@@ -147,7 +149,11 @@ class _Knowledge:
         return self._structure.robot.repeatability_mm
 
     def motion(self, joints_rad: FloatArray, nest: IntArray) -> FloatArray:
-        """Return the motion of places per width of each parameter, rigid ones taken out, shape (m, 3, P)."""
+        """Return the motion of places per width of each parameter, rigid ones taken out, shape (m, 3, P).
+
+        With U an orthonormal basis of the six rigid motions of the m places (QR), G - U U' G: the
+        least-squares fit of a rigid motion to each column is taken off it [mm].
+        """
         stops = Stops(np.arange(len(nest)), joints_rad)
         state = evaluate(self._structure, self._start, Targets(stops, nest))
         motion = np.moveaxis(place_jacobian(state), 0, -1) * self._widths
@@ -174,7 +180,10 @@ class _Knowledge:
 
 
 def _by_stop(white: FloatArray, stop: IntArray, n: int) -> FloatArray:
-    """Return whitened readings (m, P) stop by stop, shape (n, r, P), zeros where a stop has fewer."""
+    """Return whitened readings (m, P) stop by stop, shape (n, r, P), zeros where a stop has fewer.
+
+    Rows of zeros tell nothing: they change neither J'J nor the determinants by which stops are chosen.
+    """
     counts = np.bincount(stop, minlength=n)
     rows = np.zeros((n, int(counts.max()), white.shape[1]))
     order = np.argsort(stop, kind="stable")
@@ -184,7 +193,10 @@ def _by_stop(white: FloatArray, stop: IntArray, n: int) -> FloatArray:
 
 
 def _rigid_motions(places_mm: FloatArray) -> FloatArray:
-    """Return how places (m, 3) move with three shifts and three turns, shape (3 m, 6)."""
+    """Return how places (m, 3) move with three shifts and three turns, shape (3 m, 6).
+
+    Turns [mm/rad] are about the places' middle, which keeps the six columns well apart.
+    """
     arms = places_mm - places_mm.mean(axis=0)
     shifts = [np.broadcast_to(axis, arms.shape) for axis in np.eye(3)]
     turns = [np.cross(axis, arms) for axis in np.eye(3)]

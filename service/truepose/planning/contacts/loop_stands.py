@@ -1,4 +1,9 @@
-"""Where an arm may stand in a closed loop, and what a nominal arm reads there."""
+"""Where an arm may stand in a closed loop, and what a nominal arm reads there.
+
+Configurations are drawn in the joint ranges and led to the targets by Newton's steps, with P the nest, P* its
+wanted place and J' = dP/dq: q <- q + J'^+ (P* - P). Those that arrive, point where they must and have room
+are kept.
+"""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -35,7 +40,24 @@ _USUAL_ZERO_MM: Final = 15.7  # a sphere of one inch and a probe's tip of 6 mm
 
 @dataclass(frozen=True, slots=True)
 class LoopWish:
-    """What a closed loop is planned with."""
+    """What a closed loop is planned with.
+
+    Attributes
+    ----------
+    targets : tuple of Target
+        Each with the place where it stands, roughly.
+    nests : tuple of int
+        Of the tool that are used, by turns; 1-based, one at least.
+    reading_mm : float
+        Standard uncertainty of a reading.
+    distances : TargetDistances or None
+        Certified, of two centres.
+
+    Raises
+    ------
+    ConfigurationError
+        A target has no place.
+    """
 
     targets: tuple[Target, ...]  # each with the place where it stands, roughly
     nests: tuple[int, ...]  # of the tool that are used, by turns
@@ -75,7 +97,19 @@ class Stands:
 
 
 def draw_stands(space: WorkSpace, wish: LoopWish, n: int, rng: np.random.Generator) -> Stands:
-    """Draw n stops, nests and groups of targets in equal parts.
+    """Draw stops, nests and groups of targets in equal parts.
+
+    Parameters
+    ----------
+    space : WorkSpace
+    wish : LoopWish
+    n : int
+        How many at least: each pair of nest and group gets the same number, rounded up.
+    rng : numpy.random.Generator
+
+    Returns
+    -------
+    Stands
 
     Raises
     ------
@@ -113,6 +147,7 @@ def _batch(space: WorkSpace, group: tuple[Target, ...], nest: int, rng: np.rando
     high = np.array([limit.upper_rad for limit in space.ranges])
     joints = low + (high - low) * rng.random((_BATCH, len(low)))
     centre = np.array(space.nests[nest - 1].centre_mm)
+    # A wire reaches everywhere: its end needs no leading.
     if group[0].kind is not TargetKind.WIRE:
         joints = _led(space, group, centre, joints, rng)
     inside = ((joints >= low) & (joints <= high)).all(axis=1)
@@ -143,6 +178,8 @@ def _led(
         chain = nominal_chain(space, joints)
         places = chain.points(centre_mm)
         slopes = np.moveaxis(theta_gradient(chain, places), 0, 2)  # (n, 3, J)
+        # The derivatives are by the angles of the model; a controller may count a joint the other way
+        # round.
         signs = np.array([row.sign for row in space.robot.joints])
         steps = np.einsum("nji,ni->nj", np.linalg.pinv(slopes * signs), wanted - places)
         joints = joints + steps
@@ -174,7 +211,21 @@ def _wanted(group: tuple[Target, ...], n: int, rng: np.random.Generator) -> tupl
 
 
 def nominal_loop(space: WorkSpace, wish: LoopWish, stands: Stands) -> tuple[Campaign, IntArray]:
-    """Return the campaign of an arm without errors, and the stop of each of its readings, shape (m,)."""
+    """Return the campaign of an arm without errors, and the stop of each of its readings.
+
+    Parameters
+    ----------
+    space : WorkSpace
+    wish : LoopWish
+    stands : Stands
+
+    Returns
+    -------
+    campaign : Campaign
+        With contacts and targets, and no positions.
+    stop : ndarray, shape (m,)
+        Row among the stands of each of m readings.
+    """
     parts = [_read(space, stands, part) for part in _parts(wish, stands)]
     stop = np.concatenate([part.stop for part in parts])
     contacts = ContactReadings(
@@ -182,6 +233,7 @@ def nominal_loop(space: WorkSpace, wish: LoopWish, stands: Stands) -> tuple[Camp
         target=np.concatenate([np.full(len(part.stop), part.target.number) for part in parts]),
         nest=stands.nest[stop],
         reading_mm=np.concatenate([part.reading_mm for part in parts]),
+        # Readings without any uncertainty would weigh infinitely.
         standard_uncertainty_mm=np.full(len(stop), max(wish.reading_mm, LEAST_MM)),
         axis=np.concatenate([np.full(len(part.stop), part.axis) for part in parts]),
     )

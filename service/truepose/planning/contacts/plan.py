@@ -31,9 +31,27 @@ _BEGINS_TRIED: Final = 20
 def hub_of(
     space: WorkSpace, bodies: CellBodies, wish: ContactWish, begins_rad: FloatArray, rng: np.random.Generator
 ) -> FloatArray:
-    """Return the configuration from which most of the begins (n, J) are reached by a clear way, shape (J,).
+    """Return the configuration from which most of the begins are reached by a clear way.
 
-    Raises NoWayError where none is reached from any that was tried.
+    Parameters
+    ----------
+    space : WorkSpace
+    bodies : CellBodies
+    wish : ContactWish
+    begins_rad : ndarray, shape (n, J)
+        Where ways to the stops begin; twenty of them are tried.
+    rng : numpy.random.Generator
+
+    Returns
+    -------
+    ndarray, shape (J,)
+
+    Raises
+    ------
+    NoWayError
+        None is reached from any of the twelve that were tried.
+    TooFewCandidatesError, WorkSpaceError
+        As `draw_candidates`.
     """
     tried = draw_candidates(space, _TRIED, rng).joints_rad
     tried = tried[keep_off(space, wish, tried)]
@@ -51,7 +69,21 @@ def hub_of(
 def clear_from(
     space: WorkSpace, bodies: CellBodies, wish: ContactWish, hub_rad: FloatArray, begins_rad: FloatArray
 ) -> BoolArray:
-    """Whether the straight joint motions from a hub to begins (n, J) are clear, shape (n,)."""
+    """Return whether the straight joint motions from a hub to begins are clear.
+
+    Parameters
+    ----------
+    space : WorkSpace
+    bodies : CellBodies
+    wish : ContactWish
+    hub_rad : ndarray, shape (J,)
+    begins_rad : ndarray, shape (n, J)
+
+    Returns
+    -------
+    ndarray of bool, shape (n,)
+        Of floor, arm, keep-out volumes and all targets.
+    """
     n, joints = begins_rad.shape
     hubs = np.broadcast_to(hub_rad, (n, joints))
     room_mm = least_rooms_mm(bodies, Ways((), hubs, begins_rad))
@@ -63,7 +95,18 @@ def clear_from(
 
 
 def keep_off(space: WorkSpace, wish: ContactWish, joints_rad: FloatArray) -> BoolArray:
-    """Whether the tool's nests and the flange are away from all targets at configurations (n, J)."""
+    """Return whether the tool's nests and the flange are away from all targets.
+
+    Parameters
+    ----------
+    space : WorkSpace
+    wish : ContactWish
+    joints_rad : ndarray, shape (n, J)
+
+    Returns
+    -------
+    ndarray of bool, shape (n,)
+    """
     chain = nominal_chain(space, joints_rad)
     points_mm = np.concatenate([nest_places(space, chain), chain.origin[-1:]])
     apart = [_keeps_off(target, points_mm).all(axis=0) for target in wish.targets]
@@ -75,6 +118,7 @@ def _keeps_off(target: Target, points_mm: FloatArray) -> BoolArray:
     off_mm = points_mm - place_of(target)
     if target.kind is TargetKind.PLANE:
         return np.asarray(off_mm @ normal_of(target) >= _KEPT_OFF_MM)
+    # A wire gives way, and the tool hangs on it at every stop.
     if target.kind is TargetKind.WIRE:
         return np.ones(off_mm.shape[:-1], dtype=bool)
     size_mm = (target.zero_mm or 0.0) if target.kind is TargetKind.SPHERE else _FIXTURE_MM
@@ -92,8 +136,20 @@ _NULL_MM: Final = 0.02  # what is left then acts along the probe's axis, up to 1
 def plan_of(cell: Cell, wish: ContactWish) -> ContactPlan:
     """Return a plan with the stops that tell most about the robot.
 
+    Parameters
+    ----------
+    cell : Cell
+    wish : ContactWish
+
+    Returns
+    -------
+    ContactPlan
+        The same seed gives the same plan.
+
     Raises
     ------
+    ConfigurationError
+        Nothing says in which ranges configurations are chosen, or fewer than one stop is wanted.
     WorkSpaceError
         What is wanted contradicts itself or the cell.
     TooFewCandidatesError
@@ -103,7 +159,10 @@ def plan_of(cell: Cell, wish: ContactWish) -> ContactPlan:
     """
     require_sense(cell, wish)
     rng = np.random.default_rng(wish.seed)
+    # No approach from below: where the arm comes from is the hub, for every stop alike.
     space, bodies = space_to_measure(cell, None), bodies_of(cell)
+    # Wires need no touching and no way in: any configuration will do in which all are within their
+    # stroke.
     found = _hanging(space, wish, rng) if wish.loop == "wires" else _candidates(space, bodies, wish, rng)
     jacobians = _jacobians(space, wish, found)
     known = _KNOWN * np.eye(jacobians.shape[2])
@@ -185,6 +244,7 @@ def _hanging(space: WorkSpace, wish: ContactWish, rng: np.random.Generator) -> R
 
 
 def _enough(wish: ContactWish, found: ReachablePoses) -> ReachablePoses:
+    """Return what was found; raises TooFewCandidatesError where it is less than twice the stops."""
     if len(found.way_rad) < 2 * wish.stops:
         raise TooFewCandidatesError(
             f"The arm reaches its targets in {len(found.way_rad)} of the ways that were tried, and "
@@ -200,8 +260,9 @@ def _tips_mm(space: WorkSpace, wish: ContactWish, joints_rad: FloatArray) -> Flo
 def _jacobians(space: WorkSpace, wish: ContactWish, found: ReachablePoses) -> FloatArray:
     """Return the derivatives of each candidate's readings, shape (n, rows, parameters).
 
-    In the joint zeros, the twists between joint axes, and the places of the targets; columns scaled to the
-    size of an arm.
+    In the joint zeros and the twists between joint axes [mm per 1/500 rad], and the places of the targets [mm
+    per mm]: angles are counted at the lever of an arm of 500 mm, so that both are lengths. With d the
+    direction along which a reading grows with the nest, the columns are d . dP/dp and, of its own target, -d.
     """
     joints = found.way_rad[:, -1]
     chain = nominal_chain(space, joints)

@@ -1,4 +1,13 @@
-"""Random places and directions of the tool at its targets, with joint angles and ways there."""
+"""Random places and directions of the tool at its targets, with joint angles and ways there.
+
+A goal is a place of the nest, a direction t of the tool's axis a, and the direction w of the last
+millimetres. The rotation R turns a into t and spins about it at random; the last frame then has its origin, b
+mm before the stop, at
+
+    o = tip - b w - R nest
+
+and its joint angles come from the inverse of the nominal robot, on one branch all the way.
+"""
 
 from dataclasses import dataclass
 from typing import Final, NamedTuple
@@ -29,21 +38,49 @@ class Goals(NamedTuple):
     way_in: FloatArray  # (n, 3) unit: direction of the last millimetres
 
     def taken(self, rows: IntArray) -> "Goals":
-        """Return some of them, in the order of `rows`."""
+        """Return some of them, in the order of `rows` (k,)."""
         return Goals(self.group[rows], self.tip_mm[rows], self.points[rows], self.way_in[rows])
 
 
 def groups_of(wish: ContactWish) -> tuple[tuple[Target, ...], ...]:
-    """Return which targets are read together at a stop: a probe touches one, all else reads all."""
+    """Return which targets are read together at a stop: a probe touches one, all else reads all.
+
+    Parameters
+    ----------
+    wish : ContactWish
+
+    Returns
+    -------
+    tuple of tuples of Target
+    """
     if wish.loop == "probe":
         return tuple((target,) for target in wish.targets)
     return (wish.targets,)
 
 
 def draw_goals(wish: ContactWish, n: int, rng: np.random.Generator) -> Goals:
-    """Draw n places of a tool that touches, or comes near."""
+    """Draw n places of a tool that touches, or comes near.
+
+    Parameters
+    ----------
+    wish : ContactWish
+        Of a probe, gauges or a sensor: wires have no goals, they hang on the tool anywhere.
+    n : int
+    rng : numpy.random.Generator
+
+    Returns
+    -------
+    Goals
+        Each of a group of targets drawn evenly.
+
+    Raises
+    ------
+    WorkSpaceError
+        Targets that are read together have directions that cancel each other.
+    """
     groups = groups_of(wish)
     group = rng.integers(len(groups), size=n)
+    # n for each group, of which each row takes that of its own: a draw per row would be as many calls.
     goals = [_of_group(wish, targets, n, rng) for targets in groups]
     return Goals(group, *(np.choose(group[:, None], column) for column in zip(*goals, strict=True)))
 
@@ -51,6 +88,10 @@ def draw_goals(wish: ContactWish, n: int, rng: np.random.Generator) -> Goals:
 def _of_group(
     wish: ContactWish, targets: tuple[Target, ...], n: int, rng: np.random.Generator
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return places of the nest (n, 3) [mm], where the tool points (n, 3), and the way in (n, 3).
+
+    A sphere is touched at its zero from its centre, within a cap; a plane in a square about its place.
+    """
     first = targets[0]
     match first.kind:
         case TargetKind.SPHERE:
@@ -85,7 +126,10 @@ def _approaching(
 
 
 def _within_cone(about: FloatArray, widest_rad: float, n: int, rng: np.random.Generator) -> FloatArray:
-    """Draw unit vectors evenly over the cap about a direction, shape (n, 3)."""
+    """Draw unit vectors evenly over the cap about a direction, shape (n, 3).
+
+    Over a sphere the cosine of the angle from any axis is uniform (Archimedes' hat-box theorem).
+    """
     across = np.linalg.svd(about[None])[2][1:]
     cosine = rng.uniform(np.cos(widest_rad), 1.0, n)
     turn = rng.uniform(-np.pi, np.pi, n)
@@ -106,18 +150,35 @@ _TURNED_RAD: Final = 0.05  # on a step of a millimetre or so: further is near a 
 
 @dataclass(frozen=True, slots=True)
 class ReachablePoses:
-    """n places that the arm reaches, and the ways there."""
+    """n places that the arm reaches, and the ways there.
+
+    Attributes
+    ----------
+    goals : Goals
+    way_rad : ndarray, shape (n, k, J)
+        From where nothing is near to the stop, which is the last.
+    """
 
     goals: Goals
     way_rad: FloatArray  # (n, k, J), the stop last
 
     def taken(self, rows: IntArray) -> "ReachablePoses":
-        """Return some of them, in the order of `rows`."""
+        """Return some of them, in the order of `rows` (k,)."""
         return ReachablePoses(self.goals.taken(rows), self.way_rad[rows])
 
 
 def step_lengths_mm(wish: ContactWish) -> tuple[float, ...]:
-    """Return how far before its stop each place of a way is [mm]."""
+    """Return how far before its stop each place of a way is.
+
+    Parameters
+    ----------
+    wish : ContactWish
+
+    Returns
+    -------
+    tuple of float
+        [mm] descending to 0: the clearance, then the stroke in quarters.
+    """
     last = (share * wish.stroke_mm for share in _LAST_STEPS)
     return (wish.clearance_mm, *last)
 
@@ -125,12 +186,30 @@ def step_lengths_mm(wish: ContactWish) -> tuple[float, ...]:
 def reached(
     space: WorkSpace, bodies: CellBodies, wish: ContactWish, goals: Goals, rng: np.random.Generator
 ) -> ReachablePoses:
-    """Return the goals that the arm reaches with room all the way, each with a branch drawn at random."""
+    """Return the goals that the arm reaches with room all the way, each with a branch drawn at random.
+
+    Parameters
+    ----------
+    space : WorkSpace
+    bodies : CellBodies
+    wish : ContactWish
+    goals : Goals
+        n of them.
+    rng : numpy.random.Generator
+        Draws the spin about the tool's axis, and the branch.
+
+    Returns
+    -------
+    ReachablePoses
+        n at most, in the order of the goals.
+    """
     turn = _tool_rotations(np.array(wish.axis), goals.points, rng)
     poses = [_poses(space, wish, goals, turn, before_mm) for before_mm in step_lengths_mm(wish)]
     branches = np.stack([all_branches(space.robot, pose) for pose in poses], axis=1)  # (n, k, 8, J)
+    # The first branch alone would leave all the others of the arm unmeasured.
     rows, drawn = _drawn_branches(branches, rng)
     found, fits = _within(branches[rows, :, drawn], space.motion_limits)
+    # Without the first motion, which is long: it is a joint motion, the others follow the way in closely.
     fits &= np.abs(np.diff(found[:, 1:], axis=1)).max(axis=(1, 2)) < _TURNED_RAD
     rows, found = rows[fits], found[fits]
     clear = _has_room(bodies, found)
@@ -179,9 +258,13 @@ def _drawn_branches(branches: FloatArray, rng: np.random.Generator) -> tuple[Int
 
 
 def _within(ways: FloatArray, limits: tuple[JointRange, ...]) -> tuple[FloatArray, BoolArray]:
-    """Turn each way by whole turns into the limits, all its places alike."""
+    """Turn each way by whole turns into the limits, all its places alike.
+
+    Returns ways (n, k, J), and which of them stay 0.1 rad off all limits (n,).
+    """
     n, k, joints = ways.shape
     stops, inside = brought_within(ways[:, -1], limits)
+    # Places of one way belong to the same turn: taken by itself each could come out a turn apart.
     turned = ways - 2 * np.pi * np.round((ways - stops[:, None]) / (2 * np.pi))
     _, each_inside = brought_within(turned.reshape(-1, joints), limits)
     low = np.array([limit.lower_rad for limit in limits]) + _FROM_LIMITS_RAD

@@ -1,4 +1,8 @@
-"""What is wanted of a session of closed loops, held against itself and the cell."""
+"""What is wanted of a session of closed loops, held against itself and the cell before anything is computed.
+
+Places and directions are those that somebody states roughly; where the targets truly are is found from the
+readings.
+"""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -18,7 +22,7 @@ _CANCELLED: Final = 1e-6  # of the mean of unit vectors: what is left shows no d
 
 @dataclass(frozen=True, slots=True)
 class ContactWish:
-    """Targets, what reads them, and how many stops."""
+    """Targets, what reads them, and how many stops; lengths in mm, directions of any length but none."""
 
     loop: Loop
     targets: tuple[Target, ...]
@@ -37,24 +41,54 @@ class ContactWish:
 
     @property
     def usable_mm(self) -> float:
-        """How far from its zero a gauge is read."""
+        """How far from its zero a gauge is read [mm]: the stroke less the margin at its end."""
         return self.stroke_mm - self.margin_mm
 
 
 def place_of(target: Target) -> FloatArray:
-    """Return about where a target is [mm, world], shape (3,)."""
+    """Return about where a target is.
+
+    Parameters
+    ----------
+    target : Target
+
+    Returns
+    -------
+    ndarray, shape (3,)
+        [mm, world]; NaN where nobody says.
+    """
     return np.array(target.place_mm if target.place_mm is not None else (np.nan,) * 3)
 
 
 def normal_of(target: Target) -> FloatArray:
-    """Return about the direction in which readings grow, or in which a sphere is open, shape (3,)."""
+    """Return about the direction in which readings grow, or in which a sphere is open.
+
+    Parameters
+    ----------
+    target : Target
+
+    Returns
+    -------
+    ndarray, shape (3,)
+        Unit vector in the world; up where nobody says.
+    """
     normal = np.array(target.normal if target.normal is not None else _UP, dtype=np.float64)
     unit: FloatArray = normal / np.linalg.norm(normal)
     return unit
 
 
 def mean_normal(targets: Sequence[Target]) -> FloatArray:
-    """Return the mean direction in which the readings of targets grow together, shape (3,).
+    """Return the mean direction in which the readings of targets grow together.
+
+    Parameters
+    ----------
+    targets : sequence of Target
+        Those that are read at one stop.
+
+    Returns
+    -------
+    ndarray, shape (3,)
+        Unit vector in the world.
 
     Raises
     ------
@@ -82,7 +116,20 @@ _LEAST_LENGTH: Final = 1e-3  # of a direction
 
 
 def require_sense(cell: Cell, wish: ContactWish) -> None:
-    """Raise WorkSpaceError, with one sentence, for the first thing that cannot be meant."""
+    """Raise, with one sentence, for the first thing that cannot be meant.
+
+    Parameters
+    ----------
+    cell : Cell
+    wish : ContactWish
+
+    Raises
+    ------
+    WorkSpaceError
+        A target is none that the loop reads, or lacks its place or zero; a sensor has not one ball; a
+        direction has no length; a distance joins no two centres; the margin takes half the stroke; the nest
+        is none of the tool's.
+    """
     for target in wish.targets:
         _require_target(wish, target)
     if wish.loop == "sensor" and len(wish.targets) != 1:
