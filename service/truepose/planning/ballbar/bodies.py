@@ -64,6 +64,8 @@ class BaseFixture:
         axes = np.zeros_like(self.cups_mm)
         for face in self.faces:
             axes[[point - 1 for point in face]] += self._outwards(face)
+        # A cup whose faces all look down carries no poses, but is clamped and measured like the
+        # others: it opens away from the middle.
         idle = ~axes.any(axis=1)
         axes[idle] = (self.cups_mm - self.hub_mm)[idle]
         return np.asarray(axes / np.linalg.norm(axes, axis=1, keepdims=True))
@@ -77,6 +79,11 @@ class BaseFixture:
         return tuple(face for face in every if self._outwards(face)[2] > _LOWEST_FACE)
 
     def _outwards(self, face: tuple[int, ...]) -> FloatArray:
+        """Return the unit normal of a face, away from the middle of the fixture, shape (3,).
+
+        From the hub to the middle of the face: of a regular tetrahedron that is its normal; three cups have
+        the hub below their middle.
+        """
         away = self.cups_mm[[point - 1 for point in face]].mean(axis=0) - self.hub_mm
         return np.asarray(away / np.linalg.norm(away))
 
@@ -94,6 +101,10 @@ def base_fixture(number: int, frame: FramePlacement, points: int = 3, side_mm: f
         3 or 4.
     side_mm : float
         Between every two cups.
+
+    Returns
+    -------
+    BaseFixture
 
     Raises
     ------
@@ -116,7 +127,19 @@ def base_fixture(number: int, frame: FramePlacement, points: int = 3, side_mm: f
 
 
 def fixture_body(fixture: BaseFixture, table_z_mm: float) -> Capsules:
-    """Return the posts of the cups (first, in order), the arms that carry them, the stand on the table."""
+    """Return the posts of the cups (first, in order), the arms that carry them, the stand on the table.
+
+    Parameters
+    ----------
+    fixture : BaseFixture
+    table_z_mm : float
+        World.
+
+    Returns
+    -------
+    Capsules
+        At one configuration.
+    """
     feet = fixture.cups_mm - BALL_MM * fixture.axes
     bottoms = fixture.cups_mm - POST_MM * fixture.axes
     below = np.array([*fixture.hub_mm[:2], table_z_mm])
@@ -137,7 +160,18 @@ _TABLE_ARM_RADII_MM: Final = (90.0, 90.0, 70.0, 70.0, 60.0, 45.0, 40.0)
 
 
 def table_arm_radii_mm(joints: int) -> tuple[float, ...]:
-    """Return radii of base and links; an arm of another number of joints thins from foot to flange alike."""
+    """Return radii of base and links; an arm of another number of joints thins from foot to flange alike.
+
+    Parameters
+    ----------
+    joints : int
+        J.
+
+    Returns
+    -------
+    tuple of float
+        J + 1 [mm].
+    """
     place = np.linspace(0.0, 1.0, joints + 1)
     known = np.linspace(0.0, 1.0, len(_TABLE_ARM_RADII_MM))
     return tuple(float(radius) for radius in np.interp(place, known, _TABLE_ARM_RADII_MM))
@@ -174,25 +208,72 @@ class BallbarCell:
 
 
 def chain_of(cell: BallbarCell, joints_rad: FloatArray) -> Chain:
-    """Return the nominal frames of configurations (n, J) in the world."""
+    """Return the nominal frames of configurations in the world.
+
+    Parameters
+    ----------
+    cell : BallbarCell
+    joints_rad : ndarray, shape (n, J)
+
+    Returns
+    -------
+    Chain
+    """
     rotation, origin = placement_rotation(cell.base), placement_translation(cell.base)
     return forward(nominal_values(cell.robot, joints_rad), rotation, origin)
 
 
 def pose_in_base(cell: BallbarCell, poses: FloatArray) -> FloatArray:
-    """Return poses (n, 4, 4) of the world in the robot's base."""
+    """Return poses of the world in the robot's base.
+
+    Parameters
+    ----------
+    cell : BallbarCell
+    poses : ndarray, shape (n, 4, 4)
+
+    Returns
+    -------
+    ndarray, shape (n, 4, 4)
+    """
     base = np.eye(4)
     base[:3, :3], base[:3, 3] = placement_rotation(cell.base), placement_translation(cell.base)
     return np.asarray(np.linalg.inv(base) @ poses)
 
 
 def nest_places(cell: BallbarCell, chain: Chain) -> FloatArray:
-    """Return the tool nests in the world [mm], shape (3, n, 3)."""
+    """Return the tool nests in the world.
+
+    Parameters
+    ----------
+    cell : BallbarCell
+    chain : Chain
+        Of n configurations.
+
+    Returns
+    -------
+    ndarray, shape (3, n, 3)
+        [mm].
+    """
     return chain.places(cell.nests_mm)
 
 
 def arm_body(cell: BallbarCell, chain: Chain) -> Capsules:
-    """Return the arm's links from the base to the flange; piece k belongs to link `arm_links(cell)[k]`."""
+    """Return the arm's links from the base to the flange; piece k belongs to link `arm_links(cell)[k]`.
+
+    A link of the DH table (Craig's) goes along x by a, then along z by d: a piece each, where it is longer
+    than 1 mm.
+
+    Parameters
+    ----------
+    cell : BallbarCell
+    chain : Chain
+        Of n configurations.
+
+    Returns
+    -------
+    Capsules
+        m pieces; none of an arm of short links alone.
+    """
     starts, ends = [], []
     for joint, row in enumerate(cell.robot.joints):
         if _is_long(row.a_mm):
@@ -207,7 +288,17 @@ def arm_body(cell: BallbarCell, chain: Chain) -> Capsules:
 
 
 def arm_links(cell: BallbarCell) -> tuple[int, ...]:
-    """Return the link (0: base) of each piece of `arm_body`: an a belongs to the link before its joint."""
+    """Return the link (0: base) of each piece of `arm_body`: an a belongs to the link before its joint.
+
+    Parameters
+    ----------
+    cell : BallbarCell
+
+    Returns
+    -------
+    tuple of int
+        m, ascending.
+    """
     links = []
     for joint, row in enumerate(cell.robot.joints):
         links += [joint] * _is_long(row.a_mm) + [joint + 1] * _is_long(row.d_mm)
@@ -215,7 +306,17 @@ def arm_links(cell: BallbarCell) -> tuple[int, ...]:
 
 
 def moved_pieces(cell: BallbarCell) -> tuple[int, ...]:
-    """Return the pieces of `arm_body` that some joint moves: all but those along axis 1."""
+    """Return the pieces of `arm_body` that some joint moves: all but those along axis 1.
+
+    Parameters
+    ----------
+    cell : BallbarCell
+
+    Returns
+    -------
+    tuple of int
+        Indices.
+    """
     first = cell.robot.joints[0]
     return tuple(range(_is_long(first.a_mm) + _is_long(first.d_mm), len(arm_links(cell))))
 
@@ -225,14 +326,37 @@ def _is_long(piece_mm: float) -> bool:
 
 
 def tool_normal(nests_mm: FloatArray) -> FloatArray:
-    """Return the unit normal of the nests' plane on the side away from the flange, last frame, shape (3,)."""
+    """Return the unit normal of the nests' plane on the side away from the flange.
+
+    Parameters
+    ----------
+    nests_mm : ndarray, shape (3, 3)
+        In the last frame, not on a line.
+
+    Returns
+    -------
+    ndarray, shape (3,)
+        In the last frame.
+    """
     normal = np.cross(nests_mm[1] - nests_mm[0], nests_mm[2] - nests_mm[0])
     normal /= np.linalg.norm(normal)
     return np.asarray(normal if normal @ nests_mm.mean(axis=0) > 0 else -normal)
 
 
 def tool_body(cell: BallbarCell, chain: Chain) -> Capsules:
-    """Return the tool fixture: cups (first, in order), plate, stem."""
+    """Return the tool fixture: cups (first, in order), plate, stem.
+
+    Parameters
+    ----------
+    cell : BallbarCell
+    chain : Chain
+        Of n configurations.
+
+    Returns
+    -------
+    Capsules
+        In the world; the stem is the last.
+    """
     tool = _tool_on_flange(tuple(map(tuple, cell.nests_mm.tolist())))
     placed = chain.places(np.concatenate([tool.start_mm[:, 0], tool.end_mm[:, 0]]))
     return Capsules(placed[: len(tool)], placed[len(tool) :], tool.radius_mm)
@@ -256,7 +380,18 @@ def _tool_on_flange(nests_mm: tuple[tuple[float, ...], ...]) -> Capsules:
 
 
 def bars(cups_mm: FloatArray, nests_mm: FloatArray) -> Capsules:
-    """Return bars between cups (L, n, 3) and nests (L, n, 3), without the slim ends at the balls."""
+    """Return bars between cups and nests, without the slim ends at the balls.
+
+    Parameters
+    ----------
+    cups_mm, nests_mm : ndarray, shape (L, n, 3)
+        Farther apart than twice the neck.
+
+    Returns
+    -------
+    Capsules
+        L at n configurations.
+    """
     way = nests_mm - cups_mm
     neck = BAR_NECK_MM * way / np.linalg.norm(way, axis=-1, keepdims=True)
     return Capsules(cups_mm + neck, nests_mm - neck, np.full(len(cups_mm), BAR_RADIUS_MM))

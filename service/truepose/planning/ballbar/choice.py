@@ -6,6 +6,8 @@ configuration b with whitened rows J_b that leaves, and a that enters, change it
 
     C' = C + C J_b' (I - J_b C J_b')^-1 J_b C
     tr W C'' = tr W C' - tr (I + J_a C' J_a')^-1 J_a C' W C' J_a'
+
+The second line is Woodbury's identity for M + J_a' J_a, C = M^-1, under the trace.
 """
 
 from collections.abc import Sequence
@@ -73,6 +75,15 @@ def least_error_first(rows: FloatArray, n: int, known: FloatArray, weight: Float
 
     Parameters as above; all are taken where there are no more.
 
+    Parameters
+    ----------
+    rows : ndarray, shape (N, L, P)
+        As in `exchanged_for_error`.
+    n : int
+        All are taken where there are no more.
+    known, weight : ndarray, shape (P, P)
+        As in `exchanged_for_error`.
+
     Returns
     -------
     ndarray, shape (min(n, N),)
@@ -83,6 +94,7 @@ def least_error_first(rows: FloatArray, n: int, known: FloatArray, weight: Float
 
 
 def _exchange(rows: FloatArray, member: BoolArray, known: FloatArray, weight: FloatArray) -> bool:
+    # Inverted anew at each exchange, which are few: nothing that rounding could add up is carried on.
     own = rows[member].reshape(-1, rows.shape[2])
     covariance: FloatArray = np.asarray(np.linalg.inv(own.T @ own + known), dtype=float)
     figure = float(np.sum(weight * covariance))
@@ -99,12 +111,21 @@ def _exchange(rows: FloatArray, member: BoolArray, known: FloatArray, weight: Fl
 
 
 def _without(covariance: FloatArray, left: FloatArray) -> FloatArray:
+    """Return C' = C + C J' (I - J C J')^-1 J C, the covariance once a configuration has left, shape (P, P).
+
+    I - J C J' is positive definite as long as the information without it is, which priors and set-ups make
+    it.
+    """
     seen = covariance @ left.T
     return np.asarray(covariance + seen @ np.linalg.solve(np.eye(len(left)) - left @ seen, seen.T))
 
 
 def _changes(rows: FloatArray, covariance: FloatArray, weight: FloatArray, sign: float) -> FloatArray:
-    """How much the figure changes with each configuration that enters (+1) or leaves (-1), shape (n,)."""
+    """How much the figure changes with each configuration that enters (+1) or leaves (-1), shape (n,).
+
+    tr (I +- J C J')^-1 J C W C J' for each: it falls by that with one that enters, and rises with one that
+    leaves.
+    """
     n, lines, columns = rows.shape
     seen = (rows.reshape(-1, columns) @ covariance).reshape(n, lines, columns)
     own = np.eye(lines) + sign * seen @ np.swapaxes(rows, 1, 2)
@@ -114,7 +135,18 @@ def _changes(rows: FloatArray, covariance: FloatArray, weight: FloatArray, sign:
 
 @dataclass(frozen=True, slots=True)
 class Candidates:
-    """What can be measured from one placement."""
+    """What can be measured from one placement.
+
+    Attributes
+    ----------
+    fixture : BaseFixture
+    found : ReachablePoses
+        n configurations.
+    rows : PoseRows
+        Of their legs.
+    setting : ndarray, shape (P + 3 K, P + 3 K)
+        Information of priors, set-ups and sides.
+    """
 
     fixture: BaseFixture
     found: ReachablePoses
@@ -131,7 +163,21 @@ def candidates(
     setups: Sequence[PlannedSetup] | None = None,
     made: Sequence[Assembly] | None = None,
 ) -> Candidates:
-    """Return all measurable configurations of a placement with what they say."""
+    """Return all measurable configurations of a placement with what they say.
+
+    Parameters
+    ----------
+    model : ArmModel
+    fixture : BaseFixture
+    setups : sequence of PlannedSetup, optional
+        One a cup; without them the cups are known by their sides alone.
+    made : sequence of Assembly, optional
+        What `poses.device` returns, where many placements are looked at.
+
+    Returns
+    -------
+    Candidates
+    """
     found = reach(model.cell, fixture, made)
     return _with_rows(model, fixture, found, setups)
 
@@ -139,7 +185,19 @@ def candidates(
 def of_candidates(
     model: ArmModel, offer: Candidates, setups: Sequence[PlannedSetup] | None = None
 ) -> Candidates:
-    """Return what the same configurations say by another model of the arm."""
+    """Return what the same configurations say by another model of the arm.
+
+    Parameters
+    ----------
+    model : ArmModel
+    offer : Candidates
+    setups : sequence of PlannedSetup, optional
+        As in `candidates`.
+
+    Returns
+    -------
+    Candidates
+    """
     return _with_rows(model, offer.fixture, offer.found, setups)
 
 
@@ -169,9 +227,15 @@ def known_after(
         Configurations of each placement; None: all of them, weighed as if there were its share of `n`.
     n : int, optional
         Configurations of the whole session, where some are not chosen yet.
+
+    Returns
+    -------
+    SessionInformation
     """
     known = gathered(model)
     for own, rows in zip(placements, chosen, strict=True):
+        # Places are compared before anything is chosen there: one with more candidates must not look
+        # better than its share of the session can make it.
         weight = 1.0 if rows is not None or n is None else n / len(placements) / max(1, len(own))
         information = own.setting + of_poses(own.rows, rows, weight)
         known = with_placement(known, information, own.fixture.cups_mm)
@@ -224,7 +288,21 @@ def choose(
 
 
 def stacked_rows(model: ArmModel, placements: Sequence[Candidates], columns: int) -> FloatArray:
-    """Return the whitened derivatives of all candidates in arm and all cups, shape (N, L, columns)."""
+    """Return the whitened derivatives of all candidates in arm and all cups.
+
+    Parameters
+    ----------
+    model : ArmModel
+    placements : sequence of Candidates
+        One at least; N configurations together.
+    columns : int
+        P + 3 C, with the C cups of all placements.
+
+    Returns
+    -------
+    ndarray, shape (N, L, columns)
+        Zeros for the cups of other placements, and in rows that a configuration has not.
+    """
     total, legs = sum(len(own) for own in placements), max(own.rows.arm.shape[1] for own in placements)
     stacked = np.zeros((total, legs, columns))
     row, column = 0, model.parameters

@@ -7,6 +7,11 @@ their certificates allow; the base is held, as only places relative to the cups 
     set-ups   cup_i - nest_1(q_i)     how well a cup sits where the ball was held
     sides     |cup_i - cup_k|         with the ballbar, those of the tool |nest_j - nest_k| as well
 
+With w_ij the unit vector from cup to nest, J the motion of the nests per parameter and S the covariance of
+the legs of a stop,
+
+    d leg = w_ij . (J_j dp - dcup_i)        S = l^2 I + s^2 W W'        rows: S^-1/2 [W J, -W]
+
 The figure is the root mean square error of nest positions over the work space, in the frame that the cups
 define (the rigid motion that fits predicted to true cups best taken off): what a user of the model sees.
 """
@@ -53,14 +58,43 @@ class Scatter:
     zero_mm: float = 0.0
 
     def walked_mm2(self, lines: int) -> FloatArray:
-        """Return the covariance of the zeros of so many readings after one initialisation."""
+        """Return the covariance of the zeros of so many readings after one initialisation.
+
+        A random walk, cov(z_i, z_j) = z^2 min(i, j) / 3.5, i and j from 1: the mean of its variances over six
+        readings is z^2, which is what `zero_mm` states.
+
+        Parameters
+        ----------
+        lines : int
+            L readings.
+
+        Returns
+        -------
+        ndarray, shape (L, L)
+            [mm2].
+
+        References
+        ----------
+        Thesis of A. Nubiola, 2014, sections 3.2 and 3.5 (snaps of the magnets add up to 0.003 mm); the walk:
+        own model.
+        """
         number = np.arange(1.0, lines + 1.0)
         return np.asarray(self.zero_mm**2 * np.minimum.outer(number, number) / _MEAN_OF_SIX)
 
 
 @dataclass(frozen=True, slots=True)
 class ArmModel:
-    """The parameters of the arm at the nominal robot."""
+    """The parameters of the arm at the nominal robot.
+
+    Attributes
+    ----------
+    cell : BallbarCell
+    structure : Structure
+        Without a base; certified nests last.
+    scatter : Scatter
+    erring : bool
+        Rows are of readings as they err, not as an identification weighs them.
+    """
 
     cell: BallbarCell
     structure: Structure
@@ -78,7 +112,19 @@ class ArmModel:
         return sum(owner != TOOL_CERTIFICATE for owner in self.structure.owners)
 
     def nests(self, joints_rad: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return nests (n, 3, 3) at configurations (n, J) and their motion per prior width, (n, 3, 3, P)."""
+        """Return the tool nests at configurations, and how they move.
+
+        Parameters
+        ----------
+        joints_rad : ndarray, shape (n, J)
+
+        Returns
+        -------
+        position : ndarray, shape (n, 3, 3)
+            Of nests 1 to 3 [mm, world].
+        motion : ndarray, shape (n, 3, 3, P)
+            Per prior width of each parameter [mm].
+        """
         n = len(joints_rad)
         stops = Stops(config=np.repeat(np.arange(1, n + 1), 3), joints_rad=np.repeat(joints_rad, 3, axis=0))
         nest = np.tile(np.array([1, 2, 3], dtype=np.int64), n)
@@ -92,8 +138,18 @@ def arm_model(
 ) -> ArmModel:
     """Return the arm with geometry, and compliances where its masses are known.
 
-    `certified_mm` says how uncertain each of the tool nests is per axis; empty: they are exact.
+    Parameters
+    ----------
+    cell : BallbarCell
+    scatter : Scatter, optional
+    certified_mm : sequence of float
+        How uncertain each of the tool nests is per axis; empty: they are exact.
+
+    Returns
+    -------
+    ArmModel
     """
+    # One reading that says nothing: effects ask a campaign what it shows.
     readings = PointReadings(
         Stops(np.array([1]), np.zeros((1, cell.robot.n_joints))),
         np.array([1]),
@@ -103,6 +159,8 @@ def arm_model(
     nests = tuple(Nest((float(x), float(y), float(z)), 0.0) for x, y, z in cell.nests_mm)
     campaign = Campaign(cell.robot, cell.base, nests, calibration=readings)
     placing = effects_with(Trait.PLACING)
+    # What places the arm is left out: lengths to cups that the arm itself placed do not see where its
+    # base stands.
     effects = tuple(effect for effect in automatic_effects(campaign) if effect not in placing)
     structure, uncertain = build(campaign, effects).structure, dict(enumerate(certified_mm, start=1))
     nest_specs = certificate_specs(uncertain)
@@ -122,7 +180,7 @@ class PoseRows:
         return len(self.arm)
 
     def some(self, keep: IntArray) -> "PoseRows":
-        """Return the rows of some configurations."""
+        """Return the rows of some configurations, indices `keep` (k,)."""
         return PoseRows(self.arm[keep], self.cups[keep])
 
 
@@ -135,14 +193,22 @@ def pose_rows(
     ----------
     model : ArmModel
     cups_mm : ndarray, shape (K, 3)
+        [mm, world].
     joints_rad : ndarray, shape (n, J)
     legs : n sequences of legs
+        Cup and nest, 1-based, in the order of their readings.
+
+    Returns
+    -------
+    PoseRows
+        L is the largest number of legs.
     """
     nests, motion = model.nests(joints_rad)
     base, nest, there = _padded(legs)
     row = np.arange(len(legs))[:, None]
     way = nests[row, nest] - cups_mm[base]
     way /= np.linalg.norm(way, axis=2, keepdims=True)
+    # A leg that is not there is a length that nothing moves: it stays in the arrays and says nothing.
     way *= there[:, :, None]
     white = (_erring if model.erring else _whitener)(model.scatter, way)
     arm = white @ np.einsum("nli,nlip->nlp", way, motion[row, nest])
@@ -162,11 +228,15 @@ def _padded(legs: Sequence[Sequence[Leg]]) -> tuple[IntArray, IntArray, BoolArra
 
 
 def _whitener(scatter: Scatter, way: FloatArray) -> FloatArray:
-    """Whitens lengths whose nests share one shift of the arm, shape (n, L, L)."""
+    """Return S^-1/2 of lengths whose nests share one shift of the arm, shape (n, L, L).
+
+    L^-1 of Cholesky's S = L L'.
+    """
     return np.asarray(np.linalg.inv(np.linalg.cholesky(_stated_mm2(scatter, way))))
 
 
 def _stated_mm2(scatter: Scatter, way: FloatArray) -> FloatArray:
+    """Return S = l^2 I + s^2 W W' of lengths along `way` (n, L, 3), shape (n, L, L) [mm2]."""
     own = scatter.leg_mm**2 * np.eye(way.shape[1])
     return np.asarray(own + scatter.stop_mm**2 * way @ np.swapaxes(way, 1, 2))
 
@@ -174,8 +244,9 @@ def _stated_mm2(scatter: Scatter, way: FloatArray) -> FloatArray:
 def _erring(scatter: Scatter, way: FloatArray) -> FloatArray:
     """Return F, shape (n, L, L): F'F is the covariance of lengths between two of their stated inverses.
 
-    With derivatives A, A'F'F A is the scatter of the sums A' S^-1 r that an identification forms with the
-    stated covariance S of the readings r, whatever the readings truly scatter by.
+    F'F = S^-1 T S^-1 with S as stated and T as true, in which the zero of each reading is that of a walk.
+    With derivatives A, A'F'F A is then the scatter of the sums A' S^-1 r that an identification forms,
+    whatever r truly scatter by.
     """
     stated, lines = _stated_mm2(scatter, way), way.shape[1]
     true = stated + scatter.walked_mm2(lines) - scatter.zero_mm**2 * np.eye(lines)
@@ -183,7 +254,20 @@ def _erring(scatter: Scatter, way: FloatArray) -> FloatArray:
 
 
 def setting_information(model: ArmModel, cups_mm: FloatArray, setups_rad: FloatArray | None) -> FloatArray:
-    """Return what priors, set-ups (K, J) and sides say of arm and cups, shape (P + 3 K, P + 3 K)."""
+    """Return what priors, set-ups and sides say of arm and cups.
+
+    Parameters
+    ----------
+    model : ArmModel
+    cups_mm : ndarray, shape (K, 3)
+    setups_rad : ndarray, shape (K, J), optional
+        Where the arm held the ball at each cup; None: nobody knows.
+
+    Returns
+    -------
+    ndarray, shape (P + 3 K, P + 3 K)
+        Per prior width; I + rows' rows.
+    """
     count, cups = model.parameters, len(cups_mm)
     sides = []
     for a, b in combinations(range(cups), 2):
@@ -209,6 +293,10 @@ def _read_in_one_go(model: ArmModel, sides: FloatArray) -> FloatArray:
 
 
 def _setup_rows(model: ArmModel, setups_rad: FloatArray) -> FloatArray:
+    """Return the whitened derivatives of cup_k - nest_1(q_k), shape (3 K, P + 3 K).
+
+    A cup sits off the ball by `setup_mm`, and the ball off the model by `stop_mm`, both per axis.
+    """
     cups, count = len(setups_rad), model.parameters
     _, motion = model.nests(setups_rad)
     size = float(np.hypot(model.scatter.setup_mm, model.scatter.stop_mm))
@@ -227,7 +315,17 @@ class SessionInformation:
 
 
 def gathered(model: ArmModel) -> SessionInformation:
-    """Return what is known before any placement: priors, and the sides of an uncertain tool triangle."""
+    """Return what is known before any placement: priors, and the sides of an uncertain tool triangle.
+
+    Parameters
+    ----------
+    model : ArmModel
+
+    Returns
+    -------
+    SessionInformation
+        Of the arm alone, without cups.
+    """
     sides = _tool_side_rows(model)
     return SessionInformation(np.eye(model.parameters) + sides.T @ sides, np.zeros((0, 3)))
 
@@ -245,7 +343,21 @@ def _tool_side_rows(model: ArmModel) -> FloatArray:
 
 
 def with_placement(before: SessionInformation, own: FloatArray, cups_mm: FloatArray) -> SessionInformation:
-    """Add a placement, whose `own` information (P + 3 K, P + 3 K) contains the priors of the arm."""
+    """Add a placement.
+
+    Parameters
+    ----------
+    before : SessionInformation
+        Of arm and C cups.
+    own : ndarray, shape (P + 3 K, P + 3 K)
+        Of the placement, with the priors of the arm in it.
+    cups_mm : ndarray, shape (K, 3)
+
+    Returns
+    -------
+    SessionInformation
+        Of arm and C + K cups.
+    """
     k, arm, c = 3 * len(cups_mm), len(own) - 3 * len(cups_mm), 3 * len(before.cups_mm)
     matrix = np.zeros((arm + c + k, arm + c + k))
     matrix[: arm + c, : arm + c] = before.matrix
@@ -264,7 +376,20 @@ class WorkSpaceSample:
 
 
 def work_space_sample(model: ArmModel, n: int, rng: np.random.Generator) -> WorkSpaceSample:
-    """Draw n configurations uniformly in the ranges, whose nests are above the table."""
+    """Draw n configurations uniformly in the ranges, whose nests are above the table.
+
+    Parameters
+    ----------
+    model : ArmModel
+    n : int
+        Fewer where of 4 n draws not as many are above the table; none where that is out of reach.
+    rng : numpy.random.Generator
+
+    Returns
+    -------
+    WorkSpaceSample
+        m = 3 n places.
+    """
     cell = model.cell
     low = np.array([limit.lower_rad for limit in cell.ranges])
     high = np.array([limit.upper_rad for limit in cell.ranges])
@@ -275,7 +400,19 @@ def work_space_sample(model: ArmModel, n: int, rng: np.random.Generator) -> Work
 
 
 def predicted_error_mm(known: SessionInformation, sample: WorkSpaceSample) -> float:
-    """Return the root mean square error (norm) of nest positions in the frame of the cups [mm]."""
+    """Return the root mean square error (norm) of nest positions in the frame of the cups, sqrt(tr(W M^-1)).
+
+    Parameters
+    ----------
+    known : SessionInformation
+    sample : WorkSpaceSample
+        One place at least.
+
+    Returns
+    -------
+    float
+        [mm].
+    """
     weight = error_weight(known.cups_mm, sample)
     return float(np.sqrt(np.sum(weight * np.linalg.inv(known.matrix))))
 
@@ -283,7 +420,18 @@ def predicted_error_mm(known: SessionInformation, sample: WorkSpaceSample) -> fl
 def error_weight(cups_mm: FloatArray, sample: WorkSpaceSample) -> FloatArray:
     """Return W: the mean square error of nest positions is tr(W C), C the covariance of arm and cups.
 
-    Errors count in the frame of the cups, as in `error_gradient`.
+    W is the mean of G' G over the places. Errors count in the frame of the cups, as in `error_gradient`.
+
+    Parameters
+    ----------
+    cups_mm : ndarray, shape (C, 3)
+    sample : WorkSpaceSample
+        One place at least.
+
+    Returns
+    -------
+    ndarray, shape (P + 3 C, P + 3 C)
+        Per prior width [mm2].
     """
     gradient = error_gradient(cups_mm, sample)
     flat = gradient.reshape(-1, gradient.shape[2])
@@ -291,9 +439,25 @@ def error_weight(cups_mm: FloatArray, sample: WorkSpaceSample) -> FloatArray:
 
 
 def error_gradient(cups_mm: FloatArray, sample: WorkSpaceSample) -> FloatArray:
-    """Return how nests at m places move in the frame of C cups, per prior width, shape (m, 3, P + 3 C).
+    """Return how nests at m places move in the frame of C cups.
 
-    The rigid motion that fits the errors of the cups best is taken off.
+    With A_k = [I, -[x]x] how a point x moves with a small rigid motion, the motion that fits the cups' errors
+    best is
+
+    Parameters
+    ----------
+    cups_mm : ndarray, shape (C, 3)
+        Three at least, not on a line.
+    sample : WorkSpaceSample
+
+    Attributes
+    ----------
+    = A_cups^+ dcups; G = [J, -A_x A_cups^+] takes it off.
+
+    Returns
+    -------
+    ndarray, shape (m, 3, P + 3 C)
+        Per prior width [mm].
     """
     turns = np.concatenate([np.tile(np.eye(3), (len(cups_mm), 1, 1)), -cross_matrix(cups_mm)], axis=2)
     fit = np.linalg.pinv(turns.reshape(-1, 6)) * _CUP_WIDTH_MM  # (6, 3 C)
@@ -303,7 +467,21 @@ def error_gradient(cups_mm: FloatArray, sample: WorkSpaceSample) -> FloatArray:
 
 
 def of_poses(rows: PoseRows, chosen: IntArray | None = None, weight: float = 1.0) -> FloatArray:
-    """Return what configurations (all, or some) say of arm and cups, shape (P + 3 K, P + 3 K)."""
+    """Return what configurations say of arm and cups, weight * rows' rows.
+
+    Parameters
+    ----------
+    rows : PoseRows
+    chosen : ndarray, optional
+        Indices; by default all.
+    weight : float
+        Of each configuration.
+
+    Returns
+    -------
+    ndarray, shape (P + 3 K, P + 3 K)
+        Per prior width.
+    """
     stacked = np.concatenate([rows.arm, rows.cups], axis=2)
     flat = (stacked if chosen is None else stacked[chosen]).reshape(-1, stacked.shape[2])
     return np.asarray(weight * flat.T @ flat)
