@@ -46,6 +46,12 @@ def coded_lengths(n_legs: int, turn: int = 0) -> Code:
     turn : int
         Number of the pose: which leg has which level.
 
+    Returns
+    -------
+    Code
+        Legs that follow each other are two levels apart or more where there are five legs or more; of three
+        and four some are neighbours.
+
     Raises
     ------
     ConfigurationError
@@ -83,6 +89,9 @@ def aimed(
 ) -> FloatArray:
     """Return joints near the given ones at which the legs have the wanted lengths.
 
+    Newton's method on the lengths, l(q) + J dq = wanted, with the shortest dq where there are fewer legs than
+    joints.
+
     Parameters
     ----------
     lengths : callable, (n, J) -> (n, L)
@@ -96,7 +105,8 @@ def aimed(
     Returns
     -------
     ndarray, shape (J,)
-        On the branch of the start: no joint moved by more than 8 deg, no singular arm on the way.
+        On the branch of the start: no joint moved by more than 8 deg, no singular arm on the way. Lengths are
+        met to 1e-4 mm.
 
     Raises
     ------
@@ -129,7 +139,7 @@ def aimed(
 
 
 def _linearised(lengths: Lengths, joints: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Lengths (L,) and their derivatives (L, J)."""
+    """Return lengths (L,) [mm] and their derivatives (L, J) [mm/rad], by central differences of 1e-5 rad."""
     steps = _DIFFERENCE_RAD * np.eye(len(joints))
     found = np.asarray(lengths(np.concatenate([joints[None], joints + steps, joints - steps])))
     if not np.all(np.isfinite(found)):
@@ -146,6 +156,8 @@ def _same_side(jacobian: FloatArray, before: float) -> float:
             "The arm or the legs are singular at this pose: their lengths cannot be set one by one."
         )
     rows, columns = jacobian.shape
+    # Between two passes the arm may step over a singularity without standing in it; the determinant then
+    # changes sign.
     side = float(np.sign(np.linalg.det(jacobian))) if rows == columns else 0.0
     if side * before < 0.0:
         raise AimError("The arm would pass a singularity to give the legs these lengths: aim at others.")
@@ -168,7 +180,22 @@ def aimed_pose(
     nominal_mm: float,
     ranges: tuple[JointRange, ...] | None = None,
 ) -> PlannedPose:
-    """Return a pose with coded lengths under a model; `lengths` are in the order of its legs.
+    """Return a pose with coded lengths under a model.
+
+    Parameters
+    ----------
+    pose : PlannedPose
+    lengths : callable
+        As in `aimed`, in the order of the pose's legs.
+    nominal_mm : float
+        About which lengths are coded.
+    ranges : tuple of JointRange, optional
+        That the joints must not leave.
+
+    Returns
+    -------
+    PlannedPose
+        With its new joints, and the lengths that it is aimed at.
 
     Raises
     ------
@@ -185,6 +212,7 @@ def aimed_pose(
             refusals.append(refusal)
         else:
             return replace(pose, joints_rad=tuple(float(q) for q in joints), aimed_mm=wanted)
+    # Of the code that was wanted first; the others were makeshifts.
     raise AimError(f"Configuration {pose.config} cannot be aimed at coded lengths. {refusals[0]}")
 
 
@@ -251,7 +279,21 @@ def aimed_again(
 
 
 def coded_or_kept(cell: BallbarCell, pose: PlannedPose, lengths: Lengths) -> tuple[PlannedPose, str | None]:
-    """Return a pose at coded lengths, else at nominal ones, else as it was; and why it is not coded."""
+    """Return a pose at coded lengths, else at nominal ones, else as it was.
+
+    Parameters
+    ----------
+    cell : BallbarCell
+    pose : PlannedPose
+    lengths : callable
+        As in `aimed_pose`.
+
+    Returns
+    -------
+    pose : PlannedPose
+    sentence : str or None
+        Why it is not coded; None: it is.
+    """
     try:
         return aimed_pose(pose, lengths, cell.leg_mm, cell.ranges), None
     except AimError as refusal:

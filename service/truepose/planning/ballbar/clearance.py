@@ -1,4 +1,12 @@
-"""What keeps clear of what: arm and tool of table, base fixture and each other; every bar of everything."""
+"""What keeps clear of what: arm and tool of table, base fixture and each other; every bar of everything.
+
+Bodies are capsules (`planning.workspace.capsules`), rooms their smallest gaps [mm]. A bar between cup c and
+nest t, with w the unit vector from c to t and a, m the directions in which the two open, leans by
+
+    max(arccos(w . a), arccos(-w . m))
+
+which may be 100 deg: further over, it touches a rim.
+"""
 
 from dataclasses import dataclass, replace
 from functools import cache
@@ -64,7 +72,18 @@ class Bars:
 
 
 def bodies_at(cell: BallbarCell, fixture: BaseFixture, joints_rad: FloatArray) -> Bodies:
-    """Return the bodies of configurations (n, J)."""
+    """Return the bodies of configurations.
+
+    Parameters
+    ----------
+    cell : BallbarCell
+    fixture : BaseFixture
+    joints_rad : ndarray, shape (n, J)
+
+    Returns
+    -------
+    Bodies
+    """
     chain = chain_of(cell, joints_rad)
     return Bodies(
         cell,
@@ -81,9 +100,19 @@ def bodies_at(cell: BallbarCell, fixture: BaseFixture, joints_rad: FloatArray) -
 
 
 def arm_room_mm(bodies: Bodies) -> FloatArray:
-    """Return the free space about arm and tool [mm], shape (n,).
+    """Return the free space about arm and tool.
 
     To table, base fixture, keep-out volumes and to themselves.
+
+    Parameters
+    ----------
+    bodies : Bodies
+        Of n configurations.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        [mm]; negative where something touches.
     """
     off_table = _of_links(bodies, range(_COLUMN_LINKS, len(bodies.cell.link_radii_mm)))
     beside_table = np.minimum(lowest_mm(off_table), lowest_mm(bodies.tool)) - bodies.cell.table_z_mm
@@ -105,7 +134,18 @@ def _outside_keep_outs(cell: BallbarCell, moving: Capsules) -> list[FloatArray]:
 
 
 def hands_room_mm(bodies: Bodies) -> FloatArray:
-    """Return the free space about the sides of the base [mm], shape (n,): to tool and moving links."""
+    """Return the free space about the sides of the base, to tool and moving links.
+
+    Parameters
+    ----------
+    bodies : Bodies
+        Of n configurations.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        [mm]; from the lines between cups, where hands and bar are.
+    """
     links = len(bodies.cell.link_radii_mm)
     moving = joined([_of_links(bodies, range(_COLUMN_LINKS, links)), bodies.tool])
     return smallest_gap(moving, still(list(combinations(bodies.fixture_cups_mm, 2)), 0.0))
@@ -144,9 +184,21 @@ def _apart(links: tuple[int, ...], tool: int, last: int) -> tuple[tuple[int, ...
 
 
 def bar_room_mm(bodies: Bodies, places: Bars) -> FloatArray:
-    """Return the free space about each bar alone in the cell [mm], shape (L, n); -inf where it leans too far.
+    """Return the free space about each bar alone in the cell.
 
     A bar touches the two cups that hold it; how far it may lean over their rims is what limits it there.
+
+    Parameters
+    ----------
+    bodies : Bodies
+        Of n configurations.
+    places : Bars
+        L each.
+
+    Returns
+    -------
+    ndarray, shape (L, n)
+        [mm]; -inf where it leans too far.
     """
     cups = bodies.fixture_cups_mm[places.base_point - 1]
     nests = np.take_along_axis(bodies.nests_mm, places.nest[:, :, None] - 1, axis=0)
@@ -177,13 +229,38 @@ def _leans(bodies: Bodies, places: Bars, cups: FloatArray, nests: FloatArray) ->
 
 
 def is_clear(cell: BallbarCell, fixture: BaseFixture, joints_rad: FloatArray) -> BoolArray:
-    """Whether arm and tool keep their room, without a bar, shape (n,)."""
+    """Return whether arm and tool keep their room, without a bar.
+
+    Parameters
+    ----------
+    cell : BallbarCell
+        Says how much room that is.
+    fixture : BaseFixture
+    joints_rad : ndarray, shape (n, J)
+
+    Returns
+    -------
+    ndarray of bool, shape (n,)
+    """
     room: BoolArray = arm_room_mm(bodies_at(cell, fixture, joints_rad)) >= cell.arm_room_mm
     return room
 
 
 def without_cups(bodies: Bodies, point: int) -> Bodies:
-    """Return the bodies without the two cups that hold the setting ball between them at a base point."""
+    """Return the bodies without the two cups that hold the setting ball between them at a base point.
+
+    Parameters
+    ----------
+    bodies : Bodies
+    point : int
+        Base point, 1-based; of the tool it is nest 1.
+
+    Returns
+    -------
+    Bodies
+        For their rooms alone: cups are numbered otherwise in it.
+    """
+    # The ball is half an inch, so that the two cups are nearer to each other than any room that is kept.
     tool = bodies.tool.some(range(1, len(bodies.tool)))
     others = [piece for piece in range(len(bodies.fixture)) if piece != point - 1]
     return replace(bodies, tool=tool, fixture=bodies.fixture.some(others))

@@ -11,6 +11,13 @@ that were repaired.
 
 *Exchanges.* All legs of a planned pose are nominally of one length. What tells them apart is the errors of
 the arm, and these show only as far as the poses before have told of them: that follows from the plan alone.
+
+With x the unknowns, normally distributed about m with covariance V for each kind of arm, lengths are l + A x.
+A cup is where nest 1 was at its set-up, c = S x_arm + noise, so that V has the blocks V_arm, S V_arm and S
+V_arm S' + n^2 I. An exchange of two legs a, b shows where they differ by t = `TOLD_APART` times what the
+poses before leave unsure of the difference:
+
+    P = erfc(t u / (d sqrt(2)))        u^2 = var of the difference after those poses,  d^2 = before any
 """
 
 from itertools import combinations, product
@@ -46,6 +53,14 @@ class SessionForecast:
 
     Unknown are, in this order: the parameters of the arm (in the widths of their priors), the coordinates of
     the tool nests in the last frame [mm], those of all cups in the world [mm].
+
+    Parameters
+    ----------
+    cell : BallbarCell
+    plan : BallbarPlan
+        With a set-up for each cup.
+    kit : BallbarKit
+        How exact a clamped cup and a length are.
     """
 
     def __init__(self, cell: BallbarCell, plan: BallbarPlan, kit: BallbarKit) -> None:
@@ -74,14 +89,32 @@ class SessionForecast:
         return self._model.parameters + 9
 
     def kinds(self) -> tuple[ArmKind, ...]:
-        """Return the kinds of arms that it may be, the likeliest first."""
+        """Return the kinds of arms that it may be, the likeliest first.
+
+        Returns
+        -------
+        tuple of ArmKind
+            Six, of shares that make 1.
+        """
         return tuple(
             self._kind(coarse, *unmodelled, share=share * of_these)
             for (coarse, share), (*unmodelled, of_these) in product(_COARSE, _UNMODELLED)
         )
 
     def poses(self, placement: int, joints_rad: FloatArray) -> tuple[StopLengths, ...]:
-        """Return the lengths of every pair of a cup of a placement and a nest, at configurations (n, J)."""
+        """Return the lengths of every pair of a cup of a placement and a nest.
+
+        Parameters
+        ----------
+        placement : int
+            From 1.
+        joints_rad : ndarray, shape (n, J)
+
+        Returns
+        -------
+        tuple of StopLengths
+            One a configuration.
+        """
         points = [point for number, point in self._cups if number == placement]
         rows = [self._cups.index((placement, point)) for point in points]
         pairs: tuple[Leg, ...] = tuple(product(points, _TOOL_POINTS))
@@ -89,7 +122,17 @@ class SessionForecast:
         return tuple(self._stop(pairs, rows, nests[stop], slopes[stop]) for stop in range(len(joints_rad)))
 
     def sides(self, placement: int) -> StopLengths:
-        """Return the lengths between the cups of a placement."""
+        """Return the lengths between the cups of a placement, which no motion of the arm changes.
+
+        Parameters
+        ----------
+        placement : int
+            From 1.
+
+        Returns
+        -------
+        StopLengths
+        """
         points = [point for number, point in self._cups if number == placement]
         pairs: tuple[Leg, ...] = tuple(combinations(points, 2))
         first, second = ([self._cups.index((placement, pair[end])) for pair in pairs] for end in (0, 1))
@@ -126,6 +169,11 @@ class SessionForecast:
         return slice(self._arm + 3 * number, self._arm + 3 * number + 3)
 
     def _kind(self, coarse: float, tool_mm: float, nest_mm: float, *, share: float) -> ArmKind:
+        """Return one kind of arm: mean and covariance of what is unknown, and the tool's motion at stops.
+
+        `coarse` is how many times as large errors of links are, `tool_mm` and `nest_mm` are what no model
+        contains.
+        """
         structure, scatter = self._model.structure, self._cell.robot.repeatability_mm
         own = [{"mm": _LINK_MM, "rad": _ANGLE_RAD}.get(spec.unit) for spec in structure.specs]
         width = [
@@ -148,10 +196,21 @@ class SessionForecast:
 
 
 def known_beforehand(cell: Cell, plan: BallbarPlan, kit: BallbarKit) -> SessionForecast | None:
-    """Return what is known of the lengths of a plan; None where too little is of robot, tool or cups.
+    """Return what is known of the lengths of a plan.
 
     A plan whose legs the nominal arm does not bring into the ballbar's range was made for another one: it
     says nothing of the lengths to come.
+
+    Parameters
+    ----------
+    cell : Cell
+    plan : BallbarPlan
+    kit : BallbarKit
+
+    Returns
+    -------
+    SessionForecast or None
+        None where too little is known of robot, tool or cups.
     """
     if not plan.placements or any(len(place.setups) != len(place.cups_mm) for place in plan.placements):
         return None
@@ -180,7 +239,19 @@ _MOSTLY: Final = 0.5  # share of exchanges that must show in a pose that is not 
 
 
 def unseen_swaps(beforehand: SessionForecast, plan: BallbarPlan, kit: BallbarKit) -> tuple[int, ...]:
-    """Return the poses before the pre-calibration in which most exchanges do not show at once."""
+    """Return the poses before the pre-calibration in which most exchanges do not show at once.
+
+    Parameters
+    ----------
+    beforehand : SessionForecast
+    plan : BallbarPlan
+    kit : BallbarKit
+
+    Returns
+    -------
+    tuple of int
+        Their configurations, in the order of their visits.
+    """
     kinds = beforehand.kinds()
     seen = sum(kind.share * _shares_seen(beforehand, plan, kit, kind) for kind in kinds)
     poses = _before_precalibration(plan)
@@ -205,6 +276,7 @@ def _shares_seen(
         if pose.placement != placement:
             placement = pose.placement
             sides = beforehand.sides(placement)
+            # Cups are read against each other before any pose: that is known of them then.
             known = _after(known, sides.slope, noise * np.eye(len(sides.pairs)))
         stop = beforehand.poses(placement, np.array([pose.joints_rad]))[0]
         rows = [stop.pairs.index(leg) for leg in pose.legs]
@@ -220,7 +292,11 @@ def _scatter(stop: StopLengths, rows: list[int], kind: ArmKind, noise_mm2: float
 
 
 def _share_seen(foreseen: FloatArray, spread: FloatArray) -> float:
-    """Return how often two lengths differ by enough, from how sure they are and how far they spread."""
+    """Return how often two lengths differ by enough, from how sure they are and how far they spread.
+
+    The mean over all pairs of erfc(t u / (d sqrt 2)), the chance that a normal difference of deviation d
+    exceeds t u.
+    """
     shares = []
     for a, b in combinations(range(len(foreseen)), 2):
         unsure, differ = (sqrt(c[a, a] + c[b, b] - 2.0 * c[a, b]) for c in (foreseen, spread))
@@ -229,6 +305,9 @@ def _share_seen(foreseen: FloatArray, spread: FloatArray) -> float:
 
 
 def _after(known: FloatArray, slope: FloatArray, noise: FloatArray) -> FloatArray:
-    """Return the covariance of what is unknown after readings."""
+    """Return the covariance of what is unknown after readings.
+
+    V - V A' (A V A' + N)^-1 A V (Kalman's update).
+    """
     shared = known @ slope.T
     return np.asarray(known - shared @ np.linalg.solve(slope @ shared + noise, shared.T))

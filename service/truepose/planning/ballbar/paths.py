@@ -32,7 +32,14 @@ _ROUNDING_MM: Final = 1e-6  # stops that just keep their room keep it still afte
 
 @dataclass(frozen=True, slots=True)
 class Stop:
-    """A configuration where the arm stops; at a set-up, which cup the tool touches there."""
+    """A configuration where the arm stops; at a set-up, which cup the tool touches there.
+
+    Attributes
+    ----------
+    joints_rad : ndarray, shape (J,)
+    base_point : int or None
+        1-based; None: the tool touches nothing.
+    """
 
     joints_rad: FloatArray  # (J,)
     base_point: int | None = None
@@ -48,6 +55,16 @@ class Surroundings:
 
 def lift(around: Surroundings, stop: Stop) -> list[FloatArray]:
     """Return the stop, and at a set-up the configuration where the tool has left the cup along its axis.
+
+    Parameters
+    ----------
+    around : Surroundings
+    stop : Stop
+
+    Returns
+    -------
+    list of ndarray, shape (J,)
+        One, or at a set-up two: the stop first.
 
     Raises
     ------
@@ -68,7 +85,18 @@ def lift(around: Surroundings, stop: Stop) -> list[FloatArray]:
 
 
 def can_lift(around: Surroundings, stop: Stop) -> bool:
-    """Whether the tool can leave the cup of a set-up."""
+    """Return whether the tool can leave the cup of a set-up.
+
+    Parameters
+    ----------
+    around : Surroundings
+    stop : Stop
+
+    Returns
+    -------
+    bool
+        True of a stop that touches no cup.
+    """
     try:
         lift(around, stop)
     except NoWayError:
@@ -85,7 +113,17 @@ def _lifts_clear(around: Surroundings, stop: Stop, lifted: FloatArray) -> bool:
 
 
 def is_clear_along(around: Surroundings, joints_rad: FloatArray) -> bool:
-    """Whether all configurations (n, J) are clear and within the ranges."""
+    """Return whether all configurations are clear and within the ranges.
+
+    Parameters
+    ----------
+    around : Surroundings
+    joints_rad : ndarray, shape (n, J)
+
+    Returns
+    -------
+    bool
+    """
     _, within = brought_within(joints_rad, around.cell.ranges)
     if not within.all():
         return False
@@ -97,18 +135,42 @@ def _roomy(around: Surroundings, bodies: Bodies) -> bool:
 
 
 def between(start: FloatArray, end: FloatArray) -> FloatArray:
-    """Return the configurations that are looked at along a straight joint motion, both ends included."""
+    """Return the configurations that are looked at along a straight joint motion, both ends included.
+
+    Parameters
+    ----------
+    start, end : ndarray, shape (J,)
+
+    Returns
+    -------
+    ndarray, shape (n, J)
+        At most 2 deg apart in every joint.
+    """
     steps = max(1, int(np.ceil(np.max(np.abs(end - start)) / _CHECK_RAD)))
     share = np.linspace(0.0, 1.0, steps + 1)[:, None]
     return np.asarray((1.0 - share) * start + share * end)
 
 
 def shifted(cell: BallbarCell, joints: FloatArray, shift_mm: FloatArray) -> FloatArray | None:
-    """Return joints (J,) on the same branch with the tool shifted (3,) in the world; None where none are."""
+    """Return joints on the same branch with the tool shifted, its orientation kept.
+
+    Parameters
+    ----------
+    cell : BallbarCell
+    joints : ndarray, shape (J,)
+    shift_mm : ndarray, shape (3,)
+        In the world.
+
+    Returns
+    -------
+    ndarray, shape (J,), or None
+        None where no branch is near, or it leaves the ranges.
+    """
     chain = chain_of(cell, joints[None])
     pose = np.eye(4)
     pose[:3, :3], pose[:3, 3] = chain.end_rotation[0], chain.end_origin[0] + shift_mm
     found = all_branches(cell.robot, pose_in_base(cell, pose[None]))[0]
+    # Angles of an inverse are of any turn: the one nearest to where the arm is.
     turned = found - 2 * np.pi * np.round((found - joints) / (2 * np.pi))
     apart = np.where(np.isnan(turned).any(axis=1), np.inf, np.abs(turned - joints).max(axis=1))
     best = int(np.argmin(apart))
@@ -139,12 +201,17 @@ def way(
 
     Returns
     -------
-    tuple of joint angles [rad]
+    tuple of tuples of float
+        Joint angles of the via points [rad], without start and end.
 
     Raises
     ------
     NoWayError
         None was found; the stops are in pockets of their own, or one of them is not clear.
+
+    References
+    ----------
+    J. J. Kuffner, S. M. LaValle, Proc. IEEE ICRA, 2000, 995-1001 (RRT-Connect).
     """
     leaving, arriving = lift(around, start), lift(around, end)
     for ways in (_direct, _by_retreats, _by_search):
@@ -200,6 +267,7 @@ def _by_search(
     low = np.array([limit.lower_rad for limit in around.cell.ranges])
     high = np.array([limit.upper_rad for limit in around.cell.ranges])
     for growth in range(_GROWTHS):
+        # In turn, so that neither fills its pocket while the other stands still.
         here, there = trees[growth % 2], trees[(growth + 1) % 2]
         reached = here.grow(around, low + (high - low) * rng.random(len(low)))
         if reached is None:
@@ -232,7 +300,11 @@ class _Tree:
         return len(self.points) - 1
 
     def reach(self, around: Surroundings, goal: FloatArray) -> int | None:
-        """Go on towards a configuration until it is reached or the way is not clear."""
+        """Go on towards a configuration until it is reached or the way is not clear.
+
+        Returns the index of the point there, None where something is in the way. It ends: each step comes
+        nearer by up to 0.6 rad of the joint that is farthest.
+        """
         while True:
             index = self.grow(around, goal)
             if index is None:
@@ -271,7 +343,17 @@ _TRIES: Final = 3  # stops to which a way is searched before they are given up
 
 @dataclass(frozen=True, slots=True)
 class Tour:
-    """Stops in their order, each with the way from the one before."""
+    """Stops in their order, each with the way from the one before.
+
+    Attributes
+    ----------
+    order : tuple of int
+        Rows, of those that a way leads to.
+    vias : tuple of Via
+        One a stop.
+    missed : tuple of int
+        Rows to which no clear way was found.
+    """
 
     order: tuple[int, ...]
     vias: tuple[Via, ...]
@@ -297,6 +379,10 @@ def tour(
         Where the arm is.
     rng : numpy.random.Generator
         For the search for ways.
+
+    Returns
+    -------
+    Tour
     """
     order: list[int] = []
     vias: list[Via] = []
@@ -307,6 +393,8 @@ def tour(
             nearest = sorted(left, key=lambda row: _motion(joints_rad[row], here))[:_TRIES]
             found = _first_way(around, joints_rad, nearest, here, rng)
             if found is None:
+                # A search that finds nothing goes through all its growths: stops are given up
+                # after three of them, not each after its own from every later place.
                 missed += nearest
                 left = [row for row in left if row not in nearest]
                 continue
@@ -353,6 +441,10 @@ def away(around: Surroundings, held: Stop, poses_rad: FloatArray, rng: np.random
     rng : numpy.random.Generator
         For the search for ways.
 
+    Returns
+    -------
+    PlannedAway
+
     Raises
     ------
     NoWayError
@@ -360,6 +452,7 @@ def away(around: Surroundings, held: Stop, poses_rad: FloatArray, rng: np.random
     """
     places = list(_candidates(around, held, poses_rad))
     rooms = [_room_mm(around, joints) for joints in places]
+    # Room for two hands from any place goes before a place that is nearer and leaves room for one.
     for wanted in ROOMS_MM:
         for joints, room in zip(places, rooms, strict=True):
             via = _way_to(around, held, joints, rng) if room >= wanted else None

@@ -46,7 +46,30 @@ _TURN_RAD: Final = 0.3
 
 @dataclass(frozen=True, slots=True)
 class Wish:
-    """What is asked of the search."""
+    """What is asked of the search.
+
+    Attributes
+    ----------
+    placements : int
+        How often the base fixture is put down.
+    base_points : int
+        Cups of it, 3 or 4.
+    poses : int
+        Of the whole session.
+    draws : int
+        Random places that it begins with.
+    moves : int
+        Small moves of all placements together, per start.
+    starts : int
+        Sets of places that are refined.
+    seed : int
+        The same seed finds the same places.
+
+    Raises
+    ------
+    ConfigurationError
+        There is no placement, or fewer poses than placements.
+    """
 
     placements: int = 1
     base_points: int = 3
@@ -77,14 +100,30 @@ class Suggestion:
 def suggest(cell: BallbarCell, wish: Wish | None = None) -> Suggestion:
     """Search for the placements from which a session identifies the model best.
 
+    The figure is the root mean square error of nest positions over the work space
+    (`planning.ballbar.information`).
+
+    Parameters
+    ----------
+    cell : BallbarCell
+    wish : Wish, optional
+
+    Returns
+    -------
+    Suggestion
+
     Raises
     ------
     TooFewCandidatesError
-        From none of the places that were tried enough configurations can be measured.
+        From none of the places that were tried enough configurations can be measured, or the arm can hold the
+        setting ball at every cup.
+    ConfigurationError
+        The cups would be no length apart, or not 3 or 4.
     """
     wish = _affordable(cell, wish or Wish())
     rng = np.random.default_rng(wish.seed)
     model = arm_model(cell)
+    # Assemblies do not depend on where the fixture stands: worked out once for all places.
     made = device(cell, base_fixture(1, FramePlacement(), wish.base_points, cell.leg_mm))
     search = _Search(model, work_space_sample(model, SPACE_POINTS, rng), wish, made)
     places = [own for own in (search.judged(frame) for frame in _frames(cell, wish, rng)) if own is not None]
@@ -153,7 +192,10 @@ class _Search:
         return min((self.refined(start, rng) for start in starts), key=self.error_mm)
 
     def greedy(self, pool: Sequence[Candidates], first: Sequence[Candidates]) -> list[Candidates]:
-        """Return the first usable of `first`, then the place that goes best with those before."""
+        """Return the first usable of `first`, then the place that goes best with those before.
+
+        Raises TooFewCandidatesError where from none of them the arm can hold the setting ball at every cup.
+        """
         chosen: list[Candidates] = []
         for place in range(self.wish.placements):
             ranked = sorted(pool, key=lambda own: self.error_mm([*chosen, own])) if place else first
@@ -171,6 +213,7 @@ class _Search:
         best = self.error_mm(chosen)
         for move in range(self.wish.moves):
             k = move % len(chosen)
+            # Wide moves first, a quarter as wide at the end: they find the basin, then its floor.
             scale = 1.0 - 0.75 * move / self.wish.moves
             own = self.judged(_moved(chosen[k].fixture.frame, scale, rng))
             if own is None or len(own) < self.fewest:
@@ -183,7 +226,11 @@ class _Search:
 
 
 def _frames(cell: BallbarCell, wish: Wish, rng: np.random.Generator) -> Iterator[FramePlacement]:
-    """Random frames of the base triangle, its centre in the arm's reach, its normal up to a tilt."""
+    """Random frames of the base triangle, its centre in the arm's reach, its normal up to a tilt.
+
+    About axis 1 by the range of joint 1, from 30 to 85 % of the length of the arm's links away. The
+    triangle's middle is (1/2, sqrt(3)/6, 0) of its side from cup 1.
+    """
     reach = sum(abs(row.a_mm) + abs(row.d_mm) for row in cell.robot.joints[1:])
     first = cell.ranges[0]
     base_rotation, base_origin = placement_rotation(cell.base), placement_translation(cell.base)
@@ -199,6 +246,7 @@ def _frames(cell: BallbarCell, wish: Wish, rng: np.random.Generator) -> Iterator
 
 
 def _tilted(rng: np.random.Generator) -> FloatArray:
+    """Return a rotation whose z leans from the plumb by up to 75 deg to any side, spun at random, (3, 3)."""
     direction = rng.uniform(-np.pi, np.pi)
     lean = np.array([np.cos(direction), np.sin(direction), 0.0]) * rng.uniform(0.0, _MOST_TILT_RAD)
     return np.asarray(rotation_from_vector(lean) @ rotation_z(rng.uniform(-np.pi, np.pi)))

@@ -52,6 +52,11 @@ def ballbar_plan(
     draws : int
         Random places that the search for placements begins with; it takes some ten seconds for 360.
 
+    Returns
+    -------
+    BallbarPlan
+        With all ways; fewer poses where no clear way leads to some.
+
     Raises
     ------
     ConfigurationError
@@ -67,6 +72,16 @@ def ballbar_plan(
 
 def ballbar_cell(cell: Cell) -> BallbarCell:
     """Return what limits the arm in a cell.
+
+    Parameters
+    ----------
+    cell : Cell
+
+    Returns
+    -------
+    BallbarCell
+        Ranges are those of the calibration, else the joint limits; legs of 300 mm and a table at the world's
+        z = 0 where nothing else is stated.
 
     Raises
     ------
@@ -110,11 +125,37 @@ def plan_at(
     seed: int = 0,
     template: BallbarPlan | None = None,
 ) -> BallbarPlan:
-    """Plan a session with the base fixture at given places; parameters and errors as `ballbar_plan`.
+    """Plan a session with the base fixture at given places.
 
     Where fewer configurations can be measured than were asked for, all of them are planned; those to which no
-    clear way is found are left out. `template` gives
-    the times, speeds and the number of poses after which targets are aimed.
+    clear way is found are left out.
+
+    Parameters
+    ----------
+    cell : BallbarCell
+    fixtures : sequence of BaseFixture
+        In the order of their placements, numbered from 1.
+    poses : int
+        Configurations of the whole session.
+    seed : int
+        The same seed gives the same plan.
+    template : BallbarPlan, optional
+        Times, speeds and the number of poses after which targets are aimed.
+
+    Returns
+    -------
+    BallbarPlan
+
+    Raises
+    ------
+    ConfigurationError
+        Fewer than one pose is asked for.
+    WorkSpaceError
+        The arm cannot hold the setting ball at a cup.
+    TooFewCandidatesError
+        Nothing can be measured from a placement.
+    NoWayError
+        No way leads to any pose of a placement, or the arm has nowhere to stand for the next.
     """
     rng = np.random.default_rng(seed)
     model = arm_model(cell)
@@ -247,4 +288,5 @@ class _Session:
 
 
 def _approach(around: Surroundings, stop: Stop) -> tuple[tuple[float, ...], ...]:
+    """Return the last stretch to a stop: at a set-up along the cup's axis, else none."""
     return tuple(tuple(float(q) for q in point) for point in lift(around, stop)[:0:-1])

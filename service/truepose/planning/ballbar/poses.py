@@ -34,7 +34,18 @@ from truepose.planning.errors import WorkSpaceError
 
 @dataclass(frozen=True, slots=True)
 class ReachablePoses:
-    """Configurations that can be measured, n of them."""
+    """Configurations that can be measured, n of them.
+
+    Attributes
+    ----------
+    joints_rad : ndarray, shape (n, J)
+    assembly : tuple of Assembly
+        n, in the frame of the fixture.
+    branch : tuple of str
+        n, in words.
+    refused : mapping of str to int
+        How many (assembly, branch) pairs each reason kept out.
+    """
 
     joints_rad: FloatArray  # (n, J)
     assembly: tuple[Assembly, ...]  # n, in the frame of the fixture
@@ -49,6 +60,20 @@ def device(cell: BallbarCell, fixture: BaseFixture) -> tuple[Assembly, ...]:
     """Return the measurable assemblies of tool and base fixture, in the frame of the fixture.
 
     They are the same wherever the fixture stands.
+
+    Parameters
+    ----------
+    cell : BallbarCell
+        Its tool nests and the length of a leg.
+    fixture : BaseFixture
+
+    Returns
+    -------
+    tuple of Assembly
+
+    References
+    ----------
+    Thesis of A. Nubiola, 2014, chapter 3.
     """
     return _assembled(_rows(fixture.own_cups_mm), _rows(cell.nests_mm), cell.leg_mm)
 
@@ -75,10 +100,16 @@ def reach(cell: BallbarCell, fixture: BaseFixture, made: Sequence[Assembly] | No
     fixture : BaseFixture
     made : sequence of Assembly, optional
         What `device` returns, where many placements are looked at.
+
+    Returns
+    -------
+    ReachablePoses
+        None where nothing can be measured, with the reasons counted.
     """
     made = device(cell, fixture) if made is None else made
     tried = [one for one in made if tuple(sorted(one.design.base)) in fixture.faces]
     joints, index, refused = _within_ranges(cell, _poses(fixture, tried))
+    # Arm and tool first: where they are not clear no bar needs to be looked at.
     bodies = bodies_at(cell, fixture, joints)
     clear = arm_room_mm(bodies) >= cell.arm_room_mm
     refused["arm or tool too close to something"] = int((~clear).sum())
@@ -137,6 +168,16 @@ def in_hand_order(legs: Sequence[Leg]) -> tuple[Leg, ...]:
     """Order legs so that from each to the next one ball stays where it is, as far as that is possible.
 
     The person then moves one end of the ballbar at a time.
+
+    Parameters
+    ----------
+    legs : sequence of Leg
+        Of one pose.
+
+    Returns
+    -------
+    tuple of Leg
+        Sorted by cup and nest where there is no such order.
     """
     best: tuple[Leg, ...] = tuple(sorted(legs))
     for start in sorted(legs):
@@ -147,6 +188,10 @@ def in_hand_order(legs: Sequence[Leg]) -> tuple[Leg, ...]:
 
 
 def _walk(path: list[Leg], left: list[Leg]) -> tuple[Leg, ...] | None:
+    """Return a path on from the last leg through all that are left, by depth first; None: there is none.
+
+    Six legs have 720 orders at most, of which most end soon.
+    """
     if not left:
         return tuple(path)
     base, tool = path[-1]
@@ -159,7 +204,21 @@ def _walk(path: list[Leg], left: list[Leg]) -> tuple[Leg, ...] | None:
 
 
 def planned(found: ReachablePoses, placement: int, first_config: int = 1) -> tuple[PlannedPose, ...]:
-    """Return configurations as planned poses, in their order."""
+    """Return configurations as planned poses, in their order.
+
+    Parameters
+    ----------
+    found : ReachablePoses
+    placement : int
+        From 1.
+    first_config : int
+        Number of the first; the others follow.
+
+    Returns
+    -------
+    tuple of PlannedPose
+        Without ways.
+    """
     rows = zip(found.joints_rad, found.assembly, found.branch, strict=True)
     return tuple(
         PlannedPose(
@@ -174,7 +233,19 @@ def planned(found: ReachablePoses, placement: int, first_config: int = 1) -> tup
 
 
 def subset(found: ReachablePoses, rows: IntArray) -> ReachablePoses:
-    """Return some of the configurations, in the order of `rows`."""
+    """Return some of the configurations.
+
+    Parameters
+    ----------
+    found : ReachablePoses
+    rows : ndarray, shape (k,)
+        Indices.
+
+    Returns
+    -------
+    ReachablePoses
+        In the order of `rows`; what was refused stays as it was counted.
+    """
     return replace(
         found,
         joints_rad=found.joints_rad[rows],
@@ -198,6 +269,16 @@ _TILT_COST: Final = 0.2  # share of a joint's range that a tilt of one radian is
 def setups(cell: BallbarCell, fixture: BaseFixture) -> tuple[PlannedSetup, ...]:
     """Return one set-up per base cup: joints far inside their ranges, the tool square on the cup if possible.
 
+    Parameters
+    ----------
+    cell : BallbarCell
+    fixture : BaseFixture
+
+    Returns
+    -------
+    tuple of PlannedSetup
+        In the order of the cups, without ways.
+
     Raises
     ------
     WorkSpaceError
@@ -216,7 +297,21 @@ def setups(cell: BallbarCell, fixture: BaseFixture) -> tuple[PlannedSetup, ...]:
 
 
 def setup_joints(cell: BallbarCell, fixture: BaseFixture, point: int) -> FloatArray | None:
-    """Return the joints (J,) at which tool nest 1 is at a cup (1-based); None where the arm cannot be."""
+    """Return the joints at which tool nest 1 is at a cup.
+
+    Parameters
+    ----------
+    cell : BallbarCell
+    fixture : BaseFixture
+    point : int
+        Base point, 1-based.
+
+    Returns
+    -------
+    ndarray, shape (J,), or None
+        The best of those that are clear and from which the tool can leave the cup; None where the arm cannot
+        be.
+    """
     rotations, tilt = orientations_facing(cell, fixture.axes[point - 1])
     poses = poses_of(rotations, fixture.cups_mm[point - 1] - rotations @ cell.nests_mm[0])
     joints = all_branches(cell.robot, pose_in_base(cell, poses))
@@ -227,6 +322,7 @@ def setup_joints(cell: BallbarCell, fixture: BaseFixture, point: int) -> FloatAr
         return None
     worth = inside(cell.ranges, turned) - _TILT_COST * tilts
     best_first = turned[np.argsort(-worth, kind="stable")]
+    # From the best one on, a hundred at a time: of hundreds the first will mostly do.
     around = Surroundings(cell, fixture)
     for one in islice(_clear(cell, fixture, best_first, point), _MOST_LIFTS):
         if can_lift(around, Stop(one, point)):
@@ -244,7 +340,23 @@ def _clear(
 
 
 def orientations_facing(cell: BallbarCell, axis: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return orientations of the last frame, the tool facing against an axis, and their tilts [rad]."""
+    """Return orientations of the last frame, the tool facing against an axis.
+
+    24 spins about the axis, each tilted by 0 to 45 deg about four axes across.
+
+    Parameters
+    ----------
+    cell : BallbarCell
+        Its tool nests.
+    axis : ndarray, shape (3,)
+        Unit vector in the world, along which a cup opens.
+
+    Returns
+    -------
+    rotations : ndarray, shape (k, 3, 3)
+    tilts : ndarray, shape (k,)
+        [rad].
+    """
     towards = _frame_with_z(-axis) @ rotation_z(np.linspace(0, 2 * np.pi, _SPINS, endpoint=False))
     own = _frame_with_z(tool_normal(cell.nests_mm)).T
     rotations, tilts = [], []
@@ -264,7 +376,18 @@ def _frame_with_z(axis: FloatArray) -> FloatArray:
 
 
 def inside(ranges: tuple[JointRange, ...], joints_rad: FloatArray) -> FloatArray:
-    """Return how far the worst joint is inside its range, as a share of the range, shape (n,)."""
+    """Return how far the worst joint is inside its range, as a share of the range.
+
+    Parameters
+    ----------
+    ranges : tuple of JointRange
+    joints_rad : ndarray, shape (n, J)
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        0.5 in the middle, 0 at an end, negative outside.
+    """
     low = np.array([limit.lower_rad for limit in ranges])
     high = np.array([limit.upper_rad for limit in ranges])
     span = np.maximum(high - low, 1e-9)

@@ -3,6 +3,11 @@
 The bar goes from the ball in cup 1 of the base fixture to one nest at a time. It is off while the arm moves:
 so every stop can be approached from one side, from lower angles of all joints, as the thesis approaches its
 tracker's stops (2.4); with the bar on it could not (2.6.3). From a stop the arm first goes back that way.
+
+Stops lie at ball + l n with the bar's length l, along directions n of a Fibonacci lattice over the cap that a
+bar may lean in; of those that can be measured each next one is the farthest from all before. Where a model
+commands the arm, stops are aimed by it: with g the derivative of the length by the joints, each round adds
+the shortest step that mends the length, dq = g (l - |P - B|) / g.g.
 """
 
 from collections.abc import Iterator, Sequence
@@ -63,6 +68,19 @@ def plan_sphere(cell: BallbarCell, fixture: BaseFixture, wish: SphereWish, *, se
 
     Where fewer stops can be measured than were wanted, all that were found are planned.
 
+    Parameters
+    ----------
+    cell : BallbarCell
+    fixture : BaseFixture
+        Placement 1; of its cups the first alone is used.
+    wish : SphereWish
+    seed : int
+
+    Returns
+    -------
+    BallbarPlan
+        One placement, one set-up, one leg a pose.
+
     Raises
     ------
     ConfigurationError
@@ -71,6 +89,10 @@ def plan_sphere(cell: BallbarCell, fixture: BaseFixture, wish: SphereWish, *, se
         The arm cannot hold the ball at the cup.
     TooFewCandidatesError, NoWayError
         It cannot hold a nest a bar's length from it often enough, or not clear of everything.
+
+    References
+    ----------
+    Thesis of A. Nubiola, 2014, section 2.6.3; docs/decisions/0045.
     """
     _require_nests(cell, wish.nests)
     if wish.model is not None:
@@ -114,6 +136,8 @@ class _Search:
         """
         directions = _lattice(self.around.fixture.axes[BALL_CUP - 1], _DIRECTIONS * self.wish.stops)
         joints, row = self._candidates(nest, directions)
+        # Before the stops are picked: what the aim moves out of room or range is passed over like any
+        # other.
         joints = self._aimed(nest, joints)
         found: list[FloatArray] = []
         for direction in self._spread(directions, np.unique(row)):
@@ -176,6 +200,8 @@ class _Search:
         if model is None or not len(joints_rad):
             return joints_rad
         ball = predict(model, _stops(self.held_rad[None]), np.array([_BALL_NEST]))[0]
+        # The arm held the ball, so its errors there moved it: the model says where it is, and the
+        # step goes by the nominal arm, which is near enough for a direction.
         nominal_ball = self.around.fixture.cups_mm[BALL_CUP - 1]
         for _ in range(_AIMS):
             places, _ = predict(model, _stops(joints_rad), np.full(len(joints_rad), nest))
@@ -195,8 +221,24 @@ def _stops(joints_rad: FloatArray) -> Stops:
 
 
 def _lattice(axis: FloatArray, count: int) -> FloatArray:
-    """Return directions (count, 3), evenly spread, as far from an axis as a bar may lean.
+    """Return directions evenly spread about an axis, as far from it as a bar may lean.
 
+    Heights along the axis are evenly spaced, as areas of a sphere are; each next direction turns by the
+    golden angle.
+
+    Parameters
+    ----------
+    axis : ndarray, shape (3,)
+        Unit vector.
+    count : int
+
+    Returns
+    -------
+    ndarray, shape (count, 3)
+        Unit vectors, from the axis outwards.
+
+    References
+    ----------
     A. Gonzalez, Math. Geosciences 42, 2010, 49-64 (Fibonacci lattice).
     """
     k = np.arange(count) + 0.5
@@ -218,6 +260,8 @@ def _planned(
 ) -> BallbarPlan:
     joints = np.vstack(found)
     nest = np.repeat(nests, [len(own) for own in found])
+    # Ways lead from approach to approach: the last five degrees of each stop, and the first of leaving
+    # it, are its own.
     before = joints - _APPROACH_RAD
     waits = away(around, held, before, rng)
     groups = [np.flatnonzero(nest == number).tolist() for number in nests]

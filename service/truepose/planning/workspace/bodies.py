@@ -208,7 +208,6 @@ def _above_floor(
     for nest, height in enumerate(_heights(tool), start=1):
         yield message("room.nest", nest=nest), _BELOW, height - bodies.floor_z_mm
     for link, height in zip(links, _heights(arm), strict=True):
-        # Foot and shoulder stand on the floor in every position.
         if link >= _COLUMN_LINKS:
             yield message("room.link", link=link), _BELOW, height - bodies.floor_z_mm
 
@@ -230,7 +229,6 @@ def _off_the_arm(
     arm: Capsules, links: tuple[int, ...], tool: Capsules
 ) -> Iterator[tuple[Message, Message, FloatArray]]:
     """Yield the rooms of the tool beside the links before the wrist."""
-    # The tool is beside wrist and flange in every position, and would touch them always.
     inner = [k for k, link in enumerate(links) if link <= max(links) - _WRIST_LINKS]
     for nest, gap in enumerate(np.min(gaps(tool, arm.some(inner)), axis=1, initial=np.inf), start=1):
         yield message("room.nest", nest=nest), _INSIDE, gap
