@@ -9,6 +9,10 @@ What concerns the set-up alone (base, unknown nests, certificates of what stands
 out with its priors (Schur complement); the parameters of the arm and the instrument's scale remain. That is
 second order in p - p0: derivatives of an arm change by as little as its errors are small beside its lengths.
 
+Campaigns are brought to the same parameters, counted from their stated means m in their stated widths w:
+
+    A' = diag(w) A diag(w)        b' = diag(w) (b - A m)
+
 References
 ----------
 D. A. Harville, J. American Statistical Association 72, 1977, 320-338.
@@ -59,9 +63,19 @@ def fleet_effects(campaign: Campaign) -> tuple[str, ...]:
 
     Growth of the links with the temperature is among them where that is known, so that lengths are those of
     20 degC in any season.
+
+    Parameters
+    ----------
+    campaign : Campaign
+
+    Returns
+    -------
+    tuple of str
+        Names of effects, the usual ones first.
     """
     usual = automatic_effects(campaign)
     told = campaign.readings is not None and campaign.readings.stops.direction is not None
+    # A gap shows only where it is known from which side each joint came.
     ageing = (
         name for name in effects_with(Trait.AGEING) if told or "direction" not in effect_named(name).needs
     )
@@ -70,7 +84,16 @@ def fleet_effects(campaign: Campaign) -> tuple[str, ...]:
 
 
 def effects_of_robot(campaign: Campaign) -> tuple[str, ...]:
-    """Return those of `fleet_effects` that are the robot's: all but the instrument's scale."""
+    """Return those of `fleet_effects` that are the robot's: all but the instrument's scale.
+
+    Parameters
+    ----------
+    campaign : Campaign
+
+    Returns
+    -------
+    tuple of str
+    """
     return tuple(name for name in fleet_effects(campaign) if name != SCALE)
 
 
@@ -90,6 +113,11 @@ def information_of(campaign: Campaign, effects: tuple[str, ...] | None = None) -
         By default those of `fleet_effects`; with waves among them, those of the gears too, where their ratios
         are known.
 
+    Returns
+    -------
+    Information
+        Without the priors of the robot, and without what concerns the set-up alone.
+
     Raises
     ------
     UnknownEffectError, ConfigurationError
@@ -97,12 +125,26 @@ def information_of(campaign: Campaign, effects: tuple[str, ...] | None = None) -
     """
     problem = with_gear_waves(build(campaign, effects or fleet_effects(campaign)), campaign.robot)
     fitted = robust_fit(problem.structure, problem.blocks, problem.start)
+    # Specs as stated: the fit may have widened its priors, and a fleet counts in widths that all
+    # campaigns share.
     told = _without_the_set_up(_of_fit(fitted, problem.structure.specs), _of_the_set_up(fitted))
     return replace(told, temperature_c=_temperature_c(campaign))
 
 
 def with_gear_waves(problem: Problem, robot: Robot) -> Problem:
-    """Return a problem with three waves per turn and the waves of the gears, where it has waves at all."""
+    """Return a problem with three waves per turn and the waves of the gears, where it has waves at all.
+
+    Parameters
+    ----------
+    problem : Problem
+    robot : Robot
+        Its gear ratios; none: three waves per turn for no joint either.
+
+    Returns
+    -------
+    Problem
+        With those waves that it lacked, starting at 0.
+    """
     structure = problem.structure
     if WAVES not in structure.effects:
         return problem
@@ -118,6 +160,11 @@ def with_gear_waves(problem: Problem, robot: Robot) -> Problem:
 
 
 def _of_fit(fitted: RobustFit, specs: tuple[ParameterSpec, ...]) -> Information:
+    """Return A = J J', b = J r + A p0 and the mean motions of a fit.
+
+    With whitened derivatives J (P, m) and residuals r (m,) at the parameters p0 (P,) that it found. Motions
+    are those of the first block, which all figures are of.
+    """
     joint = fitted.solution.final
     motion = fitted.results[0].jacobian
     normal = joint.jacobian @ joint.jacobian.T
@@ -138,7 +185,12 @@ def _of_the_set_up(fitted: RobustFit) -> BoolArray:
 
 
 def _without_the_set_up(told: Information, of_set_up: BoolArray) -> Information:
-    """Integrate parameters out, with their priors."""
+    """Integrate parameters out, with their priors.
+
+    With k kept and o out, of prior N(m, diag(w^2)): G = A_ko (A_oo + diag(w^-2))^-1,
+
+        A = A_kk - G A_ok        b = b_k - G (b_o + m / w^2)
+    """
     keep, out = np.flatnonzero(~of_set_up), np.flatnonzero(of_set_up)
     means, widths = (np.array([told.specs[k][i] for k in out.tolist()], dtype=float) for i in (2, 3))
     lost = told.normal[np.ix_(out, out)] + np.diag(1.0 / widths**2)
@@ -147,6 +199,7 @@ def _without_the_set_up(told: Information, of_set_up: BoolArray) -> Information:
     return Information(
         tuple(told.specs[k] for k in keep.tolist()),
         tuple(told.owners[k] for k in keep.tolist()),
+        # Symmetric to the last digit: eigenvalues are asked of it.
         0.5 * (normal + normal.T),
         told.right[keep] - gain @ (told.right[out] + means / widths**2),
         told.motion_mm2[np.ix_(keep, keep)],
@@ -217,18 +270,48 @@ class Fleet:
         return np.array([place[visit] for visit in each], dtype=np.int64)
 
     def divided(self, ratios: FloatArray) -> "Fleet":
-        """Return the fleet with the information of each robot over a ratio of its own, (R,)."""
+        """Return the fleet with the information of each robot over a ratio of its own.
+
+        Parameters
+        ----------
+        ratios : ndarray, shape (R,)
+            Of variances, 1 or more.
+
+        Returns
+        -------
+        Fleet
+        """
         own = ratios[self.robot]
         return replace(self, normal=self.normal / own[:, None, None], right=self.right / own[:, None])
 
     def of_campaigns(self, kept: IntArray) -> "Fleet":
-        """Return the fleet as some of its campaigns show it."""
+        """Return the fleet as some of its campaigns show it.
+
+        Parameters
+        ----------
+        kept : ndarray, shape (k,)
+            Indices of campaigns.
+
+        Returns
+        -------
+        Fleet
+            With all robots and instruments, also those of which no campaign is kept.
+        """
         each = {name: getattr(self, name)[kept] for name in ("robot", "instrument", "day", "normal", "right")}
         return replace(self, **each)
 
 
 def fleet_of(campaigns: Sequence[FleetCampaign]) -> Fleet:
     """Bring campaigns to the same parameters; one that lacks a parameter tells nothing of it.
+
+    Parameters
+    ----------
+    campaigns : sequence of FleetCampaign
+
+    Returns
+    -------
+    Fleet
+        Campaigns in the order given, robots and instruments in that of their names.
 
     Raises
     ------
@@ -244,6 +327,8 @@ def fleet_of(campaigns: Sequence[FleetCampaign]) -> Fleet:
     instruments = tuple(sorted({one.instrument for one in campaigns}))
     specs = _all_specs(campaigns)
     if not _tells_of_growth(campaigns):
+        # At one temperature growth is the same as longer links: both would be free, and neither
+        # known.
         specs = {name: (spec, owner) for name, (spec, owner) in specs.items() if owner != GROWTH}
     own = {name: spec for name, (spec, _) in specs.items() if name != _SCALE}
     each = {name: spec for name, (spec, _) in specs.items()}

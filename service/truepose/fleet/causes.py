@@ -21,7 +21,19 @@ _GROWN: Final = 1e-4  # of all lengths: five kelvin
 
 @dataclass(frozen=True)
 class AgeingCause:
-    """One way in which a robot or an instrument may change."""
+    """One way in which a robot or an instrument may change.
+
+    Attributes
+    ----------
+    effect : str
+        Name of the effect that its parameters belong to.
+    subject : str
+        Joint, link or instrument, in words.
+    directions : ndarray, shape (P + 1, q)
+        In stated widths, the scale last.
+    order : float
+        Waves per turn; 0 of what is none.
+    """
 
     effect: str
     subject: str
@@ -42,6 +54,11 @@ def robot_causes(fleet: Fleet, robot: Robot | None = None) -> tuple[AgeingCause,
     fleet : Fleet
     robot : Robot, optional
         Nominal; with it, that all its lengths grow together is among the ways.
+
+    Returns
+    -------
+    tuple of AgeingCause
+        Parameters of one joint or link and effect together, in the order of the first of them.
     """
     members: dict[tuple[str, str, float], list[int]] = {}
     for place, (name, owner) in enumerate(zip(fleet.names, fleet.owners, strict=True)):
@@ -56,7 +73,16 @@ def robot_causes(fleet: Fleet, robot: Robot | None = None) -> tuple[AgeingCause,
 
 
 def instrument_cause(fleet: Fleet) -> AgeingCause:
-    """Return what may change in an instrument: its scale."""
+    """Return what may change in an instrument: its scale.
+
+    Parameters
+    ----------
+    fleet : Fleet
+
+    Returns
+    -------
+    AgeingCause
+    """
     return AgeingCause(SCALE, "tracker", _unit(fleet, [len(fleet.specs)]))
 
 
@@ -80,7 +106,10 @@ def _unit(fleet: Fleet, places: list[int]) -> FloatArray:
 
 
 def _growth(fleet: Fleet, robot: Robot) -> FloatArray | None:
-    """Return all lengths that are parameters, each by the same share of itself, shape (P + 1, 1)."""
+    """Return all lengths that are parameters, each by the same share of itself, shape (P + 1, 1).
+
+    g l / w for a and d of length l and width w; None where no length is a parameter, or all are 0.
+    """
     nominal: dict[str, Callable[[int], float]] = {
         "a": lambda joint: robot.joints[joint].a_mm,
         "d": lambda joint: robot.joints[joint].d_mm,

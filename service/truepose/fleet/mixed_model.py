@@ -4,10 +4,9 @@ Of campaign c of robot i, measured on visit k (one instrument on one day),
 
     p_c = m + d_i + sum_e f_ec E_e v_e        scale_c = u_k + sum_e f_ec E_e v_e
 
-m ~ N(stated, 1)              what robots of the type have in common
-d_i ~ N(0, diag(robot))       how one robot differs from its type
-u_k ~ N(0, J + day I)         the instrument (J: 1 between visits of one instrument) on a day
-v_e ~ N(0, 1)                 changes that were named: directions E_e, shape f_ec over the campaigns
+m ~ N(stated, 1) what robots of the type have in common d_i ~ N(0, diag(robot)) how one robot differs from its
+type u_k ~ N(0, J + day I) the instrument (J: 1 between visits of one instrument) on a day v_e ~ N(0, 1)
+changes that were named: directions E_e, shape f_ec over the campaigns
 
 all in stated widths; a variance of 1 for m, the instrument and v_e is next to no knowledge beside what a
 fleet tells. With g = (m, u, v) and L_c how g acts on campaign c, the d_i are integrated out robot by robot:
@@ -25,6 +24,9 @@ and S_i a robot's deviation and its covariance, the steps that may be taken are
 
 The faster one is taken where it raises the restricted likelihood, otherwise the safe one. A component whose
 likelihood falls from 0 on ends there. Uncertainties are of Fisher's information, 1/2 tr(P V_p P V_q).
+
+With R = diag(robot)^1/2 the d_i are taken from I + R N_i R, which is never singular, also where variances are
+0: D_i = R (I + R N_i R)^-1 R.
 
 References
 ----------
@@ -57,14 +59,30 @@ class Variances:
 
 @dataclass(frozen=True, slots=True)
 class NamedChange:
-    """A change over time: q directions (P + 1, q), and how far it has come at each campaign, shape (C,)."""
+    """A change over time.
+
+    Attributes
+    ----------
+    directions : ndarray, shape (P + 1, q)
+        In stated widths, the scale last.
+    shape : ndarray, shape (C,)
+        How far it has come at each campaign; 1 at the end.
+    """
 
     directions: FloatArray
     shape: FloatArray
 
 
 class Equations:
-    """What does not change with the variances: sums over the campaigns of each robot."""
+    """What does not change with the variances: sums over the campaigns of each robot.
+
+    G unknowns g = (m, u, v): P of the type, one a visit, q a named change.
+
+    Parameters
+    ----------
+    fleet : Fleet
+    changes : sequence of NamedChange
+    """
 
     def __init__(self, fleet: Fleet, changes: Sequence[NamedChange] = ()) -> None:
         self.fleet, self.changes = fleet, tuple(changes)
@@ -79,13 +97,36 @@ class Equations:
         self.common_right = np.einsum("cpg,cp->g", self.acting, fleet.right)  # (G,)
 
     def by_robot(self, each: FloatArray, n: int) -> FloatArray:
-        """Sum campaigns (C, ...) robot by robot, shape (R, ...)."""
+        """Sum what campaigns have robot by robot.
+
+        Parameters
+        ----------
+        each : ndarray, shape (C, ...)
+        n : int
+            R, number of robots.
+
+        Returns
+        -------
+        ndarray, shape (R, ...)
+            Zeros of a robot without a campaign.
+        """
         summed = np.zeros((n, *each.shape[1:]))
         np.add.at(summed, self.fleet.robot, each)
         return summed
 
     def prior(self, day: float) -> FloatArray:
-        """Return the covariance of g before any reading, shape (G, G)."""
+        """Return the covariance of g before any reading.
+
+        Parameters
+        ----------
+        day : float
+            Variance of an instrument's scale from day to day, in squared stated widths.
+
+        Returns
+        -------
+        ndarray, shape (G, G)
+            I, and J + day I between the visits of one instrument.
+        """
         covariance = np.eye(self.common.shape[0])
         visits = slice(self.parameters, self.parameters + len(self.fleet.visits))
         instrument = np.array([visit[0] for visit in self.fleet.visits])
@@ -99,13 +140,24 @@ class Equations:
         return slice(self.parameters, self.parameters + len(self.fleet.visits))
 
     def of_change(self, number: int) -> slice:
-        """Return where a named change stands in g."""
+        """Return where a named change stands in g.
+
+        Parameters
+        ----------
+        number : int
+            Its place among the changes, from 0.
+
+        Returns
+        -------
+        slice
+        """
         before = sum(change.directions.shape[1] for change in self.changes[:number])
         start = self.visits.stop + before
         return slice(start, start + self.changes[number].directions.shape[1])
 
 
 def _acting(fleet: Fleet, changes: Sequence[NamedChange]) -> FloatArray:
+    """Return L_c, how g acts on the parameters and the scale of each campaign, shape (C, P + 1, G)."""
     p, c = len(fleet.specs), len(fleet.day)
     shared = np.zeros((c, p + 1, p + len(fleet.visits)))
     shared[:, :p, :p] = np.eye(p)
@@ -115,7 +167,32 @@ def _acting(fleet: Fleet, changes: Sequence[NamedChange]) -> FloatArray:
 
 
 class Posterior:
-    """What the campaigns tell at given variances."""
+    """What the campaigns tell at given variances; all in stated widths.
+
+    Parameters
+    ----------
+    equations : Equations
+    variances : Variances
+
+    Attributes
+    ----------
+    own : ndarray, shape (R, P, P)
+        D_i, covariance of each robot's deviation at known g.
+    gain : ndarray, shape (R, P, G)
+        D_i X_i: how a deviation follows g, with the opposite sign.
+    information : ndarray, shape (G, G)
+        Of g, by the readings alone.
+    root : ndarray, shape (G, G)
+        W with W W' the covariance of g.
+    covariance : ndarray, shape (G, G)
+        Of g.
+    shared : ndarray, shape (G,)
+        g.
+    deviation : ndarray, shape (R, P)
+        d_i.
+    log_likelihood : float
+        Restricted, up to a constant.
+    """
 
     def __init__(self, equations: Equations, variances: Variances) -> None:
         self.equations, self.variances = equations, variances
@@ -155,7 +232,22 @@ class Posterior:
         return np.asarray(found)
 
     def put_at(self, place: int, robot: int) -> FloatArray:
-        """Return the covariance of what is put at a campaign if it is of some robot, (P + 1, P + 1)."""
+        """Return the covariance of what is put at a campaign if it is of some robot.
+
+        (L_c - D_i X_i) C (L_c - D_i X_i)' + D_i, with C the covariance of g; rows of the robot's parameters
+        only.
+
+        Parameters
+        ----------
+        place : int
+            Of the campaign.
+        robot : int
+            Its index, or that of another one.
+
+        Returns
+        -------
+        ndarray, shape (P + 1, P + 1)
+        """
         p = self.equations.parameters
         acting: FloatArray = self.equations.acting[place].copy()
         acting[:p] -= self.gain[robot]
@@ -164,7 +256,17 @@ class Posterior:
         return spread
 
     def robot_now(self, robot: int) -> tuple[FloatArray, FloatArray]:
-        """Return mean (P + G,) and covariance of a robot's deviation and of g together."""
+        """Return mean and covariance of a robot's deviation and of g together.
+
+        Parameters
+        ----------
+        robot : int
+
+        Returns
+        -------
+        mean : ndarray, shape (P + G,)
+        covariance : ndarray, shape (P + G, P + G)
+        """
         gain = self.gain[robot]
         cross = -gain @ self.covariance
         covariance = np.block([[self.deviation_covariance[robot], cross], [cross.T, self.covariance]])
@@ -183,7 +285,17 @@ _NONE: Final = 1e-8  # of the stated variance: 1e-4 of a width is nothing
 
 @dataclass(frozen=True, slots=True)
 class Estimate:
-    """Variances, and the posterior at them."""
+    """Variances, and the posterior at them.
+
+    Attributes
+    ----------
+    variances : Variances
+    posterior : Posterior
+    steps : int
+        That were taken.
+    settled : bool
+        False where they ran out.
+    """
 
     variances: Variances
     posterior: Posterior
@@ -207,9 +319,10 @@ def estimate(equations: Equations, start: Variances | None = None) -> Estimate:
 
     Returns
     -------
-    Estimated
+    Estimate
         `settled` is False where the steps ran out.
     """
+    # Both steps multiply: from 0 none of them leads away.
     variances = _opened(start) if start else Variances(np.full(equations.parameters, _START), _START)
     now, step = Posterior(equations, variances), 0
     while step < _MOST_STEPS:
@@ -229,6 +342,7 @@ def _opened(start: Variances) -> Variances:
 
 
 def _em(at: Posterior) -> Variances:
+    """Return the variances after a step of EM: v <- mean_i (d_i^2 + S_i), of days likewise."""
     spread = np.diagonal(at.deviation_covariance, axis1=1, axis2=2)
     robot = (at.deviation**2 + spread).mean(axis=0)
     days, left = _days(at)
@@ -236,6 +350,11 @@ def _em(at: Posterior) -> Variances:
 
 
 def _evidence(at: Posterior) -> Variances:
+    """Return the variances after a step of the evidence.
+
+    v <- sum_i d_i^2 / sum_i (1 - S_i / v), of days likewise. At most 1, what was stated: a type is not more
+    varied than any robot was said to be.
+    """
     spread = np.diagonal(at.deviation_covariance, axis1=1, axis2=2)
     before = at.variances.robot
     told = np.maximum((1.0 - spread / before).sum(axis=0), _NONE)
@@ -248,7 +367,11 @@ def _evidence(at: Posterior) -> Variances:
 
 
 def _days(at: Posterior) -> tuple[FloatArray, FloatArray]:
-    """Return squares and variances of what each visit differs by from its instrument, both (K,)."""
+    """Return squares and variances of what each visit differs by from its instrument, both (K,).
+
+    Of a visit u = level + day, the day's part is S u with S = v K^-1, K = J + v I; its variance is S C S' + v
+    I - v S, what the readings leave and what u itself does not tell of it.
+    """
     here, day = at.equations.visits, at.variances.day
     prior = at.equations.prior(day)[here, here]
     share = day * np.linalg.inv(prior)
@@ -258,10 +381,23 @@ def _days(at: Posterior) -> tuple[FloatArray, FloatArray]:
 
 
 def uncertainties(estimated: Estimate) -> FloatArray:
-    """Return the standard uncertainty of each variance between robots, (P,), in squared stated widths.
+    """Return the standard uncertainty of each variance between robots.
 
-    It is at least what it were if all others were known, and at most what was stated: of a parameter that
-    no campaign shows, nothing else is known.
+    It is at least what it were if all others were known, and at most what was stated: of a parameter that no
+    campaign shows, nothing else is known. From Fisher's information 1/2 tr(P V_p P V_q), robot by robot.
+
+    Parameters
+    ----------
+    estimated : Estimate
+
+    Returns
+    -------
+    ndarray, shape (P,)
+        In squared stated widths.
+
+    References
+    ----------
+    D. A. Harville, J. American Statistical Association 72, 1977, 320-338.
     """
     at = estimated.posterior
     normal, cross = at.equations.normal, at.equations.cross
@@ -273,5 +409,7 @@ def uncertainties(estimated: Estimate) -> FloatArray:
         between[robot] -= held[robot]
         information += 0.5 * (between**2).sum(axis=0)
     scale = 1.0 / np.sqrt(np.maximum(np.diag(information), 1.0))
+    # Scaled to a unit diagonal first: variances that are told by forty robots and by none differ by
+    # orders.
     unit = np.linalg.pinv(information * np.outer(scale, scale), rcond=1e-10, hermitian=True)
     return np.minimum(scale * np.sqrt(np.maximum(np.diag(unit), 1.0)), 1.0)

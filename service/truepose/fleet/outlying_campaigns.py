@@ -47,6 +47,15 @@ def birge_ratios(posterior: Posterior, given: FloatArray | None = None) -> Float
     posterior : Posterior
     given : ndarray, shape (R,), optional
         By which the information of each robot is divided already.
+
+    Returns
+    -------
+    ndarray, shape (R,)
+        1 or more, none below that of the middle robot.
+
+    References
+    ----------
+    R. T. Birge, Phys. Rev. 40, 1932, 207-227.
     """
     fleet = posterior.equations.fleet
     left = fleet.right - np.einsum("cpq,cq->cp", fleet.normal, posterior.fitted)
@@ -58,6 +67,7 @@ def birge_ratios(posterior: Posterior, given: FloatArray | None = None) -> Float
         put = posterior.put_at(c, robot)
         expected[c] = float(seen.sum()) - float(np.einsum("pq,pq->", fleet.normal[c], put))
     own = [fleet.robot == number for number in range(len(fleet.robots))]
+    # Squares are over divided variances: the ratio wanted is that of the readings as stated.
     squares *= 1.0 if given is None else given[fleet.robot]
     whole = [squares[mine].sum() / max(expected[mine].sum(), 1.0) for mine in own]
     middle = [_of_the_middle_campaign(squares[mine], expected[mine]) for mine in own]
@@ -97,10 +107,16 @@ def most_unlike(posterior: Posterior, level: float, changing: Changing) -> Outly
     level : float
         Chance that a campaign is found where all are of their robots.
     changing : callable
-        Which parameters of a robot change, the scale last, (P + 1,): those do not make it another.
+        From a robot to which of its parameters change, the scale last, (P + 1,): those do not make it
+        another.
+
+    Returns
+    -------
+    OutlyingCampaign or None
     """
     fleet = posterior.equations.fleet
     counts = np.bincount(fleet.robot, minlength=len(fleet.robots))
+    # A robot's only campaign differs from no other.
     tried = np.flatnonzero(counts[fleet.robot] > 1)
     if not len(tried):
         return None
@@ -116,13 +132,33 @@ def most_unlike(posterior: Posterior, level: float, changing: Changing) -> Outly
 
 
 def unlike(fleet: Fleet, place: int, ratio: float, excess: float) -> OutlyingCampaign:
-    """Return a campaign of a fleet as one that is none of its robot."""
+    """Return a campaign of a fleet as one that is none of its robot.
+
+    Parameters
+    ----------
+    fleet : Fleet
+    place : int
+        Of the campaign.
+    ratio : float
+        Twice the log likelihood ratio that speaks for it.
+    excess : float
+        By which variances exceed what readings state.
+
+    Returns
+    -------
+    OutlyingCampaign
+        Whose it is instead has not been asked.
+    """
     return OutlyingCampaign(
         place, fleet.robots[int(fleet.robot[place])], float(fleet.day[place]), ratio, excess
     )
 
 
 def _seen(posterior: Posterior, place: int, still: BoolArray) -> Evidence:
+    """Return what is seen of one campaign that differs as robots do, along all parameters that do not change.
+
+    Directions diag(robot)^1/2: a unit along each is one standard deviation between robots.
+    """
     size = np.sqrt(posterior.variances.robot) * still
     alone = (np.arange(len(posterior.equations.fleet.day)) == place).astype(float)
     return Score(posterior, alone).of(np.vstack([np.diag(size), np.zeros(len(size))]))
@@ -143,12 +179,19 @@ def resembled(
     ----------
     fleet : Fleet
         With those campaigns.
-    others : sequence of Unlike
+    others : sequence of OutlyingCampaign
     variances : Variances
         Of the fleet without them.
+
+    Returns
+    -------
+    tuple of OutlyingCampaign
+        Each with the robot that it fits best, empty where it fits none.
     """
     if not others:
         return ()
+    # Without their information, but in their places: the model says there what it expects of each robot
+    # on that day.
     counts = np.ones(len(fleet.day))
     counts[[one.place for one in others]] = 0.0
     silent = replace(fleet, normal=fleet.normal * counts[:, None, None], right=fleet.right * counts[:, None])
@@ -164,7 +207,11 @@ def _resembled(posterior: Posterior, fleet: Fleet, of: OutlyingCampaign) -> str:
 
 
 def _chance_of(posterior: Posterior, fleet: Fleet, of: OutlyingCampaign, robot: int) -> float:
-    """Return the chance that a campaign of some robot fits no better than this."""
+    """Return the chance that a campaign of some robot fits no better than this.
+
+    In the r directions that the campaign sees, A = V diag(l) V': z = l^-1/2 V' (b - A x) has the covariance I
+    + l^1/2 V' V_j V l^1/2, and z' cov^-1 z is chi-square of r degrees of freedom.
+    """
     p, normal = posterior.equations.parameters, fleet.normal[of.place]
     put = posterior.equations.acting[of.place] @ posterior.shared
     put[:p] += posterior.deviation[robot]
