@@ -51,7 +51,21 @@ _MOST: Final = 40  # changes; a fleet with more has another trouble
 
 @dataclass(frozen=True, slots=True)
 class RealChange:
-    """A change that is beyond chance."""
+    """A change that is beyond chance.
+
+    Attributes
+    ----------
+    trial : Trial
+    amount : ndarray, shape (q,)
+        At the end, in stated widths along its directions.
+    covariance : ndarray, shape (q, q)
+    size_mm : float
+        Root mean square of what it moves at the measured configurations; of a scale at them too.
+    size_u_mm : float
+        Standard uncertainty.
+    rivals : tuple of Trial
+        Best first.
+    """
 
     trial: Trial
     amount: FloatArray  # (q,) at the end, in stated widths along its directions
@@ -76,7 +90,20 @@ class Tries:
     level: float
 
     def chance(self, scope: Scope) -> float:
-        """Return the chance up to which one try is beyond what chance gives over all."""
+        """Return the chance up to which one try is beyond what chance gives over all.
+
+        level / (scopes x tries of the scope), of an instrument half of that (Bonferroni): its changes are
+        tried in pairs too.
+
+        Parameters
+        ----------
+        scope : str
+            "robot", "type" or "instrument".
+
+        Returns
+        -------
+        float
+        """
         together = _TOGETHER if scope == "instrument" else 1
         return self.level / (together * _SCOPES * max(self.number.get(scope, 0), 1))
 
@@ -112,9 +139,11 @@ def account_of(fleet: Fleet, robot: Robot | None = None, level: float = LEVEL) -
     Returns
     -------
     Account
+        Places of campaigns that were left out are those of `fleet`.
     """
     estimated = estimate(Equations(fleet))
     plain, ratios = fleet, birge_ratios(estimated.posterior)
+    # Variances between robots were estimated with readings taken for better than they were.
     if ratios.max() > 1.0:
         fleet = plain.divided(ratios)
         estimated = estimate(Equations(fleet), estimated.variances)
@@ -122,6 +151,7 @@ def account_of(fleet: Fleet, robot: Robot | None = None, level: float = LEVEL) -
     sought = _Sought(plain, ratios, estimated, causes, level)
     while len(sought.found) < _MOST and sought.take_the_best():
         pass
+    # Only once all is named: what robots do is scatter of the days until it is in the model.
     sought.drop_instruments_by_chance()
     estimated, found = sought.estimated, sought.found
     named = tuple(_named(estimated, found, number, causes) for number in range(len(found)))
@@ -205,11 +235,13 @@ class _Sought:
 
     def drop_instruments_by_chance(self) -> None:
         """Take changes of instruments out of the model again that are none beside the others, for good."""
+        # Backwards: to drop one leaves the numbers of those before it.
         for number in reversed(range(len(self.found))):
             if self.found[number].change.scope == "instrument" and not self._is_beside(number):
                 self._drop(number)
 
     def _is_beside(self, number: int) -> bool:
+        """Return whether a change of an instrument is beyond chance beside all other changes."""
         others = [one.change.named for k, one in enumerate(self.found) if k != number]
         days = InstrumentDays(estimate(Equations(self.fleet, others), self.estimated.variances).posterior)
         shape = np.zeros(len(self.fleet.visits))
@@ -217,6 +249,7 @@ class _Sought:
         return self._is_beyond(_TOGETHER * days.of(shape)[1], "instrument")
 
     def _stands_out(self, trial: Trial) -> bool:
+        """Return whether a change is beyond chance even where its campaigns scatter as other causes show."""
         change = trial.change
         beside = (one for one in self.trials if one.change.beside(change))
         others = [one for one in beside if one.change.cause.key != change.cause.key]
@@ -276,7 +309,11 @@ class _Sought:
 
 
 def _chance_beside(posterior: Posterior, number: int, excess: float) -> float:
-    """Return the chance of as much of a named change as is left beside the others."""
+    """Return the chance of as much of a named change as is left beside the others.
+
+    With its posterior N(v, C) at a prior of variance 1, the readings alone say (C^-1 - I) with the score C^-1
+    v.
+    """
     place = posterior.equations.of_change(number)
     told = np.linalg.inv(posterior.covariance[place, place])
     alone = told - np.eye(len(told))  # without what was believed beforehand, of variance 1
@@ -335,7 +372,11 @@ def _instrument_trials(posterior: Posterior) -> Iterator[Trial]:
 
 
 def _hidden(days: InstrumentDays, ways: Sequence[FloatArray], ratios: Sequence[float]) -> dict[int, float]:
-    """Return of the clearest change of an instrument the chance of it and another, over all pairs."""
+    """Return of the clearest change of an instrument the chance of it and another, over all pairs.
+
+    Of the pairs with the clearest one the largest ratio counts, its chance times (ways - 1) / 2: n (n - 1) /
+    2 pairs, counted per way, as the level of single changes is.
+    """
     if len(ways) < _PAIR:
         return {}
     first = int(np.argmax(ratios))
@@ -356,6 +397,10 @@ def _beyond_chance(trials: Sequence[Trial], level: float) -> Trial | None:
 def _named(
     estimated: Estimate, found: Sequence[Trial], number: int, causes: Sequence[AgeingCause]
 ) -> RealChange:
+    """Return a change with its size, sqrt(v' E' M E v), and the size's uncertainty, to first order.
+
+    M is the mean of products of motions; the slope of the size by v is E' M E v / size.
+    """
     posterior = estimated.posterior
     place = posterior.equations.of_change(number)
     amount = posterior.shared[place]

@@ -60,7 +60,19 @@ _SMALL: Final = 1e-9  # of the largest: a cause that moves next to nothing one w
 
 @dataclass(frozen=True, slots=True)
 class InterimCheck:
-    """Configurations to measure each month."""
+    """Configurations to measure each month.
+
+    Attributes
+    ----------
+    joints_rad : ndarray, shape (n, J)
+        In the order of choice.
+    nest : ndarray, shape (n,)
+        1-based.
+    told_mm : ndarray, shape (n, K)
+        Growth of each cause that is told after so many; inf: none yet.
+    enough : bool
+        Whether the last row is within what was asked.
+    """
 
     joints_rad: FloatArray  # (n, J) in the order of choice
     nest: IntArray  # (n,)
@@ -84,7 +96,7 @@ def quick_check(
     space : WorkSpace
     candidates : Candidates
         To choose from.
-    belief : Belief
+    belief : JointPrior
         Of the robot as it is now.
     causes : sequence of AgeingCause
         K causes that age, over the belief's parameters and the scale.
@@ -97,7 +109,7 @@ def quick_check(
 
     Returns
     -------
-    QuickCheck
+    InterimCheck
 
     Raises
     ------
@@ -141,11 +153,19 @@ def of_one_mm(across: FloatArray, motion_mm2: FloatArray) -> FloatArray:
 
     Of a cause that moves nothing beyond rounding, such as a spring about a plumb axis: one, of zeros.
 
+    Z = E V diag(m)^-1/2 with E' M E = V diag(m) V', directions that move next to nothing left out: Z' M Z =
+    I.
+
     Parameters
     ----------
     across : ndarray, shape (P, q)
+        E.
     motion_mm2 : ndarray, shape (P, P)
-        Mean over configurations of products of motions per unit of each parameter.
+        M, mean over configurations of products of motions per unit of each parameter.
+
+    Returns
+    -------
+    ndarray, shape (P, r), r <= q
     """
     values, turns = np.linalg.eigh(across.T @ motion_mm2 @ across)
     rounding = LEAST_MM**2 * float((across**2).sum())
@@ -161,7 +181,12 @@ def _parts(sizes: Sequence[int]) -> tuple[slice, ...]:
 
 
 def _told(ratio: FloatArray, needed: FloatArray) -> FloatArray:
-    """Return which growths (K,) readings alone tell, over the asked one; `ratio` of variances to goals."""
+    """Return which growths (K,) readings alone tell, over the asked one; `ratio` of variances to goals.
+
+    With the goal g^2 / (lambda + 1) and the prior g^2, a variance has the precision (lambda + 1) / ratio in
+    those of the prior, of which 1 is the prior's own; the noncentrality of s g is s^2 times the rest, lambda
+    where it is told.
+    """
     precision = np.maximum((needed + 1.0) / ratio - 1.0, 0.0)  # of readings alone, in those of the prior
     with np.errstate(divide="ignore"):
         return np.asarray(np.sqrt(needed / precision))
@@ -191,6 +216,7 @@ def _chosen(
 
 def _worst(covariance: FloatArray, parts: Sequence[slice], goal: FloatArray) -> FloatArray:
     """Return the variance of each cause over its goal where it is largest: whichever way it goes."""
+    # The worst way, not the mean: a wave in the phase that no configuration shows would pass unseen.
     largest = [float(np.linalg.eigvalsh(covariance[part, part])[-1]) / goal[part.start] for part in parts]
     return np.array(largest)
 
@@ -200,7 +226,16 @@ _CANDIDATES: Final = 300
 
 
 def needs_both_directions(cause: AgeingCause) -> bool:
-    """Whether a cause shows in configurations only that are approached from either side, as a gap does."""
+    """Return whether a cause shows only where configurations are approached from either side, as a gap.
+
+    Parameters
+    ----------
+    cause : AgeingCause
+
+    Returns
+    -------
+    bool
+    """
     return "direction" in effect_named(cause.effect).needs
 
 
@@ -208,6 +243,14 @@ def asked_of(account: Account) -> tuple[AgeingCause, ...]:
     """Return what ages: the springs and the lines of the gears, and whatever was named of a robot.
 
     A gap is none of them: configurations that are approached from one side never show it.
+
+    Parameters
+    ----------
+    account : Account
+
+    Returns
+    -------
+    tuple of AgeingCause
 
     Raises
     ------
@@ -241,11 +284,18 @@ def check_of(
     ----------
     account : Account
     robot : str
+        Of the fleet.
     space : WorkSpace
         As it was measured last.
     knowns : Knowns
     grown_mm : float
+        Growth that is to be told.
     seed : int
+        The same seed chooses the same configurations.
+
+    Returns
+    -------
+    InterimCheck
 
     Raises
     ------
@@ -279,6 +329,7 @@ def grown(account: Account, robot: str, told: Information, asked_mm: float) -> t
     account : Account
         Without the campaign of the check.
     robot : str
+        Of the fleet.
     told : Information
         Of the check, without its instrument's scale.
     asked_mm : float
@@ -286,8 +337,13 @@ def grown(account: Account, robot: str, told: Information, asked_mm: float) -> t
 
     Returns
     -------
-    tuple of Grown
+    tuple of CauseGrowth
         One for each cause that is asked, the least likely to be chance first.
+
+    Raises
+    ------
+    ConfigurationError
+        The campaigns tell of nothing that ages.
     """
     belief, causes = of_robot_now(account, robot), asked_of(account)
     widths = account.fleet.widths
@@ -321,6 +377,7 @@ def _judged(
 ) -> Iterator[CauseGrowth]:
     normal, left = told
     for cause, way in zip(causes, ways, strict=True):
+        # Its own growth is what is asked, so that it is none of the scatter.
         others = spread - asked_mm**2 * way @ way.T
         held = np.linalg.inv(np.eye(len(left)) + normal @ others)
         score, information = way.T @ held @ left, way.T @ held @ normal @ way
@@ -328,6 +385,10 @@ def _judged(
 
 
 def _of(cause: AgeingCause, score: FloatArray, information: FloatArray, level: float) -> CauseGrowth:
+    """Return what a score says of a cause: v = F^-1 U of size |v|, known to sqrt(v' F^-1 v) / |v|.
+
+    Where the check does not see some direction of it, nothing is told.
+    """
     least = float(np.linalg.eigvalsh(information)[0])
     if least <= 0.0:
         return CauseGrowth(cause, 0.0, np.inf, 1.0, is_told=False, least_mm=np.inf)

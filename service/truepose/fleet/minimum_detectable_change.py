@@ -40,7 +40,18 @@ _UNSEEN: Final = 1e-9  # of the largest eigenvalue
 
 @dataclass(frozen=True, slots=True)
 class DetectableChange:
-    """From which size on a cause would have been shown in each of some robots, or instruments."""
+    """From which size on a cause would have been shown in each of some robots, or instruments.
+
+    Attributes
+    ----------
+    cause : AgeingCause
+    of : tuple of str
+        Of which it is not named already.
+    size_mm : ndarray, shape (len(of),)
+        As changes are measured; inf: of no size.
+    days : ndarray, shape (len(of),)
+        From the first campaign to the last, over which it grows.
+    """
 
     cause: AgeingCause
     of: tuple[str, ...]  # of which it is not named already
@@ -49,7 +60,17 @@ class DetectableChange:
 
 
 def least_of_robots(account: Account) -> tuple[DetectableChange, ...]:
-    """Return one for each cause that was tried, of the robots that were measured on two days at least."""
+    """Return one for each cause that was tried, of the robots that were measured on two days at least.
+
+    Parameters
+    ----------
+    account : Account
+
+    Returns
+    -------
+    tuple of DetectableChange
+        In the order of the causes.
+    """
     fleet, posterior = account.fleet, account.estimated.posterior
     own = {name: fleet.robot == number for number, name in enumerate(fleet.robots)}
     ways = {name: _growing(fleet.day, among) for name, among in own.items()}
@@ -66,7 +87,17 @@ def least_of_robots(account: Account) -> tuple[DetectableChange, ...]:
 
 
 def least_of_instruments(account: Account) -> DetectableChange:
-    """Return that of the instruments' lengths."""
+    """Return that of the instruments' lengths.
+
+    Parameters
+    ----------
+    account : Account
+
+    Returns
+    -------
+    DetectableChange
+        inf of an instrument whose scale was told on too few days.
+    """
     fleet, cause = account.fleet, instrument_cause(account.fleet)
     instrument, day = (np.array(column) for column in zip(*fleet.visits, strict=True))
     scales, chance = InstrumentDays(account.estimated.posterior), account.tries.chance("instrument")
@@ -96,7 +127,10 @@ def _line(day: FloatArray, among: BoolArray) -> FloatArray | None:
 
 
 def _least_scale(scales: InstrumentDays, line: FloatArray | None, chance: float) -> float:
-    """Return the least drift in stated widths; inf: it was there on too few days."""
+    """Return the least drift in stated widths, u sqrt(lambda); inf: it was there on too few days.
+
+    lambda is the noncentrality with which F of 1 and the days' degrees exceeds its limit with 95 %.
+    """
     u, degrees = (np.inf, 0) if line is None else scales.judging(line)
     if degrees < 1:
         return np.inf
@@ -105,6 +139,11 @@ def _least_scale(scales: InstrumentDays, line: FloatArray | None, chance: float)
 
 
 def _least_mm(fleet: Fleet, cause: AgeingCause, score: Score, excess: float, chance: float) -> float:
+    """Return the least size that is shown in every direction of a cause [mm]; inf: in some it is not seen.
+
+    In units of 1 mm, U = V diag(m)^-1/2 of E' M E = V diag(m) V': sqrt(lambda / smallest eigenvalue of U' F
+    U).
+    """
     seen = cause.directions.T @ score.information @ cause.directions / excess
     moved = cause.directions.T @ fleet.motion_mm2 @ cause.directions
     values, turns = np.linalg.eigh(moved)
@@ -117,5 +156,22 @@ def _least_mm(fleet: Fleet, cause: AgeingCause, score: Score, excess: float, cha
 
 
 def noncentrality(chance: float, degrees: int) -> float:
-    """Return the noncentrality with which a chi-square is beyond what chance gives with 95 %."""
+    """Return the noncentrality with which a chi-square is beyond what chance gives with 95 %.
+
+    Parameters
+    ----------
+    chance : float
+        Up to which a chi-square counts as beyond.
+    degrees : int
+        Of freedom.
+
+    Returns
+    -------
+    float
+        lambda.
+
+    References
+    ----------
+    P. B. Patnaik, Biometrika 36, 1949, 202-232.
+    """
     return float(chndtrinc(chdtri(degrees, chance), degrees, 1.0 - SHOWN))

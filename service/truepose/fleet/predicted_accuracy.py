@@ -1,10 +1,18 @@
 """What a fleet says beforehand of a robot, and how accurate a new one will be with few readings.
 
-The promise is that of plans (`planning.promise`): the configurations that tell most beside what is believed,
-and the errors over the work volume that are then left. Without the type, what the usual effects cannot
-express (waves and gaps) is what no parameter expresses; its size is what robots of the type show. What the
-type itself is worth, apart from that its waves and gaps are parameters at all, say as many readings of the
-same parameters from what is stated of any robot, and how many of these promise as much.
+A further robot of the type is believed to be
+
+    p ~ N(m, C_m + diag((v + u(v)) t))        t = max(1, (t_95 / 1.96)^2 / (1 + sqrt(2 / (R - 1))))
+
+with m and C_m of the type, variances v between its R robots and their standard uncertainties u(v), and t_95
+the 95 % of Student's t with R - 1 degrees of freedom. With J the motions by parameters that the usual effects
+lack, what those cannot take up is J - U U' J, U a basis of the motions by the usual ones.
+
+The promise is that of plans (`planning.prediction`): the configurations that tell most beside what is
+believed, and the errors over the work volume that are then left. Without the type, what the usual effects
+cannot express (waves and gaps) is what no parameter expresses; its size is what robots of the type show. What
+the type itself is worth, apart from that its waves and gaps are parameters at all, say as many readings of
+the same parameters from what is stated of any robot, and how many of these promise as much.
 """
 
 from bisect import bisect_left
@@ -38,10 +46,19 @@ def of_a_new_robot(account: Account) -> JointPrior:
     """Return what is believed of a robot of the type that was never measured.
 
     Its mean is that of the type. The variances between robots are themselves estimated: each counts with its
-    standard uncertainty on top, so that one that came out as nothing by chance is not taken at its word. Of
-    R robots a further one lies where Student's t with R - 1 degrees of freedom has it, whose 95 % are six
-    times as wide as those of a normal distribution where R is 2, and 7 % wider where it is 20: where that is
-    more, the variance is made as wide.
+    standard uncertainty on top, so that one that came out as nothing by chance is not taken at its word. Of R
+    robots a further one lies where Student's t with R - 1 degrees of freedom has it, whose 95 % are six times
+    as wide as those of a normal distribution where R is 2, and 7 % wider where it is 20: where that is more,
+    the variance is made as wide.
+
+    Parameters
+    ----------
+    account : Account
+
+    Returns
+    -------
+    JointPrior
+        In the parameters' own units.
     """
     posterior = account.estimated.posterior
     own = slice(len(account.fleet.specs))
@@ -52,14 +69,30 @@ def of_a_new_robot(account: Account) -> JointPrior:
 
 
 def _of_few(robots: int) -> float:
-    """Return by what a variance of so few robots, with its uncertainty on top, is still too small."""
+    """Return by what a variance of so few robots, with its uncertainty on top, is still too small.
+
+    A variance of n = R - 1 degrees of freedom has the relative uncertainty sqrt(2 / n), which is on top
+    already.
+    """
     degrees = robots - 1.0
     wide = (float(stdtrit(degrees, 0.5 + 0.5 * _HELD)) / WITHIN_95) ** 2
     return float(max(1.0, wide / (1.0 + np.sqrt(2.0 / degrees))))
 
 
 def of_robot_now(account: Account, robot: str) -> JointPrior:
-    """Return what is known of a robot of the fleet after its last campaign, named changes included."""
+    """Return what is known of a robot of the fleet after its last campaign, named changes included.
+
+    Parameters
+    ----------
+    account : Account
+    robot : str
+        Of the fleet.
+
+    Returns
+    -------
+    JointPrior
+        In the parameters' own units.
+    """
     fleet, posterior = account.fleet, account.estimated.posterior
     number = fleet.robots.index(robot)
     mean, covariance = posterior.robot_now(number)
@@ -129,7 +162,7 @@ def promise(
     Parameters
     ----------
     space : WorkSpace
-    belief : Belief
+    belief : JointPrior
         Of a new robot of the type.
     typical : Campaign
         Of a robot of the type, at whose configurations is seen what the usual effects lack.
@@ -137,6 +170,15 @@ def promise(
         Configurations measured with the belief, and without it.
     knowns : Knowns, optional
     seed : int
+
+    Returns
+    -------
+    PredictedAccuracy
+
+    Raises
+    ------
+    WorkSpaceError, TooFewCandidatesError
+        As `draw_candidates` and `planning.prediction.plan.sample`.
     """
     known = knowns or Knowns()
     lacking = lacking_mm(belief, typical)
@@ -153,7 +195,17 @@ def promise(
 
 
 def as_stated(belief: JointPrior) -> JointPrior:
-    """Return the same parameters as they are stated of any robot."""
+    """Return the same parameters as they are stated of any robot.
+
+    Parameters
+    ----------
+    belief : JointPrior
+
+    Returns
+    -------
+    JointPrior
+        Independent, with the stated means and widths.
+    """
     means = np.array([spec.prior_mean for spec in belief.specs])
     widths = np.array([spec.prior_width for spec in belief.specs])
     return JointPrior(belief.specs, belief.owners, means, np.diag(widths**2))
@@ -202,7 +254,19 @@ def lacking_mm(belief: JointPrior, campaign: Campaign) -> float:
     """Return what robots of the type do that the usual effects cannot express, RMS per axis.
 
     Of the motions by what is believed of the other parameters, what the usual ones take up at many
-    configurations (least squares) is no part of it.
+    configurations (least squares) is no part of it: sqrt(tr(L S L') / (3 n - r)), with L the motions that are
+    left, r parameters that took part and S = C + m m' the second moments of the belief.
+
+    Parameters
+    ----------
+    belief : JointPrior
+    campaign : Campaign
+        With n positions; without any nothing is said.
+
+    Returns
+    -------
+    float
+        [mm]; 0 without positions.
     """
     problem = with_belief(build(campaign, fleet_effects(campaign)), belief)
     readings = campaign.calibration
@@ -213,6 +277,7 @@ def lacking_mm(belief: JointPrior, campaign: Campaign) -> float:
     motion = position_jacobian(state).reshape(len(problem.structure.specs), -1)  # (P, 3 n)
     usual = np.isin(problem.structure.owners, automatic_effects(campaign))
     place = [problem.structure.index_of(name) for name in belief.names]
+    # About 0: a model without these parameters has them at 0, whatever their mean in the type.
     second = belief.covariance + np.outer(belief.mean, belief.mean)
     others = [k for k, at in enumerate(place) if not usual[at]]
     basis, _ = np.linalg.qr((motion[usual] * problem.structure.prior_widths[usual, None]).T)

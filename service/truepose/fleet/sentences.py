@@ -1,4 +1,8 @@
-"""What is said of a fleet whose days are those of the calendar (`date.toordinal`)."""
+"""What is said of a fleet whose days are those of the calendar (`date.toordinal`): keys and values, no text.
+
+Nothing is computed here but the least changes that would have shown; whoever renders a message has its
+language.
+"""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -26,7 +30,7 @@ _LAST: Final = float(date.max.toordinal())
 
 
 def day_of(day: float) -> str | None:
-    """Return a day of a fleet as the calendar has it; None: not in its reach."""
+    """Return a day of a fleet as the calendar has it, as in "2026-11-29"; None: not in its reach."""
     return date.fromordinal(int(day)).isoformat() if 1.0 <= day <= _LAST else None
 
 
@@ -177,7 +181,20 @@ def _least_drifts(account: Account) -> Iterator[Message]:
 
 
 def drift_um_per_m(fleet: Fleet, size_mm: float) -> float:
-    """Return by how much of all lengths an instrument drifts that moves what it measures by a size."""
+    """Return by how much of all lengths an instrument drifts that moves what it measures by a size.
+
+    Parameters
+    ----------
+    fleet : Fleet
+        Of which some campaign shows a scale.
+    size_mm : float
+        Root mean square at the measured configurations.
+
+    Returns
+    -------
+    float
+        [um/m].
+    """
     return 1e6 * fleet.scale_width * size_mm / math.sqrt(fleet.motion_mm2[-1, -1])
 
 

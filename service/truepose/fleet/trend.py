@@ -35,7 +35,16 @@ _SPANS: Final = 12  # of time, into which the days of a whole type are gathered 
 
 @dataclass(frozen=True, slots=True)
 class Trend:
-    """A cause at the n later campaigns of a robot, in stated widths from what it was at the first."""
+    """A cause at the n later campaigns of a robot, in stated widths from what it was at the first.
+
+    Attributes
+    ----------
+    day : ndarray, shape (n,)
+        Ascending.
+    amount : ndarray, shape (n, q)
+        Along the directions of the cause.
+    covariance : ndarray, shape (n, q, q)
+    """
 
     day: FloatArray  # (n,) ascending
     amount: FloatArray  # (n, q)
@@ -44,7 +53,16 @@ class Trend:
 
 @dataclass(frozen=True, slots=True)
 class ChangeSeries:
-    """How far a named change had come on n days after the first, along itself; negative: the other way."""
+    """How far a named change had come on n days after the first, along itself; negative: the other way.
+
+    Attributes
+    ----------
+    day : ndarray, shape (n,)
+        Ascending.
+    size_mm : ndarray, shape (n,)
+    u_mm : ndarray, shape (n,)
+        Standard uncertainties.
+    """
 
     day: FloatArray  # (n,) ascending
     size_mm: FloatArray  # (n,)
@@ -58,11 +76,16 @@ def course(account: Account, robot: str, cause: AgeingCause, excess: float = 1.0
     ----------
     account : Account
     robot : str
+        Of the fleet.
     cause : AgeingCause
         Whatever of it was named in this robot is taken out of the model first; every campaign is free, to
         within a stated width.
     excess : float
         By which variances of this cause exceed what readings state, as of its trial.
+
+    Returns
+    -------
+    Trend
     """
     fleet = account.fleet
     own = np.flatnonzero(fleet.robot == fleet.robots.index(robot))
@@ -72,7 +95,20 @@ def course(account: Account, robot: str, cause: AgeingCause, excess: float = 1.0
 
 
 def along(account: Account, named: RealChange) -> ChangeSeries:
-    """Return how a named change went: each campaign of a robot, day of an instrument, span of the type."""
+    """Return how a named change went: each campaign of a robot, day of an instrument, span of the type.
+
+    Along a = `amount`, what was found on a day is s (x . a) / (a . a) with s the size of the change.
+
+    Parameters
+    ----------
+    account : Account
+    named : RealChange
+        Of that account.
+
+    Returns
+    -------
+    ChangeSeries
+    """
     if named.change.scope == "instrument":
         return _of_instrument(account, named)
     if named.change.scope == "robot":
@@ -152,9 +188,14 @@ def passing(fleet: Fleet, named: RealChange, limit_mm: float) -> LimitCrossing |
     Parameters
     ----------
     fleet : Fleet
-    named : Named
+    named : RealChange
     limit_mm : float
         Of its root mean square at the measured configurations.
+
+    Returns
+    -------
+    LimitCrossing or None
+        None of a change that does not go on.
     """
     if named.change.kind != "linear":
         return None
@@ -163,6 +204,7 @@ def passing(fleet: Fleet, named: RealChange, limit_mm: float) -> LimitCrossing |
     def at(size_mm: float) -> float:
         return first + limit_mm * (last - first) / size_mm if size_mm > 0.0 else math.inf
 
+    # The fastest that the line may be passes first: its 95 % of size are the 5 % of the day.
     low, high = (named.size_mm + way * _WITHIN * named.size_u_mm for way in (-1.0, 1.0))
     return LimitCrossing(limit_mm, at(named.size_mm), at(high), at(low))
 
@@ -173,7 +215,17 @@ def _span(fleet: Fleet, named: RealChange) -> tuple[float, float]:
 
 
 def concerned(fleet: Fleet, named: RealChange) -> BoolArray:
-    """Return which campaigns a change concerns, shape (C,)."""
+    """Return which campaigns a change concerns.
+
+    Parameters
+    ----------
+    fleet : Fleet
+    named : RealChange
+
+    Returns
+    -------
+    ndarray of bool, shape (C,)
+    """
     change = named.change
     if change.scope == "robot":
         return np.asarray(fleet.robot == fleet.robots.index(change.of))
@@ -218,6 +270,11 @@ def due(account: Account, limit_mm: float) -> tuple[Priority, ...]:
     account : Account
     limit_mm : float
         Size of a change (root mean square at the measured configurations) that is not to be passed.
+
+    Returns
+    -------
+    tuple of Priority
+        One a robot.
     """
     return tuple(sorted((_of(account, robot, limit_mm) for robot in account.fleet.robots), key=_urgency))
 

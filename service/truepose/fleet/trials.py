@@ -47,7 +47,22 @@ _DAYS: Final = np.append(0.0, np.logspace(-8.0, 0.0, 81))  # variances of days, 
 
 @dataclass(frozen=True)
 class Change:
-    """A change that may have happened."""
+    """A change that may have happened.
+
+    Attributes
+    ----------
+    scope : str
+        "robot", "type" or "instrument".
+    of : str
+        Robot or instrument; empty for the type.
+    cause : AgeingCause
+    kind : str
+        "linear", "step" or "day".
+    since : float
+        Day: of a line the last without it, of a step the first with it.
+    shape : ndarray, shape (C,)
+        0 before, 1 at the end.
+    """
 
     scope: Scope
     of: str  # robot or instrument; empty for the type
@@ -62,7 +77,7 @@ class Change:
         return NamedChange(self.cause.directions, self.shape)
 
     def beside(self, other: "Change") -> bool:
-        """Return whether both are of the same robot, or the type, over the same campaigns."""
+        """Return whether both are of the same robot, or the type, over the same campaigns, by any cause."""
         mine, its = ((one.scope, one.of, one.kind, one.since) for one in (self, other))
         return mine == its
 
@@ -86,7 +101,22 @@ class Change:
 
 @dataclass(frozen=True, slots=True)
 class Trial:
-    """What speaks for a change."""
+    """What speaks for a change.
+
+    Attributes
+    ----------
+    change : Change
+    ratio : float
+        Twice the log likelihood ratio.
+    chance : float
+        Of so much where nothing changed, 0 to 1.
+    excess : float
+        By which variances of this cause exceed what the readings state.
+    squares : float
+        Chi-square where nothing changed; 0 of an instrument, which is judged by F.
+    degrees : int
+        Its degrees of freedom.
+    """
 
     change: Change
     ratio: float  # twice the log likelihood ratio
@@ -100,8 +130,19 @@ class Trial:
 
         A campaign whose fit took its readings for better than they were scatters in everything; the median of
         what other causes show tells by how much.
+
+        Parameters
+        ----------
+        others : sequence of Trial
+            Of other causes, over the same campaigns.
+
+        Returns
+        -------
+        float
+            0 to 1.
         """
         seen = [one.squares / chi2_median(float(one.degrees)) for one in others if one.degrees]
+        # Never less than stated: others that happen to be quiet make this change no more certain.
         scatter = max(1.0, float(np.median(seen))) if seen else 1.0
         return chi2_exceeded(self.squares / scatter, float(self.degrees)) if self.degrees else 1.0
 
@@ -115,8 +156,16 @@ def shapes(day: FloatArray, among: BoolArray) -> Iterator[tuple[Kind, float, Flo
     Parameters
     ----------
     day : ndarray, shape (C,)
-    among : ndarray, shape (C,)
+    among : ndarray of bool, shape (C,)
         Campaigns that it concerns.
+
+    Yields
+    ------
+    kind : str
+    since : float
+        First day.
+    shape : ndarray, shape (C,)
+        0 before and at all other campaigns, 1 at the end.
     """
     known = np.unique(day[among])
     for at in _spread(known[:-2]).tolist():
@@ -134,7 +183,26 @@ def _spread(days: FloatArray) -> FloatArray:
 
 
 class Score:
-    """Score and information of all directions for one shape over the campaigns."""
+    """Score and information of all directions for one shape over the campaigns.
+
+        U = sum f_c (b_c - A_c x_c)
+        F = sum f_c^2 A_c - sum_i m_i' D_i m_i - k C k'     m_i = sum over its campaigns f_c A_c,
+                                                            k = sum f_c A_c L_c - sum m_i' D_i X_i
+
+    Parameters
+    ----------
+    posterior : Posterior
+        With the changes that are named already.
+    shape : ndarray, shape (C,)
+        f.
+
+    Attributes
+    ----------
+    score : ndarray, shape (P + 1,)
+        U.
+    information : ndarray, shape (P + 1, P + 1)
+        F.
+    """
 
     def __init__(self, posterior: Posterior, shape: FloatArray) -> None:
         equations = posterior.equations
@@ -153,23 +221,48 @@ class Score:
         self.information = information - common.T @ posterior.covariance @ common
 
     def of(self, directions: FloatArray) -> "Evidence":
-        """Return what is seen of a change along directions (P + 1, q)."""
+        """Return what is seen of a change along directions.
+
+        Parameters
+        ----------
+        directions : ndarray, shape (P + 1, q)
+            In stated widths, the scale last.
+
+        Returns
+        -------
+        Evidence
+        """
         return seen_of(directions.T @ self.score, directions.T @ self.information @ directions)
 
 
 class Evidence(NamedTuple):
-    """A change as far as it is seen."""
+    """A change as far as it is seen, along the axes of its information.
+
+    Attributes
+    ----------
+    squares : ndarray, shape (q,)
+        Scores over their standard deviations, squared.
+    information : ndarray, shape (q,)
+        Positive.
+    """
 
     squares: FloatArray  # (q,) scores over their standard deviations, squared
     information: FloatArray  # (q,) positive
 
     def judged(self, excess: float = 1.0) -> tuple[float, float]:
-        """Return twice the log likelihood ratio, and the chance of so much.
+        """Return how much speaks for a change, and the chance of so much.
 
         Parameters
         ----------
         excess : float
             By which the variance of such scores exceeds what the readings state.
+
+        Returns
+        -------
+        ratio : float
+            Twice the log likelihood ratio.
+        chance : float
+            Where nothing changed; 1 where nothing is seen.
         """
         if not len(self.squares):
             return 0.0, 1.0
@@ -182,12 +275,33 @@ class Evidence(NamedTuple):
         """Return twice the log likelihood ratio of readings that are alike worse than they were taken for.
 
         Of q squares with mean m the largest over the ratio of variances, q (m - 1 - ln m), is at m.
+
+        Parameters
+        ----------
+        excess : float
+            As of `judged`.
+
+        Returns
+        -------
+        float
+            0 where they scatter no more than that.
         """
         mean = float(self.squares.mean()) / excess if len(self.squares) else 0.0
         return len(self.squares) * (mean - 1.0 - float(np.log(mean))) if mean > 1.0 else 0.0
 
     def trial(self, change: Change, excess: float) -> Trial:
-        """Return what speaks for a change that is seen so; `excess` as of `judged`."""
+        """Return what speaks for a change that is seen so.
+
+        Parameters
+        ----------
+        change : Change
+        excess : float
+            As of `judged`.
+
+        Returns
+        -------
+        Trial
+        """
         return Trial(
             change,
             *self.judged(excess),
@@ -198,7 +312,19 @@ class Evidence(NamedTuple):
 
 
 def seen_of(score: FloatArray, information: FloatArray) -> Evidence:
-    """Return what a score (q,) and its information (q, q) say along the directions that are seen."""
+    """Return what a score and its information say along the directions that are seen.
+
+    Parameters
+    ----------
+    score : ndarray, shape (q,)
+    information : ndarray, shape (q, q)
+        Its covariance where nothing changed.
+
+    Returns
+    -------
+    Evidence
+        Of r <= q directions: those whose information is more than a millionth of the largest.
+    """
     values, vectors = np.linalg.eigh(information)
     seen = values > max(_SEEN * float(values[-1]), 1e-300)
     return Evidence((vectors[:, seen].T @ score) ** 2 / values[seen], values[seen])
@@ -210,6 +336,16 @@ def excess_of(seen: Sequence[Evidence]) -> float:
     The median over many robots and shapes against that of chi-square: a few robots that age do not move it.
     Readings that state one figure for all directions, as most do, are worse than that across a tracker's beam
     and better along it; so each cause has its own.
+
+    Parameters
+    ----------
+    seen : sequence of Evidence
+        Of one cause, over all robots and shapes.
+
+    Returns
+    -------
+    float
+        Of variances, 1 or more.
     """
     each = [
         float(one.squares.sum()) / chi2_median(float(len(one.squares))) for one in seen if len(one.squares)
@@ -226,6 +362,16 @@ def largest_ratio(squares: FloatArray, information: FloatArray) -> float:
         Squared scores over their variance.
     information : ndarray, shape (q,)
         Positive.
+
+    Returns
+    -------
+    float
+        0 where nothing speaks for a change; found on a grid of sizes but for one direction, which has a
+        closed form.
+
+    References
+    ----------
+    S. G. Self, K.-Y. Liang, J. American Statistical Association 82, 1987, 605-610.
     """
     if len(squares) == 1:  # closed: s l = z^2 - 1
         return float(squares[0] - 1.0 - np.log(squares[0])) if squares[0] > 1.0 else 0.0
@@ -243,7 +389,25 @@ class Line(NamedTuple):
 
 
 class InstrumentDays:
-    """The scales of instruments on their days, as far as readings tell them, and what explains them."""
+    """The scales of instruments on their days, as far as readings tell them, and what explains them.
+
+    Of D visits, r directions of their scales are told by readings, I = T diag(1 / v) T' with all else
+    integrated out; there T' s ~ N(T' X beta, diag(v) + day I) with the levels of the instruments and the
+    changes in X.
+
+    Parameters
+    ----------
+    posterior : Posterior
+
+    Attributes
+    ----------
+    told : ndarray of bool, shape (D,)
+        Whether readings tell a day's scale.
+    covariance : ndarray, shape (D, D)
+        Of the scales, by the readings alone, in squared stated widths.
+    scale : ndarray, shape (D,)
+        In stated widths.
+    """
 
     def __init__(self, posterior: Posterior) -> None:
         right, information = _of_days(posterior)
@@ -259,7 +423,20 @@ class InstrumentDays:
         self._without = self._best(()).likelihood
 
     def of(self, *changes: FloatArray) -> tuple[float, float]:
-        """Return twice the log likelihood ratio of changes (D,) over the visits together, and its chance."""
+        """Return how much speaks for changes over the visits together, and the chance of so much.
+
+        Parameters
+        ----------
+        changes : ndarray, shape (D,) each
+            Shapes over the visits.
+
+        Returns
+        -------
+        ratio : float
+            Twice the log likelihood ratio; 0 where readings cannot tell them from levels.
+        chance : float
+            By Fisher's F; 1 there.
+        """
         turned = [self._turns.T @ change for change in changes]
         left = self._left(turned)
         if left < 1:
@@ -269,7 +446,20 @@ class InstrumentDays:
         return max(2.0 * (best.likelihood - self._without), 0.0), chance
 
     def judging(self, shape: FloatArray) -> tuple[float, int]:
-        """Return the standard uncertainty by which a change (D,) is judged, and its degrees of freedom."""
+        """Return by what a change is judged.
+
+        Parameters
+        ----------
+        shape : ndarray, shape (D,)
+            Over the visits.
+
+        Returns
+        -------
+        u : float
+            Standard uncertainty in stated widths; inf where too few days are told.
+        degrees : int
+            Of freedom; 0 there.
+        """
         turned = [self._turns.T @ shape]
         left = self._left(turned)
         return (self._best(turned).u, left) if left >= 1 else (np.inf, 0)
@@ -318,6 +508,8 @@ def _of_days(posterior: Posterior) -> tuple[FloatArray, FloatArray]:
     across = posterior.information[days, others]
     held = posterior.information[np.ix_(others, others)] + np.eye(len(others))  # with their priors
     gain = np.linalg.solve(held, across.T).T
+    # Not as the difference of two inverses: where a ballbar or a gauge measured, which tell no scale,
+    # there are none.
     information = posterior.information[days, days] - gain @ across.T
     right = posterior.information_right
     return right[days] - gain @ right[others], 0.5 * (information + information.T)
