@@ -358,6 +358,8 @@ def _all_specs(campaigns: Sequence[FleetCampaign]) -> dict[str, tuple[ParameterS
     found: dict[str, tuple[ParameterSpec, str]] = {}
     for one in campaigns:
         for spec, owner in zip(one.told.specs, one.told.owners, strict=True):
+            # The first campaign that has a parameter says in which widths all count: what they
+            # tell does not depend on it.
             found.setdefault(spec.name, (spec, owner))
     return found
 

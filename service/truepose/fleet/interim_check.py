@@ -139,6 +139,7 @@ def quick_check(
     p, q = directions.shape
     known = np.zeros((p + q, p + q))
     known[:p, :p] = knowledge.prior()
+    # All causes may have grown at once: what one of them does must not be told of another.
     known[p:, p:] = np.eye(q) / grown_mm**2
     # With the prior; of the readings alone that is the squared growth over what is needed.
     goal = np.repeat(grown_mm**2 / (needed + 1.0), [one.shape[1] for one in each])

@@ -331,6 +331,7 @@ def estimate(equations: Equations, start: Variances | None = None) -> Estimate:
         following = faster if faster.log_likelihood > now.log_likelihood else Posterior(equations, _em(now))
         gained = following.log_likelihood - now.log_likelihood
         now = following
+        # Of log likelihood, not of the variances: those that nothing tells of may wander without end.
         if gained < _SETTLED:
             break
     return Estimate(now.variances, now, step, step < _MOST_STEPS)

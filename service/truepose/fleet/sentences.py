@@ -31,6 +31,7 @@ _LAST: Final = float(date.max.toordinal())
 
 def day_of(day: float) -> str | None:
     """Return a day of a fleet as the calendar has it, as in "2026-11-29"; None: not in its reach."""
+    # A line that hardly rises passes its limit after the calendar ends.
     return date.fromordinal(int(day)).isoformat() if 1.0 <= day <= _LAST else None
 
 

@@ -90,6 +90,7 @@ def course(account: Account, robot: str, cause: AgeingCause, excess: float = 1.0
     fleet = account.fleet
     own = np.flatnonzero(fleet.robot == fleet.robots.index(robot))
     later = own[np.argsort(fleet.day[own], kind="stable")][1:]
+    # A step of its own for each campaign: no line is put through what is to show whether there is one.
     alone = np.eye(len(fleet.day))[later]
     return _course(account, robot, cause, fleet.day[later], alone, excess)
 
@@ -289,6 +290,7 @@ def _of(account: Account, robot: str, limit_mm: float) -> Priority:
     own = [one for one in account.named if one.change.of == robot and _stays(one)]
     each = (_of_change(fleet, one, last, limit_mm) for one in own)
     left_out = max((one.day for one in account.unlike if one.robot == robot), default=last)
+    # A campaign that was left out counts only where none of this robot came after it.
     without = Priority(robot, "unlike", left_out) if left_out > last else Priority(robot, "longest_ago", last)
     return min(each, key=_urgency, default=without)
 

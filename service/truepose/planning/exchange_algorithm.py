@@ -94,6 +94,8 @@ def choose_by_exchange(
     _check_arguments(jacobians, n, start)
     chosen = np.zeros(len(jacobians), dtype=bool)
     chosen[rng.choice(len(jacobians), n, replace=False) if start is None else start] = True
+    # A start of lower rank has det M = 0 like all its neighbours: without a ridge no exchange would be
+    # better than another.
     prior = _ridge(jacobians, n) if prior_information is None else prior_information
     exchanges = _exchange_until_it_stops(jacobians, chosen, prior)
     indices: IntArray = np.flatnonzero(chosen).astype(np.int64)
@@ -118,6 +120,7 @@ def rank_substitutes(jacobians: FloatArray, chosen: BoolArray, prior_information
         Indices, the best first.
     """
     gains = _Blocks(jacobians, chosen, prior_information).gains()
+    # Stable: equal gains stay in the order of the candidates, so that the same seed gives the same plan.
     ranked: IntArray = np.argsort(-gains, kind="stable")[: int(np.sum(~chosen))]
     return ranked
 

@@ -177,6 +177,8 @@ def most_informative_first(rows: FloatArray, n: int, covariance: FloatArray) -> 
     unit = np.eye(rows.shape[1])
 
     def gains(covariance: FloatArray) -> FloatArray:
+        # Of blocks as high as one candidate's readings: log det of M + J'J itself would be P by P for
+        # every candidate.
         grown: FloatArray = np.linalg.slogdet(unit + (rows @ covariance) @ np.swapaxes(rows, 1, 2))[1]
         return grown
 

@@ -204,6 +204,8 @@ def aimed_pose(
     """
     refusals: list[AimError] = []
     for turn in range(len(pose.legs)):
+        # Another turn gives the levels to other legs: one of six codes may be reached where the
+        # others are not.
         code = coded_lengths(len(pose.legs), pose.config + turn)
         wanted = tuple(nominal_mm + offset for offset in code.offsets_mm)
         try:
@@ -297,6 +299,8 @@ def coded_or_kept(cell: BallbarCell, pose: PlannedPose, lengths: Lengths) -> tup
     try:
         return aimed_pose(pose, lengths, cell.leg_mm, cell.ranges), None
     except AimError as refusal:
+        # Nominal lengths are at least within the bar's range; as it was, a pose of an arm that errs
+        # may not be.
         sentence = str(refusal)
     try:
         joints = aimed(lengths, pose.joints_rad, np.full(len(pose.legs), cell.leg_mm), cell.ranges)

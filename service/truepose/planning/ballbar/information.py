@@ -156,6 +156,8 @@ def arm_model(
         np.zeros((1, 3)),
         np.ones(1),
     )
+    # Exact here: what certificates allow comes back below as parameters of its own, since lengths of the
+    # measured triangle tell of it.
     nests = tuple(Nest((float(x), float(y), float(z)), 0.0) for x, y, z in cell.nests_mm)
     campaign = Campaign(cell.robot, cell.base, nests, calibration=readings)
     placing = effects_with(Trait.PLACING)
@@ -393,6 +395,7 @@ def work_space_sample(model: ArmModel, n: int, rng: np.random.Generator) -> Work
     cell = model.cell
     low = np.array([limit.lower_rad for limit in cell.ranges])
     high = np.array([limit.upper_rad for limit in cell.ranges])
+    # Four times as many, as some have nests below the table.
     drawn = low + (high - low) * rng.random((4 * n, len(low)))
     position, motion = model.nests(drawn)
     above = np.flatnonzero((position[:, :, 2] > cell.table_z_mm).all(axis=1))[:n]

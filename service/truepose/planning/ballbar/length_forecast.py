@@ -177,12 +177,15 @@ class SessionForecast:
         structure, scatter = self._model.structure, self._cell.robot.repeatability_mm
         own = [{"mm": _LINK_MM, "rad": _ANGLE_RAD}.get(spec.unit) for spec in structure.specs]
         width = [
+            # What is neither a length nor an angle, as a compliance, keeps the width of its
+            # prior.
             1.0 if mine is None else coarse * mine / spec.prior_width
             for mine, spec in zip(own, structure.specs, strict=True)
         ]
         of_nests = [float(np.hypot(_NEST_MM, nest_mm))] * 9
         arm = np.square([*width, *of_nests])
         held = self._cup_slope.reshape(-1, self._arm)
+        # What moves the tool from stop to stop moved it where the cup was clamped, too.
         clamped = self._kit.setup_u_mm**2 + scatter**2 + tool_mm**2
         covariance = np.zeros((self.unknowns, self.unknowns))
         covariance[: self._arm, : self._arm] = np.diag(arm)

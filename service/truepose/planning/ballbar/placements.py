@@ -198,6 +198,8 @@ class _Search:
         """
         chosen: list[Candidates] = []
         for place in range(self.wish.placements):
+            # Beside those chosen, not by itself: a second place like the first tells of the arm
+            # what is known already.
             ranked = sorted(pool, key=lambda own: self.error_mm([*chosen, own])) if place else first
             best = next((own for own in ranked if self.holds_ball(own)), None)
             if best is None:
@@ -220,6 +222,7 @@ class _Search:
                 continue
             tried = [*chosen[:k], own, *chosen[k + 1 :]]
             error = self.error_mm(tried)
+            # Asked only of what is better: set-ups are searched for at every cup.
             if error < best and self.holds_ball(own):
                 chosen, best = tried, error
         return chosen

@@ -226,6 +226,8 @@ class _Session:
         joints = np.array([pose.joints_rad for pose in poses]).reshape(-1, self.cell.robot.n_joints)
         first = np.flatnonzero(np.isin(rows, early))
         groups = self._groups(len(poses), first, self._parking(joints, first, after))
+        # Off the cups before the first pose: with all of them clamped a person takes the ball out and
+        # measures the sides of the base.
         waits = away(around, last, joints, self.rng)
         found = tour(around, joints, groups, Stop(np.array(waits.joints_rad)), self.rng)
         self._check(found, joints, own.fixture, after)
@@ -262,6 +264,7 @@ class _Session:
         if after is None or not len(joints):
             return None
         free = is_clear(self.cell, after, joints)
+        # Where the arm waits is its last pose, and those of the pre-calibration come first.
         later = np.setdiff1d(np.flatnonzero(free), first)
         usable = later if len(later) else np.flatnonzero(free)
         if not len(usable):

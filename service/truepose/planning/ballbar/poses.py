@@ -107,6 +107,7 @@ def reach(cell: BallbarCell, fixture: BaseFixture, made: Sequence[Assembly] | No
         None where nothing can be measured, with the reasons counted.
     """
     made = device(cell, fixture) if made is None else made
+    # A face that looks down on the table carries no poses.
     tried = [one for one in made if tuple(sorted(one.design.base)) in fixture.faces]
     joints, index, refused = _within_ranges(cell, _poses(fixture, tried))
     # Arm and tool first: where they are not clear no bar needs to be looked at.
@@ -196,6 +197,7 @@ def _walk(path: list[Leg], left: list[Leg]) -> tuple[Leg, ...] | None:
         return tuple(path)
     base, tool = path[-1]
     for leg in left:
+        # One ball stays where it is: the end that the hands move is the other.
         if leg[0] == base or leg[1] == tool:
             found = _walk([*path, leg], [other for other in left if other != leg])
             if found is not None:

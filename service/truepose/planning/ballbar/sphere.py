@@ -287,6 +287,7 @@ def _poses(
         legs = ((BALL_CUP, int(nest[row])),)
         way = tuple(chain(back, via, approach))
         yield PlannedPose(config, placement, _row(joints[row]), legs, via_rad=way)
+        # A stop is left the way it was approached (docs/decisions/0045).
         back = approach
 
 

@@ -150,6 +150,7 @@ def _batch(space: WorkSpace, group: tuple[Target, ...], nest: int, rng: np.rando
     # A wire reaches everywhere: its end needs no leading.
     if group[0].kind is not TargetKind.WIRE:
         joints = _led(space, group, centre, joints, rng)
+    # Newton's steps know no limits.
     inside = ((joints >= low) & (joints <= high)).all(axis=1)
     joints = joints[inside]
     kept: FloatArray = joints[_have_room(space, joints)]
@@ -196,6 +197,7 @@ def _wanted(group: tuple[Target, ...], n: int, rng: np.random.Generator) -> tupl
     place = np.broadcast_to(np.array(first.place_mm), (n, 3))
     if first.kind is TargetKind.SPHERE:
         outward = rng.standard_normal((n, 3))
+        # The lower half is where its stem is.
         outward[:, 2] = np.abs(outward[:, 2])
         outward /= np.linalg.norm(outward, axis=1)[:, None]
         return place + (first.zero_mm or _USUAL_ZERO_MM) * outward, -outward

@@ -54,6 +54,7 @@ def hub_of(
         As `draw_candidates`.
     """
     tried = draw_candidates(space, _TRIED, rng).joints_rad
+    # Candidates are drawn by the rules of the cell, which know nothing of targets.
     tried = tried[keep_off(space, wish, tried)]
     some = begins_rad[rng.permutation(len(begins_rad))[:_BEGINS_TRIED]]
     reached = [int(clear_from(space, bodies, wish, hub, some).sum()) for hub in tried]
@@ -190,6 +191,7 @@ def _candidates(
 ) -> ReachablePoses:
     """Return places at the targets with their ways, all of which begin at the same place."""
     near = _near(space, bodies, wish, rng)
+    # Without a begin of any way there is nothing to look for a hub by.
     if not len(near.way_rad):
         return _enough(wish, near)
     hub_rad = hub_of(space, bodies, wish, near.way_rad[:, 0], rng)
@@ -213,6 +215,8 @@ def _from_hub(
 ) -> ReachablePoses:
     clear = np.flatnonzero(clear_from(space, bodies, wish, hub_rad, found.way_rad[:, 0]))
     kept = found.taken(clear)
+    # The hub becomes the first place of every way: a stop is left the same way, so that any other may
+    # follow.
     hubs = np.broadcast_to(hub_rad, (len(clear), 1, len(hub_rad)))
     return ReachablePoses(kept.goals, np.concatenate([hubs, kept.way_rad], axis=1))
 

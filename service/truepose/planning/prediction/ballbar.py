@@ -152,8 +152,11 @@ def promised_at(
         More poses were asked for than can be measured from there.
     """
     rng = np.random.default_rng(seed)
+    # What no parameter expresses moves the tool at a stop, as the arm's own scatter does: all its lengths
+    # share it.
     stop = float(np.hypot(cell.robot.repeatability_mm, discrepancy.per_axis_mm))
     kit, limits = cell.ballbar or BallbarKit(), ballbar_cell(cell)
+    # An uncertainty of 0 would weigh infinitely.
     length_mm = max(float(np.hypot(kit.reading_u_mm, kit.zero_u_mm)), LEAST_MM)
     scatter = Scatter(stop, length_mm, max(kit.setup_u_mm, LEAST_MM), length_mm, kit.zero_u_mm)
     # Nests taken for exact promised 5 % too low over 300 simulated cells.
@@ -282,6 +285,7 @@ class _Choice:
             advised=advised,
             measured=0,
             left_open=self.left_open(model, size),
+            # Of the arm alone: cups and certificates belong to this session.
             observability=indices(self.rows[:size, :, : model.own_parameters]),
             assumptions=Assumptions(
                 reading, model.cell.robot.repeatability_mm, discrepancy, model.cell.keep_outs.names
@@ -289,6 +293,8 @@ class _Choice:
         )
 
     def _in_order(self, size: int) -> IntArray:
+        # Placement by placement: to put the base fixture down again takes a person, and its cups are
+        # clamped and measured anew.
         parts = []
         for number in np.unique(self.placement[:size]):
             own = np.flatnonzero(self.placement[:size] == number)
@@ -315,6 +321,8 @@ def _choice(model: ArmModel, fixtures: Sequence[BaseFixture], weighed: WorkSpace
         for one, own in ((model, offers), (erring, true))
     )
     rows = stacked_rows(model, offers, len(known.matrix))
+    # By the error over the volume: up to 8 % less of it is promised than in the order of O1
+    # (docs/decisions/0043).
     order = least_error_first(rows, MOST, known.matrix, error_weight(known.cups_mm, weighed))
     legs = [assembly.legs for own in offers for assembly in own.found.assembly]
     return _Choice(

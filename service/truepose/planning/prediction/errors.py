@@ -113,6 +113,7 @@ def spread(errors: FloatArray, own: Discrepancy, draws: int = DRAWS) -> Spread:
     norms = drawn_norms(errors, own, draws)
     ends = ((1.0 - BAND) / 2.0, (1.0 + BAND) / 2.0)
     low, high = np.quantile(norms.mean(axis=1), ends).tolist()
+    # The mean in closed form: it never rises where a plan gets better, as that of draws may.
     mean = float(mean_norms(errors, own.per_axis_mm).mean())
     return Spread(mean, float(norms.max(axis=1).mean()), (low, high))
 
@@ -219,6 +220,7 @@ def sizes(n: int | None, available: int, measured: int = 0) -> tuple[int, ...]:
         Ascending, none above `available`: 11, 20, 30 ... 100 where nothing was measured, else by tens from
         there; n among them.
     """
+    # Behind the 11 of the thesis round numbers, 20, 30, ...
     first = measured + STEP if measured else 2 * STEP
     wanted = {max(FEWEST, measured), *range(first, measured + MOST + 1, STEP), *([] if n is None else [n])}
     return tuple(sorted({min(size, available) for size in wanted}))
@@ -244,6 +246,8 @@ def curve(errors: Errors, numbers: Sequence[int]) -> tuple[CurvePoint, ...]:
 def _point(errors: Errors, n: int) -> CurvePoint:
     after = errors.after(n)
     found = spread(after, errors.discrepancy)
+    # A promise is of where the arm is on average; what a single visit adds stands beside it
+    # (docs/decisions/0043).
     visited = float(np.hypot(errors.discrepancy.per_axis_mm, errors.repeatability_mm))
     visit = float(mean_norms(after, visited).mean())
     return CurvePoint(n, found.mean_mm, found.worst_mm, found.interval_90_mm, visit)

@@ -139,6 +139,7 @@ def covariance_root(rows: FloatArray) -> tuple[FloatArray, FloatArray]:
     G. H. Golub, C. F. Van Loan, Matrix Computations, 4th edition, 2013, section 5.3.
     """
     turned, triangle = np.linalg.qr(rows)
+    # QR leaves the signs open; with a positive diagonal there is one root only.
     side = np.where(np.diag(triangle) < 0.0, -1.0, 1.0)
     return np.linalg.inv(triangle) * side, turned * side
 
@@ -411,8 +412,10 @@ class ArmKnowledge:
         returned is L'^-1: shifts [mm] and turns [rad].
         """
         nests = self._knowns.fixed_nests
+        # Positions then count in the frame of the readings, which nothing places wrongly.
         if len(nests) < _PLACE_A_FRAME:
             return np.zeros((6, 0))
+        # The turn about their line would be free: the sum below has no inverse.
         if not span_triangle(nests):
             raise ConfigurationError(message("plan.refused.nests_on_a_line"))
         centres = np.array([nest.centre_mm for nest in nests])

@@ -117,6 +117,7 @@ def indices(rows: FloatArray) -> dict[str, float]:
     flat = rows.reshape(-1, rows.shape[2])
     try:
         first = observability.observability_o1(flat, len(rows))
+    # No refusal: with priors such a plan is one, and the indices say what its readings alone do.
     except UnderdeterminedError:
         return dict.fromkeys(_INDICES, 0.0)
     others = (
@@ -250,6 +251,7 @@ def because_of(
         return left_open
     # One plan without any tells whether volumes matter at all: a plan for each costs seconds.
     without_any = open_without(KeepOuts())
+    # What stays open without any volume keeps its own reason.
     freed = [group for group in left_open if without_any.isdisjoint(group.parameters)]
     if not freed:
         return left_open

@@ -134,6 +134,8 @@ def _space(campaign: Campaign, points: PointReadings, model: Model) -> WorkSpace
     robot, tracker = campaign.robot, campaign.tracker_position_mm
     # A campaign says nothing of table and column: where its nests were is known to be free, lower is not.
     lowest = float(points.position_mm[:, 2].min())
+    # The base where it was found to stand, whatever was stated of it: in that place the tracker sees the
+    # nests.
     return WorkSpace(
         robot=robot,
         base=model.nominal_base,

@@ -141,6 +141,7 @@ def _drawn(space: WorkSpace, n: int, rng: np.random.Generator, *, one_sided: boo
     Fewer than n are left; an empty set where no body fits anywhere.
     """
     drawn = draw_candidates(space, n, rng)
+    # Drawn by the rules for points, which know neither elbow nor tool against arm.
     fit = pool_of(space, drawn.joints_rad).stand(np.arange(len(drawn)), 0.0)
     if one_sided:
         fit &= are_loaded_one_way(space, drawn.joints_rad)
@@ -189,6 +190,7 @@ class _Choice:
     def add(self, n: int) -> None:
         """Choose n candidates, the most informative first."""
         before = self._before.rows.reshape(-1, self._before.rows.shape[2])
+        # What was measured counts as what is known: chosen is what tells most beside it.
         covariance = self._knowledge.covariance(before)
         self._order = most_informative_first(self._offered.rows, n, covariance)
 
@@ -213,6 +215,7 @@ class _Choice:
             return False
         kept = wanted[np.isin(wanted, self._visited)]
         new = self._visited[~np.isin(self._visited, wanted)]
+        # What cannot be reached goes last, so that the curve beyond this plan does not count on it.
         others = self._order[len(wanted) :]
         given_up = wanted[~np.isin(wanted, self._visited)]
         self._order = np.concatenate([kept, new, others[~np.isin(others, new)], given_up])
@@ -274,6 +277,7 @@ def _visits(space: WorkSpace, joints_rad: FloatArray, wanted: IntArray, order: I
     def instead(present: Sequence[int], at: int) -> IntArray:
         away = np.abs(joints_rad - joints_rad[present[at]]).max(axis=1)
         ranked = np.concatenate([order, np.argsort(away, kind="stable")[:_NEAR]])
+        # Each once, at the better of its two places.
         _, first = np.unique(ranked, return_index=True)
         ranked = ranked[np.sort(first)]
         return np.asarray(ranked[~np.isin(ranked, present)])

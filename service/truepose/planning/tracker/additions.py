@@ -141,6 +141,7 @@ def _reasons(
 ) -> list[str | None]:
     """Return why each configuration cannot be measured, None where it can."""
     approach_rad = joints_rad + (space.approach_offset_rad or 0.0)
+    # The first reason is told: limits before what lies beyond them.
     judged = [
         _outside(space, joints_rad, "the stop"),
         _outside(space, approach_rad, "the approach"),

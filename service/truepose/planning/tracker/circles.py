@@ -177,6 +177,7 @@ def _look(
     chain = nominal_chain(space, joints)
     away = nest_places(space, chain) - chain.origin[axis]
     radius = np.linalg.norm(np.cross(away, chain.z[axis]), axis=2)
+    # Beams past arm and volumes are looked at only where the arm has room.
     room = has_room(space, joints, chain)
     seen = room & is_seen(space, cosines_in_sight(space, chain, room))
     shown, shape = seen & (radius >= _BESIDE_AXIS_MM), (len(space.nests), p, m)
@@ -205,6 +206,8 @@ def _stops(sweeps: Sequence[_Sweep], at_rest: tuple[float, ...] | None) -> Itera
     config = 0
     for sweep in sweeps:
         begin_rad = at_rest
+        # Up and down again, the turning point once: what differs between the two sides of an angle is
+        # the play of the gear.
         for joints in (*sweep.joints_rad, *sweep.joints_rad[-2::-1]):
             config += 1
             yield PlannedStop(config, tuple(joints.tolist()), sweep.nest, begin_rad=begin_rad)

@@ -84,6 +84,7 @@ def room_mm(space: WorkSpace, starts_rad: FloatArray, ends_rad: FloatArray) -> F
 def _next(space: WorkSpace, here: FloatArray, joints_rad: FloatArray, left: list[int]) -> int:
     """Return the first of what is left to which the way is clear, else the one whose way is highest."""
     best, highest_mm = left[0], -np.inf
+    # The one that is wanted by itself first: nine of ten ways are clear.
     for first, last in ((0, 1), *((k, k + _ROWS_AT_ONCE) for k in range(1, len(left), _ROWS_AT_ONCE))):
         some = left[first:last]
         rooms = room_mm(space, np.broadcast_to(here, joints_rad[some].shape), joints_rad[some])
@@ -101,6 +102,7 @@ def _mended(space: WorkSpace, joints_rad: FloatArray, order: list[int], *, fixed
     With `fixed` the first one stays where it is.
     """
     while blocked := _blocked(space, joints_rad, order):
+        # Either end of a blocked way may be what is out of place.
         places = dict.fromkeys(place for end in blocked for place in (end, end - 1))
         tried = (
             changed
@@ -260,6 +262,7 @@ def clear_tour(pool: Pool, tour: IntArray) -> IntArray:
     """
     left, order = [int(row) for row in tour[1:]], [int(tour[0])]
     while left:
+        # As in `short_tour`: the joint that turns most says how far a stop is.
         away = np.abs(pool.joints_rad[left] - pool.joints_rad[order[-1]]).max(axis=1)
         nearest = [left[k] for k in np.argsort(away, kind="stable")]
         order.append(next(_reached(pool, order[-1], nearest), nearest[0]))

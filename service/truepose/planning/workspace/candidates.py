@@ -163,6 +163,7 @@ def draw_candidates(space: WorkSpace, n: int, rng: np.random.Generator) -> Candi
         found += int(feasible.sum())
         if found >= n:
             return Candidates(np.concatenate(joints)[:n], np.concatenate(nests)[:n])
+        # Out of reach altogether is said at once, not after half a million draws.
         if batch == _HOPELESS and not found:
             break
     raise TooFewCandidatesError(

@@ -54,6 +54,7 @@ class WorkSpace:
     @property
     def motion_limits(self) -> tuple[JointRange, ...]:
         """What no motion may leave, the approach included."""
+        # Where nobody states limits, what the ranges and their approaches need counts as allowed.
         return self.joint_limits or widened(self.ranges, self.approach_offset_rad)
 
 
