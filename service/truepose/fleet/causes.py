@@ -37,8 +37,8 @@ class AgeingCause:
 
     effect: str
     subject: str
-    directions: FloatArray  # (P + 1, q) in stated widths, the scale last
-    order: float = 0.0  # of waves
+    directions: FloatArray
+    order: float = 0.0
 
     @property
     def key(self) -> tuple[str, str, float]:

@@ -68,11 +68,11 @@ class RealChange:
     """
 
     trial: Trial
-    amount: FloatArray  # (q,) at the end, in stated widths along its directions
-    covariance: FloatArray  # (q, q)
-    size_mm: float  # root mean square of what it moves at the measured configurations; of a scale at them too
-    size_u_mm: float  # standard uncertainty
-    rivals: tuple[Trial, ...]  # best first
+    amount: FloatArray
+    covariance: FloatArray
+    size_mm: float
+    size_u_mm: float
+    rivals: tuple[Trial, ...]
 
     @property
     def change(self) -> Change:

@@ -74,10 +74,10 @@ class InterimCheck:
         Whether the last row is within what was asked.
     """
 
-    joints_rad: FloatArray  # (n, J) in the order of choice
-    nest: IntArray  # (n,)
-    told_mm: FloatArray  # (n, K) growth of each cause that is told after so many; inf: none yet
-    enough: bool  # whether the last row is within what was asked
+    joints_rad: FloatArray
+    nest: IntArray
+    told_mm: FloatArray
+    enough: bool
 
 
 def quick_check(

@@ -54,9 +54,9 @@ class DetectableChange:
     """
 
     cause: AgeingCause
-    of: tuple[str, ...]  # of which it is not named already
-    size_mm: FloatArray  # (len(of),) as changes are measured; inf: of no size
-    days: FloatArray  # (len(of),) from the first campaign to the last, over which it grows
+    of: tuple[str, ...]
+    size_mm: FloatArray
+    days: FloatArray
 
 
 def least_of_robots(account: Account) -> tuple[DetectableChange, ...]:

@@ -46,9 +46,9 @@ class Trend:
     covariance : ndarray, shape (n, q, q)
     """
 
-    day: FloatArray  # (n,) ascending
-    amount: FloatArray  # (n, q)
-    covariance: FloatArray  # (n, q, q)
+    day: FloatArray
+    amount: FloatArray
+    covariance: FloatArray
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,9 +64,9 @@ class ChangeSeries:
         Standard uncertainties.
     """
 
-    day: FloatArray  # (n,) ascending
-    size_mm: FloatArray  # (n,)
-    u_mm: FloatArray  # (n,) standard uncertainties
+    day: FloatArray
+    size_mm: FloatArray
+    u_mm: FloatArray
 
 
 def course(account: Account, robot: str, cause: AgeingCause, excess: float = 1.0) -> Trend:

@@ -65,11 +65,11 @@ class Change:
     """
 
     scope: Scope
-    of: str  # robot or instrument; empty for the type
+    of: str
     cause: AgeingCause
     kind: Kind
-    since: float  # day: of a line the last without it, of a step the first with it
-    shape: FloatArray  # (C,) 0 before, 1 at the end
+    since: float
+    shape: FloatArray
 
     @property
     def named(self) -> NamedChange:
@@ -119,11 +119,11 @@ class Trial:
     """
 
     change: Change
-    ratio: float  # twice the log likelihood ratio
-    chance: float  # of so much where nothing changed
-    excess: float = 1.0  # by which variances of this cause exceed what the readings state
-    squares: float = 0.0  # chi-square where nothing changed
-    degrees: int = 0  # its degrees of freedom
+    ratio: float
+    chance: float
+    excess: float = 1.0
+    squares: float = 0.0
+    degrees: int = 0
 
     def chance_beside(self, others: Sequence["Trial"]) -> float:
         """Return the chance of so much where other causes scatter over the same campaigns as they do.
@@ -246,8 +246,8 @@ class Evidence(NamedTuple):
         Positive.
     """
 
-    squares: FloatArray  # (q,) scores over their standard deviations, squared
-    information: FloatArray  # (q,) positive
+    squares: FloatArray
+    information: FloatArray
 
     def judged(self, excess: float = 1.0) -> tuple[float, float]:
         """Return how much speaks for a change, and the chance of so much.

@@ -51,8 +51,8 @@ class Selection:
         How many were made.
     """
 
-    indices: IntArray  # (n,) ascending
-    o1: float  # 0 where the chosen ones leave a parameter undetermined
+    indices: IntArray
+    o1: float
     exchanges: int
 
 

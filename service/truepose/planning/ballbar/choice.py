@@ -151,7 +151,7 @@ class Candidates:
     fixture: BaseFixture
     found: ReachablePoses
     rows: PoseRows
-    setting: FloatArray  # (P + 3 K, P + 3 K) information of priors, set-ups and sides
+    setting: FloatArray
 
     def __len__(self) -> int:
         return len(self.found)

@@ -99,7 +99,7 @@ class ArmModel:
     cell: BallbarCell
     structure: Structure
     scatter: Scatter
-    erring: bool = False  # rows are of readings as they err, not as an identification weighs them
+    erring: bool = False
 
     @property
     def parameters(self) -> int:

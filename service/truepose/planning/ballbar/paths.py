@@ -41,7 +41,7 @@ class Stop:
         1-based; None: the tool touches nothing.
     """
 
-    joints_rad: FloatArray  # (J,)
+    joints_rad: FloatArray
     base_point: int | None = None
 
 
@@ -357,7 +357,7 @@ class Tour:
 
     order: tuple[int, ...]
     vias: tuple[Via, ...]
-    missed: tuple[int, ...]  # stops to which no clear way was found
+    missed: tuple[int, ...]
 
 
 def tour(

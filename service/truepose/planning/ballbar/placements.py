@@ -73,10 +73,10 @@ class Wish:
 
     placements: int = 1
     base_points: int = 3
-    poses: int = 61  # of the whole session, thesis of A. Nubiola, 2014, section 4.4
+    poses: int = 61
     draws: int = 360
-    moves: int = 150  # of all placements, per start
-    starts: int = 4  # sets of places that are refined
+    moves: int = 150
+    starts: int = 4
     seed: int = 0
 
     def __post_init__(self) -> None:

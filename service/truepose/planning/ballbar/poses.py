@@ -47,10 +47,10 @@ class ReachablePoses:
         How many (assembly, branch) pairs each reason kept out.
     """
 
-    joints_rad: FloatArray  # (n, J)
-    assembly: tuple[Assembly, ...]  # n, in the frame of the fixture
-    branch: tuple[str, ...]  # n, in words
-    refused: Mapping[str, int]  # how many (assembly, branch) pairs each reason kept out
+    joints_rad: FloatArray
+    assembly: tuple[Assembly, ...]
+    branch: tuple[str, ...]
+    refused: Mapping[str, int]
 
     def __len__(self) -> int:
         return len(self.assembly)

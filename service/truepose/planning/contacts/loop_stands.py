@@ -59,10 +59,10 @@ class LoopWish:
         A target has no place.
     """
 
-    targets: tuple[Target, ...]  # each with the place where it stands, roughly
-    nests: tuple[int, ...]  # of the tool that are used, by turns
-    reading_mm: float  # standard uncertainty of a reading
-    distances: TargetDistances | None = None  # certified, of two centres
+    targets: tuple[Target, ...]
+    nests: tuple[int, ...]
+    reading_mm: float
+    distances: TargetDistances | None = None
 
     def __post_init__(self) -> None:
         for target in self.targets:

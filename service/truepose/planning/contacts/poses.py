@@ -160,7 +160,7 @@ class ReachablePoses:
     """
 
     goals: Goals
-    way_rad: FloatArray  # (n, k, J), the stop last
+    way_rad: FloatArray
 
     def taken(self, rows: IntArray) -> "ReachablePoses":
         """Return some of them, in the order of `rows` (k,)."""

@@ -38,8 +38,8 @@ class Discrepancy:
         Relative standard deviation of that figure from arm to arm [1].
     """
 
-    per_axis_mm: float = 0.0  # standard deviation
-    known_to: float = 0.0  # relative standard deviation of that figure from arm to arm
+    per_axis_mm: float = 0.0
+    known_to: float = 0.0
 
 
 NONE: Final = Discrepancy()  # of an arm that the parameters describe wholly

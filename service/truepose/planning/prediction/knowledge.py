@@ -187,8 +187,8 @@ class ReadingInformation:
         the registration of the world.
     """
 
-    rows: FloatArray  # (n, 3, P), of poses (n, 6, P)
-    held: FloatArray  # (n, 3 or 6, H) per standard uncertainty of what certificates hold
+    rows: FloatArray
+    held: FloatArray
 
 
 class ArmKnowledge:

@@ -146,8 +146,8 @@ class WorkVolume:
         From and to along x, y, z of the world; None: wherever the nests are.
     """
 
-    ranges: tuple[JointRange, ...] | None = None  # None: those in which configurations are chosen
-    box_mm: tuple[tuple[float, float], ...] | None = None  # from and to along x, y, z of the world
+    ranges: tuple[JointRange, ...] | None = None
+    box_mm: tuple[tuple[float, float], ...] | None = None
 
 
 @dataclass(frozen=True, slots=True)

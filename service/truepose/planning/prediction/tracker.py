@@ -48,9 +48,9 @@ class Measured:
         Different ones.
     """
 
-    joints_rad: FloatArray  # (m, J)
-    nest: IntArray  # (m,)
-    configurations: int  # different ones
+    joints_rad: FloatArray
+    nest: IntArray
+    configurations: int
 
 
 def promised_session(

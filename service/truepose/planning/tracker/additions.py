@@ -40,7 +40,7 @@ class WantedStop:
     """
 
     joints_rad: tuple[float, ...]
-    nest: int | None = None  # 1-based
+    nest: int | None = None
 
 
 @dataclass(frozen=True, slots=True)

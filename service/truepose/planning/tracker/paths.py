@@ -177,7 +177,7 @@ class Pool:
     """
 
     bodies: CellBodies
-    joints_rad: FloatArray  # (N, J)
+    joints_rad: FloatArray
     approach_offset_rad: float
     rooms_mm: dict[_Way, float] = field(default_factory=dict)
 

@@ -303,9 +303,9 @@ class Ways:
     start_rad, end_rad : ndarray, shape (n, J)
     """
 
-    names: tuple[Message, ...]  # "from ... to ..."; none where nobody is told of them
-    start_rad: FloatArray  # (n, J)
-    end_rad: FloatArray  # (n, J)
+    names: tuple[Message, ...]
+    start_rad: FloatArray
+    end_rad: FloatArray
 
 
 def ways_between(

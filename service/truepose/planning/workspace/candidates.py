@@ -113,8 +113,8 @@ class Candidates:
         1-based, the one that faces the tracker best.
     """
 
-    joints_rad: FloatArray  # (n, J)
-    nest: IntArray  # (n,) 1-based, the one that faces the tracker best
+    joints_rad: FloatArray
+    nest: IntArray
 
     def __len__(self) -> int:
         return len(self.nest)

@@ -34,9 +34,9 @@ class Capsules:
         One for all configurations.
     """
 
-    start_mm: FloatArray  # (m, n, 3)
-    end_mm: FloatArray  # (m, n, 3)
-    radius_mm: FloatArray  # (m,)
+    start_mm: FloatArray
+    end_mm: FloatArray
+    radius_mm: FloatArray
 
     def __len__(self) -> int:
         return len(self.radius_mm)
