@@ -369,7 +369,8 @@ def _over(
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return normal matrix, right side and motions over `names`, in the widths of `specs` from their means.
 
-    In those of the fleet: a campaign may have stated others, and what it tells does not depend on them. A
+    W A W, W (b - A m) and W M W with W = diag(widths) and m the means, zeros for what the campaign lacks. In
+    those of the fleet: a campaign may have stated others, and what it tells does not depend on them. A
     parameter that is not among `names` is nothing.
     """
     place = {name: k for k, name in enumerate(names)}

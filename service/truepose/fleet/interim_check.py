@@ -196,7 +196,12 @@ def _told(ratio: FloatArray, needed: FloatArray) -> FloatArray:
 def _chosen(
     rows: FloatArray, covariance: FloatArray, parts: Sequence[slice], goal: FloatArray, most: int
 ) -> tuple[IntArray, list[FloatArray]]:
-    """Return candidates in the order of choice, and each cause's variance over its goal after each, (K,)."""
+    """Return candidates in the order of choice, and each cause's variance over its goal after each, (K,).
+
+    With C the covariance and J a candidate's rows, its variances fall by diag(C J' (I + J C J')^-1 J C);
+    taken is the one that lowers most the sum over the causes of their variance over the goal, not below 0.7
+    of it each.
+    """
     q = len(goal)
     free = np.ones(len(rows), dtype=bool)
     order: list[int] = []
@@ -376,6 +381,7 @@ def _judged(
     spread: FloatArray,
     asked_mm: float,
 ) -> Iterator[CauseGrowth]:
+    """Yield what a check says of each cause, from its score and information as in the head of the module."""
     normal, left = told
     for cause, way in zip(causes, ways, strict=True):
         # Its own growth is what is asked, so that it is none of the scatter.

@@ -122,6 +122,10 @@ def along(account: Account, named: RealChange) -> ChangeSeries:
 
 
 def _of_type(account: Account, named: RealChange) -> Trend:
+    """Return how all robots together went, from one span of days to the next.
+
+    Days are gathered into twelve spans at most; the campaigns of each span but the first share a step.
+    """
     day = account.fleet.day
     known = np.unique(day)
     if len(known) > _SPANS:
@@ -136,7 +140,10 @@ def _of_type(account: Account, named: RealChange) -> Trend:
 
 
 def _of_instrument(account: Account, named: RealChange) -> ChangeSeries:
-    """Return how the lengths of an instrument differ from those of its first day."""
+    """Return how the lengths of an instrument differ from those of its first day.
+
+    Scales s of the days, with the change itself out of the model: differences B s of covariance B C B'.
+    """
     fleet = account.fleet
     others = [one.change.named for one in account.named if not one.change.same_as(named.change)]
     posterior = estimate(Equations(fleet, others), account.estimated.variances).posterior
@@ -156,7 +163,10 @@ def _of_instrument(account: Account, named: RealChange) -> ChangeSeries:
 def _course(
     account: Account, of: str, cause: AgeingCause, days: FloatArray, shapes: FloatArray, excess: float
 ) -> Trend:
-    """Return what is seen where each of n shapes over the campaigns, (n, C), is free to within a width."""
+    """Return what is seen where each of n shapes over the campaigns, (n, C), is free to within a width.
+
+    Each is a change of its own in the model, in place of what was named of that cause.
+    """
     others = [one.change.named for one in account.named if not one.change.is_of(of, cause)]
     free = [NamedChange(cause.directions, shape) for shape in shapes]
     equations = Equations(account.fleet, [*others, *free])

@@ -286,7 +286,11 @@ def setting_information(model: ArmModel, cups_mm: FloatArray, setups_rad: FloatA
 
 
 def _read_in_one_go(model: ArmModel, sides: FloatArray) -> FloatArray:
-    """Return whitened derivatives of sides (k, columns) that are read after one initialisation."""
+    """Return whitened derivatives of sides (k, columns) that are read after one initialisation.
+
+    A / s as they are weighed; as they err, F with F'F = T / s^4 and T the covariance of a walking zero
+    (`_erring`).
+    """
     scatter, lines = model.scatter, len(sides)
     if not model.erring:
         return np.asarray(sides / scatter.side_mm)
@@ -333,7 +337,10 @@ def gathered(model: ArmModel) -> SessionInformation:
 
 
 def _tool_side_rows(model: ArmModel) -> FloatArray:
-    """Return the whitened derivatives of the sides between tool nests, shape (3, P), wherever the arm is."""
+    """Return the whitened derivatives of the sides between tool nests, shape (3, P), wherever the arm is.
+
+    w . (J_b - J_a) with w along the side. None, shape (0, P), where the nests are taken for exact.
+    """
     if model.own_parameters == model.parameters:
         return np.zeros((0, model.parameters))
     (nests,), (motion,) = model.nests(np.zeros((1, model.cell.robot.n_joints)))

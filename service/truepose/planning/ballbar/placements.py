@@ -55,7 +55,7 @@ class Wish:
     base_points : int
         Cups of it, 3 or 4.
     poses : int
-        Of the whole session.
+        Of the whole session; by default as many as the thesis of A. Nubiola, 2014, section 4.4.
     draws : int
         Random places that it begins with.
     moves : int

@@ -171,7 +171,11 @@ def _led(
     joints_rad: FloatArray,
     rng: np.random.Generator,
 ) -> FloatArray:
-    """Return configurations led to places near by, those that arrive and come from where they may."""
+    """Return configurations led to places near by, those that arrive and come from where they may.
+
+    Twelve steps q <- q + J'^+ (P* - P), the shortest each, as a place has three coordinates and an arm more
+    joints.
+    """
     wanted, inward = _wanted(group, len(joints_rad), rng)
     near = np.linalg.norm(nominal_chain(space, joints_rad).points(centre_mm) - wanted, axis=1) < _NEAR_MM
     joints, wanted, inward = joints_rad[near], wanted[near], inward[near]
@@ -192,7 +196,11 @@ def _led(
 
 
 def _wanted(group: tuple[Target, ...], n: int, rng: np.random.Generator) -> tuple[FloatArray, FloatArray]:
-    """Return places for the nest, and the way in from where the tool comes, shape (n, 3) each."""
+    """Return places for the nest, and the way in from where the tool comes, shape (n, 3) each.
+
+    On the sphere of the zero about a centre, its upper half; else about the place, with normal n: within the
+    travel of a gauge or sensor, in a square of a plane, 40 mm off a face. The way in is -n.
+    """
     first = group[0]
     place = np.broadcast_to(np.array(first.place_mm), (n, 3))
     if first.kind is TargetKind.SPHERE:

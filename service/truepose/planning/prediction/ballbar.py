@@ -252,7 +252,7 @@ class _Choice:
     fixtures: tuple[BaseFixture, ...]
 
     def information(self, size: int) -> FloatArray:
-        """Return what is known after so many poses."""
+        """Return M, what is known after so many poses, shape (P + 3 C, P + 3 C)."""
         flat = self.rows[:size].reshape(-1, self.rows.shape[2])
         return np.asarray(self.known + flat.T @ flat)
 

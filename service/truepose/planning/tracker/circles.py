@@ -192,7 +192,7 @@ def _angles(turn: Turn) -> FloatArray:
 
 
 def _longest(seen: BoolArray) -> IntArray:
-    """Return the longest unbroken row of angles, shape (m,) indices."""
+    """Return the longest unbroken row of angles at which a nest is seen (m,): indices."""
     edges = np.flatnonzero(np.diff(np.concatenate([[False], seen, [False]]).astype(np.int8)))
     starts, ends = edges[::2], edges[1::2]
     if not len(starts):

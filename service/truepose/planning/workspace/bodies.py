@@ -47,30 +47,66 @@ _INSIDE: Final = message("room.inside_arm")
 
 @dataclass(frozen=True, slots=True)
 class CellBodies:
-    """What is looked at of a cell."""
+    """What is looked at of a cell.
 
-    arm: BallbarCell  # its outline; that asks for three nests, those of the tool are beside it
-    nests_mm: FloatArray  # (K, 3) in the last frame
-    floor_z_mm: float  # world
-    floor_is_stated: bool  # False: assumed
+    Attributes
+    ----------
+    arm : BallbarCell
+        Its outline; that asks for three nests, those of the tool are beside it.
+    nests_mm : ndarray, shape (K, 3)
+        In the last frame.
+    floor_z_mm : float
+        World.
+    floor_is_stated : bool
+        False: assumed.
+    keep_outs : KeepOuts
+    kept_off_mm : float
+        Room that is wanted about keep-out volumes.
+    """
+
+    arm: BallbarCell
+    nests_mm: FloatArray
+    floor_z_mm: float
+    floor_is_stated: bool
     keep_outs: KeepOuts = field(default_factory=KeepOuts)
-    kept_off_mm: float = 0.0  # room that is wanted about keep-out volumes
+    kept_off_mm: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
 class Rooms:
-    """Free space [mm] of each body at n configurations, negative where it would touch."""
+    """Free space of each body at n configurations.
 
-    names: tuple[Message, ...]  # of the m bodies
-    places: tuple[Message, ...]  # where a body without room would be
-    room_mm: FloatArray  # (m, n)
+    Attributes
+    ----------
+    names : tuple of Message
+        Of the m bodies.
+    places : tuple of Message
+        Where a body without room would be.
+    room_mm : ndarray, shape (m, n)
+        Negative where it would touch.
+    """
+
+    names: tuple[Message, ...]
+    places: tuple[Message, ...]
+    room_mm: FloatArray
 
     def least_mm(self) -> FloatArray:
         """Return the least room of each configuration, shape (n,); inf where nothing is looked at."""
         return np.asarray(self.room_mm.min(axis=0, initial=np.inf))
 
     def what_touches(self, row: int) -> Message:
-        """Return in words the first body that has no room in a configuration; nests come first."""
+        """Return in words the first body that has no room in a configuration; nests come first.
+
+        Parameters
+        ----------
+        row : int
+            Of a configuration in which something touches.
+
+        Returns
+        -------
+        Message
+            With the depth by which it would be inside [mm].
+        """
         body = int(np.argmax(self.room_mm[:, row] < 0.0))
         deep_mm = float(-self.room_mm[body, row])
         return message("room.touches", body=self.names[body], deep_mm=deep_mm, place=self.places[body])

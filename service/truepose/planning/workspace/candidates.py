@@ -77,7 +77,10 @@ def is_seen(space: WorkSpace, cosines: FloatArray) -> BoolArray:
 def _is_hidden(
     space: WorkSpace, chain: Chain, nest: IntArray, row: IntArray, tracker_mm: FloatArray
 ) -> BoolArray:
-    """Whether something stands before some nests (0-based) at some configurations, m of each."""
+    """Return whether something stands before some nests (0-based) at some configurations, m of each.
+
+    The beam is a capsule from nest to tracker, of 5 mm about its axis.
+    """
     start = nest_places(space, chain)[nest, row][None]
     beam = Capsules(start, np.broadcast_to(tracker_mm, start.shape), np.full(1, _BEAM_RADIUS_MM))
     hidden: BoolArray = np.zeros(len(row), dtype=bool)

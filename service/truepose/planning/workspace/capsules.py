@@ -42,11 +42,11 @@ class Capsules:
         return len(self.radius_mm)
 
     def at(self, rows: IntArray | slice) -> "Capsules":
-        """Return the capsules at some of the configurations."""
+        """Return the capsules at some of the configurations, indices or a slice."""
         return Capsules(self.start_mm[:, rows], self.end_mm[:, rows], self.radius_mm)
 
     def some(self, members: Sequence[int]) -> "Capsules":
-        """Return some of the capsules."""
+        """Return some of the capsules, by their indices."""
         chosen = list(members)
         return Capsules(self.start_mm[chosen], self.end_mm[chosen], self.radius_mm[chosen])
 
@@ -158,7 +158,18 @@ def smallest_gap_of_pairs(first: Capsules, second: Capsules) -> FloatArray:
 
 
 def lowest_mm(capsules: Capsules) -> FloatArray:
-    """Return the height of the lowest point of the set [mm], shape (n,); inf of an empty one."""
+    """Return the height of the lowest point of a set.
+
+    Parameters
+    ----------
+    capsules : Capsules
+        At n configurations.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        z [mm]; inf of an empty set.
+    """
     ends = np.minimum(capsules.start_mm[..., 2], capsules.end_mm[..., 2])
     return np.asarray((ends - capsules.radius_mm[:, None]).min(axis=0, initial=np.inf))
 
@@ -288,7 +299,10 @@ def least_mm(volume: KeepOut, start_mm: FloatArray, end_mm: FloatArray) -> Float
 
 
 def _least(at: Callable[[FloatArray], FloatArray], n: int) -> FloatArray:
-    """Return the least of n convex functions on [0, 1], by golden section."""
+    """Return the least of n convex functions on [0, 1], shape (n,), by golden section.
+
+    `at` gives their values (n,) at places (n,). The ends are looked at too, as the least often lies there.
+    """
     left, width = np.zeros(n), 1.0
     ends = np.minimum(at(left), at(left + 1.0))
     first, second = at(left + 1.0 - _GOLDEN), at(left + _GOLDEN)
