@@ -87,6 +87,7 @@ def instrument_cause(fleet: Fleet) -> AgeingCause:
 
 
 def _kind(name: str, owner: str) -> tuple[str, str, float]:
+    # The sine and the cosine of a wave are one cause: it may grow in any phase.
     if owner == WAVES:
         return owner, joint_subject(joint_of_wave(name)), order_of_wave(name)
     if owner not in effects_with(Trait.GEOMETRY):
@@ -114,6 +115,8 @@ def _growth(fleet: Fleet, robot: Robot) -> FloatArray | None:
         "a": lambda joint: robot.joints[joint].a_mm,
         "d": lambda joint: robot.joints[joint].d_mm,
     }
+    # The scale stays: an instrument that reads longer is a cause of its own, which this one is to be told
+    # from.
     grown = np.zeros((len(fleet.specs) + 1, 1))
     for place, name in enumerate(fleet.names):
         quantity = name.split("_", 1)[0]

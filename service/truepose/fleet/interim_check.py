@@ -132,6 +132,7 @@ def quick_check(
         across = np.zeros((len(widths), cause.directions.shape[1]))
         across[place] = cause.directions[:-1] * (stated / widths[place])[:, None]
         each.append(of_one_mm(across, moved))
+    # In units of 1 mm, so that one growth is asked of springs, waves and zeros alike.
     directions = np.concatenate(each, axis=1)  # (P, q), each moves 1 mm
     parts = _parts([one.shape[1] for one in each])
     needed = np.array([noncentrality(LEVEL / len(causes), part.stop - part.start) for part in parts])
@@ -397,6 +398,7 @@ def _of(cause: AgeingCause, score: FloatArray, information: FloatArray, level: f
     Where the check does not see some direction of it, nothing is told.
     """
     least = float(np.linalg.eigvalsh(information)[0])
+    # A direction that the check does not see leaves the size open, however well the others are known.
     if least <= 0.0:
         return CauseGrowth(cause, 0.0, np.inf, 1.0, is_told=False, least_mm=np.inf)
     covariance = np.linalg.inv(information)

@@ -79,6 +79,7 @@ def least_of_robots(account: Account) -> tuple[DetectableChange, ...]:
     chance = account.tries.chance("robot")
 
     def of(cause: AgeingCause, excess: float) -> DetectableChange:
+        # What is named has been shown, whatever its size.
         names = tuple(name for name in scores if not _is_named(account, name, cause))
         sizes = [_least_mm(fleet, cause, scores[name], excess, chance) for name in names]
         return DetectableChange(cause, names, np.array(sizes), np.array([days[name] for name in names]))
@@ -131,6 +132,7 @@ def _least_scale(scales: InstrumentDays, line: FloatArray | None, chance: float)
 
     lambda is the noncentrality with which F of 1 and the days' degrees exceeds its limit with 95 %.
     """
+    # Two days give no line beside the level and the scatter of days.
     u, degrees = (np.inf, 0) if line is None else scales.judging(line)
     if degrees < 1:
         return np.inf
@@ -147,9 +149,12 @@ def _least_mm(fleet: Fleet, cause: AgeingCause, score: Score, excess: float, cha
     seen = cause.directions.T @ score.information @ cause.directions / excess
     moved = cause.directions.T @ fleet.motion_mm2 @ cause.directions
     values, turns = np.linalg.eigh(moved)
+    # Directions that move nothing have no size that could be shown.
     moving = values > _UNSEEN * max(float(values[-1]), 1e-300)
     unit = turns[:, moving] / np.sqrt(values[moving])  # 1 mm along each
     least = np.linalg.eigvalsh(unit.T @ seen @ unit)
+    # A cause is shown only if it is in every direction: a wave may come in the phase that no campaign
+    # sees.
     if not len(least) or least[0] <= _UNSEEN * least[-1]:
         return np.inf
     return float(np.sqrt(noncentrality(chance, len(least)) / least[0]))

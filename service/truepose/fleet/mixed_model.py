@@ -204,6 +204,7 @@ class Posterior:
         half = root @ equations.cross
         told = root @ equations.right[:, :, None]
         prior = equations.prior(variances.day)
+        # No prior in it: days and instruments are judged by what readings alone say of them.
         information = equations.common - np.einsum("rpg,rph->gh", half, half, optimize=True)
         right = equations.common_right - np.einsum("rpg,rp->g", half, told[:, :, 0], optimize=True)
         self.information, self.information_right = information, right

@@ -120,6 +120,7 @@ def most_unlike(posterior: Posterior, level: float, changing: Changing) -> Outly
     tried = np.flatnonzero(counts[fleet.robot] > 1)
     if not len(tried):
         return None
+    # A robot that ages is still the same robot: what of it is known to change does not count.
     still = {robot: ~changing(robot)[:-1] for robot in fleet.robots}
     seen = [_seen(posterior, place, still[fleet.robots[fleet.robot[place]]]) for place in tried.tolist()]
     excess = excess_of(seen)

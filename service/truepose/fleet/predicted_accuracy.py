@@ -184,8 +184,11 @@ def promise(
     """
     known = knowns or Knowns()
     lacking = lacking_mm(belief, typical)
+    # As a robot of no known type: what waves and gaps do is then expressed by nothing.
     more = replace(known, discrepancy=Discrepancy(lacking, _KNOWN_TO), believed=None)
     pooled = _Measuring(space, known.believing(belief), readings, seed).promised(readings)
+    # With the same parameters, so that what is compared is what the type knows, not that waves and gaps
+    # are in the model.
     same = _Measuring(space, known.believing(as_stated(belief)), MOST, seed)
     return PredictedAccuracy(
         pooled,
@@ -285,6 +288,8 @@ def lacking_mm(belief: JointPrior, campaign: Campaign) -> float:
     basis, _ = np.linalg.qr((motion[usual] * problem.structure.prior_widths[usual, None]).T)
     moved = motion[[place[k] for k in others]]
     left = moved - (moved @ basis) @ basis.T
+    # What the usual effects take up is no longer free: few configurations would look better than they
+    # are.
     freedom = max(motion.shape[1] - basis.shape[1], 1)
     return float(
         np.sqrt(max(np.einsum("pm,pq,qm->", left, second[np.ix_(others, others)], left), 0.0) / freedom)

@@ -147,6 +147,7 @@ def _of_instrument(account: Account, named: RealChange) -> ChangeSeries:
     fleet = account.fleet
     others = [one.change.named for one in account.named if not one.change.same_as(named.change)]
     posterior = estimate(Equations(fleet, others), account.estimated.variances).posterior
+    # Free on every day, so that the course shows scatter and bends and not the line that was named.
     days = InstrumentDays(posterior)
     number = fleet.instruments.index(named.change.of)
     own = [k for k, visit in enumerate(fleet.visits) if visit[0] == number and days.told[k]]
@@ -315,12 +316,14 @@ def _of_change(fleet: Fleet, named: RealChange, last: float, limit_mm: float) ->
     instrument = _telling(fleet, named)
     if found is not None and math.isfinite(found.earliest):
         return Priority(named.change.of, "passes", last, named, found, instrument)
+    # A step does not go on, but one that is beyond the limit has passed it.
     beyond = named.size_mm >= limit_mm
     return Priority(named.change.of, "passes" if beyond else "changed", last, named, None, instrument)
 
 
 def _telling(fleet: Fleet, named: RealChange) -> str:
     """Return an instrument that is none of the rivals, where one is among them."""
+    # Measured again by an instrument that may itself have changed, a robot is doubted as before.
     doubtful = {one.change.of for one in named.rivals if one.change.scope == "instrument"}
     if not doubtful:
         return ""

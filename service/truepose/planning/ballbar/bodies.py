@@ -340,6 +340,7 @@ def tool_normal(nests_mm: FloatArray) -> FloatArray:
     """
     normal = np.cross(nests_mm[1] - nests_mm[0], nests_mm[2] - nests_mm[0])
     normal /= np.linalg.norm(normal)
+    # Nests open away from the flange: seen from the last frame's origin their middle lies that way.
     return np.asarray(normal if normal @ nests_mm.mean(axis=0) > 0 else -normal)
 
 
@@ -393,5 +394,6 @@ def bars(cups_mm: FloatArray, nests_mm: FloatArray) -> Capsules:
         L at n configurations.
     """
     way = nests_mm - cups_mm
+    # With its ends it would touch the cups that hold it.
     neck = BAR_NECK_MM * way / np.linalg.norm(way, axis=-1, keepdims=True)
     return Capsules(cups_mm + neck, nests_mm - neck, np.full(len(cups_mm), BAR_RADIUS_MM))

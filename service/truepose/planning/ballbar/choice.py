@@ -305,6 +305,7 @@ def stacked_rows(model: ArmModel, placements: Sequence[Candidates], columns: int
     """
     total, legs = sum(len(own) for own in placements), max(own.rows.arm.shape[1] for own in placements)
     stacked = np.zeros((total, legs, columns))
+    # The arm is the same at all placements, the cups are each placement's own.
     row, column = 0, model.parameters
     for own in placements:
         n, lines, width = own.rows.cups.shape

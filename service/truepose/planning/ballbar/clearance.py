@@ -118,6 +118,7 @@ def arm_room_mm(bodies: Bodies) -> FloatArray:
     beside_table = np.minimum(lowest_mm(off_table), lowest_mm(bodies.tool)) - bodies.cell.table_z_mm
     whole = joined([bodies.arm, bodies.tool])
     beside_fixture = smallest_gap(whole, bodies.fixture)
+    # Only what moves: where the foot stands the cell's owner has decided, volume or not.
     outside = _outside_keep_outs(bodies.cell, whole.some(_moved(bodies)))
     return np.asarray(np.min([beside_table, beside_fixture, *outside, _self_gap(bodies, whole)], axis=0))
 
@@ -203,6 +204,7 @@ def bar_room_mm(bodies: Bodies, places: Bars) -> FloatArray:
     cups = bodies.fixture_cups_mm[places.base_point - 1]
     nests = np.take_along_axis(bodies.nests_mm, places.nest[:, :, None] - 1, axis=0)
     placed = bars(cups, nests)
+    # The bar sits in both: to hold them against it would leave no bar any room.
     own_cup = _gaps_but_one(placed, bodies.fixture, places.base_point - 1)
     own_nest = _gaps_but_one(placed, bodies.tool, places.nest - 1)
     arm = gaps(placed, bodies.arm).min(axis=1)

@@ -194,6 +194,7 @@ class SessionForecast:
         covariance[self._arm :, self._arm :] = (held * arm) @ held.T + clamped * np.eye(len(held))
         mean = np.zeros(self.unknowns)
         mean[: self._model.parameters] = structure.prior_means / structure.prior_widths
+        # Cups go where the arm took them, its expected errors included.
         mean[self._arm :] = held @ mean[: self._arm]
         return ArmKind(share, mean, covariance, float(np.hypot(scatter, tool_mm)))
 

@@ -163,6 +163,7 @@ def plan_at(
     held = [setups(cell, fixture) for fixture in fixtures]
     offers = [candidates(model, fixture, own) for fixture, own in zip(fixtures, held, strict=True)]
     chosen = choose(model, offers, poses, rng, work_space_sample(model, SPACE_POINTS, rng))
+    # A session that measures nothing from a placement would have its cups clamped for nothing.
     for own in offers:
         if not len(own):
             raise TooFewCandidatesError(
@@ -256,6 +257,7 @@ class _Session:
     def _early(self, own: Candidates, rows: IntArray) -> IntArray:
         """Return the configurations from which the pre-calibration sees most; they are measured first."""
         few = min(self.template.precalibrate_after, len(rows))
+        # Chosen among what is measured anyway: the pre-calibration costs no pose of its own.
         part = replace(own, found=subset(own.found, rows), rows=own.rows.some(rows))
         return rows[choose(self.model, [part], few, self.rng)[0]]
 

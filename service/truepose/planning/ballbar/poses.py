@@ -143,6 +143,7 @@ def _branch_name(cell: BallbarCell, branch: int) -> str:
 def _within_ranges(cell: BallbarCell, poses: FloatArray) -> tuple[FloatArray, IntArray, dict[str, int]]:
     """Joints (n, J) of all branches within the ranges, and their row among poses x branches."""
     joints = all_branches(cell.robot, pose_in_base(cell, poses)).reshape(-1, cell.robot.n_joints)
+    # An inverse gives angles of one turn; ranges of more may hold another.
     turned, within = brought_within(joints, cell.ranges)
     exists = np.isfinite(joints).all(axis=1)
     refused = {

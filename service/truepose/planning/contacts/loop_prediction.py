@@ -133,11 +133,14 @@ class _Knowledge:
         self._structure, self._start = self._problem.structure, self._problem.start
         self._widths = self._structure.prior_widths
         contacts, *certified = self._problem.blocks
+        # What no parameter expresses counts at contacts only: certified distances have no arm in
+        # them.
         block = contacts.weighted(contacts.weights, discrepancy.per_axis_mm)
         white = block.result(self._structure, self._start, None).white_jacobian.T * self._widths
         self._joints = stands.joints_rad
         self.rows = _by_stop(white, stop, len(stands.nest))
         self.asked = np.array([owner not in _CERTIFIED for owner in self._structure.owners])
+        # Certified distances are known before any stop, as priors are.
         self._before = [np.eye(len(self._widths))]
         for other in certified:
             told = other.result(self._structure, self._start, None).white_jacobian.T * self._widths

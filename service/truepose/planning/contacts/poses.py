@@ -120,6 +120,7 @@ def _approaching(
     """Into a fixture of gauges along the middle of their directions; down to a ball for a sensor."""
     way = mean_normal(targets) * (-1.0 if wish.loop == "sensor" else 1.0)
     middle_mm = np.mean([place_of(target) for target in targets], axis=0)
+    # All within a small part of the stroke: a fixture stands off its place, and the readings with it.
     off_mm = _SHARE * wish.usable_mm * rng.uniform(-1.0, 1.0, (n, 3))
     points = _within_cone(way, _STEM_TILT_RAD, n, rng)
     return middle_mm + off_mm, points, np.broadcast_to(way, (n, 3))

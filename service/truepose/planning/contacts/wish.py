@@ -97,6 +97,7 @@ def mean_normal(targets: Sequence[Target]) -> FloatArray:
     """
     mean = np.mean([normal_of(target) for target in targets], axis=0)
     size = float(np.linalg.norm(mean))
+    # Divided by its size, a mean that is rounding alone would point anywhere.
     if size < _CANCELLED:
         raise WorkSpaceError(
             "The targets that are read together have normals that cancel each other: nothing says from where "
@@ -151,6 +152,7 @@ def _require_target(wish: ContactWish, target: Target) -> None:
         raise WorkSpaceError(f"Target {target.number} has no place; say about where it will be bolted.")
     if target.kind in _WITH_ZERO and target.zero_mm is None:
         raise WorkSpaceError(f"Target {target.number} has no zero_mm; say about how far off it reads 0.")
+    # Of a wire 0 is a length like any other: it reads from where it leaves its drum.
     if target.kind is TargetKind.SPHERE and not (target.zero_mm or 0.0) > 0.0:
         raise WorkSpaceError(
             f"Target {target.number} reads 0 at its own centre, which nothing touches: give as zero_mm the "

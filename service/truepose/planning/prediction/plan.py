@@ -201,6 +201,8 @@ def sample(space: WorkSpace, volume: WorkVolume, n: int, rng: np.random.Generato
             "check its box, its joint ranges and the table's height."
             f"{look_at(space.keep_outs)}"
         )
+    # n configurations, not n places: a configuration counts with every nest that it brings into the
+    # volume.
     inside = np.concatenate(nests)[:n]
     row, column = np.nonzero(inside)
     return VolumeSample(np.concatenate(joints)[:n][row], column.astype(np.int64) + 1)
@@ -263,6 +265,7 @@ def _blamed(
     group: NotIdentifiable, keep_outs: KeepOuts, without: dict[str, frozenset[str]]
 ) -> NotIdentifiable:
     single = [name for name, left in without.items() if left.isdisjoint(group.parameters)]
+    # Where no one of them is enough to leave out, all of them together are to blame.
     names = ", ".join(single or keep_outs.names)
     if not single:
         return replace(group, reason=message("open.kept_out.all", reason=group.reason, volumes=names))

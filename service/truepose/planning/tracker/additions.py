@@ -90,6 +90,7 @@ def addition(
     space = _space(cell, plan)
     require_consistent(space)
     joints_rad = _joints(space, wanted)
+    # Whether it is seen or not: what is refused is refused with its nest.
     nests = _nests(space, joints_rad, wanted)
     reasons = _reasons(space, joints_rad, nests, wanted)
     left_out = tuple(Exclusion(number, reason) for number, reason in enumerate(reasons, 1) if reason)

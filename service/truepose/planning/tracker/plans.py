@@ -52,6 +52,7 @@ def plan_session(space: WorkSpace, template: SessionPlan, n: int, seed: int) -> 
     WorkSpaceError, TooFewCandidatesError, NoWayError
         As `plan_calibration`.
     """
+    # Configurations are judged with the approach that the session will have.
     approached = replace(space, approach_offset_rad=template.approach_offset_rad)
     if template.role == "calibration":
         plan = plan_calibration(approached, n, seed)
@@ -314,6 +315,7 @@ def with_revisits(
         None can be reached.
     """
     count = max(FEWEST_REVISITS, int(np.ceil(REVISITED_SHARE * len(stops))))
+    # Each once before any is visited a second time.
     drawn = np.resize(rng.permutation(len(stops)), count)
     if _ascends(drawn):  # by chance the order of the first visits
         drawn = drawn[::-1]

@@ -254,6 +254,7 @@ def _outside_keep_outs(
     """Yield the rooms of tool and moving arm to every keep-out volume."""
     moved = moved_pieces(bodies.arm)
     names = [message("room.nest", nest=nest) for nest in range(1, len(tool) + 1)]
+    # What no joint moves is where the cell's owner put it.
     names += [message("room.link", link=links[piece]) for piece in moved]
     for volume in bodies.keep_outs:
         gap_mm = np.concatenate([gaps_mm(volume, tool), gaps_mm(volume, arm.some(moved))])
@@ -506,6 +507,7 @@ def _looks(ways: Ways) -> IntArray:
 
 def _batches(looks: IntArray) -> Iterator[IntArray]:
     """Yield the ways in batches of not many more than so many configurations."""
+    # Ways are not cut: the least room of each is taken over its own looks in one piece.
     places = np.flatnonzero(np.diff(np.cumsum(looks) // _WAYS_AT_ONCE)) + 1
     yield from (some for some in np.split(np.arange(len(looks)), places) if some.size)
 

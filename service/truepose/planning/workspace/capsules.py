@@ -304,6 +304,7 @@ def _least(at: Callable[[FloatArray], FloatArray], n: int) -> FloatArray:
     `at` gives their values (n,) at places (n,). The ends are looked at too, as the least often lies there.
     """
     left, width = np.zeros(n), 1.0
+    # A golden section comes near an end and never reaches it.
     ends = np.minimum(at(left), at(left + 1.0))
     first, second = at(left + 1.0 - _GOLDEN), at(left + _GOLDEN)
     for _ in range(_NARROWINGS):
