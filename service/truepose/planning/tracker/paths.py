@@ -5,9 +5,9 @@ ways dips below it. Who chooses the stops also chooses their order, so an order 
 
 Looked at are points with room about them: that keeps more room than bodies that just do not touch.
 
-Points know the table only. What the bodies by which given paths are judged (`way_room`) still say touches is
-mended with the least change: a stop of such a way moves elsewhere, or changes places with another; where none
-of that helps, another configuration takes its place. A plan that is clear stays as it is.
+Points know the table only. What the bodies by which given paths are judged (`workspace.bodies`) still say
+touches is mended with the least change: a stop of such a way moves elsewhere, or changes places with another;
+where none of that helps, another configuration takes its place. A plan that is clear stays as it is.
 
 A way is a pair of rows of a pool: from the one to the approach of the other and to it. The pair of a row with
 itself leads to its approach and back, so it also stands for a first way that comes from nobody knows where.

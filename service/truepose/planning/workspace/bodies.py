@@ -1,9 +1,9 @@
 """Arm and tool of a cell as capsules, and their room: at stops, and on the straight paths between them.
 
-One notion of room for stops (`stop_room`) and for the ways between them (`way_room`), by the capsules that
-ballbar plans have (`ballbar/bodies`). The links of the arm are not held against each other: their capsules
-are outlines rounded up, and say of a twentieth of what an LR Mate can be chosen to do that forearm and
-shoulder touch.
+One notion of room for stops (`what_is_in_the_way`) and for the ways between them (`least_rooms_mm`), by the
+capsules that ballbar plans have (`planning.ballbar.bodies`). The links of the arm are not held against each
+other: their capsules are outlines rounded up, and say of a twentieth of what an LR Mate can be chosen to do
+that forearm and shoulder touch.
 
 Of stops that somebody gives, refused is what would touch; chosen stops keep more room than that (`space`).
 
