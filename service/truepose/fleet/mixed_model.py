@@ -354,8 +354,7 @@ def _em(at: Posterior) -> Variances:
 def _evidence(at: Posterior) -> Variances:
     """Return the variances after a step of the evidence.
 
-    v <- sum_i d_i^2 / sum_i (1 - S_i / v), of days likewise. At most 1, what was stated: a type is not more
-    varied than any robot was said to be.
+    v <- sum_i d_i^2 / sum_i (1 - S_i / v), of days likewise. At most 1, what was stated of any robot.
     """
     spread = np.diagonal(at.deviation_covariance, axis1=1, axis2=2)
     before = at.variances.robot

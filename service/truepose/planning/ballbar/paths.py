@@ -393,8 +393,8 @@ def tour(
             nearest = sorted(left, key=lambda row: _motion(joints_rad[row], here))[:_TRIES]
             found = _first_way(around, joints_rad, nearest, here, rng)
             if found is None:
-                # A search that finds nothing goes through all its growths: stops are given up
-                # after three of them, not each after its own from every later place.
+                # A search that finds nothing runs through all its growths. All that were tried are given up
+                # together, or each would be searched for again from every later stop.
                 missed += nearest
                 left = [row for row in left if row not in nearest]
                 continue
