@@ -1,7 +1,12 @@
 """Selection: causes are added one at a time, best first, until nothing more is there than noise would give.
 
 Within one linearisation the picks are fitted together, and each must be worth its parameters beside the
-others (`chosen`). Then everything is fitted again, gross readings included, and screened anew.
+others (`chosen`). Then everything is fitted again, gross readings included, and screened anew. A candidate
+is beyond chance where its corrected p value is at most 0.4 %; among those the largest gain in BIC,
+
+    nu ln(R / (R - T)) - k ln n - 2 ln(variants searched),
+
+comes next (decision 0015).
 """
 
 from collections.abc import Callable, Collection, Iterable, Sequence
@@ -25,7 +30,18 @@ _ORDERS_APART = 2  # waves of one joint that are told one by one; more are told 
 
 
 def grouped(picks: Sequence[Candidate]) -> tuple[Group, ...]:
-    """Return subjects and their picks, in the order in which they were found."""
+    """Return subjects and their picks, in the order in which they were found.
+
+    Parameters
+    ----------
+    picks : sequence of Candidate
+
+    Returns
+    -------
+    tuple of (str, tuple of Candidate)
+        One group a cause and subject; "joints" or "links" where three or more share a cause. Waves of one
+        joint are separate groups up to two, and one group beyond.
+    """
     groups: dict[tuple[str, str, float], list[Candidate]] = {}
     for pick in picks:
         groups.setdefault((pick.effect, _subject(pick, picks), _apart(pick, picks)), []).append(pick)
@@ -33,11 +49,22 @@ def grouped(picks: Sequence[Candidate]) -> tuple[Group, ...]:
 
 
 def names_of(picks: Iterable[Candidate]) -> tuple[str, ...]:
-    """Return the names of all parameters of some picks."""
+    """Return the names of all parameters of some picks.
+
+    Parameters
+    ----------
+    picks : iterable of Candidate
+
+    Returns
+    -------
+    tuple of str
+        In the order of the picks.
+    """
     return tuple(name for pick in picks for name in pick.names)
 
 
 def _subject(pick: Candidate, picks: Sequence[Candidate]) -> str:
+    """Return the subject under which a pick is reported: the plural where many share the cause."""
     plural = plural_of(pick.effect)
     if not plural:
         return pick.subject
@@ -65,22 +92,45 @@ Propose = Callable[[RobustFit], tuple[Candidate, ...]]
 
 @dataclass(frozen=True, slots=True)
 class Selection:
-    """The extended model: picks in the order in which they were found."""
+    """The extended model.
+
+    Attributes
+    ----------
+    fit : RobustFit
+        Of the start model and the picks.
+    picks : tuple of Candidate
+        In the order in which they were found.
+    pool : Pool
+        Everything that was tried, linearised at `fit`.
+    full : bool
+        More was there, but the readings do not carry more parameters.
+    """
 
     fit: RobustFit
     picks: tuple[Candidate, ...]
-    pool: Pool  # everything that was tried, linearised at `fit`
-    full: bool  # more was there, but the readings do not carry more parameters
+    pool: Pool
+    full: bool
 
 
 @dataclass(frozen=True, slots=True)
 class Choice:
-    """What one linearisation shows."""
+    """What one linearisation shows.
 
-    first: Pool  # what it was chosen from
+    Attributes
+    ----------
+    first : Pool
+        What it was chosen from.
+    picks : tuple of Candidate
+    pool : Pool
+        With the picks fitted, to first order.
+    full : bool
+        More was there, but the readings do not carry more parameters.
+    """
+
+    first: Pool
     picks: tuple[Candidate, ...]
-    pool: Pool  # with the picks fitted, to first order
-    full: bool  # more was there, but the readings do not carry more parameters
+    pool: Pool
+    full: bool
 
 
 def select(choice: Choice, propose: Propose, tell: Callable[[float], None]) -> Selection:
@@ -91,13 +141,13 @@ def select(choice: Choice, propose: Propose, tell: Callable[[float], None]) -> S
     choice : Choice
         From everything that is proposed at the fitted model.
     propose : callable
-        Every way in which a fitted model may still be wrong.
+        From a fit to every way in which it may still be wrong.
     tell : callable
-        Told the fraction done.
+        Told the fraction done, from 0 to 1, never falling.
 
     Returns
     -------
-    Selected
+    Selection
     """
     start = fit = choice.first.fit
     picks, pool = list[Candidate](), choice.first
@@ -113,6 +163,7 @@ def select(choice: Choice, propose: Propose, tell: Callable[[float], None]) -> S
             picks = kept
             fit = refitted(start, fit, picks)
             pool = pooled(fit, (*picks, *propose(fit)))
+            # What was chosen in this round went again at once: the next round would only choose it anew.
             if not any(candidate.same_as(other) for candidate in choice.picks for other in kept):
                 break
         choice = chosen(pool)
@@ -128,12 +179,23 @@ def _differ(kept: Sequence[Candidate], picks: Sequence[Candidate]) -> bool:
 
 
 def chosen(pool: Pool) -> Choice:
-    """Choose what is there beyond chance, each pick still worth its parameters beside the others."""
+    """Choose what is there beyond chance, each pick still worth its parameters beside the others.
+
+    Parameters
+    ----------
+    pool : Pool
+        Of a fitted model without picks.
+
+    Returns
+    -------
+    Choice
+    """
     refuted = set[int]()
     picks = dict[int, Candidate]()
     while True:
         grown, full = _grown(pool, picks, refuted)
         kept = {index: _judged(index, pick, grown).pick for index, pick in picks.items()}
+        # What went may not come back: without this, two causes that resemble each other take turns.
         refuted |= {index for index, pick in kept.items() if pick is None}
         held = {index: pick for index, pick in kept.items() if pick is not None}
         if len(held) == len(picks):
@@ -160,6 +222,7 @@ def _grown(pool: Pool, picks: dict[int, Candidate], refuted: set[int]) -> tuple[
 
 
 def _fitted(view: View) -> list[int]:
+    """Return the candidates of which some parameter is fitted."""
     return [k for k, candidate in enumerate(view.pool.all) if not view.fitted.isdisjoint(candidate.names)]
 
 
@@ -171,6 +234,7 @@ def _parts_or_whole(view: View, screened: Screening, best: int) -> dict[int, Can
     parts, score = dict[int, Candidate](), 0.0
     while True:
         now = screen(view)
+        # Only pieces of the same cause and subject can replace the function.
         now.score[[not _is_part(candidate, whole, parts.values()) for candidate in view.pool.all]] = -np.inf
         part = best_of(now)
         if part is None or not _carried(view, float(now.size[part])):
@@ -178,10 +242,12 @@ def _parts_or_whole(view: View, screened: Screening, best: int) -> dict[int, Can
         parts[part] = view.pool.all[part]
         score += float(now.score[part])
         view = view.pool.beside(part, parts[part]).view()
+    # A few waves have orders and phases that can be checked; a curve has none, so it must explain more.
     return parts if score >= screened.score[best] else {best: _sized(whole, screened, best)}
 
 
 def _is_part(candidate: Candidate, function: Candidate, taken: Collection[Candidate]) -> bool:
+    """Whether a candidate is a single piece of a function, and not taken yet."""
     same = (candidate.effect, candidate.subject) == (function.effect, function.subject)
     return same and not candidate.function and candidate not in taken
 
@@ -192,7 +258,18 @@ def _sized(candidate: Candidate, screened: Screening, index: int) -> Candidate:
 
 
 def best_of(screened: Screening) -> int | None:
-    """Return the candidate with the best score among those beyond chance; None where there is none."""
+    """Return the candidate with the best score among those beyond chance.
+
+    Parameters
+    ----------
+    screened : Screening
+        Of C candidates.
+
+    Returns
+    -------
+    int or None
+        None where no candidate is beyond chance with a gain above 0.
+    """
     beyond = (screened.p_value <= LEVEL) & (screened.score > 0.0)
     if not beyond.any():
         return None
@@ -200,15 +277,30 @@ def best_of(screened: Screening) -> int | None:
 
 
 def _carried(view: View, parameters: float) -> bool:
+    """Whether the readings carry so many more parameters: two observations each, of all that are fitted."""
     used = view.parameters + parameters
     return bool(view.sums.observations / view.sums.alike >= _READINGS_PER_PARAMETER * used)
 
 
 def refitted(start: RobustFit, previous: RobustFit, picks: Sequence[Candidate]) -> RobustFit:
-    """Fit the start model with the picks' parameters, from the values of another fit where it has them."""
+    """Fit the start model with the picks' parameters.
+
+    Parameters
+    ----------
+    start : RobustFit
+        Of the model that is extended.
+    previous : RobustFit
+        Whose decisions about readings, and values of the parameters that it has, the fit begins from.
+    picks : sequence of Candidate
+
+    Returns
+    -------
+    RobustFit
+    """
     structure = start.structure
     for pick in picks:
         structure = structure.extended(pick.effect, pick.specs)
+    # Parameters that the previous fit lacks begin at their prior's mean; the others are nearly there already.
     known = dict(zip(previous.structure.names, previous.values.tolist(), strict=True))
     values = np.array([known.get(spec.name, spec.prior_mean) for spec in structure.specs])
     return settled(structure, previous.blocks, values, rounds=_ROUNDS)
@@ -226,6 +318,8 @@ def _worth(picks: Sequence[Candidate], pool: Pool) -> list[Candidate]:
         judged = [_judged(index, pick, pool, gone) for index, pick in placed]
         if all(one.pick is not None for one in judged):
             return [one.pick for one in judged if one.pick is not None]
+        # One goes at a time, the worst first: both judged beside each other would go together, and with them
+        # the cause.
         worst = int(np.argmin([np.inf if one.pick is not None else one.score for one in judged]))
         gone += placed.pop(worst)[1].names
 
@@ -248,12 +342,29 @@ def _judged(index: int, pick: Candidate, pool: Pool, gone: tuple[str, ...] = ())
 def reselected(
     start: RobustFit, selected: Selection, kept: tuple[Candidate, ...], propose: Propose
 ) -> Selection:
-    """Return the selection with some of its picks only, as far as they are worth it, fitted again."""
+    """Return the selection with some of its picks only, as far as they are worth it, fitted again.
+
+    Parameters
+    ----------
+    start : RobustFit
+        Of the model without picks.
+    selected : Selection
+    kept : tuple of Candidate
+        The picks that may stay; others than those of the selection may be among them.
+    propose : callable
+        From a fit to every way in which it may still be wrong.
+
+    Returns
+    -------
+    Selection
+        `full` as it was.
+    """
     resized = 0
     while True:
         fit = refitted(start, selected.fit, kept) if kept else start
         pool = pooled(fit, (*kept, *propose(fit)))
         worth = tuple(_worth(kept, pool))
+        # A function whose size swings between two steps of its grid would be fitted again for ever.
         settled_down = resized == _MOST_REFITS or not _differ(worth, kept)
         if len(worth) == len(kept) and settled_down:
             return Selection(fit, kept, pool, selected.full)

@@ -46,12 +46,15 @@ from truepose.domain.arrays import FloatArray
 
 
 def tail_probability(statistic: float, weights: FloatArray, degrees: float) -> float:
-    """Chance that noise alone exceeds the statistic.
+    """Return the chance that noise alone exceeds a quadratic form of the residuals.
+
+    P(sum_i (l_i - u / nu) z_i^2 > 0), by the saddlepoint approximation (D. Kuonen, Biometrika 86(4), 1999);
+    the nu - k directions beyond the rank of S have l_i = 0.
 
     Parameters
     ----------
     statistic : float
-        U.
+        u [variance of the noise].
     weights : ndarray, shape (k,)
         Eigenvalues of S, not negative.
     degrees : float
@@ -60,6 +63,8 @@ def tail_probability(statistic: float, weights: FloatArray, degrees: float) -> f
     Returns
     -------
     float
+        From 0 to 1; 1 where S is zero. At 1e-7 about a tenth off in the worst case, a single weight (decision
+        0015).
     """
     positive = weights[weights > 1e-12 * max(float(weights.max(initial=0.0)), 1e-300)]
     if positive.size == 0:
@@ -68,6 +73,7 @@ def tail_probability(statistic: float, weights: FloatArray, degrees: float) -> f
     if degrees > positive.size:
         values = np.append(values, -statistic / degrees)
         multiplicity = np.append(multiplicity, degrees - positive.size)
+    # All of one sign: the form cannot reach the statistic, or cannot fall short of it, whatever the noise is.
     if values.max() <= 0.0:
         return 0.0
     if values.min() >= 0.0:
@@ -76,15 +82,23 @@ def tail_probability(statistic: float, weights: FloatArray, degrees: float) -> f
 
 
 def _above_zero(values: FloatArray, multiplicity: FloatArray) -> float:
-    """P(sum of multiplicity * values * z^2 > 0), for values of both signs."""
+    """Return P(sum of multiplicity * values * z^2 > 0), for values of both signs.
+
+    With K(t) = -1/2 sum m_i ln(1 - 2 t v_i) and K'(t) = 0: w = sign(t) sqrt(-2 K(t)), v = t sqrt(K''(t)) and
+    P = 1 - Phi(w + ln(v / w) / w) (R. Lugannani, S. Rice, 1980, in the form of O. E. Barndorff-Nielsen).
+    """
     mean = float(multiplicity @ values)
     spread = float(np.sqrt(2.0 * multiplicity @ values**2))
+    # At the mean the saddlepoint is t = 0, where w and v vanish and their ratio is rounding.
     if abs(mean) < 1e-6 * spread:
         return 0.5
 
     def slope(t: float) -> float:
+        """Return K'(t)."""
         return float(multiplicity @ (values / (1.0 - 2.0 * t * values)))
 
+    # Beyond these ends of t the generating function does not exist; K' goes to infinity at both, so that a
+    # root lies between one of them and 0.
     highest = 0.5 / float(values.max())
     lowest = 0.5 / float(values.min())
     if mean < 0.0:
@@ -95,6 +109,7 @@ def _above_zero(values: FloatArray, multiplicity: FloatArray) -> float:
     curvature = 2.0 * float(multiplicity @ (values / (1.0 - 2.0 * t * values)) ** 2)
     w = float(np.sign(t) * np.sqrt(max(-2.0 * generating, 0.0)))
     v = t * float(np.sqrt(curvature))
+    # Near the mean ln(v / w) / w is a difference of nearly equal numbers; the normal tail is as good there.
     if abs(w) < 1e-3 or abs(v) < 1e-3:
         return float(normal_exceeded(-mean / spread))
     return float(np.clip(normal_exceeded(w + np.log(v / w) / w), 0.0, 1.0))
@@ -106,12 +121,24 @@ _SEEN = 1e-9  # of the largest eigenvalue: below, nothing but rounding is seen
 
 @dataclass(frozen=True, slots=True)
 class Function:
-    """A random function of its most likely size."""
+    """A random function of its most likely size.
 
-    width: float  # standard deviation of its scaled parameters, 0 where none is seen
-    gain: float  # of twice the log likelihood
-    explained: float  # sum of squares
-    size: float  # effective number of parameters
+    Attributes
+    ----------
+    width : float
+        Standard deviation of its scaled parameters; 0 where none is seen.
+    gain : float
+        Of twice the log likelihood; minus infinity where nothing can be seen.
+    explained : float
+        Sum of squares.
+    size : float
+        Effective number of parameters, sum t l_i / (1 + t l_i).
+    """
+
+    width: float
+    gain: float
+    explained: float
+    size: float
 
 
 _NOTHING = Function(0.0, -np.inf, 0.0, 0.0)
@@ -123,13 +150,18 @@ def most_likely(gram: FloatArray, towards: FloatArray, sums: Sums, widest: float
     Parameters
     ----------
     gram : ndarray, shape (k, k)
-        Products of its scaled columns past what is fitted.
+        G, products of its scaled columns past what is fitted.
     towards : ndarray, shape (k,)
-        Their products with the residuals.
+        b, their products with the residuals.
     sums : Sums
         Of these residuals.
     widest : float
         What the width of its scaled parameters may be at most.
+
+    Returns
+    -------
+    Function
+        The best of a grid of 61 sizes, six steps a power of ten of the variance; its gain may be negative.
     """
     sizes, axes = np.linalg.eigh(gram)
     seen = sizes > _SEEN * max(float(sizes.max(initial=0.0)), 1e-300)
@@ -139,17 +171,40 @@ def most_likely(gram: FloatArray, towards: FloatArray, sums: Sums, widest: float
     along = (axes[:, seen].T @ towards) ** 2 / sizes
     ratios = _RATIOS[:, None] / float(sizes.max())
     shrunk = ratios * sizes / (1.0 + ratios * sizes)
+    # Rounding may explain a little more than there is; nothing would be left to take the logarithm of.
     explained = np.minimum(shrunk @ along, (1.0 - 1e-9) * sums.residual_square)
     left = sums.residual_square - explained
+    # Readings that repeat one another count once; what the function costs does not depend on how many there
+    # are.
     gain = sums.degrees / sums.alike * np.log(sums.residual_square / left)
     gain -= np.log1p(ratios * sizes).sum(axis=1)
     widths = np.sqrt(ratios[:, 0] * left / max(sums.degrees, 1.0))
+    # The smallest ratio stays even where it is too wide: argmax over nothing but -inf takes the first.
     best = int(np.argmax(np.where(widths <= widest, gain, -np.inf)))
     return Function(float(widths[best]), float(gain[best]), float(explained[best]), float(shrunk[best].sum()))
 
 
 def chance(gram: FloatArray, towards: FloatArray, sums: Sums) -> float:
-    """Chance that noise alone lies as much along a random function."""
+    """Return the chance that noise alone lies as much along a random function: score test of t = 0.
+
+    Parameters
+    ----------
+    gram : ndarray, shape (k, k)
+        G, products of its scaled columns past what is fitted.
+    towards : ndarray, shape (k,)
+        b, their products with the residuals.
+    sums : Sums
+        Of these residuals.
+
+    Returns
+    -------
+    float
+        P value of U = b^T b over the variance of the residuals; not corrected for what else is tried.
+
+    References
+    ----------
+    X. Lin, Biometrika 84(2), 1997, 309-326.
+    """
     weights = np.maximum(np.linalg.eigvalsh(gram), 0.0)
     statistic = float(towards @ towards) / sums.variance / sums.alike
     return tail_probability(statistic, weights, sums.degrees / sums.alike)
@@ -161,27 +216,58 @@ _VISIBLE = 1e-7  # share of a derivative's square that the present parameters do
 
 @dataclass(frozen=True, slots=True)
 class Screening:
-    """What each candidate would do; C candidates."""
+    """What each of C candidates would do beside what is fitted.
 
-    explained: FloatArray  # (C,) sum of squares T
-    size: FloatArray  # (C,) effective number of parameters, 0 where nothing can be seen
-    alone: FloatArray  # (C,) p-value of each as if nothing else had been tried
-    p_value: FloatArray  # (C,) corrected for everything tried
-    score: FloatArray  # (C,) gain in BIC, search included; larger is better
-    width: FloatArray  # (C,) most likely factor on the prior widths of a function, 1 of what is none
+    Attributes
+    ----------
+    explained : ndarray, shape (C,)
+        Sum of squares T.
+    size : ndarray, shape (C,)
+        Effective number of parameters, 0 where nothing can be seen.
+    alone : ndarray, shape (C,)
+        P value of each as if nothing else had been tried.
+    p_value : ndarray, shape (C,)
+        Corrected for everything tried.
+    score : ndarray, shape (C,)
+        Gain in BIC, search included; larger is better, minus infinity where nothing can be seen.
+    width : ndarray, shape (C,)
+        Most likely factor on the prior widths of a function; 1 of what is none.
+    """
+
+    explained: FloatArray
+    size: FloatArray
+    alone: FloatArray
+    p_value: FloatArray
+    score: FloatArray
+    width: FloatArray
 
 
 def screen(view: View) -> Screening:
-    """Screen all candidates of a view."""
+    """Screen all candidates of a view.
+
+    Parameters
+    ----------
+    view : View
+        Of C candidates.
+
+    Returns
+    -------
+    Screening
+        Of the pool's order; functions by their likelihood and score test, all others by F test and BIC.
+    """
     screened, pool = _screened(view), view.pool
     for index in pool.functions:
         candidate = pool.all[index]
         if not view.fitted.isdisjoint(candidate.names):
             continue  # what its prior holds back of a fitted function is no function once more
         gram, towards = _of_function(view, index)
+        # A curve that was sized may grow again, but no farther than it was proposed with: gears are not
+        # worse.
         found = most_likely(gram, towards, view.sums, widest=1.0 / candidate.size)
         screened.explained[index], screened.size[index] = found.explained, found.size
         screened.width[index] = found.width
+        # No ln n for each parameter: the likelihood is integrated over them already, which ln(1 + t l) pays
+        # for.
         screened.score[index] = found.gain - 2.0 * np.log(pool.tried[index])
         screened.alone[index] = chance(gram, towards, view.sums)
         screened.p_value[index] = min(1.0, pool.shares[index] * screened.alone[index])
@@ -189,7 +275,10 @@ def screen(view: View) -> Screening:
 
 
 def _of_function(view: View, index: int) -> tuple[FloatArray, FloatArray]:
-    """Products of the columns of a function, scaled to its prior widths, past what is fitted."""
+    """Return products among the columns of a function, scaled to its prior widths, past what is fitted.
+
+    Shapes (k, k) and (k,): G, and b with the residuals.
+    """
     widths = np.array([spec.prior_width for spec in view.pool.all[index].specs])
     return view.gram(index) * np.outer(widths, widths), view.towards[view.pool.own(index)] * widths
 
@@ -199,7 +288,10 @@ def _screened(view: View) -> Screening:
     sums, pool = view.sums, view.pool
     alike = sums.alike
     explained, size = _explained(view)
+    # Never 0: a candidate that explains everything would divide by it.
     left = np.maximum(sums.residual_square - explained, 1e-9 * sums.residual_square + 1e-300)
+    # Of readings that are worth one (design effect). T and R are sums over all readings, so the effect
+    # cancels in their ratio and is left in the degrees alone.
     degrees = np.maximum(sums.degrees / alike - size, 1.0)
     seen = size > 0
     ratio = np.where(seen, explained / np.maximum(size, 1), 0.0) / (left / degrees)
@@ -217,7 +309,26 @@ def _screened(view: View) -> Screening:
 
 
 def chance_beside(products: Products, widths: FloatArray, past: Projection, tried: int) -> float:
-    """Chance, over everything tried, that noise gives what columns explain past what is fitted."""
+    """Return the chance, over everything tried, that noise gives what columns explain past what is fitted.
+
+    The F test of the head of this module, for columns that belong to no pool.
+
+    Parameters
+    ----------
+    products : Products
+        Of k columns with the fit.
+    widths : ndarray, shape (k,)
+        Of the priors of their parameters.
+    past : Projection
+        Past what is fitted.
+    tried : int
+        By what the p value is multiplied (Bonferroni).
+
+    Returns
+    -------
+    float
+        1 where none of the columns can be seen.
+    """
     absorbed = past.absorbed(products)
     rows, sums = products.columns, past.sums
     scale = np.sqrt(np.maximum(np.einsum("km,km->k", rows, rows), 1e-300))
@@ -233,6 +344,10 @@ def chance_beside(products: Products, widths: FloatArray, past: Projection, trie
 
 
 def _explained(view: View) -> tuple[FloatArray, FloatArray]:
+    """Return what each of C candidates explains, and its number of visible parameters, shape (C,) each.
+
+    Functions are left at 0.
+    """
     explained, size = np.zeros(len(view.pool.all)), np.zeros(len(view.pool.all))
     for alike in view.pool.alike:
         taken = view.absorbed[alike.rows] / alike.scale[:, :, None]
@@ -243,12 +358,29 @@ def _explained(view: View) -> tuple[FloatArray, FloatArray]:
 
 
 def _quadratic(gram: FloatArray, belief: FloatArray, towards: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Sum of squares explained, and the number of parameters that can be seen, of C candidates.
+    """Return the sum of squares explained, and the number of parameters that can be seen, of C candidates.
 
-    The prior of each parameter is an observation of it: an amplitude that nobody would believe explains
-    nothing. A direction that the data see less well than the prior knows it does not count.
+    With G = U diag(l) U^T of unit columns and B the precision of the priors, T = sum (U^T b)_j^2 / (l_j +
+    B_j), B_j = sum_i U_ij^2 B_i, over the visible directions j. The prior of each parameter is an observation
+    of it: an amplitude that nobody would believe explains nothing. A direction that the data see less well
+    than the prior knows it does not count.
+
+    Parameters
+    ----------
+    gram : ndarray, shape (C, k, k)
+        Of unit columns, past what is fitted.
+    belief : ndarray, shape (C, k)
+        Precisions of the priors, in units of the unit columns.
+    towards : ndarray, shape (C, k)
+        b, products of the unit columns with the residuals.
+
+    Returns
+    -------
+    tuple of ndarray, shape (C,)
+        T and the number of parameters.
     """
     sizes, axes = np.linalg.eigh(gram)
+    # What the present parameters absorb to a ten-millionth is the rounding of their own projection.
     seen = sizes > _VISIBLE
     within = np.einsum("cij,ci->cj", axes, towards)
     strength = np.einsum("cij,ci->cj", axes**2, belief)

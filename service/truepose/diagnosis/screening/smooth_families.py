@@ -2,6 +2,11 @@
 
 Each family is a set of columns taken together as one random effect. They do not name a cause; they say what
 is left depends on: a joint's angle, a torque, direction, time, temperature, place, nest, attachment.
+
+A curve of an angle q is sum_k (a_k cos k q + b_k sin k q) / k, a course of time t is the sum over k of c_k
+cos(pi k t / T) / k. With weights of one variance their amplitudes fall as 1 / k, as those of a random walk
+do. Shapes that turn something are divided by a lever, so that a weight of one is about a millimetre at the
+tool in every family. The choice of these functions is our own.
 """
 
 from collections.abc import Callable
@@ -31,17 +36,39 @@ Builder = Callable[[State], list[Acting]]
 
 @dataclass(frozen=True, slots=True)
 class Family:
-    """A smooth dependence on one variable."""
+    """A smooth dependence on one variable.
 
-    variable: str  # as it is told: "angle of joint 4"
-    # "angle", "coupling", "torque", "direction", "time", "temperature", "attachment", "nest" or "place"
+    Attributes
+    ----------
+    variable : str
+        As reported, e.g. "angle of joint 4".
+    kind : str
+        "angle", "coupling", "torque", "direction", "time", "temperature", "attachment", "nest" or "place".
+    build : callable
+        From a state of n readings to its parameters; the same number of them in every block.
+    joint : int or None
+        0-based.
+    """
+
+    variable: str
     kind: str
-    build: Builder  # the same number of parameters in every block
-    joint: int | None = None  # 0-based
+    build: Builder
+    joint: int | None = None
 
 
 def families(scene: Scene) -> tuple[Family, ...]:
-    """Return the families that these data can show."""
+    """Return the families that these data can show.
+
+    Parameters
+    ----------
+    scene : Scene
+
+    Returns
+    -------
+    tuple of Family
+        None of a variable that is unknown or that does not vary.
+    """
+    # A joint that turned by less shows no curve of its own: its few waves are one straight line.
     joints = [
         j for j in range(scene.setting.robot.n_joints) if np.ptp(scene.turn_rad[:, j]) > np.deg2rad(5.0)
     ]
@@ -52,6 +79,7 @@ def families(scene: Scene) -> tuple[Family, ...]:
     if scene.stops.time_s is not None and varied(scene.stops.time_s):
         span = _span(scene.stops.time_s)
         found += [_time(what, span) for what in ("place", "tool", "lengths")]
+        # Without fixed nests the frame of the instrument and the place of the base move readings alike.
         if len(scene.reference_s):
             found.append(_time("instrument", span))
     if scene.stops.temperature_c is not None and varied(scene.stops.temperature_c):
@@ -66,7 +94,19 @@ def families(scene: Scene) -> tuple[Family, ...]:
 
 
 def terms_of(family: Family, state: State) -> tuple[Term, ...]:
-    """Return the family's terms, its parameters numbered from 0."""
+    """Return the family's terms.
+
+    Parameters
+    ----------
+    family : Family
+    state : State
+        At n readings.
+
+    Returns
+    -------
+    tuple of Term
+        Weights of shape (n,); parameters are numbered from 0.
+    """
     return tuple(
         Term(parameter, port, weight)
         for parameter, acting in enumerate(family.build(state))
@@ -75,29 +115,35 @@ def terms_of(family: Family, state: State) -> tuple[Term, ...]:
 
 
 def _loaded(scene: Scene) -> list[int]:
+    """Return the joints (0-based) whose torque varies by more than 1 N mm."""
     if scene.torque_n_mm is None:
         return []
     return np.flatnonzero(np.nan_to_num(np.ptp(scene.torque_n_mm, axis=0)) > 1.0).tolist()
 
 
 def _has_directions(scene: Scene, joint: int) -> bool:
+    """Whether a joint (0-based) is known to have come from more than one side."""
     return scene.stops.direction is not None and varied(scene.stops.direction[:, joint])
 
 
 def _span(time_s: FloatArray) -> tuple[float, float]:
+    """Return the first time and the length of a campaign [s], at least one second."""
     return float(np.nanmin(time_s)), float(max(np.ptp(time_s[np.isfinite(time_s)]), 1.0))
 
 
 def _turn(state: State, joint: int) -> FloatArray:
+    """Return the angle of a joint about its own axis, shape (n,) [rad]."""
     sign = state.structure.robot.joints[joint].sign
     return np.asarray(sign * state.targets.stops.joints_rad[:, joint])
 
 
 def _waves(angle: FloatArray, highest: int) -> list[FloatArray]:
+    """Return cosine and sine of each order at the angles (n,) [rad], divided by the order."""
     return [wave(k * angle) / k for k in range(1, highest + 1) for wave in (np.cos, np.sin)]
 
 
 def _angle(joint: int) -> Family:
+    """Return a curve of one joint over its own angle."""
     port = Port(PortKind.THETA, joint)
 
     def build(state: State) -> list[Acting]:
@@ -117,6 +163,8 @@ def _trend(joint: int) -> Family:
 
 
 def _coupling(source: int, n_joints: int) -> Family:
+    """Return curves of all other joints over the angle of one."""
+
     def build(state: State) -> list[Acting]:
         waves = _waves(_turn(state, source), 3)
         return [
@@ -130,12 +178,14 @@ def _coupling(source: int, n_joints: int) -> Family:
 
 
 def _torque(joint: int) -> Family:
+    """Return a joint's error over its torque: what is left of a spring that is not linear."""
     port = Port(PortKind.THETA, joint)
 
     def build(state: State) -> list[Acting]:
         torque = state.torque_n_mm
         load = np.zeros(len(state.targets)) if torque is None else np.nan_to_num(torque[:, joint])
         relative = load / max(float(np.abs(load).max(initial=0.0)), 1.0)
+        # No straight line: what is linear in the torque is the compliance's own.
         shapes = (np.abs(relative), relative * np.abs(relative), relative**3, np.tanh(load / _BEARING_N_MM))
         return [[(port, shape / _LEVER_MM)] for shape in shapes]
 
@@ -143,6 +193,7 @@ def _torque(joint: int) -> Family:
 
 
 def _direction(joint: int) -> Family:
+    """Return a joint's error by the side that it came from."""
     port = Port(PortKind.THETA, joint)
 
     def build(state: State) -> list[Acting]:
@@ -154,12 +205,17 @@ def _direction(joint: int) -> Family:
 
 
 def _time(what: str, span: tuple[float, float]) -> Family:
+    """Return a course over time of the base, the tool, the lengths of the arm, or the instrument."""
+
     def build(state: State) -> list[Acting]:
         time_s = state.targets.stops.time_s
         n = len(state.targets)
         if time_s is None:
+            # Other blocks may not tell times (sides of the fixture, say); the number of parameters must be
+            # the same.
             shapes = [np.zeros(n)] * _COSINES
         else:
+            # A reading without a time takes no part; 0.5 only keeps NaN out of the cosine.
             share = np.nan_to_num((time_s - span[0]) / span[1], nan=0.5)
             known = np.isfinite(time_s)
             shapes = [known * np.cos(np.pi * k * share) / k for k in range(1, _COSINES + 1)]
@@ -175,6 +231,7 @@ def _time(what: str, span: tuple[float, float]) -> Family:
 
 
 def _acting(what: str, state: State, shape: FloatArray) -> list[Acting]:
+    """Return the parameters by which something moves as a shape (n,) does, angles in units of the lever."""
     joints = state.structure.robot.n_joints
     levers = (1.0, 1.0, 1.0, _LEVER_MM, _LEVER_MM, _LEVER_MM)
     match what:
@@ -189,6 +246,7 @@ def _acting(what: str, state: State, shape: FloatArray) -> list[Acting]:
 
 
 def _longer(state: State, share: FloatArray) -> Acting:
+    """Return one parameter that stretches all lengths of the arm together, as heat does."""
     found: Acting = []
     for number, row in enumerate(state.structure.robot.joints):
         found.append((Port(PortKind.A, number), share * row.a_mm))
@@ -197,6 +255,8 @@ def _longer(state: State, share: FloatArray) -> Acting:
 
 
 def _temperature(mean_c: float) -> Family:
+    """Return angles, lengths and the place of the base over the temperature, from its mean [degC]."""
+
     def build(state: State) -> list[Acting]:
         temperature = state.targets.stops.temperature_c
         n = len(state.targets)
@@ -211,6 +271,7 @@ def _temperature(mean_c: float) -> Family:
 
 
 def _attachment(mountings: IntArray) -> Family:
+    """Return another place of the tool for each mounting."""
     numbers = np.unique(mountings[np.isfinite(mountings)]).tolist()
 
     def build(state: State) -> list[Acting]:
@@ -225,6 +286,8 @@ def _attachment(mountings: IntArray) -> Family:
 
 
 def _nest(numbers: list[int]) -> Family:
+    """Return another place for each nest."""
+
     def build(state: State) -> list[Acting]:
         one = np.ones(len(state.targets))
         return [[(Port(PortKind.NEST, 3 * (number - 1) + c), one)] for number in numbers for c in range(3)]
@@ -233,10 +296,12 @@ def _nest(numbers: list[int]) -> Family:
 
 
 def _place(scene: Scene) -> Family:
+    """Return readings that are off by a polynomial of their place: a distorted field of the instrument."""
     points = scene.chain.end_origin
     centre, reach = points.mean(axis=0), max(float(points.std()), 1.0)
 
     def build(state: State) -> list[Acting]:
+        # Twice the spread: nearly all places then lie within -1 to 1, and no power outweighs the others.
         relative = (state.unscaled_mm - centre) / (2.0 * reach)
         shapes = [np.prod(relative ** np.array(powers), axis=1) for powers in _PLACE_DEGREES]
         return [[(Port(PortKind.INSTRUMENT, c), shape)] for shape in shapes for c in range(3)]
