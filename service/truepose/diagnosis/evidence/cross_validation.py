@@ -1,8 +1,9 @@
 """Cross-validation by configuration, all folds from one linearisation.
 
-Parameters are fitted to the other readings to first order, and the held-out ones keep what these predict.
-Without each fold the choice is made anew from the start (nested), or a model is taken as it was found and
-only its parameters are fitted anew.
+Parameters are fitted to the other readings to first order, and the held-out ones keep what these predict:
+with J the derivatives of the held-out readings, r their residuals at the common fit, and s the step that the
+others ask for (`Projection.step`), their errors are r - J s. Without each fold the choice is made anew from
+the start (nested), or a model is taken as it was found and only its parameters are fitted anew.
 
 References
 ----------
@@ -31,7 +32,13 @@ _FOLDS = 5  # four fifths of the configurations choose: nearly as well as all
 
 
 class Errors(NamedTuple):
-    """Errors on configurations held out, (n, d) each: of a model and of what it is compared with."""
+    """Errors on configurations held out, of a model and of what it is compared with.
+
+    Attributes
+    ----------
+    before, after : ndarray, shape (n, d)
+        [mm].
+    """
 
     before: FloatArray
     after: FloatArray
@@ -48,7 +55,17 @@ class _Fold:
 def partition(fit: RobustFit, *, in_time: bool) -> tuple[IntArray, ...]:
     """Part the configurations of the first block into folds.
 
-    At random; in time, so that what runs in it must be foretold and cannot be filled in.
+    Parameters
+    ----------
+    fit : RobustFit
+    in_time : bool
+        Blocks of time, so that a drift must be extrapolated and cannot be interpolated; else at random, with
+        a fixed seed.
+
+    Returns
+    -------
+    tuple of ndarray of int
+        Configurations of each of five folds; revisits lie in that of the configuration they revisit.
     """
     site, time_s = _sites(fit), fit.blocks[0].targets.stops.time_s
     unique = np.unique(site)
@@ -60,7 +77,11 @@ def partition(fit: RobustFit, *, in_time: bool) -> tuple[IntArray, ...]:
 
 
 class Nested:
-    """The choice made anew without each part of the configurations; errors on those, shape (n, d)."""
+    """The choice made anew without each part of the configurations.
+
+    The readings of a fold take no part in the choice that they judge, neither in the picks nor in their
+    sizes; only the list of candidates, and the weights, come from all readings.
+    """
 
     def __init__(self, first: Choice, parts: Sequence[IntArray]) -> None:
         self._fit = first.first.fit
@@ -72,38 +93,53 @@ class Nested:
 
     @cached_property
     def start(self) -> FloatArray:
-        """Errors of the start model."""
+        """Errors of the start model, shape (n, d) [mm]."""
         return self._errors(lambda choice: ((), choice.first.normal))
 
     @cached_property
     def chosen(self) -> FloatArray:
-        """Errors of what is chosen."""
+        """Errors of what is chosen, shape (n, d) [mm]."""
         return self._errors(lambda choice: (choice.picks, choice.pool.normal))
 
     @cached_property
     def described(self) -> FloatArray:
-        """Errors of every cell that is asked for."""
+        """Errors of the full description, shape (n, d) [mm]."""
         return self._errors(_described)
 
     def seen_in(self, group: Sequence[Candidate]) -> int:
-        """Return how many folds choose something of a group too."""
+        """Return how many folds choose something of a group too.
+
+        Parameters
+        ----------
+        group : sequence of Candidate
+            Compared by cause and subject: another order of the same joint's wave counts.
+
+        Returns
+        -------
+        int
+        """
         asked = {(pick.effect, pick.subject) for pick in group}
         return sum(
             any((pick.effect, pick.subject) in asked for pick in fold.choice.picks) for fold in self._folds
         )
 
     def _errors(self, model: Callable[[Choice], tuple[Sequence[Candidate], NormalEquations]]) -> FloatArray:
+        """Return the errors of the model that each fold chooses, shape (n, d); of no fold, 0."""
         result = self._fit.results[0]
         errors = np.zeros_like(result.residual)
         for fold in self._folds:
             picks, normal = model(fold.choice)
+            # In the order of the normal equations: the fitted parameters first, then those that were added
+            # beside them.
             motion = np.concatenate([result.jacobian, *candidate_motions(self._fit, picks)])
             errors[fold.out] = _left(result.residual[fold.out], motion[:, fold.out], normal)
         return errors
 
 
 def _described(choice: Choice) -> tuple[Sequence[Candidate], NormalEquations]:
+    """Return all cells that a choice asks for, and the normal equations with them."""
     whole = described(choice.pool, choice.picks)
+    # Beside the start, where the picks are not fitted: they are among the cells, each by itself.
     return whole.candidates, whole.fitted(choice.first)
 
 
@@ -120,7 +156,21 @@ def _likely(first: Choice) -> Pool:
 def as_found(
     fit: RobustFit, parts: Sequence[IntArray], groups: Sequence[tuple[str, ...]]
 ) -> tuple[Errors, ...]:
-    """Return the errors of a fitted model without each group of its parameters, and with all."""
+    """Return the errors of a fitted model without each group of its parameters, and with all.
+
+    Parameters
+    ----------
+    fit : RobustFit
+    parts : sequence of ndarray of int
+        Configurations of each fold.
+    groups : sequence of tuple of str
+        Names of parameters.
+
+    Returns
+    -------
+    tuple of Errors
+        One a group: `before` without it, `after` with all.
+    """
     result = fit.results[0]
     errors = tuple(Errors(*np.zeros((2, *result.residual.shape))) for _ in groups)
     for held, out in _held(fit, parts) if groups else ():
@@ -143,7 +193,10 @@ def _held(fit: RobustFit, parts: Sequence[IntArray]) -> Iterator[tuple[IntArray,
 def _left(
     residual: FloatArray, motion: FloatArray, normal: NormalEquations, without: tuple[str, ...] = ()
 ) -> FloatArray:
-    """Return residuals (o, d) once the parameters took their step, those of motion (P, o, d)."""
+    """Return residuals (o, d) once the parameters took their step, those of motion (P, o, d).
+
+    Parameters that are left out go to zero, which is the expectation of what a cause adds.
+    """
     past = normal.past(without)
     step = np.where(past.kept, 0.0, -normal.values)
     step[past.kept] = past.step()
@@ -151,6 +204,7 @@ def _left(
 
 
 def _sites(fit: RobustFit) -> IntArray:
+    """Return the configuration of each reading of the first block, shape (n,); revisits have the first's."""
     return sites(fit.blocks[0].targets.stops)
 
 
@@ -158,6 +212,8 @@ def _others(fit: RobustFit, held: IntArray) -> BoolArray:
     """Return the stacked observations that are not of the configurations held out, shape (m,)."""
     kept = []
     for block, result in zip(fit.blocks, fit.results, strict=True):
+        # Fixed nests and certificates stay: they are no readings of the arm, and hold the frame in every
+        # fold.
         out = np.isin(sites(block.targets.stops), held) & block.of_arm
         kept.append(np.repeat(~out, result.residual.shape[1]))
     return np.concatenate(kept)

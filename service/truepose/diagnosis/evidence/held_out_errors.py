@@ -1,7 +1,14 @@
 """Errors on readings that neither the choice of a model nor its parameters saw, and the gain there.
 
 Decisions rest on nested cross-validation within the calibration. The validation readings are asked once, when
-everything is decided.
+everything is decided (decision 0031).
+
+The gain is RMS(before) - RMS(after) with RMS = sqrt(sum |e_i|^2 / n). Its interval is the bootstrap's: whole
+configurations are drawn with replacement, since readings of one configuration share their error.
+
+References
+----------
+B. Efron, R. J. Tibshirani, An Introduction to the Bootstrap, 1993, section 13.3 (percentile interval).
 """
 
 from dataclasses import dataclass
@@ -32,16 +39,24 @@ _RESAMPLED = 1000  # 25 of them lie beyond either end of the interval
 
 
 def gain_of(before: FloatArray, after: FloatArray, site: IntArray) -> Gain:
-    """RMS before and after with the 95 % interval of their difference, resampled by configuration.
+    """Return RMS before and after with the 95 % interval of their difference, resampled by configuration.
 
     Parameters
     ----------
     before, after : ndarray, shape (n, d)
-    site : ndarray, shape (n,)
+        Errors of the same n >= 1 readings [mm].
+    site : ndarray of int, shape (n,)
+        The configuration of each.
+
+    Returns
+    -------
+    Gain
+        [mm]; the interval is of before less after.
     """
     squares = _by_site(before, after, site)
     differences = _resampled(squares)
     low, high = np.quantile(differences, [0.025, 0.975])
+    # Per reading, not per component: a position's error is the length of its vector.
     total = squares.sum(axis=1)
     return Gain(
         float(np.sqrt(total[0] / total[2])),
@@ -61,7 +76,7 @@ def _by_site(before: FloatArray, after: FloatArray, site: IntArray) -> FloatArra
 
 
 def _resampled(squares: FloatArray) -> FloatArray:
-    """Differences of the two RMS with configurations drawn with replacement."""
+    """Return the differences of the two RMS with configurations drawn with replacement, shape (1000,)."""
     sums = squares @ _times_drawn(squares.shape[1]).T.astype(float)
     return np.asarray(np.sqrt(sums[0] / sums[2]) - np.sqrt(sums[1] / sums[2]))
 
@@ -69,6 +84,7 @@ def _resampled(squares: FloatArray) -> FloatArray:
 @lru_cache(maxsize=4)
 def _times_drawn(sites: int) -> IntArray:
     """Return how often each site is drawn in each resampling, the same for whatever is compared, (r, S)."""
+    # One set of draws for all groups of a diagnosis: their intervals differ by what they gain, not by chance.
     drawn = np.random.default_rng(0).integers(0, sites, (_RESAMPLED, sites))
     times = np.zeros((_RESAMPLED, sites), dtype=np.int64)
     np.add.at(times, (np.arange(_RESAMPLED)[:, None], drawn), 1)
@@ -80,48 +96,99 @@ Groups = tuple[tuple[Candidate, ...], ...]
 
 @dataclass(frozen=True, slots=True)
 class Improvement:
-    """Held-out errors of the start model and of the extended one, and what each of its causes gains."""
+    """Held-out errors of the start model and of the extended one, and what each of its causes gains.
+
+    Attributes
+    ----------
+    errors : HeldOutErrors
+        Of n readings.
+    gains : tuple of Gain
+        Per group of picks.
+    seen_in : tuple of int
+        Per group: how many folds choose it too; none of validation readings.
+    site : ndarray of int, shape (n,)
+        Configuration of each reading.
+    noise_mm : float
+        Mean norm that stated noise alone gives.
+    source : str
+        "validation" or "cross_validation".
+    beyond : float
+        Typical validation error over what noise and parameters explain [1].
+    described : Gain or None
+        What is described gains beside the causes; None where nothing is.
+    """
 
     errors: HeldOutErrors
-    gains: tuple[Gain, ...]  # per group of picks
-    seen_in: tuple[int, ...]  # per group: how many folds choose it too; none of validation readings
-    site: IntArray  # (n,)
+    gains: tuple[Gain, ...]
+    seen_in: tuple[int, ...]
+    site: IntArray
     noise_mm: float
-    source: str  # "validation" or "cross_validation"
-    beyond: float = 1.0  # typical validation error over what noise and parameters explain
-    described: Gain | None = None  # what is described gains beside the causes; None where nothing is
+    source: str
+    beyond: float = 1.0
+    described: Gain | None = None
 
     @property
     def together(self) -> Gain:
-        """What all causes gain."""
+        """What all causes gain together."""
         return gain_of(self.errors.before_mm, self.errors.after_mm, self.site)
 
 
 class CrossValidation:
-    """Judges extended models of one start on configurations left out of the calibration."""
+    """Judges extended models of one start on configurations left out of the calibration.
+
+    The choice in the folds of each partition is made once, when it is first needed.
+    """
 
     def __init__(self, first: Choice) -> None:
         self._first, self._fit = first, first.first.fit
 
     def of(self, selected: Selection, groups: Groups, *, described: bool = False) -> Improvement:
-        """Judge the choice, or all that is described; of single causes, the model found with and without."""
+        """Judge an extended model on the configurations left out.
+
+        Together it is judged by the choice that each fold makes anew, or by all that each fold describes;
+        single causes by the model as it was found, with and without them.
+
+        Parameters
+        ----------
+        selected : Selection
+        groups : tuple of tuple of Candidate
+            Its picks, by cause.
+        described : bool
+            Whether all cells are described too.
+
+        Returns
+        -------
+        Improvement
+        """
         block, result = self._fit.blocks[0], self._fit.results[0]
         config, site = block.targets.stops.config, sites(block.targets.stops)
         nested = self._nested(groups)
         after = nested.described if described else nested.chosen if groups else nested.start
         held_out = HeldOutErrors(config, result.state.position_mm, nested.start, after)
         gains = tuple(gain_of(*errors, site) for errors in _of_groups(selected, groups))
+        # Of what is stated alone: the discrepancy is what a better model would not leave.
         noise_mm = expected_noise_mm(block.weighted(block.weights, 0.0))
         more = gain_of(nested.chosen, nested.described, site) if described else None
         seen_in = tuple(nested.seen_in(group) for group in groups)
         return Improvement(held_out, gains, seen_in, site, noise_mm, "cross_validation", described=more)
 
     def asks_for_description(self, groups: Groups) -> bool:
-        """Whether describing every cell foretells what is left out better than the choice."""
+        """Return whether a description predicts what is left out better than the choice does.
+
+        Parameters
+        ----------
+        groups : tuple of tuple of Candidate
+            Picks by cause; one that runs in time has the folds be blocks of time.
+
+        Returns
+        -------
+        bool
+        """
         nested = self._nested(groups)
         return float((nested.described**2).sum()) < float((nested.chosen**2).sum())
 
     def _nested(self, groups: Groups) -> Nested:
+        """Return the folds that these groups are judged by."""
         return self._in_time if _run_in_time(groups) else self._at_random
 
     @cached_property
@@ -157,7 +224,23 @@ def _run_in_time(groups: Groups) -> bool:
 def on_validation(
     campaign: Campaign, fits: tuple[RobustFit, RobustFit], selected: Selection, groups: Groups
 ) -> Improvement | None:
-    """Judge the start and the model in the end, and single causes; None without validation readings."""
+    """Judge the start, the model in the end and single causes on the validation readings.
+
+    Parameters
+    ----------
+    campaign : Campaign
+    fits : tuple of RobustFit
+        The start, and the model in the end.
+    selected : Selection
+        The model with the findings alone.
+    groups : tuple of tuple of Candidate
+        Its picks, by cause.
+
+    Returns
+    -------
+    Improvement or None
+        None without validation readings.
+    """
     block = validation_block(campaign, selected.fit.structure)
     if block is None:
         return None
@@ -166,6 +249,7 @@ def on_validation(
     gains = tuple(gain_of(_without(block, selected.fit, group), found, site) for group in groups)
     errors = HeldOutErrors(ends.stops.config, ends.position_mm, ends.nominal_mm, ends.identified_mm)
     beyond = _beyond(ends)
+    # The same fit means that nothing was described: there is no gain to tell.
     more = None if fits[1] is selected.fit else gain_of(found, ends.identified_mm, site)
     return Improvement(errors, gains, (), site, expected_noise_mm(block), "validation", beyond, more)
 
@@ -174,28 +258,44 @@ def _beyond(ends: Assessment) -> float:
     """Return the typical error over what noise and parameters explain; 1 where no noise is stated."""
     if ends.block.stated_sigma() == 0.0:
         return 1.0
+    # By the median: a few outliers among the validation readings say nothing about the model.
     squared = (ends.identified_mm**2).sum(axis=1) / (ends.noise_variance + ends.variance)
     return float(np.sqrt(np.median(squared) / chi2_median(ends.block.components)))
 
 
 def validation_block(campaign: Campaign, structure: Structure) -> Block | None:
-    """Return the validation readings; None where there are none."""
+    """Return the validation readings as a block of a model.
+
+    Parameters
+    ----------
+    campaign : Campaign
+    structure : Structure
+        Of the model that is judged.
+
+    Returns
+    -------
+    Block or None
+        None where there are none.
+    """
     readings = campaign.held_out
     return None if readings is None else observed(readings, campaign.scatter_mm, structure)
 
 
 def _residual(block: Block, structure: Structure, values: FloatArray) -> FloatArray:
+    """Return the residuals of a model with these values (P,), shape (n, d) [mm]."""
     return block.result(structure, values, None).residual
 
 
 def _without(block: Block, full: RobustFit, group: tuple[Candidate, ...]) -> FloatArray:
-    """Residuals of the extended model without the parameters of a group, the others fitted again.
+    """Return the residuals of the extended model without a group, the others fitted again, shape (n, d) [mm].
 
-    The others follow as a normal posterior's mean does where the group is known to be zero.
+    The others follow as a normal posterior's mean does where the group's values v are known to be zero: all
+    values change by -C_.v C_vv^-1 v.
     """
     names = names_of(group)
     out = np.array([name in names for name in full.structure.names])
     covariance = full.solution.covariance
     values = full.values - covariance[:, out] @ solved(covariance[np.ix_(out, out)], full.values[out])
+    # Exactly: where C_vv is singular, the equation leaves a rest of what it does not determine.
     values[out] = 0.0
     return _residual(block, full.structure, values)

@@ -1,11 +1,12 @@
 """Residual structure: what the errors left over depend on, or noise and of which kind.
 
+Every family is tested as a random effect on the residuals (score test of a variance component, formulas at
+`screening.significance`); the level is controlled over all families (Bonferroni). The noise is not known: its
+size is taken from the residuals themselves.
+
 Fixed nests stand still: what moves them in time is the instrument. A model that they contradict lacks
 something that runs or happens in time, and what it says of the base or of a joint over time may be that. Such
-a finding is not certain, and the same of the instrument is its rival.
-
-Every family is tested as a random effect on the residuals (score test of a variance component); the level is
-controlled over all families. The noise is not known: its size is taken from the residuals themselves.
+a finding is not certain, and the same of the instrument is its rival (decision 0029).
 """
 
 from dataclasses import dataclass
@@ -38,17 +39,48 @@ _SLOW = frozenset({"drift", "settling"})
 
 
 def speak_against(fit: RobustFit, cell: ErrorSignature) -> bool:
-    """Return whether fixed nests contradict a model and, with it, what it says of a cell."""
+    """Return whether fixed nests contradict a model and, with it, what it says of a cell.
+
+    Parameters
+    ----------
+    fit : RobustFit
+    cell : ErrorSignature
+        Nests know nothing of what does not follow time.
+
+    Returns
+    -------
+    bool
+    """
     return cell.over == "time" and chance_of_nests(fit) < NEST_LEVEL
 
 
 def chance_of_nests(fit: RobustFit) -> float:
-    """Return the chance that nests which stand still read as they do; 1 where none was read."""
+    """Return the chance of readings like these where all fixed nests stand still.
+
+    Parameters
+    ----------
+    fit : RobustFit
+
+    Returns
+    -------
+    float
+        Of the block that is least likely; 1 where no nest was read.
+    """
     return min(block.contradiction(result) for block, result in zip(fit.blocks, fit.results, strict=True))
 
 
 def accused(selected: Selection, cell: ErrorSignature) -> tuple[Cause, ...]:
-    """Return what of the instrument would look like a cell, as far as it was tried and not found."""
+    """Return what of the instrument would look like a cell, as far as it was tried and not found.
+
+    Parameters
+    ----------
+    selected : Selection
+    cell : ErrorSignature
+
+    Returns
+    -------
+    tuple of Cause
+    """
     found = {Cause(pick.effect, pick.subject) for pick in selected.picks}
     tried = dict.fromkeys(
         Cause(candidate.effect, candidate.subject)
@@ -59,6 +91,7 @@ def accused(selected: Selection, cell: ErrorSignature) -> tuple[Cause, ...]:
 
 
 def _alike(other: ErrorSignature, cell: ErrorSignature) -> bool:
+    """Whether a signature is of the instrument, over the same variable, in a shape like that of the cell."""
     same = other.shape == cell.shape or {other.shape, cell.shape} <= _SLOW
     return other.where == "tracker" and other.over == cell.over and same
 
@@ -68,27 +101,59 @@ Prepared = tuple[Family, Products]
 
 @dataclass(frozen=True, slots=True)
 class FamilyTest:
-    """A family and how improbable its share of the residuals is by chance."""
+    """A family and how improbable its share of the residuals is by chance.
+
+    Attributes
+    ----------
+    family : Family
+    p_value : float
+        Corrected for all families.
+    products : Products
+        Of its columns with the fit.
+    """
 
     family: Family
-    p_value: float  # corrected for all families
+    p_value: float
     products: Products
 
 
 def prepared_families(fit: RobustFit, scene: Scene) -> tuple[Prepared, ...]:
-    """Return every family with its whitened columns; those of a variable that says nothing are left out."""
+    """Return every family with its whitened columns.
+
+    Parameters
+    ----------
+    fit : RobustFit
+    scene : Scene
+
+    Returns
+    -------
+    tuple of (Family, Products)
+        Those whose variable moves no reading are left out.
+    """
     found = []
     for family in families(scene):
         terms = [terms_of(family, result.state) for result in fit.results]
         count = 1 + max((term.parameter for acting in terms for term in acting), default=-1)
         columns = term_columns(fit, terms, count)
+        # A family that moves nothing would still count in the level that all families share.
         if float(np.abs(columns).max(initial=0.0)) > 0.0:
             found.append((family, products_of(fit, columns)))
     return tuple(found)
 
 
 def structured(prepared: tuple[Prepared, ...], past: Projection) -> tuple[FamilyTest, ...]:
-    """Test every family past what is fitted, the most improbable first."""
+    """Test every family past what is fitted.
+
+    Parameters
+    ----------
+    prepared : tuple of (Family, Products)
+    past : Projection
+
+    Returns
+    -------
+    tuple of FamilyTest
+        The most improbable first.
+    """
     found = [
         FamilyTest(family, min(1.0, len(prepared) * _p_value(products, past)), products)
         for family, products in prepared
@@ -97,26 +162,47 @@ def structured(prepared: tuple[Prepared, ...], past: Projection) -> tuple[Family
 
 
 def _left(products: Products, past: Projection) -> tuple[FloatArray, FloatArray]:
-    """Products among columns, and with the residuals, once the present parameters took theirs."""
+    """Return products among columns (k, k) and with the residuals (k,), past what is fitted."""
     absorbed = past.absorbed(products)
     gram = products.columns @ products.columns.T - absorbed @ absorbed.T
     return np.asarray(gram), past.towards(products, absorbed)
 
 
 def _p_value(products: Products, past: Projection) -> float:
+    """Return the chance that noise alone lies as much along a family, not corrected for the others."""
     return chance(*_left(products, past), past.sums)
 
 
 @dataclass(frozen=True, slots=True)
 class RandomEffect:
-    """A family as a random effect of its most likely size."""
+    """A family as a random effect of its most likely size.
 
-    width: float  # standard deviation of its parameters, 0 where none is seen
-    score: float  # gain in BIC: twice the log likelihood, less what its one parameter costs
+    Attributes
+    ----------
+    width : float
+        Standard deviation of its parameters, 0 where none is seen.
+    score : float
+        Gain in BIC: twice the log likelihood, less what its one parameter (the width) costs.
+    """
+
+    width: float
+    score: float
 
 
 def as_random_effect(products: Products, past: Projection) -> RandomEffect:
-    """Fit a family as a random effect (maximum likelihood, size of the noise profiled out)."""
+    """Fit a family as a random effect (maximum likelihood, size of the noise profiled out).
+
+    Parameters
+    ----------
+    products : Products
+        Of its columns with the fit.
+    past : Projection
+        Past what is fitted.
+
+    Returns
+    -------
+    RandomEffect
+    """
     found = most_likely(*_left(products, past), past.sums)
     cost = float(np.log(max(past.sums.observations / past.sums.alike, 2.0)))
     return RandomEffect(found.width, found.gain - cost)
@@ -132,35 +218,77 @@ _MOST_TOLD = 4  # dependences; more are the same structure seen through variable
 
 @dataclass(frozen=True, slots=True)
 class Relation:
-    """A dependence of what is left."""
+    """A dependence of what is left.
+
+    Attributes
+    ----------
+    variable : str
+        As reported, e.g. "angle of joint 4".
+    p_value : float
+        Corrected for everything that was tried in its kind.
+    kind : str
+        As of `Family`.
+    joint : int or None
+        0-based.
+    family : Family or None
+        None for single waves of a joint, for nests, and for what bad readings share.
+    order : float
+        Of a single wave, periods per turn; else 0.
+    products : Products or None
+        Of the family.
+    """
 
     variable: str
     p_value: float
     kind: str
     joint: int | None
-    family: Family | None  # None for single waves of a joint
+    family: Family | None
     order: float = 0.0
-    products: Products | None = None  # of the family
+    products: Products | None = None
 
 
 @dataclass(frozen=True, slots=True)
 class Remainder:
-    """What the extended model leaves."""
+    """What the extended model leaves.
+
+    Attributes
+    ----------
+    depends : tuple of Relation
+        The most improbable first.
+    noise_scale : float
+        Typical residual over the stated uncertainty [1].
+    more_than_stated : bool
+    explained_by_repeats : bool
+        Revisits scatter as much.
+    tails : Tails
+    worse_unseen : float
+        Validation errors over what explains them where far beyond it, else 0 [1].
+    worse_at : WorstPoint or None
+        A held-out point that is far worse than any was before.
+    steps : AngleSteps or None
+        Of the joint angles, where they are noise beyond what is stated.
+    contradicted : bool
+        Held-out readings are predicted no better than by the start model.
+    withheld : Gain or None
+        Of a description that does not predict validation readings better: it is in no model.
+    """
 
     depends: tuple[Relation, ...]
-    noise_scale: float  # typical residual over the stated uncertainty
+    noise_scale: float
     more_than_stated: bool
-    explained_by_repeats: bool  # revisits scatter as much
+    explained_by_repeats: bool
     tails: Tails
-    worse_unseen: float = 0.0  # validation errors over what explains them where far beyond it, else 0
-    worse_at: WorstPoint | None = None  # a held-out point that is far worse than any was before
-    steps: AngleSteps | None = None  # of the joint angles, where they are noise beyond what is stated
-    contradicted: bool = False  # validation readings are foretold no better than by the start model
-    withheld: Gain | None = None  # of a description that foretells them no better: it is in no model
+    worse_unseen: float = 0.0
+    worse_at: WorstPoint | None = None
+    steps: AngleSteps | None = None
+    contradicted: bool = False
+    withheld: Gain | None = None
 
     @property
     def structure(self) -> bool:
         """Whether something is left that is not noise."""
+        # More noise than stated is no structure where revisits scatter as much, or the steps of the angles
+        # explain it.
         lacking = self.more_than_stated and not self.explained_by_repeats and self.steps is None
         worse = self.clearly_worse_unseen or self.worse_at is not None or self.contradicted
         return bool(self.depends) or lacking or worse
@@ -181,7 +309,22 @@ def left_by(
 ) -> Remainder:
     """Test what is left against everything that it might depend on: the families, and single waves.
 
-    Single waves of a cause that was refuted on unseen points are chance and do not count again.
+    Parameters
+    ----------
+    start : Start
+    selected : Selection
+        The extended model.
+    families : tuple of (Family, Products)
+        Prepared at its fit.
+    without : tuple of str
+        Causes that are left out of the library; their waves are still looked for.
+    refuted : frozenset of Cause
+        Single waves of a cause that was refuted on unseen points are chance and do not count again.
+
+    Returns
+    -------
+    Remainder
+        What validation readings say of it is added later.
     """
     fit, past = selected.fit, selected.pool.normal.past()
     found = [
@@ -207,7 +350,9 @@ def left_by(
         noise_scale=scale,
         more_than_stated=beyond,
         explained_by_repeats=repeated,
+        # In units of the noise that the readings have. Noise twice as large as stated is no heavy tail.
         tails=tails(squared / max(scale, 1e-9) ** 2, components, fit.gross[0]),
+        # Asked again of the extended model: what the start lacked may have outweighed them.
         steps=start.steps or (telling_steps(fit) if beyond and not repeated else None),
     )
 
@@ -220,7 +365,10 @@ def _nests(fit: RobustFit) -> list[Relation]:
 
 
 def _distinct(found: list[Relation]) -> tuple[Relation, ...]:
+    """Return the first dependence on each variable."""
     kept: dict[str, Relation] = {}
+    # A curve over an angle, its trend and its single waves are one dependence: it is reported once, by the
+    # most significant of them.
     for one in found:
         kept.setdefault(one.variable, one)
     return tuple(kept.values())
@@ -231,6 +379,8 @@ def _waves(
 ) -> list[Relation]:
     """Single waves of any order that are left: those that the selection did not try, or could not carry."""
     pool, waves = selected.pool, effects_with(Trait.WAVES)
+    # Left out of the library they are in no pool, and a fast wave, which no smooth family holds, would pass
+    # for noise.
     left_out = [name for name in waves if name in without]
     if left_out:
         pool = pooled(
@@ -239,6 +389,7 @@ def _waves(
     if not pool.all:
         return []
     screened = screen(pool.view())
+    # As for a pick: these are what the selection would have taken, had the readings carried them.
     beyond = (screened.p_value <= LEVEL) & (screened.score > 0.0)
     return [
         _wave(candidate, float(p_value))
@@ -248,20 +399,25 @@ def _waves(
 
 
 def _wave(candidate: Candidate, p_value: float) -> Relation:
+    """Return a single wave as a dependence on its joint's angle."""
     joint = joint_of_subject(candidate.subject)
     return Relation(f"angle of {candidate.subject}", p_value, "angle", joint, None, candidate.variant)
 
 
 def _squared(selected: Selection) -> tuple[FloatArray, int]:
+    """Return the squared residual of each reading in its stated covariance, shape (n,), and d."""
     block, result = selected.fit.blocks[0], selected.fit.results[0]
     stated = block.weighted(block.weights, 0.0)
     return stated.squared(result), result.residual.shape[1]
 
 
 def _noise(selected: Selection, parameters: int) -> tuple[float, bool]:
-    """Typical residual over the stated one, by the median: blind to heavy tails.
+    """Return the typical residual over the stated one, and whether that is beyond chance.
 
-    Of whitened residuals: what the readings of a stop share counts once, not once a reading.
+    With m the median of the squared whitened residuals of d components and f the freedom that the parameters
+    leave, the ratio is m / (chi2 median(d) f); a sample median has the standard deviation 1 / (2 p sqrt(n)),
+    p the density there. By the median it is blind to heavy tails. Of whitened residuals: what the readings of
+    a stop share counts once, not once a reading.
     """
     block, result = selected.fit.blocks[0], selected.fit.results[0]
     if block.stated_sigma() == 0.0:
@@ -269,6 +425,8 @@ def _noise(selected: Selection, parameters: int) -> tuple[float, bool]:
     readings, components = result.residual.shape
     white = block.weighted(block.weights, 0.0).whitened(result).reshape(readings, components)
     squared = (white**2).sum(axis=1)
+    # With hardly more readings than parameters residuals are small whatever the noise is; a twentieth at
+    # least.
     freedom = max(1.0 - parameters / max(selected.pool.normal.observations, 1.0), 0.05)
     expected = chi2_median(components)
     ratio = float(np.median(squared)) / (expected * freedom)
@@ -277,6 +435,7 @@ def _noise(selected: Selection, parameters: int) -> tuple[float, bool]:
 
 
 def _repeats_scatter_as_much(selected: Selection) -> bool:
+    """Whether revisits scatter as much as the residuals: there is no lack of fit beside pure error."""
     fit, result = selected.fit, selected.fit.results[0]
     taken = absorbed(result.white_jacobian, fit.solution.covariance)
     pure = pure_error(fit.blocks[0], result.residual, taken)

@@ -22,31 +22,49 @@ from truepose.identification.fit.robust import RobustFit
 from truepose.identification.model.derivatives import trial_derivatives, tried
 from truepose.identification.model.evaluation import State
 
+# A reading that hardly feels the unit divides its residual by next to nothing: it would fill the picture.
 _FELT = 0.02  # of what the typical reading feels
 
 
 @dataclass(frozen=True, slots=True)
 class Sensitivities:
-    """What the k readings that feel a unit say of it."""
+    """What the k readings that feel a unit say of it.
 
-    rows: BoolArray  # (n,) which readings these are
-    left: FloatArray  # (k,) of it in their residuals
-    fitted: FloatArray  # (k,) of it in the fitted effect
-    standard_uncertainty: FloatArray  # (k,)
+    Attributes
+    ----------
+    rows : ndarray of bool, shape (n,)
+        Which readings these are.
+    left : ndarray, shape (k,)
+        Of the unit in their residuals.
+    fitted : ndarray, shape (k,)
+        Of the unit in the fitted effect.
+    standard_uncertainty : ndarray, shape (k,)
+        Of `left`, in units of the unit.
+    """
+
+    rows: BoolArray
+    left: FloatArray
+    fitted: FloatArray
+    standard_uncertainty: FloatArray
 
 
 def seen(
     selected: Selection, unit_mm: FloatArray, effect_mm: FloatArray, known: BoolArray
 ) -> Sensitivities | None:
-    """Return what readings say of a unit; None where too few feel it.
+    """Return what readings say of a unit.
 
     Parameters
     ----------
-    selected : Selected
+    selected : Selection
     unit_mm, effect_mm : ndarray, shape (n, d)
-        What the unit and what the fitted effect do to each reading of the first block.
-    known : ndarray, shape (n,)
+        What the unit and what the fitted effect do to each reading of the first block [mm].
+    known : ndarray of bool, shape (n,)
         Readings whose place on the curve is known.
+
+    Returns
+    -------
+    Sensitivities or None
+        None where fewer than two readings feel it.
     """
     block, result = selected.fit.blocks[0], selected.fit.results[0]
     size = np.linalg.norm(unit_mm, axis=1)
@@ -67,18 +85,52 @@ def seen(
 
 
 def state_of(selected: Selection) -> State:
-    """Return the extended model at the readings of the first block."""
+    """Return the extended model at the readings of the first block.
+
+    Parameters
+    ----------
+    selected : Selection
+
+    Returns
+    -------
+    State
+        At n readings.
+    """
     return selected.fit.results[0].state
 
 
 def effect_of(selected: Selection, names: Sequence[str]) -> FloatArray:
-    """Return what fitted parameters do to each reading [mm], shape (n, d)."""
+    """Return what fitted parameters do to each reading, to first order.
+
+    Parameters
+    ----------
+    selected : Selection
+    names : sequence of str
+        k parameters of its model.
+
+    Returns
+    -------
+    ndarray, shape (n, d)
+        [mm], d = 1 of lengths.
+    """
     rows = [selected.fit.structure.index_of(name) for name in names]
     return np.asarray(np.tensordot(selected.fit.values[rows], selected.fit.results[0].jacobian[rows], 1))
 
 
 def worth_of(selected: Selection, names: Sequence[str]) -> Worth:
-    """Return how far fitted parameters move the tool over the readings of the first block."""
+    """Return how far fitted parameters move the tool over the readings of the first block.
+
+    Parameters
+    ----------
+    selected : Selection
+    names : sequence of str
+        k parameters of its model.
+
+    Returns
+    -------
+    Worth
+        Mean and largest shift [mm], and the RMS error without these parameters, all others fitted again.
+    """
     way_mm = np.linalg.norm(effect_of(selected, names), axis=1)
     own_mm = np.linalg.norm(_own_effect(selected, names), axis=1)
     return Worth(float(way_mm.mean()), float(way_mm.max()), float(np.sqrt((own_mm**2).mean())))
@@ -87,7 +139,8 @@ def worth_of(selected: Selection, names: Sequence[str]) -> Worth:
 def _own_effect(selected: Selection, names: Sequence[str]) -> FloatArray:
     """Return by how much readings would be missed without fitted parameters [mm], shape (n, d).
 
-    The others follow as a normal posterior's mean does where those are known to be zero.
+    The others follow as a normal posterior's mean does where those are known to be zero: with values v of
+    covariance C_vv, all values change by -C_.v C_vv^-1 v.
     """
     rows = [selected.fit.structure.index_of(name) for name in names]
     values, covariance = values_of(selected, names)
@@ -96,13 +149,41 @@ def _own_effect(selected: Selection, names: Sequence[str]) -> FloatArray:
 
 
 def values_of(selected: Selection, names: Sequence[str]) -> tuple[FloatArray, FloatArray]:
-    """Return fitted parameters, shape (k,), and their covariance, shape (k, k)."""
+    """Return fitted parameters with their covariance.
+
+    Parameters
+    ----------
+    selected : Selection
+    names : sequence of str
+        k parameters of its model.
+
+    Returns
+    -------
+    values : ndarray, shape (k,)
+        Internal units.
+    covariance : ndarray, shape (k, k)
+        All other parameters being open.
+    """
     rows = [selected.fit.structure.index_of(name) for name in names]
     return selected.fit.values[rows], selected.fit.solution.covariance[np.ix_(rows, rows)]
 
 
 def moved_by(selected: Selection, terms: Sequence[Term], count: int) -> FloatArray:
-    """Return what `count` further parameters do to each reading, per unit [mm], shape (count, n, d)."""
+    """Return what further parameters do to each reading, per unit.
+
+    Parameters
+    ----------
+    selected : Selection
+    terms : sequence of Term
+        How they act on the ports of the chain, numbered from 0.
+    count : int
+        How many parameters there are.
+
+    Returns
+    -------
+    ndarray, shape (count, n, d)
+        [mm per unit].
+    """
     state = state_of(selected)
     specs = tuple(ParameterSpec(f"way_{k}", "1", 0.0, 1.0) for k in range(count))
     derivatives = selected.fit.blocks[0].derivatives(tried(state, specs, tuple(terms)))
@@ -110,38 +191,96 @@ def moved_by(selected: Selection, terms: Sequence[Term], count: int) -> FloatArr
 
 
 def of_joint(selected: Selection, joint: int) -> FloatArray:
-    """Return how each reading moves per angle of a joint (0-based) [mm/rad], shape (n, d)."""
+    """Return how each reading moves per angle of a joint.
+
+    Parameters
+    ----------
+    selected : Selection
+    joint : int
+        0-based.
+
+    Returns
+    -------
+    ndarray, shape (n, d)
+        [mm/rad].
+    """
     unit: FloatArray = moved_by(selected, [Term(0, Port(PortKind.THETA, joint), 1.0)], 1)[0]
     return unit
 
 
 def of_body(selected: Selection, body: int) -> FloatArray:
-    """Return how each reading moves per shift of a body along its three axes [1], shape (3, n, d)."""
+    """Return how each reading moves per shift of a body along its three axes.
+
+    Parameters
+    ----------
+    selected : Selection
+    body : int
+        0 is the base, the number of joints the tool.
+
+    Returns
+    -------
+    ndarray, shape (3, n, d)
+        [1].
+    """
     return moved_by(selected, [Term(axis, motion_port(body, axis), 1.0) for axis in range(3)], 3)
 
 
 def description_of(
     selected: Selection, scene: Scene, subject: str, picks: Sequence[Candidate]
 ) -> Description:
-    """Return what picks of one cause are in its own words."""
+    """Return what picks of one cause are in its own words.
+
+    Parameters
+    ----------
+    selected : Selection
+    scene : Scene
+        Of the extended model.
+    subject : str
+    picks : sequence of Candidate
+        Of one cause on that subject, at least one.
+
+    Returns
+    -------
+    Description
+    """
     names = names_of(picks)
     return CAUSES[picks[0].effect].describe(subject, Fitted(names, *values_of(selected, names)), scene)
 
 
 @dataclass(frozen=True, slots=True)
 class CompleteModel:
-    """The model with every cell that the data ask for: what is left, described without a name."""
+    """The model with every cell that the data ask for: what is left, described without a name.
+
+    Attributes
+    ----------
+    fit : RobustFit
+        Of the findings and the cells.
+    cells : tuple of Candidate
+        Random functions, those of the findings among them.
+    """
 
     fit: RobustFit
     cells: tuple[Candidate, ...]
 
     def beside(self, selected: Selection) -> tuple[Described, ...]:
-        """Return what it describes beside the picks, which are told by their findings; largest first."""
+        """Return what it describes beside the picks, which have their own findings.
+
+        Parameters
+        ----------
+        selected : Selection
+            The findings.
+
+        Returns
+        -------
+        tuple of Described
+            One a place and variable, largest RMS first.
+        """
         seen = replace(selected, fit=self.fit)
         found = (Described(*place, worth_of(seen, names)) for place, names in self._places(selected))
         return tuple(sorted(found, key=lambda one: -(one.worth.own_mm or 0.0)))
 
     def _places(self, selected: Selection) -> Iterator[tuple[tuple[str, str], tuple[str, ...]]]:
+        """Yield each place and variable with the names of its parameters, those of the picks left out."""
         picked = set(names_of(selected.picks))
         names: dict[tuple[str, str], tuple[str, ...]] = {}
         for cell in self.cells:

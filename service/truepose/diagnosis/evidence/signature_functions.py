@@ -32,6 +32,7 @@ from truepose.domain.arrays import FloatArray, IntArray
 from truepose.effects.causes import Candidate
 from truepose.effects.signatures import signature_of
 
+# Twice the log likelihood: what comes in must gain 4, as two standard deviations of one parameter would.
 _LEAST_GAIN = 4.0
 _SWEEPS = 2  # over the cells that are in, after each that comes in
 _MOST_CELLS = 40
@@ -43,7 +44,7 @@ _SEARCHED = frozenset({"jump", "settling"})  # over moments: one is right, their
 
 @dataclass(frozen=True, slots=True)
 class _Cell:
-    """A place and a variable with everything that may depend on it there."""
+    """A place and a variable, with everything that may depend on the variable there."""
 
     candidates: tuple[Candidate, ...]  # with the widths that are believed
     rows: IntArray  # (k,) their columns in the pool
@@ -59,21 +60,49 @@ class _Size(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class _Products:
-    """Products past what is fitted, of all columns scaled to their widths; cells are runs of them."""
+    """Products past what is fitted, of all K columns scaled to their widths; each cell is a run of them.
 
-    gram: FloatArray  # (K, K)
-    towards: FloatArray  # (K,)
+    Attributes
+    ----------
+    gram : ndarray, shape (K, K)
+        Products among the columns.
+    towards : ndarray, shape (K,)
+        Their products with the residuals.
+    sums : Sums
+        Of the residuals.
+    runs : tuple of ndarray of int
+        Rows of each cell.
+    """
+
+    gram: FloatArray
+    towards: FloatArray
     sums: Sums
     runs: tuple[IntArray, ...]
 
     def sizes(self, cells: Sequence[int], past: Mapping[int, _Size]) -> dict[int, _Size]:
-        """Return the most likely sizes of cells, each alone past some others and no larger than believed."""
+        """Return the most likely sizes of cells, each alone past some others and no wider than its prior.
+
+        With L L^T = G_hh + diag(precision) of the cells h that are held, a cell c keeps G_cc - A^T A and
+        b_c - A^T t, where A = L^-1 G_hc and t = L^-1 b_h.
+
+        Parameters
+        ----------
+        cells : sequence of int
+            Those to be sized.
+        past : mapping of int to _Size
+            Cells that are in, with their sizes.
+
+        Returns
+        -------
+        dict of int to _Size
+        """
         rows = np.concatenate([_NO_ROWS, *(self.runs[cell] for cell in past)])
         added = [np.full(len(self.runs[cell]), size.precision) for cell, size in past.items()]
         root = cholesky(
             self.gram[np.ix_(rows, rows)] + np.diag(np.concatenate([np.zeros(0), *added])), lower=True
         )
         taken = solve_triangular(root, self.towards[rows], lower=True)
+        # Rounding may bring a sum of squares to 0 or below; its logarithm is taken next.
         left = max(self.sums.residual_square - float(taken @ taken), 1e-300)
         sums = replace(self.sums, residual_square=left)
         found = {}
@@ -87,6 +116,7 @@ class _Products:
 
 
 def _sized(function: Function, sums: Sums) -> _Size:
+    """Return the size of a function; its precision is the noise's variance over the square of its width."""
     noise = (sums.residual_square - function.explained) / max(sums.degrees, 1.0)
     precision = noise / function.width**2 if function.width > 0.0 else np.inf
     return _Size(function.gain, function.width, precision)
@@ -94,13 +124,31 @@ def _sized(function: Function, sums: Sums) -> _Size:
 
 @dataclass(frozen=True, slots=True)
 class SignatureComponents:
-    """The cells that the data ask for."""
+    """The cells that the data ask for.
 
-    candidates: tuple[Candidate, ...]  # functions whose prior widths are as large as the data ask for
-    rows: IntArray  # (k,) columns in the pool, of all their parameters
+    Attributes
+    ----------
+    candidates : tuple of Candidate
+        Functions; their prior widths are as large as the data ask for.
+    rows : ndarray of int, shape (k,)
+        Columns in the pool, of all their parameters.
+    """
+
+    candidates: tuple[Candidate, ...]
+    rows: IntArray
 
     def fitted(self, pool: Pool) -> NormalEquations:
-        """Return the model of a pool with these cells fitted, to first order."""
+        """Return the model of a pool with these cells fitted, to first order.
+
+        Parameters
+        ----------
+        pool : Pool
+            The one that they were described in, or a pool of the same candidates.
+
+        Returns
+        -------
+        NormalEquations
+        """
         widths = np.array([spec.prior_width for candidate in self.candidates for spec in candidate.specs])
         return pool.normal.beside(pool.products.rows(self.rows), widths, names_of(self.candidates))
 
@@ -113,6 +161,12 @@ def described(pool: Pool, picks: Sequence[Candidate] = ()) -> SignatureComponent
     pool : Pool
         Of a model with the picks fitted.
     picks : sequence of Candidate
+        Each is a cell by itself; its parameters are left out of the model first.
+
+    Returns
+    -------
+    SignatureComponents
+        Without candidates where no cell gains anything.
     """
     cells = _cells(pool, picks)
     if not cells:
@@ -132,6 +186,7 @@ def _cells(pool: Pool, picks: Sequence[Candidate]) -> list[_Cell]:
     """Gather what the pool proposes by place and variable, each pick by itself; a parameter counts once."""
     found: dict[tuple[str, str], list[tuple[Candidate, list[int]]]] = {}
     known = set(pool.normal.names)
+    # Short candidates first: of two that share a parameter, the more special one keeps it.
     for index in sorted(range(len(pool.all)), key=lambda index: len(pool.all[index].specs)):
         candidate, cell = pool.all[index], signature_of(pool.all[index])
         high = cell.shape == "wave" and candidate.variant > _HIGHEST_ORDER
@@ -161,6 +216,7 @@ def _believed(candidate: Candidate, wave: bool) -> Candidate:
 
 
 def _products(pool: Pool, cells: Sequence[_Cell], without: tuple[str, ...]) -> _Products:
+    """Return the products of all cells past a model that is fitted without some parameters."""
     view = pool.view(without)
     rows = np.concatenate([cell.rows for cell in cells])
     widths = np.array([
@@ -169,6 +225,8 @@ def _products(pool: Pool, cells: Sequence[_Cell], without: tuple[str, ...]) -> _
     columns, absorbed = pool.products.columns[rows] * widths[:, None], view.absorbed[rows] * widths[:, None]
     ends = np.cumsum([len(cell.rows) for cell in cells]).tolist()
     runs = tuple(np.arange(end - len(cell.rows), end) for cell, end in zip(cells, ends, strict=True))
+    # Cells that take all that readings left have precision 0. Of two with the same columns, only this keeps
+    # the Cholesky factor of those that are in from failing.
     own = columns @ columns.T
     gram = own - absorbed @ absorbed.T + _ROUNDING * np.diag(np.diag(own))
     return _Products(gram, view.towards[rows] * widths, view.sums, runs)
@@ -194,6 +252,8 @@ def _sized_anew(products: _Products, held: dict[int, _Size]) -> dict[int, _Size]
     now = dict(held)
     for cell in held:
         del now[cell]
+        # Half the gain of entry is enough to stay. With one threshold a cell at the limit would come in and
+        # go out in turns until all rounds are used up.
         size = products.sizes((cell,), now)[cell]
         if size.gain >= _LEAST_GAIN / 2.0:
             now[cell] = size
