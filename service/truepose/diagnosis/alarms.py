@@ -17,7 +17,14 @@ _BAND: Final = 1.96  # standard uncertainties of 95 %
 
 @dataclass(frozen=True, slots=True)
 class CauseGrowth:
-    """A cause whose amplitude grew, and from when to when."""
+    """A cause whose amplitude grew, and from when to when.
+
+    Attributes
+    ----------
+    cause : CauseOverTime
+    change : Change
+        The significant one.
+    """
 
     cause: CauseOverTime
     change: Change
@@ -25,13 +32,25 @@ class CauseGrowth:
 
 @dataclass(frozen=True, slots=True)
 class NewCause:
-    """A cause that was not there before, RMS at the tool [mm]."""
+    """A cause that was not there before.
+
+    Attributes
+    ----------
+    cause : CauseOverTime
+    absent_on : str
+        When it was looked for and not found.
+    at_most_mm : float
+        How large it could have been then, RMS at the tool, 95 % [mm].
+    found_on : str
+    worth_mm : float
+        How large it is now, RMS at the tool [mm].
+    """
 
     cause: CauseOverTime
-    absent_on: str  # when it was looked for and not found
-    at_most_mm: float  # then
+    absent_on: str
+    at_most_mm: float
     found_on: str
-    worth_mm: float  # now
+    worth_mm: float
 
 
 Alarm = CauseGrowth | NewCause
@@ -46,6 +65,11 @@ def alarms(causes: Sequence[CauseOverTime], diagnoses: Sequence[DatedDiagnosis])
         As `compare` returns them.
     diagnoses : sequence of DatedDiagnosis
         Those that were compared.
+
+    Returns
+    -------
+    tuple of CauseGrowth or NewCause
+        At most one a cause, in the order of `causes`.
     """
     known = {entry.id: entry.diagnosis for entry in diagnoses}
     found = (_grown(cause) or _appeared(cause, known) for cause in causes)
@@ -56,6 +80,7 @@ def _grown(cause: CauseOverTime) -> CauseGrowth | None:
     """Return the significant growth that ends with the last amplitude: overall, else of the last step."""
     signs = {sign.diagnosis_id: abs(sign.amplitude or 0.0) for sign in cause.signs}
     last = cause.changes[-1].to_id if cause.changes else None
+    # The whole span first: slow growth may be significant over years though no single step of it is.
     for change in filter(None, (cause.overall, *cause.changes[-1:])):
         if change.significant and change.to_id == last and signs[change.to_id] > signs[change.from_id]:
             return CauseGrowth(cause, change)
@@ -63,10 +88,12 @@ def _grown(cause: CauseOverTime) -> CauseGrowth | None:
 
 
 def _appeared(cause: CauseOverTime, known: Mapping[int, Diagnosis]) -> NewCause | None:
+    """Return a cause that was certainly smaller at the measurement before; None where that cannot be said."""
     dated = [sign for sign in cause.signs if sign.measured_at is not None]
     if len(dated) < 2 or dated[-1].confidence is not Confidence.CERTAIN:
         return None
     before, now = dated[-2:]
+    # The last two dated diagnoses alone: a cause that was absent longer ago was reported in between.
     limit = _limit_mm(cause, before, known[before.diagnosis_id])
     worth = _worth_mm(cause, known[now.diagnosis_id])
     if limit is None or worth is None or worth * _surely(now) <= limit:
@@ -83,6 +110,7 @@ def _limit_mm(cause: CauseOverTime, sign: CauseObservation, diagnosis: Diagnosis
 
 
 def _worth_mm(cause: CauseOverTime, diagnosis: Diagnosis) -> float | None:
+    """Return how large a finding of this cause is, RMS at the tool [mm]; None where it is not known."""
     for found in diagnosis.all_findings:
         if (found.effect, found.subject) == (cause.effect, cause.subject) and found.worth is not None:
             return found.worth.own_mm

@@ -47,15 +47,37 @@ _SLOW_ORDER = 2.5  # a wave so slow that a gain or a coupling can pass for it
 
 @dataclass(frozen=True, slots=True)
 class RivalComparison:
-    """A pick group beside its rivals."""
+    """The picks of a cause beside their rivals.
 
-    p_value: float  # corrected
-    explained: float  # sum of squares that it alone explains beside the others
-    rivals: tuple[Cause, ...]  # closest first
+    Attributes
+    ----------
+    p_value : float
+        Corrected for everything tried.
+    explained : float
+        Sum of squares that they explain beside the others, each pick by itself.
+    rivals : tuple of Cause
+        Closest first.
+    """
+
+    p_value: float
+    explained: float
+    rivals: tuple[Cause, ...]
 
 
 def weighed(selected: Selection, group: tuple[Candidate, ...], *, structure_left: bool) -> RivalComparison:
-    """Weigh the picks of one cause and subject against everything else that was tried."""
+    """Weigh the picks of one cause and subject against everything else that was tried.
+
+    Parameters
+    ----------
+    selected : Selection
+    group : tuple of Candidate
+    structure_left : bool
+        Whether something is left that nothing explains.
+
+    Returns
+    -------
+    RivalComparison
+    """
     names = names_of(group)
     screened = screen(selected.pool.view(without=names))
     indices = [selected.pool.index_of(pick) for pick in group]
@@ -87,20 +109,24 @@ def _differs(pick: Candidate, other: Candidate) -> bool:
 
 
 def _needed(pick: Candidate, other: Candidate) -> float:
+    """Return by how much, in BIC, another candidate must fall behind to be no rival."""
     return _SHAPE_MARGIN if _differ_in_shape(pick, other) else _MARGIN
 
 
 def _differ_in_shape(pick: Candidate, other: Candidate) -> bool:
+    """Whether two candidates are the same curve over the same variable but for its shape."""
     one, another = signature_of(pick), signature_of(other)
     if {one.over, another.over} <= _RUN_TOGETHER:
         return one.shape != another.shape and not {one.shape, another.shape} <= _SLOW
     if one.over == another.over and not (has_trade_name(pick.effect) and has_trade_name(other.effect)):
         return False  # the same place and the same variable: whichever shape is told, these are right
+    # Over less than a turn a gain, a coupling and a slow wave of one joint are the same gently bent line.
     angles = all(cell.over.startswith("angle") for cell in (one, another))
     return angles and one.where == another.where and _is_slow(pick, one) and _is_slow(other, another)
 
 
 def _is_slow(candidate: Candidate, cell: ErrorSignature) -> bool:
+    """Whether a candidate is a line, or a wave that may pass for one over the angles measured."""
     return cell.shape == "line" or candidate.variant <= _SLOW_ORDER
 
 
@@ -108,7 +134,7 @@ _BEYOND = 0.05  # chance that it is larger all the same
 
 
 def upper_limits_mm(view: View, chosen: Sequence[int]) -> tuple[float, ...]:
-    """Return how large candidates could still be, RMS at the tool over the readings [mm].
+    """Return how large candidates could still be, RMS at the tool over the readings.
 
     Parameters
     ----------
@@ -116,12 +142,21 @@ def upper_limits_mm(view: View, chosen: Sequence[int]) -> tuple[float, ...]:
         All candidates beside the fitted model.
     chosen : sequence of int
         Which of them; none of them a function, whose size has no prior.
+
+    Returns
+    -------
+    tuple of float
+        95 % limits [mm], in the order of `chosen`.
     """
     motions = candidate_motions(view.pool.fit, [view.pool.all[index] for index in chosen])
     return tuple(_limit(view, index, motion) for index, motion in zip(chosen, motions, strict=True))
 
 
 def _limit(view: View, index: int, motion_mm: FloatArray) -> float:
+    """Return the 95 % limit of one candidate [mm], motions (k, n, d) per unit of its parameters.
+
+    With S = M C the scaled chi-square of mean s and variance v has 2 s^2 / v degrees of freedom.
+    """
     mean, covariance = _posterior(view, index)
     readings = motion_mm.shape[1]
     products = np.einsum("ink,jnk->ij", motion_mm, motion_mm) / readings
@@ -149,7 +184,23 @@ def _posterior(view: View, index: int) -> tuple[FloatArray, FloatArray]:
 def ruled_out(
     scene: Scene, selected: Selection, found: frozenset[Cause], without: tuple[str, ...]
 ) -> tuple[RuledOut, ...]:
-    """Return one entry per cause and subject, the least improbable first, then what cannot be seen."""
+    """Return what was tried and not found, and what cannot be seen.
+
+    Parameters
+    ----------
+    scene : Scene
+    selected : Selection
+    found : frozenset of Cause
+        What has a finding.
+    without : tuple of str
+        Causes that are left out of the library.
+
+    Returns
+    -------
+    tuple of RuledOut
+        One entry per cause and subject, smallest p value first; then those that the model absorbs, then those
+        that the data cannot show.
+    """
     tried = _tried(selected, found) if selected.pool.all else ()
     return (
         *sorted(tried, key=lambda one: (not one.visible, one.p_value or 0.0)),
@@ -158,10 +209,12 @@ def ruled_out(
 
 
 def _tried(selected: Selection, found: frozenset[Cause]) -> Iterator[RuledOut]:
+    """Yield an entry for each cause that was tried and not found."""
     view = selected.pool.view()
     screened = screen(view)
     order = np.argsort(screened.p_value, kind="stable").tolist()
     best = _first_of_each(selected, found, order)
+    # The candidate of the smallest p value may be a curve, which has no limit: the next one then states it.
     limited = _first_of_each(selected, found, [k for k in order if _has_limit(selected, screened, k)])
     limits = dict(zip(limited, upper_limits_mm(view, tuple(limited.values())), strict=True))
     for cause, index in best.items():
@@ -180,10 +233,12 @@ def _first_of_each(selected: Selection, found: frozenset[Cause], order: Sequence
 
 
 def _has_limit(selected: Selection, screened: Screening, index: int) -> bool:
+    """Whether a candidate can be seen, and has a prior that bounds it."""
     return float(screened.size[index]) > 0.0 and not selected.pool.all[index].function
 
 
 def _entry(cause: Cause, size: float, p_value: float) -> RuledOut:
+    """Return the entry of a cause by its number of visible parameters and its p value."""
     if size == 0.0:
         return RuledOut(
             cause.effect,
@@ -197,6 +252,7 @@ def _entry(cause: Cause, size: float, p_value: float) -> RuledOut:
 
 
 def _unseen(scene: Scene, without: tuple[str, ...]) -> tuple[RuledOut, ...]:
+    """Return an entry for each cause that these data cannot show, with what would."""
     reasons = ((name, cause.unseen(scene)) for name, cause in CAUSES.items() if name not in without)
     return tuple(
         RuledOut(name, "", reason, None, visible=False) for name, reason in reasons if reason is not None

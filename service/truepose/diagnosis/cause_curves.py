@@ -1,7 +1,8 @@
 """Curves of causes: residuals along one variable, with the fitted cause over them and its 95 % band.
 
 The fitted cause is linear in its parameters v with covariance C: its line is w(x) . v, its band
-1.96 sqrt(w^T C w).
+1.96 sqrt(w^T C w). A reading that moves by u per unit of the quantity is drawn at (r . u) / |u|^2 of it, r
+its residual without the cause (`evidence.sensitivities`).
 """
 
 import math
@@ -39,12 +40,23 @@ DRAWN = 200  # points of a line
 
 @dataclass(frozen=True, slots=True)
 class Axis:
-    """A variable at the n readings; NaN where it is unknown."""
+    """A variable at the n readings.
+
+    Attributes
+    ----------
+    variable : str
+        As reported, e.g. "angle of joint 4".
+    unit : str
+    x : ndarray, shape (n,)
+        NaN where it is unknown.
+    stepped : bool
+        Numbers of things instead of amounts.
+    """
 
     variable: str
     unit: str
-    x: FloatArray  # (n,)
-    stepped: bool = False  # numbers of things instead of amounts
+    x: FloatArray
+    stepped: bool = False
 
     @property
     def known(self) -> BoolArray:
@@ -52,19 +64,34 @@ class Axis:
         return np.isfinite(self.x)
 
     def drawn(self, count: int) -> FloatArray:
-        """Return evenly spread values from the least to the greatest."""
+        """Return evenly spread values over the range, shape (count,); zeros where none is known."""
         known = self.x[self.known]
         if known.size == 0:
             return np.zeros(count)
         return np.linspace(float(known.min()), float(known.max()), count)
 
     def levels(self) -> FloatArray:
-        """Return the values that occur, ascending."""
+        """Return the values that occur, ascending, shape (l,)."""
         return np.unique(self.x[self.known])
 
 
 def angle_axis(turn_rad: FloatArray, joint: int, order: float = 1.0) -> Axis:
-    """Return the angle of a joint (0-based), within one period where waves of that order are fast."""
+    """Return the angle of a joint, within one period where waves of that order are fast.
+
+    Parameters
+    ----------
+    turn_rad : ndarray, shape (n, J)
+        Angles of the joints about their own axes.
+    joint : int
+        0-based.
+    order : float
+        Periods per turn.
+
+    Returns
+    -------
+    Axis
+        [deg].
+    """
     angle_deg = np.rad2deg(turn_rad)
     if order > ONE_PERIOD_FROM:
         variable = f"angle of joint {joint + 1} within one period"
@@ -73,13 +100,36 @@ def angle_axis(turn_rad: FloatArray, joint: int, order: float = 1.0) -> Axis:
 
 
 def level_axis(variable: str, numbers: FloatArray | IntArray) -> Axis:
-    """Return an axis of numbers of nests or mountings, or of directions; 0, an unknown one, is left out."""
+    """Return an axis of numbers of nests or mountings, or of directions.
+
+    Parameters
+    ----------
+    variable : str
+    numbers : ndarray, shape (n,)
+        0 is unknown, and is left out.
+
+    Returns
+    -------
+    Axis
+    """
     values = numbers.astype(float)
     return Axis(variable, "", np.where(values == 0.0, np.nan, values), stepped=True)
 
 
 def time_axis(scene: Scene, over: str) -> Axis | None:
-    """Return the `temperature` or the `time`; None where it is unknown."""
+    """Return the temperature or the time of the readings.
+
+    Parameters
+    ----------
+    scene : Scene
+    over : str
+        "temperature" [degC]; anything else is time [h] since the scene's origin.
+
+    Returns
+    -------
+    Axis or None
+        None where it is unknown.
+    """
     stops = scene.stops
     if over == "temperature":
         return None if stops.temperature_c is None else Axis("temperature", "degC", stops.temperature_c)
@@ -99,12 +149,14 @@ def _curve(
     line_x: FloatArray,
     line: tuple[FloatArray, FloatArray],
 ) -> Curve:
+    """Return a curve from what readings say of the quantity, and the line with its band."""
     return Curve(
         variable=axis.variable,
         variable_unit=axis.unit,
         quantity=quantity[0],
         quantity_unit=quantity[1],
         x=axis.x[told.rows],
+        # Without the cause: what the fit leaves, and what the cause explains of it.
         residual=told.left + told.fitted,
         standard_uncertainty=told.standard_uncertainty,
         line_x=line_x,
@@ -114,13 +166,26 @@ def _curve(
 
 
 def _line(weights: FloatArray, values: FloatArray, covariance: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Line and half width of its band from weights (k, m) of k parameters."""
+    """Return a line and the half width of its 95 % band, (m,) each, from weights (k, m) of k parameters."""
     variance = np.einsum("km,kl,lm->m", weights, covariance, weights)
     return values @ weights, WITHIN_95 * np.sqrt(np.maximum(variance, 0.0))
 
 
 def joint_curve(selected: Selection, scene: Scene, group: tuple[Candidate, ...]) -> Curve | None:
-    """Return the error of a joint along what it depends on; of several joints, the one that it moves most."""
+    """Return the error of a joint along what it depends on; of several joints, the one that it moves most.
+
+    Parameters
+    ----------
+    selected : Selection
+    scene : Scene
+    group : tuple of Candidate
+        Picks of one cause, whose parameters are named after their joints.
+
+    Returns
+    -------
+    Curve or None
+        [deg]; None where the variable is unknown, or too few readings feel the joint.
+    """
     by_joint: dict[int, list[str]] = {}
     for name in names_of(group):
         if "*" in name:
@@ -148,7 +213,10 @@ def joint_curve(selected: Selection, scene: Scene, group: tuple[Candidate, ...])
 def _joint_axis(
     selected: Selection, scene: Scene, candidate: Candidate, names: tuple[str, ...], joint: int
 ) -> tuple[Axis, FloatArray, FloatArray] | None:
-    """Variable of the readings, and of a line with its weights."""
+    """Return the variable of the readings, values of it for a line (m,), and the line's weights (k, m).
+
+    None where the torque or the direction is unknown.
+    """
     torque, direction = rows_of(state_of(selected)).torque_n_mm, scene.stops.direction
     effect, cell = candidate.effect, signature_of(candidate)
     over, _, of = cell.over.partition(" of ")
@@ -171,7 +239,9 @@ def _joint_axis(
     # A joint that another one moves: its own number is not that of the angle.
     source = joint if of == cell.where else int(of.removeprefix("joint ")) - 1
     orders = {order_of_wave(name) for name in names} if effect in effects_with(Trait.WAVES) else set()
+    # Several orders repeat together in their common period only: 14 and 21 over a seventh of a turn.
     axis = angle_axis(scene.turn_rad[:, source], source, _common_order(orders))
+    # A fast wave drawn through too few points is another, slower one.
     line_x = axis.drawn(max(DRAWN, round(_PER_WAVE * _most_waves(orders))))
     return axis, line_x, _weights(effect, names, _there(selected, source, turn_rad=np.deg2rad(line_x)))
 
@@ -212,14 +282,34 @@ def _weights(effect: str, names: tuple[str, ...], rows: Rows) -> FloatArray:
 
 
 def _by_parameter(terms: Sequence[Term], count: int, size: int) -> FloatArray:
+    """Return the weight of each parameter where it acts, shape (count, size)."""
     weights = np.zeros((count, size))
+    # Backwards, so that the first port of a parameter is the one that stays.
     for term in reversed(terms):
         weights[term.parameter] = term.weight
     return weights
 
 
 def shape_curve(selected: Selection, scene: Scene, group: tuple[Candidate, ...]) -> Curve | None:
-    """Return the shift of the tool over time or temperature, where it feels as much as it typically does."""
+    """Return the shift of the tool over time or temperature.
+
+    Of the motions that a cause gives the tool, the one at the moment when it acts most is the unit u; it is
+    scaled to what a typical reading feels. With G = X X^T, X the columns (k, n d) of the parameters where
+    they act most and a their values at that moment, the line of weights s(t) is (G a) . (v s(t)) / (a^T G a),
+    times the typical shift.
+
+    Parameters
+    ----------
+    selected : Selection
+    scene : Scene
+    group : tuple of Candidate
+        Picks of one cause.
+
+    Returns
+    -------
+    Curve or None
+        [mm]; None where the variable is unknown, a parameter never acts, or too few readings feel it.
+    """
     effect, names = group[0].effect, names_of(group)
     axis = time_axis(scene, signature_of(group[0]).over)
     if axis is None:
@@ -227,6 +317,7 @@ def shape_curve(selected: Selection, scene: Scene, group: tuple[Candidate, ...])
     state = state_of(selected)
     terms = effect_named(effect).terms(names, rows_of(state))
     largest = [float(np.ravel(term.weight)[np.argmax(np.abs(term.weight))]) for term in terms]
+    # A course that is zero at every reading has no largest weight to be scaled by.
     if not all(largest):
         return None
     at_most = [term._replace(weight=most) for term, most in zip(terms, largest, strict=True)]
@@ -254,6 +345,7 @@ def shape_curve(selected: Selection, scene: Scene, group: tuple[Candidate, ...])
 
 
 def _over_time(selected: Selection, axis: Axis, line_x: FloatArray) -> Rows:
+    """Return rows at these times [h] or temperatures [degC] in which all joints rest."""
     rows = rows_of(state_of(selected))
     size, joints = len(line_x), rows.turn_rad.shape[1]
     still, one = np.zeros((size, joints)), np.ones(size, dtype=np.int64)
@@ -268,7 +360,20 @@ def _over_time(selected: Selection, axis: Axis, line_x: FloatArray) -> Rows:
 
 
 def level_curve(selected: Selection, scene: Scene, group: tuple[Candidate, ...]) -> Curve | None:
-    """Return the shift along the axis of the tool that shows most of it, for each nest or mounting."""
+    """Return the shift along the axis of the tool that shows most of it, for each nest or mounting.
+
+    Parameters
+    ----------
+    selected : Selection
+    scene : Scene
+    group : tuple of Candidate
+        Picks of one cause.
+
+    Returns
+    -------
+    Curve or None
+        [mm]; None where mountings are unknown, or too few readings feel it.
+    """
     names = names_of(group)
     attachment = scene.stops.attachment
     over = signature_of(group[0]).over
@@ -302,7 +407,19 @@ def level_curve(selected: Selection, scene: Scene, group: tuple[Candidate, ...])
 
 
 def agreement_curve(selected: Selection, group: tuple[Candidate, ...]) -> Curve | None:
-    """Return the shift that readings show along the way of a cause, against what the cause foretells."""
+    """Return the shift that readings show along the motion by a cause, against what the cause predicts.
+
+    Parameters
+    ----------
+    selected : Selection
+    group : tuple of Candidate
+        Picks of one cause.
+
+    Returns
+    -------
+    Curve or None
+        Both axes [mm]; None where too few readings feel it.
+    """
     names = names_of(group)
     effect = effect_of(selected, names)
     size = np.linalg.norm(effect, axis=1)
@@ -322,7 +439,10 @@ def agreement_curve(selected: Selection, group: tuple[Candidate, ...]) -> Curve 
 
 
 def _relative(values: FloatArray, covariance: FloatArray) -> float:
-    """Return the relative standard uncertainty of a cause whose parameters keep their proportions."""
+    """Return the relative standard uncertainty of a cause whose parameters keep their proportions.
+
+    Of a common factor f on v, f = 1 and u(f)^-2 = v^T C^-1 v, solved in units of the standard deviations.
+    """
     scale = 1.0 / np.sqrt(np.maximum(np.diag(covariance), 1e-300))
     alike = covariance * np.outer(scale, scale)
     known = float((values * scale) @ np.linalg.lstsq(alike, values * scale, rcond=None)[0])

@@ -1,11 +1,15 @@
 """Confidence in findings: whether they help configurations left out, and what speaks against them.
 
 *Beside.* Residuals that depend smoothly on something are not independent: a cause that varies along with it
-may owe its place to it. Each finding is tested again with the families that are left fitted as random
-effects.
+may owe its place to it. Each finding is tested again (F test, `screening.significance`) with the families
+that are left fitted as random effects of their most likely widths.
 
-*Shape.* Each finding is compared with every smooth family in its own place. Where a family, which assumes
-nothing but smoothness, is clearly the better story, the name is that of the nearest known cause and no more.
+*Shape.* Each finding is compared with every smooth family in its own place, both by BIC:
+
+    finding  nu ln(R / R_with) - k ln n - 2 ln(variants),    family  2 ln L(width) - 2 ln L(0) - ln n.
+
+Where a family, which assumes nothing but smoothness, is clearly the better story, the name is that of the
+nearest known cause and no more.
 
 *Held out.* Findings that help configurations left out are kept, the others withdrawn with the reason. All of
 it rests on cross-validation within the calibration. Validation readings take no part.
@@ -13,7 +17,7 @@ it rests on cross-validation within the calibration. Validation readings take no
 *Between readings.* Waves are chosen because they fit the angles that were measured. Other orders would fit
 them nearly as well and go another way in between. So every order stays in the covariance of the model, with
 the value 0 and the size of what was found as its width: where readings are, they hold it; in a gap of the
-angles, and beyond them, it is as open as it was.
+angles, and beyond them, it is as open as it was (decision 0026).
 
 References
 ----------
@@ -68,7 +72,21 @@ _SMALLEST = 1e-9  # mm: a random effect no wider than this changes nothing
 def owed_to_the_rest(
     selected: Selection, groups: Sequence[tuple[Candidate, ...]], left: Remainder
 ) -> tuple[bool, ...]:
-    """Whether each finding is no longer beyond chance beside the structure that is left."""
+    """Return whether each finding is no longer beyond chance beside the structure that is left.
+
+    Parameters
+    ----------
+    selected : Selection
+    groups : sequence of tuple of Candidate
+        Picks of each finding.
+    left : Remainder
+        Of that selection.
+
+    Returns
+    -------
+    tuple of bool
+        One a group; false for all where nothing is left that has a size.
+    """
     normal = selected.pool.normal
     families = [one.products for one in left.depends if one.products is not None]
     widths = [as_random_effect(products, normal.past()).width for products in families]
@@ -84,6 +102,7 @@ def owed_to_the_rest(
 def _is_chance(
     selected: Selection, group: tuple[Candidate, ...], effects: FloatArray, beside: NormalEquations
 ) -> bool:
+    """Whether a group explains no more than noise, past the model without it and the effects beside it."""
     own = _products_of(selected, group)
     wider = Products(own.columns, np.hstack([own.with_jacobian, own.columns @ effects.T]), own.with_residual)
     believed = np.array([spec.prior_width for pick in group for spec in pick.specs])
@@ -92,6 +111,7 @@ def _is_chance(
 
 
 def _products_of(selected: Selection, group: tuple[Candidate, ...]) -> Products:
+    """Return the products of the columns of a group with the fit."""
     pool = selected.pool
     return pool.products.rows(pool.rows_of([pool.index_of(pick) for pick in group]))
 
@@ -103,7 +123,22 @@ _SAME_STORY = {"mounting": ("attachment", "time"), "nest constant": ("nest",), "
 def better_families(
     selected: Selection, group: tuple[Candidate, ...], families: tuple[Prepared, ...]
 ) -> tuple[Relation, ...]:
-    """Return the smooth family that tells a finding's story clearly better than its name, if there is one."""
+    """Return the smooth family that explains a finding clearly better than its name does.
+
+    Parameters
+    ----------
+    selected : Selection
+    group : tuple of Candidate
+        Picks of the finding.
+    families : tuple of (Family, Products)
+        Prepared at the selection's fit.
+
+    Returns
+    -------
+    tuple of Relation
+        The best one; empty where none is better by 4 in BIC.
+    """
+    # Both are weighed in the finding's own place: past all others, with the finding taken out.
     past = selected.pool.normal.past(without=names_of(group))
     named = _score(selected, group, past)
     words = words_of(signature_of(group[0]))
@@ -141,11 +176,23 @@ _STEADY = 2
 
 @dataclass(frozen=True, slots=True)
 class SelectionTests:
-    """A selection, with what configurations left out and its own residuals say of it."""
+    """A selection, with what configurations left out and its own residuals say of it.
+
+    Attributes
+    ----------
+    selected : Selection
+    groups : tuple of (str, tuple of Candidate)
+        Its picks by subject.
+    judged : Improvement
+        By cross-validation.
+    families : tuple of (Family, Products)
+        Prepared at its fit.
+    left : Remainder
+    """
 
     selected: Selection
     groups: tuple[Group, ...]
-    judged: Improvement  # by cross-validation
+    judged: Improvement
     families: tuple[Prepared, ...]
     left: Remainder
 
@@ -157,13 +204,34 @@ def standing(
     propose: Propose,
     without: tuple[str, ...],
 ) -> tuple[SelectionTests, tuple[Text, ...]]:
-    """Withdraw what does not help or cannot be; return what stands, and a sentence for each that does not."""
+    """Withdraw findings that do not help or cannot be, until all that remain pass.
+
+    Parameters
+    ----------
+    start : Start
+    selected : Selection
+        What was found.
+    judging : CrossValidation
+        Of the same start.
+    propose : callable
+        From a fit to every way in which it may still be wrong.
+    without : tuple of str
+        Causes that are left out of the library.
+
+    Returns
+    -------
+    tested : SelectionTests
+        What remains.
+    withdrawn : tuple of Text
+        A sentence for each finding that was withdrawn.
+    """
     withdrawn: tuple[Text, ...] = ()
     refuted: frozenset[Cause] = frozenset()
     tested = _tested(start, selected, judging, without, refuted)
     while useless := _to_withdraw(start, tested):
         groups = tested.groups
         withdrawn += tuple(_withdrawal(start, tested, index) for index in useless)
+        # A refuted cause would otherwise come back as structure: its single waves are in the pool again.
         refuted |= {Cause(pick.effect, pick.subject) for index in useless for pick in groups[index][1]}
         kept = tuple(pick for k, (_, group) in enumerate(groups) if k not in useless for pick in group)
         selected = reselected(start.fit, tested.selected, kept, propose)
@@ -178,6 +246,7 @@ def _tested(
     without: tuple[str, ...],
     refuted: frozenset[Cause],
 ) -> SelectionTests:
+    """Return a selection with its groups, its judgement by cross-validation, and what it leaves."""
     groups = grouped(selected.picks)
     judged = judging.of(selected, tuple(group for _, group in groups))
     families = prepared_families(selected.fit, start.scene)
@@ -235,6 +304,7 @@ def _explains_little(gain: Gain, judged: Improvement) -> bool:
 
 
 def _withdrawal(start: Start, tested: SelectionTests, index: int) -> Message:
+    """Return the sentence that says why a finding was withdrawn."""
     (subject, picks), gain = tested.groups[index], tested.judged.gains[index]
     why = _forbidden(start, tested, index)
     if why != "":
@@ -252,7 +322,18 @@ _SMALL = 0.02  # of the held-out error
 
 
 def parted(findings: tuple[Finding, ...]) -> tuple[tuple[Finding, ...], tuple[Finding, ...]]:
-    """Return findings that count as causes and those that are small; the leading one always counts."""
+    """Return findings that count as causes, and those that are small.
+
+    Parameters
+    ----------
+    findings : tuple of Finding
+        Largest share first; the leading one always counts.
+
+    Returns
+    -------
+    tuple of tuple of Finding
+        Those that count, and those that take less than 2 % off the held-out error.
+    """
     small = tuple(finding for finding in findings[1:] if _is_small(finding))
     return tuple(finding for finding in findings if finding not in small), small
 
@@ -272,12 +353,20 @@ _ORDERS = range(1, 13)  # a gap of the angles that is narrower than these waves 
 def with_open_shapes(fit: RobustFit, found: RobustFit) -> RobustFit:
     """Return a fit whose covariance holds what the readings leave open of the shapes found.
 
+    Measured on simulated robots with three waves on each of three joints, calibrated without 70 deg of joint
+    1: errors over predicted uncertainties in that gap were 39 on average, and are 1.2 with the open orders.
+
     Parameters
     ----------
     fit : RobustFit
         Of a model with waves of some joints; without them it comes back as it is.
     found : RobustFit
         Of the findings alone, as free as their readings are: how large waves are is told by both.
+
+    Returns
+    -------
+    RobustFit
+        The same predictions; parameters of value 0 and a covariance of all of them.
     """
     widths_rad = np.maximum(_widths_rad(fit), _widths_rad(found))
     if not widths_rad.any():
@@ -285,6 +374,8 @@ def with_open_shapes(fit: RobustFit, found: RobustFit) -> RobustFit:
     specs = _open_specs(fit, widths_rad)
     structure = _widened(fit.structure, found.structure, widths_rad).extended(_WAVES, specs)
     values = np.concatenate([fit.values, np.zeros(len(specs))])
+    # Not fitted again: in a gap, the values of orders that were not found would be those of the prior
+    # (decision 0026).
     point = linearise_blocks(structure, fit.blocks, values, None)
     covariance = posterior_covariance(point.jacobian, 1.0 / structure.prior_widths**2)
     solution = Solution(values, covariance, fit.solution.converged, fit.solution.iterations, point)
@@ -299,6 +390,7 @@ def _widened(structure: Structure, found: Structure, widths_rad: FloatArray) -> 
     free = {spec.name: spec.prior_width for spec in found.specs}
 
     def opened(spec: ParameterSpec, owner: str) -> ParameterSpec:
+        """Return a parameter with its prior opened, where it is a wave."""
         if owner != _WAVES:
             return spec
         slow = order_of_wave(spec.name) in _ORDERS
@@ -310,6 +402,7 @@ def _widened(structure: Structure, found: Structure, widths_rad: FloatArray) -> 
 
 
 def _open_specs(fit: RobustFit, widths_rad: FloatArray) -> tuple[ParameterSpec, ...]:
+    """Return the waves of all orders that the model does not have, as wide as the largest on their joint."""
     known = set(fit.structure.names)
     return tuple(
         spec._replace(prior_width=float(width))

@@ -46,10 +46,18 @@ _SLACK = 1e-6  # of a step: a limit of whole hundredths stays inside itself
 
 @dataclass(frozen=True, slots=True)
 class Places:
-    """c configurations, one nest read in each; everything else as at the last reading."""
+    """c configurations, one nest read in each; everything else as at the last reading.
 
-    joints_deg: FloatArray  # (c, J) whole steps of 0.01 deg
-    state: State  # of the extended model
+    Attributes
+    ----------
+    joints_deg : ndarray, shape (c, J)
+        Whole steps of 0.01 deg.
+    state : State
+        Of the extended model.
+    """
+
+    joints_deg: FloatArray
+    state: State
 
     @property
     def torque_n_mm(self) -> FloatArray | None:
@@ -65,21 +73,32 @@ class Ranges:
     high_deg: FloatArray
 
     def drawn(self, count: int, rng: np.random.Generator) -> FloatArray:
-        """Draw configurations evenly, shape (count, J)."""
+        """Draw configurations evenly, shape (count, J) [deg]."""
         spread = self.high_deg - self.low_deg
         return self.low_deg + spread * rng.random((count, len(spread)))
 
     def rounded(self, joints_deg: FloatArray) -> FloatArray:
-        """Round configurations (c, J) to whole steps inside; a joint that has no step inside stays put."""
+        """Round configurations to whole steps inside.
+
+        Parameters
+        ----------
+        joints_deg : ndarray, shape (c, J)
+
+        Returns
+        -------
+        ndarray, shape (c, J)
+            [deg]; a joint that has no step inside stays in the middle of its range.
+        """
         first = np.ceil(self.low_deg / _STEP_DEG - _SLACK)
         last = np.floor(self.high_deg / _STEP_DEG + _SLACK)
         steps = np.clip(np.round(joints_deg / _STEP_DEG), first, np.maximum(first, last))
         still = 0.5 * (self.low_deg + self.high_deg)
+        # 0.01 is no binary fraction: rounded again, so that what is typed is what was meant.
         return np.where(first <= last, np.round(steps * _STEP_DEG, 2), still)
 
 
 def measured_ranges(start: Start) -> Ranges:
-    """Return the ranges that were measured, within the limits."""
+    """Return the ranges that were measured, within the limits of the controller."""
     joints_deg = np.rad2deg(start.scene.stops.joints_rad)
     low, high = joints_deg.min(axis=0), joints_deg.max(axis=0)
     limits = joint_limits(start)
@@ -100,12 +119,27 @@ def joint_limits(start: Start) -> Ranges | None:
 
 
 def drawn(start: Start, selected: Selection, ranges: Ranges, count: int, rng: np.random.Generator) -> Places:
-    """Draw configurations evenly within ranges."""
+    """Draw configurations evenly within ranges.
+
+    Parameters
+    ----------
+    start : Start
+    selected : Selection
+    ranges : Ranges
+    count : int
+    rng : numpy.random.Generator
+
+    Returns
+    -------
+    Places
+        Whole steps of 0.01 deg, evaluated with the extended model.
+    """
     joints_deg = ranges.rounded(ranges.drawn(count, rng))
     return Places(joints_deg, _evaluated(selected, joints_deg, _in_time(start.scene.stops)))
 
 
 def _evaluated(selected: Selection, joints_deg: FloatArray, stops: Stops) -> State:
+    """Return the extended model at configurations (c, J) [deg], nests in turn, the rest as read last."""
     fit = selected.fit
     joints_rad = np.deg2rad(joints_deg)
     count = len(joints_rad)
@@ -113,6 +147,7 @@ def _evaluated(selected: Selection, joints_deg: FloatArray, stops: Stops) -> Sta
     asked = Stops(
         config=np.arange(count),
         joints_rad=joints_rad,
+        # From which side the arm will come is not planned: 0, unknown, adds nothing to either cause.
         direction=None if stops.direction is None else np.zeros_like(joints_rad, dtype=np.int64),
         time_s=_last(stops.time_s, count),
         temperature_c=_last(stops.temperature_c, count),
@@ -130,6 +165,7 @@ def _in_time(stops: Stops) -> Stops:
 
 
 def _last(column: FloatArray | None, count: int) -> FloatArray | None:
+    """Return the last known value of a column, shape (count,); NaN where none is known."""
     if column is None:
         return None
     known = column[np.isfinite(column)]
@@ -147,6 +183,8 @@ def _torques(selected: Selection, joints_rad: FloatArray, stops: Stops) -> Float
     )
     measured = stops.torque_n_mm.T.reshape(-1)
     known = np.isfinite(measured)
+    # Moments about parallel axes are seen together only; of all that give these torques, the smallest are
+    # taken.
     moments = np.linalg.lstsq(_loads(here, structure.gravity_m_s2)[known], measured[known], rcond=1e-6)[0]
     return np.asarray((_loads(there, structure.gravity_m_s2) @ moments).reshape(-1, len(joints_rad)).T)
 
@@ -198,7 +236,21 @@ def filling(places: FloatArray, measured: FloatArray, count: int) -> list[int]:
 
 
 def moved_alone(start: Start, joint: int, count: int, rng: np.random.Generator) -> FloatArray:
-    """Draw configurations [deg] with one joint (0-based) anywhere in its range, the others as measured."""
+    """Draw configurations with one joint anywhere in its range, the others as measured.
+
+    Parameters
+    ----------
+    start : Start
+    joint : int
+        0-based.
+    count : int
+    rng : numpy.random.Generator
+
+    Returns
+    -------
+    ndarray, shape (count, J)
+        [deg].
+    """
     stops, ranges = start.scene.stops, measured_ranges(start)
     joints_deg = np.rad2deg(stops.joints_rad[rng.integers(len(stops), size=count)])
     joints_deg[:, joint] = ranges.drawn(count, rng)[:, joint]
@@ -206,7 +258,22 @@ def moved_alone(start: Start, joint: int, count: int, rng: np.random.Generator) 
 
 
 def one_period(start: Start, joint: int, order: float, count: int) -> FloatArray:
-    """Return configurations [deg] that step one joint (0-based) through a period, about a measured one."""
+    """Return configurations that step one joint through a period, about a measured one.
+
+    Parameters
+    ----------
+    start : Start
+    joint : int
+        0-based.
+    order : float
+        Periods per turn.
+    count : int
+
+    Returns
+    -------
+    ndarray, shape (count, J)
+        [deg]; the measured configuration is the one nearest to the middle of the joint's range.
+    """
     ranges = measured_ranges(start)
     angles = np.rad2deg(start.scene.stops.joints_rad)
     middle = 0.5 * (ranges.low_deg + ranges.high_deg)[joint]
@@ -222,18 +289,34 @@ _FEWEST, _MOST = 3, 5  # the instrument may not see all of them
 
 @dataclass(frozen=True, slots=True)
 class Separation:
-    """Configurations to measure, and the expected chi-square of each rival once they are."""
+    """Configurations to measure, and what they will tell.
 
-    rows: tuple[int, ...]  # of the places
-    chi_square: FloatArray  # (R,)
+    Attributes
+    ----------
+    rows : tuple of int
+        Of the places, in the order in which they were chosen.
+    chi_square : ndarray, shape (R,)
+        Expected of each rival once they are measured.
+    """
+
+    rows: tuple[int, ...]
+    chi_square: FloatArray
 
 
 @dataclass(frozen=True, slots=True)
 class _Duel:
-    """A finding against one rival, at c places, in coordinates in which A is the unit matrix."""
+    """A finding against one rival, at c places, in coordinates in which A is the unit matrix.
 
-    misfit: FloatArray  # (c, d) [mm]
-    columns: FloatArray  # (c, d, q) [mm]
+    Attributes
+    ----------
+    misfit : ndarray, shape (c, d)
+        d = e' - X' p, what the rival misses of the finding's effect [mm].
+    columns : ndarray, shape (c, d, q)
+        X' A^-1/2 [mm].
+    """
+
+    misfit: FloatArray
+    columns: FloatArray
 
 
 def separation(
@@ -243,7 +326,24 @@ def separation(
     places: Places,
     repeats: int = 1,
 ) -> Separation:
-    """Choose three to five places at which the rivals would be exposed, each place read `repeats` times."""
+    """Choose three to five places at which the rivals would be exposed.
+
+    Parameters
+    ----------
+    selected : Selection
+    group : sequence of Candidate
+        Picks of the finding.
+    rivals : sequence of Cause
+        R of them; each by the way in which it mimics the finding best.
+    places : Places
+        c >= 5 of them.
+    repeats : int
+        How often each place is read.
+
+    Returns
+    -------
+    Separation
+    """
     duels = [_duel(selected, group, rival, places) for rival in rivals]
     variance = reading_variance(selected.fit, repeats)
     reached, rows = np.zeros(len(duels)), list[int]()
@@ -251,7 +351,9 @@ def separation(
         if len(rows) >= _FEWEST and (reached >= _ENOUGH).all():
             break
         added = np.stack([_added(duel, variance) for duel in duels])
+        # The logarithm keeps one rival that is nearly exposed from drawing all configurations to itself.
         worth = np.log1p((reached[:, None] + added) / CONVINCING).sum(axis=0)
+        # No place twice: repeats are proposed for all places alike, where single readings do not suffice.
         worth[rows] = -np.inf
         best = int(np.argmax(worth))
         reached = reached + added[:, best]
@@ -261,7 +363,14 @@ def separation(
 
 
 def reading_variance(fit: RobustFit, repeats: int = 1) -> float:
-    """Variance per axis [mm2] of a typical reading, `repeats` averaged; what the model lacks stays."""
+    """Return the variance per axis of a typical reading [mm2].
+
+    Parameters
+    ----------
+    fit : RobustFit
+    repeats : int
+        Readings that are averaged. They take the noise down; what the model lacks stays.
+    """
     block = fit.blocks[0]
     lacking = block.discrepancy**2
     noise = float(np.median(block.component_variance())) - lacking + block.scatter_mm**2
@@ -269,6 +378,7 @@ def reading_variance(fit: RobustFit, repeats: int = 1) -> float:
 
 
 def _duel(selected: Selection, group: Sequence[Candidate], rival: Cause, places: Places) -> _Duel:
+    """Return a finding against one rival, before anything new is measured."""
     fit, pool, names = selected.fit, selected.pool, names_of(group)
     own = np.isin(fit.structure.names, names)
     effect = fit.values[own] @ fit.solution.final.jacobian[own]
@@ -298,6 +408,7 @@ def _closest(pool: Pool, effect: FloatArray, names: tuple[str, ...], rival: Caus
         absorbed = past.absorbed(products)
         towards = products.columns @ effect - absorbed @ of_effect
         gram = pool.grams[index] - absorbed @ absorbed.T
+        # Under its prior: a rival must not mimic the finding by an amplitude beyond what is plausible.
         gram += np.diag([spec.prior_width**-2.0 for spec in candidate.specs])
         explained = float(towards @ np.linalg.lstsq(gram, towards, rcond=None)[0])
         if explained > most:
@@ -317,6 +428,7 @@ def _added(duel: _Duel, variance: float) -> FloatArray:
 
 
 def _weighed(duel: _Duel, variance: float) -> FloatArray:
+    """Return (V + X' A^-1 X'^T)^-1 d at each place, shape (c, d)."""
     inner = duel.columns @ np.swapaxes(duel.columns, 1, 2)
     inner += variance * np.eye(inner.shape[1])
     return np.asarray(np.linalg.solve(inner, duel.misfit[:, :, None])[:, :, 0])

@@ -57,20 +57,48 @@ DRAWN_BY = {
 
 
 class _Way(NamedTuple):
+    """A motion of the readings, per unit of a quantity."""
+
     quantity: str
     unit: str
     per_unit_mm: FloatArray  # (n, d)
 
 
 def finding_curve(selected: Selection, scene: Scene, group: tuple[Candidate, ...]) -> Curve | None:
-    """Return the residuals without a finding, and the finding over them; None where no reading feels it."""
+    """Return the residuals without a finding, and the finding over them.
+
+    Parameters
+    ----------
+    selected : Selection
+    scene : Scene
+    group : tuple of Candidate
+        Picks of the finding.
+
+    Returns
+    -------
+    Curve or None
+        None where no reading feels it. Where the cause's own variable is unknown, the curve is that of
+        agreement.
+    """
     draw = DRAWN_BY.get(drawn_as(group[0].effect))
     own = None if draw is None else draw(selected, scene, group)
     return own or agreement_curve(selected, group)
 
 
 def remaining_curve(selected: Selection, scene: Scene, depends: Relation) -> Curve | None:
-    """Return a smooth curve with its band through what is left, along what it depends on."""
+    """Return a smooth curve with its band through what is left, along what it depends on.
+
+    Parameters
+    ----------
+    selected : Selection
+    scene : Scene
+    depends : Relation
+
+    Returns
+    -------
+    Curve or None
+        Along the axis, and of the motion, that explain most of the residuals; None where there is none.
+    """
     drawn = [
         found
         for axis in _axes(selected, scene, depends)
@@ -81,6 +109,7 @@ def remaining_curve(selected: Selection, scene: Scene, depends: Relation) -> Cur
 
 
 def _axes(selected: Selection, scene: Scene, depends: Relation) -> Iterator[Axis]:
+    """Yield the variables along which a dependence may be drawn; a place has three."""
     stops, joint = scene.stops, depends.joint
     torque = rows_of(state_of(selected)).torque_n_mm
     if depends.kind in ("angle", "coupling") and joint is not None:
@@ -103,6 +132,7 @@ def _axes(selected: Selection, scene: Scene, depends: Relation) -> Iterator[Axis
 
 
 def _ways(selected: Selection, scene: Scene, depends: Relation) -> Iterator[_Way]:
+    """Yield the motions that a dependence may cause: of joints, else shifts of base and tool."""
     joints = scene.setting.robot.n_joints
     if depends.joint is not None:
         own = depends.kind != "coupling"
@@ -136,13 +166,19 @@ def _smooth(selected: Selection, axis: Axis, way: _Way) -> tuple[float, Curve] |
         line=drawn @ coefficients,
         line_band=band,
     )
+    # c^T C^-1 c, the sum of squares that a line through nothing would leave more; what it is compared by.
     taken = float(coefficients @ solved(covariance, coefficients))
     return taken, curve
 
 
 def _fitted(design: FloatArray, told: Sensitivities) -> tuple[FloatArray, FloatArray]:
-    """Coefficients and their covariance; the band is as wide as the readings scatter, if that is wider."""
+    """Return the coefficients (k,) of weighted least squares, and their covariance (k, k).
+
+    The band is as wide as the readings scatter, if that is wider than they state.
+    """
     weights = told.standard_uncertainty**-2.0
+    # Readings at few different values leave cosines undetermined; they then stay at 0 instead of dividing by
+    # it.
     ridge = 1e-9 * float(weights.sum()) * np.eye(design.shape[1])
     covariance = np.linalg.inv(design.T @ (weights[:, None] * design) + ridge)
     coefficients = covariance @ (design.T @ (weights * told.left))
@@ -152,6 +188,7 @@ def _fitted(design: FloatArray, told: Sensitivities) -> tuple[FloatArray, FloatA
 
 
 def _design(axis: Axis, x: FloatArray, line_x: FloatArray) -> FloatArray:
+    """Return the columns of a smooth line at x (n,): a step for each level, else cosines, shape (n, k)."""
     if axis.stepped:
         return np.asarray(x[:, None] == line_x, dtype=float)
     share = (x - line_x[0]) / max(float(line_x[-1] - line_x[0]), 1e-12)
@@ -159,7 +196,19 @@ def _design(axis: Axis, x: FloatArray, line_x: FloatArray) -> FloatArray:
 
 
 def finding_spectrum(selected: Selection, group: tuple[Candidate, ...]) -> Spectrum | None:
-    """Return the amplitudes of a finding's waves; None where it is no sum of several."""
+    """Return the amplitudes of a finding's waves.
+
+    Parameters
+    ----------
+    selected : Selection
+    group : tuple of Candidate
+        Picks of the finding.
+
+    Returns
+    -------
+    Spectrum or None
+        None where it is no sum of several waves.
+    """
     if group[0].effect not in effects_with(Trait.WAVES):
         return None
     names = names_of(group)
@@ -173,13 +222,32 @@ _MEASURED_BY_THEIR_READINGS = frozenset({"shift", "level"})
 
 @dataclass(frozen=True, slots=True)
 class ValidationFit:
-    """The extended model at the validation readings instead of those that it was fitted to."""
+    """The extended model at the validation readings instead of those that it was fitted to.
+
+    Attributes
+    ----------
+    selected : Selection
+        With these readings as its first block; its parameters are not fitted to them.
+    scene : Scene
+        Of these readings.
+    """
 
     selected: Selection
     scene: Scene
 
     def added_to(self, curve: Curve, group: tuple[Candidate, ...]) -> Curve:
-        """Return a curve with these readings in it, where they can be drawn on the same axes."""
+        """Return a curve with these readings in it, where they can be drawn on the same axes.
+
+        Parameters
+        ----------
+        curve : Curve
+        group : tuple of Candidate
+            Picks of the finding that it is of.
+
+        Returns
+        -------
+        Curve
+        """
         if drawn_as(group[0].effect) in _MEASURED_BY_THEIR_READINGS:
             return curve
         there = finding_curve(self.selected, self.scene, group)
@@ -189,7 +257,18 @@ class ValidationFit:
 
 
 def unseen_of(start: Start, selected: Selection) -> ValidationFit | None:
-    """Return the extended model at the validation readings; None where there are none."""
+    """Return the extended model at the validation readings.
+
+    Parameters
+    ----------
+    start : Start
+    selected : Selection
+
+    Returns
+    -------
+    ValidationFit or None
+        None where there are none.
+    """
     block = validation_block(start.campaign, selected.fit.structure)
     if block is None:
         return None
@@ -203,5 +282,17 @@ def unseen_of(start: Start, selected: Selection) -> ValidationFit | None:
 def curve_with_unseen(
     curve: Curve | None, unseen: ValidationFit | None, group: tuple[Candidate, ...]
 ) -> Curve | None:
-    """Return the curve of a finding with the validation readings, where both are there."""
+    """Return the curve of a finding with the validation readings, where both are there.
+
+    Parameters
+    ----------
+    curve : Curve or None
+    unseen : ValidationFit or None
+    group : tuple of Candidate
+        Picks of the finding.
+
+    Returns
+    -------
+    Curve or None
+    """
     return curve if curve is None or unseen is None else unseen.added_to(curve, group)

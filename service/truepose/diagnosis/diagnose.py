@@ -1,4 +1,9 @@
-"""The diagnosis of a campaign, from its readings to the answer: the one function that others call."""
+"""The diagnosis of a campaign, from its readings to the answer: the one function that others call.
+
+The order of the steps is that of decision 0015: fit the present model, screen every cause, select, refine
+what was selected, and only then doubt it. It knows neither time nor files; drawing happens with fixed seeds,
+so that the same readings get the same answer.
+"""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -51,21 +56,27 @@ def diagnose(
     """
     tell = progress or _silent
     tell(0.02, message("job.doing.fitting"))
+    # What no place of the arm gives leaves before anything is squared; left in, it would spoil the first fit.
     reached = within_reach(with_last_moves(campaign))
     start = started(reached.campaign, effects, relabel=LABEL_SWAP not in without)
     if not isinstance(start, Start):
         return unanswerable(campaign, effects or (), start)
 
     def propose(fit: RobustFit) -> tuple[Candidate, ...]:
+        """Propose all causes again, for the model as it is fitted by now."""
         return proposed(scene_of(start.problem, fit), without)
 
     tell(0.1, message("job.doing.screening"))
+    # `first` is kept whole: the folds of the cross-validation choose anew from the same linearisation.
     first = chosen(pooled(start.fit, propose(start.fit)))
     selected = select(
         first, propose, lambda share: tell(0.1 + 0.5 * share, message("job.doing.choosing_causes"))
     )
+    # Lines before moments: a moment is placed by the readings that the final waves leave.
     selected = with_lines_between(start.fit, selected, propose, start.scene)
     selected = with_exact_moments(start.fit, selected, propose, start.scene)
+    # Too many readings fell out of the start for any model to be trusted. Only a cause that brings them back
+    # (a zero that jumped, say) makes an answer possible.
     if start.doubt and not (selected.picks and stands(start, selected.fit)):
         return unanswerable(campaign, effects or (), start.doubt)
     tell(0.6, message("job.doing.judging_unseen"))
@@ -74,7 +85,20 @@ def diagnose(
 
 
 def proposed(scene: Scene, without: tuple[str, ...]) -> tuple[Candidate, ...]:
-    """Return every way in which every known cause may be present in these data."""
+    """Return every way in which every known cause may be present in these data.
+
+    Parameters
+    ----------
+    scene : Scene
+        Of the fitted model; what it already holds is not proposed again.
+    without : tuple of str
+        Causes that are left out.
+
+    Returns
+    -------
+    tuple of Candidate
+        In the order of the registry. Causes that these data cannot show propose nothing.
+    """
     return tuple(
         candidate
         for name, cause in CAUSES.items()

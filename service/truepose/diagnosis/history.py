@@ -34,7 +34,15 @@ _MEMBER: Final = re.compile(r".+ of ((?:joint|link) \d+)")
 
 @dataclass(frozen=True, slots=True)
 class Variant:
-    """Which of several ways a cause acts in: the `order` of a wave, the `source joint` of a coupling."""
+    """Which of several ways a cause acts in.
+
+    Attributes
+    ----------
+    name : str
+        "order" of a wave, or "source joint" of a coupling.
+    value : float
+        Rounded to one decimal, so that it is found again.
+    """
 
     name: str
     value: float
@@ -42,7 +50,16 @@ class Variant:
 
 @dataclass(frozen=True, slots=True)
 class Key:
-    """By what a cause is recognised in another diagnosis."""
+    """By what a cause is recognised in another diagnosis.
+
+    Attributes
+    ----------
+    effect, subject : str
+    variant : Variant or None
+        None where the cause has no variants.
+    unit : str
+        Amplitudes in different units are never subtracted.
+    """
 
     effect: str
     subject: str
@@ -52,7 +69,16 @@ class Key:
 
 @dataclass(frozen=True, slots=True)
 class Amplitude:
-    """How large a cause is, in the unit of its key."""
+    """How large a cause is, in the unit of its key.
+
+    Attributes
+    ----------
+    value : float
+    standard_uncertainty : float
+        0 or not finite where it is not known.
+    confidence : Confidence
+        Of the finding that it is part of.
+    """
 
     value: float
     standard_uncertainty: float
@@ -60,7 +86,17 @@ class Amplitude:
 
 
 def amplitudes_of(diagnosis: Diagnosis) -> dict[Key, Amplitude]:
-    """Return every amplitude that the findings state, the small ones too."""
+    """Return every amplitude that the findings state, the small ones too.
+
+    Parameters
+    ----------
+    diagnosis : Diagnosis
+
+    Returns
+    -------
+    dict of Key to Amplitude
+        Waves by their order, couplings by their source, shared causes by their joint or link.
+    """
     amplitudes: dict[Key, Amplitude] = {}
     for finding in diagnosis.all_findings:
         whole = (_key(finding), _amplitude(finding))
@@ -96,14 +132,17 @@ def _members(finding: Finding) -> list[tuple[Key, Amplitude]]:
 
 
 def _key(finding: Finding) -> Key:
+    """Return the key of a finding as a whole."""
     return Key(finding.effect, finding.subject, None, finding.unit)
 
 
 def _amplitude_of(detail: Detail, finding: Finding) -> Amplitude:
+    """Return the amplitude that a detail states."""
     return Amplitude(detail.value, detail.standard_uncertainty, finding.confidence)
 
 
 def _amplitude(finding: Finding) -> Amplitude:
+    """Return the amplitude of a finding as a whole."""
     return Amplitude(finding.amplitude, finding.amplitude_standard_uncertainty, finding.confidence)
 
 
@@ -115,7 +154,16 @@ _MINUTE: Final = len("2026-03-03T10:15")
 
 @dataclass(frozen=True, slots=True)
 class DatedDiagnosis:
-    """A diagnosis and when its readings were taken: a day, or UTC in ISO 8601; None: nobody said."""
+    """A diagnosis and when its readings were taken.
+
+    Attributes
+    ----------
+    id : int
+        By which replies refer to it.
+    measured_at : str or None
+        A day, or UTC in ISO 8601; None where it is not known.
+    diagnosis : Diagnosis
+    """
 
     id: int
     measured_at: str | None
@@ -135,7 +183,17 @@ class Sighting(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class CauseObservation:
-    """What one diagnosis says of one cause; the numbers are None where it was not found."""
+    """What one diagnosis says of one cause; the numbers are None where it was not found.
+
+    Attributes
+    ----------
+    diagnosis_id : int
+    measured_at : str or None
+    sighting : Sighting
+    amplitude, standard_uncertainty : float or None
+        In the unit of the cause.
+    confidence : Confidence or None
+    """
 
     diagnosis_id: int
     measured_at: str | None
@@ -149,7 +207,16 @@ class CauseObservation:
 class Change:
     """A difference of amplitudes, in the unit of the cause, later less earlier.
 
-    `p_value` is corrected for all tests of the comparison; None where an uncertainty is not known.
+    Attributes
+    ----------
+    from_id, to_id : int
+        Diagnoses.
+    difference, standard_uncertainty : float
+    p_value : float or None
+        Corrected for all tests of the comparison; None where an uncertainty is not known.
+    significant : bool
+    sentence : str
+        In English.
     """
 
     from_id: int
@@ -163,15 +230,28 @@ class Change:
 
 @dataclass(frozen=True, slots=True)
 class CauseOverTime:
-    """One cause in all diagnoses, oldest first, and last those of which nobody said when."""
+    """One cause in all diagnoses, oldest first; undated ones last.
+
+    Attributes
+    ----------
+    effect, subject : str
+    variant : Variant or None
+    unit : str
+    signs : tuple of CauseObservation
+        One a diagnosis.
+    changes : tuple of Change
+        Between consecutive diagnoses that found it.
+    overall : Change or None
+        Between the first and the last, where there are more than two.
+    """
 
     effect: str
     subject: str
     variant: Variant | None
     unit: str
     signs: tuple[CauseObservation, ...]
-    changes: tuple[Change, ...]  # between consecutive diagnoses that found it
-    overall: Change | None  # between the first and the last, where there are more than two
+    changes: tuple[Change, ...]
+    overall: Change | None
 
 
 def compare(diagnoses: Sequence[DatedDiagnosis]) -> tuple[CauseOverTime, ...]:
@@ -180,7 +260,12 @@ def compare(diagnoses: Sequence[DatedDiagnosis]) -> tuple[CauseOverTime, ...]:
     Parameters
     ----------
     diagnoses : sequence of DatedDiagnosis
-        Of one robot, each of other readings; in any order.
+        Of one robot, each of other readings; in any order. Of several of the same readings the caller gives
+        one: they share their noise.
+
+    Returns
+    -------
+    tuple of CauseOverTime
     """
     dated = sorted(diagnoses, key=lambda entry: place_in_time(entry.measured_at, entry.id))
     seen = [amplitudes_of(entry.diagnosis) for entry in dated]
@@ -190,13 +275,26 @@ def compare(diagnoses: Sequence[DatedDiagnosis]) -> tuple[CauseOverTime, ...]:
 
 
 def place_in_time(measured_at: str | None, number: int) -> tuple[bool, str, int]:
-    """Return what diagnoses are sorted by: what nobody dated comes last."""
+    """Return the key by which diagnoses are sorted; undated ones come last.
+
+    Parameters
+    ----------
+    measured_at : str or None
+    number : int
+        Decides among those of one moment.
+
+    Returns
+    -------
+    tuple
+        To be compared with others of its kind alone.
+    """
     return measured_at is None, measured_at or "", number
 
 
 def _over_time(
     key: Key, dated: Sequence[DatedDiagnosis], amplitudes: Sequence[Amplitude | None]
 ) -> CauseOverTime:
+    """Return one cause in all diagnoses, nothing tested yet."""
     signs = tuple(_sign(key, entry, found) for entry, found in zip(dated, amplitudes, strict=True))
     found = [] if _is_event(key) else [sign for sign in signs if _has_amplitude_and_day(sign)]
     changes = tuple(_change(earlier, later) for earlier, later in pairwise(found))
@@ -210,10 +308,13 @@ def _is_event(key: Key) -> bool:
 
 
 def _has_amplitude_and_day(sign: CauseObservation) -> bool:
+    """Whether a sign has something to subtract, and a place in time."""
     return sign.sighting is Sighting.FOUND and sign.measured_at is not None
 
 
 def _sign(key: Key, entry: DatedDiagnosis, found: Amplitude | None) -> CauseObservation:
+    """Return what a diagnosis says of a cause that it found, or did not."""
+    # Not found is not zero: the limit of what could have been seen depends on what else the model held.
     if found is None:
         return CauseObservation(entry.id, entry.measured_at, _why_absent(key, entry.diagnosis))
     return CauseObservation(
@@ -227,6 +328,7 @@ def _sign(key: Key, entry: DatedDiagnosis, found: Amplitude | None) -> CauseObse
 
 
 def _why_absent(key: Key, diagnosis: Diagnosis) -> Sighting:
+    """Return why a diagnosis does not name a cause."""
     if key.effect in diagnosis.start_effects:
         return Sighting.PART_OF_START
     shared = SHARED.get(key.subject.split(" ")[0])
@@ -250,6 +352,7 @@ def _change(earlier: CauseObservation, later: CauseObservation) -> Change:
 def _corrected(causes: Sequence[CauseOverTime]) -> tuple[CauseOverTime, ...]:
     """Return the causes with corrected p values, what is significant, and the sentences that say it."""
     tests = [change.p_value for cause in causes for change in _changes(cause)]
+    # P values carry no names: the changes are gone through below in the very order in which they were tested.
     corrected = iter(holm(tests))
     return tuple(
         replace(
@@ -262,18 +365,21 @@ def _corrected(causes: Sequence[CauseOverTime]) -> tuple[CauseOverTime, ...]:
 
 
 def _changes(cause: CauseOverTime) -> Iterator[Change]:
+    """Yield all changes of a cause, in the order in which their p values are corrected."""
     yield from cause.changes
     if cause.overall is not None:
         yield cause.overall
 
 
 def _judged(cause: CauseOverTime, change: Change, p_value: float | None) -> Change:
+    """Return a change with its corrected p value and its sentence."""
     significant = p_value is not None and p_value < LEVEL
     judged = replace(change, p_value=p_value, significant=significant)
     return replace(judged, sentence=_sentence(cause, judged))
 
 
 def _sentence(cause: CauseOverTime, change: Change) -> str:
+    """Return what changed, by how much, between when and when, and whether that is beyond chance."""
     earlier = next(sign for sign in cause.signs if sign.diagnosis_id == change.from_id)
     later = next(sign for sign in cause.signs if sign.diagnosis_id == change.to_id)
     what = _words(cause)
@@ -286,6 +392,7 @@ def _sentence(cause: CauseOverTime, change: Change) -> str:
 
 
 def _words(cause: CauseOverTime) -> str:
+    """Return a cause in words."""
     name = cause.effect.replace("_", " ")
     match cause.variant:
         case Variant("order", order):
@@ -296,13 +403,16 @@ def _words(cause: CauseOverTime) -> str:
 
 
 def _verb(earlier: CauseObservation, later: CauseObservation) -> str:
+    """Return what an amplitude did."""
     before, after = earlier.amplitude or 0.0, later.amplitude or 0.0
+    # A gain from -2 to +1 neither grew nor fell.
     if before * after < 0.0:
         return "turned round"
     return "grew" if abs(after) >= abs(before) else "fell"
 
 
 def _verdict(change: Change) -> str:
+    """Return whether a change is beyond chance, with its p value."""
     if change.p_value is None:
         return "not tested, since an uncertainty is not known"
     p = "p < 0.0001" if change.p_value < 1e-4 else f"p = {change.p_value:.2g}"
@@ -310,6 +420,7 @@ def _verdict(change: Change) -> str:
 
 
 def _moments(earlier: CauseObservation, later: CauseObservation) -> tuple[str, str]:
+    """Return both times, to the minute where the day is the same."""
     first, last = earlier.measured_at or "", later.measured_at or ""
     length = _MINUTE if first[:_DAY] == last[:_DAY] else _DAY
     return first[:length].replace("T", " "), last[:length].replace("T", " ")
@@ -323,6 +434,7 @@ def _number(value: float, u: float) -> str:
     decimals = 1 - math.floor(math.log10(float(f"{u:.1e}")))
     if 0 <= decimals <= 5:
         return f"{value:.{decimals}f} ± {u:.{decimals}f}"
+    # As one power of ten of both, so that value and uncertainty can be compared at a glance.
     exponent = math.floor(math.log10(max(value, u)))
     scale, digits = 10.0**exponent, max(0, decimals + exponent)
     return f"({value / scale:.{digits}f} ± {u / scale:.{digits}f})e{exponent}"

@@ -1,7 +1,11 @@
 """What to measure next: actions and configurations that would tell causes apart, or show an unknown one.
 
 Where no configuration tells two causes apart, an action does. One table, tried from the top: an action serves
-a pair of causes by the words of their signatures, their places, variables and shapes.
+a pair of causes by the words of their signatures, their places, variables and shapes. Everything else is left
+to the expected chi-square of `diagnosis.configurations`.
+
+Proposals are advice: nothing moves by them. A session adds their configurations behind a confirmation
+(decision 0012).
 """
 
 import re
@@ -38,15 +42,37 @@ from truepose.messages.message import Message, Value, message, together
 
 @dataclass(frozen=True, slots=True)
 class Action:
-    """Something to do."""
+    """Something to do.
 
-    one: frozenset[str]  # words of which one of the two causes has some
-    do: Message  # an imperative
-    each: str = ""  # a word that both have; "": none is needed
-    again: bool = False  # the first configurations are measured once more
+    Attributes
+    ----------
+    one : frozenset of str
+        Words of which one of the two causes has some.
+    do : Message
+        An imperative.
+    each : str
+        A word that both have; "": none is needed.
+    again : bool
+        The first configurations are measured once more.
+    """
+
+    one: frozenset[str]
+    do: Message
+    each: str = ""
+    again: bool = False
 
     def serves(self, one: frozenset[str], other: frozenset[str]) -> bool:
-        """Return whether it tells two causes of these words apart."""
+        """Return whether it tells two causes of these words apart.
+
+        Parameters
+        ----------
+        one, other : frozenset of str
+            Words of their signatures.
+
+        Returns
+        -------
+        bool
+        """
         return bool(self.one & (one | other)) and (not self.each or self.each in one & other)
 
 
@@ -81,7 +107,17 @@ _ACTIONS: Final = (
 
 
 def action_for(cause: Cause, rival: Cause) -> Action | None:
-    """Return what tells two causes apart; None where configurations do."""
+    """Return what tells two causes apart.
+
+    Parameters
+    ----------
+    cause, rival : Cause
+
+    Returns
+    -------
+    Action or None
+        None where configurations do.
+    """
     pair = [words_of(named_signature(one.effect, one.subject)) for one in (cause, rival)]
     return next((action for action in _ACTIONS if action.serves(*pair)), None)
 
@@ -130,18 +166,21 @@ def next_measurements(
     Parameters
     ----------
     start : Start
-    selected : Selected
-    groups : tuple of (subject, candidates)
+    selected : Selection
+    groups : tuple of (str, tuple of Candidate)
         What each finding is made of.
     findings : tuple of Finding
-    left : Left
+    left : Remainder
 
     Returns
     -------
     tuple of NextMeasurement
-        Of findings in their order, then of what is left; configurations [deg] within the measured ranges.
+        Of findings in their order, then of what is left; configurations [deg] within the measured ranges, or
+        the limits of the joints where those say so.
     """
     pairs = _pairs(findings)
+    # Structure without a dependence is mostly noise beyond what is stated: revisits tell whether the arm
+    # scatters as much.
     unseen = left.structure and not left.depends and not _revisited(start)
     if not pairs and not left.depends:
         return (_revisit(start),) if unseen else ()
@@ -159,6 +198,7 @@ def next_measurements(
 
 
 def _cause(finding: Finding) -> Cause:
+    """Return the cause of a finding."""
     return Cause(finding.effect, finding.subject)
 
 
@@ -173,6 +213,7 @@ def _pairs(findings: tuple[Finding, ...]) -> list[Pair]:
 
 
 def _by_action(start: Start, pairs: Sequence[Pair]) -> list[NextMeasurement]:
+    """Return what actions tell apart, each action once with all its pairs."""
     served: dict[Action, list[Pair]] = {}
     for pair in pairs:
         action = action_for(*pair)
@@ -189,6 +230,7 @@ def _by_action(start: Start, pairs: Sequence[Pair]) -> list[NextMeasurement]:
 
 
 def _told_apart(pairs: Sequence[Pair]) -> Iterator[Message]:
+    """Yield each finding with the rivals that an action tells from it."""
     for own in dict.fromkeys(one for one, _ in pairs):
         rivals = tuple(spoken(rival) for one, rival in pairs if one == own)
         yield message("next.own_from_rivals", own=spoken(own), rivals=rivals)
@@ -198,6 +240,8 @@ def _by_configuration(
     duel: _Duel, rivals: Sequence[Cause], places: Places, rng: np.random.Generator
 ) -> list[NextMeasurement]:
     """Few configurations; where these do not tell, farther out; where these do not, repeats."""
+    # Poses of a ballbar are planned with its fixture and collision-free paths; joint angles alone cannot be
+    # measured.
     if duel.start.scene.legs:
         return [_other_poses(duel.own, rivals)]
     limits = joint_limits(duel.start)
@@ -207,6 +251,7 @@ def _by_configuration(
         beyond = drawn(duel.start, duel.selected, limits, _PLACES, rng)
         more, left = _exposed(duel, left, beyond)
         found += [replace(one, sentence=together(one.sentence, _BEYOND)) for one in more]
+    # Repeats last: they cost a reading each, and against what the model lacks they do not help at all.
     for repeats in _REPEATS if left else ():
         more, left = _exposed(duel, left, places, repeats)
         found += more
@@ -246,6 +291,7 @@ def _exposed(
 
 
 def _wider(duel: _Duel, rivals: Sequence[Cause]) -> NextMeasurement:
+    """Return that joints should be turned farther, or another load be mounted."""
     joints = sorted({joint for cause in (duel.own, *rivals) if (joint := _joint(cause))})
     if joints:
         ranges = measured_ranges(duel.start)
@@ -257,6 +303,7 @@ def _wider(duel: _Duel, rivals: Sequence[Cause]) -> NextMeasurement:
 
 
 def _beyond(ranges: Ranges, joint: int) -> Message:
+    """Return a joint with the range that it was measured over."""
     low_deg, high_deg = float(ranges.low_deg[joint - 1]), float(ranges.high_deg[joint - 1])
     return message("next.joint_beyond", joint=joint, low_deg=low_deg, high_deg=high_deg)
 
@@ -268,12 +315,14 @@ def _joint(cause: Cause) -> int | None:
 
 
 def _other_poses(own: Cause, rivals: Sequence[Cause]) -> NextMeasurement:
+    """Return that other poses of the ballbar should be measured."""
     return NextMeasurement(message("next.other_poses", **_parties(own, rivals)), (), (own, *rivals))
 
 
 def _of_dependence(
     start: Start, depends: Relation, places: Places, rng: np.random.Generator
 ) -> NextMeasurement:
+    """Return what would show a dependence better."""
     if depends.kind in _DO:
         do, again = _DO[depends.kind]
         sentence = message("next.since_left", do=do, variable=depends.variable)
@@ -292,6 +341,7 @@ def _of_dependence(
 
 
 def _why(depends: Relation) -> Message:
+    """Return why the configurations of a dependence are those."""
     if depends.kind == "place":
         return message("next.farthest")
     if depends.joint is not None and depends.order > ONE_PERIOD_FROM:
@@ -310,6 +360,7 @@ def _telling(start: Start, depends: Relation, places: Places, rng: np.random.Gen
         return places.joints_deg[filling(there, here, _FEW)]
     if depends.order > ONE_PERIOD_FROM:
         return one_period(start, joint, depends.order, _FEW)
+    # With the others where they were, what the readings change by is of this joint.
     alone = moved_alone(start, joint, _PLACES, rng)
     measured = np.rad2deg(scene.stops.joints_rad[:, [joint]])
     return alone[filling(alone[:, [joint]], measured, _FEW)]
@@ -323,15 +374,18 @@ def _first(start: Start) -> Configurations:
 
 
 def _revisited(start: Start) -> bool:
+    """Whether enough configurations were revisited to tell the scatter."""
     repeats = start.scene.stops.repeat_of
     return repeats is not None and int((repeats >= 0).sum()) >= _FEW
 
 
 def _revisit(start: Start) -> NextMeasurement:
+    """Return that the first configurations should be measured again."""
     return NextMeasurement(message("next.revisit", do=AT_THE_END), _first(start))
 
 
 def _listed(joints_deg: FloatArray) -> Configurations:
+    """Return configurations as they are printed, hundredths of a degree; -0.0 is 0.0."""
     return tuple(tuple(float(angle) for angle in row) for row in np.round(joints_deg, 2) + 0.0)
 
 

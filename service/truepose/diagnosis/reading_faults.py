@@ -1,15 +1,24 @@
 """Faults of readings: swapped labels, outliers that share something, heavy-tailed noise.
 
 Heavy tails are noise: what is left follows Student's t better than a normal distribution with a few wild
-readings besides (mixture). Readings are called bad only where the mixture is clearly the better story.
+readings besides (mixture). Readings are called bad only where the mixture is clearly the better story. With q
+the squared residual of d components, their log densities are
+
+    normal   ln chi2_d(q / v) - ln v,        v = mean(q) / d
+    Student  ln Gamma((nu + d)/2) - ln Gamma(nu/2) - ln Gamma(d/2) - (d/2) ln(nu s)
+             + (d/2 - 1) ln q - (nu + d)/2 ln(1 + q / (nu s))
+    mixture  ln((1 - p) normal(q; v1) + p normal(q; v2)),
+
+the last two at their most likely parameters.
 
 What bad readings share may be their cause. A beam that was brushed or a reflector that was not seated spoils
-readings anywhere. Where more of the bad ones than chance gives are of one nest, of one mounting, or of one
-part of the campaign or of a joint's range, they are not bad one by one.
+readings anywhere. Where more of the bad ones than chance gives (hypergeometric tail) are of one nest, of one
+mounting, or of one part of the campaign or of a joint's range, they are not bad one by one.
 
 References
 ----------
 K. L. Lange, R. J. A. Little, J. M. G. Taylor, J. American Statistical Association 84, 1989, 881-896.
+H. Akaike, IEEE Trans. Automatic Control 19(6), 1974, 716-723 (one unit a parameter).
 """
 
 from collections.abc import Iterator
@@ -59,6 +68,7 @@ def swapped_labels(points: PointReadings, suspect: BoolArray, model: RobustFit) 
     numbers = range(1, len(model.structure.nests_mm) + 1)
     if rows.size == 0 or len(numbers) < 2:
         return nest
+    # A suspect reading is tried at every nest, its own too: it must fit another one five times better.
     distances = np.stack([_distance(points, rows, number, model) for number in numbers])
     own = distances[points.nest[rows] - 1, np.arange(rows.size)]
     best = np.argmin(distances, axis=0)
@@ -68,6 +78,7 @@ def swapped_labels(points: PointReadings, suspect: BoolArray, model: RobustFit) 
 
 
 def _distance(points: PointReadings, rows: IntArray, number: int, model: RobustFit) -> FloatArray:
+    """Return how far readings (r,) lie from where a nest is predicted, shape (r,) [mm]."""
     asked = Targets(points.stops.taken(rows), np.full(rows.size, number))
     predicted = evaluate(model.structure, model.values, asked).position_mm
     return np.asarray(np.linalg.norm(points.position_mm[rows] - predicted, axis=1))
@@ -75,10 +86,18 @@ def _distance(points: PointReadings, rows: IntArray, number: int, model: RobustF
 
 @dataclass(frozen=True, slots=True)
 class Tails:
-    """How the squared normalised residuals of n readings of d components are distributed."""
+    """How the squared normalised residuals of n readings of d components are distributed.
 
-    bad: BoolArray  # (n,) readings that belong to no model; none where tails are merely heavy
-    degrees_of_freedom: float | None  # of Student's t where the tails are heavy
+    Attributes
+    ----------
+    bad : ndarray of bool, shape (n,)
+        Readings that belong to no model; none where tails are merely heavy.
+    degrees_of_freedom : float or None
+        Of Student's t where the tails are heavy.
+    """
+
+    bad: BoolArray
+    degrees_of_freedom: float | None
 
 
 def tails(squared: FloatArray, components: int, gross: BoolArray) -> Tails:
@@ -89,8 +108,14 @@ def tails(squared: FloatArray, components: int, gross: BoolArray) -> Tails:
     squared : ndarray, shape (n,)
         Squared residual of each reading in its own covariance.
     components : int
-    gross : ndarray, shape (n,)
+        d.
+    gross : ndarray of bool, shape (n,)
         Readings that the fit gave no weight.
+
+    Returns
+    -------
+    Tails
+        Bad are those that the fit gave no weight, or none at all.
     """
     none = np.zeros(len(squared), dtype=bool)
     if _stand_apart(squared, components, gross):
@@ -112,24 +137,33 @@ def _stand_apart(squared: FloatArray, components: int, gross: BoolArray) -> bool
     typical = float(usual.mean()) / components
     if float(squared[gross].min()) < _FAR_BEYOND * typical:
         return False
+    # The others must be normal by themselves: heavy-tailed noise has readings as far out.
     student, _ = _student(usual, components)
     return student - _normal(usual, components) < _HARDLY
 
 
 def _log_chi2(squared: FloatArray, components: int, variance: float) -> FloatArray:
+    """Return the log density of squared residuals (n,) whose components have this variance, shape (n,)."""
     return np.asarray(chi2_log_density(squared / variance, components) - np.log(variance))
 
 
 def _normal(squared: FloatArray, components: int) -> float:
+    """Return the largest log likelihood of normal noise."""
+    # Readings without any error are perfect, not impossible: their variance stays above 0.
     variance = max(float(squared.mean()) / components, 1e-12)
     return float(_log_chi2(squared, components, variance).sum())
 
 
 def _student(squared: FloatArray, components: int) -> tuple[float, float]:
-    """Squared radius of a multivariate t, scaled: its largest log likelihood and degrees of freedom."""
+    """Return the largest log likelihood of Student's t, and its degrees of freedom.
+
+    The squared radius of a multivariate t of d components with scale s and nu degrees of freedom.
+    """
+    # A reading that lies on the model has no logarithm.
     d, safe = components, np.maximum(squared, 1e-12)
 
     def negative(p: FloatArray) -> float:
+        """Return minus the log likelihood; the logarithms of scale and degrees keep both above 0."""
         scale, nu = np.exp(p[0]), np.exp(p[1])
         constant = gammaln((nu + d) / 2) - gammaln(nu / 2) - gammaln(d / 2) - d / 2 * np.log(nu * scale)
         kernel = (d / 2 - 1) * np.log(safe) - (nu + d) / 2 * np.log1p(safe / (nu * scale))
@@ -149,6 +183,7 @@ def _mixture(squared: FloatArray, components: int) -> float:
     largest = max(float(squared.max()) / components, 4.0 * typical)
 
     def negative(p: FloatArray) -> float:
+        """Return minus the log likelihood by log odds and the logarithms of both variances."""
         # the share of wild readings by its log odds p[0]: both logarithms stay finite
         usual = _log_chi2(squared, components, float(np.exp(p[1]))) - np.logaddexp(0.0, p[0])
         wild = _log_chi2(squared, components, float(np.exp(p[2]))) - np.logaddexp(0.0, -p[0])
@@ -172,24 +207,53 @@ class Variable(NamedTuple):
 
 
 class OutlierCluster(NamedTuple):
-    """What bad readings share."""
+    """What bad readings share.
+
+    Attributes
+    ----------
+    on : Variable
+    p_value : float
+        Corrected for everything that they may share.
+    sentence : Message
+    """
 
     on: Variable
-    p_value: float  # corrected for everything that they may share
+    p_value: float
     sentence: Message
 
 
 class _Shared(NamedTuple):
-    """What some readings have in common."""
+    """Readings that have something in common.
+
+    Attributes
+    ----------
+    words : Message
+    on : Variable
+    readings : ndarray of bool, shape (n,)
+    by_stop : bool
+        All readings of a stop have it in common: they count once.
+    """
 
     words: Message
     on: Variable
-    readings: BoolArray  # (n,)
-    by_stop: bool  # all readings of a stop have it in common: they count once
+    readings: BoolArray
+    by_stop: bool
 
 
 def gathered(scene: Scene, bad: BoolArray) -> OutlierCluster | None:
-    """Return what the bad readings (n,) share beyond chance; None where they may have fallen anywhere."""
+    """Return what the bad readings share beyond chance.
+
+    Parameters
+    ----------
+    scene : Scene
+        Of n readings.
+    bad : ndarray of bool, shape (n,)
+
+    Returns
+    -------
+    OutlierCluster or None
+        None where they may have fallen anywhere.
+    """
     everything = tuple(_shareable(scene)) if bad.any() else ()
     chances = [len(everything) * _chance(scene.stops.config, bad, one) for one in everything]
     p_value, nearest = min(zip(chances, range(len(chances)), strict=True), default=(1.0, 0))
@@ -209,6 +273,7 @@ def _chance(config: IntArray, bad: BoolArray, shared: _Shared) -> float:
     """Return the chance that at least as many of the bad ones share it where they fall anywhere."""
     marked = shared.readings
     if shared.by_stop:
+        # A stop that was read at three nests while something was loose is one misfortune, not three.
         _, first = np.unique(config, return_index=True)
         bad, marked = np.isin(config[first], config[bad]), marked[first]
     return so_many_drawn(int((bad & marked).sum()), int(bad.sum()), int(marked.sum()), len(bad))
@@ -243,12 +308,14 @@ def _nests(scene: Scene) -> Iterator[_Shared]:
 
 
 def _times(time_s: FloatArray) -> Iterator[_Shared]:
+    """Yield the parts of a campaign, times (n,) [s] from its origin."""
     for low, high, within in _parts(time_s):
         words = message("gathered.time", low=spoken(low), high=spoken(high))
         yield _Shared(words, Variable("time", "time"), within, by_stop=True)
 
 
 def _angles(joint: int, turn_deg: FloatArray) -> Iterator[_Shared]:
+    """Yield the parts of a joint's range, angles (n,) [deg]."""
     name = joint_subject(joint)
     for low, high, within in _parts(turn_deg):
         words = message("gathered.angle", joint=name, low_deg=low, high_deg=high)
@@ -256,7 +323,10 @@ def _angles(joint: int, turn_deg: FloatArray) -> Iterator[_Shared]:
 
 
 def _parts(values: FloatArray) -> Iterator[tuple[float, float, BoolArray]]:
-    """Yield the ends of each part of a range, and the readings within."""
+    """Yield the ends of each part of a range, and the readings within.
+
+    Parts hold as many readings each, so that each has the same chance; readings without a value are in none.
+    """
     edges = np.nanquantile(values, np.linspace(0.0, 1.0, _PARTS + 1))
     for part, (low, high) in enumerate(pairwise(edges.tolist())):
         last = part == _PARTS - 1

@@ -1,4 +1,8 @@
-"""Findings about readings instead of the robot: labels of nests that were swapped, single bad readings."""
+"""Findings about readings instead of the robot: labels of nests that were swapped, single bad readings.
+
+They have no parameters in the model: a swap was put right before the fit, and a bad reading has no weight in
+it. The gain is against a fit that takes every label, or every reading, as it was written.
+"""
 
 import itertools
 from dataclasses import replace
@@ -29,11 +33,26 @@ _FAR_MM = 10.0  # further than a bad reading goes: another nest or another row w
 def readings_found(
     start: Start, selected: Selection, left: Remainder, judged: Improvement
 ) -> tuple[Finding, ...]:
-    """Return what is wrong with readings."""
+    """Return what is wrong with readings.
+
+    Parameters
+    ----------
+    start : Start
+    selected : Selection
+    left : Remainder
+        Whose tails say which readings are bad.
+    judged : Improvement
+
+    Returns
+    -------
+    tuple of Finding
+        Swapped pairs of nests first, then bad readings, all of them as one finding.
+    """
     return (*_swaps(start, selected), *_bad(start, selected, left, judged))
 
 
 def _swaps(start: Start, selected: Selection) -> tuple[Finding, ...]:
+    """Return a finding for each pair of nests whose labels were swapped."""
     written, right = start.written.calibration, start.campaign.calibration
     if written is None or right is None or written is right:
         return ()
@@ -47,12 +66,13 @@ def _swaps(start: Start, selected: Selection) -> tuple[Finding, ...]:
         of_pair = np.isin(written.nest, (first, second)) & np.isin(right.nest, (first, second))
         swapped = int((changed & of_pair).sum())
         shown = _shown(LABEL_SWAP, pair_subject(first, second), swapped, int(of_pair.sum()), start)
+        # A nominal p value: another nest fits five times better, which noise does not bring about.
         found.append(_finding(LABEL_SWAP, shown, 1e-12, _swap_gain(start, selected)))
     return tuple(found)
 
 
 def _swap_gain(start: Start, selected: Selection) -> Gain | None:
-    """Gain on validation readings whose own labels are right or wrong as written."""
+    """Return the gain on validation readings with their labels put right; None where these were right."""
     written, right = start.written.validation, start.campaign.validation
     if written is None or right is None or np.array_equal(written.nest, right.nest):
         return None
@@ -67,6 +87,7 @@ def _swap_gain(start: Start, selected: Selection) -> Gain | None:
 
 
 def _bad(start: Start, selected: Selection, left: Remainder, judged: Improvement) -> tuple[Finding, ...]:
+    """Return the bad readings as one finding, in doubt where they are far off or something is left."""
     bad = left.tails.bad
     if not bad.any():
         return ()
@@ -78,11 +99,13 @@ def _bad(start: Start, selected: Selection, left: Remainder, judged: Improvement
     swapped = tuple(Cause(LABEL_SWAP, subject) for subject in _pairs(start)) if far else ()
     shared = gathered(start.scene, bad)
     sentence = together(finding.sentence, shared.sentence) if shared else finding.sentence
+    # Far readings may be of another nest; and beside something that is left, they may be part of it.
     doubted = replace(finding, sentence=sentence, confidence=Confidence.LIKELY, confusable_with=swapped)
     return (doubted,)
 
 
 def _pairs(start: Start) -> tuple[str, ...]:
+    """Return the pairs of nests that follow each other in number."""
     nests = np.unique(start.scene.nest).tolist()
     return tuple(pair_subject(first, second) for first, second in itertools.pairwise(nests))
 
@@ -101,6 +124,8 @@ def _bad_gain(start: Start, selected: Selection, judged: Improvement) -> Gain | 
         return None
     full = selected.fit
     trusting = tuple(
+        # A block whose readings state no uncertainty keeps its discrepancy: with neither it could not be
+        # weighed.
         block.weighted(np.ones(len(block.weights)), 0.0 if block.stated_sigma() > 0.0 else block.discrepancy)
         for block in full.blocks
     )
@@ -111,6 +136,10 @@ def _bad_gain(start: Start, selected: Selection, judged: Improvement) -> Gain | 
 
 
 def _shown(effect: str, subject: str, number: int, readings: int, start: Start) -> Description:
+    """Return a fault in its cause's words: a share of readings with the standard uncertainty of a share.
+
+    u^2 = p (1 - p) / n, and at least 1 / n^2: of all or none of n readings the share is not known exactly.
+    """
     share = number / max(readings, 1)
     uncertainty = float(np.sqrt(max(share * (1.0 - share), 1.0 / max(readings, 1)) / max(readings, 1)))
     fitted = Fitted((), np.array([share]), np.array([[uncertainty**2]]))
@@ -118,6 +147,7 @@ def _shown(effect: str, subject: str, number: int, readings: int, start: Start) 
 
 
 def _finding(effect: str, shown: Description, p_value: float, gain: Gain | None) -> Finding:
+    """Return a finding that is certain where its gain is above 0 with 97.5 %."""
     cell = signature_of(Candidate(effect, shown.subject, ()))
     sure = gain is not None and gain.interval_95_mm[0] > 0.0
     return Finding(

@@ -1,4 +1,8 @@
-"""Sentences: what an operator reads first, and what is left; their words are in the catalogue."""
+"""Sentences: what an operator reads first, and what is left; their words are in the catalogue.
+
+Numerics say a key and its values, never a text (decision 0038), so that one diagnosis is read in every
+language, also when it is read again from the archive.
+"""
 
 from truepose.diagnosis.evidence.residual_structure import Remainder
 from truepose.domain.diagnosis import Cause, Finding, Noise, Remaining, Verdict
@@ -18,13 +22,28 @@ def first_line(
     after: Statistics,
     remaining: Remaining,
 ) -> Text:
-    """Return the one sentence that stands above everything."""
+    """Return the one sentence that stands above everything.
+
+    Parameters
+    ----------
+    verdict : Verdict
+    findings : tuple of Finding
+        Most important first; those that are small left out.
+    before, after : Statistics
+        Of the held-out errors.
+    remaining : Remaining
+
+    Returns
+    -------
+    Text
+    """
     if verdict is Verdict.CONSISTENT:
         noise = "" if leading_key(remaining.sentence) == _AS_STATED else remaining.sentence
         return together(message("message.consistent"), noise)
     if not findings:
         return together(message("message.unexplained"), remaining.sentence)
     explained = verdict is Verdict.EXPLAINED
+    # Faulty readings are no inadequacy of the model: they have sentences of their own.
     if findings[0].effect in effects_with(Trait.OF_READINGS):
         wrong = message("message.readings_wrong", sentence=findings[0].sentence)
         return together(wrong, "" if explained else remaining.sentence)
@@ -34,6 +53,7 @@ def first_line(
 def _lacking(
     findings: tuple[Finding, ...], before: Statistics, after: Statistics, remaining: Remaining
 ) -> Message:
+    """Return what the model lacks, and what the error becomes with it."""
     lead, others = findings[0], len(findings) - 1
     more = message("message.one_more" if others == 1 else "message.more", causes=others)
     return message(
@@ -53,16 +73,38 @@ def _beside(remaining: Remaining) -> Text:
 
 
 def spoken(cause: Cause) -> Message:
-    """Return e.g. `backlash (joint 4)`."""
+    """Return a cause in words.
+
+    Parameters
+    ----------
+    cause : Cause
+
+    Returns
+    -------
+    Message
+        E.g. `backlash (joint 4)`.
+    """
     return message("cause.spoken", effect=cause.effect, subject=cause.subject)
 
 
 def remaining_sentence(left: Remainder, *, full: bool) -> Text:
-    """Return what is left, and what the model could not take."""
+    """Return what is left, and what the model could not take.
+
+    Parameters
+    ----------
+    left : Remainder
+    full : bool
+        The readings do not carry more parameters, though more is there.
+
+    Returns
+    -------
+    Text
+    """
     return together(_left(left), _withheld(left), message("remaining.full") if full else "")
 
 
 def _withheld(left: Remainder) -> Text:
+    """Return that a description was withheld, with what it would have done; "" where none was."""
     if left.withheld is None:
         return ""
     gain = left.withheld
@@ -70,6 +112,8 @@ def _withheld(left: Remainder) -> Text:
 
 
 def _left(left: Remainder) -> Message:
+    """Return the one thing that is said of what is left."""
+    # The gravest first: one sentence has to do.
     if left.contradicted:
         return message(_CONTRADICTED)
     if left.worse_at is not None:
@@ -91,6 +135,7 @@ def _left(left: Remainder) -> Message:
 
 
 def _noise_left(left: Remainder) -> Message:
+    """Return of which kind the noise is, where nothing else is left."""
     if not left.more_than_stated:
         return message(_AS_STATED)
     key = "remaining.repeats" if left.explained_by_repeats else "remaining.like_noise"
@@ -105,7 +150,17 @@ def _of_calibration(left: Remainder) -> Message:
 
 
 def noise_of(left: Remainder) -> Noise:
-    """Return what the readings say of their own noise."""
+    """Return what the readings say of their own noise.
+
+    Parameters
+    ----------
+    left : Remainder
+
+    Returns
+    -------
+    Noise
+        Degrees of freedom where its tails are heavy.
+    """
     degrees = left.tails.degrees_of_freedom
     stated = message("noise.stated" if left.steps is None else "noise.stated_and_steps")
     sentence = message("noise.normal", times=left.noise_scale, stated=stated)
