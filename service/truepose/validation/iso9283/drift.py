@@ -42,10 +42,13 @@ _EARLY: Final = 0.05  # of an hour; groups are a little late, and never all by t
 def has_settled(time_s: FloatArray, barycentre_mm: FloatArray) -> bool:
     """Return whether the rate of change over the last hour is below a tenth of that over the first.
 
+    A rate is the slope of the barycentres p over time by least squares, |sum (t - mean t) p| / sum (t - mean
+    t)^2.
+
     Parameters
     ----------
     time_s : ndarray, shape (k,)
-        Of groups, ascending.
+        Of groups, ascending; k >= 1.
     barycentre_mm : ndarray, shape (k, 3)
 
     Returns
@@ -55,6 +58,7 @@ def has_settled(time_s: FloatArray, barycentre_mm: FloatArray) -> bool:
     """
     first = time_s <= time_s[0] + (1.0 + _EARLY) * _HOUR_S
     last = time_s >= time_s[-1] - (1.0 + _EARLY) * _HOUR_S
+    # Hours that overlap share groups: their rates do not tell early from late.
     overlap = time_s[-1] - time_s[0] < (2.0 - _EARLY) * _HOUR_S
     if overlap or first.sum() < 2 or last.sum() < 2:
         return False
@@ -83,7 +87,14 @@ _CHANGES: Final = (*_OF_POSITION, *_OF_ANGLES)
 
 @dataclass(frozen=True, slots=True)
 class Group:
-    """Visits that were measured in one go, and when."""
+    """Visits that were measured in one go.
+
+    Attributes
+    ----------
+    time_s : float
+        Mean of their times.
+    visits : Visits
+    """
 
     time_s: float
     visits: Visits
@@ -91,26 +102,51 @@ class Group:
 
 @dataclass(frozen=True, slots=True)
 class DriftPoint:
-    """One group beside the first; uncertainties are of scatter, since what the instrument adds cancels."""
+    """One group beside the first; uncertainties are of scatter, since what the instrument adds cancels.
+
+    Attributes
+    ----------
+    hours : float
+        Since the first group.
+    visits : int
+    accuracy_mm, accuracy_uncertainty_mm : float
+        AP.
+    repeatability_mm, repeatability_uncertainty_mm : float
+        RP.
+    moved_mm, moved_uncertainty_mm : float
+        Of the barycentre, from that of the first group.
+    """
 
     hours: float
     visits: int
-    accuracy_mm: float  # AP
+    accuracy_mm: float
     accuracy_uncertainty_mm: float
-    repeatability_mm: float  # RP
+    repeatability_mm: float
     repeatability_uncertainty_mm: float
-    moved_mm: float  # of the barycentre, from that of the first group
+    moved_mm: float
     moved_uncertainty_mm: float
 
 
 @dataclass(frozen=True, slots=True)
 class Drift:
-    """What changed over the hours."""
+    """What changed over the hours.
+
+    Attributes
+    ----------
+    performance : Performance
+    walk_mm : float or None
+        Largest distance of the barycentre from its first place; None where withheld.
+    hours : float
+        From the first group to the last.
+    settled : bool
+        The rate of change has fallen to less than a tenth.
+    curve : tuple of DriftPoint
+    """
 
     performance: Performance
-    walk_mm: float | None  # largest way of the barycentre from where it was first; None where withheld
+    walk_mm: float | None
     hours: float
-    settled: bool  # the rate of change has fallen to less than a tenth
+    settled: bool
     curve: tuple["DriftPoint", ...]
 
 
@@ -152,11 +188,13 @@ def drift(pose: CommandedPose, groups: Sequence[Group]) -> Drift:
 
 
 def _without_instrument(visits: Visits) -> Visits:
+    """Return the visits as if the instrument were perfect: what it adds is the same in every group."""
     nothing = np.zeros(len(visits))
     return replace(visits, standard_uncertainty_mm=nothing, rotation_uncertainty_rad=None)
 
 
 def _settled(pose: CommandedPose, groups: Sequence[Group]) -> bool:
+    """Return whether the drift has become slow, by the groups in which the pose was measured at all."""
     seen = [(group.time_s, group.visits.of_pose(pose.number).position_mm) for group in groups]
     measured = [(time_s, barycentre(places)) for time_s, places in seen if len(places)]
     times, places = zip(*measured, strict=True) if measured else ((), ())
@@ -164,6 +202,7 @@ def _settled(pose: CommandedPose, groups: Sequence[Group]) -> bool:
 
 
 def _points(pose: CommandedPose, groups: Sequence[Group]) -> Iterator[DriftPoint]:
+    """Yield a point for each group with two visits or more."""
     seen = [(group.time_s, _without_instrument(group.visits).of_pose(pose.number)) for group in groups]
     measured = [(time_s, visits) for time_s, visits in seen if len(visits) > 1]
     for time_s, visits in measured:
@@ -171,6 +210,7 @@ def _points(pose: CommandedPose, groups: Sequence[Group]) -> Iterator[DriftPoint
 
 
 def _point(pose: CommandedPose, since_s: float, visits: Visits, first: Visits) -> DriftPoint:
+    """Return one group against the commanded pose and the first group."""
     place, away = barycentre(visits.position_mm), barycentre_covariance(visits.position_mm)
     error, moved = place - np.array(pose.position_mm), place - barycentre(first.position_mm)
     radius = np.linalg.norm(visits.position_mm - place, axis=1)
@@ -182,11 +222,13 @@ def _point(pose: CommandedPose, since_s: float, visits: Visits, first: Visits) -
         norm_uncertainty(error, away),
         *mean_and_three_scatters(radius),
         float(np.linalg.norm(moved)),
+        # The first group has moved by 0 by definition, which is not uncertain.
         0.0 if visits is first else norm_uncertainty(moved, apart),
     )
 
 
 def _reason(found: Sequence[Performance], hours: float, *, settled: bool) -> Message | None:
+    """Return why the drift is withheld; None where it is not."""
     if 3600.0 * hours < LEAST_S and not settled:
         return message("poses.hours", hours=hours)
     for number, group in enumerate(found, start=1):
@@ -198,8 +240,10 @@ def _reason(found: Sequence[Performance], hours: float, *, settled: bool) -> Mes
 def _largest_change(
     found: Sequence[Performance], change: Symbol, of: Symbol, component: Component
 ) -> Characteristic | None:
+    """Return the largest change of a figure against the first group; None where a group lacks the figure."""
     figures = [group.largest(of, component) for group in found]
     known = [figure for figure in figures if figure is not None]
+    # The largest change may have been in the group that lacks the figure.
     if len(known) < len(found):
         return None
     first, *later = known

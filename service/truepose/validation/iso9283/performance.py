@@ -82,7 +82,20 @@ def pose_performance(commanded: Sequence[CommandedPose], visits: Visits) -> Perf
 
 
 def one_pose(pose: CommandedPose, visits: Visits, least: int) -> Performance:
-    """Return AP and RP of one pose; withheld with a reason where it was visited fewer times than `least`."""
+    """Return AP and RP of one pose.
+
+    Parameters
+    ----------
+    pose : CommandedPose
+    visits : Visits
+    least : int
+        Visits that are needed, at least two.
+
+    Returns
+    -------
+    Performance
+        Withheld with a reason where it was visited fewer times.
+    """
     reason = too_few(visits, pose.number, least)
     if reason is not None:
         return Performance((), (Missing("AP", pose.name, reason), Missing("RP", pose.name, reason)))
@@ -91,11 +104,14 @@ def one_pose(pose: CommandedPose, visits: Visits, least: int) -> Performance:
 
 
 def _are(n: int) -> str:
+    """Return a number with its verb."""
     return "one is" if n == 1 else f"{n} are"
 
 
 def _accuracies(pose: CommandedPose, seen: Visits) -> Iterator[Characteristic]:
+    """Yield AP of the position, of its components, and of the angles where they were measured."""
     away = seen.position_mm - np.array(pose.position_mm)
+    # Once, and not over sqrt(n): an error of the tracker's frame is the same at every visit.
     u_mm, n = common(seen.standard_uncertainty_mm), len(seen)
     error = away.mean(axis=0)
     u = norm_uncertainty(error, barycentre_covariance(seen.position_mm) + u_mm**2 * np.eye(3))
@@ -110,8 +126,10 @@ def _accuracies(pose: CommandedPose, seen: Visits) -> Iterator[Characteristic]:
 
 
 def _repeatabilities(pose: CommandedPose, seen: Visits) -> Iterator[Characteristic]:
+    """Yield RP of the radius, and of the angles where they were measured."""
     n = len(seen)
     radius = np.linalg.norm(seen.position_mm - barycentre(seen.position_mm), axis=1)
+    # Stated beside RP and not subtracted: the figure that the standard defines contains it.
     noise = RADIUS_OF_NOISE * common(seen.standard_uncertainty_mm)
     yield Characteristic("RP", "l", pose.name, *mean_and_three_scatters(radius), "mm", n, noise)
     if seen.turn_rad is not None:
@@ -162,6 +180,7 @@ def distance_performance(
                 f"P{number} is not among the commanded poses: the distance has no end there."
             )
     subject = f"P{ends[0]}-P{ends[1]}"
+    # Of one cycle: between two cycles the arm may have drifted, which is no scatter of a distance.
     one, other = _of_both(visits, ends)
     if len(one) < CYCLES:
         reason = _reason(visits, ends, len(one))
@@ -178,11 +197,14 @@ def _of_both(visits: Visits, ends: tuple[int, int]) -> tuple[Visits, Visits]:
 
 
 def _reason(visits: Visits, ends: tuple[int, int], both: int) -> Message:
+    """Return why the distance between two poses is withheld."""
+    # An end with too few visits is the plainer reason; else each has enough, but not in the same cycles.
     reasons = [why for number in ends if (why := too_few(visits, number, CYCLES)) is not None]
     return reasons[0] if reasons else message("poses.both_ends", both=both, least=CYCLES)
 
 
 def _figures(one: Visits, other: Visits, asked: FloatArray, subject: str) -> Iterator[Characteristic]:
+    """Yield AD and RD of the distance and of the sizes of its components."""
     n, apart = len(one), one.position_mm - other.position_mm
     ends = float(np.hypot(common(one.standard_uncertainty_mm), common(other.standard_uncertainty_mm)))
     lengths = (np.linalg.norm(apart, axis=1), *np.abs(apart).T)
@@ -229,6 +251,7 @@ def direction_performance(
 
 
 def _one_pose(approaches: Sequence[Visits], number: int) -> Performance:
+    """Return vAP of one pose; withheld where one direction visited it too seldom."""
     for place, visits in enumerate(approaches, start=1):
         reason = too_few(visits, number, CYCLES)
         if reason is not None:
@@ -239,6 +262,7 @@ def _one_pose(approaches: Sequence[Visits], number: int) -> Performance:
 
 
 def _of_position(seen: Sequence[Visits], number: int) -> Characteristic:
+    """Return vAP of the position: the largest of the three distances between barycentres."""
     one, other = max(combinations(seen, 2), key=lambda pair: float(np.linalg.norm(_shift_mm(*pair))))
     shift = _shift_mm(one, other)
     covariance = barycentre_covariance(one.position_mm) + barycentre_covariance(other.position_mm)
@@ -248,10 +272,12 @@ def _of_position(seen: Sequence[Visits], number: int) -> Characteristic:
 
 
 def _shift_mm(one: Visits, other: Visits) -> FloatArray:
+    """Return the vector from one barycentre to another, shape (3,)."""
     return barycentre(one.position_mm) - barycentre(other.position_mm)
 
 
 def _of_angles(seen: Sequence[Visits], number: int) -> Iterator[Characteristic]:
+    """Yield vAP of each angle: the largest less the smallest mean; nothing where no angles were measured."""
     turns = [visits.turn_rad for visits in seen if visits.turn_rad is not None]
     if len(turns) != len(seen):
         return

@@ -38,13 +38,26 @@ _NUMBERS: Final = {5: (5, 4, 3, 2, 1), len(DIRECTION_POSES): tuple(reversed(DIRE
 
 @dataclass(frozen=True, slots=True)
 class Cycles:
-    """The rows of a table that are cycles, m of n."""
+    """The rows of a table that are cycles, m of n.
 
-    rows: IntArray  # (m,) in the order of the cycles
-    pose: IntArray  # (m,)
-    cycle: IntArray  # (m,) from 1
-    others: BoolArray  # (n,) rows of configurations that are no poses
-    nest: int  # whose positions are taken
+    Attributes
+    ----------
+    rows : ndarray of int, shape (m,)
+        In the order of the cycles.
+    pose : ndarray of int, shape (m,)
+    cycle : ndarray of int, shape (m,)
+        From 1.
+    others : ndarray of bool, shape (n,)
+        Rows of configurations that are no poses.
+    nest : int
+        Whose positions are taken.
+    """
+
+    rows: IntArray
+    pose: IntArray
+    cycle: IntArray
+    others: BoolArray
+    nest: int
 
     @property
     def poses(self) -> tuple[int, ...]:
@@ -75,6 +88,8 @@ def find_cycles(points: PointReadings) -> Cycles:
     nest = int(np.bincount(points.nest).argmax())
     rows = _in_order(points, np.flatnonzero(points.nest == nest))
     visited, count = np.unique(place[rows], return_counts=True)
+    # Half as often as the pose visited most: a lost visit costs none its place, and a configuration that a
+    # campaign repeats a few times for its spread is no pose.
     often = visited[(count >= 2) & (count >= _OFTEN * count.max())]
     kept = rows[np.isin(place[rows], often)]
     number_of = _numbered(points, place, often, kept)
@@ -83,6 +98,7 @@ def find_cycles(points: PointReadings) -> Cycles:
 
 
 def _in_order(points: PointReadings, rows: IntArray) -> IntArray:
+    """Return rows by time where all times are known, else as they stand."""
     time_s = points.stops.time_s
     if time_s is None or not np.isfinite(time_s[rows]).all():
         return rows
@@ -94,9 +110,11 @@ def _numbered(points: PointReadings, place: IntArray, poses: IntArray, rows: Int
     numbers = _NUMBERS.get(len(poses))
     if numbers is None:
         raise ConfigurationError(_refused(len(poses)))
+    # From the readings, not from a model: the numbers of the poses must not depend on which model commands.
     middles = np.array([points.position_mm[rows[place[rows] == site]].mean(axis=0) for site in poses])
     middle = poses[np.argmin(np.linalg.norm(middles - middles.mean(axis=0), axis=1))]
     steps = _steps_since(place[rows] == middle)
+    # The median over all cycles: a lost visit shifts the count of one cycle only.
     usual = [float(np.median(steps[place[rows] == site])) for site in poses]
     return dict(zip(poses[np.argsort(usual)].tolist(), numbers, strict=True))
 
@@ -115,6 +133,7 @@ def _cycle_of(pose: IntArray) -> IntArray:
 
 
 def _refused(n: int) -> str:
+    """Return the sentence that says what the standard takes."""
     said = {0: "no pose that was", 1: "one pose that was"}.get(n, f"{n} poses that were")
     return (
         f"The table holds {said} visited again and again: ISO 9283 takes five (AP, RP, AD, RD), three from "
@@ -130,21 +149,45 @@ _OF_COMMANDS: Final = frozenset({"AP", "AD", "dAP"})  # all others are of the at
 
 @dataclass(frozen=True, slots=True)
 class PoseTest:
-    """A test of ISO 9283, and what is known of the rest of the work space."""
+    """A test of ISO 9283, and what is known of the rest of the work space.
+
+    Attributes
+    ----------
+    nominal, identified : Performance
+        Against the poses that each model commands.
+    poses, cycles, nest : int
+    work_space : NominalAndIdentified or None
+        Errors at configurations that are no poses; None: none measured.
+    claimed_mm : float
+        Mean error that the identified model itself lets expect of such.
+    commanded : tuple of CommandedPose
+        Where the identified model puts them, frame of the readings.
+    mixed : tuple of str
+        Poses that were approached from several directions, where only one is meant.
+    drift : Drift or None
+        Of the identified model; None where the test is another one.
+    """
 
     nominal: Performance
     identified: Performance
     poses: int
     cycles: int
     nest: int
-    work_space: NominalAndIdentified | None  # errors at configurations that are no poses; None: none measured
-    claimed_mm: float  # mean error that the identified model itself lets expect of such
-    commanded: tuple[CommandedPose, ...] = ()  # where the identified model puts them, frame of the readings
-    mixed: tuple[str, ...] = ()  # poses that were approached from several directions, where only one is meant
-    drift: Drift | None = None  # of the identified model; None where the test is another one
+    work_space: NominalAndIdentified | None
+    claimed_mm: float
+    commanded: tuple[CommandedPose, ...] = ()
+    mixed: tuple[str, ...] = ()
+    drift: Drift | None = None
 
     def figures(self) -> Iterator[tuple[CommandedBy | None, Characteristic]]:
-        """Yield every figure once, with the model that commands where it depends on one."""
+        """Yield every figure once, with the model that commands where it depends on one.
+
+        Yields
+        ------
+        commanded_by : str or None
+            "nominal" or "identified"; None of figures of the attained poses alone.
+        figure : Characteristic
+        """
         before = [figure for figure in self.nominal.characteristics if figure.symbol in _OF_COMMANDS]
         yield from (("nominal", figure) for figure in before)
         for figure in self.identified.characteristics:
@@ -205,6 +248,7 @@ class _Attained:
 
 
 def _mixed(stops: Stops, cycles: Cycles) -> Iterator[str]:
+    """Yield the poses that were approached from several sides in a test that means one."""
     if stops.direction is None or len(cycles.poses) == len(DIRECTION_POSES):
         return
     came = stops.direction[cycles.rows]
@@ -214,14 +258,18 @@ def _mixed(stops: Stops, cycles: Cycles) -> Iterator[str]:
 
 
 def _commanded(cycles: Cycles, result: BlockResult) -> tuple[CommandedPose, ...]:
+    """Return where a model puts the poses."""
     return tuple(CommandedPose.at(number, _predicted(cycles, result, number)) for number in cycles.poses)
 
 
 def _predicted(cycles: Cycles, result: BlockResult, number: int) -> FloatArray:
+    """Return the mean place that a model predicts for the visits of a pose, shape (3,)."""
+    # The mean: reported joints may differ in their last digit from visit to visit, and predictions with them.
     return barycentre(result.state.position_mm[cycles.rows[cycles.pose == number]])
 
 
 def _visits(points: PointReadings, cycles: Cycles, result: BlockResult) -> Visits:
+    """Return what was read at the poses, turns from the orientation that a model predicts."""
     seen, turn = points.taken(cycles.rows), None
     if seen.quaternion is not None:
         wanted = result.state.orientation[cycles.rows]
@@ -237,12 +285,16 @@ def _visits(points: PointReadings, cycles: Cycles, result: BlockResult) -> Visit
 
 
 def _of_five(test: _Attained) -> Performance:
+    """Return AP, RP, AD and RD."""
     figures = pose_performance(test.commanded, test.visits)
     return figures.joined(distance_performance(test.commanded, test.visits))
 
 
 def _of_three(test: _Attained) -> Performance:
+    """Return vAP."""
     rows, group, direction = test.cycles.rows, test.stops.group, test.stops.direction
+    # A planned session numbers its directions; where it does not, the last motions of the joints tell them
+    # apart.
     if group is not None and len(np.unique(group[rows])) == DIRECTIONS:
         came = group[rows][:, None]
     elif direction is not None:
@@ -256,6 +308,7 @@ def _of_three(test: _Attained) -> Performance:
 
 def _approaches(visits: Visits, came: IntArray) -> Iterator[Visits]:
     """Yield the visits of each direction, which are other motions of the joints at each pose."""
+    # Pose by pose: one direction in space takes different motions of the joints at each pose.
     ways = {number: np.unique(came[visits.pose == number], axis=0) for number in np.unique(visits.pose)}
     for place in range(max(len(way) for way in ways.values())):
         rows = [
@@ -267,14 +320,17 @@ def _approaches(visits: Visits, came: IntArray) -> Iterator[Visits]:
 
 
 def _counted_anew(visits: Visits) -> Visits:
+    """Return visits whose cycles are counted from 1."""
     return replace(visits, cycle=visits.cycle - visits.cycle.min() + 1)
 
 
 def _of_one(test: _Attained) -> Performance:
+    """Return dAP and dRP."""
     return _drift(test).performance
 
 
 def _drift(test: _Attained) -> Drift:
+    """Return the drift of the one pose."""
     rows, group, time_s = test.cycles.rows, test.stops.group, test.stops.time_s
     if group is None or time_s is None or not np.isfinite(time_s[rows]).all():
         raise ConfigurationError(
@@ -286,6 +342,7 @@ def _drift(test: _Attained) -> Drift:
 
 
 def _groups(visits: Visits, member: IntArray, time_s: FloatArray) -> Iterator[Group]:
+    """Yield the groups of a drift, each with its mean time."""
     for number in np.unique(member):
         rows = np.flatnonzero(member == number)
         yield Group(float(time_s[rows].mean()), _counted_anew(visits.taken(rows)))
