@@ -1,8 +1,12 @@
 """The single-axis circle test: per joint and nest its errors, and what they say about the joint.
 
-Angular errors tell gain, waves and backlash of the joint by one weighted fit: constant, gain, the two
-directions, waves as far as the arc holds them whole. The axis of the circle is itself uncertain, and where it
-is off, that looks like a wave of one turn: its two directions are in the fit with what is known of them.
+Angular errors e at joint angles q tell gain, waves and backlash of the joint by one weighted fit,
+
+    e = a + k (q - q0) - (b / 2) sign(last motion) + sum_m (c_m cos m q + s_m sin m q) + x . axis,
+
+m as far as the arc holds its waves whole. The axis of the circle is itself uncertain, and where it is off,
+that looks like a wave of one turn: its two directions are in the fit with what is known of them, x ~ N(0, I).
+Backlash itself is found from pairs of readings at one angle, which needs none of the other terms.
 """
 
 from collections.abc import Iterator
@@ -35,26 +39,49 @@ BY_CHANCE: Final = 0.01  # so rarely noise alone shows errors as large
 
 @dataclass(frozen=True, slots=True)
 class Wave:
-    """A wave of the angular error over the joint's angle: amplitude * cos(order * (angle - phase))."""
+    """A wave of the angular error over the joint's angle: amplitude * cos(order * (angle - phase)).
 
-    order: int  # periods a turn
+    Attributes
+    ----------
+    order : int
+        Periods a turn.
+    amplitude_rad : Figure
+    phase_rad : float
+        Joint angle of a crest.
+    """
+
+    order: int
     amplitude_rad: Figure
     phase_rad: float
 
     @property
     def is_seen(self) -> bool:
-        """Whether it is more than readings show by chance, as rarely as 3 u of a figure with a sign."""
+        """Whether it is more than readings show by chance, as rarely as 3 u of a figure with a sign.
+
+        The amplitude of noise alone follows Rayleigh, P(A > x u) = exp(-x^2 / 2), here 0.27 %.
+        """
         return self.amplitude_rad.value > _SEEN * self.amplitude_rad.standard_uncertainty
 
 
 @dataclass(frozen=True, slots=True)
 class JointCurve:
-    """What a joint's errors follow; None where the readings cannot tell."""
+    """What a joint's errors follow; None where the readings cannot tell.
 
-    gain: Figure | None  # k1 - 1: the joint turns by so much more than it should
+    Attributes
+    ----------
+    gain : Figure or None
+        k1 - 1: the joint turns by so much more than it should [1].
+    waves : tuple of Wave
+    left_rad : float
+        RMS of what neither follows.
+    noise_chance : float
+        That scatter alone shows errors as large as these.
+    """
+
+    gain: Figure | None
     waves: tuple[Wave, ...]
-    left_rad: float  # RMS of what neither follows
-    noise_chance: float  # that scatter alone shows errors as large as these
+    left_rad: float
+    noise_chance: float
 
     @property
     def shows_something(self) -> bool:
@@ -64,19 +91,20 @@ class JointCurve:
 
 
 def backlash(errors: CircleErrors, direction: IntArray) -> Figure | None:
-    """Return what the error is larger by coming from above than from below [rad].
+    """Return what the error is larger by coming from above than from below.
 
     Parameters
     ----------
     errors : CircleErrors
         Of m stops.
-    direction : ndarray, shape (m,)
+    direction : ndarray of int, shape (m,)
         Sign of the joint's last motion, 0 unknown.
 
     Returns
     -------
     Figure or None
-        The mean over all angles that were visited from both sides; None where there are none.
+        [rad]. The mean over all angles that were visited from both sides; None where there are none. The axis
+        has no part in its uncertainty: at one angle it shifts both readings alike.
     """
     pairs = list(_both_ways(errors.angle_rad, direction))
     if not pairs:
@@ -93,15 +121,25 @@ def _both_ways(angle: FloatArray, direction: IntArray) -> Iterator[tuple[int, in
     for below in np.flatnonzero(direction > 0).tolist():
         near = [row for row in above if abs(angle[row] - angle[below]) <= SAME_ANGLE_RAD]
         if near:
+            # Each reading once: shared ones would make the uncertainty of the mean too small.
             above.remove(near[0])
             yield below, near[0]
 
 
 def joint_curve(errors: CircleErrors, direction: IntArray) -> JointCurve:
-    """Return what the angular errors of m stops follow; `direction` as above.
+    """Return what the angular errors of m stops follow.
 
-    Where both directions are known, stops of unknown ones do not say what they follow: they are off by half
-    the backlash, to either side.
+    Parameters
+    ----------
+    errors : CircleErrors
+    direction : ndarray of int, shape (m,)
+        Sign of the joint's last motion, 0 unknown. Where both directions are known, stops of unknown ones do
+        not say what they follow: they are off by half the backlash, to either side.
+
+    Returns
+    -------
+    JointCurve
+        Without gain and waves where fewer than three degrees of freedom would be left.
     """
     chance = _noise_chance(errors)
     if _two_sided(direction):
@@ -120,6 +158,8 @@ def joint_curve(errors: CircleErrors, direction: IntArray) -> JointCurve:
 
 @dataclass(frozen=True, slots=True)
 class _Fit:
+    """Fitted columns with their covariance; chi-square of residuals and prior, and its degrees of freedom."""
+
     values: FloatArray  # (K,)
     covariance: FloatArray  # (K, K)
     chi2: float
@@ -135,6 +175,8 @@ def _fitted(errors: CircleErrors, columns: FloatArray) -> _Fit:
     inverse = np.linalg.pinv(rows)
     values = inverse @ seen
     chi2 = float(((seen - rows @ values) ** 2).sum())
+    # The axis is fitted too, and its prior is an observation of it: two parameters more, two observations
+    # more.
     n, degrees = columns.shape[1], len(columns) - columns.shape[1]
     scale = max(1.0, chi2 / max(degrees, 1))
     return _Fit(values[:n], (inverse @ inverse.T)[:n, :n] * scale, chi2, degrees)
@@ -147,6 +189,7 @@ def _noise_chance(errors: CircleErrors) -> float:
 
 
 def _columns(errors: CircleErrors, direction: IntArray, orders: list[int]) -> FloatArray:
+    """Return constant, gain, backlash where both sides are known, and waves, shape (m, K)."""
     angle = errors.angle_rad - errors.zero_rad
     columns: list[FloatArray] = [np.ones(len(angle)), angle]
     if _two_sided(direction):
@@ -157,6 +200,7 @@ def _columns(errors: CircleErrors, direction: IntArray, orders: list[int]) -> Fl
 
 
 def _two_sided(direction: IntArray) -> bool:
+    """Whether readings came from both sides."""
     return bool((direction > 0).any() and (direction < 0).any())
 
 
@@ -165,6 +209,7 @@ def _orders(errors: CircleErrors, direction: IntArray) -> list[int]:
     span = np.ptp(errors.angle_rad)
     whole = [m for m in range(1, _HIGHEST_ORDER + 1) if m * span >= _WHOLE * 2.0 * np.pi]
     places = _places(errors.angle_rad)
+    # A wave needs different angles, not readings: a full turn more brings the joint to the same places.
     while whole and _columns(errors, direction, whole).shape[1] + _FEWEST_LEFT > places:
         whole = whole[:-1]
     return whole
@@ -178,6 +223,7 @@ def _places(angle_rad: FloatArray) -> int:
 
 
 def _wave(order: int, fit: _Fit, column: int) -> Wave:
+    """Return a wave by its cosine and sine; u is that along its own phase."""
     cos, sin = (float(value) for value in fit.values[column : column + 2])
     amplitude = float(np.hypot(cos, sin))
     along = np.array([cos, sin]) / amplitude if amplitude else np.array([1.0, 0.0])
@@ -186,6 +232,7 @@ def _wave(order: int, fit: _Fit, column: int) -> Wave:
 
 
 def _rms(values: FloatArray) -> float:
+    """Return the root mean square."""
     return float(np.sqrt((values**2).mean()))
 
 
@@ -196,25 +243,47 @@ _UNCERTAIN: Final = 0.02  # of the radius; beyond it a good part of the angular 
 
 @dataclass(frozen=True, slots=True)
 class JointCircle:
-    """What a sweep of one joint shows at one nest."""
+    """What a sweep of one joint shows at one nest.
+
+    Attributes
+    ----------
+    joint, nest : int
+        1-based.
+    interval_rad : tuple of float
+        Least and greatest angle.
+    increment_rad : float
+        Median distance of neighbouring angles.
+    circle : Circle
+    errors : CircleErrors
+        At m stops.
+    direction : ndarray of int, shape (m,)
+        Of the stops of `errors`.
+    config : ndarray of int, shape (m,)
+    set_aside : tuple of int
+        Configurations whose readings lie far off plane or circle.
+    backlash_rad : Figure or None
+        None: no angle was visited from both sides.
+    curve : JointCurve
+    """
 
     joint: int
     nest: int
     interval_rad: tuple[float, float]
-    increment_rad: float  # median distance of neighbouring angles
+    increment_rad: float
     circle: Circle
     errors: CircleErrors
-    direction: IntArray  # (m,) of the stops of `errors`
-    config: IntArray  # (m,)
-    set_aside: tuple[int, ...]  # configurations whose readings lie far off plane or circle
-    backlash_rad: Figure | None  # None: no angle was visited from both sides
+    direction: IntArray
+    config: IntArray
+    set_aside: tuple[int, ...]
+    backlash_rad: Figure | None
     curve: JointCurve
 
     @property
     def is_noise(self) -> bool:
         """Whether scatter alone shows errors as large, and no figure of the joint stands out of it.
 
-        All errors together hide a gain of a few uncertainties, which one figure shows.
+        All errors together hide a gain of a few uncertainties, which one figure shows: gains of four
+        uncertainties of a short arc once stood below a sentence that no error is seen.
         """
         gap = self.backlash_rad
         shown = self.curve.shows_something or (gap is not None and gap.is_seen)
@@ -269,7 +338,12 @@ def circle_test(points: PointReadings) -> CircleTest:
     Parameters
     ----------
     points : PointReadings
-        n >= 1 rows, in any frame.
+        n >= 1 rows, in any frame; standard uncertainties above 0.
+
+    Returns
+    -------
+    CircleTest
+        By joint and nest; a sweep that gives no circle has a reason instead.
 
     Raises
     ------
@@ -284,6 +358,7 @@ def circle_test(points: PointReadings) -> CircleTest:
 
 
 def _judged(points: PointReadings, sweep: Sweep) -> JointCircle | MissingCircle:
+    """Return the circle of a sweep, or why it gives none."""
     angles = _different(sweep.angle_rad)
     if len(angles) < _FEWEST_ANGLES:
         return MissingCircle(sweep.joint, sweep.nest, message("circles.few", angles=len(angles)))
@@ -291,6 +366,7 @@ def _judged(points: PointReadings, sweep: Sweep) -> JointCircle | MissingCircle:
     circle = _usable(fit_circle(read, u_mm), float(np.median(u_mm)), float(np.ptp(angles)))
     if isinstance(circle, Message):
         return MissingCircle(sweep.joint, sweep.nest, circle)
+    # Gross readings may leave fewer places than a circle needs, whatever the fit says.
     left = len(_different(sweep.angle_rad[~circle.gross]))
     if left < _FEWEST_ANGLES:
         return MissingCircle(sweep.joint, sweep.nest, message("circles.few", angles=left))
@@ -298,6 +374,7 @@ def _judged(points: PointReadings, sweep: Sweep) -> JointCircle | MissingCircle:
 
 
 def _of_circle(points: PointReadings, sweep: Sweep, circle: Circle) -> JointCircle:
+    """Return what a sweep shows about its circle, gross readings left out."""
     kept = ~circle.gross
     rows, direction = sweep.rows[kept], sweep.direction[kept]
     read, u_mm = points.position_mm[rows], points.standard_uncertainty_mm[rows]
@@ -328,6 +405,7 @@ def _usable(circle: Circle | None, u_mm: float, arc_rad: float) -> Circle | Mess
     """Return the circle, or why it tells nothing of the joint."""
     if circle is None:
         return message("circles.none")
+    # A nest on the joint's own axis hardly moves: its angular errors would be those of the instrument.
     if u_mm > _COARSE_RAD * circle.radius_mm:
         u_deg = float(np.degrees(u_mm / circle.radius_mm))
         return message("circles.near", radius_mm=circle.radius_mm, u_deg=u_deg)
@@ -338,5 +416,6 @@ def _usable(circle: Circle | None, u_mm: float, arc_rad: float) -> Circle | Mess
 
 
 def _range(values: FloatArray, uncertainty: FloatArray) -> Figure:
+    """Return the range of values; those at its ends are taken for independent."""
     ends = [int(values.argmax()), int(values.argmin())]
     return Figure(float(np.ptp(values)), float(np.hypot(*uncertainty[ends])))

@@ -1,11 +1,17 @@
 """Whether a reading goes with the pair of cup and nest that was asked for.
 
-Bayes' rule over everything that a person may have connected, and the costs of both errors. A question costs
-ten seconds, a pose that is measured again a minute. A wrong length that stays costs at least that minute, and
-where nothing shows it later it bends the identification of a whole hour: 1,000 s in the mean is a guess on
-the safe side. So a reading is suspected where one other pair has more than a hundredth of the probability of
-what was asked, a whole pose where one other account of it has more than six hundredths. One other, not all
-together: where little is foreseen, many accounts are a little likely, and to ask then would lead nowhere.
+Bayes' rule over everything that a person may have connected, and the costs of both errors: with the odds o_a
+of each account a (slips, `misconnections`) and its likelihood L_a, a person is asked where
+
+    sum of o_a L_a over the accounts of one other pair  >  (cost of asking / cost of a wrong length)
+                                                            * sum of o_a L_a over those of the asked pair.
+
+A question costs ten seconds, a pose that is measured again a minute. A wrong length that stays costs at least
+that minute, and where nothing shows it later it bends the identification of a whole hour: 1,000 s in the mean
+is a guess on the safe side. So a reading is suspected where one other pair has more than a hundredth of the
+probability of what was asked, a whole pose where one other account of it has more than six hundredths. One
+other, not all together: where the forecast is vague, many accounts are a little likely, and a question would
+lead nowhere.
 """
 
 from collections.abc import Mapping, Sequence
@@ -65,10 +71,12 @@ def judge_leg(
     ConfigurationError
         A length or an uncertainty is no number, or the forecast does not know a leg.
     """
+    # The asked leg comes last: it is the reading that is judged, and an earlier one of it is replaced.
     readings = {leg: length for leg, length in earlier.items() if leg != asked} | {asked: length_mm}
     noise = _checked_noise(readings, reading_u_mm, zero_u_mm)
     if not 0.0 < range_mm < np.inf:
         raise ConfigurationError(f"The ballbar's range is {range_mm:g} mm; give it as a number above 0 mm.")
+    # An even distribution over -range to +range has the variance range^2 / 3.
     spread = range_mm**2 / 3.0  # variance of a length that may be anywhere within the range
     if forecast is None:
         foreseen = nothing_foreseen(tuple(readings), nominal_mm, noise, spread)
@@ -138,18 +146,23 @@ def _checked_noise(readings: Mapping[Leg, float], reading_u_mm: float, zero_u_mm
 def _judged(
     foreseen: LengthForecast, readings: Mapping[Leg, float], *, questioned: bool
 ) -> tuple[IntArray, FloatArray]:
-    """Return what the readings may be of (m, k), first what was asked, and the log of its odds (m,)."""
+    """Return what the readings may be of (m, k), first what was asked, and the log of its odds (m,).
+
+    Prior odds of the slip plus log likelihood of the readings, not normalised.
+    """
     asked = [foreseen.index(leg) for leg in readings]
     assignments, before = slips(asked, len(foreseen.pairs), questioned=questioned)
     return assignments, before + log_likelihood(foreseen, tuple(readings), readings, assignments)
 
 
 def _total(log_odds: FloatArray) -> float:
+    """Return the log of the sum of odds that are given by their logarithms."""
     return float(np.logaddexp.reduce(log_odds))
 
 
 def _likeliest(assignments: IntArray, odds: FloatArray) -> tuple[IntArray, float]:
     """Return the best account of those that name the likeliest pair for the last reading, and its odds."""
+    # The prompt names one pair, so all accounts in which the reading is of that pair count together.
     named = np.unique(assignments[:, -1])
     shares = [_total(odds[assignments[:, -1] == pair]) for pair in named]
     number = int(np.argmax(shares))
@@ -165,6 +178,7 @@ def _suspicion(
     readings: Mapping[Leg, float],
     expected_mm: float | None,
 ) -> Suspicion:
+    """Return the suspicion that an account raises about one reading."""
     legs = tuple(readings)
     instead = int(account[reading])
     suspected = foreseen.pairs[instead] if instead < len(foreseen.pairs) else None
@@ -175,9 +189,12 @@ def _suspicion(
 def _kind(
     suspected: Leg | None, account: Sequence[int] | IntArray, legs: Sequence[Leg], foreseen: LengthForecast
 ) -> SuspicionKind:
+    """Return the kind of a slip: no pair, another one, one that was read already, or two exchanged."""
     if suspected is None:
         return "unlikely"
     if suspected not in legs:
         return "other_pair"
+    # Where the reading that the suspected pair was asked for is of it too, it was read twice; else the two
+    # were exchanged.
     stayed = int(account[legs.index(suspected)]) == foreseen.index(suspected)
     return "same_pair" if stayed else "exchanged"

@@ -36,13 +36,24 @@ _NO_LENGTH_MM: Final = 1e-30  # added to the sum of two lengths: two places that
 
 @dataclass(frozen=True, slots=True)
 class PairErrors:
-    """Errors of n >= 1 distances, seen minus predicted [mm]."""
+    """Errors of n >= 1 distances, seen minus predicted.
+
+    Attributes
+    ----------
+    n : int
+    mean_mm, mean_absolute_mm, rms_mm : float
+    largest_mm : float
+        By size.
+    positive_share : float
+        From 0 to 1.
+    histogram : Histogram
+    """
 
     n: int
     mean_mm: float
     mean_absolute_mm: float
     rms_mm: float
-    largest_mm: float  # by size
+    largest_mm: float
     positive_share: float
     histogram: Histogram
 
@@ -69,6 +80,7 @@ def pair_errors(seen_mm: FloatArray, predicted_mm: Sequence[FloatArray]) -> tupl
         metres; where points coincide in one of the two sets, to 0.1 um. A prediction that is equal to what
         was seen has errors of exactly 0.
     """
+    # Relative to the middle: with an origin kilometres away, the digits of micrometres would be lost.
     seen = seen_mm - seen_mm.mean(axis=0)
     shifts = [predicted - predicted.mean(axis=0) for predicted in predicted_mm]
     lengths = _length_factors(seen)
@@ -76,10 +88,13 @@ def pair_errors(seen_mm: FloatArray, predicted_mm: Sequence[FloatArray]) -> tupl
     totals = [_Totals(2.0 * _spread(seen - shifted)) for shifted in shifts]
     memory = np.empty((3, _ROWS * max(_ROWS, _COLUMNS)))
     single = np.empty((2, _ROWS * max(_ROWS, _COLUMNS)), dtype=np.float32)
+    # In blocks that stay in the cache, so that memory does not grow with the pairs: 10,000 points have 50
+    # million.
     for rows, columns in _blocks(len(seen)):
         shape = rows.stop - rows.start, columns.stop - columns.start
         squared, error, spare = (part[: shape[0] * shape[1]].reshape(shape) for part in memory)
         length, other = (part[: shape[0] * shape[1]].reshape(shape) for part in single)
+        # One product for the lengths that were seen serves all predictions; each of these costs one more.
         _product(lengths, rows, columns, squared)
         _root(squared, length)
         for factors, total in zip(differences, totals, strict=True):
@@ -102,29 +117,35 @@ def _blocks(n: int) -> Iterator[tuple[slice, slice]]:
 
 
 def _length_factors(seen: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return (n, 5) and (5, n) whose product is |s_i - s_j|^2."""
+    """Return (n, 5) and (5, n) whose product is |s_i - s_j|^2 = -2 s_i . s_j + |s_i|^2 + |s_j|^2."""
     squared, one = np.sum(seen**2, axis=1), np.ones(len(seen))
     return np.column_stack([-2.0 * seen, squared, one]), np.vstack([seen.T, one, squared])
 
 
 def _difference_factors(seen: FloatArray, predicted: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return (n, 8) and (8, n) whose product is |s_i - s_j|^2 - |p_i - p_j|^2."""
+    """Return (n, 8) and (8, n) whose product is |s_i - s_j|^2 - |p_i - p_j|^2.
+
+    (d_i - d_j) . (m_i - m_j) = d_i . m_i + d_j . m_j - d_i . m_j - m_i . d_j.
+    """
     d, m = seen - predicted, seen + predicted
     own, one = np.sum(d * m, axis=1), np.ones(len(d))
     return np.column_stack([d, m, own, one]), np.vstack([-m.T, -d.T, one, own])
 
 
 def _product(factors: tuple[FloatArray, FloatArray], rows: slice, columns: slice, out: FloatArray) -> None:
+    """Write a block of the product of two factors."""
     np.matmul(factors[0][rows], factors[1][:, columns], out=out)
 
 
 def _root(squared: FloatArray, out: SingleArray) -> None:
+    """Write the root of squares in single precision: it is only divided by."""
     np.copyto(out, squared, casting="same_kind")
     np.abs(out, out=out)  # rounding may have brought the square of no length below 0
     np.sqrt(out, out=out)
 
 
 def _upper(square: FloatArray) -> FloatArray:
+    """Return the entries above the diagonal: each pair once, no point with itself."""
     return np.asarray(square[np.triu_indices(len(square), 1)])
 
 
@@ -137,6 +158,8 @@ class _Totals:
     """Sums over blocks of errors, and a histogram fine enough to be joined to a readable one."""
 
     def __init__(self, reach_mm: float) -> None:
+        # A whole power of ten, so that joined bins have readable ends; fine enough for 500 bins on either
+        # side.
         self._width = 10.0 ** np.floor(np.log10(max(reach_mm / _FINE, _FINEST_MM)))
         self._zero = int(np.ceil(reach_mm / self._width)) + 1  # the bin that begins at 0
         self._counts = np.zeros(2 * self._zero + 1, dtype=np.int64)
@@ -144,7 +167,15 @@ class _Totals:
         self._sum, self._absolute, self._squares, self._largest = 0.0, 0.0, 0.0, 0.0
 
     def add(self, errors: FloatArray, spare: FloatArray) -> None:
-        """Take another block (k,); `spare` is memory of at least its size."""
+        """Take another block of errors.
+
+        Parameters
+        ----------
+        errors : ndarray, shape (k,)
+            [mm]; k = 0 is no error.
+        spare : ndarray, shape (>= k,)
+            Memory that is overwritten.
+        """
         if errors.size == 0:
             return
         room = spare[: errors.size]
@@ -160,7 +191,7 @@ class _Totals:
         self._largest = max(self._largest, float(room.max()))
 
     def errors(self) -> PairErrors:
-        """Return what all blocks have in common."""
+        """Return the figures of all blocks together."""
         n = self._n
         return PairErrors(
             n,
@@ -186,6 +217,7 @@ def _joined(width_mm: float, counts: IntArray, zero: int) -> Histogram:
 
 
 def _factors() -> Iterator[int]:
+    """Yield 1, 2, 5, 10, 20, 50, ..."""
     power = 1
     while True:
         yield from (power, 2 * power, 5 * power)
@@ -201,7 +233,17 @@ class Distances:
 
 
 def distances(judged: Assessment) -> Distances | None:
-    """Return the statistics over all pairs of places; None of readings that are none, or of a single one."""
+    """Return the statistics over all pairs of places.
+
+    Parameters
+    ----------
+    judged : Assessment
+
+    Returns
+    -------
+    Distances or None
+        None of readings that are no places, or of a single one.
+    """
     places = judged.block.place_mm
     if places is None or len(places) < 2:
         return None
@@ -214,7 +256,11 @@ def distances(judged: Assessment) -> Distances | None:
 
 
 def _noise_mm(judged: Assessment) -> float:
-    """Return the mean size that noise gives: a distance sees one component of that of each of its ends."""
+    """Return the mean size that noise gives to the error of a distance [mm].
+
+    A distance sees one component of the noise of each of its ends: variance 2 s^2, and the mean size of a
+    normal variate is sqrt(2 / pi) of its standard deviation.
+    """
     block = judged.block
     covariance = block.covariance() + block.scatter_mm**2 * np.eye(block.components)
     variance = float(np.trace(covariance, axis1=1, axis2=2).mean()) / block.components
@@ -222,10 +268,12 @@ def _noise_mm(judged: Assessment) -> float:
 
 
 def _statistics(found: PairErrors, noise_mm: float) -> Statistics:
+    """Return the sizes of the errors as statistics."""
     return Statistics(
         found.n, found.mean_absolute_mm, found.rms_mm, found.sd_absolute_mm, found.largest_mm, noise_mm
     )
 
 
 def _signed(found: PairErrors) -> SignedErrors:
+    """Return what the signs of the errors tell."""
     return SignedErrors(found.mean_mm, found.positive_share, found.histogram)

@@ -6,7 +6,11 @@ one among them would spoil that, so nothing rests on a single story: every accou
 still possible has a Kalman filter of its own, for every kind of arm that it may be. A further reading makes
 of each account one for every pair that it may be of; those that fall far behind are dropped. Where an early
 swap could not be seen, the account in which it happened goes on beside the other, until later readings tell
-them apart.
+them apart (decision 0025).
+
+With x ~ N(m, P) what an account knows and h the slope of a pair, a length y is predicted as l + h m with the
+variance s = h P h^T + r. Read, it weighs the account by its density there, and m += k (y - l - h m),
+P -= k (h P) with k = P h^T / s. A reading of nothing has the density 1 / (2 range) and teaches nothing.
 
 A pair that was read already at the same stop is asked about where it has two hundredths of the probability of
 what was asked: nothing shows later that it was read twice. Other pairs and whole poses are asked about at a
@@ -30,6 +34,7 @@ from truepose.domain.ballbar import TOLD_APART, ArmKind, Leg, StopLengths, Suspi
 from truepose.domain.cell import BallbarKit
 from truepose.validation.misconnections import next_slips
 
+# With so many a reading costs milliseconds (decision 0025).
 _MOST: Final = 250  # accounts, each with a kind of arm
 _FORGOTTEN: Final = float(np.log(1e-7))  # odds against the likeliest one below which an account is dropped
 _OFF_MM: Final = 6.0  # a pair that is nominally further from a reading than that is not what was read
@@ -37,21 +42,50 @@ _OFF_MM: Final = 6.0  # a pair that is nominally further from a reading than tha
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Accounts:
-    """What the readings so far may be of; `begin` makes the first, `at` and `read` those that follow."""
+    """What the readings so far may be of; `begin` makes the first, `at` and `read` those that follow.
+
+    Nothing is remembered elsewhere: the accounts follow from plan and ledger, and are made again from them.
+
+    Attributes
+    ----------
+    kinds : tuple of ArmKind
+    noise_mm2 : float
+        Variance of one reading.
+    nominal_mm : float
+        Of the ballbar.
+    range_mm : float
+        Either way, where it can read at all.
+    log_odds : ndarray, shape (m,)
+        Of which the exponentials add up to 1.
+    kind : ndarray of int, shape (m,)
+        Of arm.
+    mean : ndarray, shape (m, S + 6)
+        Of what is unknown of the session and of the tool at this stop.
+    covariance : ndarray, shape (m, S + 6, S + 6)
+    taken : ndarray of int, shape (m, readings)
+        Row of the pair at its stop; the number of pairs stands for nothing.
+    asked : tuple of int
+        Rows of the pairs that were asked for, in the order of the readings.
+    stops : tuple of StopLengths
+    first : tuple of int
+        Reading with which each stop begins.
+    foreseen_mm : float
+        Of the pair asked for last, before it was read.
+    """
 
     kinds: tuple[ArmKind, ...]
-    noise_mm2: float  # variance of one reading
-    nominal_mm: float  # of the ballbar
-    range_mm: float  # either way, where it can read at all
-    log_odds: FloatArray  # (m,) of which the exponentials add up to 1
-    kind: IntArray  # (m,)
-    mean: FloatArray  # (m, S + 6) of what is unknown of the session and of the tool at this stop
-    covariance: FloatArray  # (m, S + 6, S + 6)
-    taken: IntArray  # (m, readings) row of the pair at its stop; the number of pairs stands for nothing
-    asked: tuple[int, ...] = ()  # rows of the pairs that were asked for, in the order of the readings
+    noise_mm2: float
+    nominal_mm: float
+    range_mm: float
+    log_odds: FloatArray
+    kind: IntArray
+    mean: FloatArray
+    covariance: FloatArray
+    taken: IntArray
+    asked: tuple[int, ...] = ()
     stops: tuple[StopLengths, ...] = ()
-    first: tuple[int, ...] = ()  # reading with which each stop begins
-    foreseen_mm: float = float("nan")  # of the pair asked for last, before it was read
+    first: tuple[int, ...] = ()
+    foreseen_mm: float = float("nan")
 
     @property
     def here(self) -> StopLengths:
@@ -59,7 +93,17 @@ class Accounts:
         return self.stops[-1]
 
     def at(self, stop: StopLengths) -> "Accounts":
-        """Return the accounts at a further stop, nothing being read there yet."""
+        """Return the accounts at a further stop, nothing being read there yet.
+
+        Parameters
+        ----------
+        stop : StopLengths
+
+        Returns
+        -------
+        Accounts
+            What is known of the session stays; how the tool came to rest at this stop is unknown.
+        """
         known = self.mean.shape[1] - 6
         mean = np.zeros_like(self.mean)
         mean[:, :known] = self.mean[:, :known]
@@ -67,6 +111,8 @@ class Accounts:
         covariance[:, :known, :known] = self.covariance[:, :known, :known]
         motion = np.array([kind.motion_mm for kind in self.kinds]) ** 2
         local = np.arange(known, known + 6)
+        # Where the tool comes to rest is drawn anew at each stop; nothing of it is known from the stops
+        # before.
         covariance[:, local, local] = motion[self.kind][:, None]
         return replace(
             self,
@@ -86,11 +132,18 @@ class Accounts:
         length_mm : float
         affirmed : bool
             A person was asked about it, and maintained that it is of that pair.
+
+        Returns
+        -------
+        Accounts
+            At most 250, the likeliest; none below 1e-7 of the likeliest.
         """
         stop, own = self.here, self.here.pairs.index(leg)
         pairs, first = len(stop.pairs), self.first[-1]
         slips = next_slips(own, pairs, self.asked[first:], self.taken[:, first:], affirmed=affirmed)
         far_mm = np.abs(stop.nominal_mm - length_mm)
+        # Pairs that are no legs are centimetres away. They could never be what was read, and need no column
+        # each.
         near = np.flatnonzero((far_mm < _OFF_MM) | (far_mm == far_mm.min()))  # one at least, however far
         slope = np.concatenate([stop.slope, stop.motion], axis=1)[near]  # (q, S + 6)
         shared = self.covariance @ slope.T  # (m, S + 6, q)
@@ -99,12 +152,14 @@ class Accounts:
         off = length_mm - foreseen
         fit = np.full((len(self.kind), pairs + 1), -np.inf)
         fit[:, near] = -0.5 * (off**2 / variance + np.log(2.0 * np.pi * variance))
+        # A reading of no pair may be anywhere in the range, with equal density.
         fit[:, pairs] = -np.log(2.0 * self.range_mm)
         odds = self.log_odds[:, None] + slips + fit
         account, pair = _likeliest_pairs(odds)
         weight = odds[account, pair]
         column = np.searchsorted(near, pair)
         named = pair < pairs
+        # Any column will do: its gain is 0, since nothing is learnt from a reading of nothing.
         column[~named] = 0
         covariance, mean = self.covariance[account], self.mean[account]
         gain = shared[account, :, column] * (named / variance[account, column])[:, None]
@@ -118,15 +173,25 @@ class Accounts:
             covariance=covariance,
             taken=np.concatenate([self.taken[account], pair[:, None]], axis=1),
             asked=(*self.asked, own),
+            # From the accounts before the reading; those after it have adapted to it.
             foreseen_mm=self._foreseen(own),
         )
 
     def _foreseen(self, own: int) -> float:
+        """Return the length of a pair [mm] as all accounts together predict it."""
         slope = np.concatenate([self.here.slope[own], self.here.motion[own]])
         return float(self.here.nominal_mm[own] + np.exp(self.log_odds) @ (self.mean @ slope))
 
     def forecast(self) -> tuple[FloatArray, FloatArray]:
-        """Return mean (p,) and covariance (p, p) of the lengths at this stop, all accounts together [mm]."""
+        """Return the lengths at this stop as all accounts together predict them.
+
+        Mean and covariance of the mixture: those within the accounts, and the spread of their means.
+
+        Returns
+        -------
+        mean_mm : ndarray, shape (p,)
+        covariance_mm2 : ndarray, shape (p, p)
+        """
         slope = np.concatenate([self.here.slope, self.here.motion], axis=1)
         weight = np.exp(self.log_odds)
         each = self.mean @ slope.T
@@ -136,7 +201,20 @@ class Accounts:
         return self.here.nominal_mm + mean, own + (weight[:, None] * spread).T @ spread
 
     def of_stop(self, stop: int) -> tuple[IntArray, FloatArray, IntArray]:
-        """Return the accounts of one stop (n, k), their log odds (n,), and what was asked for (k,)."""
+        """Return the accounts of one stop, those that differ elsewhere only taken together.
+
+        Parameters
+        ----------
+        stop : int
+            From 0.
+
+        Returns
+        -------
+        taken : ndarray of int, shape (n, k)
+            Rows of the pairs that its readings are of.
+        log_odds : ndarray, shape (n,)
+        asked : ndarray of int, shape (k,)
+        """
         end = self.first[stop + 1] if stop + 1 < len(self.first) else len(self.asked)
         own = np.array(self.asked[self.first[stop] : end], dtype=np.int64)
         distinct, number = np.unique(self.taken[:, self.first[stop] : end], axis=0, return_inverse=True)
@@ -146,7 +224,19 @@ class Accounts:
 
 
 def begin(kinds: Sequence[ArmKind], kit: BallbarKit) -> Accounts:
-    """Return what is known before anything was read."""
+    """Return what is known before anything was read.
+
+    Parameters
+    ----------
+    kinds : sequence of ArmKind
+        At least one, with the same unknowns.
+    kit : BallbarKit
+
+    Returns
+    -------
+    Accounts
+        One a kind of arm, at no stop yet.
+    """
     unknowns = len(kinds[0].mean)
     mean = np.zeros((len(kinds), unknowns + 6))
     covariance = np.zeros((len(kinds), unknowns + 6, unknowns + 6))
@@ -177,6 +267,8 @@ def _likeliest_pairs(log_odds: FloatArray) -> tuple[IntArray, IntArray]:
     return account.astype(np.int64), pair.astype(np.int64)
 
 
+# Two thresholds, since one does not do: at 0.01 four right readings in a hundred of an everyday robot were
+# questioned, at 0.1 one in ten pairs read twice was missed (decision 0025).
 _AGAIN: Final = float(np.log(0.02))  # odds above which a person is asked whether a pair is read twice
 _OTHER: Final = float(np.log(0.1))  # ... whether it is another pair, or the pose is not as asked
 _NEAR_MM: Final = 3.0  # a pair that is nominally further off the ballbar's length cannot be connected
@@ -214,7 +306,17 @@ def judge_early(after: Accounts, length_mm: float, *, complete: bool) -> Suspici
 
 
 def refuted_stops(accounts: Accounts) -> tuple[int, ...]:
-    """Return the stops, counted from 0, of which another account is likelier by now than what was asked."""
+    """Return the stops of which another account is likelier by now than what was asked.
+
+    Parameters
+    ----------
+    accounts : Accounts
+
+    Returns
+    -------
+    tuple of int
+        Counted from 0.
+    """
     found = []
     for stop in range(len(accounts.stops)):
         taken, odds, asked = accounts.of_stop(stop)
@@ -228,6 +330,14 @@ def alike(here: Accounts) -> tuple[tuple[Leg, Leg], ...]:
     """Return the pairs at the present stop whose lengths cannot be told apart.
 
     To exchange them does not show. Only pairs that the ballbar can be put between are looked at.
+
+    Parameters
+    ----------
+    here : Accounts
+
+    Returns
+    -------
+    tuple of (Leg, Leg)
     """
     length, covariance = here.forecast()
     pairs = here.here.pairs
@@ -239,7 +349,20 @@ def alike(here: Accounts) -> tuple[tuple[Leg, Leg], ...]:
 def indistinct(
     length_mm: FloatArray, covariance_mm2: FloatArray, noise_mm2: float
 ) -> tuple[tuple[int, int], ...]:
-    """Return which two of n foreseen lengths are closer than their difference is foreseen."""
+    """Return which two of n predicted lengths cannot be told apart by their difference.
+
+    Those with (l_a - l_b)^2 < 9 (V_aa + V_bb - 2 V_ab + 2 r), r the variance of a reading.
+
+    Parameters
+    ----------
+    length_mm : ndarray, shape (n,)
+    covariance_mm2 : ndarray, shape (n, n)
+    noise_mm2 : float
+
+    Returns
+    -------
+    tuple of (int, int)
+    """
     variance = np.diag(covariance_mm2)
     unsure = variance[:, None] + variance - 2.0 * covariance_mm2 + 2.0 * noise_mm2
     close = (length_mm[:, None] - length_mm) ** 2 < TOLD_APART**2 * unsure
@@ -247,15 +370,18 @@ def indistinct(
 
 
 def _is_shown(here: Accounts, row: int) -> bool:
+    """Whether the ballbar can be put between a pair at all."""
     return bool(abs(here.here.nominal_mm[row] - here.nominal_mm) < _NEAR_MM)
 
 
 def _threshold(account: IntArray, asked: IntArray, after: Accounts) -> float:
+    """Return the log odds above which the person is prompted about the last reading."""
     kind = _kind(account, asked, int(account[-1]), len(after.here.pairs))
     return _AGAIN if kind == "same_pair" else _OTHER
 
 
 def _total(log_odds: FloatArray) -> float:
+    """Return the log of the sum of odds that are given by their logarithms; of none, minus infinity."""
     return float(np.logaddexp.reduce(log_odds)) if len(log_odds) else -np.inf
 
 
@@ -273,6 +399,7 @@ def _likeliest(taken: IntArray, odds: FloatArray) -> tuple[IntArray | None, floa
 def _suspicion(
     after: Accounts, account: IntArray, asked: IntArray, reading: int, length_mm: float
 ) -> Suspicion:
+    """Return the suspicion that an account raises about one reading of the present stop."""
     pairs = after.here.pairs
     instead = int(account[reading])
     suspected = pairs[instead] if instead < len(pairs) else None
@@ -286,6 +413,7 @@ def _suspicion(
 
 
 def _kind(account: IntArray, asked: IntArray, instead: int, pairs: int) -> SuspicionKind:
+    """Return the kind of a slip: no pair, another one, one that was read already, or two exchanged."""
     if instead == pairs:
         return "unlikely"
     own = np.flatnonzero(asked == instead)

@@ -95,12 +95,14 @@ def next_slips(own: int, pairs: int, asked: Sequence[int], taken: IntArray, *, a
     accounts = len(taken)
     odds = np.full((accounts, pairs + 1), _SELECTION / _others(pairs))
     rows, readings = np.nonzero(taken < pairs)
+    # At most once however often it was read: it is one place to put the bar back to.
     again = np.zeros((accounts, pairs + 1), dtype=bool)
     again[rows, taken[rows, readings]] = True
     odds += _OMISSION * again
     odds[:, pairs] = _NOTHING
     odds[:, own] = 1.0 - _SELECTION
     rows, readings = np.nonzero((taken == own) & (np.array(asked, dtype=np.int64) != own))
+    # The asked pair was read already for another: who took B for A is likely to take A for B now.
     odds[rows, own] = 1.0 - _FOLLOWED
     odds[rows, np.array(asked, dtype=np.int64)[readings]] = _FOLLOWED
     if affirmed:
@@ -116,6 +118,7 @@ def _single(own: IntArray, pairs: int, questioned: bool) -> tuple[IntArray, Floa
     rows = np.tile(own, (len(reading), 1))
     rows[np.arange(len(reading)), reading] = instead
     again = (_SELECTION / _others(pairs) + _OMISSION) * (_REAFFIRMED if questioned else 1.0)
+    # A pair that another reading is of may also simply not have been left: an omission besides a confusion.
     odds = np.where(np.isin(instead, own), again, _SELECTION / _others(pairs))
     return rows, np.log(np.where(instead == pairs, _NOTHING, odds))
 
@@ -139,6 +142,8 @@ def _orders(own: IntArray, pairs: int) -> tuple[IntArray, FloatArray]:
         cycles = [order for order in permutations(range(moved)) if all(i != j for i, j in enumerate(order))]
         for chosen, order in product(combinations(range(count), moved), cycles):
             row = own.copy()
+            # One slip that is followed up; each place that is taken, but for the last, is one among all other
+            # pairs.
             row[list(chosen)] = own[[chosen[place] for place in order]]
             rows.append(row)
             odds.append(np.log(_SELECTION * _FOLLOWED) - (moved - 1) * np.log(_others(pairs)))
@@ -146,6 +151,7 @@ def _orders(own: IntArray, pairs: int) -> tuple[IntArray, FloatArray]:
 
 
 def _others(pairs: int) -> int:
+    """Return how many pairs a person may confuse a pair with, at least eight."""
     return max(pairs - 1, _OTHERS)
 
 
@@ -155,16 +161,36 @@ _SCALES = ((1.0, 0.95), (2.0, 0.04), (4.0, 0.01))
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LengthForecast:
-    """What is known of the lengths at one stop before they are read."""
+    """What is known of the lengths at one stop before they are read.
 
-    pairs: tuple[Leg, ...]  # p pairs that can be told apart
-    length_mm: FloatArray  # (p,)
-    covariance_mm2: FloatArray  # (p, p)
-    noise_mm2: float  # variance that each reading adds
-    spread_mm2: float  # variance of a reading of nothing about the nominal length
+    Attributes
+    ----------
+    pairs : tuple of Leg
+        p pairs that can be told apart.
+    length_mm : ndarray, shape (p,)
+    covariance_mm2 : ndarray, shape (p, p)
+    noise_mm2 : float
+        Variance that each reading adds.
+    spread_mm2 : float
+        Variance of a reading of nothing about the nominal length.
+    """
+
+    pairs: tuple[Leg, ...]
+    length_mm: FloatArray
+    covariance_mm2: FloatArray
+    noise_mm2: float
+    spread_mm2: float
 
     def index(self, leg: Leg) -> int:
         """Return the row of a pair.
+
+        Parameters
+        ----------
+        leg : Leg
+
+        Returns
+        -------
+        int
 
         Raises
         ------
@@ -178,6 +204,19 @@ class LengthForecast:
 
 def foreseen_by(forecast: PoseForecast, noise_mm2: float, spread_mm2: float) -> LengthForecast:
     """Return a forecast as arrays.
+
+    Parameters
+    ----------
+    forecast : PoseForecast
+        Of p pairs.
+    noise_mm2 : float
+        Variance that each reading adds.
+    spread_mm2 : float
+        Variance of a reading of nothing.
+
+    Returns
+    -------
+    LengthForecast
 
     Raises
     ------
@@ -202,7 +241,20 @@ def foreseen_by(forecast: PoseForecast, noise_mm2: float, spread_mm2: float) -> 
 def nothing_foreseen(
     pairs: Sequence[Leg], nominal_mm: float, noise_mm2: float, spread_mm2: float
 ) -> LengthForecast:
-    """Return what is known where no model foresees anything: all lengths are somewhere within the range."""
+    """Return what is known where no model foresees anything: all lengths are somewhere within the range.
+
+    Parameters
+    ----------
+    pairs : sequence of Leg
+    nominal_mm : float
+        Of the ballbar.
+    noise_mm2, spread_mm2 : float
+        As of `foreseen_by`.
+
+    Returns
+    -------
+    LengthForecast
+    """
     count = len(pairs)
     return LengthForecast(
         tuple(pairs), np.full(count, nominal_mm), spread_mm2 * np.eye(count), noise_mm2, spread_mm2
@@ -214,18 +266,26 @@ def log_likelihood(
 ) -> FloatArray:
     """Return the log-likelihood of the readings under each assignment.
 
+    The density of the head of this module, mixed over the scales s of the forecast with their shares.
+
     Parameters
     ----------
-    foreseen : Foreseen
-    asked : sequence of k legs
-        What the readings were asked for.
-    readings : mapping of leg to length [mm]
+    foreseen : LengthForecast
+    asked : sequence of Leg
+        What the k readings were asked for.
+    readings : mapping of Leg to float
+        Lengths [mm].
     assignments : ndarray of int, shape (m, k)
         Pairs (rows of `foreseen`) that the readings are of; the number of pairs stands for nothing.
 
     Returns
     -------
     ndarray, shape (m,)
+
+    Raises
+    ------
+    ConfigurationError
+        Nothing is foreseen of a pair that was asked for.
     """
     pairs, count = len(foreseen.pairs), len(asked)
     own = np.array([foreseen.index(leg) for leg in asked])

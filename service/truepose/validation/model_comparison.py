@@ -58,10 +58,17 @@ class LargestShift:
 
 @dataclass(frozen=True, slots=True)
 class FarValue:
-    """A parameter far from its expectation before anybody measured."""
+    """A parameter far from its expectation before anybody measured.
+
+    Attributes
+    ----------
+    parameter : Parameter
+    widths : float
+        How many standard deviations of its prior.
+    """
 
     parameter: Parameter
-    widths: float  # how many standard deviations of its prior
+    widths: float
 
 
 def largest_shift(
@@ -76,12 +83,19 @@ def largest_shift(
         The space; by default the measured zone, else the limits of the joints, else a whole turn of each.
     seed : int
         Of the configurations.
+
+    Returns
+    -------
+    LargestShift
+        A lower bound: close where the error varies slowly over the space.
     """
     rng = np.random.default_rng(seed)
     low, high = _ends(model, ranges)
     joints = np.vstack([rng.uniform(low, high, (_DRAWN, len(low))), _corners(low, high)])
     shifts = _Shifts(model, joints)
     norms = shifts.norms(joints)
+    # Boxes of half a side of 1/4 to 1/128 of the space about the eight worst of all drawn so far, so that one
+    # wrong start does not decide.
     for width in 0.5 ** np.arange(2, 2 + _ROUNDS):
         worst = joints[np.argsort(norms.max(axis=1))[-_WORST:]]
         steps = rng.uniform(-width, width, (_ABOUT, _WORST, len(low))) * (high - low)
@@ -97,6 +111,15 @@ def far_values(model: Model) -> tuple[FarValue, ...]:
 
     Coordinates of base and tool are expected where the nominal robot was fitted; their rotations, and what
     lengths are read against, have no expectation that a model states.
+
+    Parameters
+    ----------
+    model : Model
+
+    Returns
+    -------
+    tuple of FarValue
+        Beyond 10 widths.
     """
     expected = _fitted_coordinates(model)
     unexpected = COUNTERPARTS.union(effects_with(Trait.PLACING))
@@ -109,13 +132,34 @@ def far_values(model: Model) -> tuple[FarValue, ...]:
 
 
 def placed_at(model: Model, base: FramePlacement, *, nests_known: bool) -> Model:
-    """Return a model held against a robot that stands at `base`, with its own start of the tool if known."""
+    """Return a model held against a robot that stands elsewhere.
+
+    Parameters
+    ----------
+    model : Model
+    base : FramePlacement
+        Where the robot stands.
+    nests_known : bool
+        The nests of the tool are known: the nominal tool is the one that the model began with. Otherwise it
+        is the one that was fitted with the nominal robot.
+
+    Returns
+    -------
+    Model
+    """
     nests = model.nests if nests_known else model.nominal_nests
     return replace(model, nominal_base=base, nominal_nests=nests)
 
 
 class _Shifts:
-    """Shifts of all points against one registration."""
+    """Shifts of all points against one registration.
+
+    Parameters
+    ----------
+    model : Model
+    joints_rad : ndarray, shape (n, J)
+        Configurations that the nominal robot is registered by.
+    """
 
     def __init__(self, model: Model, joints_rad: FloatArray) -> None:
         self._points = len(model.nests) + 1
@@ -124,22 +168,36 @@ class _Shifts:
         self._nominal = _with_flange(nominal_estimate(model))
         self._rotation, self._translation = np.eye(3), np.zeros(3)
         aligned = rigid_alignment(*self._places(joints_rad)[::-1])
+        # Only a motion that a registration may make: a model that turns the robot by 40 deg would be aligned
+        # away.
         if _registers(*aligned, placement_translation(model.nominal_base)):
             self._rotation, self._translation = aligned
 
     def norms(self, joints_rad: FloatArray) -> FloatArray:
-        """Return the shift of each point, shape (n, points) [mm]."""
+        """Return the shift of each point.
+
+        Parameters
+        ----------
+        joints_rad : ndarray, shape (n, J)
+
+        Returns
+        -------
+        ndarray, shape (n, points)
+            [mm]; the origin of the last frame is the last point.
+        """
         identified, nominal = self._places(joints_rad)
         apart = identified - (nominal @ self._rotation.T + self._translation)
         return np.asarray(np.linalg.norm(apart, axis=1).reshape(-1, self._points))
 
     def _places(self, joints_rad: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return the places of all points by the identified and the nominal model, (n points, 3) each."""
         rows = np.repeat(np.arange(len(joints_rad)), self._points)
         joints = joints_rad[rows]
         stops = Stops(
             rows + 1,
             joints,
             direction=np.ones(joints.shape, np.int64),
+            # A model of measured torques needs some; none is measured at a configuration that was drawn.
             torque_n_mm=np.zeros_like(joints) if self._torques else None,
         )
         targets = Targets(stops, np.tile(np.arange(1, self._points + 1), len(joints_rad)))
@@ -157,11 +215,13 @@ def _registers(rotation: FloatArray, translation_mm: FloatArray, base_mm: FloatA
 
 
 def _with_flange(estimate: Estimate) -> Estimate:
+    """Return an estimate with one more nest, in the origin of the last frame."""
     nests = np.vstack([estimate.structure.nests_mm, np.zeros(3)])
     return replace(estimate, structure=replace(estimate.structure, nests_mm=nests))
 
 
 def _ends(model: Model, ranges: tuple[JointRange, ...] | None) -> tuple[FloatArray, FloatArray]:
+    """Return the lower and upper ends of the space, shape (J,) each [rad]."""
     zone = None if model.zone is None else model.zone.joint_ranges
     turn = (JointRange(-np.pi, np.pi),) * model.robot.n_joints
     chosen = ranges or zone or model.robot.joint_limits or turn
@@ -170,16 +230,19 @@ def _ends(model: Model, ranges: tuple[JointRange, ...] | None) -> tuple[FloatArr
 
 
 def _corners(low: FloatArray, high: FloatArray) -> FloatArray:
+    """Return the corners of the space, at most 128 of them, shape (c, J) [rad]."""
     return np.array(list(islice(product(*zip(low, high, strict=True)), _MOST_CORNERS)))
 
 
 def _fitted_coordinates(model: Model) -> dict[str, float]:
     """Return where the fit of the nominal robot has the coordinates of base and nests, as parameters."""
+    # The model's base is where its own parameters begin; the fit of the nominal robot moved it from there.
     shift = placement_translation(model.nominal_base) - placement_translation(model.base)
     return dict(zip(("base_x", "base_y", "base_z"), shift.tolist(), strict=True)) | dict(_fitted_nests(model))
 
 
 def _fitted_nests(model: Model) -> Iterator[tuple[str, float]]:
+    """Yield the coordinates of the nests by name, as the fit of the nominal robot moved them [mm]."""
     start = {nest.nest: nest.centre_mm for nest in model.nests}
     for nest in model.nominal_nests:
         for component, (fitted, begun) in enumerate(zip(nest.centre_mm, start[nest.nest], strict=True)):
@@ -192,15 +255,27 @@ _FEWEST: Final = 4  # places that an alignment does not make equal by itself
 
 @dataclass(frozen=True, slots=True)
 class ParameterChange:
-    """A parameter of the robot in both models, in its own unit."""
+    """A parameter of the robot in both models, in its own unit.
+
+    Attributes
+    ----------
+    name, effect : str
+    unit : Unit
+    earlier, later : float
+    standard_uncertainty : float
+        Of the difference.
+    p_value : float or None
+        Corrected for all of the comparison; None: an uncertainty is not known.
+    significant : bool
+    """
 
     name: str
     effect: str
     unit: Unit
     earlier: float
     later: float
-    standard_uncertainty: float  # of the difference
-    p_value: float | None  # corrected for all of the comparison; None: an uncertainty is not known
+    standard_uncertainty: float
+    p_value: float | None
     significant: bool
 
     @property
@@ -242,6 +317,10 @@ def compare_models(earlier: Model, later: Model, readings: Readings) -> ModelCom
     readings : Readings
         Those that judge the later model, or that it is made from.
 
+    Returns
+    -------
+    ModelComparison
+
     Raises
     ------
     ConfigurationError
@@ -266,11 +345,13 @@ def compare_models(earlier: Model, later: Model, readings: Readings) -> ModelCom
 
 
 def _own(model: Model) -> dict[str, Parameter]:
+    """Return the parameters of the robot by name: base and tool say how it was set up, and are left out."""
     set_up = effects_with(Trait.PLACING)
     return {one.name: one for one in model.parameters if one.effect not in set_up}
 
 
 def _changes(pairs: Sequence[tuple[Parameter, Parameter]]) -> tuple[ParameterChange, ...]:
+    """Return the differences of pairs of parameters, tested together at one level (Holm)."""
     uncertainties = [math.hypot(one.standard_uncertainty, other.standard_uncertainty) for one, other in pairs]
     p_values = holm([
         _p_value(other.value - one.value, u) for (one, other), u in zip(pairs, uncertainties, strict=True)
@@ -291,6 +372,7 @@ def _changes(pairs: Sequence[tuple[Parameter, Parameter]]) -> tuple[ParameterCha
 
 
 def _p_value(difference: float, u: float) -> float | None:
+    """Return the two-sided chance of a difference as large; None where an uncertainty is not known."""
     known = math.isfinite(difference) and math.isfinite(u) and u > 0.0
     return math.erfc(abs(difference) / u / math.sqrt(2.0)) if known else None
 
@@ -304,6 +386,8 @@ def _nothing_changed(earlier: Model, later: Model, names: Sequence[str]) -> floa
     scale = np.sqrt(np.diag(covariance))
     if not (np.all(np.isfinite(scale)) and np.all(scale > 0.0)):
         return None
+    # In standard deviations: parameters in rad and mm differ by so much that rounding would make them
+    # singular.
     scaled = (after - before) / scale
     squared = float(scaled @ solved(covariance / np.outer(scale, scale), scaled))
     return chi2_exceeded(squared, len(names))
@@ -317,6 +401,8 @@ def _of(model: Model, names: Sequence[str]) -> tuple[FloatArray, FloatArray]:
 
 
 def _moved(earlier: Model, later: Model, readings: Readings) -> ToolShift | None:
+    """Return where the later model puts the tool, its base laid on the earlier one's; None of few places."""
+    # Three places are aligned to almost nothing, whatever the models say.
     if len(readings) < _FEWEST:
         return None
     before, _ = predict(earlier, readings.stops, readings.nest)
@@ -327,5 +413,6 @@ def _moved(earlier: Model, later: Model, readings: Readings) -> ToolShift | None
 
 
 def _now(model: Model, readings: Readings) -> Statistics | None:
+    """Return the errors of a model at the readings, its base laid on them; None where they are no places."""
     found = relative_errors(judge(model, readings, model.repeatability_mm))
     return None if found is None else found.identified

@@ -5,8 +5,18 @@ the centre and L the lengths, an error is e = L - |p - c|. It grows by the direc
 unit of the centre. About the centre of least squares, covariance C, errors from scatter V have the covariance
 V - d C d'; about one that is known from elsewhere, V + d C d'.
 
+The best centre is found by Gauss-Newton, c -= C sum d e / v with C^-1 = sum d d' / v, from the one of squared
+lengths: |p|^2 - L^2 = 2 p . c - (|c|^2), linear in c and |c|^2.
+
 Everything is of first order in scatter V, centre C and a constant error of the instrument: a figure with the
 influence g of each error has the variance g'Vg +- g'(d C d')g + (g'k)^2, k what the constant shifts each by.
+The influence of a mean is 1 / n, of a standard deviation s it is (e - mean) / ((n - 1) s), of an RMS r it is
+e / (n r).
+
+References
+----------
+A. Nubiola, thesis, 2014, section 2.6.3 (the test with the ballbar), Tables 2.12 and 2.13.
+JCGM 100:2008 (GUM), 5.1.2 and 5.2.2.
 """
 
 from dataclasses import dataclass
@@ -29,15 +39,34 @@ _NARROWLY: Final = message("sphere.narrow")
 
 @dataclass(frozen=True, slots=True)
 class Centre:
-    """A place of the ball in the world of a model."""
+    """A place of the ball in the world of a model.
 
-    place_mm: FloatArray  # (3,)
-    covariance_mm2: FloatArray  # (3, 3)
-    is_fitted: bool  # to the lengths themselves
+    Attributes
+    ----------
+    place_mm : ndarray, shape (3,)
+    covariance_mm2 : ndarray, shape (3, 3)
+    is_fitted : bool
+        To the lengths themselves; else known from elsewhere.
+    """
+
+    place_mm: FloatArray
+    covariance_mm2: FloatArray
+    is_fitted: bool
 
 
 def taught_centre(place_mm: FloatArray, standard_uncertainty_mm: float) -> Centre:
-    """Return a centre that is known from elsewhere, to so much along each axis."""
+    """Return a centre that is known from elsewhere.
+
+    Parameters
+    ----------
+    place_mm : ndarray, shape (3,)
+    standard_uncertainty_mm : float
+        Along each axis.
+
+    Returns
+    -------
+    Centre
+    """
     return Centre(place_mm, standard_uncertainty_mm**2 * np.eye(3), is_fitted=False)
 
 
@@ -52,6 +81,12 @@ def best_centre(places_mm: FloatArray, length_mm: FloatArray, variance_mm2: Floa
         From the ball to the nest.
     variance_mm2 : ndarray, shape (n,)
         Of each length, the arm's scatter included, above 0.
+
+    Returns
+    -------
+    Centre or Message
+        A reason where the stops lie near one plane or on one line as seen from the ball, or where the steps
+        do not settle.
     """
     start = _centre_of_powers(places_mm, length_mm)
     return _NARROWLY if start is None else _refined(start, places_mm, length_mm, 1.0 / variance_mm2)
@@ -60,6 +95,7 @@ def best_centre(places_mm: FloatArray, length_mm: FloatArray, variance_mm2: Floa
 def _refined(
     place: FloatArray, places_mm: FloatArray, length_mm: FloatArray, weight: FloatArray
 ) -> Centre | Message:
+    """Return the centre of least weighted squares of the errors, from a place near it."""
     for _ in range(_ROUNDS):
         errors, towards = errors_about(place, places_mm, length_mm)
         covariance = covariance_of(towards.T @ (weight[:, None] * towards)) if _spread_wide(towards) else None
@@ -77,6 +113,7 @@ def _centre_of_powers(places_mm: FloatArray, length_mm: FloatArray) -> FloatArra
     origin = places_mm.mean(axis=0)
     own = places_mm - origin
     columns = np.column_stack([2.0 * own, np.ones(len(own))])
+    # Columns of millimetres and of ones: `_FLAT` is to mean places near one plane, not a unit.
     scale = np.linalg.norm(columns, axis=0)
     scale[scale == 0.0] = 1.0  # of stops that are all at one place
     power = (own**2).sum(axis=1) - length_mm**2
@@ -87,13 +124,30 @@ def _centre_of_powers(places_mm: FloatArray, length_mm: FloatArray) -> FloatArra
 def errors_about(
     place_mm: FloatArray, places_mm: FloatArray, length_mm: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Return the errors (n,) about a place [mm], and their derivatives (n, 3) in it."""
+    """Return the errors about a place, and their derivatives in it.
+
+    Parameters
+    ----------
+    place_mm : ndarray, shape (3,)
+    places_mm : ndarray, shape (n, 3)
+    length_mm : ndarray, shape (n,)
+
+    Returns
+    -------
+    errors_mm : ndarray, shape (n,)
+        Measured less predicted.
+    towards : ndarray, shape (n, 3)
+        d, unit vectors from the place [1].
+    """
     away = places_mm - place_mm
+    # A stop in the centre itself has no direction, and must not divide by zero while the centre is looked
+    # for.
     distance = np.maximum(np.linalg.norm(away, axis=1), _CONVERGED_MM)
     return length_mm - distance, np.asarray(away / distance[:, None])
 
 
 def _spread_wide(towards: FloatArray) -> bool:
+    """Whether directions (n, 3) leave every plane: least eigenvalue of their mean square at least 0.1^2."""
     least = np.linalg.eigvalsh(towards.T @ towards / len(towards))[0]
     return bool(least >= _NARROW**2)
 
@@ -113,21 +167,39 @@ class SphereFigures:
 
 @dataclass(frozen=True, slots=True)
 class RadialErrors:
-    """Errors of n lengths about one centre: measured less predicted."""
+    """Errors of n lengths about one centre: measured less predicted.
+
+    Attributes
+    ----------
+    centre : Centre
+    errors_mm : ndarray, shape (n,)
+    variance_mm2 : ndarray, shape (n,)
+        Of a length, the arm's scatter included.
+    towards : ndarray, shape (n, 3)
+        From the centre to the nest, unit.
+    constant_mm : ndarray, shape (n,)
+        What one standard uncertainty of a constant error shifts each by.
+    """
 
     centre: Centre
-    errors_mm: FloatArray  # (n,)
-    variance_mm2: FloatArray  # (n,) of a length, the arm's scatter included
-    towards: FloatArray  # (n, 3) from the centre to the nest, unit
-    constant_mm: FloatArray  # (n,) what one standard uncertainty of a constant error shifts each by
+    errors_mm: FloatArray
+    variance_mm2: FloatArray
+    towards: FloatArray
+    constant_mm: FloatArray
 
     @property
     def noise_chance(self) -> float:
-        """Chance that scatter, constant and an uncertain centre alone show errors as large."""
+        """Chance that scatter, constant and an uncertain centre alone show errors as large.
+
+        Chi-square of the errors in their full covariance V + S S', S the shared shifts, by the matrix
+        inversion lemma: e'V^-1 e - b'(I + S'V^-1 S)^-1 b with b = S'V^-1 e. A fitted centre took three
+        degrees of freedom instead.
+        """
         weight, shared = 1.0 / self.variance_mm2, self._shared
         slope = shared.T @ (weight * self.errors_mm)
         normal = np.eye(shared.shape[1]) + shared.T @ (weight[:, None] * shared)
         squared = float(weight @ self.errors_mm**2 - slope @ np.linalg.solve(normal, slope))
+        # Of a perfect robot the two terms cancel but for rounding.
         return chi2_exceeded(max(squared, 0.0), len(weight) - 3 * self.centre.is_fitted)
 
     @property
@@ -137,7 +209,17 @@ class RadialErrors:
         return np.asarray(np.sqrt(np.maximum(self.variance_mm2 + centre, 0.0) + self.constant_mm**2))
 
     def figures(self, rows: BoolArray) -> SphereFigures:
-        """Return the figures of some of the errors, at least two."""
+        """Return the figures of some of the errors.
+
+        Parameters
+        ----------
+        rows : ndarray of bool, shape (n,)
+            At least two.
+
+        Returns
+        -------
+        SphereFigures
+        """
         chosen = np.flatnonzero(rows)
         own = self.errors_mm[chosen]
         off, sd, rms = own - own.mean(), float(own.std(ddof=1)), float(np.sqrt((own**2).mean()))
@@ -163,9 +245,11 @@ class RadialErrors:
 
     @property
     def _centre_part(self) -> FloatArray:
+        """What the centre adds along directions: C where it is known, -C where it is fitted; (3, 3)."""
         return -self.centre.covariance_mm2 if self.centre.is_fitted else self.centre.covariance_mm2
 
     def _figure(self, value: float, rows: IntArray, influence: FloatArray) -> Figure:
+        """Return a figure by the influence of some errors on it, scatter, centre and constant counted."""
         g = np.zeros(len(self.errors_mm))
         np.add.at(g, rows, influence)
         slope = self.towards.T @ g
@@ -174,6 +258,7 @@ class RadialErrors:
 
 
 def _share(part: FloatArray, whole: float) -> FloatArray:
+    """Return a part of a whole; of nothing, zeros."""
     return part / whole if whole > 0.0 else np.zeros(len(part))
 
 
@@ -184,13 +269,25 @@ def radial_errors(
     variance_mm2: FloatArray,
     constant_u_mm: float,
 ) -> RadialErrors:
-    """Return the errors of n lengths about a centre; shapes as `best_centre`.
+    """Return the errors of n lengths about a centre.
 
-    `constant_u_mm` is the standard uncertainty of an error that all lengths have in common: a fitted centre
-    takes up a part of it.
+    Parameters
+    ----------
+    centre : Centre
+    places_mm : ndarray, shape (n, 3)
+    length_mm, variance_mm2 : ndarray, shape (n,)
+        As of `best_centre`.
+    constant_u_mm : float
+        Standard uncertainty of an error that all lengths have in common: a fitted centre takes up a part of
+        it.
+
+    Returns
+    -------
+    RadialErrors
     """
     errors, towards = errors_about(centre.place_mm, places_mm, length_mm)
     constant = np.ones(len(errors))
     if centre.is_fitted:
+        # The centre moves by C sum d / v per unit of the constant, and each error by d times that.
         constant = constant - towards @ centre.covariance_mm2 @ (towards.T @ (1.0 / variance_mm2))
     return RadialErrors(centre, errors, variance_mm2, towards, constant_u_mm * constant)

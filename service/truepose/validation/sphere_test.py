@@ -53,16 +53,28 @@ class SphereOfModel:
 
 @dataclass(frozen=True, slots=True)
 class Sphere:
-    """All lengths about one ball."""
+    """All lengths about one ball.
+
+    Attributes
+    ----------
+    placement, base_point : int
+    config, nest : ndarray of int, shape (n,)
+    length_mm : ndarray, shape (n,)
+    shown_mm : ndarray, shape (n,), or None
+        Lengths less the bar's nominal one; None where that is not known.
+    models : tuple of SphereOfModel
+    withheld : tuple of Message
+        Which errors are missing, and why.
+    """
 
     placement: int
     base_point: int
-    config: IntArray  # (n,)
-    nest: IntArray  # (n,)
-    length_mm: FloatArray  # (n,)
-    shown_mm: FloatArray | None  # (n,) lengths less the bar's nominal one; None: nobody said which
+    config: IntArray
+    nest: IntArray
+    length_mm: FloatArray
+    shown_mm: FloatArray | None
     models: tuple[SphereOfModel, ...]
-    withheld: tuple[Message, ...]  # which errors are missing, and why
+    withheld: tuple[Message, ...]
 
     @property
     def nests(self) -> tuple[int, ...]:
@@ -70,7 +82,18 @@ class Sphere:
         return tuple(np.unique(self.nest).tolist())
 
     def of(self, model: str, *, taught: bool) -> SphereOfModel | None:
-        """Return the errors of a model about a centre of that kind."""
+        """Return the errors of a model about a centre of that kind.
+
+        Parameters
+        ----------
+        model : str
+        taught : bool
+            About the centre that was taught; else the best one.
+
+        Returns
+        -------
+        SphereOfModel or None
+        """
         same = (
             one for one in self.models if one.model == model and one.errors.centre.is_fitted is not taught
         )
@@ -91,12 +114,17 @@ class SphereTest:
 
         About the centres that were taught, or the best ones where a ball was not taught.
         """
+        # One kind of centre for all balls: an RMS over both would rank models by which ball was taught.
         taught = all(sphere.of(NOMINAL, taught=True) is not None for sphere in self.spheres)
         names = dict.fromkeys(one.model for sphere in self.spheres for one in sphere.models)
         found = [(name, self._rms_mm(name, taught=taught)) for name in names]
         return tuple(sorted(((name, rms) for name, rms in found if rms), key=lambda one: one[1].value))
 
     def _rms_mm(self, model: str, *, taught: bool) -> Figure | None:
+        """Return the RMS of a model's errors over all balls; None where it has none.
+
+        Of balls with n_i lengths and RMS r_i: r^2 = sum n_i r_i^2 / n. The balls are taken for independent.
+        """
         own = [one for sphere in self.spheres if (one := sphere.of(model, taught=taught)) is not None]
         if not own:
             return None
@@ -119,8 +147,13 @@ def sphere_test(campaign: Campaign, models: Mapping[str, Model] | None = None) -
     ----------
     campaign : Campaign
         Its `legs`, or those to validate with where it has both; its `setup` says where the ball was taught.
-    models : mapping of name to Model, optional
+    models : mapping of str to Model, optional
         Identified of the same robot with the same tool.
+
+    Returns
+    -------
+    SphereTest
+        Balls by placement and number. A ball with too few lengths has reasons instead of errors.
 
     Raises
     ------
@@ -139,6 +172,7 @@ def sphere_test(campaign: Campaign, models: Mapping[str, Model] | None = None) -
 
 
 def _legs(campaign: Campaign) -> LegReadings:
+    """Return the lengths that the test is made of: those to validate with, where there are any."""
     legs = campaign.legs if campaign.validation_legs is None else campaign.validation_legs
     if legs is None or not len(legs):
         raise ConfigurationError("A sphere test takes lengths between a ball and the tool; there is none.")
@@ -146,9 +180,11 @@ def _legs(campaign: Campaign) -> LegReadings:
 
 
 def _require_in_range(campaign: Campaign, legs: LegReadings) -> None:
+    """Refuse lengths that the ballbar cannot read."""
     nominal, reach = campaign.ballbar_nominal_mm, campaign.ballbar_range_mm
     if nominal is None or reach is None:
         return
+    # Negated, so that NaN counts as outside as well.
     outside = np.flatnonzero(~(np.abs(legs.length_mm - nominal) <= reach))
     if outside.size:
         row = int(outside[0])
@@ -171,6 +207,7 @@ def _nests(campaign: Campaign, legs: LegReadings) -> FloatArray:
 
 
 def _rows(legs: LegReadings, cup: tuple[int, int]) -> IntArray:
+    """Return the rows of one ball (placement, base point)."""
     return np.flatnonzero((legs.placement == cup[0]) & (legs.base_point == cup[1]))
 
 
@@ -184,6 +221,7 @@ class _Judge:
     cup: tuple[int, int]
 
     def sphere(self, legs: LegReadings) -> Sphere:
+        """Return the errors of all models about the ball, from its lengths."""
         nominal = self.campaign.ballbar_nominal_mm
         answers = list(self._answers(legs))
         return Sphere(
@@ -198,6 +236,7 @@ class _Judge:
         )
 
     def _answers(self, legs: LegReadings) -> Iterator[SphereOfModel | Message]:
+        """Yield the errors about each centre, or why they are missing."""
         few = _too_few(legs)
         if few is not None:
             yield few
@@ -211,9 +250,11 @@ class _Judge:
     def _of_model(
         self, subject: str, legs: LegReadings, held: Stops | None
     ) -> Iterator[SphereOfModel | Message]:
+        """Yield the errors of one model: about the taught centre where there is one, then about the best."""
         places = self._places(subject, legs.stops, legs.nest)
         variance = self._variance(legs)
         if held is not None:
+            # Where this model has the arm when it held the ball: its error there is one of its errors.
             taught = self._places(subject, held, np.full(1, BALL_NEST))[0]
             scatter = float(np.hypot(self.campaign.setup_uncertainty_mm or 0.0, self.campaign.scatter_mm))
             yield _judged(subject, legs, places, variance, taught_centre(taught, scatter))
@@ -221,6 +262,7 @@ class _Judge:
         yield best if isinstance(best, Message) else _judged(subject, legs, places, variance, best)
 
     def _places(self, subject: str, stops: Stops, nest: IntArray) -> FloatArray:
+        """Return where a model has the nests at the stops, shape (n, 3) [mm]."""
         if subject in self.models:
             return predict(self.models[subject], stops, nest)[0]
         return nominal_chain(self.campaign.robot, stops.joints_rad).points(self.nests_mm[nest - 1])
@@ -234,11 +276,13 @@ class _Judge:
         return Stops(np.zeros(1, dtype=np.int64), setup.joints_rad[own[:1]]) if own.size else None
 
     def _variance(self, legs: LegReadings) -> FloatArray:
+        """Return the variance of each length, the arm's scatter included, shape (n,) [mm2]."""
         stated = np.maximum(legs.standard_uncertainty_mm, _ROUNDING_MM) ** 2
         return np.asarray(stated + self.campaign.scatter_mm**2)
 
 
 def _too_few(legs: LegReadings) -> Message | None:
+    """Return why lengths are too few for a sphere; None where they are not."""
     nests, lengths = np.unique(legs.nest, return_counts=True)
     if len(legs) < _FEWEST:
         return message("sphere.few", lengths=len(legs), needed=_FEWEST)
@@ -250,6 +294,8 @@ def _too_few(legs: LegReadings) -> Message | None:
 def _judged(
     subject: str, legs: LegReadings, places: FloatArray, variance: FloatArray, centre: Centre
 ) -> SphereOfModel:
+    """Return the errors of a model about a centre, of all nests and of each."""
+    # A constant error of the bar is taken to be as large as what its readings state.
     instrument = float(np.median(legs.standard_uncertainty_mm))
     errors = radial_errors(centre, places, legs.length_mm, variance, instrument)
     by_nest = tuple((nest, errors.figures(legs.nest == nest)) for nest in np.unique(legs.nest).tolist())

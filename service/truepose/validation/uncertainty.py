@@ -52,20 +52,47 @@ _TINY_MM: Final = 1e-12  # figures and lengths that are nothing have no directio
 
 @dataclass(frozen=True, slots=True)
 class Uncertainties:
-    """How well n readings of d components, and the placement of the robot, are known."""
+    """How well n readings of d components, and the placement of the robot, are known.
 
-    covariance: FloatArray  # (n, d, d) of each reading
-    motion: FloatArray  # (m, n, d) of the places, m at most 6
-    placement: FloatArray  # (m, m) covariance of these motions
+    Attributes
+    ----------
+    covariance : ndarray, shape (n, d, d)
+        Of each reading.
+    motion : ndarray, shape (m, n, d)
+        Of the places, m at most 6, orthonormal.
+    placement : ndarray, shape (m, m)
+        Covariance of these motions.
+    """
+
+    covariance: FloatArray
+    motion: FloatArray
+    placement: FloatArray
 
     def of(self, gradient: FloatArray) -> float:
-        """Return the standard uncertainty of a figure with these derivatives in the readings, (n, d)."""
+        """Return the standard uncertainty of a figure.
+
+        Parameters
+        ----------
+        gradient : ndarray, shape (n, d)
+            Its derivatives in the readings.
+
+        Returns
+        -------
+        float
+            In the unit of the figure, to 1e-9.
+        """
         own = np.einsum("ni,nij,nj->", gradient, self.covariance, gradient, optimize=True)
         shared = np.tensordot(self.motion, gradient, 2)
         return round(float(np.sqrt(max(own + shared @ self.placement @ shared, 0.0))), PICOMETRES)
 
     def of_single(self) -> FloatArray:
-        """Return the covariance of each error, shape (n, d, d)."""
+        """Return the covariance of each error.
+
+        Returns
+        -------
+        ndarray, shape (n, d, d)
+            [mm2].
+        """
         shared = np.einsum("pni,pq,qnj->nij", self.motion, self.placement, self.motion, optimize=True)
         return np.asarray(self.covariance + shared)
 
@@ -74,14 +101,28 @@ def known(model: Model, judged: Assessment) -> Uncertainties:
     """Return what is uncertain of the errors of a model: its readings, and where it believes the robot to be.
 
     That is the rigid motion which all its parameters together are uncertain by: base, tool and geometry are
-    often seen only together. Lengths know no place of the robot.
+    often seen only together. With Q the orthonormal rigid motions and J the derivatives, C_m = Q' J' C J Q.
+
+    Parameters
+    ----------
+    model : Model
+    judged : Assessment
+        The model against n >= 1 readings.
+
+    Returns
+    -------
+    Uncertainties
+        Lengths know no place of the robot: no motions.
     """
     if judged.block.place_mm is None:
         nothing = np.zeros((0, *judged.identified_mm.shape))
         return Uncertainties(judged.block.covariance(), nothing, np.zeros((0, 0)))
+    # Orthonormal, so that shifts and turns, nearly equal motions of places far from the origin, count once.
     motions, _ = np.linalg.qr(rigid_motions(judged.places_mm))
     jacobian = judged.identified.jacobian
     moved = jacobian.reshape(len(jacobian), len(motions)) @ motions
+    # A model whose file states no uncertainty has NaN there: nothing is counted, and nothing is claimed of
+    # it.
     placement = moved.T @ np.nan_to_num(model.covariance) @ moved
     return Uncertainties(
         judged.block.covariance(), motions.T.reshape(-1, *judged.identified_mm.shape), placement
@@ -96,12 +137,16 @@ def figure_uncertainty(
     Parameters
     ----------
     model : Model
-    judged : Judged
+    judged : Assessment
         The model against n >= 1 readings.
     distances : Distances or None
         Of all pairs, where there are pairs.
     aligned : bool
         Whether there are figures after an alignment.
+
+    Returns
+    -------
+    ValidationUncertainty
     """
     inputs = known(model, judged)
     return ValidationUncertainty(
@@ -116,9 +161,15 @@ def figure_uncertainty(
 def _of_sizes(
     errors_mm: FloatArray, inputs: Uncertainties, taken: FloatArray | None = None
 ) -> FigureUncertainty:
-    """Return the uncertainties of the norms of errors; `taken` (n d, k) spans what an alignment takes."""
+    """Return the uncertainties of the norms of errors (n, d).
+
+    Derivatives in an error e_i of norm n_i: of the mean e_i / (n n_i), of the RMS r e_i / (n r), of the
+    standard deviation s (n_i - mean) e_i / ((n - 1) s n_i). `taken`, shape (n d, k), spans what an alignment
+    takes.
+    """
 
     def u(gradient: FloatArray) -> float:
+        """Return the uncertainty of a figure, past what an alignment takes of its derivatives."""
         if taken is None:
             return inputs.of(gradient)
         flat = gradient.reshape(-1)
@@ -138,6 +189,7 @@ def _of_sizes(
 
 
 def _of_relative(judged: Assessment, inputs: Uncertainties) -> UncertaintyPair:
+    """Return the uncertainties after the best rigid alignment, for both models."""
     places = judged.places_mm
     motions, _ = np.linalg.qr(rigid_motions(places))
     nominal, identified = (
@@ -148,6 +200,7 @@ def _of_relative(judged: Assessment, inputs: Uncertainties) -> UncertaintyPair:
 
 
 def _of_distances(judged: Assessment, distances: Distances, inputs: Uncertainties) -> UncertaintyPair:
+    """Return the uncertainties of the distances between all pairs, for both models."""
     places = judged.places_mm
     nominal, identified = (
         _of_pairs(places, predicted, found, inputs)
@@ -162,13 +215,20 @@ def _of_distances(judged: Assessment, distances: Distances, inputs: Uncertaintie
 def _of_pairs(
     seen_mm: FloatArray, predicted_mm: FloatArray, found: Statistics, inputs: Uncertainties
 ) -> FigureUncertainty:
+    """Return the uncertainties of the errors of distances: each derivative summed reading by reading.
+
+    d|s_i - s_j| / ds_i is the unit vector u_ij, so that a figure of derivative w_ij in each error has in
+    reading i 2 / (n (n - 1)) sum_j w_ij u_ij for a mean over pairs.
+    """
     gradients = np.zeros((4, *seen_mm.shape))
     worst, error_mm = np.zeros_like(seen_mm), -1.0
     for pairs in _pairs(seen_mm, predicted_mm):
+        # Of many readings each has some partners only, which represent all others.
         share = 2.0 / (len(seen_mm) * np.maximum(pairs.counts.sum(axis=1), 1))
         for gradient, weight in zip(gradients, pairs.weights(found.mean_mm), strict=True):
             gradient[pairs.rows] = share[:, None] * np.einsum("ij,ijk->ik", weight, pairs.unit)
         at = np.unravel_index(np.argmax(pairs.size), pairs.size.shape)
+        # Two readings alone decide the largest error; its derivative is that of their distance.
         if pairs.size[at] > error_mm:
             error_mm, worst = float(pairs.size[at]), np.zeros_like(seen_mm)
             worst[pairs.rows[at[0]]] += pairs.unit[at]
@@ -185,21 +245,43 @@ def _of_pairs(
 
 @dataclass(frozen=True, slots=True)
 class _Pairs:
-    """Some readings against their partners."""
+    """Some readings against their partners.
 
-    rows: IntArray  # (a,)
-    partners: IntArray  # (b,)
-    counts: BoolArray  # (a, b) false of a reading with itself
-    unit: FloatArray  # (a, b, 3) towards each row from its partner
-    error_mm: FloatArray  # (a, b) of the distance
+    Attributes
+    ----------
+    rows : ndarray of int, shape (a,)
+    partners : ndarray of int, shape (b,)
+    counts : ndarray of bool, shape (a, b)
+        False of a reading with itself.
+    unit : ndarray, shape (a, b, 3)
+        Towards each row from its partner.
+    error_mm : ndarray, shape (a, b)
+        Of the distance.
+    """
+
+    rows: IntArray
+    partners: IntArray
+    counts: BoolArray
+    unit: FloatArray
+    error_mm: FloatArray
 
     @property
     def size(self) -> FloatArray:
-        """Sizes of the errors, shape (a, b)."""
+        """Sizes of the errors, shape (a, b) [mm]."""
         return np.abs(self.error_mm)
 
     def weights(self, mean_mm: float) -> Iterator[FloatArray]:
-        """Yield by what each error moves its mean size, square, spread of sizes and mean with sign."""
+        """Yield by what each error moves its mean size, square, spread of sizes and mean with sign.
+
+        Parameters
+        ----------
+        mean_mm : float
+            Mean size.
+
+        Yields
+        ------
+        ndarray, shape (a, b)
+        """
         sign = np.sign(self.error_mm)
         yield sign
         yield self.error_mm
@@ -208,6 +290,7 @@ class _Pairs:
 
 
 def _pairs(seen_mm: FloatArray, predicted_mm: FloatArray) -> Iterator[_Pairs]:
+    """Yield all readings, some at a time, against all others or against some spread evenly among them."""
     n = len(seen_mm)
     partners = np.arange(n) if n <= _ALL_PAIRS else np.linspace(0, n - 1, _PARTNERS).astype(np.int64)
     for first in range(0, n, _CHUNK):
@@ -221,12 +304,22 @@ def _pairs(seen_mm: FloatArray, predicted_mm: FloatArray) -> Iterator[_Pairs]:
 
 @dataclass(frozen=True, slots=True)
 class DecidingReading:
-    """An error, and its standard uncertainties along it [mm]."""
+    """An error, and its standard uncertainties along it.
+
+    Attributes
+    ----------
+    config : int
+    error_mm : float
+    reading_u_mm : float
+        Of where the place was read.
+    placement_u_mm : float
+        Of where the model believes the robot to stand.
+    """
 
     config: int
     error_mm: float
-    reading_u_mm: float  # of where the place was read
-    placement_u_mm: float  # of where the model believes the robot to stand
+    reading_u_mm: float
+    placement_u_mm: float
 
     @property
     def combined_u_mm(self) -> float:
@@ -241,14 +334,19 @@ def deciding_reading(
 
     Parameters
     ----------
-    judged : Judged
+    judged : Assessment
         n >= 1 readings.
-    known : Known
+    known : Uncertainties
         Of the same readings.
     error_mm : float, optional
         Size of the error that decides.
+
+    Returns
+    -------
+    DecidingReading
     """
     sizes = np.linalg.norm(judged.identified_mm, axis=1)
+    # The nearest one: a stored decision has been through a document and has lost its last bits.
     row = int(np.argmax(sizes) if error_mm is None else np.argmin(np.abs(sizes - error_mm)))
     own, whole = known.covariance[row], known.of_single()[row]
     along = _along(judged.identified_mm[row], whole)

@@ -49,7 +49,7 @@ def errors_by_place(model: Model, judged: Assessment) -> ErrorsByPlace:
     ----------
     model : Model
         Says where the readings lay that it was made from.
-    judged : Judged
+    judged : Assessment
         The model against n >= 1 other readings.
 
     Returns
@@ -72,6 +72,7 @@ def errors_by_place(model: Model, judged: Assessment) -> ErrorsByPlace:
 
 
 def _of_readings(chain: Chain) -> tuple[FloatArray, float]:
+    """Return the middle of the last frames (3,), and how far the farthest is from it [mm]."""
     centre = chain.end_origin.mean(axis=0)
     return centre, float(np.linalg.norm(chain.end_origin - centre, axis=1).max())
 
@@ -86,13 +87,25 @@ def _of_zone(zone: MeasuredZone, chain: Chain) -> tuple[FloatArray, float]:
 
 
 def distance_from_axis_1(chain: Chain) -> FloatArray:
-    """Return how far each last frame lies from the line of axis 1 [mm], shape (n,)."""
+    """Return how far each last frame lies from the line of axis 1.
+
+    Parameters
+    ----------
+    chain : Chain
+        At n configurations.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        [mm].
+    """
     away, axis = chain.end_origin - chain.origin[0], chain.z[0]
     along = np.sum(away * axis, axis=1, keepdims=True)
     return np.asarray(np.linalg.norm(away - along * axis, axis=1))
 
 
 def _shells(judged: Assessment, distance_mm: FloatArray) -> tuple[Shell, ...]:
+    """Return the errors in shells of equal width by distance (n,) [mm]; empty ones are left out."""
     width = _width_mm(float(np.ptp(distance_mm)))
     number = np.floor(distance_mm / width).astype(np.int64)
     return tuple(
@@ -108,6 +121,7 @@ def _width_mm(range_mm: float) -> float:
 
 
 def _branches(judged: Assessment) -> Iterator[BranchErrors]:
+    """Yield the errors of each posture that occurs."""
     robot = judged.identified.state.structure.robot
     if not has_closed_form(robot):
         return
@@ -116,6 +130,7 @@ def _branches(judged: Assessment) -> Iterator[BranchErrors]:
         yield BranchErrors(BRANCH_NAMES[number], judged.pair(posture == number))
 
 
+# ISO 14253-1:2017 lets 5 % of one side be wrong; a reading that decides is beyond the limit on one side only.
 _COVERAGE: Final = 1.65
 
 
@@ -124,9 +139,9 @@ def decide(judged: Assessment, known: Uncertainties, limit_mm: float, rule: Deci
 
     Parameters
     ----------
-    judged : Judged
+    judged : Assessment
         n >= 1 readings.
-    known : Known
+    known : Uncertainties
         What counts of their uncertainty: the instrument's, and that of where the robot stands. Scatter of
         the arm and errors of the model are what is judged.
     limit_mm : float
@@ -137,6 +152,10 @@ def decide(judged: Assessment, known: Uncertainties, limit_mm: float, rule: Deci
     -------
     Decision
         With the guard band of the reading that decides.
+
+    References
+    ----------
+    ISO 14253-1:2017.
     """
     errors = np.linalg.norm(judged.identified_mm, axis=1)
     guard = np.zeros_like(errors) if rule == "simple" else _COVERAGE * _uncertainty_mm(judged, known, errors)
@@ -144,14 +163,28 @@ def decide(judged: Assessment, known: Uncertainties, limit_mm: float, rule: Deci
 
 
 def decide_figures(figures: Sequence[Figure], limit_mm: float, rule: DecisionRule) -> Decision:
-    """Decide whether all of n >= 1 figures stay within a limit, whatever their sign; rules as `decide`."""
+    """Decide whether all of n >= 1 figures stay within a limit, whatever their sign.
+
+    Parameters
+    ----------
+    figures : sequence of Figure
+    limit_mm : float
+    rule : DecisionRule
+        As of `decide`.
+
+    Returns
+    -------
+    Decision
+    """
     sizes = np.array([abs(one.value) for one in figures])
     u = np.array([one.standard_uncertainty for one in figures])
     return _decision(sizes, np.zeros_like(u) if rule == "simple" else _COVERAGE * u, limit_mm, rule)
 
 
 def _decision(errors: FloatArray, guard: FloatArray, limit_mm: float, rule: DecisionRule) -> Decision:
+    """Return the decision about errors with their guard bands, (n,) each [mm]."""
     beyond, within = errors - guard, errors + guard
+    # One proved error is enough, however many readings are undecided; conformity needs all of them.
     if beyond.max() > limit_mm:
         return _decided("does not conform", beyond, errors, guard, limit_mm, rule)
     verdict: Verdict = "conforms" if within.max() <= limit_mm else "cannot be decided"
@@ -166,6 +199,7 @@ def _decided(
     limit_mm: float,
     rule: DecisionRule,
 ) -> Decision:
+    """Return a decision by the worst reading in this sense; a small error that is badly known may be."""
     row = int(np.argmax(deciding))
     return Decision(rule, limit_mm, float(errors[row]), float(guard[row]), verdict)
 
@@ -231,6 +265,7 @@ def validate(
 
 
 def _passes(position: NominalAndIdentified, limit_mm: float | None, claimed_mm: float) -> bool:
+    """Whether a model passes, by a limit or by what it claims itself; the uncertainty does not count here."""
     if limit_mm is not None:
         return position.identified.max_mm <= limit_mm
     # A model far from what it claims does not know this robot, frame or unit, however bad the nominal one is.
